@@ -1,0 +1,52 @@
+# From a bare Debian 12 to a running program: `make help` says what there is.
+# The work is done by CMake (CMakePresets.json) and scripts/; this file only puts the steps in order.
+
+BUILD := build/release
+JOBS ?= $(shell nproc)
+PROGRAM := $(BUILD)/mimbre
+
+.DEFAULT_GOAL := build
+.PHONY: help packages configure build demo test bench lint format clean
+
+help: ## Show this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
+
+packages: ## Install the Debian packages that are missing
+	@scripts/install-packages
+
+configure: packages
+	@cmake --preset release $(CONFIGURE_OPTIONS)
+
+build: configure ## Build everything (the program: build/release/mimbre)
+	@cmake --build $(BUILD) --parallel $(JOBS)
+
+demo: configure ## Run a vehicle over stairs and make report.html, with plots and an animation
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
+	@mkdir -p results
+	$(PROGRAM) run examples/iltis/vehicle.yaml --output results/iltis.h5 --csv results/iltis.csv
+	$(PROGRAM) report results/iltis.h5 -o report.html
+	@echo "Made report.html (plots, animation) from results/iltis.h5 (every channel; as a table: results/iltis.csv)."
+	@echo "Open it in a browser:  xdg-open $(CURDIR)/report.html"
+
+# Formatting comes before the tests, so that the last lines are the summary of ctest.
+test: CONFIGURE_OPTIONS := -DMIMBRE_WERROR=ON
+test: build ## Build with warnings as errors, check the formatting, run all tests
+	@scripts/check-format
+	@ctest --test-dir $(BUILD) --output-on-failure --parallel $(JOBS)
+
+bench: configure ## Run the benchmarks
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_bench
+	$(BUILD)/bench/mimbre_bench
+
+lint: ## Check the formatting and run clang-tidy over all sources
+	@scripts/install-packages clang-format clang-tidy
+	@cmake --preset release
+	@scripts/check-format
+	@scripts/lint $(BUILD)
+
+format: ## Format all C++ files
+	@scripts/install-packages clang-format
+	@scripts/sources '*.h' '*.cpp' | xargs --null clang-format -i
+
+clean: ## Remove what was built (results stay)
+	rm -rf build web/dist

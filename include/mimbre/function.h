@@ -1,0 +1,80 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mimbre {
+
+/// A scalar function of one scalar: value, first and second derivative, and antiderivative (for the energy a
+/// force law stores). Used for force laws (of length or rate), loads and drives (of time). Immutable after it
+/// is made; evaluating it neither allocates nor throws, and what is not finite goes through. Threads may
+/// share it (they take turns at one expression, some tens of nanoseconds each). Outside its first and last
+/// piece a piecewise function goes on as the polynomial of that piece. Bad arguments of the makers:
+/// InputError without mark.
+///
+/// Kinds: polynomial pieces (constants, lines, polynomials), tables (linear or monotone cubic between points,
+/// made into pieces when constructed; beyond the ends the end slope goes on), and expressions in one
+/// variable.
+class Function {
+ public:
+  Function() = default;  ///< the zero function
+
+  static Function constant(double value);
+  /// slope * (x - zero)
+  static Function linear(double slope, double zero = 0);
+  /// Σ coefficients[k] x^k
+  static Function polynomial(std::vector<double> coefficients);
+  /// Piece k holds on [breaks[k-1], breaks[k]) with Σ c[j] x^j in the ABSOLUTE variable x; breaks ascending,
+  /// one fewer than pieces. A point on a break belongs to the piece at its right.
+  static Function piecewise(std::vector<double> breaks, std::vector<std::vector<double>> pieces);
+  enum class Interpolation { linear, cubic };
+  /// Through (x, y); x must not decrease, and may repeat once to make a jump (linear only). At least two
+  /// points. Cubic: Fritsch–Carlson, monotone where the points are. A linear table with a jump at an end is
+  /// level beyond it.
+  static Function table(std::vector<double> x, std::vector<double> y, Interpolation interpolation);
+  /// An expression in the variable called `variable` ("sin(2*pi*t)"): operators + - * / ^, comparison, ?:,
+  /// and the usual functions (muParser's, and `pi`). Derivatives by five-point central differences with the
+  /// step that agrees best with its neighbours (relative error about 1e-10 and 1e-8 for smooth expressions),
+  /// antiderivative by Gauss–Legendre quadrature: 80 points from 0 to x. Throws InputError (without mark)
+  /// when it does not parse, has more than 10 000 characters or 100 nested levels, or is finite at none of 0,
+  /// ±0.01, ±0.1, ±1, ±10.
+  static Function expression(const std::string& text, const std::string& variable);
+  /// The function repeated with a period: f(x) = f(x0 + (x - x0) mod period). Piecewise kinds only.
+  Function repeated(double start, double period) const;
+
+  double value(double x) const;
+  double derivative(double x) const;
+  double second_derivative(double x) const;
+  /// ∫ f from 0 to x for piecewise kinds and expressions. (An expression that is not finite at 0, as 1/x:
+  /// from the first of 1, -1, 0.1, -0.1, … where it is.)
+  double antiderivative(double x) const;
+  /// Only for the default-made function; constant(0) is not meant.
+  bool is_zero() const { return !impl_; }
+
+  struct Impl;
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// A scalar function of three scalars (length, rate, time), from an expression, for force laws that do not
+/// split. Same guarantees as Function.
+class Function3 {
+ public:
+  Function3() = default;
+  /// `variables` names the three; where it names fewer, value() ignores the rest.
+  static Function3 expression(const std::string& text, const std::vector<std::string>& variables);
+  double value(double a, double b, double c) const;
+  /// ∂/∂a and ∂/∂b by central differences.
+  std::pair<double, double> derivatives(double a, double b, double c) const;
+  bool is_zero() const { return !impl_; }
+
+  struct Impl;
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mimbre/spec.h"
+
+namespace mimbre {
+
+struct Compiled;
+
+/// A compiled model: immutable, shareable between threads and simulations.
+class Model {
+ public:
+  /// Chooses tree and cuts, lays everything out for the step. Throws InputError when the model cannot be
+  /// simulated.
+  static std::shared_ptr<const Model> compile(spec::Model model);
+  ~Model();
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const spec::Model& spec() const;
+  int bodies() const;
+  int coordinates() const;  ///< velocity coordinates: joints' and modal amplitudes
+  int elastic_coordinates() const;
+  int constraints() const;  ///< closing equations of cut joints and drives
+
+  /// One line per tree joint and cut joint, for people.
+  struct JointLine {
+    std::string name, type, parent, child;
+    bool cut;
+    int coordinates;
+    int equations;
+  };
+  std::vector<JointLine> joint_lines() const;
+
+  const Compiled& compiled() const { return *compiled_; }
+
+ private:
+  explicit Model(std::unique_ptr<const Compiled> compiled);
+  std::unique_ptr<const Compiled> compiled_;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mimbre/results.h"
+
+namespace mimbre {
+
+struct ReportOptions {
+  /// At most so many instants of the animation are kept, evenly thinned, the first and last among them.
+  int max_frames = 1000;
+  /// At most so many samples of every channel are kept. A longer record is thinned to the smallest and
+  /// largest value of equal stretches, so that no peak is lost.
+  int max_samples = 5000;
+  /// Names of the channels plotted when the page opens; empty: the first few.
+  std::vector<std::string> channels;
+};
+
+/// Whether the page was built into this library (CMake option MIMBRE_WITH_REPORT, needs npm).
+bool report_available();
+
+/// One self-contained HTML page: summary, plots and animation; it opens from disk, without server and
+/// network. Throws std::runtime_error when the page was not built in, InputError when the results contradict
+/// themselves (sizes) or a channel of the options does not exist.
+std::string report_html(const Results& results, const ReportOptions& options = {});
+
+/// Writes `report_html` to `path`: next to it first, then renamed, so that an old report is never half
+/// overwritten. Throws also std::runtime_error when the file cannot be written.
+void write_report(const Results& results, const std::string& path, const ReportOptions& options = {});
+
+}  // namespace mimbre

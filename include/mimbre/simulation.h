@@ -1,0 +1,111 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mimbre/model.h"
+#include "mimbre/results.h"
+
+namespace mimbre {
+
+/// Options of a run; fields left at their defaults are taken from the model file's simulation section.
+struct RunOptions {
+  double step = 0;         ///< s
+  std::string integrator;  ///< "generalized_alpha" or "newmark"
+  double rho = -1;
+  double xi = 1;  ///< Newmark's ξ ≤ 0; 1: not given
+  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
+  /// lifts the mechanism by 0.1 mm), or when it does not converge. 1: never; 0: from the file, or 4 with
+  /// generalised-α, 1 with Newmark.
+  int substeps = 0;
+  bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
+};
+
+/// How a step ended. Everything but ok leaves the state as it was before the step.
+struct StepReport {
+  enum class Code { ok, not_converged, not_finite, singular } code = Code::ok;
+  int iterations = 0;
+  int factorisations = 0;
+  double position_violation = 0;  ///< m
+  double velocity_violation = 0;  ///< m/s
+  int coordinate = -1;            ///< where it went wrong
+  int substeps = 1;               ///< parts that the step was made in
+  bool ok() const { return code == Code::ok; }
+};
+
+/// A compiled model in motion. One thread at a time; any number of simulations may share a Model.
+class Simulation {
+ public:
+  /// Closes the loops, finds consistent velocities, the equilibrium if asked for, and accelerations.
+  /// Throws InputError when the loops do not close or the given initial values contradict each other.
+  explicit Simulation(std::shared_ptr<const Model> model, const RunOptions& options = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+
+  /// One step. Allocates nothing, throws nothing, makes a bounded number of iterations.
+  StepReport step();
+  double time() const;
+  double step_size() const;
+  /// What went wrong where, for people ("the iterations of the step to t = 1.23 s did not converge; largest
+  /// correction in 'front_left.arm'").
+  std::string explain(const StepReport& report) const;
+
+  /// Wall seconds spent so far in the phases of the steps, when RunOptions::profile was set: inverse
+  /// dynamics, assembly and factorisation of the matrix, its solutions, kinematics of the projections, energy
+  /// balance, the rest.
+  struct Phases {
+    double residual = 0, matrix = 0, solution = 0, projection = 0, energy = 0, other = 0;
+  };
+  Phases phases() const;
+
+  /// Seconds of this thread's CPU that initialisation took, with equilibrium.
+  double initialisation_seconds() const;
+
+  /// The state as flat vectors: saving them and restoring gives the same bits.
+  struct Snapshot {
+    double time = 0;
+    Eigen::VectorXd q, v, a, algorithmic, multipliers;
+    bool started = false;
+  };
+  Snapshot save() const;
+  void restore(const Snapshot& snapshot);
+
+  /// Named channels: the model's outputs first (`output_count` of them), then the standard ones.
+  const std::vector<ChannelInfo>& channels() const;
+  int output_count() const;
+  /// Time, all channels, poses and modal amplitudes now. Reuses the row's memory.
+  void sample(ResultsRow& row);
+  /// Everything a results file needs to explain itself.
+  ResultsHeader header(const std::string& options_json) const;
+
+  /// The energy balance so far, J (see docs/theory.md): names and values in order.
+  struct Energy {
+    double kinetic, gravitational, elastic, springs, tyres, dissipated, drive_work, load_work, road_work,
+        numerical;
+  };
+  Energy energy() const;
+  /// Warnings that arose (energy fed in by the numerics), with time and place; grows while stepping.
+  std::vector<std::string> warnings() const;
+  /// Independent motions at the current position: coordinates less the rank of the constraints.
+  int degrees_of_freedom();
+
+  const Model& model() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Static equilibrium of a model: outputs by name and value. Throws std::runtime_error when it is not found.
+struct StaticResult {
+  std::vector<ChannelInfo> channels;
+  Eigen::VectorXd values;
+  int output_count = 0;
+  int iterations = 0;
+  double cpu_seconds = 0;
+  double residual = 0;
+};
+StaticResult static_equilibrium(std::shared_ptr<const Model> model);
+
+}  // namespace mimbre

@@ -1,0 +1,205 @@
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/function.h"
+#include "mimbre/reduced_body.h"
+
+/// What the user said, with templates placed, expressions evaluated and names resolved to indices: the input
+/// of compile(). Everything of a body is in that body's own axes here; only Body::pose and ground frames are
+/// global.
+namespace mimbre::spec {
+
+struct Pose {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< these axes to the outer axes
+};
+
+/// For drawing only. A frame of the body carries it.
+struct Shape {
+  enum class Kind { box, cylinder, sphere } kind = Kind::box;
+  Pose pose;  ///< in body axes; a cylinder's axis is z
+  Eigen::Vector3d size =
+      Eigen::Vector3d::Zero();  ///< box: edges; cylinder: radius, length, 0; sphere: radius, 0, 0
+};
+
+struct Body {
+  std::string name;
+  Mark mark;
+  Pose pose;  ///< body frame in global axes, assembled position
+  // A rigid body: mass, centre of mass, inertia about the centre of mass. Mass 0 (with inertia 0) is allowed.
+  double mass = 0;
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  std::shared_ptr<const ReducedBody>
+      flexible;  ///< set for a flexible body; then mass, com, inertia are unused
+  std::vector<Shape> shapes;
+  std::vector<std::array<Eigen::Vector3d, 2>> lines;  ///< drawing of a rigid body, body axes
+};
+
+constexpr int ground = -1;
+
+/// A point with axes on a body (or on the ground).
+struct Frame {
+  std::string name;
+  Mark mark;
+  int body = ground;
+  Pose pose;  ///< undeformed, in body axes (global axes for the ground)
+  int flexible_frame =
+      -1;  ///< for a flexible body: index into ReducedBody::frames whose X, X_theta move this frame
+};
+
+/// Axis convention, frame a to frame b: revolute and cylindrical about/along z; prismatic along z; universal:
+/// first axis x of a, second axis y of b (right angle at zero); planar: translation along x, y of a, rotation
+/// about z. Joint coordinates describe b relative to a, all zero when the frames coincide (spherical,
+/// floating: unit quaternion). Velocity coordinates: rates; for spherical the relative angular velocity in
+/// b's axes; for floating the origin's velocity in a's axes, then the relative angular velocity in b's axes.
+/// `bracket` is `fixed` between flexible bodies (all six static modes); dynamics treats both alike.
+enum class JointType {
+  fixed,
+  bracket,
+  revolute,
+  prismatic,
+  cylindrical,
+  universal,
+  spherical,
+  planar,
+  floating
+};
+
+struct Drive {
+  int coordinate = 0;  ///< of the joint's velocity coordinates (scalar ones only)
+  Function position;   ///< of time, s → m or rad
+};
+
+/// Spring and damper on one scalar joint coordinate: force on it = -(elastic(q) + damping(q̇)).
+struct JointSpring {
+  int coordinate = 0;
+  Function elastic;
+  Function damping;
+};
+
+struct Joint {
+  std::string name;
+  Mark mark;
+  JointType type = JointType::fixed;
+  int frame_a = -1;  ///< indices into Model::frames
+  int frame_b = -1;
+  enum class Cut { automatic, never, always } cut = Cut::automatic;
+  std::vector<Drive> drives;
+  std::vector<JointSpring> springs;
+  /// Given initial coordinates and velocities, one entry per velocity coordinate; nullopt = free to be found.
+  /// For spherical/floating rotations: rotation vector. Empty: nothing given (starts from the assembled
+  /// position, at rest).
+  std::vector<std::optional<double>> initial_position;
+  std::vector<std::optional<double>> initial_velocity;
+};
+
+/// Translational spring–damper between two frames' origins: tension = elastic(length) + damping(rate) +
+/// general(length, rate, time).
+struct Spring {
+  std::string name;
+  Mark mark;
+  int frame_a = -1;
+  int frame_b = -1;
+  Function elastic;
+  Function damping;
+  Function3 general;
+};
+
+/// Force and moment on a frame's origin: direction · function(time).
+struct Load {
+  std::string name;
+  Mark mark;
+  int frame = -1;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< per unit of `scale`
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  Function scale;         ///< of time
+  bool follower = false;  ///< direction fixed in the frame instead of in global axes
+};
+
+struct Road {
+  std::string name;
+  Mark mark;
+  enum class Over { distance, time } over = Over::distance;
+  Function height;  ///< of global x (m) or of time (s)
+  /// for drawing
+  double draw_from = 0, draw_to = 0;
+};
+
+/// The benchmark's tyre: vertical force stiffness · (radius − (z_wheel − z_road)) when positive, on the
+/// frame's origin.
+struct Tyre {
+  std::string name;
+  Mark mark;
+  int frame = -1;
+  int road = -1;
+  double stiffness = 0;
+  double radius = 0;
+};
+
+/// A named channel of the results.
+struct Output {
+  std::string name;
+  Mark mark;
+  enum class Kind {
+    position,      ///< of a frame, component 0..2 in global axes
+    velocity,      ///< likewise
+    acceleration,  ///< likewise
+    roll,          ///< of a frame's body, yaw–pitch–roll (z, y', x''), rad
+    pitch,
+    yaw,
+    joint_position,  ///< scalar coordinate `component` of a joint, plus offset
+    joint_velocity,
+    joint_force,  ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
+    deflection,   ///< displacement of a flexible frame relative to its undeformed place, along `direction`
+                  ///< (body axes)
+    modal_amplitude,  ///< user's amplitude `component` of a flexible body
+    spring_force,     ///< tension
+    spring_length,
+    tyre_force
+  } kind = Kind::position;
+  int item = -1;  ///< index of the frame, joint, body, spring or tyre
+  int component = 0;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  double offset = 0;
+};
+
+struct Simulation {
+  double step = 0.01;
+  double end = 10;
+  double output_interval = 0;  ///< 0: every step
+  std::string formulation = "relative";
+  enum class Integrator { generalized_alpha, newmark } integrator = Integrator::generalized_alpha;
+  double rho = -1;         ///< spectral radius at infinity, 0..1; negative: the default of the library
+  double xi = 0;           ///< Newmark's ξ ≤ 0
+  double tolerance = 0;    ///< 0: default
+  double penalty = 0;      ///< 0: automatic
+  int max_iterations = 0;  ///< 0: default
+  int substeps = 0;        ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  bool start_at_equilibrium = false;  ///< `initial: equilibrium`
+};
+
+struct Model {
+  std::string title;
+  std::string file;
+  std::string text;  ///< the model file's text, kept in the results
+  Eigen::Vector3d gravity{0, 0, -9.81};
+  std::vector<Body> bodies;
+  std::vector<Frame> frames;
+  std::vector<Joint> joints;
+  std::vector<Spring> springs;
+  std::vector<Load> loads;
+  std::vector<Road> roads;
+  std::vector<Tyre> tyres;
+  std::vector<Output> outputs;
+  Simulation simulation;
+};
+
+}  // namespace mimbre::spec

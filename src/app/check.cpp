@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "app/common.h"
+#include "app/table.h"
+#include "mimbre/simulation.h"
+
+/// mimbre check: what a model is.
+namespace mimbre::app {
+namespace {
+
+constexpr Eigen::Index frequencies_shown = 3;
+
+struct Arguments {
+  std::string model;
+  std::vector<std::string> settings;
+  bool json = false;
+};
+
+/// A body as the simulation sees it.
+struct BodyLine {
+  std::string name;
+  double mass = 0;
+  int modes = 0;
+  bool flexible = false;
+  std::vector<double> frequencies;  ///< Hz, the lowest few
+};
+
+std::vector<BodyLine> body_lines(const spec::Model& model) {
+  std::vector<BodyLine> lines;
+  for (const spec::Body& body : model.bodies) {
+    BodyLine line{body.name, body.mass, 0, body.flexible != nullptr, {}};
+    if (body.flexible) {
+      line.mass = body.flexible->mass;
+      line.modes = body.flexible->modes;
+      const Eigen::VectorXd& omega = body.flexible->eigenfrequencies;
+      for (Eigen::Index k = 0; k < std::min(frequencies_shown, omega.size()); ++k)
+        line.frequencies.push_back(omega[k] / (2 * std::numbers::pi));
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+/// Everything that is said, gathered once for both forms.
+struct Description {
+  std::vector<BodyLine> bodies;
+  std::vector<Model::JointLine> joints;
+  double mass = 0;
+  int loops = 0;
+  int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
+  std::vector<std::string> warnings;
+};
+
+Description describe(const LoadedModel& loaded) {
+  const Model& model = *loaded.model;
+  // Sets the model up for its start, so that loops that do not close are told here and not by the run.
+  Simulation simulation(loaded.model);
+  Description d;
+  d.bodies = body_lines(model.spec());
+  d.joints = model.joint_lines();
+  for (const BodyLine& body : d.bodies) d.mass += body.mass;
+  d.loops =
+      static_cast<int>(std::count_if(d.joints.begin(), d.joints.end(), [](const auto& j) { return j.cut; }));
+  d.coordinates = model.coordinates();
+  d.elastic_coordinates = model.elastic_coordinates();
+  d.constraints = model.constraints();
+  d.degrees_of_freedom = simulation.degrees_of_freedom();
+  d.warnings = loaded.warnings;
+  for (const std::string& warning : simulation.warnings()) {
+    print_warning(warning);
+    d.warnings.push_back(warning);
+  }
+  return d;
+}
+
+Json to_json(const Description& d, const std::string& title) {
+  Json json;
+  json["status"] = "ok";
+  json["title"] = title;
+  json["bodies"] = d.bodies.size();
+  json["mass"] = d.mass;
+  json["coordinates"] = d.coordinates;
+  json["elastic_coordinates"] = d.elastic_coordinates;
+  json["constraints"] = d.constraints;
+  json["degrees_of_freedom"] = d.degrees_of_freedom;
+  json["loops"] = d.loops;
+  json["joints"] = Json::array();
+  for (const Model::JointLine& j : d.joints)
+    json["joints"].push_back({{"name", j.name},
+                              {"type", j.type},
+                              {"parent", j.parent},
+                              {"child", j.child},
+                              {"cut", j.cut},
+                              {"coordinates", j.coordinates},
+                              {"equations", j.equations}});
+  json["body_list"] = Json::array();
+  for (const BodyLine& b : d.bodies)
+    json["body_list"].push_back({{"name", b.name},
+                                 {"mass", b.mass},
+                                 {"flexible", b.flexible},
+                                 {"modes", b.modes},
+                                 {"lowest_frequencies_hz", b.frequencies}});
+  json["warnings"] = d.warnings;
+  return json;
+}
+
+std::string to_tables(const Description& d, const std::string& title) {
+  std::string text = title.empty() ? "" : title + "\n\n";
+  Table bodies({"body", "kg", "", "modes", "lowest frequencies, Hz"});
+  for (const BodyLine& b : d.bodies) {
+    std::vector<std::string> hertz;
+    for (const double f : b.frequencies) hertz.push_back(fmt::format("{:.4g}", f));
+    bodies.add({b.name, fmt::format("{:.6g}", b.mass), b.flexible ? "flexible" : "rigid",
+                b.flexible ? fmt::format("{}", b.modes) : "", fmt::format("{}", fmt::join(hertz, ", "))});
+  }
+  Table joints({"joint", "type", "parent", "child", "", "coordinates", "equations"});
+  for (const Model::JointLine& j : d.joints)
+    joints.add({j.name, j.type, j.parent, j.child, j.cut ? "cut" : "tree", fmt::format("{}", j.coordinates),
+                fmt::format("{}", j.equations)});
+  Table model({"model", "", ""});
+  const auto line = [&](const char* what, int value) { model.add({what, fmt::format("{}", value), ""}); };
+  model.add({"mass", fmt::format("{:.6g}", d.mass), "kg"});
+  line("bodies", static_cast<int>(d.bodies.size()));
+  line("loops", d.loops);
+  line("coordinates", d.coordinates);
+  line("  of them elastic", d.elastic_coordinates);
+  line("constraint equations", d.constraints);
+  line("degrees of freedom", d.degrees_of_freedom);
+  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text();
+}
+
+int run(const Arguments& arguments) {
+  const LoadedModel loaded = load(arguments.model, arguments.settings);
+  const Description description = describe(loaded);
+  const std::string& title = loaded.model->spec().title;
+  print_data(arguments.json ? to_text(to_json(description, title)) + '\n' : to_tables(description, title));
+  return done;
+}
+
+}  // namespace
+
+Command add_check(CLI::App& program) {
+  CLI::App* parser =
+      program.add_subcommand("check", "Say what a model is, or everything that is wrong with it");
+  const auto arguments = std::make_shared<Arguments>();
+  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
+  add_set_option(*parser, arguments->settings);
+  parser->add_flag("--json", arguments->json, "The same as JSON");
+  parser->footer("Example:\n  mimbre check pendulum.yaml --set length=2");
+  return {parser, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace mimbre::app

@@ -1,0 +1,87 @@
+#include "app/common.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "mimbre/model_file.h"
+
+namespace mimbre::app {
+
+std::map<std::string, std::string> overrides(const std::vector<std::string>& settings) {
+  std::map<std::string, std::string> result;
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == setting.size())
+      throw UsageError(fmt::format("--set {}: name=value is needed, for example --set length=1.5", setting));
+    result[setting.substr(0, equals)] = setting.substr(equals + 1);
+  }
+  return result;
+}
+
+void add_set_option(CLI::App& command, std::vector<std::string>& settings) {
+  command.add_option("--set", settings, "Replace a parameter of the model file; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+}
+
+CLI::Validator number_from(double low, double high, bool above) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double number = 0;
+    if (!CLI::detail::lexical_cast(text, number)) return fmt::format("'{}' is not a number", text);
+    if (std::isfinite(number) && (above ? number > low : number >= low) && number <= high) return {};
+    const std::string from =
+        std::isfinite(low) ? fmt::format(" {} {}", above ? "above" : "of at least", low) : "";
+    const std::string to = std::isfinite(high) ? fmt::format(" of at most {}", high) : "";
+    return fmt::format("{} is not a number{}{}{}", text, from, from.empty() || to.empty() ? "" : " and", to);
+  };
+  return CLI::Validator(check, "");
+}
+
+LoadedModel load(const std::string& path, const std::vector<std::string>& settings) {
+  std::vector<Diagnostic> warnings;
+  spec::Model spec = load_model(path, overrides(settings), &warnings);
+  LoadedModel loaded;
+  for (const Diagnostic& warning : warnings) {
+    fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
+    loaded.warnings.push_back(to_string(warning));
+  }
+  loaded.model = Model::compile(std::move(spec));
+  return loaded;
+}
+
+std::string diagnostic_line(const Diagnostic& diagnostic, const std::string& severity) {
+  const Mark& mark = diagnostic.mark;
+  std::string place = mark.file;
+  if (mark.line > 0) place += fmt::format(":{}:{}", mark.line, mark.column);
+  return fmt::format("{}: {}: {}", place.empty() ? "mimbre" : place, severity, diagnostic.message);
+}
+
+void print_error(const std::string& message) { fmt::print(stderr, "mimbre: error: {}\n", message); }
+void print_warning(const std::string& message) { fmt::print(stderr, "mimbre: warning: {}\n", message); }
+
+std::string to_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+void print_data(const std::string& text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Failure(fmt::format("cannot write to the standard output: {}", std::strerror(errno)));
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+  return static_cast<double>(usage.ru_maxrss) * 1e-6;
+#else
+  return static_cast<double>(usage.ru_maxrss) * 1024e-6;
+#endif
+}
+
+}  // namespace mimbre::app

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <set>
+
+#include "app/common.h"
+#include "app/table.h"
+#include "mimbre/results.h"
+
+/// mimbre compare: differences between two results files.
+namespace mimbre::app {
+namespace {
+
+struct Arguments {
+  std::string a, b;
+  bool json = false;
+};
+
+/// Of the channel's largest value; a channel that is zero throughout has no scale.
+double relative(const ChannelDifference& d) {
+  if (d.max_difference == 0) return 0;
+  return d.max_difference / d.amplitude;
+}
+
+std::vector<std::string> missing(const Results& from, const Results& in) {
+  std::set<std::string> known;
+  for (const ChannelInfo& channel : in.header.channels) known.insert(channel.name);
+  std::vector<std::string> names;
+  for (const ChannelInfo& channel : from.header.channels)
+    if (!known.contains(channel.name)) names.push_back(channel.name);
+  return names;
+}
+
+int run(const Arguments& arguments) {
+  const Results a = read_results(arguments.a), b = read_results(arguments.b);
+  const std::vector<ChannelDifference> differences = compare(a, b);
+  if (differences.empty())
+    throw std::runtime_error(
+        fmt::format("'{}' and '{}' have no channel in common", arguments.a, arguments.b));
+  const std::vector<std::string> only_in_a = missing(a, b), only_in_b = missing(b, a);
+  std::map<std::string, std::string> units;
+  for (const ChannelInfo& channel : a.header.channels) units[channel.name] = channel.unit;
+
+  if (arguments.json) {
+    Json json;
+    json["status"] = "ok";
+    for (const ChannelDifference& d : differences)
+      json["channels"][d.name] = {{"unit", units[d.name]},
+                                  {"max_difference", d.max_difference},
+                                  {"mean_difference", d.mean_difference},
+                                  {"at_time", d.at_time},
+                                  {"amplitude", d.amplitude},
+                                  {"relative", relative(d)}};
+    json["only_in_first"] = only_in_a;
+    json["only_in_second"] = only_in_b;
+    print_data(to_text(json) + '\n');
+    return done;
+  }
+  Table table({"channel", "unit", "largest difference", "at t, s", "mean difference", "largest / amplitude"});
+  for (const ChannelDifference& d : differences)
+    table.add({d.name, units[d.name], fmt::format("{:.4g}", d.max_difference),
+               fmt::format("{:.6g}", d.at_time), fmt::format("{:.4g}", d.mean_difference),
+               fmt::format("{:.3g}", relative(d))});
+  print_data(table.text());
+  if (!only_in_a.empty())
+    print_warning(fmt::format("only in '{}': {}", arguments.a, fmt::join(only_in_a, ", ")));
+  if (!only_in_b.empty())
+    print_warning(fmt::format("only in '{}': {}", arguments.b, fmt::join(only_in_b, ", ")));
+  return done;
+}
+
+}  // namespace
+
+Command add_compare(CLI::App& program) {
+  CLI::App* parser =
+      program.add_subcommand("compare", "Give the differences of two results, channel by channel");
+  const auto arguments = std::make_shared<Arguments>();
+  parser->add_option("a", arguments->a, "Results file (HDF5), the reference")->required()->type_name("A.h5");
+  parser->add_option("b", arguments->b, "Results file (HDF5)")->required()->type_name("B.h5");
+  parser->add_flag("--json", arguments->json, "The same as JSON");
+  parser->footer(
+      "Compares the channels that both have, on the instants of the coarser one within the time they share.\n"
+      "Example:\n  mimbre compare coarse.h5 fine.h5");
+  return {parser, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace mimbre::app

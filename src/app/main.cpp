@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <new>
+
+#include "app/common.h"
+
+/// The command line `mimbre`: finds the command, and tells what goes wrong in it.
+namespace mimbre::app {
+namespace {
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+Json to_json(const Diagnostic& d) {
+  Json json{{"message", d.message}};
+  if (!d.mark.file.empty()) json["file"] = d.mark.file;
+  if (d.mark.line > 0) json.update({{"line", d.mark.line}, {"column", d.mark.column}});
+  return json;
+}
+
+/// The errors to stderr, and for machines to stdout.
+int report_errors(const std::vector<Diagnostic>& errors, bool json, int code) {
+  for (const Diagnostic& error : errors) fmt::print(stderr, "{}\n", diagnostic_line(error, "error"));
+  if (json) {
+    Json object{{"status", "error"}, {"errors", Json::array()}};
+    for (const Diagnostic& error : errors) object["errors"].push_back(to_json(error));
+    try {
+      print_data(to_text(object) + '\n');
+    } catch (const Failure& unwritable) {
+      print_error(unwritable.what());
+    }
+  }
+  return code;
+}
+
+int run_guarded(const Command& command) {
+  const CLI::Option* option = command.parser->get_option_no_throw("--json");
+  const bool json = option && option->count() > 0;
+  const auto one = [&](const std::string& message, int code) {
+    return report_errors({{Mark{}, one_line(message)}}, json, code);
+  };
+  try {
+    return command.run();
+  } catch (const InputError& error) {
+    return report_errors(error.diagnostics(), json, bad_input);
+  } catch (const UsageError& error) {
+    return one(error.what(), bad_usage);
+  } catch (const Failure& error) {
+    return one(error.what(), failed);
+  } catch (const std::bad_alloc&) {
+    return one("there is not enough memory", failed);
+  } catch (const std::exception& error) {
+    return one(error.what(), bad_input);
+  }
+}
+
+std::vector<std::string> names_of(const std::vector<Command>& commands) {
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.parser->get_name());
+  return names;
+}
+
+/// A near name for the first option that the command does not have.
+std::string option_hint(CLI::App& program) {
+  for (CLI::App* command : program.get_subcommands()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& rest : command->remaining())
+      if (rest.starts_with("--")) return did_you_mean(rest.substr(0, rest.find('=')), names);
+  }
+  return {};
+}
+
+int usage_error(const std::string& message, const std::string& command) {
+  print_error(one_line(message));
+  fmt::print(stderr, "'mimbre {}{}--help' says more\n", command, command.empty() ? "" : " ");
+  return bad_usage;
+}
+
+int main_program(int argc, char** argv) {
+  CLI::App program("Flexible multibody systems in real time", "mimbre");
+  program.set_version_flag("--version", fmt::format("mimbre {}", version));
+  program.require_subcommand(1);
+  program.footer(
+      "Messages go to the standard error, data to the standard output.\n"
+      "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed.\n"
+      "'mimbre COMMAND --help' says more about a command.\n"
+      "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
+  const std::vector<Command> commands{add_run(program),    add_check(program),   add_static(program),
+                                      add_report(program), add_compare(program), add_bench(program)};
+  const std::vector<std::string> names = names_of(commands);
+  if (argc < 2) {
+    fmt::print(stderr, "{}", program.help());
+    return bad_usage;
+  }
+  const std::string first = argv[1];
+  if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
+    return usage_error(fmt::format("there is no command '{}'{}", first, did_you_mean(first, names)), "");
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // help or version
+    return program.exit(asked);
+  } catch (const CLI::ExtrasError& error) {
+    return usage_error(error.what() + option_hint(program), first);
+  } catch (const CLI::ParseError& error) {
+    return usage_error(error.what(), first.starts_with('-') ? "" : first);
+  }
+  for (const Command& command : commands)
+    if (command.parser->parsed()) return run_guarded(command);
+  return bad_usage;
+}
+
+}  // namespace
+}  // namespace mimbre::app
+
+int main(int argc, char** argv) {
+  // A file that may not grow further is an error of writing like a full disk, not the end of the process.
+  signal(SIGXFSZ, SIG_IGN);
+  return mimbre::app::main_program(argc, argv);
+}

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include "app/common.h"
+#include "app/table.h"
+#include "mimbre/simulation.h"
+
+/// mimbre static: the model's outputs at its static equilibrium.
+namespace mimbre::app {
+namespace {
+
+struct Arguments {
+  std::string model;
+  std::vector<std::string> settings;
+  bool json = false;
+};
+
+Json to_json(const StaticResult& result) {
+  Json json;
+  json["status"] = "ok";
+  json["outputs"] = Json::object();
+  for (int k = 0; k < result.output_count; ++k) json["outputs"][result.channels[k].name] = result.values[k];
+  json["iterations"] = result.iterations;
+  json["residual"] = result.residual;
+  json["cpu_seconds"] = result.cpu_seconds;
+  // For scripts each output stands at the top, too, unless its name is taken.
+  const Json outputs = json["outputs"];
+  for (const auto& [name, value] : outputs.items())
+    if (!json.contains(name)) json[name] = value;
+  return json;
+}
+
+std::string to_table(const StaticResult& result) {
+  Table table({"output", "value", "unit", "meaning"});
+  for (int k = 0; k < result.output_count; ++k) {
+    const ChannelInfo& channel = result.channels[k];
+    table.add({channel.name, fmt::format("{:.9g}", result.values[k]), channel.unit, channel.meaning});
+  }
+  return table.text();
+}
+
+StaticResult equilibrium(const LoadedModel& loaded) {
+  try {
+    return static_equilibrium(loaded.model);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Failure(error.what());
+  }
+}
+
+int run(const Arguments& arguments) {
+  const StaticResult result = equilibrium(load(arguments.model, arguments.settings));
+  print_data(arguments.json ? to_text(to_json(result)) + '\n' : to_table(result));
+  return done;
+}
+
+}  // namespace
+
+Command add_static(CLI::App& program) {
+  CLI::App* parser =
+      program.add_subcommand("static", "Find the static equilibrium and give the outputs there");
+  const auto arguments = std::make_shared<Arguments>();
+  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
+  add_set_option(*parser, arguments->settings);
+  parser->add_flag("--json", arguments->json, "The same as JSON");
+  parser->footer("Example:\n  mimbre static suspension.yaml --json");
+  return {parser, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace mimbre::app

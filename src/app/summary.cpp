@@ -1,0 +1,91 @@
+#include "app/summary.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "app/table.h"
+
+namespace mimbre::app {
+namespace {
+
+std::array<std::pair<const char*, double>, 10> named(const Simulation::Energy& e) {
+  return {{{"kinetic", e.kinetic},
+           {"gravitational", e.gravitational},
+           {"elastic", e.elastic},
+           {"springs", e.springs},
+           {"tyres", e.tyres},
+           {"dissipated", e.dissipated},
+           {"drive_work", e.drive_work},
+           {"load_work", e.load_work},
+           {"road_work", e.road_work},
+           {"numerical", e.numerical}}};
+}
+
+double per_step(std::int64_t total, const Totals& totals) {
+  return totals.steps > 0 ? static_cast<double>(total) / static_cast<double>(totals.steps) : 0.0;
+}
+
+}  // namespace
+
+Json run_summary(Simulation& simulation, const Totals& totals, const Ending& ending,
+                 const std::vector<std::string>& warnings) {
+  Json summary;
+  summary["status"] = ending.status;
+  if (!ending.message.empty()) summary["message"] = ending.message;
+  summary["steps"] = totals.steps;
+  summary["step"] = simulation.step_size();
+  summary["time"] = simulation.time();
+  summary["coordinates"] = simulation.model().coordinates();
+  summary["iterations"] = totals.iterations;
+  summary["iterations_per_step"] = per_step(totals.iterations, totals);
+  summary["factorisations"] = totals.factorisations;
+  summary["max_position_violation"] = totals.max_position_violation;
+  summary["max_velocity_violation"] = totals.max_velocity_violation;
+  for (const auto& [name, value] : named(simulation.energy())) summary["energy"][name] = value;
+  summary["warnings"] = warnings;
+  ResultsRow row;
+  simulation.sample(row);
+  summary["outputs"] = Json::object();
+  for (int k = 0; k < simulation.output_count(); ++k)
+    summary["outputs"][simulation.channels()[k].name] = row.channels[k];
+  return summary;
+}
+
+void add_measurements(Json& summary, const Simulation& simulation, const Totals& totals) {
+  summary["cpu_seconds"] = totals.cpu_seconds;
+  summary["initialisation_seconds"] = simulation.initialisation_seconds();
+  summary["real_time_factor"] = real_time_factor(simulation, totals);
+  summary["peak_memory_mb"] = peak_memory_mb();
+}
+
+double real_time_factor(const Simulation& simulation, const Totals& totals) {
+  if (totals.steps == 0 || !(totals.cpu_seconds > 0)) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(totals.steps) * simulation.step_size() / totals.cpu_seconds;
+}
+
+std::string summary_table(Simulation& simulation, const Totals& totals) {
+  Table table({"run", "", ""});
+  const auto line = [&](const char* name, const std::string& value, const char* unit = "") {
+    table.add({name, value, unit});
+  };
+  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+  line("simulated time", number(simulation.time()), "s");
+  line("steps", fmt::format("{}", totals.steps));
+  line("step", number(simulation.step_size()), "s");
+  line("coordinates", fmt::format("{}", simulation.model().coordinates()));
+  line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
+  line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
+  line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");
+  line("real-time factor", fmt::format("{:.4g}", real_time_factor(simulation, totals)),
+       "(above 1: faster than real time)");
+  line("largest position violation", fmt::format("{:.3g}", totals.max_position_violation), "m");
+  line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");
+  for (const auto& [name, value] : named(simulation.energy()))
+    line(fmt::format("energy, {}", name).c_str(), number(value), "J");
+  return table.text();
+}
+
+}  // namespace mimbre::app

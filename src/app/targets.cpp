@@ -1,0 +1,36 @@
+#include "app/targets.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include "app/common.h"
+
+namespace mimbre::app {
+
+namespace fs = std::filesystem;
+
+void require_writable(const std::string& path) {
+  const auto need = [&](const fs::path& place, int mode) {
+    if (access(place.c_str(), mode) != 0)
+      throw std::runtime_error(fmt::format("cannot write '{}': {}", path, std::strerror(errno)));
+  };
+  std::error_code unknown;
+  if (fs::is_directory(path, unknown))
+    throw std::runtime_error(fmt::format("cannot write '{}': it is a folder", path));
+  if (fs::exists(path, unknown)) need(path, W_OK);
+  const fs::path folder = fs::path(path).parent_path();
+  need(folder.empty() ? fs::path(".") : folder, W_OK | X_OK);
+}
+
+void require_different(const std::string& input, const std::string& output) {
+  std::error_code one_is_missing;
+  if (input == output || fs::equivalent(input, output, one_is_missing))
+    throw UsageError(fmt::format("'{}' would be overwritten; choose another name for the output", input));
+}
+
+}  // namespace mimbre::app

@@ -1,0 +1,193 @@
+#pragma once
+#include "dynamics/relative/flexible.h"
+#include "dynamics/relative/workspace.h"
+
+/// Positions, velocities and accelerations from the root to the leaves.
+namespace mimbre::relative {
+
+/// Displacement and turn of a flexible frame in body axes, with rates: θ = Xθ y, ω = J_l(θ) θ̇, its
+/// derivative, and the part of the latter without ÿ is included from the given accelerations.
+template <class T>
+struct Deformation {
+  Vec3<T> position;  ///< r̄u + X y
+  Vec3<T> velocity;  ///< X ẏ
+  Vec3<T> acceleration;
+  Mat3<T> rotation;  ///< exp(θ~) times the undeformed rotation: frame axes to body axes
+  Vec3<T> omega;     ///< relative to the body, body axes
+  Vec3<T> alpha;
+};
+
+template <class T>
+void deform(const FrameData& f, const T* y, const T* yd, const T* ydd, Deformation<T>& d) {
+  d.position = f.position.template cast<T>() + times(f.X, y);
+  d.velocity = times(f.X, yd);
+  d.acceleration = times(f.X, ydd);
+  if (!f.turns) {
+    d.rotation = f.rotation.template cast<T>();
+    d.omega.setZero();
+    d.alpha.setZero();
+    return;
+  }
+  const Vec3<T> theta = times(f.X_theta, y), rate = times(f.X_theta, yd), second = times(f.X_theta, ydd);
+  const RotationSeries<T> s = rotation_series<T>(theta.squaredNorm());
+  const Mat3<T> k = skew<T>(theta), k2 = k * k;
+  d.rotation = (Mat3<T>::Identity() + s.sinc * k + s.a * k2) * f.rotation.template cast<T>();
+  const Mat3<T> jl = Mat3<T>::Identity() + s.a * k + s.b * k2;
+  const T phi_rate = theta.dot(rate);  // φ φ̇
+  const Vec3<T> c1 = theta.cross(rate), c2 = theta.cross(c1);
+  d.omega = jl * rate;
+  d.alpha = jl * second + (s.a1 * phi_rate) * c1 + (s.b1 * phi_rate) * c2 + s.b * rate.cross(c1);
+}
+
+/// Motion of a frame from that of its body. y, ẏ, ÿ: the body's padded amplitudes.
+template <class T>
+void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T* yd, const T* ydd,
+                  Motion<T>& out) {
+  const Mat3<T>& A = body.rotation;
+  if (f.flexible < 0) {
+    const Vec3<T> r = A * f.position.template cast<T>();
+    const Vec3<T> wr = body.omega.cross(r);
+    out.rotation = A * f.rotation.template cast<T>();
+    out.position = body.position + r;
+    out.velocity = body.velocity + wr;
+    out.omega = body.omega;
+    out.acceleration = body.acceleration + body.alpha.cross(r) + body.omega.cross(wr);
+    out.alpha = body.alpha;
+    return;
+  }
+  Deformation<T> d;
+  deform(f, y, yd, ydd, d);
+  const Vec3<T> r = A * d.position, v = A * d.velocity;
+  const Vec3<T> wr = body.omega.cross(r);
+  out.rotation = A * d.rotation;
+  out.position = body.position + r;
+  out.velocity = body.velocity + wr + v;
+  out.acceleration =
+      body.acceleration + body.alpha.cross(r) + body.omega.cross(wr + T(2) * v) + A * d.acceleration;
+  const Vec3<T> w = A * d.omega;
+  out.omega = body.omega + w;
+  out.alpha = body.alpha + body.omega.cross(w) + A * d.alpha;
+}
+
+/// Motion of a body from that of one of its frames: the inverse of frame_motion (Lugrís 2008, 2.14, 2.15).
+template <class T>
+void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T* yd, const T* ydd,
+                 Motion<T>& out) {
+  if (f.flexible < 0) {
+    out.rotation = frame.rotation * f.rotation.transpose().template cast<T>();
+    const Vec3<T> r = out.rotation * f.position.template cast<T>();
+    const Vec3<T> wr = frame.omega.cross(r);
+    out.position = frame.position - r;
+    out.velocity = frame.velocity - wr;
+    out.omega = frame.omega;
+    out.acceleration = frame.acceleration - frame.alpha.cross(r) - frame.omega.cross(wr);
+    out.alpha = frame.alpha;
+    return;
+  }
+  Deformation<T> d;
+  deform(f, y, yd, ydd, d);
+  out.rotation = frame.rotation * d.rotation.transpose();
+  const Mat3<T>& A = out.rotation;
+  const Vec3<T> r = A * d.position, v = A * d.velocity, w = A * d.omega;
+  out.omega = frame.omega - w;
+  out.alpha = frame.alpha - out.omega.cross(w) - A * d.alpha;
+  const Vec3<T> wr = out.omega.cross(r);
+  out.position = frame.position - r;
+  out.velocity = frame.velocity - wr - v;
+  out.acceleration =
+      frame.acceleration - out.alpha.cross(r) - out.omega.cross(wr + T(2) * v) - A * d.acceleration;
+}
+
+/// Motion of the joint's far frame from that of its near one, and the joint's columns about the common point.
+/// Forward: near is frame a, far is frame b; reversed: the other way round, with the columns' signs turned.
+template <class T>
+void joint_step(const BodyData& b, const Motion<T>& near, const T* q, const T* v, const T* a, Motion<T>& far,
+                Vec3<T>* angular, Vec3<T>* linear) {
+  JointMotion<T> m;
+  joint_motion<T>(b.joint, q, v, m);
+  const int n = b.joint_velocities;
+  Vec3<T> w = Vec3<T>::Zero(), u = Vec3<T>::Zero();
+  Vec3<T> wd = m.angular_bias, ud = m.linear_bias;
+  for (int j = 0; j < n; ++j) {
+    w += v[j] * m.angular.col(j);
+    u += v[j] * m.linear.col(j);
+    wd += a[j] * m.angular.col(j);
+    ud += a[j] * m.linear.col(j);
+  }
+  // A: axes of frame a. r: from origin a to origin b.
+  const Mat3<T> A = b.reversed ? Mat3<T>(near.rotation * m.rotation.transpose()) : near.rotation;
+  const Vec3<T> r = A * m.displacement;
+  w = A * w;
+  u = A * u;
+  wd = A * wd;
+  ud = A * ud;
+  Vec3<T> position_b;
+  if (!b.reversed) {
+    const Vec3<T> wr = near.omega.cross(r);
+    far.rotation = A * m.rotation;
+    far.position = near.position + r;
+    far.velocity = near.velocity + wr + u;
+    far.omega = near.omega + w;
+    far.acceleration = near.acceleration + near.alpha.cross(r) + near.omega.cross(wr + T(2) * u) + ud;
+    far.alpha = near.alpha + near.omega.cross(w) + wd;
+    position_b = far.position;
+  } else {
+    far.rotation = A;
+    far.position = near.position - r;
+    far.omega = near.omega - w;
+    far.alpha = near.alpha - far.omega.cross(w) - wd;
+    const Vec3<T> wr = far.omega.cross(r);
+    far.velocity = near.velocity - wr - u;
+    far.acceleration = near.acceleration - far.alpha.cross(r) - far.omega.cross(wr + T(2) * u) - ud;
+    position_b = near.position;
+  }
+  const T sign = b.reversed ? T(-1) : T(1);
+  for (int j = 0; j < n; ++j) {
+    angular[j] = sign * (A * m.angular.col(j));
+    linear[j] = sign * (A * m.linear.col(j)) + position_b.cross(angular[j]);
+  }
+}
+
+/// The body's padded modal values copied into `out`.
+template <class T>
+void copy_modes(const BodyData& b, const T* values, int stride, T* out) {
+  for (int k = 0; k < b.modes; ++k) out[k] = values[k];
+  for (int k = b.modes; k < stride; ++k) out[k] = T(0);
+}
+
+/// Motion of all bodies and of the dynamic frames at positions q, velocities v, accelerations a.
+/// Writes: bodies, frames, joint_angular, joint_linear.
+template <class T>
+void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a) {
+  const Vec3<T> no_gravity = -m.gravity.template cast<T>();
+  for (int k = m.first_ground_frame; k < m.last_ground_frame; ++k) {
+    Motion<T>& f = w.frames[k];
+    f.rotation = m.frames[k].rotation.template cast<T>();
+    f.position = (m.frames[k].position - w.origin).template cast<T>();
+    f.velocity.setZero();
+    f.omega.setZero();
+    f.acceleration = no_gravity;
+    f.alpha.setZero();
+  }
+  T* y = w.scratch.data();
+  for (std::size_t i = 0; i < m.bodies.size(); ++i) {
+    const BodyData& b = m.bodies[i];
+    T *yd = y, *ydd = y;
+    if (b.modes > 0) {
+      const int stride = m.flexible[b.flexible].stride;
+      yd = y + stride;
+      ydd = yd + stride;
+      copy_modes(b, q + b.q + b.joint_positions, stride, y);
+      copy_modes(b, v + b.v + b.joint_velocities, stride, yd);
+      copy_modes(b, a + b.v + b.joint_velocities, stride, ydd);
+    }
+    Motion<T> own;
+    joint_step<T>(b, w.frames[b.parent_frame], q + b.q, v + b.v, a + b.v, own, &w.joint_angular[b.v],
+                  &w.joint_linear[b.v]);
+    body_motion<T>(m.frames[b.own_frame], own, y, yd, ydd, w.bodies[i]);
+    for (int f = b.first_frame; f < b.last_frame; ++f)
+      frame_motion<T>(m.frames[f], w.bodies[i], y, yd, ydd, w.frames[f]);
+  }
+}
+
+}  // namespace mimbre::relative

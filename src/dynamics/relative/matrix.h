@@ -1,0 +1,305 @@
+#pragma once
+#include "dynamics/relative/flexible.h"
+#include "dynamics/relative/workspace.h"
+
+/// Mass matrix by composite inertias, Jacobian rows, and their assembly into the static sparse matrix.
+namespace mimbre::relative {
+
+/// out = A rows: three padded rows of body-axes components turned to global axes.
+template <class T, class R>
+void rotate_rows(const Mat3<T>& A, const R* rows, int stride, T* out) {
+  const R *x = rows, *y = x + stride, *z = y + stride;
+  for (int r = 0; r < 3; ++r) {
+    const T a = A(r, 0), b = A(r, 1), c = A(r, 2);
+    T* o = out + r * stride;
+    for (int k = 0; k < stride; k += 8)
+      for (int j = k; j < k + 8; ++j) o[j] = a * x[j] + b * y[j] + c * z[j];
+  }
+}
+
+/// out += p × columns of three padded rows.
+template <class T>
+void add_cross_rows(const Vec3<T>& p, const T* rows, int stride, T* out) {
+  const T *x = rows, *y = x + stride, *z = y + stride;
+  T *ox = out, *oy = ox + stride, *oz = oy + stride;
+  for (int k = 0; k < stride; k += 8)
+    for (int j = k; j < k + 8; ++j) {
+      ox[j] += p[1] * z[j] - p[2] * y[j];
+      oy[j] += p[2] * x[j] - p[0] * z[j];
+      oz[j] += p[0] * y[j] - p[1] * x[j];
+    }
+}
+
+/// Columns of a body's coordinates at each of its frames: velocity of the point at the common point (rows
+/// 0..2) and angular velocity (rows 3..5) per unit velocity coordinate.
+template <class T>
+void columns(const Compiled& m, Workspace<T>& w, const T* q) {
+  for (const ColumnSet& set : m.column_sets) {
+    const BodyData& b = m.bodies[set.body];
+    T* c = w.columns.data() + set.offset;
+    const int s = set.stride;
+    for (int k = 0; k < 6 * s; ++k) c[k] = T(0);
+    for (int j = 0; j < b.joint_velocities; ++j)
+      for (int r = 0; r < 3; ++r) {
+        c[r * s + j] = w.joint_linear[b.v + j][r];
+        c[(3 + r) * s + j] = w.joint_angular[b.v + j][r];
+      }
+    if (b.modes == 0) continue;
+    const auto add_frame = [&](const FrameData& f, const Vec3<T>& position, const T& sign) {
+      const Mat3<T>& A = w.bodies[set.body].rotation;
+      const int fs = static_cast<int>(f.X.cols());
+      T *linear = w.scratch.data(), *angular = linear + 3 * fs;
+      rotate_rows<T>(A, f.X.data(), fs, linear);
+      if (f.turns) {
+        T* y = angular + 3 * fs;
+        for (int k = 0; k < fs; ++k) y[k] = k < b.modes ? q[b.q + b.joint_positions + k] : T(0);
+        rotate_rows<T>(A * left_jacobian<T>(times(f.X_theta, y)), f.X_theta.data(), fs, angular);
+        add_cross_rows<T>(position, angular, fs, linear);
+      }
+      T* out = c + b.joint_velocities;
+      for (int r = 0; r < 3; ++r)
+        for (int k = 0; k < b.modes; ++k) {
+          out[r * s + k] += sign * linear[r * fs + k];
+          if (f.turns) out[(3 + r) * s + k] += sign * angular[r * fs + k];
+        }
+    };
+    if (set.frame >= 0) add_frame(m.frames[set.frame], w.frames[set.frame].position, T(1));
+    const FrameData& own = m.frames[b.own_frame];
+    if (own.flexible >= 0) {  // the body moves back when its joint frame moves forth
+      Motion<T> at;
+      T* y = w.scratch.data() + 8 * own.X.cols();  // behind add_frame's part
+      for (int k = 0; k < 3 * own.X.cols(); ++k) y[k] = T(0);
+      for (int k = 0; k < b.modes; ++k) y[k] = q[b.q + b.joint_positions + k];
+      frame_motion<T>(own, w.bodies[set.body], y, y + own.X.cols(), y + 2 * own.X.cols(), at);
+      add_frame(own, at.position, T(-1));
+    }
+  }
+}
+
+/// out(r, c) += Σ_k left(k, r) right(k, c), k < count, into the sparse matrix; rows padded to the strides.
+template <class T>
+void add_product(const T* left, int left_stride, int rows, const T* right, int right_stride, int cols,
+                 int count, T* values, const linalg::BlockPlace& place) {
+  if (place.row_stride != 1)  // the columns lie next to each other: exchange the roles
+    return add_product(right, right_stride, cols, left, left_stride, rows, count, values,
+                       {place.offset, place.col_stride, place.row_stride});
+  for (int c = 0; c < cols; ++c) {
+    T* out = values + place.offset + c * place.col_stride;
+    for (int r = 0; r < rows; r += 8) {
+      T sum[8];
+      for (int j = 0; j < 8; ++j) sum[j] = T(0);
+      for (int k = 0; k < count; ++k) {
+        const T x = right[k * right_stride + c];
+        const T* l = left + k * left_stride + r;
+        for (int j = 0; j < 8; ++j) sum[j] += l[j] * x;
+      }
+      const int n = rows - r < 8 ? rows - r : 8;
+      for (int j = 0; j < n; ++j) out[r + j] += sum[j];
+    }
+  }
+}
+
+/// Spatial inertia about the common point times six-row columns: F = [m s + ω × m̄; m̄ × s + J ω].
+template <class T>
+void composite_times(const typename Workspace<T>::Composite& c, const T* columns, int stride, T* out) {
+  const Mat3<T> J = c.second.trace() * Mat3<T>::Identity() - c.second;
+  const T m = c.mass, x = c.moment[0], y = c.moment[1], z = c.moment[2];
+  const T *s0 = columns, *s1 = s0 + stride, *s2 = s1 + stride, *w0 = s2 + stride, *w1 = w0 + stride,
+          *w2 = w1 + stride;
+  T *f0 = out, *f1 = f0 + stride, *f2 = f1 + stride, *n0 = f2 + stride, *n1 = n0 + stride, *n2 = n1 + stride;
+  for (int k = 0; k < stride; ++k) {
+    f0[k] = m * s0[k] + w1[k] * z - w2[k] * y;
+    f1[k] = m * s1[k] + w2[k] * x - w0[k] * z;
+    f2[k] = m * s2[k] + w0[k] * y - w1[k] * x;
+    n0[k] = y * s2[k] - z * s1[k] + J(0, 0) * w0[k] + J(0, 1) * w1[k] + J(0, 2) * w2[k];
+    n1[k] = z * s0[k] - x * s2[k] + J(1, 0) * w0[k] + J(1, 1) * w1[k] + J(1, 2) * w2[k];
+    n2[k] = x * s1[k] - y * s0[k] + J(2, 0) * w0[k] + J(2, 1) * w1[k] + J(2, 2) * w2[k];
+  }
+}
+
+/// Adds the mass matrix (composite sums from the leaves, Lugrís 2008, 2.132–2.156) to the sparse values,
+/// after columns(). Needs w.integrals at the same amplitudes (residual writes them).
+template <class T>
+void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
+  for (auto& c : w.composites) {
+    c.mass = T(0);
+    c.moment.setZero();
+    c.second.setZero();
+  }
+  for (T& x : w.elastic_forces) x = T(0);
+  for (std::size_t i = m.bodies.size(); i-- > 0;) {
+    const BodyData& b = m.bodies[i];
+    const Motion<T>& motion = w.bodies[i];
+    const Mat3<T>& A = motion.rotation;
+    const ColumnSet& body_set = m.column_sets[b.columns];
+    const int s = body_set.stride;
+    auto& composite = w.composites[i];
+
+    // Own inertia about the common point: r = p + A r̄.
+    Vec3<T> first = b.first_moment.template cast<T>();
+    Mat3<T> second = b.second_moment.template cast<T>();
+    T* elastic =
+        w.elastic_forces.data() + w.elastic_offset[i];  // 6 × s, modes from column joint_velocities on
+    if (b.modes > 0) {
+      const FlexibleData& f = m.flexible[b.flexible];
+      const int fs = f.stride;
+      T* y = w.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, fs, y);
+      const T* integrals = w.integrals.data() + w.integral_offset[i];
+      first += times(f.S, y);
+      second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+      T *linear = y + fs, *crossed = linear + 3 * fs, *angular = crossed + 3 * fs;
+      rotate_rows<T>(A, f.S.data(), fs, linear);
+      for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
+        const T *plus = integrals + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
+                *minus = integrals + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
+        for (int k = 0; k < fs; ++k) crossed[r * fs + k] = plus[k] - minus[k];
+      }
+      rotate_rows<T>(A, crossed, fs, angular);
+      add_cross_rows<T>(motion.position, linear, fs, angular);
+      T* out = elastic + b.joint_velocities;
+      for (int r = 0; r < 3; ++r)
+        for (int k = 0; k < b.modes; ++k) {
+          out[r * s + k] += linear[r * fs + k];
+          out[(3 + r) * s + k] += angular[r * fs + k];
+        }
+    }
+    const Vec3<T>& p = motion.position;
+    const Vec3<T> first_global = A * first;
+    composite.mass += T(b.mass);
+    composite.moment += T(b.mass) * p + first_global;
+    const Mat3<T> mixed = p * first_global.transpose();
+    composite.second +=
+        T(b.mass) * p * p.transpose() + mixed + mixed.transpose() + A * second * A.transpose();
+
+    // Force of each coordinate: composite inertia times the body's column, plus the elastic coupling.
+    const T* own = w.columns.data() + body_set.offset;
+    T* force = w.forces_of_columns.data();
+    composite_times<T>(composite, own, s, force);
+    const linalg::BlockPlace& diagonal = m.diagonal[i];
+    const int n = b.size();
+    if (b.modes > 0) {
+      // Diagonal block: bᵀ(Mc b + H) + (H part of elastic columns)ᵀ b + elastic–elastic.
+      add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
+      for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
+      const FlexibleData& f = m.flexible[b.flexible];
+      for (int c = 0; c < b.modes; ++c)
+        for (int r = 0; r < b.modes; ++r)
+          values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
+                 (b.joint_velocities + c) * diagonal.col_stride] += f.mass(r, c);
+    }
+    add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
+    for (const MassPlace& place : m.mass_places[i]) {
+      const ColumnSet& set = m.column_sets[place.columns];
+      add_product<T>(w.columns.data() + set.offset, set.stride, m.bodies[place.ancestor].size(), force, s, n,
+                     6, values, place.place);
+    }
+    if (b.parent < 0) continue;
+
+    // To the parent: composite inertia; and, where its modes move the joint's frame, their share of the
+    // subtree.
+    auto& up = w.composites[b.parent];
+    up.mass += composite.mass;
+    up.moment += composite.moment;
+    up.second += composite.second;
+    const FrameData& frame = m.frames[b.parent_frame];
+    if (frame.flexible < 0) continue;
+    const BodyData& parent = m.bodies[b.parent];
+    const ColumnSet& set = m.column_sets[frame.columns];
+    const ColumnSet& parent_set = m.column_sets[parent.columns];
+    const int ps = set.stride;
+    // φ: what the modes add at the frame to the motion of the body frame.
+    T* phi = w.scratch.data();
+    T* phi_force = phi + 6 * ps;
+    const T* at_frame = w.columns.data() + set.offset;
+    const T* at_body = w.columns.data() + parent_set.offset;
+    for (int k = 0; k < 6 * ps; ++k) phi[k] = at_frame[k] - at_body[k];
+    composite_times<T>(composite, phi, ps, phi_force);
+    T* parent_elastic = w.elastic_forces.data() + w.elastic_offset[b.parent];
+    for (int k = 0; k < 6 * ps; ++k) parent_elastic[k] += phi_force[k];
+    add_product<T>(phi, ps, parent.size(), phi_force, ps, parent.size(), 6, values, m.diagonal[b.parent]);
+  }
+}
+
+/// One Jacobian row along a path: covector · (columns of the plus side − columns of the minus side).
+template <class T>
+void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, const Vec3<T>& linear,
+                  const Vec3<T>& angular, T* row) {
+  for (const PathEntry& e : path.entries) {
+    const int s = m.column_sets[e.plus >= 0 ? e.plus : e.minus].stride;
+    T* out = row + e.offset;
+    for (int k = 0; k < s; k += 8)
+      for (int j = k; j < k + 8; ++j) out[j] = T(0);
+    const auto add = [&](int set, const T& sign) {
+      const T* c = w.columns.data() + m.column_sets[set].offset;
+      const T l0 = sign * linear[0], l1 = sign * linear[1], l2 = sign * linear[2];
+      const T a0 = sign * angular[0], a1 = sign * angular[1], a2 = sign * angular[2];
+      for (int k = 0; k < s; k += 8)
+        for (int j = k; j < k + 8; ++j)
+          out[j] += l0 * c[j] + l1 * c[s + j] + l2 * c[2 * s + j] + a0 * c[3 * s + j] + a1 * c[4 * s + j] +
+                    a2 * c[5 * s + j];
+    };
+    if (e.plus >= 0) add(e.plus, T(1));
+    if (e.minus >= 0) add(e.minus, T(-1));
+  }
+}
+
+/// Jacobian rows of loops, springs and tyres, after columns().
+template <class T>
+void jacobian(const Compiled& m, Workspace<T>& w) {
+  for (const LoopData& loop : m.loops)
+    for (int r = 0; r < loop.count; ++r) {
+      const int k = loop.first_equation + r;
+      jacobian_row<T>(m, w, loop.path, w.covector_linear[k], w.covector_angular[k],
+                      w.jacobian.data() + loop.jacobian + r * loop.path.width);
+    }
+  for (std::size_t k = 0; k < m.springs.size(); ++k) {
+    const SpringData& s = m.springs[k];
+    const Vec3<T>& u = w.springs[k].direction;
+    jacobian_row<T>(m, w, s.path, u, Vec3<T>(w.frames[s.frame_b].position.cross(u)),
+                    w.jacobian.data() + s.jacobian);
+  }
+  const Vec3<T> up(T(0), T(0), T(1));
+  for (const TyreData& t : m.tyres)
+    jacobian_row<T>(m, w, t.path, up, Vec3<T>(w.frames[t.frame].position.cross(up)),
+                    w.jacobian.data() + t.jacobian);
+}
+
+/// Adds Σ_r weight[r] J_rᵀ J_r to the sparse values. `weighted`: scratch of count × path.width.
+template <class T>
+void add_squares(const Compiled& m, const Path& path, const T* rows, int count, const T* weight, T* weighted,
+                 T* values) {
+  const int width = path.width;
+  for (int r = 0; r < count; ++r)
+    for (int k = 0; k < width; ++k) weighted[r * width + k] = weight[r] * rows[r * width + k];
+  for (std::size_t i = 0; i < path.entries.size(); ++i) {
+    const PathEntry& e = path.entries[i];
+    for (std::size_t j = 0; j <= i; ++j) {
+      const PathEntry& f = path.entries[j];
+      add_product<T>(weighted + e.offset, width, m.bodies[e.body].size(), rows + f.offset, width,
+                     m.bodies[f.body].size(), count, values, path.places[i * (i + 1) / 2 + j]);
+    }
+  }
+}
+
+/// Adds weight · Jᵀ x of one row to a vector of velocity coordinates.
+template <class T>
+void add_row_transposed(const Compiled& m, const Path& path, const T* row, const T& x, T* out) {
+  for (const PathEntry& e : path.entries) {
+    const BodyData& b = m.bodies[e.body];
+    for (int k = 0; k < b.size(); ++k) out[b.v + k] += x * row[e.offset + k];
+  }
+}
+
+/// J_row · x.
+template <class T>
+T row_times(const Compiled& m, const Path& path, const T* row, const T* x) {
+  T sum = T(0);
+  for (const PathEntry& e : path.entries) {
+    const BodyData& b = m.bodies[e.body];
+    for (int k = 0; k < b.size(); ++k) sum += row[e.offset + k] * x[b.v + k];
+  }
+  return sum;
+}
+
+}  // namespace mimbre::relative

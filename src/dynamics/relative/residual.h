@@ -1,0 +1,157 @@
+#pragma once
+#include "dynamics/relative/flexible.h"
+#include "dynamics/relative/workspace.h"
+
+/// Inverse dynamics: generalised forces that the motion needs minus those that act, leaves to root.
+namespace mimbre::relative {
+
+/// Inertia wrench of a body about its origin, in body axes, for acceleration `acc` of the origin (minus
+/// gravity).
+template <class T>
+struct BodyWrench {
+  Vec3<T> force, moment;
+};
+
+/// Rigid body: f = m a + α × m̄ + ω × (ω × m̄), n = m̄ × a + J α + ω × J ω.
+template <class T>
+BodyWrench<T> rigid_inertia(const BodyData& b, const Vec3<T>& acc, const Vec3<T>& omega,
+                            const Vec3<T>& alpha) {
+  const Vec3<T> moment = b.first_moment.template cast<T>();
+  const Mat3<T> inertia = b.inertia.template cast<T>();
+  BodyWrench<T> w;
+  w.force = T(b.mass) * acc + alpha.cross(moment) + omega.cross(omega.cross(moment));
+  w.moment = moment.cross(acc) + inertia * alpha + omega.cross(inertia * omega);
+  return w;
+}
+
+/// Flexible body by shape integrals, all in body axes (Lugrís 2008, 3.51–3.71, evaluated in the body frame):
+///   f = m a + α × m̄ + S ÿ + ω × (ω × m̄ + 2 S ẏ)
+///   n = m̄ × a + J α + C ÿ + ω × J ω + 2 (tr(D) ω − Dᵀ ω),           D_ij = ∫ r̄_i u̇_j dm
+///   e = Sᵀ a + Cᵀ α + Mff ÿ + Σ_ij (ω_i ω_j − ω² δ_ij) S'^i_j + 2 ω · ∫ u̇ × X dm + K y + C_d ẏ
+/// Adds e to `elastic` (padded). `integrals` are the S'^i rows at y.
+template <class T>
+BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T* integrals, const T* y,
+                               const T* yd, const T* ydd, const Vec3<T>& acc, const Vec3<T>& w,
+                               const Vec3<T>& alpha, T* elastic) {
+  const int s = f.stride;
+  const Vec3<T> moment = b.first_moment.template cast<T>() + times(f.S, y);
+  const Vec3<T> sy1 = times(f.S, yd), sy2 = times(f.S, ydd);
+  const Mat3<T> p = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  const Mat3<T> inertia = p.trace() * Mat3<T>::Identity() - p;
+  Mat3<T> d, e;  // ∫ r̄_i u̇_j dm, ∫ r̄_i ü_j dm
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const T* row = integrals + (3 * i + j) * s;
+      d(i, j) = dot(row, yd, s);
+      e(i, j) = dot(row, ydd, s);
+    }
+  BodyWrench<T> out;
+  out.force = T(b.mass) * acc + alpha.cross(moment) + sy2 + w.cross(w.cross(moment) + T(2) * sy1);
+  const Vec3<T> c_ydd(e(1, 2) - e(2, 1), e(2, 0) - e(0, 2), e(0, 1) - e(1, 0));
+  out.moment = moment.cross(acc) + inertia * alpha + c_ydd + w.cross(inertia * w) +
+               T(2) * (d.trace() * w - d.transpose() * w);
+
+  add_transposed<T>(f.S, acc, elastic);
+  // Coefficients of the rows S'^i_j: centrifugal, and Cᵀ α (C_a = S'^b_c − S'^c_b).
+  Mat3<T> g = w * w.transpose() - w.squaredNorm() * Mat3<T>::Identity();
+  g += skew<T>(alpha).transpose();
+  for (int r = 0; r < 9; ++r) {
+    const T c = g(r / 3, r % 3);
+    const T* row = integrals + r * s;
+    for (int k = 0; k < s; ++k) elastic[k] += c * row[k];
+  }
+  const T w0 = T(2) * w[0], w1 = T(2) * w[1], w2 = T(2) * w[2];
+  for (int l = 0; l < f.modes; ++l) {
+    const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(l) * 3 * s;
+    const T rate = yd[l];
+    for (int k = 0; k < s; ++k) elastic[k] += rate * (w0 * n[k] + w1 * n[s + k] + w2 * n[2 * s + k]);
+  }
+  if (f.identity_mass)
+    for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
+  else
+    for (int l = 0; l < f.modes; ++l)
+      for (int k = 0; k < s; ++k) elastic[k] += ydd[l] * f.mass(l, k);
+  if (f.diagonal_stiffness)
+    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
+  else
+    for (int l = 0; l < f.modes; ++l)
+      for (int k = 0; k < s; ++k) elastic[k] += f.stiffness(l, k) * y[l] + f.damping(l, k) * yd[l];
+  return out;
+}
+
+/// Generalised force of a frame's wrench on the modes of its body: out += Xᵀ f̄ + (J_l Xθ)ᵀ n̄, f, n in global
+/// axes.
+template <class T>
+void frame_modal_force(const FrameData& f, const Motion<T>& body, const T* y, const Vec3<T>& force,
+                       const Vec3<T>& moment, T* out) {
+  add_transposed<T>(f.X, body.rotation.transpose() * force, out);
+  if (!f.turns) return;
+  const Vec3<T> theta = times(f.X_theta, y);
+  add_transposed<T>(f.X_theta, left_jacobian<T>(theta).transpose() * (body.rotation.transpose() * moment),
+                    out);
+}
+
+/// out = M z̈ − Q + (wrenches already on the frames, taken as acting), after kinematics, forces and
+/// constraints. On entry `out` holds generalised forces of joint springs and drives (with the sign of the
+/// residual).
+template <class T>
+void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a, T* out) {
+  for (std::size_t i = m.bodies.size(); i-- > 0;) {
+    const BodyData& b = m.bodies[i];
+    const Motion<T>& motion = w.bodies[i];
+    const Mat3<T> At = motion.rotation.transpose();
+    const Vec3<T> acc = At * motion.acceleration, omega = At * motion.omega, alpha = At * motion.alpha;
+    BodyWrench<T> inertia;
+    T* y = w.scratch.data();
+    T* elastic = y;
+    if (b.modes == 0) {
+      inertia = rigid_inertia<T>(b, acc, omega, alpha);
+    } else {
+      const FlexibleData& f = m.flexible[b.flexible];
+      const int s = f.stride;
+      T *yd = y + s, *ydd = y + 2 * s;
+      elastic = y + 3 * s;
+      for (int k = 0; k < b.modes; ++k) {
+        y[k] = q[b.q + b.joint_positions + k];
+        yd[k] = v[b.v + b.joint_velocities + k];
+        ydd[k] = a[b.v + b.joint_velocities + k];
+      }
+      for (int k = b.modes; k < s; ++k) y[k] = yd[k] = ydd[k] = T(0);
+      for (int k = 0; k < s; ++k) elastic[k] = T(0);
+      T* integrals = w.integrals.data() + w.integral_offset[i];
+      deformed_integrals<T>(f, y, integrals);
+      inertia = flexible_inertia<T>(b, f, integrals, y, yd, ydd, acc, omega, alpha, elastic);
+    }
+    // About the common point.
+    Vec3<T> force = motion.rotation * inertia.force;
+    Vec3<T> moment = motion.rotation * inertia.moment + motion.position.cross(force);
+    for (int k = b.first_frame; k < b.last_frame; ++k) {
+      const Wrench<T>& wrench = w.wrenches[k];
+      force -= wrench.force;
+      moment -= wrench.moment + w.frames[k].position.cross(wrench.force);
+      const FrameData& f = m.frames[k];
+      if (f.flexible >= 0)
+        frame_modal_force<T>(f, motion, y, Vec3<T>(-wrench.force), Vec3<T>(-wrench.moment), elastic);
+    }
+    // The subtree's wrench passes through the body's own joint: to the joint coordinates and to the parent's
+    // frame.
+    const FrameData& own = m.frames[b.own_frame];
+    if (own.flexible >= 0) {
+      // Its own modes move the body away from the joint.
+      Motion<T> at;
+      frame_motion<T>(own, motion, y, y + m.flexible[b.flexible].stride,
+                      y + 2 * m.flexible[b.flexible].stride, at);
+      frame_modal_force<T>(own, motion, y, Vec3<T>(-force), Vec3<T>(-(moment - at.position.cross(force))),
+                           elastic);
+    }
+    for (int j = 0; j < b.joint_velocities; ++j)
+      out[b.v + j] += w.joint_linear[b.v + j].dot(force) + w.joint_angular[b.v + j].dot(moment);
+    for (int k = 0; k < b.modes; ++k) out[b.v + b.joint_velocities + k] += elastic[k];
+    w.transmitted[i] = {force, moment};
+    Wrench<T>& parent = w.wrenches[b.parent_frame];
+    parent.force -= force;
+    parent.moment -= moment - w.frames[b.parent_frame].position.cross(force);
+  }
+}
+
+}  // namespace mimbre::relative

@@ -1,0 +1,266 @@
+#include "dynamics/relative/system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dynamics/relative/constraints.h"
+#include "dynamics/relative/forces.h"
+#include "dynamics/relative/kinematics.h"
+#include "dynamics/relative/matrix.h"
+#include "dynamics/relative/residual.h"
+
+namespace mimbre::relative {
+
+template <class T>
+Workspace<T>::Workspace(const Compiled& m) {
+  // NaN everywhere, so that a value read before it is written shows.
+  const T nan = T(std::numeric_limits<double>::quiet_NaN());
+  const Vec3<T> nan3 = Vec3<T>::Constant(nan);
+  const Mat3<T> nan33 = Mat3<T>::Constant(nan);
+  bodies.assign(m.bodies.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
+  frames.assign(m.frames.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
+  joint_angular.assign(m.velocities, nan3);
+  joint_linear.assign(m.velocities, nan3);
+  wrenches.assign(m.frames.size(), {nan3, nan3});
+  transmitted.assign(m.bodies.size(), {nan3, nan3});
+  phi.assign(m.equations, nan);
+  phi_dot.assign(m.equations, nan);
+  phi_ddot.assign(m.equations, nan);
+  covector_linear.assign(m.equations, nan3);
+  covector_angular.assign(m.equations, nan3);
+  springs.assign(m.springs.size(), {nan, nan, nan, nan, nan, nan3});
+  tyres.assign(m.tyres.size(), {nan, nan, nan, nan});
+  joint_spring_stiffness.assign(m.joint_springs.size(), nan);
+  joint_spring_damping.assign(m.joint_springs.size(), nan);
+  joint_spring_force.assign(m.joint_springs.size(), nan);
+  columns.assign(m.column_storage, nan);
+  jacobian.assign(m.jacobian_storage, nan);
+  weighted.assign(m.jacobian_storage, nan);
+  composites.assign(m.bodies.size(), {nan, nan3, nan33});
+  int widest = 8, elastic = 0, integral = 0;
+  for (const BodyData& b : m.bodies) {
+    widest = std::max(widest, pad(b.size()));
+    elastic_offset.push_back(elastic);
+    integral_offset.push_back(integral);
+    if (b.modes == 0) continue;
+    elastic += 6 * pad(b.size());
+    integral += 9 * m.flexible[b.flexible].stride;
+  }
+  forces_of_columns.assign(6 * widest, nan);
+  elastic_forces.assign(elastic, nan);
+  integrals.assign(integral, nan);
+  scratch.assign(24 * widest, nan);
+}
+
+template struct Workspace<double>;
+
+/// A spring's share of the leading matrix, kg.
+static double spring_tangent(const Workspace<double>::SpringState& s, const MatrixWeights& weights) {
+  return weights.damping * s.damping + weights.stiffness * s.stiffness;
+}
+
+RelativeSystem::RelativeSystem(const Compiled& model)
+    : model_(model),
+      work_(model),
+      factor_(*model.symbolic),
+      penalty_(model.equations),
+      mu_(model.equations),
+      weight_(8),
+      spring_weight_(model.springs.size()),
+      tyre_weight_(model.tyres.size()) {
+  for (const LoopData& loop : model.loops)
+    for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
+  for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
+}
+
+void RelativeSystem::begin_step(const double* q) {
+  // The first body's joint frame: for a floating root its own origin, otherwise a point on the ground near
+  // it.
+  if (model_.bodies.empty()) return;
+  const BodyData& root = model_.bodies.front();
+  const FrameData& base = model_.frames[root.parent_frame];
+  Vec3d at = Vec3d::Zero();
+  if (root.joint == spec::JointType::floating && !root.reversed)
+    at = Vec3d(q[root.q], q[root.q + 1], q[root.q + 2]);
+  work_.origin = base.position + base.rotation * at;
+}
+
+[[gnu::flatten]] void RelativeSystem::kinematics(double t, const double* q, const double* v,
+                                                 const double* a) {
+  relative::kinematics<double>(model_, work_, q, v, a);
+  relative::constraints<double>(model_, work_, t, q, v, a);
+}
+
+[[gnu::flatten]] void RelativeSystem::residual(double t, const double* q, const double* v, const double* a,
+                                               const double* multipliers, double factor, double* r) {
+  kinematics(t, q, v, a);
+  forces<double>(model_, work_, t, q, v, r);
+  for (int k = 0; k < model_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
+  apply_multipliers<double>(model_, work_, mu_.data(), r);
+  relative::residual<double>(model_, work_, q, v, a, r);
+}
+
+void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
+  columns<double>(model_, work_, q);
+  relative::jacobian<double>(model_, work_);
+  factor_.set_zero();
+  double* values = factor_.values();
+  mass<double>(model_, work_, q, values);
+  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    const BodyData& b = model_.bodies[i];
+    if (b.modes == 0) continue;
+    const FlexibleData& f = model_.flexible[b.flexible];
+    const linalg::BlockPlace& place = model_.diagonal[i];
+    double* out = values + place.offset;
+    const int n0 = b.joint_velocities;
+    if (f.diagonal_stiffness) {
+      for (int k = 0; k < b.modes; ++k)
+        out[(n0 + k) * (place.row_stride + place.col_stride)] +=
+            weights.damping * f.damping(k, k) + weights.stiffness * f.stiffness(k, k);
+    } else {
+      for (int c = 0; c < b.modes; ++c)
+        for (int r = 0; r < b.modes; ++r)
+          out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
+              weights.damping * f.damping(r, c) + weights.stiffness * f.stiffness(r, c);
+    }
+  }
+  for (std::size_t k = 0; k < model_.springs.size(); ++k) {
+    const SpringData& s = model_.springs[k];
+    const double weight = spring_weight_[k] = spring_tangent(work_.springs[k], weights);
+    add_squares<double>(model_, s.path, work_.jacobian.data() + s.jacobian, 1, &weight, work_.weighted.data(),
+                        values);
+  }
+  for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
+    const double weight = tyre_weight_[k] = weights.stiffness * work_.tyres[k].stiffness;
+    if (weight != 0)
+      add_squares<double>(model_, model_.tyres[k].path, work_.jacobian.data() + model_.tyres[k].jacobian, 1,
+                          &weight, work_.weighted.data(), values);
+  }
+  for (std::size_t k = 0; k < model_.joint_springs.size(); ++k) {
+    const JointSpringData& s = model_.joint_springs[k];
+    const linalg::BlockPlace& place = model_.diagonal[s.body];
+    values[place.offset + s.local * (place.row_stride + place.col_stride)] +=
+        weights.damping * work_.joint_spring_damping[k] + weights.stiffness * work_.joint_spring_stiffness[k];
+  }
+  for (const LoopData& loop : model_.loops) {
+    for (int r = 0; r < loop.count; ++r) weight_[r] = weights.penalty * penalty_[loop.first_equation + r];
+    add_squares<double>(model_, loop.path, work_.jacobian.data() + loop.jacobian, loop.count, weight_.data(),
+                        work_.weighted.data(), values);
+  }
+  for (const DriveData& d : model_.drives) {
+    const linalg::BlockPlace& place = model_.diagonal[d.body];
+    values[place.offset + d.local * (place.row_stride + place.col_stride)] +=
+        weights.penalty * penalty_[d.equation];
+  }
+}
+
+linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
+  assemble(q, weights);
+  return factor_.factor();
+}
+
+bool RelativeSystem::tangent_changed(const MatrixWeights& weights) const {
+  const double small = 0.02 * model_.mass_scale;
+  for (std::size_t k = 0; k < model_.springs.size(); ++k)
+    if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
+  for (std::size_t k = 0; k < model_.tyres.size(); ++k)
+    if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
+  return false;
+}
+
+void RelativeSystem::multiply(const double* x, double* y) const {
+  linalg::multiply(*model_.symbolic, factor_.values(), x, y);
+}
+
+void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
+  for (const LoopData& loop : model_.loops)
+    for (int r = 0; r < loop.count; ++r)
+      add_row_transposed<double>(model_, loop.path,
+                                 work_.jacobian.data() + loop.jacobian + r * loop.path.width,
+                                 weight * y[loop.first_equation + r], out);
+  for (const DriveData& d : model_.drives) out[d.v] += weight * y[d.equation];
+}
+
+void RelativeSystem::jacobian_times(const double* x, double* out) const {
+  for (const LoopData& loop : model_.loops)
+    for (int r = 0; r < loop.count; ++r)
+      out[loop.first_equation + r] = row_times<double>(
+          model_, loop.path, work_.jacobian.data() + loop.jacobian + r * loop.path.width, x);
+  for (const DriveData& d : model_.drives) out[d.equation] = x[d.v];
+}
+
+void RelativeSystem::temper_prediction(double h, double* x) const {
+  for (const BodyData& b : model_.bodies) {
+    if (b.modes == 0) continue;
+    const FlexibleData& f = model_.flexible[b.flexible];
+    for (int k = 0; k < b.modes; ++k)
+      x[b.v + b.joint_velocities + k] /= 1 + h * h * f.stiffness(k, k) / f.mass(k, k);
+  }
+}
+
+void RelativeSystem::retract(const double* q, const double* x, double* out) const {
+  for (const BodyData& b : model_.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    const double* qb = q + b.q;
+    const double* xb = x + b.v;
+    double* ob = out + b.q;
+    const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
+    for (int k = 0; k < plain; ++k) ob[k] = qb[k] + xb[k];
+    if (info.quaternion >= 0) {
+      const double* p = qb + info.quaternion;
+      const double* t = xb + info.rotation;
+      Quat<double> r = quaternion_product<double>(Quat<double>(p[0], p[1], p[2], p[3]),
+                                                  quaternion_exp<double>(Vec3d(t[0], t[1], t[2])));
+      r.normalize();
+      for (int k = 0; k < 4; ++k) ob[info.quaternion + k] = r[k];
+    }
+    for (int k = 0; k < b.modes; ++k)
+      ob[info.positions + k] = qb[info.positions + k] + xb[info.velocities + k];
+  }
+}
+
+void RelativeSystem::compose(double* x, const double* d) const {
+  for (const BodyData& b : model_.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    double* xb = x + b.v;
+    const double* db = d + b.v;
+    const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
+    for (int k = 0; k < plain; ++k) xb[k] += db[k];
+    if (info.quaternion >= 0) {
+      double* t = xb + info.rotation;
+      const double* s = db + info.rotation;
+      const Vec3d sum = quaternion_log<double>(quaternion_product<double>(
+          quaternion_exp<double>(Vec3d(t[0], t[1], t[2])), quaternion_exp<double>(Vec3d(s[0], s[1], s[2]))));
+      for (int k = 0; k < 3; ++k) t[k] = sum[k];
+    }
+    for (int k = 0; k < b.modes; ++k) xb[info.velocities + k] += db[info.velocities + k];
+  }
+}
+
+Motion<double> output_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
+                             const double* a) {
+  const Compiled& m = system.model();
+  const FrameData& f = m.frames[frame];
+  if (frame < m.dynamic_frames) return system.workspace().frames[frame];
+  Motion<double> out;
+  if (f.body < 0) {
+    out.rotation = f.rotation;
+    out.position = f.position - system.workspace().origin;
+    out.velocity = out.omega = out.alpha = Vec3d::Zero();
+    out.acceleration = -m.gravity;
+    return out;
+  }
+  const BodyData& b = m.bodies[f.body];
+  const int s = b.modes > 0 ? m.flexible[b.flexible].stride : 0;
+  std::vector<double> y(3 * s + 1, 0.0);
+  for (int k = 0; k < b.modes; ++k) {
+    y[k] = q[b.q + b.joint_positions + k];
+    y[s + k] = v[b.v + b.joint_velocities + k];
+    y[2 * s + k] = a[b.v + b.joint_velocities + k];
+  }
+  frame_motion<double>(f, system.workspace().bodies[f.body], y.data(), y.data() + s, y.data() + 2 * s, out);
+  return out;
+}
+
+}  // namespace mimbre::relative

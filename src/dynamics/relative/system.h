@@ -1,0 +1,57 @@
+#pragma once
+#include <memory>
+
+#include "dynamics/relative/workspace.h"
+#include "integrate/system.h"
+
+namespace mimbre::relative {
+
+/// The semi-recursive formulation in relative coordinates (Lugrís 2008, chapter 2) behind the System
+/// interface.
+class RelativeSystem final : public System {
+ public:
+  explicit RelativeSystem(const Compiled& model);
+
+  int positions() const override { return model_.positions; }
+  int velocities() const override { return model_.velocities; }
+  int equations() const override { return model_.equations; }
+  const double* penalty() const override { return penalty_.data(); }
+  void begin_step(const double* q) override;
+  void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
+                double factor, double* r) override;
+  void kinematics(double t, const double* q, const double* v, const double* a) override;
+  const double* phi() const override { return work_.phi.data(); }
+  const double* phi_dot() const override { return work_.phi_dot.data(); }
+  const double* phi_ddot() const override { return work_.phi_ddot.data(); }
+  linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
+  void solve(double* x) const override { factor_.solve(x); }
+  bool tangent_changed(const MatrixWeights& weights) const override;
+  void add_jacobian_transposed(const double* y, double weight, double* out) const override;
+  void jacobian_times(const double* x, double* out) const override;
+  void temper_prediction(double h, double* x) const override;
+  void retract(const double* q, const double* x, double* out) const override;
+  void compose(double* x, const double* d) const override;
+
+  /// Assembles without factorising: for tests and analyses. Same arguments as factor().
+  void assemble(const double* q, const MatrixWeights& weights);
+  /// Multiplies the assembled (not factorised) matrix: y = A x.
+  void multiply(const double* x, double* y) const;
+
+  const Compiled& model() const { return model_; }
+  Workspace<double>& workspace() { return work_; }
+  const Workspace<double>& workspace() const { return work_; }
+
+ private:
+  const Compiled& model_;
+  Workspace<double> work_;
+  linalg::BlockFactor<double> factor_;
+  std::vector<double> penalty_, mu_, weight_;
+  std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
+};
+
+/// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for
+/// output.
+Motion<double> output_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
+                             const double* a);
+
+}  // namespace mimbre::relative

@@ -1,0 +1,24 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "integrate/integrator.h"
+
+namespace mimbre {
+
+/// Φz of the system at (t, q), dense: equations × velocities.
+Eigen::MatrixXd dense_jacobian(System& system, double t, const Eigen::VectorXd& q);
+
+/// Moves q onto the constraints with the least change of the coordinates, `weight` (velocities × 1, ≥ 0)
+/// saying how readily each one moves; 0: not at all. Returns the violation that is left, max |Φ|.
+double close_positions(System& system, double t, const Eigen::VectorXd& weight, Eigen::VectorXd& q);
+
+/// The same for velocities: Φz v = −Φt. Returns max |Φ̇|.
+double close_velocities(System& system, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& weight,
+                        Eigen::VectorXd& v);
+
+/// Accelerations and multipliers of the equations of motion at state.time, q, v: M a + Φzᵀ λ = Q, Φ̈ = 0.
+/// False when they are not found.
+bool solve_accelerations(System& system, State& state);
+
+}  // namespace mimbre

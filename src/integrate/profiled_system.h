@@ -1,0 +1,77 @@
+#pragma once
+#include <chrono>
+
+#include "integrate/system.h"
+
+namespace mimbre {
+
+/// Seconds of wall time spent in a system's evaluations, by phase.
+struct PhaseSeconds {
+  double residual = 0;    ///< inverse dynamics in the iterations
+  double matrix = 0;      ///< assembly and factorisation
+  double solution = 0;    ///< back substitutions and Jacobian products
+  double kinematics = 0;  ///< for the projections
+};
+
+/// Passes everything on to another system and adds up the time that it takes.
+class ProfiledSystem final : public System {
+ public:
+  explicit ProfiledSystem(System& system) : system_(system) {}
+  const PhaseSeconds& seconds() const { return seconds_; }
+
+  int positions() const override { return system_.positions(); }
+  int velocities() const override { return system_.velocities(); }
+  int equations() const override { return system_.equations(); }
+  const double* penalty() const override { return system_.penalty(); }
+  void begin_step(const double* q) override { system_.begin_step(q); }
+  void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
+                double factor, double* r) override {
+    const Timer timer(seconds_.residual);
+    system_.residual(t, q, v, a, multipliers, factor, r);
+  }
+  void kinematics(double t, const double* q, const double* v, const double* a) override {
+    const Timer timer(seconds_.kinematics);
+    system_.kinematics(t, q, v, a);
+  }
+  const double* phi() const override { return system_.phi(); }
+  const double* phi_dot() const override { return system_.phi_dot(); }
+  const double* phi_ddot() const override { return system_.phi_ddot(); }
+  linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override {
+    const Timer timer(seconds_.matrix);
+    return system_.factor(q, weights);
+  }
+  void solve(double* x) const override {
+    const Timer timer(seconds_.solution);
+    system_.solve(x);
+  }
+  bool tangent_changed(const MatrixWeights& weights) const override {
+    return system_.tangent_changed(weights);
+  }
+  void add_jacobian_transposed(const double* y, double weight, double* out) const override {
+    const Timer timer(seconds_.solution);
+    system_.add_jacobian_transposed(y, weight, out);
+  }
+  void jacobian_times(const double* x, double* out) const override {
+    const Timer timer(seconds_.solution);
+    system_.jacobian_times(x, out);
+  }
+  void temper_prediction(double h, double* x) const override { system_.temper_prediction(h, x); }
+  void retract(const double* q, const double* x, double* out) const override { system_.retract(q, x, out); }
+  void compose(double* x, const double* d) const override { system_.compose(x, d); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Timer {
+    explicit Timer(double& seconds) : total(seconds) {}
+    ~Timer() { total += std::chrono::duration<double>(Clock::now() - start).count(); }
+    Timer(const Timer&) = delete;
+    Timer& operator=(const Timer&) = delete;
+    double& total;
+    Clock::time_point start = Clock::now();
+  };
+
+  System& system_;
+  mutable PhaseSeconds seconds_;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,47 @@
+#pragma once
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace mimbre::model_file {
+
+/// The value of a parameter: a number (booleans are 1 and 0) or a word.
+using ParameterValue = std::variant<double, std::string>;
+
+/// Parameters that are visible at a place: a template's own first, then the model's.
+struct Scope {
+  const Scope* outer = nullptr;
+  std::map<std::string, ParameterValue> values;
+  /// Words that parameters may have, numbered, so that expressions can compare them: `arms == flexible`.
+  std::map<std::string, int> words;
+
+  const ParameterValue* find(const std::string& name) const;
+  const int* find_word(const std::string& word) const;
+  std::vector<std::string> names() const;
+};
+
+/// What is wrong with an expression, in words for the user.
+struct ExpressionError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+bool is_function_name(const std::string& name);
+
+/// The expression with parameters replaced by their values, so that only `variables` and functions are left.
+/// Throws ExpressionError on unknown names and on what is no part of an expression.
+std::string substitute_parameters(const std::string& text, const Scope& scope,
+                                  const std::vector<std::string>& variables);
+
+/// The finite value of an expression over parameters. Throws ExpressionError.
+double evaluate(const std::string& text, const Scope& scope);
+
+/// A text value: `$name` is the parameter's value, `condition ? word : word` one of the words, anything else
+/// itself.
+std::string evaluate_word(const std::string& text, const Scope& scope);
+
+/// A parameter's value as one writes it.
+std::string to_text(const ParameterValue& value);
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,440 @@
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/reduced_body.h"
+
+// The layout is in docs/reduced-body-format.md. Arrays go through row-major buffers because HDF5 is
+// row-major.
+
+namespace mimbre {
+namespace {
+
+constexpr const char* kFormat = "mimbre-reduced-body-1";
+/// More than any real body has: a damaged or hostile file must not make us ask for all of the memory.
+constexpr std::uint64_t kMaxElements = std::uint64_t{1} << 27;
+
+using Shape = std::vector<hsize_t>;
+
+/// What goes wrong inside; save and load turn it into an InputError with the file's name.
+struct FileProblem : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+hid_t checked(hid_t id, const std::string& problem) {
+  if (id < 0) throw FileProblem(problem);
+  return id;
+}
+
+/// Owns one HDF5 identifier.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& problem)
+      : id_(checked(id, problem)), close_(close) {}
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Keeps HDF5 from printing its error stack while it lives: we report errors ourselves.
+class SilentErrors {
+ public:
+  SilentErrors() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~SilentErrors() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  SilentErrors(const SilentErrors&) = delete;
+  SilentErrors& operator=(const SilentErrors&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+std::uint64_t element_count(const Shape& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::uint64_t{1}, std::multiplies<>());
+}
+
+std::string to_string(const Shape& shape) { return fmt::format("{}", fmt::join(shape, " x ")); }
+
+Handle dataspace(const Shape& shape) {
+  return {shape.empty() ? H5Screate(H5S_SCALAR)
+                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+          H5Sclose, "cannot describe an array"};
+}
+
+/// Row-major entries of a column-major matrix.
+template <typename Derived>
+void append_rows(std::vector<double>& buffer, const Eigen::MatrixBase<Derived>& matrix) {
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) buffer.push_back(matrix(i, j));
+}
+
+// ----------------------------------------------------------------------------------------------------
+// writing
+
+/// A creation property list without time stamps, so that the same body gives the same bytes.
+Handle without_times(hid_t property_class) {
+  const hid_t list = checked(H5Pcreate(property_class), "cannot create a property list");
+  H5Pset_obj_track_times(list, false);
+  return {list, H5Pclose, {}};
+}
+
+void write_data(hid_t place, const std::string& name, const Shape& shape, hid_t file_type, hid_t memory_type,
+                const void* data) {
+  const std::string problem = fmt::format("cannot write '{}'", name);
+  const Handle space = dataspace(shape);
+  const Handle creation = without_times(H5P_DATASET_CREATE);
+  const Handle set(H5Dcreate2(place, name.c_str(), file_type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
+                   H5Dclose, problem);
+  if (element_count(shape) > 0)
+    checked(H5Dwrite(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), problem);
+}
+
+void write_doubles(hid_t place, const std::string& name, const Shape& shape,
+                   const std::vector<double>& data) {
+  write_data(place, name, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, data.data());
+}
+
+template <typename Derived>
+void write_matrix(hid_t place, const std::string& name, const Eigen::MatrixBase<Derived>& matrix) {
+  std::vector<double> buffer;
+  append_rows(buffer, matrix);
+  Shape shape{static_cast<hsize_t>(matrix.rows())};
+  if constexpr (Derived::ColsAtCompileTime != 1) shape.push_back(static_cast<hsize_t>(matrix.cols()));
+  write_doubles(place, name, shape, buffer);
+}
+
+void write_attribute(hid_t place, const std::string& name, hid_t file_type, hid_t memory_type,
+                     const void* data) {
+  const std::string problem = fmt::format("cannot write attribute '{}'", name);
+  const Handle space = dataspace({});
+  const Handle attribute(H5Acreate2(place, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, problem);
+  checked(H5Awrite(attribute, memory_type, data), problem);
+}
+
+/// UTF-8 text of fixed length, filled up with zeros: variable-length text would put its bytes into a shared
+/// heap.
+Handle text_type(std::size_t size) {
+  const hid_t type = checked(H5Tcopy(H5T_C_S1), "cannot create a text type");
+  H5Tset_size(type, std::max<std::size_t>(size, 1));
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return {type, H5Tclose, {}};
+}
+
+void write_text_attribute(hid_t place, const std::string& name, std::string text) {
+  const Handle type = text_type(text.size());
+  text.resize(std::max<std::size_t>(text.size(), 1));
+  write_attribute(place, name, type, type, text.data());
+}
+
+void write_texts(hid_t place, const std::string& name, const std::vector<std::string>& texts) {
+  std::size_t size = 1;
+  for (const std::string& text : texts) size = std::max(size, text.size());
+  std::string buffer;
+  for (const std::string& text : texts) buffer += text + std::string(size - text.size(), '\0');
+  const Handle type = text_type(size);
+  write_data(place, name, {texts.size()}, type, type, buffer.data());
+}
+
+Handle create_group(hid_t place, const std::string& name) {
+  const Handle creation = without_times(H5P_GROUP_CREATE);
+  return {H5Gcreate2(place, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose,
+          fmt::format("cannot create group '{}'", name)};
+}
+
+void write_frame(hid_t place, const std::string& name, const BodyFrame& frame) {
+  const Handle group = create_group(place, name);
+  write_text_attribute(group, "name", frame.name);
+  write_matrix(group, "position", frame.position);
+  write_matrix(group, "rotation", frame.rotation);
+  write_matrix(group, "X", frame.X);
+  write_matrix(group, "X_theta", frame.X_theta);
+}
+
+void write_lines(hid_t file, const std::vector<std::array<int, 2>>& lines) {
+  std::vector<std::int32_t> buffer;
+  for (const auto& line : lines) buffer.insert(buffer.end(), line.begin(), line.end());
+  write_data(file, "lines", {lines.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT32, buffer.data());
+}
+
+void write_body(hid_t file, const ReducedBody& body) {
+  const auto modes = static_cast<hsize_t>(body.modes);
+  write_text_attribute(file, "format", kFormat);
+  write_text_attribute(file, "name", body.name);
+  write_attribute(file, "modes", H5T_STD_I32LE, H5T_NATIVE_INT, &body.modes);
+  write_attribute(file, "mass", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &body.mass);
+  write_attribute(file, "line_radius", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &body.line_radius);
+  write_texts(file, "mode_names", body.mode_names);
+  write_matrix(file, "first_moment", body.first_moment);
+  write_matrix(file, "second_moment", body.second_moment);
+  write_matrix(file, "S", body.S);
+  std::vector<double> positions;
+  std::vector<double> pairs;
+  for (int i = 0; i < 3; ++i) {
+    append_rows(positions, body.S_position[i]);
+    for (int j = 0; j < 3; ++j) append_rows(pairs, body.S_modes[i][j]);
+  }
+  write_doubles(file, "S_position", {3, 3, modes}, positions);
+  write_doubles(file, "S_modes", {3, 3, modes, modes}, pairs);
+  write_matrix(file, "mass_matrix", body.mass_matrix);
+  write_matrix(file, "stiffness", body.stiffness);
+  write_matrix(file, "damping", body.damping);
+  write_matrix(file, "user_from_modal", body.user_from_modal);
+  write_matrix(file, "eigenfrequencies", body.eigenfrequencies);
+  write_matrix(file, "nodes", body.nodes.transpose());
+  // modes × nodes × 3: the transpose of the matrix, whose rows run over nodes, then directions
+  std::vector<double> shapes;
+  append_rows(shapes, body.node_shapes.transpose());
+  write_doubles(file, "node_shapes", {modes, static_cast<hsize_t>(body.nodes.cols()), 3}, shapes);
+  write_lines(file, body.lines);
+  const Handle frames = create_group(file, "frames");
+  for (std::size_t k = 0; k < body.frames.size(); ++k) write_frame(frames, std::to_string(k), body.frames[k]);
+}
+
+// ----------------------------------------------------------------------------------------------------
+// reading
+
+/// The dataset's shape, after a check that it is one and of a size that can be read.
+Shape shape_of(hid_t set, const std::string& name) {
+  const Handle space(H5Dget_space(set), H5Sclose, fmt::format("'{}' has no shape", name));
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank < 0) throw FileProblem(fmt::format("'{}' has no shape", name));
+  Shape shape(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  std::uint64_t count = 1;
+  for (hsize_t extent : shape) {
+    if (extent > kMaxElements || (count *= extent) > kMaxElements)
+      throw FileProblem(fmt::format("'{}' is too large: {}", name, to_string(shape)));
+  }
+  return shape;
+}
+
+Handle open_dataset(hid_t place, const std::string& name) {
+  return {H5Dopen2(place, name.c_str(), H5P_DEFAULT), H5Dclose, fmt::format("dataset '{}' is missing", name)};
+}
+
+constexpr hsize_t kAny = std::numeric_limits<hsize_t>::max();
+
+/// Compares with `expected`, where kAny stands for any extent.
+void require_shape(const std::string& name, const Shape& shape, const Shape& expected) {
+  bool same = shape.size() == expected.size();
+  for (std::size_t i = 0; same && i < shape.size(); ++i)
+    same = expected[i] == kAny || shape[i] == expected[i];
+  if (same) return;
+  std::vector<std::string> words;
+  for (hsize_t extent : expected) words.push_back(extent == kAny ? "any" : std::to_string(extent));
+  throw FileProblem(fmt::format("dataset '{}' must be {}, is {}", name, fmt::join(words, " x "),
+                                shape.empty() ? "a single value" : to_string(shape)));
+}
+
+template <typename Number>
+std::pair<std::vector<Number>, Shape> read_numbers(hid_t place, const std::string& name,
+                                                   const Shape& expected, hid_t memory_type) {
+  const Handle set = open_dataset(place, name);
+  const Shape shape = shape_of(set, name);
+  require_shape(name, shape, expected);
+  std::vector<Number> data(element_count(shape));
+  if (!data.empty())
+    checked(H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()),
+            fmt::format("dataset '{}' cannot be read as numbers", name));
+  return {std::move(data), shape};
+}
+
+std::vector<double> read_doubles(hid_t place, const std::string& name, const Shape& expected) {
+  return read_numbers<double>(place, name, expected, H5T_NATIVE_DOUBLE).first;
+}
+
+Eigen::MatrixXd from_rows(const double* data, Eigen::Index rows, Eigen::Index columns) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const RowMajor>(data, rows, columns);
+}
+
+Eigen::MatrixXd read_matrix(hid_t place, const std::string& name, hsize_t rows, hsize_t columns) {
+  const std::vector<double> data = read_doubles(place, name, {rows, columns});
+  return from_rows(data.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+}
+
+Handle open_attribute(hid_t place, const std::string& name) {
+  return {H5Aopen(place, name.c_str(), H5P_DEFAULT), H5Aclose,
+          fmt::format("attribute '{}' is missing", name)};
+}
+
+/// Before reading into one value's memory.
+void require_single(hid_t attribute, const std::string& name) {
+  const Handle space(H5Aget_space(attribute), H5Sclose, fmt::format("attribute '{}' has no shape", name));
+  if (H5Sget_simple_extent_npoints(space) != 1)
+    throw FileProblem(fmt::format("attribute '{}' must be a single value", name));
+}
+
+template <typename Number>
+Number read_number_attribute(hid_t place, const std::string& name, hid_t memory_type) {
+  const Handle attribute = open_attribute(place, name);
+  require_single(attribute, name);
+  Number value{};
+  checked(H5Aread(attribute, memory_type, &value), fmt::format("attribute '{}' must be a number", name));
+  return value;
+}
+
+/// Bytes of one fixed-length text; other writers' variable-length ones are refused with a clear message.
+std::size_t text_size(hid_t type, const std::string& name) {
+  if (H5Tget_class(type) != H5T_STRING) throw FileProblem(fmt::format("'{}' must be text", name));
+  if (H5Tis_variable_str(type) > 0) throw FileProblem(fmt::format("'{}' must be text of fixed length", name));
+  const std::size_t size = H5Tget_size(type);
+  if (size > 65536) throw FileProblem(fmt::format("text '{}' is too long", name));
+  return size;
+}
+
+std::string without_padding(const std::string& text) { return text.substr(0, text.find('\0')); }
+
+std::string read_text_attribute(hid_t place, const std::string& name) {
+  const Handle attribute = open_attribute(place, name);
+  require_single(attribute, name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, fmt::format("attribute '{}' has no type", name));
+  std::string text(text_size(type, name), '\0');
+  checked(H5Aread(attribute, type, text.data()), fmt::format("attribute '{}' cannot be read", name));
+  return without_padding(text);
+}
+
+std::vector<std::string> read_texts(hid_t place, const std::string& name, hsize_t count) {
+  const Handle set = open_dataset(place, name);
+  require_shape(name, shape_of(set, name), {count});
+  const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", name));
+  const std::size_t size = text_size(type, name);
+  if (size * count > kMaxElements) throw FileProblem(fmt::format("'{}' is too large", name));
+  std::string buffer(size * count, '\0');
+  if (count > 0)
+    checked(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer.data()),
+            fmt::format("dataset '{}' cannot be read", name));
+  std::vector<std::string> texts;
+  for (hsize_t i = 0; i < count; ++i) texts.push_back(without_padding(buffer.substr(i * size, size)));
+  return texts;
+}
+
+BodyFrame read_frame(hid_t place, const std::string& name, hsize_t modes) {
+  const Handle group(H5Gopen2(place, name.c_str(), H5P_DEFAULT), H5Gclose,
+                     fmt::format("group 'frames/{}' is missing", name));
+  try {
+    BodyFrame frame;
+    frame.name = read_text_attribute(group, "name");
+    frame.position = Eigen::Vector3d(read_doubles(group, "position", {3}).data());
+    frame.rotation = read_matrix(group, "rotation", 3, 3);
+    frame.X = read_matrix(group, "X", 3, modes);
+    frame.X_theta = read_matrix(group, "X_theta", 3, modes);
+    return frame;
+  } catch (const FileProblem& problem) {
+    throw FileProblem(fmt::format("group 'frames/{}': {}", name, problem.what()));
+  }
+}
+
+std::vector<BodyFrame> read_frames(hid_t file, hsize_t modes) {
+  const Handle group(H5Gopen2(file, "frames", H5P_DEFAULT), H5Gclose, "group 'frames' is missing");
+  H5G_info_t info{};
+  checked(H5Gget_info(group, &info), "group 'frames' cannot be read");
+  std::vector<BodyFrame> frames;
+  for (hsize_t k = 0; k < info.nlinks; ++k) frames.push_back(read_frame(group, std::to_string(k), modes));
+  return frames;
+}
+
+std::vector<std::array<int, 2>> read_lines(hid_t file) {
+  const auto [data, shape] = read_numbers<int>(file, "lines", {kAny, 2}, H5T_NATIVE_INT);
+  std::vector<std::array<int, 2>> lines;
+  for (hsize_t i = 0; i < shape[0]; ++i) lines.push_back({data[2 * i], data[2 * i + 1]});
+  return lines;
+}
+
+ReducedBody read_body(hid_t file) {
+  if (const std::string format = read_text_attribute(file, "format"); format != kFormat)
+    throw FileProblem(fmt::format("its format is '{}', expected '{}'", format, kFormat));
+  ReducedBody body;
+  body.name = read_text_attribute(file, "name");
+  body.modes = read_number_attribute<int>(file, "modes", H5T_NATIVE_INT);
+  if (body.modes < 0)
+    throw FileProblem(fmt::format("attribute 'modes' must not be negative, is {}", body.modes));
+  body.mass = read_number_attribute<double>(file, "mass", H5T_NATIVE_DOUBLE);
+  body.line_radius = read_number_attribute<double>(file, "line_radius", H5T_NATIVE_DOUBLE);
+
+  const auto modes = static_cast<hsize_t>(body.modes);
+  const Eigen::Index n = body.modes;
+  body.mode_names = read_texts(file, "mode_names", modes);
+  body.first_moment = Eigen::Vector3d(read_doubles(file, "first_moment", {3}).data());
+  body.second_moment = read_matrix(file, "second_moment", 3, 3);
+  body.S = read_matrix(file, "S", 3, modes);
+  const std::vector<double> positions = read_doubles(file, "S_position", {3, 3, modes});
+  const std::vector<double> pairs = read_doubles(file, "S_modes", {3, 3, modes, modes});
+  for (int i = 0; i < 3; ++i) {
+    body.S_position[i] = from_rows(positions.data() + 3 * n * i, 3, n);
+    for (int j = 0; j < 3; ++j) body.S_modes[i][j] = from_rows(pairs.data() + n * n * (3 * i + j), n, n);
+  }
+  body.mass_matrix = read_matrix(file, "mass_matrix", modes, modes);
+  body.stiffness = read_matrix(file, "stiffness", modes, modes);
+  body.damping = read_matrix(file, "damping", modes, modes);
+  body.user_from_modal = read_matrix(file, "user_from_modal", modes, modes);
+  const std::vector<double> frequencies = read_doubles(file, "eigenfrequencies", {kAny});
+  body.eigenfrequencies = from_rows(frequencies.data(), static_cast<Eigen::Index>(frequencies.size()), 1);
+
+  const auto [nodes, nodes_shape] = read_numbers<double>(file, "nodes", {kAny, 3}, H5T_NATIVE_DOUBLE);
+  const auto points = static_cast<Eigen::Index>(nodes_shape[0]);
+  body.nodes = from_rows(nodes.data(), points, 3).transpose();
+  const std::vector<double> shapes = read_doubles(file, "node_shapes", {modes, nodes_shape[0], 3});
+  body.node_shapes = from_rows(shapes.data(), n, 3 * points).transpose();
+  body.lines = read_lines(file);
+  body.frames = read_frames(file, modes);
+  return body;
+}
+
+void throw_if_unsound(const ReducedBody& body, const std::string& prefix) {
+  std::vector<Diagnostic> diagnostics;
+  for (const std::string& message : check(body)) diagnostics.push_back({Mark{}, prefix + message});
+  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
+}
+
+}  // namespace
+
+void save(const ReducedBody& body, const std::string& path) {
+  throw_if_unsound(body, fmt::format("cannot save reduced body '{}': ", path));
+  const SilentErrors silent;
+  try {
+    const Handle creation = without_times(H5P_FILE_CREATE);
+    const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT), H5Fclose,
+                      "the file cannot be created");
+    write_body(file, body);
+    checked(H5Fflush(file, H5F_SCOPE_LOCAL), "the file cannot be written");
+  } catch (const FileProblem& problem) {
+    throw InputError(Mark{}, fmt::format("cannot save reduced body '{}': {}", path, problem.what()));
+  }
+}
+
+ReducedBody load_reduced_body(const std::string& path) {
+  const SilentErrors silent;
+  const std::string prefix = fmt::format("cannot load reduced body '{}': ", path);
+  try {
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                      "no such file, or not a complete HDF5 file");
+    ReducedBody body = read_body(file);
+    throw_if_unsound(body, prefix);
+    return body;
+  } catch (const FileProblem& problem) {
+    throw InputError(Mark{}, prefix + problem.what());
+  } catch (const std::bad_alloc&) {
+    throw InputError(Mark{}, prefix + "it is too large for the memory");
+  }
+}
+
+}  // namespace mimbre

@@ -1,0 +1,38 @@
+#pragma once
+#include "math/rotation.h"
+
+namespace mimbre {
+
+/// What a joint contributes to kinematics: the motion of its frame b relative to its frame a, in a's axes.
+/// Column j: angular velocity `angular.col(j)` and velocity of b's origin `linear.col(j)` per unit velocity
+/// coordinate j. The biases are Σ_j ċol_j v_j, the derivative taken in a's axes.
+template <class T>
+struct JointMotion {
+  Mat3<T> rotation;  ///< b's axes to a's axes
+  Vec3<T> displacement;
+  Eigen::Matrix<T, 3, 6> angular;
+  Eigen::Matrix<T, 3, 6> linear;
+  Vec3<T> angular_bias;
+  Vec3<T> linear_bias;
+
+  void reset() {
+    rotation.setIdentity();
+    displacement.setZero();
+    angular.setZero();
+    linear.setZero();
+    angular_bias.setZero();
+    linear_bias.setZero();
+  }
+};
+
+/// Rotation about z.
+template <class T>
+Mat3<T> rotation_z(const T& angle) {
+  using std::cos, std::sin;
+  const T c = cos(angle), s = sin(angle);
+  Mat3<T> r;
+  r << c, -s, T(0), s, c, T(0), T(0), T(0), T(1);
+  return r;
+}
+
+}  // namespace mimbre

@@ -1,0 +1,13 @@
+#pragma once
+#include "joints/motion.h"
+
+namespace mimbre {
+
+/// Rotation q0 about z.
+template <class T>
+void revolute_motion(const T* q, const T*, JointMotion<T>& m) {
+  m.rotation = rotation_z(q[0]);
+  m.angular(2, 0) = T(1);
+}
+
+}  // namespace mimbre

@@ -1,0 +1,129 @@
+#pragma once
+#include <array>
+#include <string_view>
+
+#include "joints/cylindrical.h"
+#include "joints/fixed.h"
+#include "joints/floating.h"
+#include "joints/planar.h"
+#include "joints/prismatic.h"
+#include "joints/revolute.h"
+#include "joints/spherical.h"
+#include "joints/universal.h"
+#include "mimbre/spec.h"
+
+namespace mimbre {
+
+/// One scalar equation that closes a cut joint, between frames a and b.
+/// distance: a's axis `axis_a` · (origin of b − origin of a) = 0, in a's axes.
+/// angle: a's axis `axis_a` · b's axis `axis_b` = 0.
+struct ClosingEquation {
+  enum class Kind { distance, angle } kind;
+  int axis_a;
+  int axis_b;
+};
+
+/// All that the library knows of a joint type besides its motion.
+struct JointInfo {
+  spec::JointType type;
+  std::string_view name;
+  int velocities;  ///< number of velocity coordinates
+  int positions;   ///< number of position coordinates
+  int quaternion;  ///< index of the unit quaternion among the positions, -1 when there is none
+  int rotation;    ///< index of its three angular velocities among the velocities
+  int equations;   ///< equations when cut
+  std::array<ClosingEquation, 6> closing;
+};
+
+namespace closing {
+constexpr auto D = ClosingEquation::Kind::distance;
+constexpr auto A = ClosingEquation::Kind::angle;
+constexpr ClosingEquation dx{D, 0, 0}, dy{D, 1, 0}, dz{D, 2, 0};
+constexpr ClosingEquation xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
+}  // namespace closing
+
+/// A new joint type is one file with its motion, a row here and a line in joint_motion below.
+constexpr std::array<JointInfo, 9> joint_table{{
+    {spec::JointType::fixed,
+     "fixed",
+     0,
+     0,
+     -1,
+     0,
+     6,
+     {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::bracket,
+     "bracket",
+     0,
+     0,
+     -1,
+     0,
+     6,
+     {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::revolute,
+     "revolute",
+     1,
+     1,
+     -1,
+     0,
+     5,
+     {closing::dx, closing::dy, closing::dz, closing::xz, closing::yz}},
+    {spec::JointType::prismatic,
+     "prismatic",
+     1,
+     1,
+     -1,
+     0,
+     5,
+     {closing::dx, closing::dy, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::cylindrical,
+     "cylindrical",
+     2,
+     2,
+     -1,
+     0,
+     4,
+     {closing::dx, closing::dy, closing::xz, closing::yz}},
+    {spec::JointType::universal,
+     "universal",
+     2,
+     2,
+     -1,
+     0,
+     4,
+     {closing::dx, closing::dy, closing::dz, closing::xy}},
+    {spec::JointType::spherical, "spherical", 3, 4, 0, 0, 3, {closing::dx, closing::dy, closing::dz}},
+    {spec::JointType::planar, "planar", 3, 3, -1, 0, 3, {closing::dz, closing::xz, closing::yz}},
+    {spec::JointType::floating, "floating", 6, 7, 3, 3, 0, {}},
+}};
+
+constexpr const JointInfo& joint_info(spec::JointType type) {
+  return joint_table[static_cast<std::size_t>(type)];
+}
+
+/// Motion of b relative to a at positions q with velocities v.
+template <class T>
+void joint_motion(spec::JointType type, const T* q, const T* v, JointMotion<T>& m) {
+  m.reset();
+  switch (type) {
+    case spec::JointType::fixed:
+    case spec::JointType::bracket:
+      return fixed_motion(q, v, m);
+    case spec::JointType::revolute:
+      return revolute_motion(q, v, m);
+    case spec::JointType::prismatic:
+      return prismatic_motion(q, v, m);
+    case spec::JointType::cylindrical:
+      return cylindrical_motion(q, v, m);
+    case spec::JointType::universal:
+      return universal_motion(q, v, m);
+    case spec::JointType::spherical:
+      return spherical_motion(q, v, m);
+    case spec::JointType::planar:
+      return planar_motion(q, v, m);
+    case spec::JointType::floating:
+      return floating_motion(q, v, m);
+  }
+}
+
+}  // namespace mimbre

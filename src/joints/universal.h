@@ -1,0 +1,22 @@
+#pragma once
+#include "joints/motion.h"
+
+namespace mimbre {
+
+/// Rotation q0 about a's x, then q1 about b's y: R = Rx(q0) Ry(q1).
+template <class T>
+void universal_motion(const T* q, const T* v, JointMotion<T>& m) {
+  using std::cos, std::sin;
+  const T c0 = cos(q[0]), s0 = sin(q[0]), c1 = cos(q[1]), s1 = sin(q[1]);
+  m.rotation << c1, T(0), s1,  //
+      s0 * s1, c0, -s0 * c1,   //
+      -c0 * s1, s0, c0 * c1;
+  m.angular(0, 0) = T(1);
+  m.angular(1, 1) = c0;
+  m.angular(2, 1) = s0;
+  // d/dt (0, c0, s0) v1 = (0, −s0, c0) v0 v1
+  m.angular_bias[1] = -s0 * v[0] * v[1];
+  m.angular_bias[2] = c0 * v[0] * v[1];
+}
+
+}  // namespace mimbre

@@ -1,0 +1,229 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "linalg/block_sparse.h"
+
+namespace mimbre::linalg {
+namespace {
+
+int rounded_up(int n, int unit = kLanes) { return (n + unit - 1) / unit * unit; }
+
+/// Columns of L that make one panel. `below` holds the blocks of the other rows.
+struct Supernode {
+  std::vector<int> blocks;
+  std::set<int> below;
+  int columns = 0;
+  int rows_below = 0;
+};
+
+int total(const std::set<int>& blocks, const std::vector<int>& sizes) {
+  int sum = 0;
+  for (int block : blocks) sum += sizes[block];
+  return sum;
+}
+
+/// Eliminates the blocks that are not empty, always one with the least degree (unknowns it is coupled with);
+/// of equals the last. Returns them in order, each with the later blocks it is coupled with by then (fill
+/// included).
+std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std::set<int>> neighbours) {
+  std::set<std::pair<int, int>> queue;  // (degree, -block)
+  std::vector<int> degree(sizes.size());
+  for (int block = 0; block < static_cast<int>(sizes.size()); ++block) {
+    degree[block] = total(neighbours[block], sizes);
+    if (sizes[block] > 0) queue.emplace(degree[block], -block);
+  }
+  std::vector<Supernode> result;
+  while (!queue.empty()) {
+    const int block = -queue.begin()->second;
+    queue.erase(queue.begin());
+    const std::set<int> below = std::move(neighbours[block]);
+    for (int other : below) {
+      neighbours[other].insert(below.begin(), below.end());
+      neighbours[other].erase(other);
+      neighbours[other].erase(block);
+      queue.erase({degree[other], -other});
+      degree[other] = total(neighbours[other], sizes);
+      queue.emplace(degree[other], -other);
+    }
+    result.push_back({{block}, below, sizes[block], total(below, sizes)});
+  }
+  return result;
+}
+
+/// Estimated cycles of a panel: pivots one after the other, products on whole vectors, four columns at once.
+double cost(int columns, int rows_below) {
+  const int rows = rounded_up(rounded_up(columns, 4) + rows_below);
+  double sum = 20 + 0.5 * rows * columns;  // the call, zeroing the panel
+  for (int j = 0; j < columns; j += 4) {
+    const int width = std::min(4, columns - j);
+    const int vectors = (rows - j / kLanes * kLanes) / kLanes;
+    sum += 20 + 20 * width + vectors * width * (0.5 * j + 2);
+  }
+  for (int j = 0; j < rows_below; j += 4) {
+    const int vectors = rounded_up(rows_below - j / kLanes * kLanes) / kLanes;
+    sum += 20 + vectors * std::min(4, rows_below - j) * (0.5 * columns + 2);
+  }
+  return sum;
+}
+
+/// Merges supernodes with their parents in the elimination tree where that saves time. Children precede
+/// parents, before and after.
+std::vector<Supernode> amalgamate(std::vector<Supernode> nodes, const std::vector<int>& sizes) {
+  std::vector<int> node_of(sizes.size(), -1);
+  for (int s = 0; s < static_cast<int>(nodes.size()); ++s) node_of[nodes[s].blocks.front()] = s;
+  std::vector<std::vector<int>> children(nodes.size());
+  for (int s = 0; s < static_cast<int>(nodes.size()); ++s) {
+    Supernode& node = nodes[s];
+    const auto gain = [&](int child) {
+      const Supernode& c = nodes[child];
+      return cost(c.columns, c.rows_below) + cost(node.columns, node.rows_below) -
+             cost(c.columns + node.columns, node.rows_below);
+    };
+    while (!children[s].empty()) {
+      const auto best = std::max_element(children[s].begin(), children[s].end(),
+                                         [&](int a, int b) { return gain(a) < gain(b); });
+      if (gain(*best) <= 0) break;
+      Supernode child = std::move(nodes[*best]);
+      nodes[*best] = {};
+      const std::vector<int> adopted = std::move(children[*best]);
+      children[s].erase(best);
+      children[s].insert(children[s].end(), adopted.begin(), adopted.end());
+      node.blocks.insert(node.blocks.begin(), child.blocks.begin(), child.blocks.end());
+      node.columns += child.columns;
+    }
+    int parent = static_cast<int>(nodes.size());
+    for (int block : node.below) parent = std::min(parent, node_of[block]);
+    if (!node.below.empty()) children[parent].push_back(s);
+  }
+  std::erase_if(nodes, [](const Supernode& node) { return node.blocks.empty(); });
+  return nodes;
+}
+
+}  // namespace
+
+BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
+  const int count = static_cast<int>(pattern.sizes.size());
+  start_.push_back(0);
+  for (int size : pattern.sizes) {
+    if (size < 0) throw std::invalid_argument("a block has the negative size " + std::to_string(size));
+    start_.push_back(start_.back() + size);
+  }
+  std::vector<std::set<int>> neighbours(count);
+  for (int i = 0; i < count; ++i) couplings_.emplace_back(i, i);
+  for (const auto& [i, j] : pattern.couplings) {
+    if (std::min(i, j) < 0 || std::max(i, j) >= count)
+      throw std::invalid_argument("coupling of blocks " + std::to_string(i) + " and " + std::to_string(j) +
+                                  " among " + std::to_string(count) + " blocks");
+    couplings_.emplace_back(std::max(i, j), std::min(i, j));
+    if (i == j || pattern.sizes[i] == 0 || pattern.sizes[j] == 0) continue;
+    neighbours[i].insert(j);
+    neighbours[j].insert(i);
+  }
+  std::sort(couplings_.begin(), couplings_.end());
+  couplings_.erase(std::unique(couplings_.begin(), couplings_.end()), couplings_.end());
+
+  const std::vector<Supernode> nodes =
+      amalgamate(eliminate(pattern.sizes, std::move(neighbours)), pattern.sizes);
+
+  // Columns: where each block stands in the elimination order, and in which panel.
+  std::vector<int> position(count, -1), panel_of(count, -1);
+  for (const Supernode& node : nodes) {
+    for (int block : node.blocks) {
+      panel_of[block] = static_cast<int>(&node - nodes.data());
+      position[block] = static_cast<int>(unknowns_.size());
+      for (int k = start_[block]; k < start_[block + 1]; ++k) unknowns_.push_back(k);
+    }
+  }
+
+  // Rows: the panels' layout.
+  std::vector<std::vector<int>> below(nodes.size());     // blocks of the other rows, in elimination order
+  std::vector<std::map<int, int>> row_of(nodes.size());  // block → panel row
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    const Supernode& node = nodes[s];
+    Panel panel;
+    panel.offset = value_count_;
+    panel.columns = node.columns;
+    panel.first = position[node.blocks.front()];
+    panel.first_row = static_cast<int>(rows_.size());
+    panel.below = rounded_up(node.columns, 4);
+    panel.stride = rounded_up(panel.below + node.rows_below);
+    // Where that costs no storage, the other rows start with a whole vector.
+    const int aligned = rounded_up(panel.below);
+    if (aligned + node.rows_below <= panel.stride) panel.below = aligned;
+    for (int block : node.blocks) row_of[s][block] = position[block] - panel.first;
+    below[s].assign(node.below.begin(), node.below.end());
+    std::sort(below[s].begin(), below[s].end(), [&](int a, int b) { return position[a] < position[b]; });
+    int row = panel.below;
+    for (int block : below[s]) {
+      row_of[s][block] = row;
+      row += pattern.sizes[block];
+      for (int k = start_[block]; k < start_[block + 1]; ++k) rows_.push_back(k);
+    }
+    rows_.resize(rows_.size() + panel.stride - row, unknowns_[panel.first]);
+    value_count_ += static_cast<std::ptrdiff_t>(panel.stride) * panel.columns;
+    panels_.push_back(panel);
+  }
+
+  // Updates: for every panel that owns some of the rows, the product in rectangles that are contiguous there.
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    struct Run {
+      int row, target_row, size;  // rows of the panel and of the target panel
+    };
+    panels_[s].first_update = static_cast<int>(updates_.size());
+    for (std::size_t first = 0, last = 0; first < below[s].size(); first = last) {
+      const int t = panel_of[below[s][first]];
+      while (last < below[s].size() && panel_of[below[s][last]] == t) ++last;
+      std::vector<Run> runs;
+      for (std::size_t b = first; b < below[s].size(); ++b) {
+        const int block = below[s][b], target_row = row_of[t].at(block);
+        if (!runs.empty() && runs.back().target_row + runs.back().size == target_row)
+          runs.back().size += pattern.sizes[block];
+        else
+          runs.push_back({row_of[s][block], target_row, pattern.sizes[block]});
+      }
+      const Panel& target = panels_[t];
+      for (std::size_t c = 0; c < runs.size() && runs[c].target_row < target.columns; ++c) {
+        const int columns = std::min(runs[c].size, target.columns - runs[c].target_row);
+        for (std::size_t r = c; r < runs.size(); ++r)
+          updates_.push_back({target.offset + runs[r].target_row +
+                                  static_cast<std::ptrdiff_t>(target.stride) * runs[c].target_row,
+                              target.stride, runs[r].row, runs[c].row, runs[r].size, columns});
+      }
+    }
+    panels_[s].last_update = static_cast<int>(updates_.size());
+  }
+
+  for (const auto& [i, j] : couplings_) {
+    BlockPlace place;
+    if (pattern.sizes[i] > 0 && pattern.sizes[j] > 0) {
+      const bool transposed = position[i] < position[j];
+      const int row = transposed ? j : i, column = transposed ? i : j;
+      const int s = panel_of[column];
+      place = {panels_[s].offset + row_of[s].at(row) +
+                   static_cast<std::ptrdiff_t>(panels_[s].stride) * row_of[s].at(column),
+               1, panels_[s].stride};
+      if (transposed) std::swap(place.row_stride, place.col_stride);
+    }
+    places_.push_back(place);
+  }
+}
+
+bool BlockSymbolic::coupled(int i, int j) const {
+  return std::binary_search(couplings_.begin(), couplings_.end(), std::pair(std::max(i, j), std::min(i, j)));
+}
+
+BlockPlace BlockSymbolic::place(int i, int j) const {
+  if (!coupled(i, j))
+    throw std::invalid_argument("blocks " + std::to_string(i) + " and " + std::to_string(j) +
+                                " are not coupled");
+  const auto found =
+      std::lower_bound(couplings_.begin(), couplings_.end(), std::pair(std::max(i, j), std::min(i, j)));
+  BlockPlace place = places_[found - couplings_.begin()];
+  if (i < j) std::swap(place.row_stride, place.col_stride);
+  return place;
+}
+
+}  // namespace mimbre::linalg

@@ -1,0 +1,144 @@
+#include "mimbre/function.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <variant>
+
+#include "math/function_difference.h"
+#include "math/function_expression.h"
+#include "math/function_pieces.h"
+#include "mimbre/diagnostics.h"
+
+namespace mimbre {
+
+namespace {
+
+/// Where expressions are tried: an expression that is finite nowhere here is taken for a mistake.
+constexpr std::array probes{0.0, 1.0, -1.0, 0.1, -0.1, 0.01, -0.01, 10.0, -10.0};
+
+/// An expression of one variable.
+struct Formula {
+  Formula(const std::string& text, const std::string& variable) : expression(text, {variable}) {
+    for (const double x : probes) {
+      if (!std::isfinite(value(x))) continue;
+      integral_start = x;
+      return;
+    }
+    throw InputError(Mark{}, fmt::format("expression '{}' is finite at none of {} = 0, ±0.01, ±0.1, ±1, ±10",
+                                         text, variable));
+  }
+  double value(double x) const { return expression.value(std::array{x, 0.0, 0.0}); }
+
+  Expression expression;
+  double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
+};
+
+}  // namespace
+
+struct Function::Impl {
+  explicit Impl(Pieces pieces) : kind(std::move(pieces)) {}
+  Impl(const std::string& text, const std::string& variable)
+      : kind(std::in_place_type<Formula>, text, variable) {}
+  std::variant<Pieces, Formula> kind;
+};
+
+Function Function::constant(double value) { return polynomial({value}); }
+
+Function Function::linear(double slope, double zero) {
+  Function result;
+  result.impl_ = std::make_shared<Impl>(Pieces({}, {{zero, {0, slope}}}));
+  return result;
+}
+
+Function Function::polynomial(std::vector<double> coefficients) {
+  return piecewise({}, {std::move(coefficients)});
+}
+
+Function Function::piecewise(std::vector<double> breaks, std::vector<std::vector<double>> pieces) {
+  std::vector<Pieces::Piece> absolute;
+  for (std::vector<double>& coefficients : pieces) absolute.push_back({0, std::move(coefficients)});
+  Function result;
+  result.impl_ = std::make_shared<Impl>(Pieces(std::move(breaks), absolute));
+  return result;
+}
+
+Function Function::table(std::vector<double> x, std::vector<double> y, Interpolation interpolation) {
+  Function result;
+  result.impl_ =
+      std::make_shared<Impl>(interpolation == Interpolation::cubic ? cubic_table(x, y) : linear_table(x, y));
+  return result;
+}
+
+Function Function::expression(const std::string& text, const std::string& variable) {
+  Function result;
+  result.impl_ = std::make_shared<Impl>(text, variable);
+  return result;
+}
+
+Function Function::repeated(double start, double period) const {
+  if (!impl_) return {};
+  const Pieces* pieces = std::get_if<Pieces>(&impl_->kind);
+  if (!pieces)
+    throw InputError(Mark{}, "an expression cannot be repeated; only tables and piecewise functions can");
+  Function result;
+  result.impl_ = std::make_shared<Impl>(pieces->repeated(start, period));
+  return result;
+}
+
+double Function::value(double x) const {
+  if (!impl_) return 0;
+  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->value(x);
+  return std::get_if<Formula>(&impl_->kind)->value(x);
+}
+
+double Function::derivative(double x) const {
+  if (!impl_) return 0;
+  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->derivative(x);
+  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
+  return difference::first([&](double s) { return formula.value(s); }, x);
+}
+
+double Function::second_derivative(double x) const {
+  if (!impl_) return 0;
+  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->second_derivative(x);
+  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
+  return difference::second([&](double s) { return formula.value(s); }, x);
+}
+
+double Function::antiderivative(double x) const {
+  if (!impl_) return 0;
+  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->antiderivative(x);
+  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
+  return difference::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
+}
+
+struct Function3::Impl {
+  Impl(const std::string& text, const std::vector<std::string>& variables) : expression(text, variables) {
+    for (const double a : probes)
+      for (const double b : probes)
+        for (const double c : probes)
+          if (std::isfinite(expression.value(std::array{a, b, c}))) return;
+    throw InputError(Mark{}, fmt::format("expression '{}' is finite nowhere between -10 and 10", text));
+  }
+  Expression expression;
+};
+
+Function3 Function3::expression(const std::string& text, const std::vector<std::string>& variables) {
+  Function3 result;
+  result.impl_ = std::make_shared<Impl>(text, variables);
+  return result;
+}
+
+double Function3::value(double a, double b, double c) const {
+  return impl_ ? impl_->expression.value(std::array{a, b, c}) : 0;
+}
+
+std::pair<double, double> Function3::derivatives(double a, double b, double c) const {
+  if (!impl_) return {0, 0};
+  return {difference::first([&](double s) { return value(s, b, c); }, a),
+          difference::first([&](double s) { return value(a, s, c); }, b)};
+}
+
+}  // namespace mimbre

@@ -1,0 +1,59 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+namespace mimbre {
+
+/// Polynomial pieces in flat arrays, ready to be evaluated in an inner loop. Piece k holds on
+/// [breaks[k-1], breaks[k]) and is Σ c[j] (x - origin[k])^j; the first and last go on beyond the ends.
+class Pieces {
+ public:
+  struct Piece {
+    double origin = 0;
+    std::vector<double> coefficients;
+  };
+
+  /// Throws InputError when breaks do not ascend strictly, a number is not finite or the sizes do not fit.
+  Pieces(std::vector<double> breaks, const std::vector<Piece>& pieces);
+
+  /// The same pieces with x wrapped into [start, start + period). Throws InputError for a bad period or when
+  /// they are wrapped already.
+  Pieces repeated(double start, double period) const;
+
+  double value(double x) const;
+  double derivative(double x) const;
+  double second_derivative(double x) const;
+  double antiderivative(double x) const;
+
+ private:
+  struct Wrap {
+    double start, period;
+    double integral;  ///< over one period
+  };
+  struct Wrapped {
+    double x;      ///< in [start, start + period)
+    double turns;  ///< periods taken off
+  };
+  Wrapped wrapped(double x) const;
+  std::size_t piece_at(double x) const;
+  double integral_from_origin(std::size_t k, double x) const;
+  double integrated(double x) const;  ///< unwrapped, continuous over breaks, up to a constant
+
+  std::vector<double> breaks_;
+  std::vector<double> origins_;             ///< of piece k
+  std::vector<std::size_t> first_;          ///< piece k: coefficients_[first_[k] .. first_[k+1])
+  std::vector<double> coefficients_;        ///< ascending powers, every piece at least one
+  std::vector<double> integrals_;           ///< coefficients_[i] / (its power + 1)
+  std::vector<double> integral_at_origin_;  ///< integration constant of piece k
+  double integral_at_zero_ = 0;             ///< so that antiderivative(0) = 0
+  std::optional<Wrap> wrap_;
+};
+
+/// Straight lines through the points; a repeated x is a jump, and beyond a jump at an end the value stays.
+Pieces linear_table(const std::vector<double>& x, const std::vector<double>& y);
+
+/// Cubic through the points, monotone where the points are (Fritsch and Carlson, SIAM J. Numer. Anal. 17,
+/// 1980, with the slope of the parabola through three neighbours as first guess); straight beyond the ends.
+Pieces cubic_table(const std::vector<double>& x, const std::vector<double>& y);
+
+}  // namespace mimbre

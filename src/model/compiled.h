@@ -1,0 +1,202 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "joints/table.h"
+#include "linalg/block_sparse.h"
+#include "math/rotation.h"
+#include "mimbre/spec.h"
+
+/// What the step needs, made once by compile(): flat, constant, in tree order (parent before child), free of
+/// names and types. "Common point" below is the point, moving with the mechanism, to which all Cartesian
+/// quantities refer.
+namespace mimbre {
+
+using Vec3d = Eigen::Vector3d;
+using Mat3d = Eigen::Matrix3d;
+/// Six rows of one value per column, each row contiguous and padded, so that loops over columns vectorise.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr int pad(int n) { return (n + 7) / 8 * 8; }
+
+/// Constants of a flexible body, mode blocks row-major with `stride` columns (modes padded with zeros).
+struct FlexibleData {
+  int modes = 0;
+  int stride = 0;
+  Rows S;           ///< 3 × stride
+  Rows S_position;  ///< 9 × stride: row 3 i + j is row j of S̄^i
+  Rows S_modes;     ///< stride rows (l) × 9 stride: block 3 i + j of row l holds S^ij(l, ·)
+  Rows
+      coriolis;  ///< stride rows (l) × 3 stride: block a of row l holds (S^bc − S^cb)(l, ·), (a, b, c) cyclic
+  Rows mass;                        ///< stride × stride
+  Rows stiffness;                   ///< stride × stride
+  Rows damping;                     ///< stride × stride
+  bool identity_mass = false;       ///< Mff = I: modes are orthonormal
+  bool diagonal_stiffness = false;  ///< stiffness and damping are diagonal
+};
+
+/// A point with axes on a body; body -1 is the ground.
+struct FrameData {
+  int body = -1;
+  Vec3d position = Vec3d::Zero();      ///< undeformed, body axes; ground: global
+  Mat3d rotation = Mat3d::Identity();  ///< undeformed frame axes to body axes
+  int flexible = -1;                   ///< index of the flexible body's data when modes move the frame
+  bool turns = false;                  ///< modes turn the frame too
+  Rows X, X_theta;                     ///< 3 × stride
+  int columns = -1;                    ///< its column set: velocity of the frame per coordinate of its body
+  int spec = -1;                       ///< index into spec::Model::frames
+};
+
+struct BodyData {
+  int spec = -1;
+  int parent = -1;
+  int joint_spec = -1;
+  spec::JointType joint = spec::JointType::fixed;
+  bool reversed = false;  ///< the body carries the joint's frame a, its parent frame b
+  int parent_frame = -1;  ///< the joint's frame on the parent
+  int own_frame = -1;     ///< the joint's frame on this body
+  int q = 0;              ///< first position coordinate: joint, then modal amplitudes
+  int v = 0;              ///< first velocity coordinate: joint, then modal amplitudes
+  int joint_velocities = 0;
+  int joint_positions = 0;
+  int modes = 0;
+  int flexible = -1;
+  int first_frame = 0, last_frame = 0;  ///< frames that dynamics needs: [first, last)
+  double mass = 0;
+  Vec3d first_moment = Vec3d::Zero();   ///< rigid body: ∫ r̄ dm
+  Mat3d second_moment = Mat3d::Zero();  ///< rigid body: ∫ r̄ r̄ᵀ dm
+  Mat3d inertia = Mat3d::Zero();        ///< rigid body: about the body's origin
+  int columns = -1;                     ///< column set of a rigid body
+
+  int size() const { return joint_velocities + modes; }
+};
+
+/// Columns 6 × size of one body's coordinates seen at one of its frames (or anywhere on a rigid body).
+struct ColumnSet {
+  int body = -1;
+  int frame = -1;  ///< of a flexible body; -1 on a rigid one
+  int offset = 0;  ///< into the workspace's column storage
+  int stride = 0;  ///< padded size
+};
+
+/// One body on the path of a scalar equation or force: which columns move its end B (plus) and its end A
+/// (minus).
+struct PathEntry {
+  int body = -1;
+  int plus = -1;  ///< column set or -1
+  int minus = -1;
+  int offset = 0;  ///< into the Jacobian storage of one row
+};
+
+/// The bodies that matter between two frames, leaf to root, and their places in the matrix.
+struct Path {
+  std::vector<PathEntry> entries;
+  int width = 0;  ///< padded total size of the entries
+  /// place of block (entries[i], entries[j]), j ≤ i, index i (i + 1) / 2 + j
+  std::vector<linalg::BlockPlace> places;
+};
+
+/// A cut joint: equations [first, first + count) between two frames.
+struct LoopData {
+  int joint_spec = -1;
+  int frame_a = -1, frame_b = -1;
+  int first_equation = 0;
+  int count = 0;
+  std::array<ClosingEquation, 6> closing{};
+  double scale[6] = {1, 1, 1, 1, 1, 1};  ///< of the penalty: length² for angles
+  Path path;
+  int jacobian = 0;  ///< offset of its rows in the workspace
+};
+
+/// A joint coordinate prescribed over time: one equation on one velocity coordinate.
+struct DriveData {
+  int joint_spec = -1;
+  int body = -1;
+  int q = 0, v = 0;  ///< coordinate indices
+  int equation = 0;
+  int local = 0;  ///< coordinate within the body's block
+  Function position;
+  double scale = 1;
+};
+
+struct SpringData {
+  int spec = -1;
+  int frame_a = -1, frame_b = -1;
+  Function elastic, damping;
+  Function3 general;
+  double free_length = 0;  ///< reference length for the potential
+  Path path;
+  int jacobian = 0;
+};
+
+struct JointSpringData {
+  int joint_spec = -1;
+  int body = -1;
+  int q = 0, v = 0, local = 0;
+  Function elastic, damping;
+};
+
+struct TyreData {
+  int spec = -1;
+  int frame = -1;
+  int road = -1;
+  double stiffness = 0, radius = 0;
+  Path path;
+  int jacobian = 0;
+};
+
+struct RoadData {
+  spec::Road::Over over = spec::Road::Over::distance;
+  Function height;
+};
+
+struct LoadData {
+  int spec = -1;
+  int frame = -1;
+  Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();
+  Function scale;
+  bool follower = false;
+};
+
+/// Off-diagonal block (ancestor, body) of the mass matrix.
+struct MassPlace {
+  int ancestor = -1;
+  int columns = -1;  ///< the ancestor's column set on the way to the body
+  linalg::BlockPlace place;
+};
+
+struct Compiled {
+  spec::Model spec;
+  int positions = 0, velocities = 0, equations = 0;
+  Vec3d gravity = Vec3d::Zero();
+
+  std::vector<BodyData> bodies;   ///< tree order
+  std::vector<int> body_of_spec;  ///< spec body → tree body
+  std::vector<FrameData> frames;  ///< by body; frames that dynamics needs first
+  int dynamic_frames = 0;  ///< frames [0, dynamic_frames) are needed in the step, the others for output
+  std::vector<int> frame_of_spec;  ///< spec frame → frame
+  int first_ground_frame = 0, last_ground_frame = 0;
+  std::vector<FlexibleData> flexible;
+  std::vector<ColumnSet> column_sets;
+  int column_storage = 0;
+  int jacobian_storage = 0;
+  std::vector<std::vector<MassPlace>> mass_places;  ///< by body: its ancestors, nearest first
+  std::vector<linalg::BlockPlace> diagonal;         ///< by body
+
+  std::vector<LoopData> loops;
+  std::vector<DriveData> drives;
+  std::vector<SpringData> springs;
+  std::vector<JointSpringData> joint_springs;
+  std::vector<TyreData> tyres;
+  std::vector<RoadData> roads;
+  std::vector<LoadData> loads;
+
+  std::shared_ptr<const linalg::BlockSymbolic> symbolic;
+  double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
+  double length_scale = 1;  ///< typical distance between frames of a body, m
+  std::vector<std::string> warnings;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <set>
+
+#include "mimbre/reduced_body.h"
+
+namespace mimbre {
+namespace {
+
+constexpr double kRelative = 1e-8;  // what round-off, also of data written with nine digits, may leave
+
+/// Collects what is wrong. The first stage asks for sizes and finite numbers; the others may then compute.
+class Report {
+ public:
+  void require(bool sound, std::string message) {
+    if (!sound) messages_.push_back(std::move(message));
+  }
+  template <typename Derived>
+  void matrix(const std::string& what, const Eigen::DenseBase<Derived>& value, Eigen::Index rows,
+              Eigen::Index columns) {
+    if (value.rows() != rows || value.cols() != columns)
+      messages_.push_back(
+          fmt::format("{} must be {} x {}, is {} x {}", what, rows, columns, value.rows(), value.cols()));
+    else
+      require(value.derived().allFinite(), what + " must be finite");
+  }
+  bool sound() const { return messages_.empty(); }
+  std::vector<std::string> messages() && { return std::move(messages_); }
+
+ private:
+  std::vector<std::string> messages_;
+};
+
+double largest(const Eigen::MatrixXd& matrix) { return matrix.size() > 0 ? matrix.cwiseAbs().maxCoeff() : 0; }
+
+bool equal(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return largest(a - b) <= kRelative * std::max(largest(a), largest(b));
+}
+
+/// Lowest eigenvalue after scaling the diagonal to one, so that units do not matter.
+double lowest_scaled_eigenvalue(const Eigen::MatrixXd& matrix) {
+  if (matrix.size() == 0) return 1;
+  Eigen::VectorXd scale(matrix.rows());
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    scale[i] =
+        matrix(i, i) > 0 ? 1 / std::sqrt(matrix(i, i)) : 1 / std::sqrt(std::max(largest(matrix), 1e-300));
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+void check_sizes(const ReducedBody& body, Report& report) {
+  const Eigen::Index n = body.modes;
+  report.require(std::isfinite(body.mass), "mass must be finite");
+  report.require(std::isfinite(body.line_radius) && body.line_radius >= 0,
+                 "line_radius must not be negative");
+  report.require(body.mode_names.size() == static_cast<std::size_t>(n),
+                 fmt::format("mode_names must be {}, are {}", n, body.mode_names.size()));
+  report.matrix("first_moment", body.first_moment, 3, 1);
+  report.matrix("second_moment", body.second_moment, 3, 3);
+  report.matrix("S", body.S, 3, n);
+  for (int i = 0; i < 3; ++i) {
+    report.matrix(fmt::format("S_position[{}]", i), body.S_position[i], 3, n);
+    for (int j = 0; j < 3; ++j) report.matrix(fmt::format("S_modes[{}][{}]", i, j), body.S_modes[i][j], n, n);
+  }
+  report.matrix("mass_matrix", body.mass_matrix, n, n);
+  report.matrix("stiffness", body.stiffness, n, n);
+  report.matrix("damping", body.damping, n, n);
+  report.matrix("user_from_modal", body.user_from_modal, n, n);
+  if (body.eigenfrequencies.size() > 0) report.matrix("eigenfrequencies", body.eigenfrequencies, n, 1);
+  report.matrix("nodes", body.nodes, 3, body.nodes.cols());
+  report.matrix("node_shapes", body.node_shapes, 3 * body.nodes.cols(), n);
+  for (const BodyFrame& frame : body.frames) {
+    report.matrix(fmt::format("frame '{}': position", frame.name), frame.position, 3, 1);
+    report.matrix(fmt::format("frame '{}': rotation", frame.name), frame.rotation, 3, 3);
+    report.matrix(fmt::format("frame '{}': X", frame.name), frame.X, 3, n);
+    report.matrix(fmt::format("frame '{}': X_theta", frame.name), frame.X_theta, 3, n);
+  }
+}
+
+void check_geometry(const ReducedBody& body, Report& report) {
+  std::set<std::string> names;
+  for (const BodyFrame& frame : body.frames) {
+    report.require(names.insert(frame.name).second, fmt::format("frame name '{}' is used twice", frame.name));
+    const Eigen::Matrix3d& R = frame.rotation;
+    report.require(
+        (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 && R.determinant() > 0,
+        fmt::format("frame '{}': rotation must be orthonormal and right-handed", frame.name));
+  }
+  for (const auto& line : body.lines)
+    for (int node : line)
+      report.require(node >= 0 && node < body.nodes.cols(),
+                     fmt::format("line end {} is no node, there are {}", node, body.nodes.cols()));
+}
+
+/// The inertia about the centre of mass of a real body obeys Jxx + Jyy ≥ Jzz and so on: tr(P̄)/2 is no less
+/// than any eigenvalue of J̄, that is, P̄ about the centre of mass has no negative eigenvalue.
+void check_rigid_inertia(const ReducedBody& body, Report& report) {
+  const Eigen::Vector3d centre = body.first_moment / body.mass;
+  const Eigen::Matrix3d central = body.second_moment - body.mass * centre * centre.transpose();
+  const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(central).eigenvalues();
+  const double limit = kRelative * std::max(body.second_moment.trace(), 0.0);
+  report.require(
+      values[0] >= -limit,
+      fmt::format("inertia about the centre of mass violates the triangle inequality: second_moment there "
+                  "has the eigenvalue {:g}",
+                  values[0]));
+}
+
+/// Mass matrix of a unit linear and angular velocity (about the body frame's origin) and the modes,
+/// undeformed.
+Eigen::MatrixXd whole_mass_matrix(const ReducedBody& body) {
+  const Eigen::Index n = body.modes;
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6 + n, 6 + n);
+  M.topLeftCorner<3, 3>() = body.mass * Eigen::Matrix3d::Identity();
+  M.block<3, 3>(3, 3) = body.second_moment.trace() * Eigen::Matrix3d::Identity() - body.second_moment;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3;
+    const int j = (k + 2) % 3;
+    M(i, 3 + j) = body.first_moment[k];  // −m̄~
+    M(j, 3 + i) = -body.first_moment[k];
+    M.block(3 + k, 6, 1, n) = body.S_position[i].row(j) - body.S_position[j].row(i);
+  }
+  M.block(0, 6, 3, n) = body.S;
+  M.bottomRightCorner(n, n) = body.mass_matrix;
+  return M.selfadjointView<Eigen::Upper>();
+}
+
+void check_matrices(const ReducedBody& body, Report& report) {
+  const auto symmetric = [&](const char* what, const Eigen::MatrixXd& matrix) {
+    report.require(equal(matrix, matrix.transpose()), std::string(what) + " must be symmetric");
+  };
+  symmetric("second_moment", body.second_moment);
+  symmetric("mass_matrix", body.mass_matrix);
+  symmetric("stiffness", body.stiffness);
+  symmetric("damping", body.damping);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j)
+      report.require(equal(body.S_modes[j][i], body.S_modes[i][j].transpose()),
+                     fmt::format("S_modes[{}][{}] must be the transpose of S_modes[{}][{}]", j, i, i, j));
+  if (!report.sound()) return;
+
+  report.require(lowest_scaled_eigenvalue(body.mass_matrix) > 0, "mass_matrix must be positive definite");
+  report.require(lowest_scaled_eigenvalue(whole_mass_matrix(body)) > -kRelative,
+                 "the mass matrix of rigid motion and modes together must not be indefinite");
+  report.require(lowest_scaled_eigenvalue(body.stiffness) > -kRelative, "stiffness must not be indefinite");
+}
+
+}  // namespace
+
+int ReducedBody::find_frame(const std::string& frame_name) const {
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i].name == frame_name) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<std::string> check(const ReducedBody& body) {
+  Report report;
+  report.require(body.modes >= 0, fmt::format("modes must not be negative, is {}", body.modes));
+  if (report.sound()) check_sizes(body, report);
+  if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
+  if (report.sound()) {
+    check_geometry(body, report);
+    check_rigid_inertia(body, report);
+    check_matrices(body, report);
+  }
+  return std::move(report).messages();
+}
+
+}  // namespace mimbre

@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <stdexcept>
+
+#include "fe/lowest_modes.h"
+#include "mimbre/reduced_body.h"
+
+namespace mimbre {
+namespace {
+
+/// Qᵀ A Q
+void rotate(Eigen::MatrixXd& matrix, const Eigen::MatrixXd& Q) {
+  matrix = (Q.transpose() * matrix * Q).eval();
+}
+
+template <typename Block>
+void rotate_columns(Block& block, const Eigen::MatrixXd& Q) {
+  block = (block * Q).eval();
+}
+
+void make_symmetric(Eigen::MatrixXd& matrix) { matrix = (0.5 * (matrix + matrix.transpose())).eval(); }
+
+}  // namespace
+
+void make_orthogonal(ReducedBody& body) {
+  if (body.user_from_modal.size() == 0) body.user_from_modal.setIdentity(body.modes, body.modes);
+  if (body.modes == 0) {
+    body.eigenfrequencies.resize(0);
+    return;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(body.mass_matrix);
+  if (factor.info() != Eigen::Success)
+    throw std::invalid_argument(fmt::format(
+        "reduced body '{}': the modes' mass matrix is not positive definite, the modes are dependent",
+        body.name));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(body.stiffness, body.mass_matrix);
+  if (solver.info() != Eigen::Success)
+    throw std::invalid_argument(
+        fmt::format("reduced body '{}': the eigenproblem of its matrices has no solution", body.name));
+  Eigen::MatrixXd Q = solver.eigenvectors();
+  fe::fix_signs(Q);
+
+  // Exact by construction; computing them would only add round-off.
+  body.mass_matrix.setIdentity();
+  body.stiffness = solver.eigenvalues().asDiagonal();
+  body.eigenfrequencies = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+
+  rotate(body.damping, Q);
+  make_symmetric(body.damping);
+  rotate_columns(body.S, Q);
+  for (auto& block : body.S_position) rotate_columns(block, Q);
+  for (int i = 0; i < 3; ++i) {
+    rotate(body.S_modes[i][i], Q);
+    make_symmetric(body.S_modes[i][i]);
+    for (int j = i + 1; j < 3; ++j) {
+      rotate(body.S_modes[i][j], Q);
+      body.S_modes[j][i] = body.S_modes[i][j].transpose();
+    }
+  }
+  for (BodyFrame& frame : body.frames) {
+    rotate_columns(frame.X, Q);
+    rotate_columns(frame.X_theta, Q);
+  }
+  rotate_columns(body.node_shapes, Q);
+  rotate_columns(body.user_from_modal, Q);
+}
+
+}  // namespace mimbre

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mimbre/fe.h"
+#include "reduction/craig_bampton.h"
+#include "reduction/shape_integrals.h"
+
+namespace mimbre::fe {
+namespace {
+
+BodyFrame body_frame(const NodeFrame& frame, const Mesh& mesh, const Eigen::MatrixXd& shapes) {
+  if (frame.node < 0 || frame.node >= mesh.nodes.cols())
+    throw std::invalid_argument(fmt::format("frame '{}': node {} does not exist, the mesh has {} nodes",
+                                            frame.name, frame.node, mesh.nodes.cols()));
+  return {frame.name, mesh.nodes.col(frame.node), frame.rotation, shapes.middleRows<3>(6 * frame.node),
+          shapes.middleRows<3>(6 * frame.node + 3)};
+}
+
+void add_drawing(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body) {
+  body.nodes = mesh.nodes;
+  body.node_shapes.resize(3 * mesh.nodes.cols(), shapes.cols());
+  for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node)
+    body.node_shapes.middleRows<3>(3 * node) = shapes.middleRows<3>(6 * node);
+  double area = 0;
+  for (const BeamElement& element : mesh.elements) {
+    body.lines.push_back(element.nodes);
+    area = std::max(area, element.section.area);
+  }
+  body.line_radius = std::sqrt(area / std::numbers::pi);
+}
+
+}  // namespace
+
+ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std::vector<NodeFrame>& frames) {
+  if (!(std::isfinite(options.stiffness_damping) && options.stiffness_damping >= 0))
+    throw std::invalid_argument(
+        fmt::format("stiffness damping must not be negative, is {}", options.stiffness_damping));
+  if (mesh.elements.empty()) throw std::invalid_argument("the mesh has no elements");
+  const Matrices matrices = assemble(mesh);
+  const Basis basis = craig_bampton(mesh, matrices, options);
+
+  ReducedBody body;
+  body.modes = static_cast<int>(basis.shapes.cols());
+  body.mode_names = basis.names;
+  const Eigen::MatrixXd mass = basis.shapes.transpose() * (matrices.mass * basis.shapes);
+  body.mass_matrix = 0.5 * (mass + mass.transpose());
+  body.stiffness = basis.stiffness;
+  body.damping = options.stiffness_damping * basis.stiffness;
+  add_shape_integrals(mesh, basis.shapes, body);
+  for (const NodeFrame& frame : frames) body.frames.push_back(body_frame(frame, mesh, basis.shapes));
+  add_drawing(mesh, basis.shapes, body);
+  make_orthogonal(body);
+  return body;
+}
+
+}  // namespace mimbre::fe

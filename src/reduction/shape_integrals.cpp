@@ -1,0 +1,80 @@
+#include "reduction/shape_integrals.h"
+
+#include <array>
+
+#include "fe/beam_element.h"
+
+namespace mimbre::fe {
+namespace {
+
+struct GaussPoint {
+  double xi;
+  double weight;
+};
+
+/// Four points on [0, 1], exact up to degree 7 (the products of two cubic shape functions have degree 6).
+constexpr std::array<GaussPoint, 4> kGauss{{{0.069431844202973712, 0.17392742256872693},
+                                            {0.330009478207571868, 0.32607257743127307},
+                                            {0.669990521792428132, 0.32607257743127307},
+                                            {0.930568155797026288, 0.17392742256872693}}};
+
+void clear(ReducedBody& body, Eigen::Index modes) {
+  body.mass = 0;
+  body.first_moment.setZero();
+  body.second_moment.setZero();
+  body.S.setZero(3, modes);
+  for (auto& block : body.S_position) block.setZero(3, modes);
+  for (auto& row : body.S_modes)
+    for (auto& block : row) block.setZero(modes, modes);
+}
+
+/// (3.6), (3.9)–(3.11) at one point with mass dm.
+void add_point(ReducedBody& body, double dm, const Eigen::Vector3d& position, const Eigen::Matrix3Xd& X) {
+  body.mass += dm;
+  body.first_moment += dm * position;
+  body.second_moment += dm * position * position.transpose();
+  body.S += dm * X;
+  for (int i = 0; i < 3; ++i) {
+    body.S_position[i] += dm * position[i] * X;
+    for (int j = i; j < 3; ++j) body.S_modes[i][j].noalias() += dm * X.row(i).transpose() * X.row(j);
+  }
+}
+
+void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d& axis,
+                       const Eigen::RowVectorXd& mean_twist) {
+  body.second_moment += inertia * (0.5 * Eigen::Matrix3d::Identity() - axis * axis.transpose());
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3;
+    const int j = (k + 2) % 3;
+    const Eigen::RowVectorXd half = 0.5 * inertia * axis[k] * mean_twist;
+    body.S_position[i].row(j) += half;
+    body.S_position[j].row(i) -= half;
+  }
+}
+
+}  // namespace
+
+void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body) {
+  clear(body, shapes.cols());
+  Eigen::MatrixXd dofs(12, shapes.cols());  // of the element, in its axes, per mode
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const BeamElement& beam = mesh.elements[e];
+    const ElementGeometry geometry = element_geometry(mesh, e);
+    for (int end = 0; end < 2; ++end) dofs.middleRows<6>(6 * end) = shapes.middleRows<6>(6 * beam.nodes[end]);
+    dofs = (element_transformation(beam, geometry.axes) * dofs).eval();
+
+    const double mass = beam.material.density * beam.section.area * geometry.length;
+    const Eigen::Vector3d axis = geometry.axes.col(0);
+    for (const GaussPoint& point : kGauss) {
+      const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length) * dofs;
+      add_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
+    }
+    add_polar_inertia(body, polar_inertia(beam) * geometry.length, axis, 0.5 * (dofs.row(3) + dofs.row(9)));
+  }
+  for (int i = 0; i < 3; ++i) {
+    body.S_modes[i][i] = (0.5 * (body.S_modes[i][i] + body.S_modes[i][i].transpose())).eval();
+    for (int j = 0; j < i; ++j) body.S_modes[i][j] = body.S_modes[j][i].transpose();
+  }
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "mimbre/fe.h"
+#include "mimbre/reduced_body.h"
+
+namespace mimbre::fe {
+
+/// Fills the body's mass, first and second moments, S, S_position, S_modes from the mesh and the mode shapes
+/// (6·nodes × modes). Gauss quadrature, exact for the elements' shape functions.
+///
+/// Sections have the polar inertia that the consistent mass matrix gives them, j = ρ(Iy + Iz) about the
+/// element's axis a, and no diametral one, so that rigid motions, modes and their coupling have the kinetic
+/// energy of the finite-element model:
+/// - second_moment contains ∫ j (½ I − a aᵀ) dx, whose inertia tensor tr(P̄) I − P̄ is ∫ j a aᵀ dx;
+/// - S_position contains ½ ε_kij c, c_k = ∫ j a_k (aᵀ X_theta) dx: antisymmetric in i, j, so it acts on the
+/// coupling of
+///   angular velocity and modes only, not on the deformed second moment;
+/// - S_modes has no such term; that of the modes among themselves is in mass_matrix.
+void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body);
+
+}  // namespace mimbre::fe

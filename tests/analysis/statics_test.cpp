@@ -1,0 +1,146 @@
+#include "analysis/statics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+namespace mimbre::test {
+namespace {
+
+double value(const StaticResult& r, const std::string& channel) {
+  for (std::size_t k = 0; k < r.channels.size(); ++k)
+    if (r.channels[k].name == channel) return r.values[static_cast<Eigen::Index>(k)];
+  ADD_FAILURE() << "no channel " << channel;
+  return std::nan("");
+}
+
+TEST(Statics, iltis_on_the_flat_road) {
+  const StaticResult r = static_equilibrium(
+      example("iltis/vehicle.yaml",
+              {{"arms", "rigid"}, {"links", "rigid"}, {"rods", "rigid"}, {"massless_links", "true"}}));
+  EXPECT_NEAR(value(r, "chassis.z"), 0.562776, 0.5e-6);
+  EXPECT_NEAR(value(r, "chassis.pitch") * 180 / std::numbers::pi, 0.1490, 0.5e-4);
+  EXPECT_NEAR(value(r, "chassis.roll"), 0, 1e-8);
+  for (const char* side : {"left", "right"}) {
+    EXPECT_NEAR(value(r, std::string("tyre.front_") + side + ".force"), 3831.3, 0.05);
+    EXPECT_NEAR(value(r, std::string("tyre.rear_") + side + ".force"), 3591.9, 0.05);
+  }
+  EXPECT_LT(r.residual, 1e-3);
+}
+
+std::string cantilever(const std::string& gravity, const std::string& load) {
+  return "gravity: " + gravity + R"(
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {round: {type: round, diameter: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {root: [0, 0, 0], tip: [2, 0, 0]}
+      bars: {bar: {from: root, to: tip, elements: 8}}
+      clamped: [root]
+      static_modes:
+        - {node: tip, along: [0, 0, 1]}
+        - {node: tip, about: [0, 1, 0]}
+      dynamic_modes: 6
+joints:
+  wall: {type: bracket, between: [ground, bar], at: [0, 0, 0]}
+)" + load +
+         R"(
+outputs:
+  - {name: tip, deflection: bar.tip, along: [0, 0, 1]}
+  - {name: wall.fz, joint_force: wall, component: fz}
+  - {name: wall.my, joint_force: wall, component: my}
+)";
+}
+
+TEST(Statics, cantilever_bends_as_a_beam) {
+  const double E = 2.1e11, I = std::numbers::pi * std::pow(0.01, 4) / 4, A = std::numbers::pi * 0.01 * 0.01,
+               L = 2;
+  const StaticResult tip =
+      static_equilibrium(model_of(cantilever("[0, 0, 0]", "loads: {push: {on: bar.tip, force: [0, 0, 3]}}")));
+  EXPECT_NEAR(value(tip, "tip"), 3 * L * L * L / (3 * E * I), 1e-8);
+  EXPECT_NEAR(value(tip, "wall.fz"), -3, 1e-8);
+
+  const double weight = 7850 * A * 9.81;  // per length
+  const StaticResult own = static_equilibrium(model_of(cantilever("[0, 0, -9.81]", "")));
+  EXPECT_NEAR(value(own, "tip"), -weight * std::pow(L, 4) / (8 * E * I),
+              1e-5 * weight * std::pow(L, 4) / (8 * E * I));
+  EXPECT_NEAR(value(own, "wall.fz"), weight * L, 1e-6);
+  // Positive about y turns z to x, so that the weight at +x wants to turn the bar by +y.
+  EXPECT_NEAR(value(own, "wall.my"), -weight * L * L / 2, 1e-6);
+}
+
+TEST(Statics, flexible_pendulum_hangs_straight_down) {
+  const StaticResult r = static_equilibrium(example("pendulum/flexible.yaml"));
+  EXPECT_NEAR(std::remainder(value(r, "angle") - std::numbers::pi / 2, 2 * std::numbers::pi), 0, 1e-7);
+  EXPECT_NEAR(value(r, "tip.z"), -1.5, 1e-7);
+  EXPECT_NEAR(value(r, "tip.deflection"), 0, 1e-8);
+  EXPECT_NEAR(value(r, "hinge.fz"), 7850 * std::numbers::pi / 4 * 1e-4 * 1.5 * 9.81, 1e-6);
+}
+
+TEST(Statics, drive_holds_with_the_torque_of_the_weight) {
+  const StaticResult r = static_equilibrium(model_of(R"(
+bodies:
+  bar: {mass: 2, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], drive: {position: 0.3}}
+outputs:
+  - {name: angle, joint: hinge}
+  - {name: my, joint_force: hinge, component: my}
+  - {name: fz, joint_force: hinge, component: fz}
+)"));
+  EXPECT_NEAR(value(r, "angle"), 0.3, 1e-10);
+  EXPECT_NEAR(value(r, "my"), -2 * 9.81 * 0.5 * std::cos(0.3), 1e-7);
+  EXPECT_NEAR(value(r, "fz"), 2 * 9.81, 1e-7);
+}
+
+/// The cart rolls freely: it must neither move nor spoil the solution. The pendulum on it falls until it
+/// hangs.
+TEST(Statics, neutral_directions_stay_put) {
+  const StaticResult r = static_equilibrium(model_of(R"(
+bodies:
+  cart: {mass: 3, com: [0, 0, 0], inertia: [1, 1, 1]}
+  bar: {mass: 2, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
+joints:
+  floor: {type: planar, between: [ground, cart], at: [0, 0, 0], axis: [0, 0, 1]}
+  hinge: {type: revolute, between: [cart, bar], at: [0, 0, 0], axis: [0, 1, 0]}
+outputs:
+  - {name: x, position: cart, component: x}
+  - {name: y, position: cart, component: y}
+  - {name: yaw, yaw: cart}
+  - {name: angle, joint: hinge}
+)"));
+  EXPECT_NEAR(value(r, "angle"), std::numbers::pi / 2, 1e-7);
+  EXPECT_LT(std::abs(value(r, "x")), 2);
+  EXPECT_NEAR(value(r, "y"), 0, 1e-9);
+  EXPECT_NEAR(value(r, "yaw"), 0, 1e-9);
+}
+
+TEST(Statics, without_equilibrium_an_error) {
+  EXPECT_THROW(static_equilibrium(model_of(R"(
+bodies:
+  stone: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+joints:
+  fall: {type: prismatic, between: [ground, stone], at: [0, 0, 0], axis: [0, 0, 1]}
+)")),
+               std::runtime_error);
+}
+
+TEST(Statics, a_run_started_at_equilibrium_stays) {
+  const auto model = model_of(cantilever("[0, 0, -9.81]", "") + "initial: equilibrium\n");
+  Simulation s(model);
+  const Simulation::Snapshot before = s.save();
+  EXPECT_LT(before.a.cwiseAbs().maxCoeff(), 1e-5);
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(s.step().ok());
+  EXPECT_LT((s.save().q - before.q).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+}  // namespace
+}  // namespace mimbre::test

@@ -1,0 +1,242 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "app/program.h"
+#include "mimbre/results.h"
+
+namespace mimbre::app_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class RunCommand : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_file(folder / "pendulum.yaml", pendulum);
+  }
+};
+
+TEST_F(RunCommand, SummarisesInATableOrAsJson) {
+  const Outcome table = run({"run", "pendulum.yaml"});
+  EXPECT_EQ(table.code, 0);
+  EXPECT_EQ(table.out, "");
+  EXPECT_THAT(table.err, HasSubstr("real-time factor"));
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--quiet"}).err, "");
+
+  const Outcome outcome = run({"run", "pendulum.yaml", "--json"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+  const auto json = outcome.json();
+  EXPECT_EQ(json.at("status"), "ok");
+  EXPECT_EQ(json.at("steps"), 100);
+  EXPECT_EQ(json.at("step"), 0.01);
+  EXPECT_NEAR(json.at("time").get<double>(), 1, 1e-9);
+  EXPECT_EQ(json.at("coordinates"), 1);
+  EXPECT_GE(json.at("iterations"), 100);
+  EXPECT_DOUBLE_EQ(json.at("iterations_per_step").get<double>(), json.at("iterations").get<double>() / 100);
+  EXPECT_GE(json.at("factorisations"), 1);
+  EXPECT_GT(json.at("cpu_seconds"), 0);
+  EXPECT_GE(json.at("initialisation_seconds"), 0);
+  EXPECT_NEAR(json.at("real_time_factor").get<double>() * json.at("cpu_seconds").get<double>(), 1, 1e-9);
+  EXPECT_EQ(json.at("max_position_violation"), 0);
+  EXPECT_EQ(json.at("max_velocity_violation"), 0);
+  EXPECT_TRUE(json.at("warnings").empty());
+  EXPECT_GT(json.at("peak_memory_mb"), 1);
+  for (const char* name : {"kinetic", "gravitational", "elastic", "springs", "tyres", "dissipated",
+                           "drive_work", "load_work", "road_work", "numerical"})
+    EXPECT_TRUE(json.at("energy").at(name).is_number()) << name;
+  // The bob is where the hinge's angle puts it.
+  const auto& outputs = json.at("outputs");
+  EXPECT_NEAR(outputs.at("bob.z").get<double>(), -1.5 * std::sin(outputs.at("angle").get<double>()), 1e-9);
+}
+
+TEST_F(RunCommand, WritesTheOutputsAsColumns) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--csv", "out.csv", "--set", "interval=0.05"}).code, 0);
+  const std::string text = read_file(folder / "out.csv");
+  EXPECT_EQ(text.substr(0, text.find('\n')), "t,angle,bob.z");
+  EXPECT_FALSE(fs::exists(folder / "out.csv.part"));
+  const auto rows = csv_rows(folder / "out.csv");
+  ASSERT_EQ(rows.size(), 21u);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    ASSERT_EQ(rows[k].size(), 3u);
+    EXPECT_NEAR(rows[k][0], 0.05 * static_cast<double>(k), 1e-9);
+    EXPECT_NEAR(rows[k][2], -1.5 * std::sin(rows[k][1]), 1e-9);
+  }
+}
+
+TEST_F(RunCommand, WritesResultsWithTheCommandLineAndTheSummary) {
+  const Outcome outcome =
+      run({"run", "pendulum.yaml", "--output", "out.h5", "--csv", "out.csv", "--set", "length=2", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Results results = read_results((folder / "out.h5").string());
+  EXPECT_EQ(results.header.title, "A pendulum");
+  EXPECT_EQ(results.header.model_text, pendulum);
+  EXPECT_EQ(nlohmann::json::parse(results.header.options_json).at("set").at("length"), "2");
+  const auto rows = csv_rows(folder / "out.csv");
+  ASSERT_EQ(results.time.size(), static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    EXPECT_EQ(results.time[i], rows[k][0]);
+    EXPECT_EQ(results.channels(i, 0), rows[k][1]);
+    EXPECT_EQ(results.channels(i, 1), rows[k][2]);
+  }
+  // The file's summary is the printed one without what differs from run to run.
+  auto printed = outcome.json();
+  const auto kept = nlohmann::json::parse(results.summary_json);
+  for (const char* name : {"cpu_seconds", "initialisation_seconds", "real_time_factor", "peak_memory_mb"})
+    EXPECT_EQ(printed.erase(name), 1u) << name;
+  EXPECT_EQ(printed, kept);
+}
+
+TEST_F(RunCommand, TheSameRunGivesTheSameBytes) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "a.h5", "--csv", "a.csv"}).code, 0);
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "b.h5", "--csv", "b.csv", "--json"}).code, 0);
+  EXPECT_FALSE(read_file(folder / "a.h5").empty());
+  EXPECT_TRUE(read_file(folder / "a.h5") == read_file(folder / "b.h5"));
+  EXPECT_EQ(read_file(folder / "a.csv"), read_file(folder / "b.csv"));
+}
+
+TEST_F(RunCommand, StepAndEndOfTheCommandLineCount) {
+  const auto json =
+      run({"run", "pendulum.yaml", "--until", "0.5", "--step", "0.005", "--csv", "out.csv", "--json"}).json();
+  EXPECT_EQ(json.at("steps"), 100);
+  EXPECT_EQ(json.at("step"), 0.005);
+  EXPECT_NEAR(json.at("time").get<double>(), 0.5, 1e-9);
+  // The output interval of 0.01 s is two of these steps.
+  EXPECT_EQ(csv_rows(folder / "out.csv").size(), 51u);
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--until", "0", "--json"}).json().at("steps"), 0);
+}
+
+TEST_F(RunCommand, SetReplacesAParameter) {
+  const auto json =
+      run({"run", "pendulum.yaml", "--set", "length=3", "--set", "interval=0.1", "--json"}).json();
+  const auto& outputs = json.at("outputs");
+  EXPECT_NEAR(outputs.at("bob.z").get<double>(), -3 * std::sin(outputs.at("angle").get<double>()), 1e-9);
+}
+
+TEST_F(RunCommand, IntegratorsOfTheCommandLineDamp) {
+  // A negative xi and a small rho take energy out; the trapezoidal rule hardly does.
+  const auto numerical = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(),
+                     {"run", "pendulum.yaml", "--step", "0.05", "--until", "10", "--json"});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.json().at("energy").at("numerical").get<double>();
+  };
+  const double trapezoidal = numerical({"--integrator-xi", "0"});
+  EXPECT_LT(numerical({"--integrator-xi", "-0.3"}), trapezoidal - 0.1);
+  EXPECT_LT(numerical({"--integrator-xi=-0.3"}), trapezoidal - 0.1);
+  EXPECT_LT(numerical({"--rho", "0"}), numerical({"--rho", "0.9"}));
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--rho", "0.5", "--integrator-xi", "0"}).code, 2);
+}
+
+TEST_F(RunCommand, BadInputMakesNoFiles) {
+  write_file(folder / "bad.yaml",
+             "mimbre: 1\nbodies:\n  bob: {mass: -2}\nsimulation: {step: 0.01, end: 1, stp: 2}\n");
+  const Outcome outcome = run({"run", "bad.yaml", "--output", "out.h5", "--csv", "out.csv", "--json"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("bad.yaml:3:"));
+  EXPECT_THAT(outcome.err, HasSubstr(": error: "));
+  const auto json = outcome.json();
+  EXPECT_EQ(json.at("status"), "error");
+  EXPECT_GE(json.at("errors").size(), 2u);
+  EXPECT_EQ(json.at("errors")[0].at("file"), "bad.yaml");
+  EXPECT_TRUE(json.at("errors")[0].at("line").is_number_integer());
+  EXPECT_TRUE(json.at("errors")[0].at("message").is_string());
+  EXPECT_FALSE(fs::exists(folder / "out.h5"));
+  EXPECT_FALSE(fs::exists(folder / "out.csv"));
+  EXPECT_FALSE(fs::exists(folder / "out.csv.part"));
+}
+
+TEST_F(RunCommand, UnknownParametersAreNamed) {
+  const Outcome outcome = run({"run", "pendulum.yaml", "--set", "lenght=2", "--output", "out.h5"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("'lenght'"));
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean 'length'?"));
+  EXPECT_FALSE(fs::exists(folder / "out.h5"));
+}
+
+TEST_F(RunCommand, WrongUseIsToldApart) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run"},
+                                                    {"run", "pendulum.yaml", "--set", "length"},
+                                                    {"run", "pendulum.yaml", "--set", "=2"},
+                                                    {"run", "pendulum.yaml", "--step", "0"},
+                                                    {"run", "pendulum.yaml", "--step", "nan"},
+                                                    {"run", "pendulum.yaml", "--until", "-1"},
+                                                    {"run", "pendulum.yaml", "--until", "inf"},
+                                                    {"run", "pendulum.yaml", "--rho", "nan"},
+                                                    {"run", "pendulum.yaml", "--rho", "2"},
+                                                    {"run", "pendulum.yaml", "--integrator-xi", "0.1"},
+                                                    {"run", "pendulum.yaml", "more.yaml"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments.back() << '\n' << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("error: "));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST_F(RunCommand, OutputsNeverReplaceTheModel) {
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--output", "./pendulum.yaml"}).code, 2);
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--csv", "pendulum.yaml"}).code, 2);
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--csv", "out", "--output", "out"}).code, 2);
+  EXPECT_EQ(read_file(folder / "pendulum.yaml"), pendulum);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(RunCommand, FilesThatCannotBeOpenedAreNamed) {
+  for (const char* option : {"--output", "--csv"})
+    for (const char* path : {"nowhere/out", "."}) {
+      const Outcome outcome = run({"run", "pendulum.yaml", option, path});
+      EXPECT_EQ(outcome.code, 1) << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr(path));
+    }
+  // One that cannot be opened does not spoil the other.
+  write_file(folder / "old.h5", "old");
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--output", "old.h5", "--csv", "nowhere/out.csv"}).code, 1);
+  EXPECT_EQ(read_file(folder / "old.h5"), "old");
+}
+
+TEST_F(RunCommand, TooManyStepsAreRefused) {
+  const Outcome outcome = run({"run", "pendulum.yaml", "--until", "1e300", "--step", "1e-9"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("too many steps"));
+}
+
+TEST_F(RunCommand, AFailingStepSaysWhereAndKeepsTheResults) {
+  // The load's law is not a number beyond t = 0.5 s.
+  std::string model = pendulum;
+  model.insert(model.find("outputs:"),
+               "loads:\n  push: {on: bob, at: [length, 0, 0], force: [0, 0, 1], scale: sqrt(0.5001-t)}\n");
+  write_file(folder / "failing.yaml", model);
+  const Outcome outcome = run({"run", "failing.yaml", "--output", "out.h5", "--csv", "out.csv", "--json"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("t = 0.51 s"));
+  EXPECT_THAT(outcome.err, HasSubstr("hinge"));
+  const auto json = outcome.json();
+  EXPECT_EQ(json.at("status"), "failed");
+  EXPECT_THAT(outcome.err, HasSubstr(json.at("message").get<std::string>()));
+  EXPECT_EQ(json.at("steps"), 50);
+  const Results results = read_results((folder / "out.h5").string());
+  EXPECT_EQ(results.time.size(), 51);
+  EXPECT_TRUE(results.channels.allFinite());
+  EXPECT_EQ(nlohmann::json::parse(results.summary_json).at("status"), "failed");
+  EXPECT_EQ(csv_rows(folder / "out.csv").size(), 51u);
+}
+
+TEST_F(RunCommand, WarningsOfTheModelAreToldOnce) {
+  std::string model = pendulum;
+  model.insert(model.find("outputs:"), "roads:\n  detour: {over: distance, points: [[0, 0], [5, 0]]}\n");
+  write_file(folder / "suspicious.yaml", model);
+  const Outcome outcome = run({"run", "suspicious.yaml", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto warnings = outcome.json().at("warnings");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0].get<std::string>(), HasSubstr("detour"));
+  EXPECT_THAT(outcome.err, HasSubstr(": warning: "));
+  EXPECT_EQ(outcome.err.find("detour"), outcome.err.rfind("detour"));
+}
+
+}  // namespace
+}  // namespace mimbre::app_test

@@ -1,0 +1,510 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "mimbre/model_file.h"
+
+/// Every kind of mistake is reported at its line, in words that say what is wrong and what would be right.
+namespace mimbre {
+namespace {
+
+struct Mistake {
+  std::string name;
+  int line;
+  std::vector<std::string> words;
+  std::string text;
+};
+
+void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.name; }
+
+std::vector<Diagnostic> errors_of(const std::string& text,
+                                  const std::map<std::string, std::string>& overrides = {}) {
+  try {
+    parse_model(text, "bad.yaml", "", overrides);
+  } catch (const InputError& error) {
+    return error.diagnostics();
+  }
+  return {};
+}
+
+class BadModelFile : public testing::TestWithParam<Mistake> {};
+
+TEST_P(BadModelFile, IsReportedAtItsLine) {
+  const Mistake& mistake = GetParam();
+  const auto errors = errors_of(mistake.text);
+  bool found = false;
+  std::string all;
+  for (const Diagnostic& error : errors) {
+    all += to_string(error) + "\n";
+    bool fits = error.mark.line == mistake.line && (error.mark.line == 0 || error.mark.column > 0);
+    for (const std::string& word : mistake.words)
+      fits = fits && error.message.find(word) != std::string::npos;
+    found = found || fits;
+  }
+  EXPECT_TRUE(found) << "expected line " << mistake.line << ", got:\n" << all;
+  EXPECT_LE(errors.size(), 2u) << "one mistake must not bring a flood:\n" << all;
+}
+
+/// A sound model; the line after it is 7.
+const std::string sound =
+    "mimbre: 1\n"
+    "bodies:\n"
+    "  arm: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}\n"
+    "  leg: {mass: 2, com: [1, 0, 0], inertia: [1, 1, 1]}\n"
+    "frames:\n"
+    "  arm.tip: {body: arm, at: [1, 0, 0]}\n";
+
+/// A sound model with a flexible bar; line 7 begins its nodes.
+std::string bar(const std::string& nodes, const std::string& bars, const std::string& rest) {
+  return "mimbre: 1\nmaterials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}\n"
+         "sections: {rod: {type: round, diameter: 0.01}}\nbodies:\n  bar:\n    frame: {at: [0, 0, 0]}\n    "
+         "flexible:\n"
+         "      material: steel\n      section: rod\n      nodes: " +
+         nodes + "\n      bars: " + bars + "\n" + rest;
+}
+const std::string two_nodes = "{a: [0, 0, 0], b: [1, 0, 0]}";
+const std::string one_bar = "{bar: {from: a, to: b, elements: 4}}";
+const std::string modes = "      clamped: [a]\n      static_modes: [{node: b, along: [0, 0, 1]}]\n";
+
+std::string body(const std::string& description) {
+  return "mimbre: 1\nbodies:\n  arm: " + description + "\n";
+}
+std::string joint(const std::string& description) {
+  return sound + "joints:\n  hinge: " + description + "\n";
+}
+std::string spring(const std::string& description) {
+  return sound + "springs:\n  coil: " + description + "\n";
+}
+std::string output(const std::string& description) { return sound + "outputs:\n  - " + description + "\n"; }
+
+INSTANTIATE_TEST_SUITE_P(
+    File, BadModelFile,
+    testing::Values(
+        Mistake{"Empty", 1, {"empty", "mimbre: 1"}, ""}, Mistake{"OnlyComment", 1, {"empty"}, "# nothing\n"},
+        Mistake{"NoMap", 1, {"keys are needed"}, "hello\n"},
+        Mistake{"NoVersion", 1, {"'mimbre: 1' is missing"}, "bodies:\n  arm: {mass: 0, com: [0, 0, 0]}\n"},
+        Mistake{"WrongVersion",
+                1,
+                {"format version 7", "version 1"},
+                "mimbre: 7\nbodies:\n  arm: {mass: 0, com: [0, 0, 0]}\n"},
+        Mistake{"UnbalancedBracket", 3, {"not valid YAML"}, "mimbre: 1\nbodies: {arm: [1, 2\n"},
+        Mistake{"UnbalancedQuote", 3, {"not valid YAML"}, "mimbre: 1\ntitle: \"abc\n"},
+        Mistake{"TooDeep", 2, {"nested deeper than"}, "mimbre: 1\ntitle: " + std::string(2000, '[') + "\n"},
+        Mistake{"SelfAlias", 2, {"alias"}, "mimbre: 1\ntitle: &a [*a]\n"},
+        Mistake{"SecondDocument", 3, {"second YAML document"}, "mimbre: 1\n---\nmimbre: 1\n"},
+        Mistake{"DuplicateKey", 7, {"'bodies' is given twice", "line 2"}, sound + "bodies: {}\n"},
+        Mistake{"UnknownSection", 7, {"unknown key 'joint'", "did you mean 'joints'"}, sound + "joint: {}\n"},
+        Mistake{"NoBody", 1, {"no body"}, "mimbre: 1\n"},
+        Mistake{"GravityLength", 7, {"gravity", "list of 3 numbers"}, sound + "gravity: [0, 0]\n"},
+        Mistake{"GravityInfinite", 7, {"gravity", "finite"}, sound + "gravity: [0, 0, .inf]\n"},
+        Mistake{"Overflow", 7, {"gravity", "finite"}, sound + "gravity: [0, 0, 10^400]\n"},
+        Mistake{"DivisionByZero", 7, {"gravity", "finite"}, sound + "gravity: [0, 0, 1/0]\n"},
+        Mistake{"Initial", 7, {"initial", "equilibrium", "did you mean"}, sound + "initial: equilibrum\n"}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, BadModelFile,
+    testing::Values(
+        Mistake{"UnknownInExpression",
+                7,
+                {"'lenght'", "did you mean 'length'"},
+                sound + "gravity: [0, 0, lenght]\nparameters: {length: 1}\n"},
+        Mistake{"BrokenExpression", 7, {"no expression"}, sound + "gravity: [0, 0, 1 + ]\n"},
+        Mistake{"UnknownFunction",
+                7,
+                {"no function 'sinn'", "did you mean 'sin'"},
+                sound + "gravity: [0, 0, sinn(1)]\n"},
+        Mistake{"NestedExpression",
+                7,
+                {"nested deeper"},
+                sound + "gravity: [0, 0, " + std::string(200, '(') + "1" + std::string(200, ')') + "]\n"},
+        Mistake{"Assignment", 7, {"'=' is no operator"}, sound + "gravity: [0, 0, pi = 3]\n"},
+        Mistake{"Cyclic",
+                8,
+                {"parameter 'a'", "only use those above it"},
+                sound + "parameters:\n  a: b + 1\n  b: a + 1\n"},
+        Mistake{"Reserved", 7, {"'sin'", "taken"}, sound + "parameters: {sin: 1}\n"},
+        Mistake{"OutOfRange",
+                7,
+                {"parameter 'n'", "from 1 to 10"},
+                sound + "parameters: {n: {value: 11, min: 1, max: 10}}\n"},
+        Mistake{"NotWhole",
+                7,
+                {"parameter 'n'", "whole number"},
+                sound + "parameters: {n: {value: 1.5, integer: true}}\n"},
+        Mistake{"NoSuchChoice",
+                7,
+                {"'rgid'", "rigid, flexible", "did you mean 'rigid'"},
+                sound + "parameters: {as: {value: rgid, choices: [rigid, flexible]}}\n"},
+        Mistake{"UnknownDollar", 7, {"no parameter 'end'"}, sound + "title: $end\n"},
+        Mistake{"Requirement",
+                8,
+                {"n must be odd"},
+                sound + "parameters: {n: 2}\nrequire: [{that: n == 1, message: n must be odd}]\n"}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Bodies, BadModelFile,
+    testing::Values(
+        Mistake{"UnknownKey",
+                3,
+                {"body 'arm'", "unknown key 'mas'", "did you mean 'mass'"},
+                body("{mas: 1, mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}")},
+        Mistake{"NoMass", 3, {"body 'arm'", "no mass"}, body("{com: [0, 0, 0]}")},
+        Mistake{
+            "NegativeMass", 3, {"mass", "negative"}, body("{mass: -1, com: [0, 0, 0], inertia: [1, 1, 1]}")},
+        Mistake{
+            "MassIsText", 3, {"mass", "'heavy'"}, body("{mass: heavy, com: [0, 0, 0], inertia: [1, 1, 1]}")},
+        Mistake{"MassIsList", 3, {"mass", "a list"}, body("{mass: [1], com: [0, 0, 0], inertia: [1, 1, 1]}")},
+        Mistake{"NoCom", 3, {"'com' is missing"}, body("{mass: 1, inertia: [1, 1, 1]}")},
+        Mistake{"NoInertia", 3, {"'inertia' is missing"}, body("{mass: 1, com: [0, 0, 0]}")},
+        Mistake{"InertiaNegative",
+                3,
+                {"not positive definite"},
+                body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, -1]}")},
+        Mistake{"InertiaIndefinite",
+                3,
+                {"not positive definite"},
+                body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1, 2, 0, 0]}")},
+        Mistake{"InertiaTriangle",
+                3,
+                {"triangle inequality"},
+                body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 3]}")},
+        Mistake{
+            "InertiaWithoutMass", 3, {"mass is 0"}, body("{mass: 0, com: [0, 0, 0], inertia: [1, 1, 1]}")},
+        Mistake{"ZeroAxis",
+                3,
+                {"x", "no length"},
+                body("{mass: 0, com: [0, 0, 0], frame: {at: [0, 0, 0], x: [0, 0, 0]}}")},
+        Mistake{"SkewAxes",
+                3,
+                {"not perpendicular"},
+                body("{mass: 0, com: [0, 0, 0], frame: {at: [0, 0, 0], x: [1, 0, 0], y: [1, 1, 0]}}")},
+        Mistake{"BadName", 3, {"'a b'", "no name"}, "mimbre: 1\nbodies:\n  a b: {mass: 0, com: [0, 0, 0]}\n"},
+        Mistake{"Ground",
+                3,
+                {"'ground' is the fixed world"},
+                "mimbre: 1\nbodies:\n  ground: {mass: 0, com: [0, 0, 0]}\n"},
+        Mistake{"FrameNamedLikeBody",
+                6,
+                {"'arm'", "share"},
+                sound.substr(0, sound.find("  arm.tip")) + "  arm: {body: leg, at: [1, 0, 0]}\n"},
+        Mistake{"FrameOnUnknownBody",
+                7,
+                {"no body 'amr'", "did you mean 'arm'"},
+                sound + "  x1: {body: amr, at: [0, 0, 0]}\n"},
+        Mistake{"FlexibleMissing", 3, {"no 'flexible'"}, body("{as: flexible, mass: 0, com: [0, 0, 0]}")},
+        Mistake{"Undecided",
+                6,
+                {"say which"},
+                bar(two_nodes, one_bar, modes + "    mass: 1\n    com: [0, 0, 0]\n    inertia: [1, 1, 1]\n")},
+        Mistake{"ShapeSize", 3, {"not positive"}, body("{mass: 0, com: [0, 0, 0], shapes: [{sphere: -1}]}")},
+        Mistake{
+            "ReducedWithoutFolder", 3, {"no folder"}, body("{frame: {at: [0, 0, 0]}, reduced: blade.h5}")}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Flexible, BadModelFile,
+    testing::Values(
+        Mistake{"UnknownNode", 11, {"no node 'c'", "a, b"}, bar(two_nodes, "{bar: {from: a, to: c}}", modes)},
+        Mistake{"UnusedNode",
+                10,
+                {"'c' is on no bar"},
+                bar("{a: [0, 0, 0], b: [1, 0, 0], c: [2, 0, 0]}", one_bar, modes)},
+        Mistake{"BarWithoutLength", 11, {"no length"}, bar("{a: [0, 0, 0], b: [0, 0, 0]}", one_bar, modes)},
+        Mistake{"BarFromNodeOnLaterBar",
+                11,
+                {"'c' lies on a bar that comes further down"},
+                bar("{a: [0, 0, 0], b: [1, 0, 0], c: {on: [bar, 0.5]}, d: [1, 1, 0]}",
+                    "{rod: {from: c, to: d}, bar: {from: a, to: b}}", modes)},
+        Mistake{"UnknownBar",
+                10,
+                {"no bar 'rod'"},
+                bar("{a: [0, 0, 0], b: [1, 0, 0], c: {on: [rod, 0.5]}}", one_bar, modes)},
+        Mistake{"FractionOutside",
+                10,
+                {"between 0 and 1"},
+                bar("{a: [0, 0, 0], b: [1, 0, 0], c: {on: [bar, 1.5]}}", one_bar, modes)},
+        Mistake{"TooManyElements",
+                11,
+                {"whole number from 1 to"},
+                bar(two_nodes, "{bar: {from: a, to: b, elements: 1e6}}", modes)},
+        Mistake{"UnknownSection",
+                11,
+                {"no section 'rood'", "did you mean 'rod'"},
+                bar(two_nodes, "{bar: {from: a, to: b, section: rood}}", modes)},
+        Mistake{"NothingClamped",
+                12,
+                {"names no node"},
+                bar(two_nodes, one_bar, "      clamped: []\n      dynamic_modes: 1\n")},
+        Mistake{"ModeOnClamped",
+                13,
+                {"'a' is clamped"},
+                bar(two_nodes, one_bar,
+                    "      clamped: [a]\n      static_modes: [{node: a, along: [0, 0, 1]}]\n")},
+        Mistake{"NoModes", 8, {"no modes"}, bar(two_nodes, one_bar, "      clamped: [a]\n")},
+        Mistake{"DependentModes",
+                8,
+                {"dependent"},
+                bar(two_nodes, one_bar,
+                    "      clamped: [a]\n      static_modes: [{node: b, along: [0, 0, 1]}, {node: b, along: "
+                    "[0, 0, 1]}]\n")},
+        Mistake{"LooseBar",
+                8,
+                {"not held"},
+                bar("{a: [0, 0, 0], b: [1, 0, 0], c: [2, 0, 0], d: [3, 0, 0]}",
+                    "{bar: {from: a, to: b}, loose: {from: c, to: d}}", modes)},
+        Mistake{"SkewPlane",
+                14,
+                {"axis of the body's frame"},
+                bar(two_nodes, one_bar, modes + "      planar: [0, 1, 1]\n")},
+        Mistake{"NoNodeThere",
+                15,
+                {"no named node at [0.5, 0, 0]", "a [0, 0, 0], b [1, 0, 0]"},
+                bar(two_nodes, one_bar, modes + "frames:\n  mid: {body: bar, at: [0.5, 0, 0]}\n")}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Joints, BadModelFile,
+    testing::Values(
+        Mistake{"UnknownType",
+                8,
+                {"joint 'hinge'", "'revolut'", "did you mean 'revolute'"},
+                joint("{type: revolut, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1]}")},
+        Mistake{"UnknownBody",
+                8,
+                {"'amr'", "did you mean 'arm'"},
+                joint("{type: spherical, between: [ground, amr], at: [0, 0, 0]}")},
+        Mistake{"Nothing", 8, {"joint 'hinge'", "'type' is missing"}, joint("")},
+        Mistake{"SameBody",
+                8,
+                {"both sides are on body 'arm'"},
+                joint("{type: spherical, between: [arm, arm.tip]}")},
+        Mistake{"BothGround",
+                8,
+                {"both sides are the ground"},
+                joint("{type: spherical, between: [ground, ground], at: [0, 0, 0]}")},
+        Mistake{"OneBody",
+                8,
+                {"two bodies or frames"},
+                joint("{type: spherical, between: [arm], at: [0, 0, 0]}")},
+        Mistake{"NoPlace", 8, {"'at' is missing"}, joint("{type: spherical, between: [ground, arm]}")},
+        Mistake{"NoAxis",
+                8,
+                {"'axis' is missing"},
+                joint("{type: revolute, between: [ground, arm], at: [0, 0, 0]}")},
+        Mistake{"ZeroAxis",
+                8,
+                {"axis", "no length"},
+                joint("{type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 0]}")},
+        Mistake{"AxisOfSphere",
+                8,
+                {"spherical joint has no axis"},
+                joint("{type: spherical, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1]}")},
+        Mistake{"UniversalSkew",
+                8,
+                {"not perpendicular"},
+                joint("{type: universal, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1], axis2: [0, "
+                      "1, 1]}")},
+        Mistake{"SphericalDrive",
+                8,
+                {"spherical joint has no scalar coordinate"},
+                joint("{type: spherical, between: [ground, arm], at: [0, 0, 0], drive: {position: t}}")},
+        Mistake{"DriveUnknown",
+                8,
+                {"drive", "'s'"},
+                joint("{type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1], drive: "
+                      "{position: 2*s}}")},
+        Mistake{"WhichCoordinate",
+                8,
+                {"2 coordinates", "coordinate: 0"},
+                joint("{type: cylindrical, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1], drive: "
+                      "{position: t}}")},
+        Mistake{"InitialCount",
+                8,
+                {"3 values", "are 2"},
+                joint("{type: spherical, between: [ground, arm], at: [0, 0, 0], velocity: [1, 2]}")},
+        Mistake{"FrameWithPlace",
+                8,
+                {"a frame has its place already"},
+                joint("{type: spherical, between: [leg, arm.tip], at: [0, 0, 0]}")},
+        Mistake{"Cut",
+                8,
+                {"cut", "'sometimes'", "automatic, never, always"},
+                joint("{type: spherical, between: [ground, arm], at: [0, 0, 0], cut: sometimes}")}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Forces, BadModelFile,
+    testing::Values(
+        Mistake{"ZeroLength",
+                8,
+                {"length zero"},
+                spring("{between: [arm, leg], at: [[0, 0, 0], [0, 0, 0]], damping: 1}")},
+        Mistake{"NoForce", 8, {"says no force"}, spring("{between: [arm, leg]}")},
+        Mistake{
+            "AmbiguousNumber", 8, {"a stiffness or a force"}, spring("{between: [arm, leg], elastic: 100}")},
+        Mistake{
+            "NegativeStiffness", 8, {"negative"}, spring("{between: [arm, leg], elastic: {stiffness: -1}}")},
+        Mistake{"TableDescends",
+                8,
+                {"does not ascend"},
+                spring("{between: [arm, leg], elastic: {table: [[0, 0], [2, 1], [1, 2]]}}")},
+        Mistake{"TableOnePoint",
+                8,
+                {"at least two points"},
+                spring("{between: [arm, leg], elastic: {table: [[0, 0]]}}")},
+        Mistake{"PiecesDescend",
+                8,
+                {"do not ascend"},
+                spring("{between: [arm, leg], elastic: {pieces: [{until: 1, polynomial: [0]}, {until: 0, "
+                       "polynomial: [0]}, "
+                       "{polynomial: [1]}]}}")},
+        Mistake{"LastPiece",
+                8,
+                {"last piece"},
+                spring("{between: [arm, leg], elastic: {pieces: [{until: 1, polynomial: [0]}]}}")},
+        Mistake{"TwoLaws",
+                8,
+                {"several laws"},
+                spring("{between: [arm, leg], elastic: {polynomial: [0], constant: 1}}")},
+        Mistake{"ForceUnknown", 8, {"force", "'w'"}, spring("{between: [arm, leg], force: 2*l + w}")},
+        Mistake{"LoadOnGround",
+                7,
+                {"ground moves nothing"},
+                sound + "loads: {push: {on: ground, at: [0, 0, 0], force: [0, 0, 1]}}\n"},
+        Mistake{"TyreRoad",
+                7,
+                {"no road 'track'"},
+                sound + "tyres: {t1: {on: arm, road: track, stiffness: 1, radius: 1}}\n"},
+        Mistake{"RoadRepeat",
+                7,
+                {"shorter than the points"},
+                sound + "roads: {track: {over: distance, points: [[0, 0], [5, 1]], repeat: 3}}\n"}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Rest, BadModelFile,
+    testing::Values(
+        Mistake{"OutputNothing", 8, {"says nothing of what it is"}, output("{name: z}")},
+        Mistake{"OutputUnknownJoint", 8, {"no joint 'hing'"}, output("{name: q, joint: hing}")},
+        Mistake{"OutputComponent", 8, {"'w'", "x, y, z"}, output("{name: q, position: arm, component: w}")},
+        Mistake{"OutputTwice",
+                9,
+                {"two outputs called 'q'"},
+                output("{name: q, roll: arm}") + "  - {name: q, yaw: arm}\n"},
+        Mistake{"OutputComma", 8, {"no comma"}, output("{name: 'a,b', roll: arm}")},
+        Mistake{"OutputTime", 8, {"column of the time"}, output("{name: t, roll: arm}")},
+        Mistake{"ModesOfRigid",
+                8,
+                {"rigid and has no modes"},
+                output("{name: q, modal_amplitude: arm, component: 0}")},
+        Mistake{"UnknownTemplate", 7, {"no subsystem 'corner'"}, sound + "instances: {left: {of: corner}}\n"},
+        Mistake{"TemplateParameter",
+                8,
+                {"no parameter 'b'", "it has: a"},
+                sound + "subsystems: {s: {parameters: {a: 1}}}\ninstances: {left: {of: s, with: {b: 1}}}\n"},
+        Mistake{"Mirror",
+                8,
+                {"'w' is not x, y, z"},
+                sound + "subsystems: {s: {}}\ninstances: {left: {of: s, mirror: w}}\n"},
+        Mistake{"FileWithoutFolder", 7, {"no folder"}, sound + "subsystems: {s: {file: other.yaml}}\n"},
+        Mistake{"NegativeStep", 7, {"step", "not positive"}, sound + "simulation: {step: -1}\n"},
+        Mistake{"Interval",
+                7,
+                {"whole number of steps"},
+                sound + "simulation: {step: 0.01, output_interval: 0.015}\n"},
+        Mistake{"Rho",
+                7,
+                {"rho", "between 0 and 1"},
+                sound + "simulation: {integrator: {type: generalized_alpha, rho: 2}}\n"},
+        Mistake{"Xi", 7, {"xi", "0 or less"}, sound + "simulation: {integrator: {type: newmark, xi: 1}}\n"},
+        Mistake{
+            "Formulation", 7, {"formulation", "relative"}, sound + "simulation: {formulation: relativ}\n"}),
+    [](const auto& mistake) { return mistake.param.name; });
+
+TEST(BadModelFile, AllMistakesAreReportedInOrder) {
+  const auto errors =
+      errors_of(body("{mass: -1, com: [0, 0], inertia: [1, 1, 1]}") + "gravity: [a, b, 0]\nwrong: 1\n");
+  ASSERT_EQ(errors.size(), 5u);
+  for (std::size_t k = 1; k < errors.size(); ++k) EXPECT_LE(errors[k - 1].mark.line, errors[k].mark.line);
+  EXPECT_EQ(errors.back().mark.line, 5);
+}
+
+TEST(BadModelFile, ColumnsCountFromOne) {
+  const auto errors = errors_of(sound + "wrong: 1\n");
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].mark.column, 1);
+  EXPECT_EQ(errors[0].mark.file, "bad.yaml");
+}
+
+TEST(BadModelFile, UnknownOverrideListsTheValidOnes) {
+  const auto errors = errors_of(sound + "parameters: {length: 1, width: 2}\n", {{"lenght", "3"}});
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].message.find("did you mean 'length'"), std::string::npos);
+  EXPECT_NE(errors[0].message.find("length, width"), std::string::npos);
+}
+
+TEST(BadModelFile, OverrideOutOfRange) {
+  const auto errors = errors_of(sound + "parameters: {n: {value: 5, min: 1, max: 10}}\n", {{"n", "11"}});
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].message.find("'n' set to '11'"), std::string::npos);
+  EXPECT_NE(errors[0].message.find("from 1 to 10"), std::string::npos);
+}
+
+TEST(BadModelFile, AliasBombIsRefused) {
+  std::string text = "mimbre: 1\na0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int k = 1; k < 12; ++k) {
+    text += "a" + std::to_string(k) + ": &a" + std::to_string(k) + " [";
+    for (int i = 0; i < 10; ++i) text += (i ? ", *a" : "*a") + std::to_string(k - 1);
+    text += "]\n";
+  }
+  const auto errors = errors_of(text);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].message.find("more than"), std::string::npos);
+}
+
+TEST(BadModelFile, AFloodOfErrorsEnds) {
+  std::string text = "mimbre: 1\nbodies:\n";
+  for (int k = 0; k < 1000; ++k) text += "  b" + std::to_string(k) + ": {mass: -1}\n";
+  const auto errors = errors_of(text);
+  EXPECT_LE(errors.size(), 101u);
+}
+
+TEST(BadModelFile, MistakesInATemplatesFileNameThatFile) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mimbre_bad_template";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "side.yaml")
+      << "bodies:\n  arm:\n    mass: -1\n    com: [0, 0, 0]\n    inertia: [1, 1, 1]\n";
+  const std::string text =
+      "mimbre: 1\nsubsystems:\n  side: {file: side.yaml}\n  other: {file: othr.yaml}\ninstances: {left: {of: "
+      "side}}\n";
+  try {
+    parse_model(text, "bad.yaml", folder.string());
+    FAIL();
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.diagnostics().size(), 2u) << error.what();
+    EXPECT_EQ(error.diagnostics()[0].mark.line, 4);
+    EXPECT_NE(error.diagnostics()[0].message.find("there is no file"), std::string::npos);
+    EXPECT_TRUE(error.diagnostics()[1].mark.file.ends_with("side.yaml"));
+    EXPECT_EQ(error.diagnostics()[1].mark.line, 3);
+    EXPECT_NE(error.diagnostics()[1].message.find("body 'left.arm': mass: -1 is negative"),
+              std::string::npos);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(BadModelFile, MissingFile) {
+  try {
+    load_model("/nowhere/model.yaml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/model.yaml: there is no such file");
+  }
+}
+
+}  // namespace
+}  // namespace mimbre

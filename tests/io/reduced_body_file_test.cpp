@@ -1,0 +1,221 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "fe/meshes.h"
+#include "mimbre/diagnostics.h"
+#include "mimbre/reduced_body.h"
+
+namespace mimbre::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+ReducedBody some_body() {
+  fe::ReductionOptions options;
+  options.clamped_nodes = {0};
+  options.boundary = {{2, false, Eigen::Vector3d::UnitZ(), "tip.z"}};
+  options.dynamic_modes = 3;
+  options.stiffness_damping = 0.02;
+  ReducedBody body = fe::reduce(bent_frame(), options,
+                                {{"tip", 2, some_rotation()}, {"gelenk ä", 1, Eigen::Matrix3d::Identity()}});
+  body.name = "bent frame";
+  return body;
+}
+
+class ReducedBodyFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ =
+        std::filesystem::path(testing::TempDir()) / (std::string("mimbre_reduced_body_") + info->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name = "body.h5") const { return (folder_ / name).string(); }
+
+  static std::string bytes(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  static void write(const std::string& path, const std::string& content) {
+    std::ofstream(path, std::ios::binary) << content;
+  }
+
+  static std::string load_error(const std::string& path) {
+    try {
+      load_reduced_body(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  /// What loading says after `change` was applied to a good file.
+  template <typename Change>
+  std::string error_after(Change change) const {
+    save(some_body(), path());
+    const hid_t file = H5Fopen(path().c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    change(file);
+    H5Fclose(file);
+    return load_error(path());
+  }
+
+  static void replace_dataset(hid_t file, const char* name, std::vector<hsize_t> shape, double value) {
+    H5Ldelete(file, name, H5P_DEFAULT);
+    const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+    const hid_t set = H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    hsize_t count = 1;
+    for (hsize_t extent : shape) count *= extent;
+    if (count < 1000) {
+      const std::vector<double> data(count, value);
+      H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data());
+    }
+    H5Dclose(set);
+    H5Sclose(space);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReducedBodyFile, GivesBackWhatWasSavedToTheLastBit) {
+  const ReducedBody body = some_body();
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  EXPECT_EQ(read.name, body.name);
+  EXPECT_EQ(read.modes, body.modes);
+  EXPECT_EQ(read.mode_names, body.mode_names);
+  EXPECT_EQ(read.mass, body.mass);
+  EXPECT_EQ(read.first_moment, body.first_moment);
+  EXPECT_EQ(read.second_moment, body.second_moment);
+  EXPECT_EQ(read.S, body.S);
+  EXPECT_EQ(read.S_position, body.S_position);
+  EXPECT_EQ(read.S_modes, body.S_modes);
+  EXPECT_EQ(read.mass_matrix, body.mass_matrix);
+  EXPECT_EQ(read.stiffness, body.stiffness);
+  EXPECT_EQ(read.damping, body.damping);
+  EXPECT_EQ(read.user_from_modal, body.user_from_modal);
+  EXPECT_EQ(read.eigenfrequencies, body.eigenfrequencies);
+  EXPECT_EQ(read.nodes, body.nodes);
+  EXPECT_EQ(read.node_shapes, body.node_shapes);
+  EXPECT_EQ(read.lines, body.lines);
+  EXPECT_EQ(read.line_radius, body.line_radius);
+  ASSERT_EQ(read.frames.size(), body.frames.size());
+  for (std::size_t k = 0; k < body.frames.size(); ++k) {
+    EXPECT_EQ(read.frames[k].name, body.frames[k].name);
+    EXPECT_EQ(read.frames[k].position, body.frames[k].position);
+    EXPECT_EQ(read.frames[k].rotation, body.frames[k].rotation);
+    EXPECT_EQ(read.frames[k].X, body.frames[k].X);
+    EXPECT_EQ(read.frames[k].X_theta, body.frames[k].X_theta);
+  }
+}
+
+TEST_F(ReducedBodyFile, KeepsABodyWithoutModesFramesOrDrawing) {
+  ReducedBody body;
+  body.mass = 2;
+  body.second_moment = Eigen::Vector3d(1, 2, 3).asDiagonal();
+  body.S.resize(3, 0);
+  for (auto& block : body.S_position) block.resize(3, 0);
+  body.node_shapes.resize(0, 0);
+  ASSERT_THAT(check(body), testing::IsEmpty());
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  EXPECT_EQ(read.name, "");
+  EXPECT_EQ(read.mass, 2);
+  EXPECT_EQ(read.modes, 0);
+}
+
+TEST_F(ReducedBodyFile, OfTheSameBodyHasTheSameBytesWheneverWritten) {
+  save(some_body(), path("a.h5"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 time stamps count seconds
+  save(some_body(), path("b.h5"));
+  EXPECT_TRUE(bytes(path("a.h5")) == bytes(path("b.h5")));
+}
+
+TEST_F(ReducedBodyFile, RefusesFilesThatAreNone) {
+  EXPECT_THAT(load_error(path("absent.h5")), AllOf(HasSubstr("absent.h5"), HasSubstr("no such file")));
+  write(path("text.h5"), "mimbre: 1\n");
+  EXPECT_THAT(load_error(path("text.h5")),
+              AllOf(HasSubstr("text.h5"), HasSubstr("not a complete HDF5 file")));
+  write(path("empty.h5"), "");
+  EXPECT_THAT(load_error(path("empty.h5")), HasSubstr("not a complete HDF5 file"));
+}
+
+TEST_F(ReducedBodyFile, RefusesEveryTruncation) {
+  save(some_body(), path());
+  const std::string whole = bytes(path());
+  for (std::size_t size = 0; size < whole.size(); size += whole.size() / 50) {
+    write(path("cut.h5"), whole.substr(0, size));
+    EXPECT_NE(load_error(path("cut.h5")), "no error") << size;
+  }
+}
+
+TEST_F(ReducedBodyFile, NamesWhatIsMissing) {
+  for (const char* name :
+       {"S", "S_modes", "mass_matrix", "mode_names", "lines", "nodes", "frames/0/X_theta"}) {
+    const std::string leaf = std::string(name).substr(std::string(name).rfind('/') + 1);
+    EXPECT_THAT(error_after([&](hid_t file) { H5Ldelete(file, name, H5P_DEFAULT); }),
+                AllOf(HasSubstr("body.h5"), HasSubstr("dataset '" + leaf + "' is missing")));
+  }
+  EXPECT_THAT(error_after([](hid_t file) { H5Ldelete(file, "frames", H5P_DEFAULT); }),
+              HasSubstr("group 'frames' is missing"));
+  EXPECT_THAT(error_after([](hid_t file) { H5Ldelete(file, "frames/0", H5P_DEFAULT); }),
+              HasSubstr("group 'frames/0' is missing"));
+  EXPECT_THAT(error_after([](hid_t file) { H5Adelete(file, "mass"); }),
+              HasSubstr("attribute 'mass' is missing"));
+  EXPECT_THAT(error_after([](hid_t file) { H5Adelete(file, "format"); }),
+              HasSubstr("attribute 'format' is missing"));
+}
+
+TEST_F(ReducedBodyFile, NamesWhatHasTheWrongShapeOrValues) {
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "S", {3, 2}, 0);
+              }),
+              HasSubstr("dataset 'S' must be 3 x 4, is 3 x 2"));
+  EXPECT_THAT(error_after([](hid_t file) { replace_dataset(file, "nodes", {12}, 0); }),
+              HasSubstr("dataset 'nodes' must be any x 3, is 12"));
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "nodes", {hsize_t{1} << 40, 3}, 0);
+              }),
+              HasSubstr("'nodes' is too large"));
+  EXPECT_THAT(error_after([](hid_t file) { replace_dataset(file, "mode_names", {4}, 0); }),
+              HasSubstr("'mode_names' must be text"));
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "S", {3, 4}, std::nan(""));
+              }),
+              AllOf(HasSubstr("body.h5"), HasSubstr("S must be finite")));
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "mass_matrix", {4, 4}, 1);
+              }),
+              HasSubstr("mass_matrix must be positive definite"));
+}
+
+TEST_F(ReducedBodyFile, CannotBeSavedWhereThereIsNoFolderNorFromAnUnsoundBody) {
+  const auto error = [](const ReducedBody& body, const std::string& to) -> std::string {
+    try {
+      save(body, to);
+    } catch (const InputError& problem) {
+      return problem.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(error(some_body(), path("none/body.h5")),
+              AllOf(HasSubstr("none/body.h5"), HasSubstr("cannot be created")));
+  ReducedBody unsound = some_body();
+  unsound.node_shapes.resize(3, 1);
+  EXPECT_THAT(error(unsound, path()),
+              AllOf(HasSubstr("body.h5"), HasSubstr("node_shapes must be 24 x 4, is 3 x 1")));
+  EXPECT_FALSE(std::filesystem::exists(path()));
+}
+
+}  // namespace
+}  // namespace mimbre::test

@@ -1,0 +1,282 @@
+#include "mimbre/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "mimbre/diagnostics.h"
+
+namespace mimbre {
+namespace {
+
+using Json = nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A rigid and a flexible body (two points, one mode), two channels, one road.
+Results small_results(int instants = 3) {
+  Results results;
+  auto& header = results.header;
+  header.title = "A pendulum";
+  header.model_text = "mimbre: 1\n";
+  header.options_json = R"({"length": 1.5})";
+  header.step = 0.01;
+  header.channels = {{"ball.z", "m", "height"}, {"arm.tip", "rad", "angle"}};
+  BodyDrawing ball;
+  ball.name = "ball";
+  ball.shapes.push_back({spec::Shape::Kind::sphere, {}, {0.05, 0, 0}});
+  BodyDrawing arm;
+  arm.name = "arm";
+  arm.points.resize(3, 2);
+  arm.points << 0, 1.5, 0, 0, 0, 0;
+  arm.point_shapes.resize(6, 1);
+  arm.point_shapes << 0, 0, 0, 0, 0, 1;
+  arm.lines = {{0, 1}};
+  arm.line_radius = 0.02;
+  arm.modes = 1;
+  header.bodies = {ball, arm};
+  RoadDrawing road;
+  road.name = "track";
+  road.profile.resize(2, 2);
+  road.profile << 0, 10, 0.5, 0.25;
+  header.roads = {road};
+  results.summary_json = R"({"cpu_s": 0.25, "warnings": ["the step is large"]})";
+  results.time.setLinSpaced(instants, 0, 0.01 * (instants - 1));
+  results.channels.resize(instants, 2);
+  results.modes.resize(instants, 1);
+  for (int i = 0; i < instants; ++i) {
+    results.channels.row(i) << 1e6 + std::sin(i), 0.125 * i;
+    results.modes(i, 0) = 0.5 * i;
+    Eigen::Matrix<double, 7, Eigen::Dynamic> poses(7, 2);
+    poses.col(0) << 1e5 + 0.001 * i, 2, 3, 1, 0, 0, 0;
+    poses.col(1) << 4, 5, 6, 0, 1, 0, 0;
+    results.poses.push_back(poses);
+  }
+  return results;
+}
+
+std::vector<unsigned char> from_base64(const std::string& text) {
+  static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes;
+  unsigned bits = 0;
+  int have = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    bits = bits << 6 | static_cast<unsigned>(digits.find(c));
+    have += 6;
+    if (have < 8) continue;
+    have -= 8;
+    bytes.push_back(static_cast<unsigned char>(bits >> have));
+  }
+  return bytes;
+}
+
+/// Test machines are little-endian, as the arrays are.
+template <typename T>
+std::vector<T> decoded(const Json& array) {
+  const auto bytes = from_base64(array.at("data"));
+  EXPECT_EQ(bytes.size(), array.at("size").get<std::size_t>() * sizeof(T));
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+/// What a browser hands to the page's script: all up to the first end of the element.
+std::string data_text(const std::string& html) {
+  const std::string begin = R"(<script type="application/json" id="mimbre-data">)";
+  const std::size_t at = html.find(begin) + begin.size();
+  return html.substr(at, html.find("</script", at) - at);
+}
+
+Json data_of(const Results& results, const ReportOptions& options = {}) {
+  return Json::parse(data_text(report_html(results, options)));
+}
+
+class Report : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!report_available()) GTEST_SKIP() << "built without the report page";
+  }
+};
+
+TEST_F(Report, CarriesAnimationAndBodies) {
+  const Results results = small_results();
+  const Json data = data_of(results);
+  const Json& animation = data.at("animation");
+  EXPECT_THAT(decoded<double>(animation.at("time")), ElementsAre(0, 0.01, 0.02));
+  EXPECT_THAT(decoded<double>(animation.at("positions")),
+              ElementsAre(1e5, 2, 3, 4, 5, 6, 1e5 + 0.001, 2, 3, 4, 5, 6, 1e5 + 0.002, 2, 3, 4, 5, 6));
+  const auto rotations = decoded<float>(animation.at("rotations"));
+  ASSERT_EQ(rotations.size(), 3U * 2 * 4);
+  EXPECT_EQ(rotations[0], 1);
+  EXPECT_EQ(rotations[5], 1);
+  EXPECT_THAT(decoded<float>(animation.at("modes")), ElementsAre(0, 0.5, 1));
+
+  const Json& arm = data.at("bodies").at(1);
+  EXPECT_EQ(arm.at("name"), "arm");
+  EXPECT_EQ(arm.at("modes"), 1);
+  EXPECT_THAT(decoded<float>(arm.at("points")), ElementsAre(0, 0, 0, 1.5, 0, 0));
+  EXPECT_THAT(decoded<float>(arm.at("pointShapes")), ElementsAre(0, 0, 0, 0, 0, 1));
+  EXPECT_THAT(decoded<std::uint32_t>(arm.at("lines")), ElementsAre(0, 1));
+  const Json& ball = data.at("bodies").at(0).at("shapes").at(0);
+  EXPECT_EQ(ball.at("kind"), "sphere");
+  EXPECT_EQ(ball.at("size").at(0), 0.05);
+  EXPECT_EQ(ball.at("rotation"), Json({1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  EXPECT_THAT(decoded<double>(data.at("roads").at(0).at("profile")), ElementsAre(0, 0.5, 10, 0.25));
+}
+
+TEST_F(Report, ChannelsKeepSevenDigitsOfTheirRange) {
+  const Results results = small_results(500);
+  const Json data = data_of(results);
+  const auto values = decoded<float>(data.at("values"));
+  ASSERT_EQ(values.size(), 1000U);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double range = results.channels.col(channel).maxCoeff() - results.channels.col(channel).minCoeff();
+    const double offset = data.at("channels").at(static_cast<std::size_t>(channel)).at("offset");
+    for (int i = 0; i < 500; ++i)
+      EXPECT_NEAR(static_cast<double>(values[static_cast<std::size_t>(500 * channel + i)]) + offset,
+                  results.channels(i, channel), 1e-7 * range + 1e-9);
+  }
+  EXPECT_EQ(data.at("channels").at(0).at("name"), "ball.z");
+  EXPECT_EQ(data.at("channels").at(1).at("unit"), "rad");
+}
+
+TEST_F(Report, SummaryOptionsAndModelAreCarried) {
+  Results results = small_results();
+  const Json data = data_of(results);
+  EXPECT_EQ(data.at("summary").at("warnings").at(0), "the step is large");
+  EXPECT_EQ(data.at("options").at("length"), 1.5);
+  EXPECT_EQ(data.at("model"), "mimbre: 1\n");
+  EXPECT_EQ(data.at("instants"), 3);
+  results.summary_json.clear();
+  EXPECT_TRUE(data_of(results).at("summary").is_null());
+}
+
+TEST_F(Report, LongRecordsAreThinnedWithoutLosingPeaks) {
+  Results results = small_results(10001);
+  results.channels.col(1).setZero();
+  results.channels(4321, 1) = 7;
+  results.channels(8765, 1) = -3;
+  ReportOptions options;
+  options.max_frames = 11;
+  options.max_samples = 100;
+  const Json data = data_of(results, options);
+  const auto frames = decoded<double>(data.at("animation").at("time"));
+  ASSERT_EQ(frames.size(), 11U);
+  EXPECT_EQ(frames.front(), results.time(0));
+  EXPECT_EQ(frames.back(), results.time(10000));
+  const auto time = decoded<double>(data.at("time"));
+  EXPECT_LE(time.size(), 102U);
+  EXPECT_TRUE(std::is_sorted(time.begin(), time.end()));
+  EXPECT_EQ(time.back(), results.time(10000));
+  const auto values = decoded<float>(data.at("values"));
+  ASSERT_EQ(values.size(), 2 * time.size());
+  const double offset = data.at("channels").at(1).at("offset");
+  const auto second = values.begin() + static_cast<std::ptrdiff_t>(time.size());
+  const auto [low, high] = std::minmax_element(second, values.end());
+  EXPECT_FLOAT_EQ(static_cast<float>(*low + offset), -3);
+  EXPECT_FLOAT_EQ(static_cast<float>(*high + offset), 7);
+  EXPECT_NEAR(time[static_cast<std::size_t>(high - second)], results.time(4321), 2.1);
+}
+
+TEST_F(Report, HostileTextStaysText) {
+  Results results = small_results();
+  const std::string hostile =
+      "</script><script>alert(1)</script><!-- <script> \xff \"quoted\" \\ $& %MIMBRE_DATA%";
+  results.header.title = hostile;
+  results.header.model_text = hostile;
+  results.header.bodies[0].name = hostile;
+  results.header.channels[0].name = hostile;
+  results.summary_json = "{\"note\": \"<!--<script>\"}";
+  const std::string html = report_html(results);
+  EXPECT_EQ(data_text(html).find('<'), std::string::npos);
+  EXPECT_THAT(html, testing::Not(HasSubstr("alert(1)</script>")));
+  const Json data = data_of(results);
+  EXPECT_THAT(data.at("title").get<std::string>(),
+              testing::StartsWith("</script><script>alert(1)</script><!-- <script> "));
+  EXPECT_EQ(data.at("summary").at("note"), "<!--<script>");
+}
+
+TEST_F(Report, LoadsNothingFromElsewhere) {
+  const std::string html = report_html(small_results());
+  const std::regex load(
+      R"re((src|href)\s*=\s*["']?\s*(https?:)?//|@import|url\(\s*["']?\s*(https?:)?//|<link)re",
+      std::regex::icase);
+  // The page's own elements and style; strings inside the bundled script are held back by the content policy.
+  std::string outside = html;
+  const std::size_t script = outside.rfind("<script>");
+  outside.erase(script, outside.rfind("</script>") - script);
+  EXPECT_FALSE(std::regex_search(outside, load));
+  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+  for (const char* text : {"src=\"http", "href=\"http", "src='http", "href='http"})
+    EXPECT_EQ(html.find(text), std::string::npos) << text;
+}
+
+TEST_F(Report, IsWhollyHtml) {
+  const std::string html = report_html(small_results());
+  EXPECT_EQ(html.rfind("<!doctype html>", 0), 0U);
+  EXPECT_NE(html.find("</html>"), std::string::npos);
+}
+
+TEST_F(Report, ShownChannelsByName) {
+  ReportOptions options;
+  options.channels = {"arm.tip"};
+  EXPECT_EQ(data_of(small_results(), options).at("shown"), Json({1}));
+  options.channels = {"arm.tup"};
+  try {
+    report_html(small_results(), options);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no channel 'arm.tup' in the results (did you mean 'arm.tip'?)"));
+  }
+}
+
+TEST_F(Report, RunsCutShortAndBrokenNumbers) {
+  Results empty = small_results(0);
+  EXPECT_EQ(data_of(empty).at("instants"), 0);
+  Results broken = small_results();
+  broken.channels(1, 0) = std::numeric_limits<double>::quiet_NaN();
+  broken.channels(2, 0) = std::numeric_limits<double>::infinity();
+  broken.poses[2](0, 0) = std::numeric_limits<double>::quiet_NaN();
+  const Json data = data_of(broken);
+  EXPECT_TRUE(std::isnan(decoded<float>(data.at("values"))[1]));
+  EXPECT_EQ(data.at("channels").at(0).at("offset"), 1e6);
+}
+
+TEST_F(Report, ContradictorySizesAreRefused) {
+  Results results = small_results();
+  results.modes.resize(3, 2);
+  EXPECT_THROW(report_html(results), InputError);
+  results = small_results();
+  results.poses.pop_back();
+  EXPECT_THROW(report_html(results), InputError);
+  results = small_results();
+  results.header.bodies[1].lines = {{0, 2}};
+  EXPECT_THROW(report_html(results), InputError);
+}
+
+TEST_F(Report, IsWrittenWholeOrNotAtAll) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "mimbre_report_test";
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "report.html";
+  write_report(small_results(), path.string());
+  std::ifstream file(path, std::ios::binary);
+  const std::string written{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(written, report_html(small_results()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_THROW(write_report(small_results(), (folder / "missing" / "report.html").string()),
+               std::runtime_error);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mimbre

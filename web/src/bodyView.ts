@@ -1,0 +1,193 @@
+// One body in the 3D view: lines as tubes, deformed where the body is flexible, and solids with their edges.
+import * as THREE from "three";
+import { turbo } from "./color";
+import type { Body, Solid } from "./data";
+import { deformed, displacements, magnitudes } from "./deform";
+
+const fewLines = 2000; // up to here tubes are round and their ends closed by balls
+
+/** The colours of displacements in the linear colour space of the shaders. */
+const scale = Array.from({ length: 256 }, (_, i) => {
+  const [r, g, b] = turbo(i / 255);
+  return new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
+});
+
+/** A tube whose colour runs from one end's (`from`) to the other's (`to`). */
+function gradientMaterial(): THREE.MeshStandardMaterial {
+  const material = new THREE.MeshStandardMaterial({ roughness: 0.45, metalness: 0.1, vertexColors: true });
+  material.onBeforeCompile = (shader) => {
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nattribute vec3 colorFrom;\nattribute vec3 colorTo;")
+      .replace("#include <color_vertex>", "vColor = mix(colorFrom, colorTo, position.y + 0.5);");
+  };
+  return material;
+}
+
+function solidGeometry(solid: Solid): THREE.BufferGeometry {
+  const [a, b, c] = solid.size;
+  if (solid.kind === "box") return new THREE.BoxGeometry(a, b, c);
+  if (solid.kind === "sphere") return new THREE.SphereGeometry(a, 32, 20);
+  return new THREE.CylinderGeometry(a, a, b, 48).rotateX(Math.PI / 2); // three's axis is y
+}
+
+export class BodyView {
+  readonly group = new THREE.Group();
+  /** In body axes, undeformed. */
+  readonly bounds = new THREE.Box3();
+  /** Nothing of it is drawn. */
+  readonly bare: boolean;
+  private tubes?: THREE.InstancedMesh;
+  private balls?: THREE.InstancedMesh;
+  private solids: THREE.MeshStandardMaterial[] = [];
+  private edges = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
+  private u: Float32Array;
+  private points: Float32Array;
+  private lengths: Float32Array;
+  private used: number[]; // points at the ends of lines
+
+  constructor(
+    private body: Body,
+    color: THREE.Color,
+    private colorEnd: number, // displacement at the end of the colour scale; 0: nothing is coloured
+  ) {
+    this.u = new Float32Array(body.points.length);
+    this.points = Float32Array.from(body.points);
+    this.lengths = new Float32Array(body.points.length / 3);
+    this.used = [...new Set(body.lines)];
+    if (body.lines.length > 0) this.addLines(color);
+    for (const solid of body.shapes) this.addSolid(solid, color);
+    for (const point of this.used)
+      this.bounds.expandByPoint(new THREE.Vector3().fromArray(body.points, 3 * point));
+    this.bare = this.bounds.isEmpty();
+    if (this.bare) this.bounds.expandByPoint(new THREE.Vector3());
+    this.group.name = body.name;
+    if (this.tubes) this.place();
+  }
+
+  get flexible(): boolean {
+    return this.body.pointShapes.length > 0;
+  }
+
+  /** Of the displacements last given. */
+  get largest(): number {
+    return this.lengths.reduce((most, length) => Math.max(most, length), 0);
+  }
+
+  deform(amplitudes: ArrayLike<number>, exaggeration: number): void {
+    if (!this.flexible || !this.tubes) return;
+    displacements(this.body, amplitudes, this.u);
+    deformed(this.body, this.u, exaggeration, this.points);
+    magnitudes(this.u, this.lengths);
+    this.place();
+    if (this.colorEnd > 0) this.paint();
+  }
+
+  seeThrough(on: boolean): void {
+    for (const material of this.solids) {
+      material.transparent = on;
+      material.opacity = on ? 0.3 : 1;
+      material.depthWrite = !on;
+      material.needsUpdate = true;
+    }
+  }
+
+  theme(edge: string): void {
+    this.edges.color.set(edge);
+  }
+
+  private addLines(color: THREE.Color): void {
+    const count = this.body.lines.length / 2;
+    const round = count <= fewLines;
+    const tube = new THREE.CylinderGeometry(1, 1, 1, round ? 16 : 5, 1, true);
+    this.tubes = this.instanced(tube, count, color);
+    if (!round) return;
+    this.balls = this.instanced(new THREE.SphereGeometry(1, 16, 12), this.used.length, color);
+  }
+
+  private instanced(geometry: THREE.BufferGeometry, count: number, color: THREE.Color): THREE.InstancedMesh {
+    const colored = this.flexible && this.colorEnd > 0;
+    if (colored) {
+      const white = new Float32Array(geometry.getAttribute("position").count * 3).fill(1);
+      geometry.setAttribute("color", new THREE.BufferAttribute(white, 3));
+      for (const name of ["colorFrom", "colorTo"])
+        geometry.setAttribute(name, new THREE.InstancedBufferAttribute(new Float32Array(3 * count), 3));
+    }
+    const material = colored
+      ? gradientMaterial()
+      : new THREE.MeshStandardMaterial({ color, roughness: 0.45, metalness: 0.1 });
+    const mesh = new THREE.InstancedMesh(geometry, material, count);
+    mesh.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+    mesh.frustumCulled = false; // its bounds change with every frame
+    mesh.castShadow = true;
+    this.group.add(mesh);
+    return mesh;
+  }
+
+  private addSolid(solid: Solid, color: THREE.Color): void {
+    const geometry = solidGeometry(solid);
+    const material = new THREE.MeshStandardMaterial({
+      color,
+      roughness: 0.7,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
+    this.solids.push(material);
+    const mesh = new THREE.Mesh(geometry, material);
+    const [a, b, c, d, e, f, g, h, i] = solid.rotation;
+    const [x, y, z] = solid.position;
+    mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+    mesh.matrixAutoUpdate = false;
+    mesh.castShadow = true;
+    if (solid.kind !== "sphere") mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry, 30), this.edges));
+    geometry.computeBoundingBox();
+    this.bounds.union(geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));
+    this.group.add(mesh);
+  }
+
+  private place(): void {
+    const { lines, lineRadius } = this.body;
+    const a = new THREE.Vector3();
+    const b = new THREE.Vector3();
+    const along = new THREE.Vector3();
+    const x = new THREE.Vector3();
+    const z = new THREE.Vector3();
+    const matrix = new THREE.Matrix4();
+    for (let line = 0; line < lines.length / 2; ++line) {
+      a.fromArray(this.points, 3 * lines[2 * line]);
+      b.fromArray(this.points, 3 * lines[2 * line + 1]);
+      along.subVectors(b, a);
+      // Any direction across; the one least along the line is safe.
+      if (Math.abs(along.x) < Math.abs(along.y)) x.set(1, 0, 0);
+      else x.set(0, 1, 0);
+      z.crossVectors(x, along).normalize().multiplyScalar(lineRadius);
+      x.crossVectors(along, z).normalize().multiplyScalar(lineRadius);
+      matrix.makeBasis(x, along, z).setPosition(a.add(b).multiplyScalar(0.5));
+      this.tubes!.setMatrixAt(line, matrix);
+    }
+    this.tubes!.instanceMatrix.needsUpdate = true;
+    if (!this.balls) return;
+    matrix.makeScale(lineRadius, lineRadius, lineRadius);
+    this.used.forEach((point, k) => {
+      matrix.setPosition(a.fromArray(this.points, 3 * point));
+      this.balls!.setMatrixAt(k, matrix);
+    });
+    this.balls.instanceMatrix.needsUpdate = true;
+  }
+
+  private paint(): void {
+    const { lines } = this.body;
+    const last = scale.length - 1; // also for what is not a number
+    const colorOf = (point: number) => scale[Math.round(last * Math.min(this.lengths[point] / this.colorEnd, 1))] ?? scale[last];
+    const fill = (mesh: THREE.InstancedMesh, name: string, point: (k: number) => number) => {
+      const attribute = mesh.geometry.getAttribute(name) as THREE.InstancedBufferAttribute;
+      for (let k = 0; k < mesh.count; ++k) colorOf(point(k)).toArray(attribute.array as Float32Array, 3 * k);
+      attribute.needsUpdate = true;
+    };
+    fill(this.tubes!, "colorFrom", (k) => lines[2 * k]);
+    fill(this.tubes!, "colorTo", (k) => lines[2 * k + 1]);
+    if (!this.balls) return;
+    fill(this.balls, "colorFrom", (k) => this.used[k]);
+    fill(this.balls, "colorTo", (k) => this.used[k]);
+  }
+}

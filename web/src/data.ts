@@ -1,0 +1,158 @@
+// The data that mimbre writes into the page (src/io/report.cpp), and as the page uses them.
+
+export interface PackedArray {
+  type: "f32" | "f64" | "u32";
+  size: number;
+  data: string; // base64, little-endian
+}
+
+interface PackedBody {
+  name: string;
+  modes: number;
+  lineRadius: number;
+  points: PackedArray;
+  pointShapes: PackedArray;
+  lines: PackedArray;
+  shapes: Solid[];
+}
+
+export interface PackedReport {
+  format: string;
+  title: string;
+  step: number;
+  instants: number;
+  model: string;
+  options: unknown;
+  summary: unknown;
+  time: PackedArray;
+  channels: { name: string; unit: string; meaning: string; offset: number }[];
+  values: PackedArray;
+  shown: number[];
+  bodies: PackedBody[];
+  roads: { name: string; profile: PackedArray }[];
+  animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
+}
+
+/** A solid drawn on a body, in body axes. Sizes: box edges; cylinder (axis z) radius, length; sphere radius. */
+export interface Solid {
+  kind: "box" | "cylinder" | "sphere";
+  size: number[];
+  position: number[];
+  rotation: number[]; // row-major
+}
+
+export interface Body {
+  name: string;
+  /** Of this body's first amplitude among those of all bodies. */
+  firstMode: number;
+  modes: number;
+  lineRadius: number;
+  points: Float32Array; // x y z per point, body axes
+  /** Per mode, x y z per point; empty for a rigid body. */
+  pointShapes: Float32Array;
+  lines: Uint32Array; // two points per line
+  shapes: Solid[];
+}
+
+export interface Channel {
+  name: string;
+  unit: string;
+  meaning: string;
+  /** One per instant of Report.time; null where the value is not finite. */
+  values: (number | null)[];
+  /** Largest less smallest finite value. */
+  range: number;
+}
+
+export interface Animation {
+  time: Float64Array;
+  positions: Float64Array; // instants × bodies × 3, global
+  rotations: Float32Array; // instants × bodies × 4: w x y z
+  modes: Float32Array; // instants × amplitudes of all bodies
+  bodies: number;
+  amplitudes: number;
+}
+
+export interface Report {
+  title: string;
+  step: number;
+  instants: number;
+  model: string;
+  options: unknown;
+  summary: unknown;
+  time: number[];
+  channels: Channel[];
+  shown: number[];
+  bodies: Body[];
+  roads: { name: string; profile: Float64Array }[];
+  animation: Animation;
+}
+
+/** Throws when the array does not hold what it says. */
+export function decodeArray(packed: PackedArray): Float32Array | Float64Array | Uint32Array {
+  const text = atob(packed.data);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  const type = { f32: Float32Array, f64: Float64Array, u32: Uint32Array }[packed.type];
+  if (!type || bytes.length !== packed.size * type.BYTES_PER_ELEMENT)
+    throw new Error(`damaged array: ${bytes.length} bytes for ${packed.size} ${packed.type}`);
+  return new type(bytes.buffer);
+}
+
+const f32 = (packed: PackedArray) => decodeArray(packed) as Float32Array;
+const f64 = (packed: PackedArray) => decodeArray(packed) as Float64Array;
+const u32 = (packed: PackedArray) => decodeArray(packed) as Uint32Array;
+
+export function decodeReport(packed: PackedReport): Report {
+  if (packed.format !== "mimbre-report-1") throw new Error(`unknown report format ${packed.format}`);
+  const time = Array.from(f64(packed.time));
+  const values = f32(packed.values);
+  const channels = packed.channels.map(({ name, unit, meaning, offset }, k) => {
+    const own = values.subarray(k * time.length, (k + 1) * time.length);
+    let low = Infinity;
+    let high = -Infinity;
+    for (const value of own) {
+      if (!Number.isFinite(value)) continue;
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+    const shifted = Array.from(own, (value) => (Number.isFinite(value) ? value + offset : null));
+    return { name, unit, meaning, values: shifted, range: Math.max(high - low, 0) };
+  });
+  let firstMode = 0;
+  const bodies = packed.bodies.map((body) => {
+    const decoded: Body = {
+      name: body.name,
+      firstMode,
+      modes: body.modes,
+      lineRadius: body.lineRadius,
+      points: f32(body.points),
+      pointShapes: f32(body.pointShapes),
+      lines: u32(body.lines),
+      shapes: body.shapes,
+    };
+    firstMode += body.modes;
+    return decoded;
+  });
+  return {
+    title: packed.title,
+    step: packed.step,
+    instants: packed.instants,
+    model: packed.model,
+    options: packed.options,
+    summary: packed.summary,
+    time,
+    channels,
+    shown: packed.shown,
+    bodies,
+    roads: packed.roads.map(({ name, profile }) => ({ name, profile: f64(profile) })),
+    animation: {
+      time: f64(packed.animation.time),
+      positions: f64(packed.animation.positions),
+      rotations: f32(packed.animation.rotations),
+      modes: f32(packed.animation.modes),
+      bodies: bodies.length,
+      amplitudes: firstMode,
+    },
+  };
+}

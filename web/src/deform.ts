@@ -1,0 +1,56 @@
+// Flexible bodies: displacements of their points from the modal amplitudes.
+import type { Animation, Body } from "./data";
+import { amplitudesAt } from "./interpolate";
+
+/** u = Σ amplitude·shape, x y z per point in body axes, written into `out` (as long as the points). */
+export function displacements(body: Body, amplitudes: ArrayLike<number>, out: Float32Array): void {
+  out.fill(0);
+  const length = body.points.length;
+  if (body.pointShapes.length === 0) return;
+  for (let mode = 0; mode < body.modes; ++mode) {
+    const amplitude = amplitudes[mode];
+    if (amplitude === 0) continue;
+    const at = mode * length;
+    for (let i = 0; i < length; ++i) out[i] += amplitude * body.pointShapes[at + i];
+  }
+}
+
+/** points + exaggeration·u */
+export function deformed(body: Body, u: Float32Array, exaggeration: number, out: Float32Array): void {
+  for (let i = 0; i < out.length; ++i) out[i] = body.points[i] + exaggeration * u[i];
+}
+
+/** |u| of every point */
+export function magnitudes(u: Float32Array, out: Float32Array): void {
+  for (let i = 0; i < out.length; ++i) out[i] = Math.hypot(u[3 * i], u[3 * i + 1], u[3 * i + 2]);
+}
+
+/** The largest displacement of any point over the animation: the end of the colour scale. */
+export function largestDisplacement(bodies: Body[], animation: Animation, budget = 2e7): number {
+  let work = 0;
+  for (const body of bodies) work += body.pointShapes.length;
+  if (work === 0) return 0;
+  // Large models: a sample of the instants finds the scale well enough.
+  const every = Math.max(1, Math.ceil((work * animation.time.length) / budget));
+  let largest = 0;
+  for (const body of bodies) {
+    if (body.pointShapes.length === 0) continue;
+    const u = new Float32Array(body.points.length);
+    const length = new Float32Array(body.points.length / 3);
+    for (let i = 0; i < animation.time.length; i += every) {
+      displacements(body, amplitudesAt(animation, animation.time[i], body.firstMode, body.modes), u);
+      magnitudes(u, length);
+      for (const value of length) if (value > largest && Number.isFinite(value)) largest = value;
+    }
+  }
+  return largest;
+}
+
+/** A factor 1, 2, 5, 10, … (at most 500) that makes the largest displacement about `share` of the body's size. */
+export function suggestedExaggeration(largest: number, size: number, share = 0.08): number {
+  if (!(largest > 0) || !(size > 0)) return 1;
+  const wanted = (share * size) / largest;
+  let best = 1;
+  for (const factor of [1, 2, 5, 10, 20, 50, 100, 200, 500]) if (factor <= wanted) best = factor;
+  return best;
+}

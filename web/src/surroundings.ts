@@ -1,0 +1,71 @@
+// What bodies move in: roads and the ground grid.
+import * as THREE from "three";
+
+type Point = [x: number, z: number];
+
+const halfWidth = 2; // m, of the drawn road
+
+export function finiteProfile(profile: Float64Array): Point[] {
+  const points: Point[] = [];
+  for (let i = 0; i + 1 < profile.length; i += 2)
+    if (Number.isFinite(profile[i]) && Number.isFinite(profile[i + 1])) points.push([profile[i], profile[i + 1]]);
+  return points;
+}
+
+/** Points of the segment from p to q at whole multiples of `spacing` in x, q's end excluded. */
+export function crossings(p: Point, q: Point, spacing: number): Point[] {
+  const found: Point[] = [];
+  const slope = (q[1] - p[1]) / (q[0] - p[0]);
+  for (let k = Math.ceil(p[0] / spacing); k * spacing < q[0]; ++k)
+    found.push([k * spacing, p[1] + slope * (k * spacing - p[0])]);
+  return found;
+}
+
+export interface RoadMaterials {
+  surface: THREE.Material;
+  border: THREE.Material;
+  mark: THREE.Material;
+}
+
+/** The profile extruded across; lines along its borders and where it bends, fainter marks at equal distances. */
+export function roadView(points: Point[], origin: THREE.Vector3, spacing: number, materials: RoadMaterials): THREE.Group {
+  const at = ([x, z]: Point, side: number) => [x - origin.x, side * halfWidth - origin.y, z - origin.z];
+  const triangles: number[] = [];
+  const borders: number[] = [];
+  const marks: number[] = [];
+  let direction: number | undefined;
+  for (let i = 0; i + 1 < points.length; ++i) {
+    const [p, q] = [points[i], points[i + 1]];
+    if (p[0] === q[0] && p[1] === q[1]) continue;
+    triangles.push(...at(p, 1), ...at(p, -1), ...at(q, -1), ...at(p, 1), ...at(q, -1), ...at(q, 1));
+    for (const side of [-1, 1]) borders.push(...at(p, side), ...at(q, side));
+    const next = Math.atan2(q[1] - p[1], q[0] - p[0]);
+    if (direction === undefined || Math.abs(next - direction) > 0.02) borders.push(...at(p, -1), ...at(p, 1));
+    direction = next;
+    for (const crossing of crossings(p, q, spacing)) marks.push(...at(crossing, -1), ...at(crossing, 1));
+  }
+  const geometry = (values: number[]) =>
+    new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(values, 3));
+  const surface = geometry(triangles);
+  surface.computeVertexNormals();
+  const mesh = new THREE.Mesh(surface, materials.surface);
+  mesh.receiveShadow = true;
+  const border = new THREE.LineSegments(geometry(borders), materials.border);
+  return new THREE.Group().add(mesh, border, new THREE.LineSegments(geometry(marks), materials.mark));
+}
+
+/** 1, 2 or 5 times a power of ten, not above `length`. */
+export function niceLength(length: number): number {
+  const power = 10 ** Math.floor(Math.log10(length));
+  const lead = length / power;
+  return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
+}
+
+/** A horizontal grid; it is moved along by whole cells, so that it seems endless. */
+export function gridView(cell: number, cells: number, color: string): THREE.GridHelper {
+  const grid = new THREE.GridHelper(cell * cells, cells, color, color);
+  grid.rotateX(Math.PI / 2);
+  (grid.material as THREE.LineBasicMaterial).transparent = true;
+  (grid.material as THREE.LineBasicMaterial).opacity = 0.6;
+  return grid;
+}
