@@ -47,7 +47,9 @@ void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
   for (const BodyData& b : m.bodies) {
     const spec::Joint& joint = m.spec.joints[b.joint_spec];
     const JointInfo& info = joint_info(joint.type);
-    for (int k = 0; k < b.modes; ++k) position_weight[b.v + b.joint_velocities + k] = 0;
+    // Modes start straight and at rest unless the loops need them.
+    position_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
+    velocity_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
     if (info.quaternion >= 0) s.q[b.q + info.quaternion] = 1;
     Vec3d turn = Vec3d::Zero();
     for (int k = 0; k < static_cast<int>(joint.initial_position.size()); ++k) {
@@ -104,6 +106,10 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
   }
   if (!(gap <= close_enough)) throw where(gap, system.phi(), "cannot be closed", "m");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
+  if (gap > close_enough) {
+    for (const BodyData& b : m.bodies) velocity_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
+    gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
+  }
   if (!(gap <= close_enough)) throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s");
   return s;
 }

@@ -82,7 +82,7 @@ bool solve_accelerations(System& system, State& s) {
   VectorXd r(n), g(m), jd(m);
   for (int round = 0; round < 60; ++round) {
     system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-    if (round == 0 && !system.factor(s.q.data(), {1, 0, 0, penalty}).ok()) return false;
+    if (round == 0 && !system.factor(s.q.data(), {0, 0, penalty}).ok()) return false;
     for (int k = 0; k < m; ++k) g[k] = penalty * system.penalty()[k] * system.phi_ddot()[k];
     system.add_jacobian_transposed(g.data(), 1, r.data());
     r = -r;

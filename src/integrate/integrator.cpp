@@ -22,7 +22,7 @@ int find_not_finite(const double* x, int n) {
 }  // namespace
 
 Integrator::Integrator(System& system, const IntegratorOptions& options)
-    : system_(system), options_(options) {
+    : system_(system), options_(options), mixing_(system.velocities(), system.equations()) {
   if (options.newmark) {
     alpha_m_ = alpha_f_ = 0;
     beta_ = (1 - options.xi) * (1 - options.xi) / 4;
@@ -45,7 +45,7 @@ void Integrator::set_step(double step) {
   options_.step = step;
   // ∂z̈/∂x = (1 − αm)/((1 − αf) β h²): the residual's derivative divided by it.
   const double scale = (1 - alpha_f_) / (1 - alpha_m_) * beta_ * step * step;
-  weights_ = {1.0, gamma_ / (beta_ * step) * scale, scale, options_.penalty};
+  weights_ = {gamma_ / (beta_ * step) * scale, scale, options_.penalty};
 }
 
 /// Accelerations W a + Φzᵀ λ = Q, Φ̈ = 0 with W = M + γhC + βh²K instead of M. Where the start is not in
@@ -137,7 +137,8 @@ StepStatus Integrator::step(State& s) {
 
   double previous = 0, violation = 0;
   bool converged = false;
-  bool refactor = true, settled = false;
+  bool refactor = true, settled = false, slow = false;
+  mixing_.reset();
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     motion_from_increment(s);
     system_.residual(time, q_.data(), v_.data(), a_.data(), lambda_.data(), 0, r_.data());
@@ -149,7 +150,9 @@ StepStatus Integrator::step(State& s) {
       x_.setZero();
       continue;
     }
-    if (refactor || system_.tangent_changed(weights_)) {
+    const bool fresh = refactor || system_.tangent_changed(weights_);
+    if (fresh) {
+      mixing_.reset();
       const linalg::FactorStatus f = system_.factor(q_.data(), weights_);
       ++status.factorisations;
       if (!f.ok()) {
@@ -178,6 +181,7 @@ StepStatus Integrator::step(State& s) {
       return fail(StepCode::not_finite);
     }
     system_.compose(x_.data(), r_.data());
+    if (slow) mixing_.mix(x_, lambda_, r_);
 
     // Error left: the last correction times the rate of contraction.
     const double rate = iteration == 0 ? 1.0 : status.correction / std::max(previous, 1e-300);
@@ -186,7 +190,9 @@ StepStatus Integrator::step(State& s) {
     converged = left <= options_.tolerance * scale * reference &&
                 violation * std::min(1.0, rate) <= options_.position_tolerance;
     if (converged) break;
-    refactor = iteration > 0 && rate > 0.1;
+    // A new matrix where it helps; where even that contracts slowly, tangent terms are missing from it.
+    slow = slow || (iteration > 1 && fresh && rate > 0.2);
+    refactor = !slow && iteration > 0 && rate > 0.1;
   }
   if (!converged) return fail(StepCode::not_converged);
   motion_from_increment(s);

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "integrate/anderson.h"
 #include "integrate/system.h"
 
 namespace mimbre {
@@ -26,7 +27,7 @@ struct IntegratorOptions {
   double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or 9.81
   double position_tolerance = 1e-9;  ///< of the equations, m (angles: times the length scale)
   double velocity_tolerance = 1e-9;  ///< m/s
-  double penalty = 1e5;              ///< κ: the penalty is κ times the mean body mass over β h²
+  double penalty = 1e7;              ///< κ: the penalty is κ times the mean body mass over β h²
   int max_iterations = 30;
 };
 
@@ -69,6 +70,7 @@ class Integrator {
   IntegratorOptions options_;
   double alpha_m_, alpha_f_, beta_, gamma_;
   MatrixWeights weights_;
+  Anderson mixing_;
   Eigen::VectorXd q_, v_, a_, algorithmic_, lambda_, x_, r_;  // at the end of the step
   Eigen::VectorXd start_a_, start_algorithmic_;               // at its start
   Eigen::VectorXd g_, impulse_, force_;                       // violation that is left; multipliers

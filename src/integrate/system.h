@@ -5,9 +5,9 @@
 
 namespace mimbre {
 
-/// Weights of the leading matrix  mass·M + damping·C + stiffness·K + penalty·Φzᵀ α Φz.
+/// Weights of the leading matrix  M + damping·C + stiffness·K + penalty·Φzᵀ α Φz.
 struct MatrixWeights {
-  double mass = 1, damping = 0, stiffness = 0, penalty = 0;
+  double damping = 0, stiffness = 0, penalty = 0;
 };
 
 /// A mechanism in some set of coordinates, as integrators and statics see it: they know no joints and no

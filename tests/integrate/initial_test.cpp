@@ -89,6 +89,17 @@ TEST(Initial, drives_give_position_and_velocity) {
   expect_closed(start(four_bar_text({{"crank", R"(, drive: {position: "0.2 + 1.5*t"})"}})), 0.2, 1.5);
 }
 
+/// Rates that nothing asks for stay zero: the mechanism starts to move as if its bars were rigid.
+TEST(Initial, flexible_bodies_start_without_vibrating) {
+  const auto model = example("double-four-bar/mechanism.yaml", {{"flexible_bars", "5"}});
+  const Simulation::Snapshot s = Simulation(model).save();
+  for (const BodyData& b : model->compiled().bodies) {
+    EXPECT_LT(s.v.segment(b.v + b.joint_velocities, b.modes).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(std::abs(s.v[b.v]),
+                model->spec().joints[static_cast<std::size_t>(b.joint_spec)].name == "C4" ? 0 : 1, 1e-9);
+  }
+}
+
 TEST(Initial, velocities_that_contradict_each_other) {
   EXPECT_THAT(error_of(four_bar_text({{"crank", ", velocity: 1"}, {"rocker", ", velocity: 0"}})),
               AllOf(HasSubstr("test.yaml:"), HasSubstr("'rocker_pin'"), HasSubstr("velocities")));
