@@ -144,12 +144,11 @@ std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {
 }
 
 /// Watches the energy that the numerics feed in, from its lowest level on. More than `share` of the energy
-/// that was at play so far (largest kinetic and stored energy, against the start) makes a warning.
+/// that was at play in the run (largest kinetic and stored energy, against the start) makes a warning.
 struct EnergyMonitor {
   static constexpr double share = 0.01;
   double start_gravity = 0, at_play = 0, lowest = 0, fed = 0;
-  double exceeded_at = -1, exceeded_fed = 0, exceeded_of = 0;
-  double largest_input = 0, largest_at = 0;
+  double largest_input = 0, largest_at = 0;  // of a step
   EnergyMeter::Place largest_place;
 
   void start(const EnergyMeter& meter) {
@@ -168,11 +167,6 @@ struct EnergyMonitor {
       largest_input = meter.last_input();
       largest_at = time;
       largest_place = meter.last_place();
-    }
-    if (exceeded_at < 0 && fed > share * at_play) {
-      exceeded_at = time;
-      exceeded_fed = fed;
-      exceeded_of = at_play;
     }
   }
 };
@@ -403,12 +397,12 @@ Simulation::Energy Simulation::energy() const {
 
 std::vector<std::string> Simulation::warnings() const {
   const EnergyMonitor& m = impl_->monitor;
-  if (m.exceeded_at < 0) return {};
+  if (m.fed <= EnergyMonitor::share * m.at_play) return {};
   return {fmt::format(
-      "the numerics fed in energy: {:.3g} J by t = {:.4g} s, more than {:g} % of the {:.3g} J at play, and "
-      "{:.3g} J in all; the most in the step to t = {:.4g} s, at {}: do not trust this run; take a smaller "
-      "step or an integrator with damping (the default, generalised-alpha)",
-      m.exceeded_fed, m.exceeded_at, 100 * EnergyMonitor::share, m.exceeded_of, m.fed, m.largest_at,
+      "the numerics fed in {:.3g} J, more than {:g} % of the {:.3g} J at play; the most in the step to t = "
+      "{:.6g} s, {:.3g} J at {}: do not trust this run; take a smaller step or an integrator with damping "
+      "(the default, generalised-alpha)",
+      m.fed, 100 * EnergyMonitor::share, m.at_play, m.largest_at, m.largest_input,
       place_name(impl_->compiled, m.largest_place))};
 }
 
