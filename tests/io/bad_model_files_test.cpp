@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -475,7 +476,8 @@ TEST(BadModelFile, AFloodOfErrorsEnds) {
 }
 
 TEST(BadModelFile, MistakesInATemplatesFileNameThatFile) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mimbre_bad_template";
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("mimbre_bad_template_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "side.yaml")
       << "bodies:\n  arm:\n    mass: -1\n    com: [0, 0, 0]\n    inertia: [1, 1, 1]\n";

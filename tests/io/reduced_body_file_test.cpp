@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -34,8 +35,8 @@ class ReducedBodyFile : public testing::Test {
  protected:
   void SetUp() override {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        std::filesystem::path(testing::TempDir()) / (std::string("mimbre_reduced_body_") + info->name());
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("mimbre_reduced_body_") + info->name() + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

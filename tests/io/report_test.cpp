@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -265,7 +266,8 @@ TEST_F(Report, ContradictorySizesAreRefused) {
 }
 
 TEST_F(Report, IsWrittenWholeOrNotAtAll) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "mimbre_report_test";
+  const auto folder =
+      std::filesystem::path(testing::TempDir()) / ("mimbre_report_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   const auto path = folder / "report.html";
   write_report(small_results(), path.string());
