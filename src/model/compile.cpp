@@ -114,15 +114,16 @@ class Compiler {
 
   void frames() {
     const auto& spec_frames = c_.spec.frames;
-    std::set<int> needed;
+    std::set<int> needed, full;
     for (const Topology::Branch& b : topology_.branches) {
       const spec::Joint& j = c_.spec.joints[b.joint];
-      needed.insert(b.reversed ? j.frame_b : j.frame_a);
+      full.insert(b.reversed ? j.frame_b : j.frame_a);
     }
-    for (int k : topology_.cut_joints) needed.insert({c_.spec.joints[k].frame_a, c_.spec.joints[k].frame_b});
+    for (int k : topology_.cut_joints) full.insert({c_.spec.joints[k].frame_a, c_.spec.joints[k].frame_b});
     for (const auto& s : c_.spec.springs) needed.insert({s.frame_a, s.frame_b});
-    for (const auto& l : c_.spec.loads) needed.insert(l.frame);
+    for (const auto& l : c_.spec.loads) full.insert(l.frame);
     for (const auto& t : c_.spec.tyres) needed.insert(t.frame);
+    needed.insert(full.begin(), full.end());
 
     c_.frame_of_spec.assign(spec_frames.size(), -1);
     const auto add_frames = [&](bool dynamic, int body) {
@@ -130,6 +131,7 @@ class Compiler {
         if (tree_body(spec_frames[k]) == body && (needed.count(k) > 0) == dynamic) {
           c_.frame_of_spec[k] = static_cast<int>(c_.frames.size());
           c_.frames.push_back(frame_data(k));
+          c_.frames.back().full = !dynamic || full.count(k) > 0;
         }
     };
     const int nb = static_cast<int>(c_.bodies.size());

@@ -44,9 +44,10 @@ struct FrameData {
   Mat3d rotation = Mat3d::Identity();  ///< undeformed frame axes to body axes
   int flexible = -1;                   ///< index of the flexible body's data when modes move the frame
   bool turns = false;                  ///< modes turn the frame too
-  Rows X, X_theta;                     ///< 3 × stride
-  int columns = -1;                    ///< its column set: velocity of the frame per coordinate of its body
-  int spec = -1;                       ///< index into spec::Model::frames
+  bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
+  Rows X, X_theta;   ///< 3 × stride
+  int columns = -1;  ///< its column set: velocity of the frame per coordinate of its body
+  int spec = -1;     ///< index into spec::Model::frames
 };
 
 struct BodyData {

@@ -69,6 +69,21 @@ void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T
   out.alpha = body.alpha + body.omega.cross(w) + A * d.alpha;
 }
 
+/// Position and velocity only, for frames that carry nothing but springs and tyres.
+template <class T>
+void frame_point(const FrameData& f, const Motion<T>& body, const T* y, const T* yd, Motion<T>& out) {
+  const Mat3<T>& A = body.rotation;
+  Vec3<T> r = f.position.template cast<T>();
+  out.velocity = body.velocity;
+  if (f.flexible >= 0) {
+    r += times(f.X, y);
+    out.velocity += A * times(f.X, yd);
+  }
+  r = A * r;
+  out.position = body.position + r;
+  out.velocity += body.omega.cross(r);
+}
+
 /// Motion of a body from that of one of its frames: the inverse of frame_motion (Lugrís 2008, 2.14, 2.15).
 template <class T>
 void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T* yd, const T* ydd,
@@ -155,8 +170,8 @@ void copy_modes(const BodyData& b, const T* values, int stride, T* out) {
   for (int k = b.modes; k < stride; ++k) out[k] = T(0);
 }
 
-/// Motion of all bodies and of the dynamic frames at positions q, velocities v, accelerations a.
-/// Writes: bodies, frames, joint_angular, joint_linear.
+/// Motion of all bodies and of the dynamic frames (of those that are not `full`, position and velocity) at
+/// positions q, velocities v, accelerations a. Writes: bodies, frames, joint_angular, joint_linear.
 template <class T>
 void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a) {
   const Vec3<T> no_gravity = -m.gravity.template cast<T>();
@@ -185,8 +200,12 @@ void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, cons
     joint_step<T>(b, w.frames[b.parent_frame], q + b.q, v + b.v, a + b.v, own, &w.joint_angular[b.v],
                   &w.joint_linear[b.v]);
     body_motion<T>(m.frames[b.own_frame], own, y, yd, ydd, w.bodies[i]);
-    for (int f = b.first_frame; f < b.last_frame; ++f)
-      frame_motion<T>(m.frames[f], w.bodies[i], y, yd, ydd, w.frames[f]);
+    for (int f = b.first_frame; f < b.last_frame; ++f) {
+      if (m.frames[f].full)
+        frame_motion<T>(m.frames[f], w.bodies[i], y, yd, ydd, w.frames[f]);
+      else
+        frame_point<T>(m.frames[f], w.bodies[i], y, yd, w.frames[f]);
+    }
   }
 }
 

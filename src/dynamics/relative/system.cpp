@@ -230,8 +230,17 @@ void RelativeSystem::compose(double* x, const double* d) const {
     if (info.quaternion >= 0) {
       double* t = xb + info.rotation;
       const double* s = db + info.rotation;
-      const Vec3d sum = quaternion_log<double>(quaternion_product<double>(
-          quaternion_exp<double>(Vec3d(t[0], t[1], t[2])), quaternion_exp<double>(Vec3d(s[0], s[1], s[2]))));
+      const Vec3d u(t[0], t[1], t[2]), v(s[0], s[1], s[2]);
+      Vec3d sum;
+      if (u.squaredNorm() + v.squaredNorm() < 1e-3) {
+        // log(exp u exp v) to third order (Baker, Campbell, Hausdorff): enough for a step of Newton's method,
+        // as the positions follow from x itself.
+        const Vec3d uv = u.cross(v);
+        sum = u + v + 0.5 * uv + (1. / 12) * (u.cross(uv) - v.cross(uv));
+      } else {
+        sum = quaternion_log<double>(
+            quaternion_product<double>(quaternion_exp<double>(u), quaternion_exp<double>(v)));
+      }
       for (int k = 0; k < 3; ++k) t[k] = sum[k];
     }
     for (int k = 0; k < b.modes; ++k) xb[info.velocities + k] += db[info.velocities + k];
@@ -242,7 +251,7 @@ Motion<double> output_motion(const RelativeSystem& system, int frame, const doub
                              const double* a) {
   const Compiled& m = system.model();
   const FrameData& f = m.frames[frame];
-  if (frame < m.dynamic_frames) return system.workspace().frames[frame];
+  if (frame < m.dynamic_frames && f.full) return system.workspace().frames[frame];
   Motion<double> out;
   if (f.body < 0) {
     out.rotation = f.rotation;
