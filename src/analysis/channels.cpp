@@ -9,27 +9,12 @@ namespace {
 
 using Kind = spec::Output::Kind;
 
-bool is_angle(const BodyData& b, int coordinate) {
-  switch (b.joint) {
-    case spec::JointType::prismatic:
-      return false;
-    case spec::JointType::cylindrical:
-      return coordinate == 0;
-    case spec::JointType::planar:
-      return coordinate == 2;
-    case spec::JointType::floating:
-      return coordinate >= 3;
-    default:
-      return true;
-  }
-}
-
 ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vector<int>& joint_body) {
   static const char* const axes[] = {"x", "y", "z"};
   const auto frame = [&] { return m.spec.frames[o.item].name; };
   const auto joint = [&] { return m.spec.joints[o.item].name; };
   const auto angle = [&] {
-    return joint_body[o.item] >= 0 && is_angle(m.bodies[joint_body[o.item]], o.component);
+    return joint_body[o.item] >= 0 && is_angle(m.bodies[joint_body[o.item]].joint, o.component);
   };
   switch (o.kind) {
     case Kind::position:
@@ -87,7 +72,7 @@ Channels::Channels(const Compiled& m)
     if (joint_info(b.joint).quaternion >= 0) continue;
     for (int k = 0; k < b.joint_velocities; ++k) {
       const std::string suffix = b.joint_velocities > 1 ? fmt::format(".{}", k) : "";
-      const bool angle = is_angle(b, k);
+      const bool angle = is_angle(b.joint, k);
       info_.push_back({fmt::format("joint.{}.position{}", joint, suffix), angle ? "rad" : "m",
                        fmt::format("coordinate {} of joint '{}'", k, joint)});
       info_.push_back({fmt::format("joint.{}.velocity{}", joint, suffix), angle ? "rad/s" : "m/s",

@@ -14,7 +14,7 @@
 /// What the commands share. Messages go to stderr, data to stdout.
 namespace mimbre::app {
 
-constexpr const char* version = "0.1.0";
+constexpr const char* version = MIMBRE_VERSION;
 
 /// Exit codes of the program.
 enum Exit : int {

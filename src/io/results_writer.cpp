@@ -23,7 +23,7 @@ constexpr hsize_t chunk_bytes = 65536;  ///< about: few index nodes, and yet a s
 /// What HDF5 may need besides the data itself: index nodes of all tables, headers.
 constexpr hsize_t metadata_block_bytes = 64 * 1024;
 constexpr hsize_t metadata_bytes = 1024 * 1024;
-constexpr const char* version = "0.1.0";
+constexpr const char* version = MIMBRE_VERSION;
 
 /// Creation properties without time stamps: identical rows give identical bytes.
 Handle creation_properties(hid_t property_class) {

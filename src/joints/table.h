@@ -27,11 +27,12 @@ struct ClosingEquation {
 struct JointInfo {
   spec::JointType type;
   std::string_view name;
-  int velocities;  ///< number of velocity coordinates
-  int positions;   ///< number of position coordinates
-  int quaternion;  ///< index of the unit quaternion among the positions, -1 when there is none
-  int rotation;    ///< index of its three angular velocities among the velocities
-  int equations;   ///< equations when cut
+  int velocities;    ///< number of velocity coordinates
+  int positions;     ///< number of position coordinates
+  int quaternion;    ///< index of the unit quaternion among the positions, -1 when there is none
+  int rotation;      ///< index of its three angular velocities among the velocities
+  int equations;     ///< equations when cut
+  unsigned lengths;  ///< bit k: velocity coordinate k is a translation (m), otherwise a rotation (rad)
   std::array<ClosingEquation, 6> closing;
 };
 
@@ -43,62 +44,27 @@ constexpr ClosingEquation xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
 }  // namespace closing
 
 /// A new joint type is one file with its motion, a row here and a line in joint_motion below.
+// clang-format off
 constexpr std::array<JointInfo, 9> joint_table{{
-    {spec::JointType::fixed,
-     "fixed",
-     0,
-     0,
-     -1,
-     0,
-     6,
-     {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::bracket,
-     "bracket",
-     0,
-     0,
-     -1,
-     0,
-     6,
-     {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::revolute,
-     "revolute",
-     1,
-     1,
-     -1,
-     0,
-     5,
-     {closing::dx, closing::dy, closing::dz, closing::xz, closing::yz}},
-    {spec::JointType::prismatic,
-     "prismatic",
-     1,
-     1,
-     -1,
-     0,
-     5,
-     {closing::dx, closing::dy, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::cylindrical,
-     "cylindrical",
-     2,
-     2,
-     -1,
-     0,
-     4,
-     {closing::dx, closing::dy, closing::xz, closing::yz}},
-    {spec::JointType::universal,
-     "universal",
-     2,
-     2,
-     -1,
-     0,
-     4,
-     {closing::dx, closing::dy, closing::dz, closing::xy}},
-    {spec::JointType::spherical, "spherical", 3, 4, 0, 0, 3, {closing::dx, closing::dy, closing::dz}},
-    {spec::JointType::planar, "planar", 3, 3, -1, 0, 3, {closing::dz, closing::xz, closing::yz}},
-    {spec::JointType::floating, "floating", 6, 7, 3, 3, 0, {}},
+    {spec::JointType::fixed, "fixed", 0, 0, -1, 0, 6, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::bracket, "bracket", 0, 0, -1, 0, 6, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::revolute, "revolute", 1, 1, -1, 0, 5, 0b0, {closing::dx, closing::dy, closing::dz, closing::xz, closing::yz}},
+    {spec::JointType::prismatic, "prismatic", 1, 1, -1, 0, 5, 0b1, {closing::dx, closing::dy, closing::xy, closing::yz, closing::zx}},
+    {spec::JointType::cylindrical, "cylindrical", 2, 2, -1, 0, 4, 0b10, {closing::dx, closing::dy, closing::xz, closing::yz}},
+    {spec::JointType::universal, "universal", 2, 2, -1, 0, 4, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy}},
+    {spec::JointType::spherical, "spherical", 3, 4, 0, 0, 3, 0b0, {closing::dx, closing::dy, closing::dz}},
+    {spec::JointType::planar, "planar", 3, 3, -1, 0, 3, 0b011, {closing::dz, closing::xz, closing::yz}},
+    {spec::JointType::floating, "floating", 6, 7, 3, 3, 0, 0b000111, {}},
 }};
+// clang-format on
 
 constexpr const JointInfo& joint_info(spec::JointType type) {
   return joint_table[static_cast<std::size_t>(type)];
+}
+
+/// Whether a velocity coordinate of a joint is an angle's.
+constexpr bool is_angle(spec::JointType type, int coordinate) {
+  return (joint_info(type).lengths >> coordinate & 1u) == 0;
 }
 
 /// Motion of b relative to a at positions q with velocities v.

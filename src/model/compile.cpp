@@ -346,11 +346,7 @@ class Compiler {
       for (int r = 0; r < l.count; ++r)
         l.scale[r] = l.closing[r].kind == ClosingEquation::Kind::angle ? angle : 1.0;
     for (DriveData& d : c_.drives) {
-      const bool translation = c_.bodies[d.body].joint == spec::JointType::prismatic ||
-                               (c_.bodies[d.body].joint == spec::JointType::cylindrical && d.local == 1) ||
-                               (c_.bodies[d.body].joint == spec::JointType::planar && d.local < 2) ||
-                               (c_.bodies[d.body].joint == spec::JointType::floating && d.local < 3);
-      d.scale = translation ? 1.0 : angle;
+      d.scale = is_angle(c_.bodies[d.body].joint, d.local) ? angle : 1.0;
     }
   }
 
