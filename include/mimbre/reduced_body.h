@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <Eigen/SparseCore>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +18,17 @@ struct BodyFrame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< frame axes to body axes
   Eigen::Matrix3Xd X;                                      ///< 3 × modes
   Eigen::Matrix3Xd X_theta;                                ///< 3 × modes
+};
+
+/// The finite-element mesh behind the modes, for inertia by projection (Lugrís 2008, 2.76–2.90). Undeformed
+/// positions are ReducedBody::nodes. Not needed for inertia by shape integrals.
+struct MeshInertia {
+  int dofs_per_node = 6;  ///< 6: translations, then rotations, of each node in turn; 3: translations
+  Eigen::SparseMatrix<double> mass;  ///< M*, dofs × dofs, symmetric, full storage, body axes
+  Eigen::MatrixXd shapes;            ///< Φ, dofs × modes
+  /// Nodes × nodes: consistent mass of the translations alone, interpolated as in isoparametric elements
+  /// (Lugrís 2008, 2.4.1). Empty: what M* has for the translations.
+  Eigen::SparseMatrix<double> nodal_mass;
 };
 
 /// All that dynamics knows of a flexible body, wherever it comes from. SI units, body axes throughout.
@@ -47,6 +60,8 @@ struct ReducedBody {
   Eigen::MatrixXd node_shapes;
   std::vector<std::array<int, 2>> lines;
   double line_radius = 0.01;  ///< m, for drawing
+
+  std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only
 
   /// Index of a frame by name, -1 when there is none.
   int find_frame(const std::string& frame_name) const;

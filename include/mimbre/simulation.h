@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,11 @@ namespace mimbre {
 
 /// Options of a run; fields left at their defaults are taken from the model file's simulation section.
 struct RunOptions {
-  double step = 0;         ///< s
-  std::string integrator;  ///< "generalized_alpha" or "newmark"
+  double step = 0;  ///< s
+  std::optional<spec::Simulation::Formulation> formulation;
+  std::optional<spec::Simulation::Inertia> inertia;
+  std::optional<spec::Simulation::Formalism> formalism;
+  std::optional<spec::Simulation::Integrator> integrator;
   double rho = -1;
   double xi = 1;  ///< Newmark's ξ ≤ 0; 1: not given
   /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
@@ -24,12 +28,13 @@ struct RunOptions {
 
 /// How a step ended. Everything but ok leaves the state as it was before the step.
 struct StepReport {
-  enum class Code { ok, not_converged, not_finite, singular } code = Code::ok;
+  enum class Code { ok, not_converged, not_finite, singular, drifted } code = Code::ok;
   int iterations = 0;
   int factorisations = 0;
   double position_violation = 0;  ///< m
   double velocity_violation = 0;  ///< m/s
   int coordinate = -1;            ///< where it went wrong
+  int equation = -1;              ///< likewise, where it was in a constraint equation
   int substeps = 1;               ///< parts that the step was made in
   bool ok() const { return code == Code::ok; }
 };
@@ -58,6 +63,10 @@ class Simulation {
     double residual = 0, matrix = 0, solution = 0, projection = 0, energy = 0, other = 0;
   };
   Phases phases() const;
+
+  /// Unknowns and constraint equations of the formulation in use.
+  int coordinates() const;
+  int constraints() const;
 
   /// Seconds of this thread's CPU that initialisation took, with equilibrium.
   double initialisation_seconds() const;
@@ -106,6 +115,6 @@ struct StaticResult {
   double cpu_seconds = 0;
   double residual = 0;
 };
-StaticResult static_equilibrium(std::shared_ptr<const Model> model);
+StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options = {});
 
 }  // namespace mimbre

@@ -175,14 +175,27 @@ struct Simulation {
   double step = 0.01;
   double end = 10;
   double output_interval = 0;  ///< 0: every step
-  std::string formulation = "relative";
-  enum class Integrator { generalized_alpha, newmark } integrator = Integrator::generalized_alpha;
-  double rho = -1;         ///< spectral radius at infinity, 0..1; negative: the default of the library
-  double xi = 0;           ///< Newmark's ξ ≤ 0
-  double tolerance = 0;    ///< 0: default
-  double penalty = 0;      ///< 0: automatic
-  int max_iterations = 0;  ///< 0: default
-  int substeps = 0;        ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  /// Coordinates: joint coordinates by recursion, or points and unit vectors (natural coordinates).
+  enum class Formulation { relative, natural } formulation = Formulation::relative;
+  /// Inertia of flexible bodies: by shape integrals, or by projection of the mesh's mass matrix in every
+  /// evaluation, with the nodes' rotations or with their translations only.
+  enum class Inertia { integrals, projection, projection_translations } inertia = Inertia::integrals;
+  /// How the constraints enter the equations of motion; see docs/formalisms.md.
+  enum class Formalism {
+    index3,            ///< augmented Lagrangian in positions with projections: the default
+    index1,            ///< Lagrange multipliers, constraints at acceleration level
+    baumgarte,         ///< the same, stabilised
+    penalty,           ///< stabilised constraints by penalty alone
+    index1_augmented,  ///< penalty with iterated multipliers
+    independent        ///< independent coordinates by a second velocity transformation
+  } formalism = Formalism::index3;
+  enum class Integrator { generalized_alpha, newmark, hht } integrator = Integrator::generalized_alpha;
+  double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); negative: the library's default
+  double xi = 0;         ///< Newmark's ξ ≤ 0
+  double tolerance = 0;  ///< 0: default
+  double penalty = 0;    ///< 0: automatic
+  int max_iterations = 0;             ///< 0: default
+  int substeps = 0;                   ///< parts in which an inaccurate step is repeated; 0: default, 1: never
   bool start_at_equilibrium = false;  ///< `initial: equilibrium`
 };
 

@@ -35,6 +35,11 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
     double *y = w.scratch.data(), *yd = y + n, *integrals = yd + n;
     relative::copy_modes(b, q + b.q + b.joint_positions, n, y);
     relative::copy_modes(b, v + b.v + b.joint_velocities, n, yd);
+    if (!w.projections.empty()) {
+      energy += projection::kinetic_energy(w.projections[b.flexible], w.projection,
+                                           projection::rigid_base(u, omega), y, yd, integrals);
+      continue;
+    }
     relative::deformed_integrals<double>(f, y, integrals);
     const Vec3d first = b.first_moment + relative::times(f.S, y), sy = relative::times(f.S, yd);
     const Mat3d second = relative::deformed_second_moment<double>(f, b.second_moment, integrals, y);
@@ -104,13 +109,17 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   e.gravitational = e.elastic = e.springs = e.tyres = 0;
   for (std::size_t i = 0; i < m.bodies.size(); ++i) {
     const BodyData& b = m.bodies[i];
+    double mass = b.mass;
     Vec3d first = b.first_moment;
     if (b.modes > 0) {
       const FlexibleData& f = m.flexible[b.flexible];
+      const relative::ConstantInertia inertia = relative::constant_inertia(m, w, b);
+      mass = inertia.mass;
+      first = inertia.first_moment;
       const double *y = s.q.data() + b.q + b.joint_positions, *yd = s.v.data() + b.v + b.joint_velocities;
       double work = 0;
       for (int k = 0; k < b.modes; ++k) {
-        first += y[k] * f.S.col(k);
+        first += y[k] * inertia.S.col(k);
         double elastic = 0, damping = 0;
         if (f.diagonal_stiffness) {
           elastic = f.stiffness(k, k) * y[k];
@@ -129,8 +138,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
       }
       e.dissipated += work;
     }
-    e.gravitational -=
-        m.gravity.dot(b.mass * (w.bodies[i].position + w.origin) + w.bodies[i].rotation * first);
+    e.gravitational -= m.gravity.dot(mass * (w.bodies[i].position + w.origin) + w.bodies[i].rotation * first);
   }
   for (std::size_t k = 0; k < m.springs.size(); ++k) {
     const SpringData& d = m.springs[k];

@@ -1,6 +1,6 @@
 #pragma once
 #include "dynamics/relative/system.h"
-#include "integrate/integrator.h"
+#include "integrate/stepper.h"
 
 namespace mimbre {
 

@@ -10,10 +10,11 @@
 #include "analysis/channels.h"
 #include "analysis/energy.h"
 #include "analysis/statics.h"
+#include "dynamics/natural/system.h"
 #include "dynamics/relative/system.h"
 #include "integrate/initial.h"
-#include "integrate/integrator.h"
 #include "integrate/profiled_system.h"
+#include "integrate/stepper.h"
 #include "math/cpu_time.h"
 
 namespace mimbre {
@@ -29,11 +30,11 @@ constexpr double substep_energy = 2.5e-3;
 IntegratorOptions integrator_options(const spec::Simulation& s, const RunOptions& o) {
   IntegratorOptions options;
   options.step = o.step > 0 ? o.step : s.step;
-  options.newmark = o.integrator.empty() ? s.integrator == spec::Simulation::Integrator::newmark
-                                         : o.integrator == "newmark";
+  options.rule = o.integrator.value_or(s.integrator);
   options.xi = o.xi <= 0 ? o.xi : s.xi;
-  if (o.xi <= 0) options.newmark = true;
-  if (o.rho >= 0) options.newmark = false;
+  if (o.xi <= 0) options.rule = IntegratorOptions::Rule::newmark;
+  if (o.rho >= 0 && options.rule == IntegratorOptions::Rule::newmark)
+    options.rule = IntegratorOptions::Rule::generalized_alpha;
   options.rho = o.rho >= 0 ? o.rho : s.rho >= 0 ? s.rho : default_rho;
   if (s.tolerance > 0) options.tolerance = s.tolerance;
   if (s.penalty > 0) options.penalty = s.penalty;
@@ -131,6 +132,35 @@ std::string coordinate_name(const Compiled& m, int coordinate) {
   return "the model";
 }
 
+std::string natural_name(const natural::NaturalSystem& system, int coordinate) {
+  const int body = coordinate < 0 ? -1 : system.body_of(coordinate);
+  if (body < 0) return "the model";
+  return fmt::format("body '{}'", system.model().spec.bodies[system.model().bodies[body].spec].name);
+}
+
+/// The joint (or the body that must stay rigid) that a constraint equation belongs to, for messages.
+std::string equation_name(const Compiled& m, const natural::NaturalSystem* natural, int equation) {
+  const auto joint = [&](int spec) { return fmt::format("joint '{}'", m.spec.joints[spec].name); };
+  if (natural) {
+    const natural::Layout& l = natural->layout();
+    for (std::size_t b = 0; b < l.bodies.size(); ++b)
+      if (equation >= l.bodies[b].first_equation &&
+          equation < l.bodies[b].first_equation + static_cast<int>(l.bodies[b].rigidity.size()))
+        return fmt::format("the rigidity of body '{}'", m.spec.bodies[m.bodies[b].spec].name);
+    for (const natural::Joint& j : l.joints)
+      if (equation >= j.first_equation && equation < j.first_equation + j.count) return joint(j.spec);
+    if (equation >= l.first_drive)
+      return "the drive of " + joint(m.drives[equation - l.first_drive].joint_spec);
+  } else {
+    for (const LoopData& loop : m.loops)
+      if (equation >= loop.first_equation && equation < loop.first_equation + loop.count)
+        return joint(loop.joint_spec);
+    for (const DriveData& d : m.drives)
+      if (equation == d.equation) return "the drive of " + joint(d.joint_spec);
+  }
+  return "the constraints";
+}
+
 std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {
   switch (place.kind) {
     case EnergyMeter::Place::Kind::spring:
@@ -171,52 +201,83 @@ struct EnergyMonitor {
   }
 };
 
+std::unique_ptr<natural::NaturalSystem> make_natural(const Compiled& m, const RunOptions& o) {
+  const spec::Simulation& s = m.spec.simulation;
+  if (o.formulation.value_or(s.formulation) != spec::Simulation::Formulation::natural) return nullptr;
+  return std::make_unique<natural::NaturalSystem>(m, o.inertia.value_or(s.inertia));
+}
+
+/// A state in relative coordinates by points and vectors.
+State natural_state(const natural::NaturalSystem& natural, relative::RelativeSystem& observer,
+                    const State& s) {
+  observer.begin_step(s.q.data());
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  return natural.from_relative(s, observer.workspace().bodies, observer.workspace().origin);
+}
+
+/// Static equilibrium near s, found in natural coordinates if there is such a system.
+StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+  if (!natural) return find_equilibrium(observer, s);
+  State n = natural_state(*natural, observer, s);
+  const StaticsStatus status = find_equilibrium(*natural, n);
+  natural->to_relative(n, s);
+  observer.begin_step(s.q.data());
+  find_multipliers(observer, s);
+  return status;
+}
+
 }  // namespace
 
 struct Simulation::Impl {
   explicit Impl(std::shared_ptr<const Model> m, const RunOptions& o)
       : model(std::move(m)),
         compiled(model->compiled()),
-        system(compiled),
+        observer(compiled, o.inertia.value_or(compiled.spec.simulation.inertia)),
+        natural(make_natural(compiled, o)),
+        system(natural ? static_cast<System&>(*natural) : observer),
         profiled(system),
         profile(o.profile),
-        integrator(o.profile ? static_cast<System&>(profiled) : system,
-                   integrator_options(compiled.spec.simulation, o)),
+        integrator(make_stepper(o.profile ? static_cast<System&>(profiled) : system,
+                                o.formalism.value_or(compiled.spec.simulation.formalism),
+                                integrator_options(compiled.spec.simulation, o))),
         meter(compiled),
         channels(compiled),
         meter_before(compiled) {
     const spec::Simulation& options = compiled.spec.simulation;
-    substeps = o.substeps > 0                 ? o.substeps
-               : options.substeps > 0         ? options.substeps
-               : integrator.options().newmark ? 1
-                                              : default_substeps;
+    const bool index3 = o.formalism.value_or(options.formalism) == spec::Simulation::Formalism::index3;
+    substeps = o.substeps > 0                                                              ? o.substeps
+               : options.substeps > 0                                                      ? options.substeps
+               : !index3 || integrator->options().rule == IntegratorOptions::Rule::newmark ? 1
+                                                                                           : default_substeps;
     double mass = 0;
     for (const BodyData& b : compiled.bodies) mass += b.mass;
     energy_tolerance = mass * substep_energy;
     const double start = thread_cpu_seconds();
-    state = assembled_state(compiled, system);
+    State assembled = assembled_state(compiled, observer);
     if (compiled.spec.simulation.start_at_equilibrium) {
-      const Eigen::VectorXd velocities = state.v;
-      const StaticsStatus status = find_equilibrium(system, state);
+      const Eigen::VectorXd velocities = assembled.v;
+      const StaticsStatus status = equilibrium(natural.get(), observer, assembled);
       if (!status.converged)
         throw InputError(
             {compiled.spec.file, 0, 0},
             fmt::format("`initial: equilibrium`: no static equilibrium was found (unbalanced force {:.3g} "
                         "after {} iterations); start from the assembled position instead",
                         status.residual, status.iterations));
-      state.v = velocities;
+      assembled.v = velocities;
       const double gap =
-          close_velocities(system, 0, state.q, Eigen::VectorXd::Ones(compiled.velocities), state.v);
+          close_velocities(observer, 0, assembled.q, Eigen::VectorXd::Ones(compiled.velocities), assembled.v);
       if (!(gap < 1e-8))
         throw InputError({compiled.spec.file, 0, 0}, "the initial velocities contradict the constraints");
     }
+    seen = assembled;
+    state = natural ? natural_state(*natural, observer, assembled) : assembled;
     if (!solve_accelerations(system, state))
       throw InputError(
           {compiled.spec.file, 0, 0},
           "the accelerations at the start are not determined: a body without mass (or inertia) is not held "
           "by any joint; give it a mass");
     observe();
-    meter.start(system, state);
+    meter.start(observer, view());
     monitor.start(meter);
     state_before = state;
     initialisation = thread_cpu_seconds() - start;
@@ -226,16 +287,18 @@ struct Simulation::Impl {
 
   /// One step of the integrator, with the energies after it.
   void advance(StepReport& report) {
-    last = integrator.step(state);
+    last = integrator->step(state);
     report.code = static_cast<StepReport::Code>(last.code);
     report.iterations += last.iterations;
     report.factorisations += last.factorisations;
     report.position_violation = std::max(report.position_violation, last.position_violation);
     report.velocity_violation = std::max(report.velocity_violation, last.velocity_violation);
     report.coordinate = last.coordinate;
+    report.equation = last.equation;
     if (!report.ok()) return;
     const auto start = profile ? Clock::now() : Clock::time_point();
-    meter.update(system, state);
+    if (natural) observe();
+    meter.update(observer, view());
     if (profile) energy_seconds += seconds_since(start);
   }
 
@@ -243,19 +306,30 @@ struct Simulation::Impl {
   /// did.
   double step_error() const { return std::max(std::abs(meter.last_input()), meter.last_jump()); }
 
+  /// The state in relative coordinates, in which energies and outputs are evaluated whatever the formulation.
+  const State& view() const { return natural ? seen : state; }
   /// Kinematics at the state, for energies and output.
-  void observe() { system.kinematics(state.time, state.q.data(), state.v.data(), state.a.data()); }
+  void observe() {
+    if (natural) {
+      natural->to_relative(state, seen);
+      observer.begin_step(seen.q.data());
+    }
+    const State& s = view();
+    observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  }
 
   std::shared_ptr<const Model> model;
   const Compiled& compiled;
-  relative::RelativeSystem system;
+  relative::RelativeSystem observer;  ///< the system itself in relative coordinates
+  std::unique_ptr<natural::NaturalSystem> natural;
+  System& system;
   ProfiledSystem profiled;
   bool profile;
   double step_seconds = 0, energy_seconds = 0;
-  Integrator integrator;
+  std::unique_ptr<Stepper> integrator;
   EnergyMeter meter;
   Channels channels;
-  State state;
+  State state, seen;
   StepStatus last;
   State state_before;
   EnergyMeter meter_before;
@@ -300,12 +374,12 @@ StepReport Simulation::Impl::step() {
     if (!report.ok() || s.step_error() > s.energy_tolerance) {
       s.state = s.state_before;
       s.meter = s.meter_before;
-      const double h = s.integrator.options().step;
-      s.integrator.set_step(h / s.substeps);
+      const double h = s.integrator->options().step;
+      s.integrator->set_step(h / s.substeps);
       report.substeps = s.substeps;
       report.code = StepReport::Code::ok;
       for (int k = 0; k < s.substeps && report.ok(); ++k) s.advance(report);
-      s.integrator.set_step(h);
+      s.integrator->set_step(h);
       if (!report.ok()) {
         s.state = s.state_before;
         s.meter = s.meter_before;
@@ -314,20 +388,23 @@ StepReport Simulation::Impl::step() {
   }
   if (!report.ok()) return report;
   // Sums of steps drift away from their multiples by round-off.
-  const double h = s.integrator.options().step, multiple = std::round(s.state.time / h) * h;
+  const double h = s.integrator->options().step, multiple = std::round(s.state.time / h) * h;
   if (std::abs(s.state.time - multiple) < 1e-6 * h) s.state.time = multiple;
   s.monitor.watch(s.meter, s.state.time);
   return report;
 }
 
 double Simulation::time() const { return impl_->state.time; }
-double Simulation::step_size() const { return impl_->integrator.options().step; }
+double Simulation::step_size() const { return impl_->integrator->options().step; }
+int Simulation::coordinates() const { return impl_->system.velocities(); }
+int Simulation::constraints() const { return impl_->system.equations(); }
 double Simulation::initialisation_seconds() const { return impl_->initialisation; }
 
 std::string Simulation::explain(const StepReport& r) const {
   const Impl& s = *impl_;
-  const std::string where = coordinate_name(s.compiled, r.coordinate);
-  const double t = s.state.time + s.integrator.options().step;
+  const std::string where =
+      s.natural ? natural_name(*s.natural, r.coordinate) : coordinate_name(s.compiled, r.coordinate);
+  const double t = s.state.time + s.integrator->options().step;
   switch (r.code) {
     case StepReport::Code::ok:
       return "ok";
@@ -338,7 +415,19 @@ std::string Simulation::explain(const StepReport& r) const {
           t, r.iterations, where);
     case StepReport::Code::not_finite:
       return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}", t, where);
+    case StepReport::Code::drifted:
+      return fmt::format(
+          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {:.3g} m; this "
+          "formalism "
+          "does not hold them, take `index3`, a stabilised one or a smaller step",
+          t, equation_name(s.compiled, s.natural.get(), r.equation), r.position_violation);
     case StepReport::Code::singular:
+      if (r.equation >= 0)
+        return fmt::format(
+            "the constraints are dependent in the step to t = {:.6g} s, at {}: a singular position, or a "
+            "joint "
+            "too many; take a formalism that bears it (`index3`, `penalty`, `index1_augmented`)",
+            t, equation_name(s.compiled, s.natural.get(), r.equation));
       return fmt::format(
           "the matrix of the step to t = {:.6g} s is singular at {}: is there a body without mass that "
           "nothing holds?",
@@ -356,7 +445,7 @@ void Simulation::restore(const Snapshot& c) {
   impl_->state = {c.time, c.q, c.v, c.a, c.algorithmic, c.multipliers, c.started};
   impl_->system.begin_step(c.q.data());
   impl_->observe();
-  impl_->meter.start(impl_->system, impl_->state);
+  impl_->meter.start(impl_->observer, impl_->view());
   impl_->monitor.start(impl_->meter);
 }
 
@@ -367,12 +456,14 @@ void Simulation::sample(ResultsRow& row) {
   Impl& s = *impl_;
   s.observe();
   if (s.channels.needs_residual()) {
+    if (s.natural) find_multipliers(s.observer, s.seen);
+    const State& v = s.view();
     s.scratch.resize(s.compiled.velocities);
-    s.system.residual(s.state.time, s.state.q.data(), s.state.v.data(), s.state.a.data(),
-                      s.state.multipliers.data(), 0, s.scratch.data());
+    s.observer.residual(v.time, v.q.data(), v.v.data(), v.a.data(), v.multipliers.data(), 0,
+                        s.scratch.data());
   }
   s.channels.sample(
-      s.system, s.state, s.meter.balance(),
+      s.observer, s.view(), s.meter.balance(),
       {static_cast<double>(s.last.iterations), s.last.position_violation, s.last.velocity_violation}, row);
 }
 
@@ -408,23 +499,27 @@ std::vector<std::string> Simulation::warnings() const {
 
 int Simulation::degrees_of_freedom() {
   Impl& s = *impl_;
-  if (s.compiled.equations == 0) return s.compiled.velocities;
+  const int velocities = s.system.velocities();
+  if (s.system.equations() == 0) return velocities;
   const Eigen::MatrixXd jacobian = dense_jacobian(s.system, s.state.time, s.state.q);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(jacobian.rows(), jacobian.cols());
   qr.setThreshold(1e-9);
   qr.compute(jacobian);
   s.observe();
-  return s.compiled.velocities - static_cast<int>(qr.rank());
+  // Where all equations are redundant the largest pivot is round-off, too.
+  const bool determined = std::abs(qr.maxPivot()) > 1e-12 * s.compiled.length_scale;
+  return velocities - (determined ? static_cast<int>(qr.rank()) : 0);
 }
 
 const Model& Simulation::model() const { return *impl_->model; }
 
-StaticResult static_equilibrium(std::shared_ptr<const Model> model) {
+StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options) {
   const double start = thread_cpu_seconds();
   const Compiled& m = model->compiled();
-  relative::RelativeSystem system(m);
+  relative::RelativeSystem system(m, options.inertia.value_or(m.spec.simulation.inertia));
+  const auto natural = make_natural(m, options);
   State s = assembled_state(m, system);
-  const StaticsStatus status = find_equilibrium(system, s);
+  const StaticsStatus status = equilibrium(natural.get(), system, s);
   if (!status.converged)
     throw std::runtime_error(
         fmt::format("no static equilibrium was found: unbalanced force {:.3g}, constraints off by "

@@ -1,6 +1,7 @@
 #include "analysis/statics.h"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -41,50 +42,54 @@ StaticsStatus find_equilibrium(System& system, State& s) {
   const double weight = std::max(1e-12, (mass.diagonal().cwiseAbs().maxCoeff() + 1e-6) * 9.81);
   double tau = 0.05, previous = r.norm();
   for (status.iterations = 0; status.iterations < 400; ++status.iterations) {
+    // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
+    // redundant, both are determined.
+    if (m > 0) {
+      close_positions(system, s.time, VectorXd::Ones(n), s.q, 30);
+      find_multipliers(system, s);
+    }
     r = forces(s.q, zero);
     status.violation = violation();
-    VectorXd phi(m);
-    for (int k = 0; k < m; ++k) phi[k] = system.phi()[k];
     const double norm = r.norm();
     status.residual = n == 0 ? 0 : r.cwiseAbs().maxCoeff();
     if (!std::isfinite(norm)) return status;
+    const bool balanced = status.residual < 1e-8 * weight;
     if (status.iterations > 0)
-      tau = std::clamp(tau * std::clamp(previous / std::max(norm, 1e-300), 0.5, 10.0), 1e-3, 100.0);
+      tau = std::clamp(tau * (balanced ? 10.0 : std::clamp(previous / std::max(norm, 1e-300), 0.5, 10.0)),
+                       1e-3, 100.0);
     previous = norm;
 
-    MatrixXd system_matrix = MatrixXd::Zero(n + m, n + m);
+    MatrixXd tangent = mass / (tau * tau);
     const double eps = 1e-6;
     for (int k = 0; k < n; ++k) {
       unit[k] = eps;
       system.retract(s.q.data(), unit.data(), q_try.data());
-      system_matrix.col(k).head(n) = forces(q_try, zero);
+      const VectorXd plus = forces(q_try, zero);
       unit[k] = -eps;
       system.retract(s.q.data(), unit.data(), q_try.data());
-      system_matrix.col(k).head(n) -= forces(q_try, zero);
+      tangent.col(k) += (plus - forces(q_try, zero)) / (2 * eps);
       unit[k] = 0;
     }
-    system_matrix.topLeftCorner(n, n) /= 2 * eps;
-    system_matrix.topLeftCorner(n, n) += mass / (tau * tau);
+    // Along the motions that the constraints leave: x = N z, Φz N = 0.
+    MatrixXd motions = MatrixXd::Identity(n, n);
     if (m > 0) {
-      const MatrixXd jacobian = dense_jacobian(system, s.time, s.q);
-      system_matrix.topRightCorner(n, m) = jacobian.transpose();
-      system_matrix.bottomLeftCorner(m, n) = jacobian;
-      // Redundant equations stay solvable: multipliers cost a little.
-      for (int k = 0; k < m; ++k) system_matrix(n + k, n + k) = -1e-12;
+      Eigen::ColPivHouseholderQR<MatrixXd> qr(n, m);
+      qr.setThreshold(1e-9);
+      qr.compute(dense_jacobian(system, s.time, s.q).transpose());
+      motions = MatrixXd(qr.householderQ()).rightCols(n - qr.rank());
     }
-    VectorXd rhs(n + m);
-    rhs << -r, -phi;
-    const VectorXd x = system_matrix.partialPivLu().solve(rhs);
-    if (!x.allFinite()) return status;
-    VectorXd step = x.head(n);
+    VectorXd step = zero;
+    if (motions.cols() > 0)
+      step =
+          -motions * (motions.transpose() * tangent * motions).partialPivLu().solve(motions.transpose() * r);
+    if (!step.allFinite()) return status;
     const double largest = n == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    if (largest > 0.3) step *= 0.3 / largest;
-    system.retract(s.q.data(), step.data(), s.q.data());
-    s.multipliers += x.tail(m);
-    if (tau >= 1 && largest < 1e-10 && status.residual < 1e-8 * weight && status.violation < 1e-10) {
+    if (tau >= 1 && balanced && largest < 1e-10 && status.violation < 1e-10) {
       status.converged = true;
       break;
     }
+    if (largest > 0.3) step *= 0.3 / largest;
+    system.retract(s.q.data(), step.data(), s.q.data());
   }
   return status;
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "integrate/integrator.h"
+#include "integrate/stepper.h"
 
 namespace mimbre {
 

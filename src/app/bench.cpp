@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/common.h"
+#include "app/method_options.h"
 #include "app/stepping.h"
 #include "app/summary.h"
 #include "app/table.h"
@@ -15,6 +16,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> models, settings;
+  MethodArguments method;
   std::optional<double> step, until;
   int runs = 5;
   bool json = false;
@@ -29,6 +31,7 @@ double median(std::vector<double> values) {
 /// What one model took: everything that the table and the JSON say.
 struct Measurement {
   std::string model;
+  Json method;  ///< in force
   int coordinates = 0, elastic_coordinates = 0;
   double step = 0;
   Totals totals;                    ///< of one run: the same in all; its time is the median
@@ -45,15 +48,16 @@ struct Measurement {
 Measurement measure(const std::string& path, const Arguments& arguments) {
   const LoadedModel loaded = load(path, arguments.settings);
   const Model& model = *loaded.model;
-  RunOptions options;
+  RunOptions options = run_options(arguments.method, model.spec().simulation);
   options.step = arguments.step.value_or(0);
   Measurement result;
   result.model = path;
-  result.coordinates = model.coordinates();
+  result.method = method_in_force(options, model.spec().simulation);
   result.elastic_coordinates = model.elastic_coordinates();
   for (int k = 0; k < arguments.runs; ++k) {
     Simulation simulation(loaded.model, options);
     result.step = simulation.step_size();
+    result.coordinates = simulation.coordinates();
     const Plan plan = plan_run(arguments.until.value_or(model.spec().simulation.end), 0, result.step);
     result.totals = {};
     const StepReport report = advance(simulation, plan.steps, result.totals);
@@ -72,25 +76,27 @@ Measurement measure(const std::string& path, const Arguments& arguments) {
 }
 
 Json to_json(const Measurement& m) {
-  return {{"model", m.model},
-          {"coordinates", m.coordinates},
-          {"elastic_coordinates", m.elastic_coordinates},
-          {"step", m.step},
-          {"steps", m.totals.steps},
-          {"cpu_seconds", m.totals.cpu_seconds},
-          {"cpu_seconds_of_runs", m.cpu_seconds},
-          {"microseconds_per_step", 1e6 * m.per_step(m.totals.cpu_seconds)},
-          {"iterations_per_step", m.per_step(static_cast<double>(m.totals.iterations))},
-          {"factorisations_per_step", m.per_step(static_cast<double>(m.totals.factorisations))},
-          {"real_time_factor", m.real_time_factor},
-          {"peak_memory_mb", m.peak_memory_mb},
-          {"phases_microseconds_per_step",
-           {{"residual", 1e6 * m.per_step(m.phases.residual)},
-            {"matrix", 1e6 * m.per_step(m.phases.matrix)},
-            {"solution", 1e6 * m.per_step(m.phases.solution)},
-            {"projection", 1e6 * m.per_step(m.phases.projection)},
-            {"energy", 1e6 * m.per_step(m.phases.energy)},
-            {"other", 1e6 * m.per_step(m.phases.other)}}}};
+  Json json{{"model", m.model},
+            {"coordinates", m.coordinates},
+            {"elastic_coordinates", m.elastic_coordinates},
+            {"step", m.step},
+            {"steps", m.totals.steps},
+            {"cpu_seconds", m.totals.cpu_seconds},
+            {"cpu_seconds_of_runs", m.cpu_seconds},
+            {"microseconds_per_step", 1e6 * m.per_step(m.totals.cpu_seconds)},
+            {"iterations_per_step", m.per_step(static_cast<double>(m.totals.iterations))},
+            {"factorisations_per_step", m.per_step(static_cast<double>(m.totals.factorisations))},
+            {"real_time_factor", m.real_time_factor},
+            {"peak_memory_mb", m.peak_memory_mb},
+            {"phases_microseconds_per_step",
+             {{"residual", 1e6 * m.per_step(m.phases.residual)},
+              {"matrix", 1e6 * m.per_step(m.phases.matrix)},
+              {"solution", 1e6 * m.per_step(m.phases.solution)},
+              {"projection", 1e6 * m.per_step(m.phases.projection)},
+              {"energy", 1e6 * m.per_step(m.phases.energy)},
+              {"other", 1e6 * m.per_step(m.phases.other)}}}};
+  json.update(m.method);
+  return json;
 }
 
 /// Where the time of a step goes, µs, from the profiled run.
@@ -151,6 +157,7 @@ Command add_bench(CLI::App& program) {
       ->check(number_from(0, INFINITY, true))
       ->type_name("T");
   parser->add_flag("--json", arguments->json, "The same as JSON");
+  add_method_options(*parser, arguments->method);
   parser->footer(
       "A Markdown table: median CPU time of the stepping loop alone, without output. A real-time factor "
       "above 1 is\n"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "app/common.h"
+#include "app/method_options.h"
 #include "app/table.h"
 #include "mimbre/simulation.h"
 
@@ -17,6 +18,7 @@ constexpr Eigen::Index frequencies_shown = 3;
 struct Arguments {
   std::string model;
   std::vector<std::string> settings;
+  MethodArguments method;
   bool json = false;
 };
 
@@ -55,19 +57,19 @@ struct Description {
   std::vector<std::string> warnings;
 };
 
-Description describe(const LoadedModel& loaded) {
+Description describe(const LoadedModel& loaded, const RunOptions& options) {
   const Model& model = *loaded.model;
   // Sets the model up for its start, so that loops that do not close are told here and not by the run.
-  Simulation simulation(loaded.model);
+  Simulation simulation(loaded.model, options);
   Description d;
   d.bodies = body_lines(model.spec());
   d.joints = model.joint_lines();
   for (const BodyLine& body : d.bodies) d.mass += body.mass;
   d.loops =
       static_cast<int>(std::count_if(d.joints.begin(), d.joints.end(), [](const auto& j) { return j.cut; }));
-  d.coordinates = model.coordinates();
+  d.coordinates = simulation.coordinates();
   d.elastic_coordinates = model.elastic_coordinates();
-  d.constraints = model.constraints();
+  d.constraints = simulation.constraints();
   d.degrees_of_freedom = simulation.degrees_of_freedom();
   d.warnings = loaded.warnings;
   for (const std::string& warning : simulation.warnings()) {
@@ -135,7 +137,8 @@ std::string to_tables(const Description& d, const std::string& title) {
 
 int run(const Arguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings);
-  const Description description = describe(loaded);
+  const Description description =
+      describe(loaded, run_options(arguments.method, loaded.model->spec().simulation));
   const std::string& title = loaded.model->spec().title;
   print_data(arguments.json ? to_text(to_json(description, title)) + '\n' : to_tables(description, title));
   return done;
@@ -150,6 +153,7 @@ Command add_check(CLI::App& program) {
   parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
   add_set_option(*parser, arguments->settings);
   parser->add_flag("--json", arguments->json, "The same as JSON");
+  add_method_options(*parser, arguments->method);
   parser->footer("Example:\n  mimbre check pendulum.yaml --set length=2");
   return {parser, [arguments] { return run(*arguments); }};
 }

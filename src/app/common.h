@@ -39,6 +39,8 @@ Command add_static(CLI::App& program);
 Command add_report(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_bench(CLI::App& program);
+Command add_verify(CLI::App& program);
+Command add_reproduce(CLI::App& program);
 
 /// Wrong use that only shows after parsing: exit code 2.
 struct UsageError : std::runtime_error {

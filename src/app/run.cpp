@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/common.h"
+#include "app/method_options.h"
 #include "app/progress.h"
 #include "app/stepping.h"
 #include "app/summary.h"
@@ -18,23 +19,10 @@ namespace {
 struct Arguments {
   std::string model, output, csv;
   std::vector<std::string> settings;
-  std::optional<double> step, until, xi, rho;
+  MethodArguments method;
+  std::optional<double> step, until;
   bool json = false, quiet = false;
 };
-
-RunOptions run_options(const Arguments& arguments) {
-  RunOptions options;
-  options.step = arguments.step.value_or(0);
-  if (arguments.xi) {
-    options.integrator = "newmark";
-    options.xi = *arguments.xi;
-  }
-  if (arguments.rho) {
-    options.integrator = "generalized_alpha";
-    options.rho = *arguments.rho;
-  }
-  return options;
-}
 
 /// What of the command line decides the results; kept in the results file.
 std::string options_json(const Arguments& arguments) {
@@ -42,8 +30,7 @@ std::string options_json(const Arguments& arguments) {
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
   if (arguments.step) json["step"] = *arguments.step;
   if (arguments.until) json["until"] = *arguments.until;
-  if (arguments.xi) json["integrator_xi"] = *arguments.xi;
-  if (arguments.rho) json["rho"] = *arguments.rho;
+  json.update(to_json(arguments.method));
   return to_text(json);
 }
 
@@ -131,8 +118,10 @@ Ending simulate(Simulation& simulation, const Plan& plan, Recorder& recorder, Pr
 int run(const Arguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   check_targets(arguments);
-  Simulation simulation(loaded.model, run_options(arguments));
   const spec::Simulation& given = loaded.model->spec().simulation;
+  RunOptions options = run_options(arguments.method, given);
+  options.step = arguments.step.value_or(0);
+  Simulation simulation(loaded.model, options);
   const Plan plan =
       plan_run(arguments.until.value_or(given.end), given.output_interval, simulation.step_size());
 
@@ -148,8 +137,9 @@ int run(const Arguments& arguments) {
     print_warning(warning);
     warnings.push_back(warning);
   }
+  const Json method = method_in_force(options, given);
   try {
-    recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)));
+    recorder.finish(to_text(run_summary(simulation, method, totals, ending, warnings)));
   } catch (const std::exception& error) {
     if (ending.message.empty()) ending = {"failed", error.what()};
   }
@@ -161,11 +151,11 @@ int run(const Arguments& arguments) {
                  plan.steps);
   }
   if (arguments.json) {
-    Json summary = run_summary(simulation, totals, ending, warnings);
+    Json summary = run_summary(simulation, method, totals, ending, warnings);
     add_measurements(summary, simulation, totals);
     print_data(to_text(summary) + '\n');
   } else if (!arguments.quiet) {
-    fmt::print(stderr, "{}", summary_table(simulation, totals));
+    fmt::print(stderr, "{}", summary_table(simulation, method, totals));
   }
   return ending.message.empty() ? done : failed;
 }
@@ -183,19 +173,12 @@ Command add_run(CLI::App& program) {
   parser->add_option("--until", arguments->until, "End in s, instead of the model's")
       ->check(number_from(0, INFINITY))
       ->type_name("T");
-  auto* xi =
-      parser->add_option("--integrator-xi", arguments->xi, "Newmark's integrator with this xi, 0 or less")
-          ->check(number_from(-INFINITY, 0))
-          ->type_name("XI");
-  parser->add_option("--rho", arguments->rho, "Generalised-alpha with this spectral radius, 0 to 1")
-      ->check(number_from(0, 1))
-      ->type_name("R")
-      ->excludes(xi);
   parser->add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
       ->type_name("FILE.h5");
   parser->add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)")->type_name("FILE.csv");
   parser->add_flag("--json", arguments->json, "The run's summary as JSON on the standard output");
   parser->add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
+  add_method_options(*parser, arguments->method);
   parser->footer(
       "Exit codes: 0 done, 1 the model is bad, 2 wrong use, 3 a step failed, a file could not be written, or "
       "the run\n"

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "app/common.h"
+#include "app/method_options.h"
 #include "app/table.h"
 #include "mimbre/simulation.h"
 
@@ -11,12 +12,15 @@ namespace {
 struct Arguments {
   std::string model;
   std::vector<std::string> settings;
+  MethodArguments method;
   bool json = false;
 };
 
-Json to_json(const StaticResult& result) {
+Json to_json(const StaticResult& result, const Json& method) {
   Json json;
   json["status"] = "ok";
+  json["formulation"] = method.at("formulation");
+  json["inertia"] = method.at("inertia");
   json["outputs"] = Json::object();
   for (int k = 0; k < result.output_count; ++k) json["outputs"][result.channels[k].name] = result.values[k];
   json["iterations"] = result.iterations;
@@ -38,9 +42,9 @@ std::string to_table(const StaticResult& result) {
   return table.text();
 }
 
-StaticResult equilibrium(const LoadedModel& loaded) {
+StaticResult equilibrium(const LoadedModel& loaded, const RunOptions& options) {
   try {
-    return static_equilibrium(loaded.model);
+    return static_equilibrium(loaded.model, options);
   } catch (const InputError&) {
     throw;
   } catch (const std::runtime_error& error) {
@@ -49,8 +53,12 @@ StaticResult equilibrium(const LoadedModel& loaded) {
 }
 
 int run(const Arguments& arguments) {
-  const StaticResult result = equilibrium(load(arguments.model, arguments.settings));
-  print_data(arguments.json ? to_text(to_json(result)) + '\n' : to_table(result));
+  const LoadedModel loaded = load(arguments.model, arguments.settings);
+  const spec::Simulation& given = loaded.model->spec().simulation;
+  const RunOptions options = run_options(arguments.method, given);
+  const StaticResult result = equilibrium(loaded, options);
+  const Json method = method_in_force(options, given);
+  print_data(arguments.json ? to_text(to_json(result, method)) + '\n' : to_table(result));
   return done;
 }
 
@@ -63,6 +71,8 @@ Command add_static(CLI::App& program) {
   parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
   add_set_option(*parser, arguments->settings);
   parser->add_flag("--json", arguments->json, "The same as JSON");
+  // At rest it does not matter how constraints and steps are made.
+  add_method_options(*parser, arguments->method, {.formulation = true, .motion = false});
   parser->footer("Example:\n  mimbre static suspension.yaml --json");
   return {parser, [arguments] { return run(*arguments); }};
 }

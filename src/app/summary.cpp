@@ -30,15 +30,16 @@ double per_step(std::int64_t total, const Totals& totals) {
 
 }  // namespace
 
-Json run_summary(Simulation& simulation, const Totals& totals, const Ending& ending,
+Json run_summary(Simulation& simulation, const Json& method, const Totals& totals, const Ending& ending,
                  const std::vector<std::string>& warnings) {
   Json summary;
   summary["status"] = ending.status;
   if (!ending.message.empty()) summary["message"] = ending.message;
   summary["steps"] = totals.steps;
   summary["step"] = simulation.step_size();
+  summary.update(method);
   summary["time"] = simulation.time();
-  summary["coordinates"] = simulation.model().coordinates();
+  summary["coordinates"] = simulation.coordinates();
   summary["iterations"] = totals.iterations;
   summary["iterations_per_step"] = per_step(totals.iterations, totals);
   summary["factorisations"] = totals.factorisations;
@@ -66,7 +67,7 @@ double real_time_factor(const Simulation& simulation, const Totals& totals) {
   return static_cast<double>(totals.steps) * simulation.step_size() / totals.cpu_seconds;
 }
 
-std::string summary_table(Simulation& simulation, const Totals& totals) {
+std::string summary_table(Simulation& simulation, const Json& method, const Totals& totals) {
   Table table({"run", "", ""});
   const auto line = [&](const char* name, const std::string& value, const char* unit = "") {
     table.add({name, value, unit});
@@ -75,7 +76,12 @@ std::string summary_table(Simulation& simulation, const Totals& totals) {
   line("simulated time", number(simulation.time()), "s");
   line("steps", fmt::format("{}", totals.steps));
   line("step", number(simulation.step_size()), "s");
-  line("coordinates", fmt::format("{}", simulation.model().coordinates()));
+  // In the last column, for the numbers to stay aligned.
+  line("method", "",
+       fmt::format("{}, {}, {}", method.at("formulation").get<std::string>(),
+                   method.at("formalism").get<std::string>(), method.at("integrator").get<std::string>())
+           .c_str());
+  line("coordinates", fmt::format("{}", simulation.coordinates()));
   line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
   line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
   line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");

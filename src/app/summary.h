@@ -14,8 +14,9 @@ struct Ending {
   std::string message;        ///< what went wrong, empty when nothing did
 };
 
-/// What is the same whenever the same run is made: this is kept in the results file.
-Json run_summary(Simulation& simulation, const Totals& totals, const Ending& ending,
+/// What is the same whenever the same run is made: this is kept in the results file. `method`: in force, by
+/// method_in_force().
+Json run_summary(Simulation& simulation, const Json& method, const Totals& totals, const Ending& ending,
                  const std::vector<std::string>& warnings);
 
 /// Adds what differs from run to run: times of this machine, memory.
@@ -26,6 +27,6 @@ void add_measurements(Json& summary, const Simulation& simulation, const Totals&
 double real_time_factor(const Simulation& simulation, const Totals& totals);
 
 /// The table for people.
-std::string summary_table(Simulation& simulation, const Totals& totals);
+std::string summary_table(Simulation& simulation, const Json& method, const Totals& totals);
 
 }  // namespace mimbre::app

@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 namespace mimbre {
 namespace {
@@ -12,9 +13,21 @@ using Eigen::VectorXd;
 
 VectorXd copy(const double* x, int n) { return Map<const VectorXd>(x, n); }
 
-/// Smallest x, scaled by the weights, with J x = b in the sense of least squares.
-VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const VectorXd& b) {
+/// Smallest x, scaled by the weights, with J x = b in the sense of least squares; `damping` > 0 gives up a
+/// part of directions that J hardly sees (Levenberg, Marquardt): those with J² < damping.
+VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const VectorXd& b,
+                      double damping = 0) {
   const MatrixXd scaled = jacobian * weight.asDiagonal();
+  if (damping > 0) {
+    const Eigen::Index m = scaled.rows(), n = scaled.cols();
+    MatrixXd extended(m + n, n);
+    extended << scaled, std::sqrt(damping) * MatrixXd::Identity(n, n);
+    VectorXd right(m + n);
+    right << b, VectorXd::Zero(n);
+    return weight.asDiagonal() * extended.householderQr().solve(right);
+  }
+  // Round-off where nothing can change: the threshold below is relative.
+  if (scaled.size() == 0 || scaled.cwiseAbs().maxCoeff() < 1e-13) return VectorXd::Zero(scaled.cols());
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod(scaled.rows(), scaled.cols());
   cod.setThreshold(1e-9);
   cod.compute(scaled);
@@ -39,7 +52,7 @@ MatrixXd dense_jacobian(System& system, double t, const VectorXd& q) {
   return jacobian;
 }
 
-double close_positions(System& system, double t, const VectorXd& weight, VectorXd& q) {
+double close_positions(System& system, double t, const VectorXd& weight, VectorXd& q, double caution) {
   const int n = system.velocities(), m = system.equations();
   if (m == 0) return 0;
   const VectorXd zero = VectorXd::Zero(n);
@@ -49,7 +62,8 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
     const VectorXd phi = copy(system.phi(), m);
     violation = phi.cwiseAbs().maxCoeff();
     if (!(violation > 1e-13)) break;
-    VectorXd x = least_change(dense_jacobian(system, t, q), weight, -phi);
+    const double damping = violation > 1e-8 ? caution * violation : 0;
+    VectorXd x = least_change(dense_jacobian(system, t, q), weight, -phi, damping);
     const double length = x.norm();
     if (!(length > 1e-15)) break;
     if (length > 0.5) x *= 0.5 / length;
@@ -72,6 +86,16 @@ double close_velocities(System& system, double t, const VectorXd& q, const Vecto
     if (round < 2) v += least_change(jacobian, weight, -phi_dot);
   }
   return violation;
+}
+
+void find_multipliers(System& system, State& s) {
+  const int n = system.velocities(), m = system.equations();
+  s.multipliers.setZero(m);
+  if (m == 0) return;
+  const MatrixXd jacobian = dense_jacobian(system, s.time, s.q);
+  VectorXd r(n);
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+  s.multipliers = least_change(jacobian.transpose(), VectorXd::Ones(m), -r);
 }
 
 bool solve_accelerations(System& system, State& s) {

@@ -44,6 +44,10 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.solution);
     system_.solve(x);
   }
+  void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override {
+    const Timer timer(seconds_.matrix);
+    system_.dense_matrix(q, weights, out);
+  }
   bool tangent_changed(const MatrixWeights& weights) const override {
     return system_.tangent_changed(weights);
   }

@@ -40,10 +40,15 @@ class System {
   /// Assembles the leading matrix at the last residual's state (q as given there) and factorises it.
   virtual linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) = 0;
   virtual void solve(double* x) const = 0;
+  /// Assembles as factor() does, but only copies the matrix: velocities × velocities, both triangles,
+  /// column-major. For formalisms that are not made for speed; solve() must not follow, Jacobian products
+  /// may.
+  virtual void dense_matrix(const double* q, const MatrixWeights& weights, double* out) = 0;
   /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
   /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
   virtual bool tangent_changed(const MatrixWeights& weights) const = 0;
-  /// Jacobian of the equations as of the last factor(): out += weight Φzᵀ y, and out = Φz x.
+  /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
+  /// x.
   virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;
   virtual void jacobian_times(const double* x, double* out) const = 0;
 

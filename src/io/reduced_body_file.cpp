@@ -168,10 +168,37 @@ void write_frame(hid_t place, const std::string& name, const BodyFrame& frame) {
   write_matrix(group, "X_theta", frame.X_theta);
 }
 
+void write_integers(hid_t place, const std::string& name, const Shape& shape,
+                    const std::vector<std::int32_t>& data) {
+  write_data(place, name, shape, H5T_STD_I32LE, H5T_NATIVE_INT32, data.data());
+}
+
 void write_lines(hid_t file, const std::vector<std::array<int, 2>>& lines) {
   std::vector<std::int32_t> buffer;
   for (const auto& line : lines) buffer.insert(buffer.end(), line.begin(), line.end());
-  write_data(file, "lines", {lines.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT32, buffer.data());
+  write_integers(file, "lines", {lines.size(), 2}, buffer);
+}
+
+/// Entries in the order of columns, then rows.
+void write_sparse(hid_t place, const std::string& name, const Eigen::SparseMatrix<double>& matrix) {
+  std::vector<std::int32_t> places;
+  std::vector<double> values;
+  for (int c = 0; c < matrix.outerSize(); ++c)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, c); it; ++it) {
+      places.insert(places.end(), {static_cast<std::int32_t>(it.row()), c});
+      values.push_back(it.value());
+    }
+  const Handle group = create_group(place, name);
+  write_integers(group, "places", {values.size(), 2}, places);
+  write_doubles(group, "values", {values.size()}, values);
+}
+
+void write_mesh(hid_t file, const MeshInertia& mesh) {
+  const Handle group = create_group(file, "mesh_inertia");
+  write_attribute(group, "dofs_per_node", H5T_STD_I32LE, H5T_NATIVE_INT, &mesh.dofs_per_node);
+  write_sparse(group, "mass", mesh.mass);
+  if (mesh.nodal_mass.size() > 0) write_sparse(group, "nodal_mass", mesh.nodal_mass);
+  write_matrix(group, "shapes", mesh.shapes.transpose());
 }
 
 void write_body(hid_t file, const ReducedBody& body) {
@@ -206,6 +233,7 @@ void write_body(hid_t file, const ReducedBody& body) {
   write_lines(file, body.lines);
   const Handle frames = create_group(file, "frames");
   for (std::size_t k = 0; k < body.frames.size(); ++k) write_frame(frames, std::to_string(k), body.frames[k]);
+  if (body.mesh_inertia) write_mesh(file, *body.mesh_inertia);
 }
 
 // ----------------------------------------------------------------------------------------------------
@@ -359,6 +387,50 @@ std::vector<std::array<int, 2>> read_lines(hid_t file) {
   return lines;
 }
 
+bool has_link(hid_t place, const std::string& name) {
+  return H5Lexists(place, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Handle open_group(hid_t place, const std::string& name) {
+  return {H5Gopen2(place, name.c_str(), H5P_DEFAULT), H5Gclose, fmt::format("group '{}' is missing", name)};
+}
+
+Eigen::SparseMatrix<double> read_sparse(hid_t place, const std::string& name, Eigen::Index size) {
+  const Handle group = open_group(place, name);
+  const auto [places, shape] = read_numbers<std::int64_t>(group, "places", {kAny, 2}, H5T_NATIVE_INT64);
+  const std::vector<double> values = read_doubles(group, "values", {shape[0]});
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const std::int64_t row = places[2 * k], column = places[2 * k + 1];
+    if (row < 0 || row >= size || column < 0 || column >= size)
+      throw FileProblem(
+          fmt::format("'{}' has an entry at ({}, {}), outside of {} x {}", name, row, column, size, size));
+    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), values[k]);
+  }
+  Eigen::SparseMatrix<double> matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+MeshInertia read_mesh(hid_t file, Eigen::Index nodes, Eigen::Index modes) {
+  const Handle group = open_group(file, "mesh_inertia");
+  try {
+    MeshInertia mesh;
+    mesh.dofs_per_node = read_number_attribute<int>(group, "dofs_per_node", H5T_NATIVE_INT);
+    if (mesh.dofs_per_node != 3 && mesh.dofs_per_node != 6)
+      throw FileProblem(fmt::format("attribute 'dofs_per_node' must be 3 or 6, is {}", mesh.dofs_per_node));
+    const Eigen::Index dofs = mesh.dofs_per_node * nodes;
+    mesh.mass = read_sparse(group, "mass", dofs);
+    if (has_link(group, "nodal_mass")) mesh.nodal_mass = read_sparse(group, "nodal_mass", nodes);
+    mesh.shapes =
+        read_matrix(group, "shapes", static_cast<hsize_t>(modes), static_cast<hsize_t>(dofs)).transpose();
+    return mesh;
+  } catch (const FileProblem& problem) {
+    throw FileProblem(fmt::format("group 'mesh_inertia': {}", problem.what()));
+  }
+}
+
 ReducedBody read_body(hid_t file) {
   if (const std::string format = read_text_attribute(file, "format"); format != kFormat)
     throw FileProblem(fmt::format("its format is '{}', expected '{}'", format, kFormat));
@@ -396,6 +468,7 @@ ReducedBody read_body(hid_t file) {
   body.node_shapes = from_rows(shapes.data(), n, 3 * points).transpose();
   body.lines = read_lines(file);
   body.frames = read_frames(file, modes);
+  if (has_link(file, "mesh_inertia")) body.mesh_inertia = read_mesh(file, points, n);
   return body;
 }
 

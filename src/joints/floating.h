@@ -13,4 +13,12 @@ void floating_motion(const T* q, const T*, JointMotion<T>& m) {
   m.angular.template rightCols<3>() = m.rotation;
 }
 
+/// The displacement and the quaternion.
+template <class T>
+void floating_coordinates(const Mat3<T>& rotation, const Vec3<T>& displacement, T* q) {
+  const Quat<T> turn = quaternion_of(rotation);
+  for (int k = 0; k < 3; ++k) q[k] = displacement[k];
+  for (int k = 0; k < 4; ++k) q[3 + k] = turn[k];
+}
+
 }  // namespace mimbre

@@ -35,4 +35,11 @@ Mat3<T> rotation_z(const T& angle) {
   return r;
 }
 
+/// Angle of a rotation about z, within ±π.
+template <class T>
+T turn_about_z(const Mat3<T>& rotation) {
+  using std::atan2;
+  return atan2(rotation(1, 0), rotation(0, 0));
+}
+
 }  // namespace mimbre

@@ -14,4 +14,12 @@ void planar_motion(const T* q, const T*, JointMotion<T>& m) {
   m.angular(2, 2) = T(1);
 }
 
+/// The displacements along x and y, and the angle within ±π.
+template <class T>
+void planar_coordinates(const Mat3<T>& rotation, const Vec3<T>& displacement, T* q) {
+  q[0] = displacement[0];
+  q[1] = displacement[1];
+  q[2] = turn_about_z(rotation);
+}
+
 }  // namespace mimbre

@@ -11,4 +11,11 @@ void spherical_motion(const T* q, const T*, JointMotion<T>& m) {
   m.angular.template leftCols<3>() = m.rotation;
 }
 
+/// The quaternion.
+template <class T>
+void spherical_coordinates(const Mat3<T>& rotation, const Vec3<T>&, T* q) {
+  const Quat<T> turn = quaternion_of(rotation);
+  for (int k = 0; k < 4; ++k) q[k] = turn[k];
+}
+
 }  // namespace mimbre

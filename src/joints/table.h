@@ -43,7 +43,8 @@ constexpr ClosingEquation dx{D, 0, 0}, dy{D, 1, 0}, dz{D, 2, 0};
 constexpr ClosingEquation xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
 }  // namespace closing
 
-/// A new joint type is one file with its motion, a row here and a line in joint_motion below.
+/// A new joint type is one file with its motion, a row here and a line in joint_motion and joint_coordinates
+/// below.
 // clang-format off
 constexpr std::array<JointInfo, 9> joint_table{{
     {spec::JointType::fixed, "fixed", 0, 0, -1, 0, 6, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
@@ -89,6 +90,31 @@ void joint_motion(spec::JointType type, const T* q, const T* v, JointMotion<T>& 
       return planar_motion(q, v, m);
     case spec::JointType::floating:
       return floating_motion(q, v, m);
+  }
+}
+
+/// Inverse of joint_motion: positions q that give this rotation and displacement of b relative to a (as
+/// nearly as the joint can); angles within ±π, quaternions of either sign.
+template <class T>
+void joint_coordinates(spec::JointType type, const Mat3<T>& rotation, const Vec3<T>& displacement, T* q) {
+  switch (type) {
+    case spec::JointType::revolute:
+      return revolute_coordinates(rotation, displacement, q);
+    case spec::JointType::prismatic:
+      return prismatic_coordinates(rotation, displacement, q);
+    case spec::JointType::cylindrical:
+      return cylindrical_coordinates(rotation, displacement, q);
+    case spec::JointType::universal:
+      return universal_coordinates(rotation, displacement, q);
+    case spec::JointType::planar:
+      return planar_coordinates(rotation, displacement, q);
+    case spec::JointType::spherical:
+      return spherical_coordinates(rotation, displacement, q);
+    case spec::JointType::floating:
+      return floating_coordinates(rotation, displacement, q);
+    case spec::JointType::fixed:
+    case spec::JointType::bracket:
+      return;
   }
 }
 

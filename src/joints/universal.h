@@ -19,4 +19,12 @@ void universal_motion(const T* q, const T* v, JointMotion<T>& m) {
   m.angular_bias[2] = c0 * v[0] * v[1];
 }
 
+/// The angles, within ±π: y stays at right angles to a's x, x at right angles to a's turned y.
+template <class T>
+void universal_coordinates(const Mat3<T>& rotation, const Vec3<T>&, T* q) {
+  using std::atan2;
+  q[0] = atan2(rotation(2, 1), rotation(1, 1));
+  q[1] = atan2(rotation(0, 2), rotation(0, 0));
+}
+
 }  // namespace mimbre

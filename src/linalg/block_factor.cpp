@@ -283,7 +283,25 @@ void multiply(const BlockSymbolic& symbolic, const T* values, const T* x, T* y) 
   }
 }
 
+template <class T>
+void to_dense(const BlockSymbolic& symbolic, const T* values, T* out) {
+  const std::ptrdiff_t n = symbolic.size();
+  std::fill(out, out + n * n, T(0));
+  for (int i = 0; i < symbolic.blocks(); ++i) {
+    for (int j = 0; j <= i; ++j) {
+      if (!symbolic.coupled(i, j)) continue;
+      const BlockPlace place = symbolic.place(i, j);
+      for (int c = symbolic.start(j); c < symbolic.start(j + 1); ++c) {
+        for (int r = i == j ? c : symbolic.start(i); r < symbolic.start(i + 1); ++r)
+          out[r + n * c] = out[c + n * r] = values[place.offset + (r - symbolic.start(i)) * place.row_stride +
+                                                   (c - symbolic.start(j)) * place.col_stride];
+      }
+    }
+  }
+}
+
 template class BlockFactor<double>;
+template void to_dense(const BlockSymbolic&, const double*, double*);
 template void multiply(const BlockSymbolic&, const double*, const double*, double*);
 
 }  // namespace mimbre::linalg

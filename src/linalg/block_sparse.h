@@ -145,7 +145,12 @@ class BlockFactor {
 template <class T>
 void multiply(const BlockSymbolic& symbolic, const T* values, const T* x, T* y);
 
+/// out = A from assembled (not factorised) values, size × size, both triangles, in the caller's order.
+template <class T>
+void to_dense(const BlockSymbolic& symbolic, const T* values, T* out);
+
 extern template class BlockFactor<double>;
 extern template void multiply(const BlockSymbolic&, const double*, const double*, double*);
+extern template void to_dense(const BlockSymbolic&, const double*, double*);
 
 }  // namespace mimbre::linalg

@@ -50,6 +50,27 @@ double lowest_scaled_eigenvalue(const Eigen::MatrixXd& matrix) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
+/// Square, finite, in a full and compressed storage.
+void check_sparse(const std::string& what, const Eigen::SparseMatrix<double>& matrix, Eigen::Index size,
+                  Report& report) {
+  if (matrix.rows() != size || matrix.cols() != size)
+    return report.require(
+        false, fmt::format("{} must be {} x {}, is {} x {}", what, size, size, matrix.rows(), matrix.cols()));
+  report.require(matrix.isCompressed(), what + " must be compressed");
+  report.require(matrix.coeffs().isFinite().all(), what + " must be finite");
+}
+
+void check_mesh_sizes(const ReducedBody& body, Report& report) {
+  const MeshInertia& mesh = *body.mesh_inertia;
+  report.require(mesh.dofs_per_node == 3 || mesh.dofs_per_node == 6,
+                 fmt::format("mesh inertia: dofs_per_node must be 3 or 6, is {}", mesh.dofs_per_node));
+  const Eigen::Index dofs = body.nodes.cols() * mesh.dofs_per_node;
+  report.matrix("mesh inertia: shapes", mesh.shapes, dofs, body.modes);
+  check_sparse("mesh inertia: mass", mesh.mass, dofs, report);
+  if (mesh.nodal_mass.size() > 0)
+    check_sparse("mesh inertia: nodal_mass", mesh.nodal_mass, body.nodes.cols(), report);
+}
+
 void check_sizes(const ReducedBody& body, Report& report) {
   const Eigen::Index n = body.modes;
   report.require(std::isfinite(body.mass), "mass must be finite");
@@ -71,6 +92,7 @@ void check_sizes(const ReducedBody& body, Report& report) {
   if (body.eigenfrequencies.size() > 0) report.matrix("eigenfrequencies", body.eigenfrequencies, n, 1);
   report.matrix("nodes", body.nodes, 3, body.nodes.cols());
   report.matrix("node_shapes", body.node_shapes, 3 * body.nodes.cols(), n);
+  if (body.mesh_inertia) check_mesh_sizes(body, report);
   for (const BodyFrame& frame : body.frames) {
     report.matrix(fmt::format("frame '{}': position", frame.name), frame.position, 3, 1);
     report.matrix(fmt::format("frame '{}': rotation", frame.name), frame.rotation, 3, 3);
@@ -147,6 +169,33 @@ void check_matrices(const ReducedBody& body, Report& report) {
   report.require(lowest_scaled_eigenvalue(body.stiffness) > -kRelative, "stiffness must not be indefinite");
 }
 
+/// The mesh's matrices are symmetric and have the mass and the modes' mass matrix of the body.
+void check_mesh_inertia(const ReducedBody& body, Report& report) {
+  const MeshInertia& mesh = *body.mesh_inertia;
+  const auto symmetric = [&](const char* what, const Eigen::SparseMatrix<double>& matrix) {
+    const Eigen::SparseMatrix<double> difference = matrix - Eigen::SparseMatrix<double>(matrix.transpose());
+    if (matrix.nonZeros() > 0)
+      report.require(difference.coeffs().abs().maxCoeff() <= kRelative * matrix.coeffs().abs().maxCoeff(),
+                     fmt::format("mesh inertia: {} must be symmetric", what));
+  };
+  symmetric("mass", mesh.mass);
+  symmetric("nodal_mass", mesh.nodal_mass);
+  constexpr double close = 1e-6;
+  const auto same_mass = [&](const char* what, double mass) {
+    report.require(
+        std::abs(mass - body.mass) <= close * body.mass,
+        fmt::format("mesh inertia: {} has a mass of {:g}, the body of {:g}", what, mass, body.mass));
+  };
+  Eigen::MatrixXd translations = Eigen::MatrixXd::Zero(mesh.mass.rows(), 3);
+  for (Eigen::Index dof = 0; dof < mesh.mass.rows(); ++dof)
+    if (dof % mesh.dofs_per_node < 3) translations(dof, dof % mesh.dofs_per_node) = 1;
+  same_mass("mass", (translations.transpose() * (mesh.mass * translations)).trace() / 3);
+  if (mesh.nodal_mass.size() > 0) same_mass("nodal_mass", mesh.nodal_mass.sum());
+  const Eigen::MatrixXd modal = mesh.shapes.transpose() * (mesh.mass * mesh.shapes);
+  report.require(largest(modal - body.mass_matrix) <= close * largest(body.mass_matrix),
+                 "mesh inertia: mass and shapes do not give mass_matrix");
+}
+
 }  // namespace
 
 int ReducedBody::find_frame(const std::string& frame_name) const {
@@ -165,6 +214,7 @@ std::vector<std::string> check(const ReducedBody& body) {
     check_rigid_inertia(body, report);
     check_matrices(body, report);
   }
+  if (report.sound() && body.mesh_inertia) check_mesh_inertia(body, report);
   return std::move(report).messages();
 }
 

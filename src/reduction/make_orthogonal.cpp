@@ -63,6 +63,7 @@ void make_orthogonal(ReducedBody& body) {
     rotate_columns(frame.X_theta, Q);
   }
   rotate_columns(body.node_shapes, Q);
+  if (body.mesh_inertia) rotate_columns(body.mesh_inertia->shapes, Q);
   rotate_columns(body.user_from_modal, Q);
 }
 

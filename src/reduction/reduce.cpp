@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
+#include "fe/beam_element.h"
 #include "mimbre/fe.h"
 #include "reduction/craig_bampton.h"
 #include "reduction/shape_integrals.h"
@@ -33,6 +35,20 @@ void add_drawing(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& b
   body.line_radius = std::sqrt(area / std::numbers::pi);
 }
 
+/// The mass of each element's centre line between its two nodes, interpolated linearly.
+Eigen::SparseMatrix<double> nodal_mass(const Mesh& mesh) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const BeamElement& beam = mesh.elements[e];
+    const double mass = beam.material.density * beam.section.area * element_geometry(mesh, e).length;
+    for (int i : beam.nodes)
+      for (int j : beam.nodes) entries.emplace_back(i, j, i == j ? mass / 3 : mass / 6);
+  }
+  Eigen::SparseMatrix<double> matrix(mesh.nodes.cols(), mesh.nodes.cols());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 }  // namespace
 
 ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std::vector<NodeFrame>& frames) {
@@ -53,6 +69,7 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   add_shape_integrals(mesh, basis.shapes, body);
   for (const NodeFrame& frame : frames) body.frames.push_back(body_frame(frame, mesh, basis.shapes));
   add_drawing(mesh, basis.shapes, body);
+  body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
   make_orthogonal(body);
   return body;
 }

@@ -19,7 +19,7 @@ struct Balance {
 Balance balance(const std::shared_ptr<const Model>& model, double step, double duration) {
   RunOptions options;
   options.step = step;
-  options.integrator = "newmark";
+  options.integrator = spec::Simulation::Integrator::newmark;
   options.xi = 0;
   Simulation s(model, options);
   Balance b;

@@ -157,7 +157,7 @@ TEST(Simulation, energy_fed_in_by_the_numerics_is_reported) {
     return s.warnings();
   };
   RunOptions trapezoidal, fine;
-  trapezoidal.integrator = "newmark";
+  trapezoidal.integrator = spec::Simulation::Integrator::newmark;
   trapezoidal.xi = 0;
   EXPECT_THAT(warnings(trapezoidal), testing::Not(testing::IsEmpty()));
   fine.step = 0.001;

@@ -30,7 +30,7 @@ TEST_F(Commands, VersionIsTheProjects) {
 }
 
 TEST_F(Commands, HelpGivesAnExample) {
-  for (const char* command : {"run", "check", "static", "report", "compare", "bench"}) {
+  for (const char* command : {"run", "check", "static", "report", "compare", "bench", "verify"}) {
     EXPECT_THAT(run({"--help"}).out, HasSubstr(command));
     const Outcome outcome = run({command, "--help"});
     EXPECT_EQ(outcome.code, 0);

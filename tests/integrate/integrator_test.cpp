@@ -1,4 +1,4 @@
-#include "integrate/integrator.h"
+#include "integrate/index3.h"
 
 #include <gtest/gtest.h>
 
@@ -293,7 +293,7 @@ TEST(Integrator, a_failed_step_leaves_the_state) {
   IntegratorOptions options = newmark(0.01);
   options.max_iterations = 1;
   relative::RelativeSystem system(model->compiled());
-  Integrator integrator(system, options);
+  IndexThree integrator(system, options);
   const State start = initial_state(model);
   State s = start;
   EXPECT_EQ(integrator.step(s).code, StepCode::not_converged);

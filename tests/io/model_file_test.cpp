@@ -321,6 +321,36 @@ TEST(ModelFile, Simulation) {
   EXPECT_EQ(s.max_iterations, 12);
 }
 
+TEST(ModelFile, MethodOfTheSimulation) {
+  const auto of = [](const std::string& simulation) {
+    return parse("bodies:\n" + arm + "simulation: " + simulation + "\n").simulation;
+  };
+  using S = spec::Simulation;
+  const S preset = of("{step: 0.01}");
+  EXPECT_EQ(preset.formulation, S::Formulation::relative);
+  EXPECT_EQ(preset.inertia, S::Inertia::integrals);
+  EXPECT_EQ(preset.formalism, S::Formalism::index3);
+  EXPECT_EQ(preset.integrator, S::Integrator::generalized_alpha);
+  const S s =
+      of("{formulation: natural, inertia: projection_translations, formalism: index1_augmented, integrator: "
+         "{type: "
+         "hht, rho: 0.5}}");
+  EXPECT_EQ(s.formulation, S::Formulation::natural);
+  EXPECT_EQ(s.inertia, S::Inertia::projection_translations);
+  EXPECT_EQ(s.formalism, S::Formalism::index1_augmented);
+  EXPECT_EQ(s.integrator, S::Integrator::hht);
+  EXPECT_EQ(s.rho, 0.5);
+  EXPECT_EQ(of("{inertia: projection}").inertia, S::Inertia::projection);
+  const std::vector<std::pair<std::string, S::Formalism>> formalisms{
+      {"index3", S::Formalism::index3},
+      {"index1", S::Formalism::index1},
+      {"baumgarte", S::Formalism::baumgarte},
+      {"penalty", S::Formalism::penalty},
+      {"independent", S::Formalism::independent}};
+  for (const auto& [name, formalism] : formalisms)
+    EXPECT_EQ(of("{formalism: " + name + "}").formalism, formalism);
+}
+
 TEST(ModelFile, WarnsOfWhatIsNotUsed) {
   std::vector<Diagnostic> warnings;
   parse_model("mimbre: 1\nbodies:\n" + arm + "roads:\n  track: {over: time, points: [[0, 0], [1, 0]]}\n",

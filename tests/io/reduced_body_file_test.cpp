@@ -110,6 +110,13 @@ TEST_F(ReducedBodyFile, GivesBackWhatWasSavedToTheLastBit) {
   EXPECT_EQ(read.node_shapes, body.node_shapes);
   EXPECT_EQ(read.lines, body.lines);
   EXPECT_EQ(read.line_radius, body.line_radius);
+  ASSERT_TRUE(read.mesh_inertia);
+  EXPECT_EQ(read.mesh_inertia->dofs_per_node, 6);
+  EXPECT_EQ(read.mesh_inertia->shapes, body.mesh_inertia->shapes);
+  const auto dense = [](const Eigen::SparseMatrix<double>& m) { return Eigen::MatrixXd(m); };
+  EXPECT_EQ(dense(read.mesh_inertia->mass), dense(body.mesh_inertia->mass));
+  EXPECT_EQ(read.mesh_inertia->mass.nonZeros(), body.mesh_inertia->mass.nonZeros());
+  EXPECT_EQ(dense(read.mesh_inertia->nodal_mass), dense(body.mesh_inertia->nodal_mass));
   ASSERT_EQ(read.frames.size(), body.frames.size());
   for (std::size_t k = 0; k < body.frames.size(); ++k) {
     EXPECT_EQ(read.frames[k].name, body.frames[k].name);
@@ -118,6 +125,33 @@ TEST_F(ReducedBodyFile, GivesBackWhatWasSavedToTheLastBit) {
     EXPECT_EQ(read.frames[k].X, body.frames[k].X);
     EXPECT_EQ(read.frames[k].X_theta, body.frames[k].X_theta);
   }
+}
+
+TEST_F(ReducedBodyFile, MayHaveNoMeshInertiaOrNoNodalMass) {
+  ReducedBody body = some_body();
+  body.mesh_inertia->nodal_mass.resize(0, 0);
+  save(body, path());
+  EXPECT_EQ(load_reduced_body(path()).mesh_inertia->nodal_mass.size(), 0);
+  body.mesh_inertia.reset();
+  save(body, path());
+  EXPECT_FALSE(load_reduced_body(path()).mesh_inertia);
+}
+
+TEST_F(ReducedBodyFile, NamesWhatIsWrongWithTheMeshInertia) {
+  const std::string group = "group 'mesh_inertia': ";
+  EXPECT_THAT(error_after([](hid_t file) { H5Ldelete(file, "mesh_inertia/mass", H5P_DEFAULT); }),
+              HasSubstr(group + "group 'mass' is missing"));
+  EXPECT_THAT(error_after([](hid_t file) { H5Ldelete(file, "mesh_inertia/shapes", H5P_DEFAULT); }),
+              HasSubstr(group + "dataset 'shapes' is missing"));
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "mesh_inertia/mass/places", {2, 2}, 1);
+              }),
+              HasSubstr(group + "dataset 'values' must be 2"));
+  EXPECT_THAT(error_after([](hid_t file) {
+                replace_dataset(file, "mesh_inertia/mass/places", {2, 2}, 1e6);
+                replace_dataset(file, "mesh_inertia/mass/values", {2}, 1);
+              }),
+              HasSubstr(group + "'mass' has an entry at (1000000, 1000000), outside of"));
 }
 
 TEST_F(ReducedBodyFile, KeepsABodyWithoutModesFramesOrDrawing) {

@@ -92,6 +92,22 @@ TEST_P(Joints, bias_is_the_derivative_of_the_velocity) {
   }
 }
 
+/// Angles within half a turn; quaternions of either sign mean the same.
+TEST_P(Joints, coordinates_follow_from_the_pose) {
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    Coordinates q = coordinates();
+    q.head(info.quaternion < 0 ? 7 : info.quaternion) *= 2.6;
+    const JointMotion<double> m = motion(q);
+    Coordinates found = Coordinates::Zero();
+    joint_coordinates<double>(info.type, m.rotation, m.displacement, found.data());
+    if (info.quaternion >= 0) {
+      auto turned = found.segment<4>(info.quaternion);
+      if (turned.dot(q.segment<4>(info.quaternion)) < 0) turned = -turned;
+    }
+    EXPECT_LT((found - q).head(info.positions).norm(), 1e-14) << found.transpose() << ", " << q.transpose();
+  }
+}
+
 /// Those that close something: all but the last, which leaves all motions free.
 class ClosingJoints : public Joints {};
 

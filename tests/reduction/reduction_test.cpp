@@ -327,6 +327,7 @@ TEST(MakeOrthogonal, ChangesCoordinatesAndNothingElse) {
     *m = (T.transpose() * *m * T).eval();
   skew.S = orthogonal.S * T;
   skew.node_shapes = orthogonal.node_shapes * T;
+  skew.mesh_inertia->shapes = orthogonal.mesh_inertia->shapes * T;
   skew.user_from_modal = orthogonal.user_from_modal * T;
   for (int i = 0; i < 3; ++i) {
     skew.S_position[i] = orthogonal.S_position[i] * T;
@@ -354,6 +355,7 @@ TEST(MakeOrthogonal, ChangesCoordinatesAndNothingElse) {
     };
     same(skew.S * b, orthogonal.S * a);
     same(skew.node_shapes * b, orthogonal.node_shapes * a);
+    same(skew.mesh_inertia->shapes * b, orthogonal.mesh_inertia->shapes * a);
     for (int i = 0; i < 3; ++i) {
       same(skew.S_position[i] * b, orthogonal.S_position[i] * a);
       for (int j = 0; j < 3; ++j)

@@ -50,9 +50,10 @@ inline MatrixXd body_mass_matrix(const spec::Body& body, const Mat3d& A, const V
 
 class Probe {
  public:
-  explicit Probe(const Compiled& compiled)
+  explicit Probe(const Compiled& compiled,
+                 spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals)
       : m(compiled),
-        system(compiled),
+        system(compiled, inertia),
         n(compiled.velocities),
         equations(compiled.equations),
         zero(VectorXd::Zero(n)),

@@ -62,6 +62,7 @@ inline ReducedBody mixed(ReducedBody b, const MatrixXd& mix) {
   }
   b.user_from_modal = (b.user_from_modal * mix).eval();
   b.node_shapes = (b.node_shapes * mix).eval();
+  if (b.mesh_inertia) b.mesh_inertia->shapes = (b.mesh_inertia->shapes * mix).eval();
   return b;
 }
 

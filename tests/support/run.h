@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "dynamics/relative/system.h"
+#include "integrate/index3.h"
 #include "integrate/initial.h"
-#include "integrate/integrator.h"
 #include "mimbre/simulation.h"
 
 /// Runs of the integrator itself, without what Simulation does around it.
@@ -16,7 +16,7 @@ namespace mimbre::test {
 inline IntegratorOptions newmark(double step, double xi = 0) {
   IntegratorOptions o;
   o.step = step;
-  o.newmark = true;
+  o.rule = IntegratorOptions::Rule::newmark;
   o.xi = xi;
   o.tolerance = 1e-7;
   return o;
@@ -54,7 +54,7 @@ inline Outcome run(const std::shared_ptr<const Model>& model, const IntegratorOp
                    double duration, State start,
                    const std::function<void(relative::RelativeSystem&, const State&)>& watch = {}) {
   relative::RelativeSystem system(model->compiled());
-  Integrator integrator(system, options);
+  IndexThree integrator(system, options);
   Outcome r;
   r.state = std::move(start);
   const int steps = static_cast<int>(std::lround(duration / options.step));

@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/relative/workspace.h"
 #include "model/compiled.h"
 
 /// Kernels of flexible bodies over padded rows of mode values (see FlexibleData): dot products, y-dependent
@@ -57,6 +58,23 @@ Mat3<T> deformed_second_moment(const FlexibleData& f, const Mat3d& undeformed, c
       p(j, i) = p(i, j);
     }
   return p;
+}
+
+/// What a flexible body's inertia does not change with the motion, by shape integrals or by projection.
+struct ConstantInertia {
+  double mass;
+  const Vec3d& first_moment;  ///< undeformed
+  const Rows& S;
+  const Rows& modal_mass;
+};
+template <class T>
+ConstantInertia constant_inertia(const Compiled& m, const Workspace<T>& w, const BodyData& b) {
+  if (w.projections.empty()) {
+    const FlexibleData& f = m.flexible[b.flexible];
+    return {b.mass, b.first_moment, f.S, f.mass};
+  }
+  const projection::Constants& c = w.projections[b.flexible];
+  return {c.total_mass, c.first_moment, c.S, c.mass};
 }
 
 }  // namespace mimbre::relative

@@ -118,7 +118,7 @@ void composite_times(const typename Workspace<T>::Composite& c, const T* columns
 }
 
 /// Adds the mass matrix (composite sums from the leaves, Lugrís 2008, 2.132–2.156) to the sparse values,
-/// after columns(). Needs w.integrals at the same amplitudes (residual writes them).
+/// after columns(). By shape integrals it needs w.integrals at the same amplitudes (residual writes them).
 template <class T>
 void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
   for (auto& c : w.composites) {
@@ -136,6 +136,7 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     auto& composite = w.composites[i];
 
     // Own inertia about the common point: r = p + A r̄.
+    T body_mass = T(b.mass);
     Vec3<T> first = b.first_moment.template cast<T>();
     Mat3<T> second = b.second_moment.template cast<T>();
     T* elastic =
@@ -145,11 +146,17 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       const int fs = f.stride;
       T* y = w.scratch.data();
       copy_modes(b, q + b.q + b.joint_positions, fs, y);
-      const T* integrals = w.integrals.data() + w.integral_offset[i];
-      first += times(f.S, y);
-      second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+      T* integrals = w.integrals.data() + w.integral_offset[i];
+      const ConstantInertia constant = constant_inertia(m, w, b);
+      if (w.projections.empty()) {
+        first += times(f.S, y);
+        second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+      } else {
+        body_mass = constant.mass;
+        projection::rigid_mass(w.projections[b.flexible], w.projection, y, first, second, integrals);
+      }
       T *linear = y + fs, *crossed = linear + 3 * fs, *angular = crossed + 3 * fs;
-      rotate_rows<T>(A, f.S.data(), fs, linear);
+      rotate_rows<T>(A, constant.S.data(), fs, linear);
       for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
         const T *plus = integrals + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
                 *minus = integrals + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
@@ -166,11 +173,11 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     }
     const Vec3<T>& p = motion.position;
     const Vec3<T> first_global = A * first;
-    composite.mass += T(b.mass);
-    composite.moment += T(b.mass) * p + first_global;
+    composite.mass += body_mass;
+    composite.moment += body_mass * p + first_global;
     const Mat3<T> mixed = p * first_global.transpose();
     composite.second +=
-        T(b.mass) * p * p.transpose() + mixed + mixed.transpose() + A * second * A.transpose();
+        body_mass * p * p.transpose() + mixed + mixed.transpose() + A * second * A.transpose();
 
     // Force of each coordinate: composite inertia times the body's column, plus the elastic coupling.
     const T* own = w.columns.data() + body_set.offset;
@@ -182,11 +189,11 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       // Diagonal block: bᵀ(Mc b + H) + (H part of elastic columns)ᵀ b + elastic–elastic.
       add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
       for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
-      const FlexibleData& f = m.flexible[b.flexible];
+      const Rows& modal_mass = constant_inertia(m, w, b).modal_mass;
       for (int c = 0; c < b.modes; ++c)
         for (int r = 0; r < b.modes; ++r)
           values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
-                 (b.joint_velocities + c) * diagonal.col_stride] += f.mass(r, c);
+                 (b.joint_velocities + c) * diagonal.col_stride] += modal_mass(r, c);
     }
     add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
     for (const MassPlace& place : m.mass_places[i]) {

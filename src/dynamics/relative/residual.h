@@ -24,6 +24,16 @@ BodyWrench<T> rigid_inertia(const BodyData& b, const Vec3<T>& acc, const Vec3<T>
   return w;
 }
 
+/// Adds K y + C_d ẏ to `elastic` (padded).
+template <class T>
+void add_elasticity(const FlexibleData& f, const T* y, const T* yd, T* elastic) {
+  if (f.diagonal_stiffness)
+    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
+  else
+    for (int l = 0; l < f.modes; ++l)
+      for (int k = 0; k < f.stride; ++k) elastic[k] += f.stiffness(l, k) * y[l] + f.damping(l, k) * yd[l];
+}
+
 /// Flexible body by shape integrals, all in body axes (Lugrís 2008, 3.51–3.71, evaluated in the body frame):
 ///   f = m a + α × m̄ + S ÿ + ω × (ω × m̄ + 2 S ẏ)
 ///   n = m̄ × a + J α + C ÿ + ω × J ω + 2 (tr(D) ω − Dᵀ ω),           D_ij = ∫ r̄_i u̇_j dm
@@ -71,11 +81,7 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T
   else
     for (int l = 0; l < f.modes; ++l)
       for (int k = 0; k < s; ++k) elastic[k] += ydd[l] * f.mass(l, k);
-  if (f.diagonal_stiffness)
-    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
-  else
-    for (int l = 0; l < f.modes; ++l)
-      for (int k = 0; k < s; ++k) elastic[k] += f.stiffness(l, k) * y[l] + f.damping(l, k) * yd[l];
+  add_elasticity(f, y, yd, elastic);
   return out;
 }
 
@@ -118,9 +124,16 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
       }
       for (int k = b.modes; k < s; ++k) y[k] = yd[k] = ydd[k] = T(0);
       for (int k = 0; k < s; ++k) elastic[k] = T(0);
-      T* integrals = w.integrals.data() + w.integral_offset[i];
-      deformed_integrals<T>(f, y, integrals);
-      inertia = flexible_inertia<T>(b, f, integrals, y, yd, ydd, acc, omega, alpha, elastic);
+      if (w.projections.empty()) {
+        T* integrals = w.integrals.data() + w.integral_offset[i];
+        deformed_integrals<T>(f, y, integrals);
+        inertia = flexible_inertia<T>(b, f, integrals, y, yd, ydd, acc, omega, alpha, elastic);
+      } else {
+        const projection::Wrench wrench = projection::inertia_wrench(w.projections[b.flexible], w.projection,
+                                                                     acc, omega, alpha, y, yd, ydd, elastic);
+        inertia = {wrench.force, wrench.moment};
+        add_elasticity(f, y, yd, elastic);
+      }
     }
     // About the common point.
     Vec3<T> force = motion.rotation * inertia.force;

@@ -1,5 +1,7 @@
 #include "dynamics/relative/system.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +11,7 @@
 #include "dynamics/relative/kinematics.h"
 #include "dynamics/relative/matrix.h"
 #include "dynamics/relative/residual.h"
+#include "mimbre/diagnostics.h"
 
 namespace mimbre::relative {
 
@@ -60,7 +63,7 @@ static double spring_tangent(const Workspace<double>::SpringState& s, const Matr
   return weights.damping * s.damping + weights.stiffness * s.stiffness;
 }
 
-RelativeSystem::RelativeSystem(const Compiled& model)
+RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
       work_(model),
       factor_(*model.symbolic),
@@ -72,6 +75,19 @@ RelativeSystem::RelativeSystem(const Compiled& model)
   for (const LoopData& loop : model.loops)
     for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
+
+  work_.projections = projection::constants(model, inertia);
+  for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
+  if (work_.projections.empty()) return;
+  for (const BodyData& b : model.bodies) {
+    if (b.flexible < 0 || work_.projections[b.flexible].plain) continue;
+    const spec::Body& body = model.spec.bodies[b.spec];
+    throw InputError(body.mark,
+                     fmt::format("the mesh of flexible body '{}' has nodes whose mass depends on the "
+                                 "direction, which relative coordinates cannot project; use inertia: "
+                                 "integrals",
+                                 body.name));
+  }
 }
 
 void RelativeSystem::begin_step(const double* q) {
@@ -160,6 +176,11 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
   return factor_.factor();
 }
 
+void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
+  assemble(q, weights);
+  linalg::to_dense(*model_.symbolic, factor_.values(), out);
+}
+
 bool RelativeSystem::tangent_changed(const MatrixWeights& weights) const {
   const double small = 0.02 * model_.mass_scale;
   for (std::size_t k = 0; k < model_.springs.size(); ++k)
@@ -194,8 +215,9 @@ void RelativeSystem::temper_prediction(double h, double* x) const {
   for (const BodyData& b : model_.bodies) {
     if (b.modes == 0) continue;
     const FlexibleData& f = model_.flexible[b.flexible];
+    const Rows& modal_mass = constant_inertia(model_, work_, b).modal_mass;
     for (int k = 0; k < b.modes; ++k)
-      x[b.v + b.joint_velocities + k] /= 1 + h * h * f.stiffness(k, k) / f.mass(k, k);
+      x[b.v + b.joint_velocities + k] /= 1 + h * h * f.stiffness(k, k) / modal_mass(k, k);
   }
 }
 

@@ -10,7 +10,9 @@ namespace mimbre::relative {
 /// interface.
 class RelativeSystem final : public System {
  public:
-  explicit RelativeSystem(const Compiled& model);
+  /// Inertia other than by shape integrals throws InputError when a flexible body has no mesh for it.
+  explicit RelativeSystem(const Compiled& model,
+                          spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals);
 
   int positions() const override { return model_.positions; }
   int velocities() const override { return model_.velocities; }
@@ -25,6 +27,7 @@ class RelativeSystem final : public System {
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
   void solve(double* x) const override { factor_.solve(x); }
+  void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const MatrixWeights& weights) const override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "dynamics/projection.h"
 #include "linalg/block_sparse.h"
 #include "math/rotation.h"
 #include "model/compiled.h"
@@ -80,6 +81,10 @@ struct Workspace {
   AlignedVector<T> integrals;       ///< per flexible body: S'^i rows (9 × stride), by kinematics
   std::vector<int> integral_offset;
   AlignedVector<T> scratch;
+
+  /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.
+  std::vector<projection::Constants> projections;
+  projection::Work projection;
 };
 
 }  // namespace mimbre::relative

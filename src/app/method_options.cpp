@@ -1,0 +1,148 @@
+#include "app/method_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/model_file/method_names.h"
+
+namespace mimbre::app {
+namespace {
+
+using Formulation = spec::Simulation::Formulation;
+using Inertia = spec::Simulation::Inertia;
+using Formalism = spec::Simulation::Formalism;
+using Integrator = spec::Simulation::Integrator;
+
+/// The least spectral radius of HHT (α = -1/3).
+constexpr double least_hht = 0.5;
+/// What Simulation takes where nobody says anything; docs/model-file.md promises it.
+constexpr double default_rho = 0.4;
+
+template <class Names>
+CLI::Validator one_of(const Names& names) {
+  const std::vector<std::string> known(names.begin(), names.end());
+  const auto check = [known](const std::string& text) -> std::string {
+    if (std::find(known.begin(), known.end(), text) != known.end()) return {};
+    return fmt::format("'{}' is not one of {}{}", text, fmt::join(known, ", "), did_you_mean(text, known));
+  };
+  return CLI::Validator(check, "");
+}
+
+/// The enumerator of that name; nothing when the name is empty. The parser has checked the name.
+template <class Enumeration, class Names>
+std::optional<Enumeration> named(const std::string& name, const Names& names) {
+  if (name.empty()) return {};
+  return static_cast<Enumeration>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+template <class Enumeration, class Names>
+std::string name_of(Enumeration value, const Names& names) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+/// The integrator that the command line asks for, by its name or by a parameter that only fits one.
+std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
+                                               const spec::Simulation& given) {
+  const auto named_one = named<Integrator>(arguments.integrator, method_names::integrators);
+  const bool of_newmark = named_one.value_or(given.integrator) == Integrator::newmark;
+  if (arguments.rho && named_one && of_newmark)
+    throw UsageError("--rho belongs to generalized_alpha and hht; newmark has --integrator-xi");
+  if (arguments.xi && named_one && !of_newmark)
+    throw UsageError(fmt::format("--integrator-xi belongs to newmark; {} has --rho", arguments.integrator));
+  if (arguments.xi) return Integrator::newmark;
+  if (arguments.rho && of_newmark) return Integrator::generalized_alpha;
+  return named_one;
+}
+
+}  // namespace
+
+void add_method_options(CLI::App& command, MethodArguments& arguments, MethodChoice choice) {
+  const auto add = [&](const char* option, std::string& target, const auto& names, const char* help) {
+    command.add_option(option, target, help)->check(one_of(names))->type_name("NAME")->group("Method");
+  };
+  if (choice.formulation)
+    add("--formulation", arguments.formulation, method_names::formulations,
+        "Coordinates, instead of the model's:\n"
+        "relative: of the joints, by recursion\n"
+        "natural: points and unit vectors of the bodies");
+  add("--inertia", arguments.inertia, method_names::inertias,
+      "Inertia of flexible bodies:\n"
+      "integrals: shape integrals, computed once\n"
+      "projection: of the mesh's mass matrix in every evaluation\n"
+      "projection_translations: the same with the nodes' translations only");
+  if (!choice.motion) return;
+  add("--formalism", arguments.formalism, method_names::formalisms,
+      "How the constraints enter the equations of motion:\n"
+      "index3: augmented Lagrangian, with projections\n"
+      "index1: Lagrange multipliers\n"
+      "baumgarte: the same, stabilised\n"
+      "penalty: penalty alone\n"
+      "index1_augmented: penalty with iterated multipliers\n"
+      "independent: independent coordinates");
+  add("--integrator", arguments.integrator, method_names::integrators,
+      "How steps are made:\n"
+      "generalized_alpha: second order, damps what the step cannot resolve\n"
+      "newmark: the trapezoidal rule, or with xi below 0 damped\n"
+      "hht: Hilber, Hughes, Taylor");
+  auto* xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
+                 ->check(number_from(-INFINITY, 0))
+                 ->type_name("XI")
+                 ->group("Method");
+  command
+      .add_option("--rho", arguments.rho,
+                  "Spectral radius of generalized_alpha, 0 to 1, or of hht, 0.5 to 1;\n"
+                  "where the model has newmark: generalized_alpha with it")
+      ->check(number_from(0, 1))
+      ->type_name("R")
+      ->excludes(xi)
+      ->group("Method");
+}
+
+RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given) {
+  RunOptions options;
+  options.formulation = named<Formulation>(arguments.formulation, method_names::formulations);
+  options.inertia = named<Inertia>(arguments.inertia, method_names::inertias);
+  options.formalism = named<Formalism>(arguments.formalism, method_names::formalisms);
+  options.integrator = integrator_asked_for(arguments, given);
+  if (arguments.xi) options.xi = *arguments.xi;
+  if (arguments.rho) options.rho = *arguments.rho;
+  if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
+      options.rho < least_hht)
+    throw UsageError(fmt::format("--rho {}: hht takes {} to 1", options.rho, least_hht));
+  return options;
+}
+
+Json to_json(const MethodArguments& arguments) {
+  Json json = Json::object();
+  const auto word = [&](const char* key, const std::string& value) {
+    if (!value.empty()) json[key] = value;
+  };
+  word("formulation", arguments.formulation);
+  word("inertia", arguments.inertia);
+  word("formalism", arguments.formalism);
+  word("integrator", arguments.integrator);
+  if (arguments.xi) json["integrator_xi"] = *arguments.xi;
+  if (arguments.rho) json["rho"] = *arguments.rho;
+  return json;
+}
+
+Json method_in_force(const RunOptions& options, const spec::Simulation& given) {
+  const Integrator integrator = options.integrator.value_or(given.integrator);
+  Json json;
+  json["formulation"] = name_of(options.formulation.value_or(given.formulation), method_names::formulations);
+  json["inertia"] = name_of(options.inertia.value_or(given.inertia), method_names::inertias);
+  json["formalism"] = name_of(options.formalism.value_or(given.formalism), method_names::formalisms);
+  json["integrator"] = name_of(integrator, method_names::integrators);
+  if (integrator == Integrator::newmark) {
+    json["xi"] = options.xi <= 0 ? options.xi : given.xi;
+  } else {
+    const double rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
+    json["rho"] = integrator == Integrator::hht ? std::max(rho, least_hht) : rho;
+  }
+  return json;
+}
+
+}  // namespace mimbre::app

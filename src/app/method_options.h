@@ -1,0 +1,36 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "app/common.h"
+#include "mimbre/simulation.h"
+
+/// The options that choose how a model is computed; the same in every command that computes.
+namespace mimbre::app {
+
+/// What the command line says; empty: as in the model file.
+struct MethodArguments {
+  std::string formulation, inertia, formalism, integrator;
+  std::optional<double> rho, xi;
+};
+
+/// Which of the options a command has.
+struct MethodChoice {
+  bool formulation = true;
+  bool motion = true;  ///< formalism, integrator and its parameter: a command that takes steps
+};
+
+/// Adds --formulation, --inertia, --formalism, --integrator, --rho and --integrator-xi to a command.
+void add_method_options(CLI::App& command, MethodArguments& arguments, MethodChoice choice = {});
+
+/// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not
+/// fit together.
+RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given);
+
+/// What the command line chose, for the results file; what it did not is absent.
+Json to_json(const MethodArguments& arguments);
+
+/// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
+Json method_in_force(const RunOptions& options, const spec::Simulation& given);
+
+}  // namespace mimbre::app

@@ -1,0 +1,60 @@
+#pragma once
+#include "dynamics/natural/joint_rates.h"
+#include "forces/spring.h"
+#include "forces/tyre.h"
+
+/// Applied forces on the bodies' base vectors and amplitudes, with the sign of the residual (minus the
+/// force).
+namespace mimbre::natural {
+
+/// After kinematics; writes also the states of springs, tyres and joint springs, whose tangents the matrix
+/// uses.
+template <class T>
+void forces(const Compiled& m, const Layout& l, Workspace<T>& w, double time, const T* q) {
+  for (std::size_t k = 0; k < m.springs.size(); ++k) {
+    const SpringData& s = m.springs[k];
+    const FrameMotion<T>&A = w.frames[s.frame_a], &B = w.frames[s.frame_b];
+    auto& state = w.springs[k];
+    spring_state(s, Vec3<T>(B.position - A.position), Vec3<T>(B.velocity - A.velocity), time, state);
+    const Vec3<T> pull = state.tension * state.direction;
+    act_on_point<T>(m.frames[s.frame_a], A, -pull, collector(m, l, w, l.springs[k].body_a));
+    act_on_point<T>(m.frames[s.frame_b], B, pull, collector(m, l, w, l.springs[k].body_b));
+  }
+  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
+    const TyreData& t = m.tyres[k];
+    auto& state = w.tyres[k];
+    const FrameMotion<T>& wheel = w.frames[t.frame];
+    tyre_state(t, m.roads[t.road], Vec3<T>(wheel.position + l.origin.template cast<T>()), time, state);
+    act_on_point<T>(m.frames[t.frame], wheel, Vec3<T>(T(0), T(0), -state.force),
+                    collector(m, l, w, l.tyres[k].body_b));
+  }
+  for (const LoadData& load : m.loads) {
+    const double scale = load.scale.value(time);
+    const FrameMotion<T>& frame = w.frames[load.frame];
+    Vec3<T> force = (scale * load.force).template cast<T>(),
+            moment = (scale * load.moment).template cast<T>();
+    if (load.follower) {
+      force = frame.axes * force;
+      moment = frame.axes * moment;
+    }
+    const Covector<T> on = collector(m, l, w, m.frames[load.frame].body);
+    act_on_point<T>(m.frames[load.frame], frame, -force, on);
+    act_by_moment<T>(m.frames[load.frame], frame, -moment, on);
+  }
+  for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
+    const JointSpringData& s = m.joint_springs[k];
+    const JointCoordinate& c = l.joint_coordinates[s.body];
+    const BodyData& body = m.bodies[s.body];
+    const FrameMotion<T>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
+    JointRates<T> rates;
+    joint_rates<T>(body.joint, body.joint_velocities, A, B, q + c.q, rates);
+    const T x = q[c.q + s.local], v = rates.v[s.local];
+    w.joint_spring_stiffness[k] = s.elastic.derivative(x);
+    w.joint_spring_damping[k] = s.damping.derivative(v);
+    act_on_coordinate<T>(m, c, A, B, q + c.q, s.local, T(s.elastic.value(x) + s.damping.value(v)),
+                         collector(m, l, w, l.joint_springs[k].body_a),
+                         collector(m, l, w, l.joint_springs[k].body_b));
+  }
+}
+
+}  // namespace mimbre::natural

@@ -1,0 +1,112 @@
+#pragma once
+#include "dynamics/natural/workspace.h"
+#include "dynamics/relative/flexible.h"
+
+/// Inertia of bodies in natural coordinates (Lugrís 2008, 3.13–3.47).
+namespace mimbre::natural {
+
+/// ∫ (1, r̄)(1, r̄)ᵀ dm of a deformed body; `integrals`: its S'^i rows at y.
+template <class T>
+Eigen::Matrix<T, 4, 4> deformed_mass(const BodyData& b, const FlexibleData& f, const T* integrals,
+                                     const T* y) {
+  Eigen::Matrix<T, 4, 4> mass;
+  const Vec3<T> moment = b.first_moment.template cast<T>() + relative::times(f.S, y);
+  mass(0, 0) = T(b.mass);
+  mass.template block<3, 1>(1, 0) = moment;
+  mass.template block<1, 3>(0, 1) = moment.transpose();
+  mass.template bottomRightCorner<3, 3>() =
+      relative::deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  return mass;
+}
+
+/// Elastic and damping forces, added to `elastic`.
+template <class T>
+void add_elastic_forces(const FlexibleData& f, const T* y, const T* yd, T* elastic) {
+  const int s = f.stride;
+  if (f.diagonal_stiffness)
+    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
+  else
+    for (int r = 0; r < f.modes; ++r)
+      for (int k = 0; k < s; ++k) elastic[k] += f.stiffness(r, k) * y[r] + f.damping(r, k) * yd[r];
+}
+
+/// The forces that inertia() adds for one flexible body, by projection of its mesh.
+inline void projected_inertia(const projection::Constants& c, projection::Work& work,
+                              const BaseMotion<double>& motion, const Base<double>& second, const double* y,
+                              const double* yd, const double* ydd, Base<double>& out, double* elastic) {
+  const Mat3d A = motion.position.rightCols<3>();
+  projection::Base base, forces;
+  for (int s = 0; s < 4; ++s) base[s] = A.transpose() * second.col(s);
+  projection::inertia_forces(c, work, base, A.transpose() * motion.velocity.rightCols<3>(), y, yd, ydd,
+                             forces, elastic);
+  for (int s = 0; s < 4; ++s) out.col(s) += A * forces[s];
+}
+
+/// Adds M̄ q̈ − Q̄v of all bodies, gravity, and elastic and damping forces:
+///   on r0:  m r̈0 + Σ m̄_i ä_i + A S ÿ + 2 Ȧ S ẏ                         (a_1, a_2, a_3 = u, v, w)
+///   on a_i: m̄_i r̈0 + Σ P̄_ij ä_j + A S'^i ÿ + 2 Ȧ S'^i ẏ
+///   on y:   Sᵀ Aᵀ r̈0 + Σ S'^iᵀ Aᵀ ä_i + Mff ÿ + 2 ∫XᵀAᵀȦX dm ẏ + K y + C ẏ
+/// with r̈0 − g for r̈0.
+template <class T>
+void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
+  for (std::size_t i = 0; i < l.bodies.size(); ++i) {
+    const Body& b = l.bodies[i];
+    const BodyData& data = m.bodies[i];
+    Base<T> second = w.bodies[i].acceleration;
+    second.col(0) -= m.gravity.template cast<T>();
+    Base<T>& out = w.forces[i];
+    if (data.modes == 0) {
+      out.noalias() += second * b.mass.template cast<T>();
+      continue;
+    }
+    const FlexibleData& f = m.flexible[data.flexible];
+    const int s = f.stride;
+    const T *y = w.y.data() + b.amplitudes, *yd = w.yd.data() + b.amplitudes,
+            *ydd = w.ydd.data() + b.amplitudes;
+    T* elastic = w.modal.data() + b.amplitudes;
+    if (!w.projections.empty()) {
+      projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
+                        elastic);
+      add_elastic_forces(f, y, yd, elastic);
+      continue;
+    }
+    T* integrals = w.integrals.data();
+    relative::deformed_integrals<T>(f, y, integrals);
+    out.noalias() += second * deformed_mass<T>(data, f, integrals, y);
+    const Mat3<T> A = w.bodies[i].position.template rightCols<3>(),
+                  Ad = w.bodies[i].velocity.template rightCols<3>();
+    Base<T> rate, accelerated;  // S ẏ and S'^i ẏ; likewise with ÿ
+    rate.col(0) = relative::times(f.S, yd);
+    accelerated.col(0) = relative::times(f.S, ydd);
+    for (int a = 0; a < 3; ++a)
+      for (int c = 0; c < 3; ++c) {
+        rate(c, 1 + a) = relative::dot(integrals + (3 * a + c) * s, yd, s);
+        accelerated(c, 1 + a) = relative::dot(integrals + (3 * a + c) * s, ydd, s);
+      }
+    out.noalias() += A * accelerated + T(2) * (Ad * rate);
+
+    const Base<T> local = A.transpose() * second;
+    relative::add_transposed<T>(f.S, local.col(0), elastic);
+    for (int r = 0; r < 9; ++r) {
+      const T c = local(r % 3, 1 + r / 3);
+      const T* row = integrals + r * s;
+      for (int k = 0; k < s; ++k) elastic[k] += c * row[k];
+    }
+    const Mat3<T> turning = A.transpose() * Ad;
+    const T w0 = turning(2, 1) - turning(1, 2), w1 = turning(0, 2) - turning(2, 0),
+            w2 = turning(1, 0) - turning(0, 1);  // 2 ω in body axes
+    for (int r = 0; r < data.modes; ++r) {
+      const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(r) * 3 * s;
+      const T v = yd[r];
+      for (int k = 0; k < s; ++k) elastic[k] += v * (w0 * n[k] + w1 * n[s + k] + w2 * n[2 * s + k]);
+    }
+    if (f.identity_mass)
+      for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
+    else
+      for (int r = 0; r < data.modes; ++r)
+        for (int k = 0; k < s; ++k) elastic[k] += ydd[r] * f.mass(r, k);
+    add_elastic_forces(f, y, yd, elastic);
+  }
+}
+
+}  // namespace mimbre::natural

@@ -1,0 +1,167 @@
+#pragma once
+#include "dynamics/natural/constraints.h"
+#include "dynamics/natural/inertia.h"
+#include "integrate/system.h"
+
+/// Assembly: every body, joint and force adds a small dense matrix over its stencil.
+namespace mimbre::natural {
+
+/// matrix(r, c ≤ r) += Σ weight row_r row_c over the first `size` columns; rows and matrix of this stride.
+template <class T>
+void add_squares(const T* rows, int count, int size, int stride, const T* weights, T* matrix) {
+  for (int e = 0; e < count; ++e) {
+    const T* row = rows + static_cast<std::ptrdiff_t>(e) * stride;
+    for (int r = 0; r < size; ++r) {
+      const T a = weights[e] * row[r];
+      if (a == T(0)) continue;
+      T* out = matrix + static_cast<std::ptrdiff_t>(r) * stride;
+      const int end = pad(r + 1);
+      for (int c = 0; c < end; ++c) out[c] += a * row[c];
+    }
+  }
+}
+
+/// Puts the lower triangle of a stencil's matrix where it belongs.
+template <class T>
+void scatter(const Stencil& s, const T* matrix, T* values) {
+  const std::ptrdiff_t* target = s.targets.data();
+  const int n = s.size();
+  for (int r = 0; r < n; ++r) {
+    const T* row = matrix + static_cast<std::ptrdiff_t>(r) * s.stride;
+    for (int c = 0; c <= r; ++c) values[*target++] += row[c];
+  }
+}
+
+/// Mass, elastic and damping matrix of a body into the lower triangle of its (cleared) dense matrix.
+template <class T>
+void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index, double damping,
+                 double stiffness, T* matrix) {
+  const Body& b = l.bodies[index];
+  const BodyData& data = m.bodies[index];
+  const int stride = b.stencil.stride;
+  const auto add_masses = [&](const auto& masses) {
+    for (int k = 0; k < b.unknown; ++k)
+      for (int j = 0; j <= k; ++j)
+        for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += T(masses(k, j));
+  };
+  if (data.modes == 0) {
+    add_masses(b.variable_mass);
+    return;
+  }
+  const FlexibleData& f = m.flexible[data.flexible];
+  const int s = f.stride, n = 3 * b.unknown;
+  const T* y = w.y.data() + b.amplitudes;
+  const Mat3<T> A = w.bodies[index].position.template rightCols<3>();
+  // (S, S'^1, S'^2, S'^3): coupling of the base vectors with the amplitudes, body axes.
+  T* coupling = w.coupling.data();
+  const Rows* modal_mass = &f.mass;
+  if (w.projections.empty()) {
+    T* integrals = coupling + 3 * s;
+    std::copy(f.S.data(), f.S.data() + 3 * s, coupling);
+    relative::deformed_integrals<T>(f, y, integrals);
+    const Eigen::Matrix<T, 4, 4> mass = deformed_mass<T>(data, f, integrals, y);
+    for (int k = 0; k < b.unknown; ++k) {
+      const Eigen::Matrix<T, 4, 1> column = mass * b.base.col(k).template cast<T>();
+      for (int j = 0; j <= k; ++j) {
+        const T x = column.dot(b.base.col(j).template cast<T>());
+        for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += x;
+      }
+    }
+  } else {
+    const projection::Constants& constants = w.projections[data.flexible];
+    modal_mass = &constants.mass;
+    projection::Mat12d mass;
+    projection::base_mass(constants, w.projection, y, mass, coupling);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        mass.block<3, 3>(3 * i, 3 * j) = A * Mat3d(mass.block<3, 3>(3 * i, 3 * j)) * A.transpose();
+    for (int k = 0; k < b.unknown; ++k)
+      for (int j = 0; j <= k; ++j) {
+        Mat3d block = Mat3d::Zero();
+        for (int i = 0; i < 4; ++i)
+          for (int t = 0; t < 4; ++t) block += b.base(i, k) * b.base(t, j) * mass.block<3, 3>(3 * i, 3 * t);
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) matrix[(3 * k + r) * stride + 3 * j + c] += block(r, c);
+      }
+  }
+  T* rows = w.row_modal.data();
+  for (int k = 0; k < b.unknown; ++k) {
+    for (int r = 0; r < 3 * s; ++r)
+      rows[r] = b.base(0, k) * coupling[r] + b.base(1, k) * coupling[3 * s + r] +
+                b.base(2, k) * coupling[6 * s + r] + b.base(3, k) * coupling[9 * s + r];
+    for (int i = 0; i < data.modes; ++i)
+      for (int c = 0; c < 3; ++c)
+        matrix[(n + i) * stride + 3 * k + c] +=
+            A(c, 0) * rows[i] + A(c, 1) * rows[s + i] + A(c, 2) * rows[2 * s + i];
+  }
+  for (int i = 0; i < data.modes; ++i)
+    for (int j = 0; j <= i; ++j)
+      matrix[(n + i) * stride + n + j] +=
+          (*modal_mass)(i, j) + damping * f.damping(i, j) + stiffness * f.stiffness(i, j);
+}
+
+/// Rows of Φq over the stencils, and of springs' lengths, wheels' heights and sprung joint coordinates.
+template <class T>
+void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
+  T* storage = w.jacobian.data();
+  for (std::size_t i = 0; i < l.bodies.size(); ++i) {
+    const Body& b = l.bodies[i];
+    T* row = storage + b.jacobian;
+    for (const Rigidity& e : b.rigidity) {
+      for (int k = 0; k < b.stencil.stride; ++k) row[k] = T(0);
+      Base<T> base = Base<T>::Zero();
+      act_by_rigidity<T>(b, e, w.bodies[i].position, T(1), base);
+      for (int k = 0; k < b.unknown; ++k) {
+        const Vec3<T> g = base * b.base.col(k).template cast<T>();
+        for (int c = 0; c < 3; ++c) row[3 * k + c] = g[c];
+      }
+      row += b.stencil.stride;
+    }
+  }
+  for (const Joint& j : l.joints) {
+    T* row = storage + j.link.jacobian;
+    for (const JointEquation& e : j.equations)
+      for (int c = 0; c < e.count(); ++c) {
+        fill_row(
+            m, l, w, j.link,
+            [&](const Covector<T>& a, const Covector<T>& b) { act_by_joint<T>(m, w, j, e, c, T(1), a, b); },
+            row);
+        row += j.link.stencil.stride;
+      }
+  }
+  const auto coordinate = [&](const Link& link, int body, int local) {
+    const JointCoordinate& c = l.joint_coordinates[body];
+    fill_row(
+        m, l, w, link,
+        [&](const Covector<T>& a, const Covector<T>& b) {
+          act_on_coordinate<T>(m, c, w.frames[c.frame_a], w.frames[c.frame_b], q + c.q, local, T(1), a, b);
+        },
+        storage + link.jacobian);
+  };
+  for (std::size_t k = 0; k < m.drives.size(); ++k)
+    coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
+  for (std::size_t k = 0; k < m.joint_springs.size(); ++k)
+    coordinate(l.joint_springs[k], m.joint_springs[k].body, m.joint_springs[k].local);
+  for (std::size_t k = 0; k < m.springs.size(); ++k) {
+    const SpringData& s = m.springs[k];
+    const Vec3<T> d = w.springs[k].direction;
+    fill_row(
+        m, l, w, l.springs[k],
+        [&](const Covector<T>& a, const Covector<T>& b) {
+          act_on_point<T>(m.frames[s.frame_a], w.frames[s.frame_a], -d, a);
+          act_on_point<T>(m.frames[s.frame_b], w.frames[s.frame_b], d, b);
+        },
+        storage + l.springs[k].jacobian);
+  }
+  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
+    const int frame = m.tyres[k].frame;
+    fill_row(
+        m, l, w, l.tyres[k],
+        [&](const Covector<T>&, const Covector<T>& b) {
+          act_on_point<T>(m.frames[frame], w.frames[frame], Vec3<T>::UnitZ(), b);
+        },
+        storage + l.tyres[k].jacobian);
+  }
+}
+
+}  // namespace mimbre::natural

@@ -1,0 +1,313 @@
+#include "dynamics/natural/system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "dynamics/natural/constraints.h"
+#include "dynamics/natural/forces.h"
+#include "dynamics/natural/inertia.h"
+#include "dynamics/natural/kinematics.h"
+#include "dynamics/natural/matrix.h"
+
+namespace mimbre::natural {
+namespace {
+
+/// A spring's share of the leading matrix, kg.
+double spring_tangent(const relative::Workspace<double>::SpringState& s, const MatrixWeights& weights) {
+  return weights.damping * s.damping + weights.stiffness * s.stiffness;
+}
+
+}  // namespace
+
+NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia inertia)
+    : model_(model),
+      layout_(model),
+      work_(model, layout_),
+      factor_(*layout_.symbolic),
+      penalty_(layout_.equations),
+      mu_(layout_.equations),
+      spring_weight_(model.springs.size()),
+      tyre_weight_(model.tyres.size()) {
+  work_.projections = projection::constants(model, inertia);
+  for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
+  for (const Body& b : layout_.bodies)
+    for (std::size_t k = 0; k < b.rigidity.size(); ++k)
+      penalty_[b.first_equation + k] =
+          model.mass_scale * b.lengths[b.rigidity[k].i] * b.lengths[b.rigidity[k].j];
+  for (const Joint& j : layout_.joints)
+    for (int k = 0; k < j.count; ++k) penalty_[j.first_equation + k] = model.mass_scale * j.scale[k];
+  for (std::size_t k = 0; k < model.drives.size(); ++k)
+    penalty_[layout_.first_drive + k] = model.mass_scale * model.drives[k].scale;
+  for (std::size_t f = 0; f < model.frames.size(); ++f)
+    if (model.frames[f].body < 0) work_.frames[f] = ground_frame<double>(model.frames[f], layout_.origin);
+}
+
+[[gnu::flatten]] void NaturalSystem::kinematics(double t, const double* q, const double* v, const double* a) {
+  natural::kinematics<double>(model_, layout_, work_, q, v, a);
+  constraints<double>(model_, layout_, work_, t, q);
+}
+
+[[gnu::flatten]] void NaturalSystem::residual(double t, const double* q, const double* v, const double* a,
+                                              const double* multipliers, double factor, double* r) {
+  kinematics(t, q, v, a);
+  for (Base<double>& f : work_.forces) f.setZero();
+  std::fill(work_.modal.begin(), work_.modal.end(), 0.0);
+  forces<double>(model_, layout_, work_, t, q);
+  for (int k = 0; k < layout_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
+  apply_multipliers<double>(model_, layout_, work_, q, mu_.data());
+  inertia<double>(model_, layout_, work_);
+  std::fill(r, r + layout_.unknowns, 0.0);
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
+    const Body& b = layout_.bodies[i];
+    for (int k = 0; k < b.unknown; ++k) {
+      const Vec3d f = work_.forces[i] * b.base.col(k);
+      double* out = r + 3 * b.variables[k];
+      for (int c = 0; c < 3; ++c) out[c] += f[c];
+    }
+    for (int k = 0; k < model_.bodies[i].modes; ++k) r[b.q + k] = work_.modal[b.amplitudes + k];
+  }
+}
+
+[[gnu::flatten]] void NaturalSystem::assemble(const double* q, const MatrixWeights& weights) {
+  jacobian<double>(model_, layout_, work_, q);
+  factor_.set_zero();
+  double *values = factor_.values(), *local = work_.local.data();
+  double weight[6];
+  const auto clear = [&](const Stencil& s) {
+    std::fill(local, local + static_cast<std::ptrdiff_t>(s.size()) * s.stride, 0.0);
+  };
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
+    const Body& b = layout_.bodies[i];
+    clear(b.stencil);
+    const int rows = static_cast<int>(b.rigidity.size());
+    for (int k = 0; k < rows; ++k) weight[k] = weights.penalty * penalty_[b.first_equation + k];
+    add_squares<double>(work_.jacobian.data() + b.jacobian, rows, 3 * b.unknown, b.stencil.stride, weight,
+                        local);
+    body_matrix<double>(model_, layout_, work_, static_cast<int>(i), weights.damping, weights.stiffness,
+                        local);
+    scatter(b.stencil, local, values);
+  }
+  const auto add_link = [&](const Link& link, int rows) {
+    clear(link.stencil);
+    add_squares<double>(work_.jacobian.data() + link.jacobian, rows, link.stencil.size(), link.stencil.stride,
+                        weight, local);
+    scatter(link.stencil, local, values);
+  };
+  for (const Joint& j : layout_.joints) {
+    for (int k = 0; k < j.count; ++k) weight[k] = weights.penalty * penalty_[j.first_equation + k];
+    add_link(j.link, j.count);
+  }
+  for (std::size_t k = 0; k < model_.drives.size(); ++k) {
+    weight[0] = weights.penalty * penalty_[layout_.first_drive + k];
+    add_link(layout_.drives[k], 1);
+  }
+  for (std::size_t k = 0; k < model_.springs.size(); ++k) {
+    weight[0] = spring_weight_[k] = spring_tangent(work_.springs[k], weights);
+    add_link(layout_.springs[k], 1);
+  }
+  for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
+    weight[0] = tyre_weight_[k] = weights.stiffness * work_.tyres[k].stiffness;
+    if (weight[0] != 0) add_link(layout_.tyres[k], 1);
+  }
+  for (std::size_t k = 0; k < model_.joint_springs.size(); ++k) {
+    weight[0] =
+        weights.damping * work_.joint_spring_damping[k] + weights.stiffness * work_.joint_spring_stiffness[k];
+    add_link(layout_.joint_springs[k], 1);
+  }
+}
+
+linalg::FactorStatus NaturalSystem::factor(const double* q, const MatrixWeights& weights) {
+  assemble(q, weights);
+  return factor_.factor();
+}
+
+void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
+  assemble(q, weights);
+  linalg::to_dense(*layout_.symbolic, factor_.values(), out);
+}
+
+bool NaturalSystem::tangent_changed(const MatrixWeights& weights) const {
+  const double small = 0.02 * model_.mass_scale;
+  for (std::size_t k = 0; k < model_.springs.size(); ++k)
+    if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
+  for (std::size_t k = 0; k < model_.tyres.size(); ++k)
+    if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
+  return false;
+}
+
+void NaturalSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
+  const auto add_rows = [&](const Stencil& s, int columns, int offset, int first, int count) {
+    const double* row = work_.jacobian.data() + offset;
+    for (int e = 0; e < count; ++e, row += s.stride) {
+      const double f = weight * y[first + e];
+      for (int c = 0; c < columns; ++c) out[s.columns[c]] += f * row[c];
+    }
+  };
+  for (const Body& b : layout_.bodies)
+    add_rows(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
+  for (const Joint& j : layout_.joints)
+    add_rows(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
+  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
+    add_rows(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
+             layout_.first_drive + static_cast<int>(k), 1);
+}
+
+void NaturalSystem::jacobian_times(const double* x, double* out) const {
+  const auto rows_times = [&](const Stencil& s, int columns, int offset, int first, int count) {
+    const double* row = work_.jacobian.data() + offset;
+    for (int e = 0; e < count; ++e, row += s.stride) {
+      double sum = 0;
+      for (int c = 0; c < columns; ++c) sum += row[c] * x[s.columns[c]];
+      out[first + e] = sum;
+    }
+  };
+  for (const Body& b : layout_.bodies)
+    rows_times(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
+  for (const Joint& j : layout_.joints)
+    rows_times(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
+  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
+    rows_times(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
+               layout_.first_drive + static_cast<int>(k), 1);
+}
+
+void NaturalSystem::temper_prediction(double h, double* x) const {
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
+    const BodyData& b = model_.bodies[i];
+    if (b.modes == 0) continue;
+    const FlexibleData& f = model_.flexible[b.flexible];
+    for (int k = 0; k < b.modes; ++k)
+      x[layout_.bodies[i].q + k] /= 1 + h * h * f.stiffness(k, k) / f.mass(k, k);
+  }
+}
+
+void NaturalSystem::retract(const double* q, const double* x, double* out) const {
+  for (int k = 0; k < layout_.unknowns; ++k) out[k] = q[k] + x[k];
+  if (out != q) std::copy(q + layout_.unknowns, q + layout_.positions, out + layout_.unknowns);
+  joint_positions(out);
+}
+
+/// Joint coordinates that belong to the unknowns in q; angles are taken within half a turn of those in q.
+[[gnu::flatten]] void NaturalSystem::joint_positions(double* q) const {
+  for (int k = 0; k < layout_.unknown_variables; ++k)
+    work_.values[k] = Vec3d(q[3 * k], q[3 * k + 1], q[3 * k + 2]);
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i)
+    combine(layout_.bodies[i], work_.values, static_cast<int>(layout_.bodies[i].variables.size()),
+            work_.poses[i]);
+  const auto pose = [&](int frame, Vec3d& position, Mat3d& axes) {
+    const FrameData& f = model_.frames[frame];
+    if (f.body < 0) {
+      position = f.position - layout_.origin;
+      axes = f.rotation;
+      return;
+    }
+    const Base<double>& base = work_.poses[f.body];
+    Vec3d place = f.position;
+    Mat3d rotation = f.rotation;
+    if (f.flexible >= 0) {
+      double* y = work_.row_modal.data();
+      const int stride = model_.flexible[f.flexible].stride, modes = model_.bodies[f.body].modes;
+      for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[layout_.bodies[f.body].q + k] : 0;
+      place += relative::times(f.X, y);
+      if (f.turns) rotation = rotation_exp<double>(relative::times(f.X_theta, y)) * f.rotation;
+    }
+    position = base.col(0) + base.rightCols<3>() * place;
+    axes = base.rightCols<3>() * rotation;
+  };
+  for (const JointCoordinate& c : layout_.joint_coordinates) {
+    if (model_.bodies[c.body].joint_positions == 0) continue;
+    Vec3d ra, rb;
+    Mat3d Aa, Ab;
+    pose(c.frame_a, ra, Aa);
+    pose(c.frame_b, rb, Ab);
+    const spec::JointType type = model_.bodies[c.body].joint;
+    const JointInfo& info = joint_info(type);
+    double fresh[7];
+    joint_coordinates<double>(type, Aa.transpose() * Ab, Aa.transpose() * (rb - ra), fresh);
+    double* x = q + c.q;
+    if (info.quaternion >= 0) {
+      // Of the two that mean the same, the one nearer to the last.
+      double product = 0;
+      for (int k = info.quaternion; k < info.quaternion + 4; ++k) product += x[k] * fresh[k];
+      for (int k = info.quaternion; k < info.quaternion + 4; ++k) x[k] = product < 0 ? -fresh[k] : fresh[k];
+      for (int k = 0; k < info.quaternion; ++k) x[k] = fresh[k];
+      continue;
+    }
+    for (int k = 0; k < info.positions; ++k) {
+      constexpr double turn = 2 * std::numbers::pi;
+      x[k] = is_angle(type, k) ? fresh[k] + turn * std::round((x[k] - fresh[k]) / turn) : fresh[k];
+    }
+  }
+}
+
+void NaturalSystem::compose(double* x, const double* d) const {
+  for (int k = 0; k < layout_.unknowns; ++k) x[k] += d[k];
+}
+
+void NaturalSystem::to_relative(const State& s, State& out) {
+  natural::kinematics<double>(model_, layout_, work_, s.q.data(), s.v.data(), s.a.data());
+  out.time = s.time;
+  out.started = s.started;
+  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    const BodyData& b = model_.bodies[i];
+    const JointCoordinate& c = layout_.joint_coordinates[i];
+    const FrameMotion<double> A = motion_of(model_, layout_, work_, c.frame_a),
+                              B = motion_of(model_, layout_, work_, c.frame_b);
+    const double* q = s.q.data() + c.q;
+    JointRates<double> rates;
+    joint_rates<double>(b.joint, b.joint_velocities, A, B, q, rates);
+    std::copy_n(q, b.joint_positions, out.q.data() + b.q);
+    std::copy_n(rates.v, b.joint_velocities, out.v.data() + b.v);
+    std::copy_n(rates.a, b.joint_velocities, out.a.data() + b.v);
+    std::copy_n(s.q.data() + layout_.bodies[i].q, b.modes, out.q.data() + b.q + b.joint_positions);
+    std::copy_n(s.v.data() + layout_.bodies[i].q, b.modes, out.v.data() + b.v + b.joint_velocities);
+    std::copy_n(s.a.data() + layout_.bodies[i].q, b.modes, out.a.data() + b.v + b.joint_velocities);
+  }
+  out.algorithmic = out.a;
+  out.multipliers.setZero();
+  for (std::size_t k = 0; k < model_.drives.size(); ++k)
+    out.multipliers[model_.drives[k].equation] = s.multipliers[layout_.first_drive + static_cast<int>(k)];
+}
+
+State NaturalSystem::from_relative(const State& s, const std::vector<relative::Motion<double>>& bodies,
+                                   const Vec3d& common_point) const {
+  State out;
+  out.time = s.time;
+  out.started = s.started;
+  out.q.setZero(layout_.positions);
+  out.v.setZero(layout_.unknowns);
+  out.a.setZero(layout_.unknowns);
+  out.multipliers.setZero(layout_.equations);
+  for (int k = 0; k < layout_.unknown_variables; ++k) {
+    const Variable& x = layout_.variables[k];
+    const relative::Motion<double>& b = bodies[x.body];
+    const Vec3d r = b.rotation * x.place, v = b.omega.cross(r);
+    const Vec3d a = b.alpha.cross(r) + b.omega.cross(v);
+    out.q.segment<3>(3 * k) = x.point ? Vec3d(b.position + common_point - layout_.origin + r) : r;
+    out.v.segment<3>(3 * k) = x.point ? Vec3d(b.velocity + v) : v;
+    out.a.segment<3>(3 * k) = x.point ? Vec3d(b.acceleration + model_.gravity + a) : a;
+  }
+  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    const BodyData& b = model_.bodies[i];
+    const int at = layout_.bodies[i].q;
+    out.q.segment(at, b.modes) = s.q.segment(b.q + b.joint_positions, b.modes);
+    out.v.segment(at, b.modes) = s.v.segment(b.v + b.joint_velocities, b.modes);
+    out.a.segment(at, b.modes) = s.a.segment(b.v + b.joint_velocities, b.modes);
+    out.q.segment(layout_.joint_coordinates[i].q, b.joint_positions) = s.q.segment(b.q, b.joint_positions);
+  }
+  for (std::size_t k = 0; k < model_.drives.size(); ++k)
+    out.multipliers[layout_.first_drive + static_cast<int>(k)] = s.multipliers[model_.drives[k].equation];
+  joint_positions(out.q.data());
+  out.algorithmic = out.a;
+  return out;
+}
+
+int NaturalSystem::body_of(int unknown) const {
+  if (unknown < 3 * layout_.unknown_variables) return layout_.variables[unknown / 3].body;
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i)
+    if (unknown >= layout_.bodies[i].q && unknown < layout_.bodies[i].q + model_.bodies[i].modes)
+      return static_cast<int>(i);
+  return -1;
+}
+
+}  // namespace mimbre::natural

@@ -1,0 +1,65 @@
+#pragma once
+#include <memory>
+
+#include "dynamics/natural/workspace.h"
+#include "integrate/stepper.h"
+#include "integrate/system.h"
+
+namespace mimbre::natural {
+
+/// The formulation in natural coordinates (Lugrís 2008, 2.2.1 and 3.1; García de Jalón, Bayo 1994) behind the
+/// System interface: points and unit vectors shared between bodies, constant mass matrices of rigid bodies,
+/// constraints of rigidity and of joints, all of them quadratic at most for rigid bodies.
+/// q: unknowns (as in v and a), then the coordinates of the tree's joints, which follow from the unknowns and
+/// are kept to count turns.
+class NaturalSystem final : public System {
+ public:
+  explicit NaturalSystem(const Compiled& model,
+                         spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals);
+
+  int positions() const override { return layout_.positions; }
+  int velocities() const override { return layout_.unknowns; }
+  int equations() const override { return layout_.equations; }
+  const double* penalty() const override { return penalty_.data(); }
+  void begin_step(const double*) override {}
+  void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
+                double factor, double* r) override;
+  void kinematics(double t, const double* q, const double* v, const double* a) override;
+  const double* phi() const override { return work_.phi.data(); }
+  const double* phi_dot() const override { return work_.phi_dot.data(); }
+  const double* phi_ddot() const override { return work_.phi_ddot.data(); }
+  linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
+  void solve(double* x) const override { factor_.solve(x); }
+  void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
+  bool tangent_changed(const MatrixWeights& weights) const override;
+  void add_jacobian_transposed(const double* y, double weight, double* out) const override;
+  void jacobian_times(const double* x, double* out) const override;
+  void temper_prediction(double h, double* x) const override;
+  void retract(const double* q, const double* x, double* out) const override;
+  void compose(double* x, const double* d) const override;
+
+  /// State in relative coordinates, with the same time: from and to this formulation's. Multipliers of drives
+  /// are carried along; others have no counterpart and are zero. `relative` must be sized.
+  void to_relative(const State& natural, State& relative);
+  /// From the bodies' motion in a relative formulation at that state.
+  State from_relative(const State& relative, const std::vector<relative::Motion<double>>& bodies,
+                      const Vec3d& common_point) const;
+
+  /// Tree body of an unknown.
+  int body_of(int unknown) const;
+  const Layout& layout() const { return layout_; }
+  const Compiled& model() const { return model_; }
+
+ private:
+  void assemble(const double* q, const MatrixWeights& weights);
+  void joint_positions(double* q) const;
+
+  const Compiled& model_;
+  const Layout layout_;
+  mutable Workspace<double> work_;  // `poses` also in retract
+  linalg::BlockFactor<double> factor_;
+  std::vector<double> penalty_, mu_;
+  std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
+};
+
+}  // namespace mimbre::natural

@@ -1,0 +1,80 @@
+#include "integrate/dense.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mimbre {
+
+DenseSystem::DenseSystem(System& system)
+    : system_(system),
+      partition_(system.velocities(), system.equations()),
+      ldlt_(Eigen::MatrixXd::Identity(system.velocities(), system.velocities())) {
+  const int n = system.velocities(), m = system.equations();
+  f_.setZero(n, n);
+  jacobian_.setZero(m, n);
+  R_.setZero(n, n);
+  fR_.setZero(n, n);
+  reduced_.setZero(n, n);
+  row_weight_.resize(m);
+  for (int k = 0; k < m; ++k) row_weight_[k] = std::sqrt(system.penalty()[k]);
+  for (Eigen::VectorXd* x : {&row_, &column_weight_, &order_, &balance_, &right_}) x->setZero(n);
+}
+
+void DenseSystem::assemble(const double* q, const MatrixWeights& weights) {
+  system_.dense_matrix(q, weights, f_.data());
+  Eigen::VectorXd& unit = right_;
+  for (int k = 0; k < system_.equations(); ++k) {
+    unit.setZero(system_.equations());
+    unit[k] = 1;
+    row_.setZero();
+    system_.add_jacobian_transposed(unit.data(), 1, row_.data());
+    jacobian_.row(k) = row_.transpose();
+  }
+}
+
+bool DenseSystem::choose(StepStatus& status) {
+  const int n = system_.velocities();
+  const double largest = n > 0 ? f_.diagonal().maxCoeff() : 0;
+  for (int k = 0; k < n; ++k) column_weight_[k] = 1 / std::sqrt(std::max(f_(k, k), 1e-12 * largest));
+  const bool sound = partition_.choose(jacobian_, row_weight_, column_weight_);
+  if (!sound) status.equation = partition_.weakest();
+  return sound;
+}
+
+bool DenseSystem::factor(StepStatus& status) {
+  ++status.factorisations;
+  if (!partition_.factor(jacobian_)) {
+    status.equation = partition_.weakest();
+    return false;
+  }
+  partition_.null_space(R_);
+  fR_.noalias() = f_ * R_;
+  reduced_.noalias() = R_.transpose() * fR_;
+  ldlt_.compute(reduced_);
+  order_.setLinSpaced(reduced_.rows(), 0, static_cast<double>(reduced_.rows()) - 1);
+  order_ = ldlt_.transpositionsP() * order_;
+  for (int k = 0; k < reduced_.rows(); ++k) {
+    const int place = static_cast<int>(order_[k]);
+    if (std::abs(ldlt_.vectorD()[k]) > 1e-14 * std::abs(reduced_(place, place))) continue;
+    status.coordinate = partition_.independent(place);
+    return false;
+  }
+  return true;
+}
+
+void DenseSystem::solve(const double* g, const double* b, double* delta, double* y) {
+  const int n = system_.velocities();
+  const Eigen::Map<const Eigen::VectorXd> force(g, n);
+  Eigen::Map<Eigen::VectorXd> out(delta, n);
+  partition_.particular(b, delta);
+  balance_ = force;
+  balance_.noalias() -= f_ * out;
+  right_.noalias() = R_.transpose() * balance_;
+  ldlt_.solveInPlace(right_);
+  out.noalias() += R_ * right_;
+  balance_ = force;
+  balance_.noalias() -= f_ * out;
+  partition_.multipliers(balance_.data(), y);
+}
+
+}  // namespace mimbre

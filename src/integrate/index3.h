@@ -1,0 +1,30 @@
+#pragma once
+#include "integrate/anderson.h"
+#include "integrate/step_motion.h"
+
+namespace mimbre {
+
+/// The index-3 augmented Lagrangian with Newmark or generalised-α in positions, then projections of
+/// velocities and accelerations with the same factorised matrix (Lugrís 2008, 2.165–2.183). Quaternion
+/// coordinates are integrated as a Lie group (Brüls, Cardona, Arnold 2012): the increment of a step is a
+/// rotation vector. Allocates nothing in a step.
+class IndexThree final : public Stepper {
+ public:
+  IndexThree(System& system, const IntegratorOptions& options);
+  /// The system's last evaluation is then of the new positions and velocities (accelerations before their
+  /// projection).
+  StepStatus step(State& state) override;
+  void set_step(double step) override;
+
+ private:
+  void project(double* target, const double* violation, double tolerance);
+
+  System& system_;
+  StepMotion motion_;
+  MatrixWeights weights_;
+  Anderson mixing_;
+  Eigen::VectorXd lambda_, r_;
+  Eigen::VectorXd g_, impulse_, force_;  // violation that is left; multipliers
+};
+
+}  // namespace mimbre

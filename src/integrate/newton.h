@@ -1,0 +1,25 @@
+#pragma once
+#include <algorithm>
+
+namespace mimbre {
+
+/// Judges the corrections of a Newton iteration whose matrix is kept as long as it contracts well.
+struct NewtonProgress {
+  double previous = 0;
+  double rate = 1;       ///< of contraction, at the last correction
+  bool refactor = true;  ///< a new matrix would help
+  bool slow = false;     ///< even a new one contracts slowly: terms are missing from it
+  int corrections = 0;
+
+  /// Takes the size of a correction by a matrix that was new or not; returns the estimate of the error left.
+  double add(double correction, bool fresh) {
+    rate = corrections == 0 ? 1.0 : correction / std::max(previous, 1e-300);
+    previous = correction;
+    slow = slow || (corrections > 1 && fresh && rate > 0.2);
+    refactor = !slow && corrections > 0 && rate > 0.1;
+    ++corrections;
+    return correction * (rate < 0.5 ? rate / (1 - rate) : 1.0);
+  }
+};
+
+}  // namespace mimbre

@@ -1,0 +1,104 @@
+#include "integrate/penalty.h"
+
+#include "integrate/newton.h"
+#include "integrate/stabilised.h"
+#include "integrate/step_end.h"
+#include "integrate/vectors.h"
+
+namespace mimbre {
+
+/// Without multipliers the violation that is left is the constraint force over the penalty. It must not hide
+/// which way a mechanism leaves a singular position, so that this penalty is the larger one.
+constexpr double penalty_alone = 100;
+
+PenaltyStepper::PenaltyStepper(System& system, const IntegratorOptions& options, bool augmented)
+    : Stepper(options),
+      system_(system),
+      motion_(system, options),
+      augmented_(augmented),
+      penalty_(augmented ? options.penalty : penalty_alone * options.penalty),
+      mixing_(system.velocities(), system.equations()) {
+  set_step(options.step);
+  r_.setZero(system.velocities());
+  for (Eigen::VectorXd* y : {&lambda_, &sigma_, &g_, &change_}) y->setZero(system.equations());
+}
+
+void PenaltyStepper::set_step(double step) {
+  options_.step = step;
+  motion_.set_step(step);
+  sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, options_.constraint_frequency);
+  weights_ = {motion_.rate * motion_.scale, motion_.scale, penalty_ * sigma_rate_ * motion_.scale};
+}
+
+StepStatus PenaltyStepper::step(State& s) {
+  const int n = system_.velocities(), m = system_.equations();
+  const double time = s.time + motion_.h;
+  const double* alpha = system_.penalty();
+  StepStatus status;
+  const auto fail = [&](StepCode code) {
+    status.code = code;
+    return status;
+  };
+
+  system_.begin_step(s.q.data());
+  motion_.begin(s);
+  motion_.predict(s);
+  lambda_ = s.multipliers;
+  mixing_.reset();
+  NewtonProgress newton;
+  bool converged = false, settled = false;
+  for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
+    motion_.from_increment(s);
+    system_.residual(time, motion_.q.data(), motion_.v.data(), motion_.a.data(), lambda_.data(), 0,
+                     r_.data());
+    ++status.iterations;
+    if (iteration == 0 && largest(system_.phi(), m) > 0.05 * largest(motion_.x.data(), n)) {
+      motion_.x.setZero();
+      continue;
+    }
+    const bool fresh = newton.refactor || system_.tangent_changed(weights_);
+    if (fresh) {
+      mixing_.reset();
+      const linalg::FactorStatus f = system_.factor(motion_.q.data(), weights_);
+      ++status.factorisations;
+      if (!f.ok()) {
+        status.coordinate = f.unknown;
+        return fail(find_not_finite(r_.data(), n) >= 0 ? StepCode::not_finite : StepCode::singular);
+      }
+    }
+    // λ holds the constraint forces as they were known before this evaluation, so that what is added here
+    // with the Jacobian of the factorised matrix vanishes in the end.
+    stabilised(system_, options_.constraint_damping, options_.constraint_frequency, sigma_.data());
+    for (int k = 0; k < m; ++k) g_[k] = penalty_ * alpha[k] * sigma_[k] - (augmented_ ? 0 : lambda_[k]);
+    system_.add_jacobian_transposed(g_.data(), 1, r_.data());
+    r_ *= -motion_.scale;
+    system_.solve(r_.data());
+    system_.jacobian_times(r_.data(), change_.data());
+    const double reference = std::max(9.81, largest(motion_.a.data(), n));
+    const double violation = largest(sigma_.data(), m), enough = options_.tolerance * reference;
+    // Near singular positions multipliers would creep on along directions that hardly act.
+    settled = augmented_ && iteration > 2 && violation <= enough;
+    if (!settled)
+      for (int k = 0; k < m; ++k) lambda_[k] += g_[k] + penalty_ * alpha[k] * sigma_rate_ * change_[k];
+
+    status.correction = n > 0 ? r_.cwiseAbs().maxCoeff(&status.coordinate) : 0;
+    const int bad = find_not_finite(r_.data(), n);
+    if (bad >= 0) {
+      status.coordinate = bad;
+      return fail(StepCode::not_finite);
+    }
+    system_.compose(motion_.x.data(), r_.data());
+    if (newton.slow) mixing_.mix(motion_.x, lambda_, r_);
+    const double left = newton.add(status.correction, fresh);
+    converged =
+        left <= enough * motion_.scale && (!augmented_ || violation * std::min(1.0, newton.rate) <= enough);
+  }
+  if (!converged) return fail(StepCode::not_converged);
+  motion_.from_increment(s);
+  system_.kinematics(time, motion_.q.data(), motion_.v.data(), motion_.a.data());
+  status.code = check_end(system_, motion_, options_.drift_limit, status);
+  if (status.code == StepCode::ok) motion_.accept(s, lambda_);
+  return status;
+}
+
+}  // namespace mimbre

@@ -1,0 +1,37 @@
+#pragma once
+#include <algorithm>
+
+#include "integrate/stepper.h"
+
+namespace mimbre {
+
+/// Coefficients of the rules  x = h ż₀ + h² ((½ − β) w₀ + β w₁),  ż₁ = ż₀ + h ((1 − γ) w₀ + γ w₁),
+/// (1 − αm) w₁ + αm w₀ = (1 − αf) z̈₁ + αf z̈₀.
+struct RuleCoefficients {
+  double alpha_m = 0, alpha_f = 0, beta = 0.25, gamma = 0.5;
+};
+
+inline RuleCoefficients rule_coefficients(const IntegratorOptions& options) {
+  RuleCoefficients c;
+  switch (options.rule) {
+    case IntegratorOptions::Rule::newmark:
+      c.beta = (1 - options.xi) * (1 - options.xi) / 4;
+      c.gamma = (1 - 2 * options.xi) / 2;
+      return c;
+    case IntegratorOptions::Rule::generalized_alpha:
+      c.alpha_m = (2 * options.rho - 1) / (options.rho + 1);
+      c.alpha_f = options.rho / (options.rho + 1);
+      break;
+    case IntegratorOptions::Rule::hht: {
+      // αf beyond 1/3 costs stability: ρ = 1/2 is as much damping as this rule can give.
+      const double rho = std::clamp(options.rho, 0.5, 1.0);
+      c.alpha_f = (1 - rho) / (1 + rho);
+      break;
+    }
+  }
+  c.gamma = 0.5 + c.alpha_f - c.alpha_m;
+  c.beta = 0.25 * (c.gamma + 0.5) * (c.gamma + 0.5);
+  return c;
+}
+
+}  // namespace mimbre

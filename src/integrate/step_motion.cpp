@@ -1,0 +1,87 @@
+#include "integrate/step_motion.h"
+
+#include "integrate/vectors.h"
+
+namespace mimbre {
+
+StepMotion::StepMotion(System& of, const IntegratorOptions& options)
+    : system(of), rule(rule_coefficients(options)), penalty(options.penalty) {
+  set_step(options.step);
+  const int n = system.velocities();
+  q.setZero(system.positions());
+  for (Eigen::VectorXd* y : {&x, &v, &a, &algorithmic, &start_a, &start_algorithmic, &r_}) y->setZero(n);
+  g_.setZero(system.equations());
+}
+
+void StepMotion::set_step(double step) {
+  h = step;
+  scale = (1 - rule.alpha_f) / (1 - rule.alpha_m) * rule.beta * step * step;
+  rate = rule.gamma / (rule.beta * step);
+}
+
+void StepMotion::begin(const State& s) {
+  start_a = s.a;
+  start_algorithmic = s.algorithmic;
+  if (!s.started) start(s);
+}
+
+/// Accelerations W a + Φzᵀ λ = Q, Φ̈ = 0 with W = M + γhC + βh²K instead of M. Where the start is not in
+/// balance, stiff modes would start with accelerations that no step of this length can follow and that
+/// overshoot by far; W bounds them by what the step can bring about, and changes those of slow motions by
+/// terms of the order of the step.
+void StepMotion::start(const State& s) {
+  const int n = system.velocities(), m = system.equations();
+  const double* alpha = system.penalty();
+  a.setZero();
+  g_.setZero();
+  for (int round = 0; round < 8; ++round) {
+    // r = Q − M a: only the first round's, W a is followed by hand through the corrections.
+    if (round == 0) {
+      system.residual(s.time, s.q.data(), s.v.data(), a.data(), g_.data(), 0, r_.data());
+      if (!system.factor(s.q.data(), {rate * scale, scale, penalty}).ok()) return;
+    } else {
+      system.kinematics(s.time, s.q.data(), s.v.data(), a.data());
+      r_.setZero();
+    }
+    for (int k = 0; k < m; ++k) g_[k] = penalty * alpha[k] * system.phi_ddot()[k];
+    system.add_jacobian_transposed(g_.data(), 1, r_.data());
+    for (int k = 0; k < n; ++k) r_[k] = -r_[k];
+    system.solve(r_.data());
+    if (find_not_finite(r_.data(), n) >= 0) return;
+    a += r_;
+    if (m == 0) break;
+  }
+  start_a = start_algorithmic = a;
+}
+
+void StepMotion::predict(const State& s) {
+  for (int k = 0; k < x.size(); ++k) {
+    const double next = (start_a[k] - rule.alpha_m * start_algorithmic[k]) / (1 - rule.alpha_m);
+    x[k] = h * s.v[k] + h * h * ((0.5 - rule.beta) * start_algorithmic[k] + rule.beta * next);
+  }
+  system.temper_prediction(h, x.data());
+}
+
+void StepMotion::from_increment(const State& s) {
+  system.retract(s.q.data(), x.data(), q.data());
+  const double i = 1 / (rule.beta * h * h), c = (0.5 - rule.beta) / rule.beta;
+  for (int k = 0; k < x.size(); ++k) {
+    algorithmic[k] = i * (x[k] - h * s.v[k]) - c * start_algorithmic[k];
+    v[k] = s.v[k] + h * ((1 - rule.gamma) * start_algorithmic[k] + rule.gamma * algorithmic[k]);
+    a[k] = ((1 - rule.alpha_m) * algorithmic[k] + rule.alpha_m * start_algorithmic[k] -
+            rule.alpha_f * start_a[k]) /
+           (1 - rule.alpha_f);
+  }
+}
+
+void StepMotion::accept(State& s, const Eigen::VectorXd& multipliers) const {
+  s.time += h;
+  s.q = q;
+  s.v = v;
+  s.a = a;
+  s.algorithmic = algorithmic;
+  s.multipliers = multipliers;
+  s.started = true;
+}
+
+}  // namespace mimbre

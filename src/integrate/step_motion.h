@@ -1,0 +1,39 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "integrate/rule.h"
+#include "integrate/stepper.h"
+
+namespace mimbre {
+
+/// The motion over a step as a function of the increment x of its positions: what all formalisms share.
+/// Quaternion coordinates are integrated as a Lie group (Brüls, Cardona, Arnold 2012): there x is a rotation
+/// vector. Allocates only when made.
+struct StepMotion {
+  StepMotion(System& system, const IntegratorOptions& options);
+  void set_step(double step);
+
+  /// Takes over the accelerations at the start; the first step makes its own.
+  void begin(const State& s);
+  /// x for constant true accelerations, without what should not be extrapolated.
+  void predict(const State& s);
+  /// q, v, a, algorithmic at the end of the step from x.
+  void from_increment(const State& s);
+  /// The end of the step becomes the state.
+  void accept(State& s, const Eigen::VectorXd& multipliers) const;
+
+  System& system;
+  RuleCoefficients rule;
+  double h = 0;
+  double rate = 0;                          ///< ∂ż/∂x = γ/(β h)
+  double scale = 0;                         ///< s = β h² (1 − αf)/(1 − αm), so that ∂z̈/∂x = 1/s
+  double penalty;                           ///< κ of the first step's accelerations
+  Eigen::VectorXd x, q, v, a, algorithmic;  ///< at the end of the step
+  Eigen::VectorXd start_a, start_algorithmic;  ///< at its start
+
+ private:
+  void start(const State& s);
+  Eigen::VectorXd r_, g_;
+};
+
+}  // namespace mimbre

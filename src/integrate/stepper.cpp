@@ -1,0 +1,30 @@
+#include "integrate/stepper.h"
+
+#include "integrate/independent.h"
+#include "integrate/index3.h"
+#include "integrate/lagrange.h"
+#include "integrate/penalty.h"
+
+namespace mimbre {
+
+std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalism formalism,
+                                      const IntegratorOptions& options) {
+  using Formalism = spec::Simulation::Formalism;
+  switch (formalism) {
+    case Formalism::index3:
+      break;
+    case Formalism::index1:
+      return std::make_unique<LagrangeStepper>(system, options, false);
+    case Formalism::baumgarte:
+      return std::make_unique<LagrangeStepper>(system, options, true);
+    case Formalism::penalty:
+      return std::make_unique<PenaltyStepper>(system, options, false);
+    case Formalism::index1_augmented:
+      return std::make_unique<PenaltyStepper>(system, options, true);
+    case Formalism::independent:
+      return std::make_unique<IndependentStepper>(system, options);
+  }
+  return std::make_unique<IndexThree>(system, options);
+}
+
+}  // namespace mimbre

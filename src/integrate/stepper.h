@@ -1,0 +1,78 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+
+#include "integrate/system.h"
+#include "mimbre/spec.h"
+
+namespace mimbre {
+
+/// What must be saved to go on: copying it and stepping gives the same bits.
+struct State {
+  double time = 0;
+  Eigen::VectorXd q;            ///< positions
+  Eigen::VectorXd v;            ///< velocities
+  Eigen::VectorXd a;            ///< accelerations
+  Eigen::VectorXd algorithmic;  ///< generalised-α's algorithmic accelerations; Newmark: equal to a
+  Eigen::VectorXd multipliers;  ///< λ, N or N m
+  bool started = false;  ///< the first step replaces a and algorithmic by what a step of its length sees
+};
+
+struct IntegratorOptions {
+  using Rule = spec::Simulation::Integrator;
+  double step = 0.01;
+  /// Generalised-α (Chung, Hulbert 1993; Arnold, Brüls 2007) or HHT (Hilber, Hughes, Taylor 1977) of the
+  /// spectral radius `rho` at infinity; or Newmark's rule with ξ ≤ 0: β = (1 − ξ)²/4, γ = (1 − 2ξ)/2 (Lugrís
+  /// 2008, 2.167).
+  Rule rule = Rule::generalized_alpha;
+  double rho = 0.3;  ///< 0..1; HHT exists for 0.5..1 and takes the nearest of these
+  double xi = 0;
+  double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or 9.81
+  double position_tolerance = 1e-9;  ///< of the equations, m (angles: times the length scale)
+  double velocity_tolerance = 1e-9;  ///< m/s
+  double penalty =
+      1e7;  ///< κ: the penalty is κ times the mean body mass (index3: over β h²; penalty alone: 100 κ)
+  int max_iterations = 30;
+  // Formalisms that impose Φ̈ + 2ζω Φ̇ + ω² Φ = 0 instead of Φ = 0 (Lugrís 2008, 2.159). The usual ω of 10
+  // is what explicit integrators bear; the rules here take any, and a larger one holds the loops better.
+  double constraint_frequency = 100;  ///< ω, rad/s
+  double constraint_damping = 1;      ///< ζ: critical damping
+  double drift_limit = 0.01;          ///< a step that ends with a larger |Φ| fails, m
+};
+
+/// drifted: the loops have come apart by more than the formalism should be trusted with.
+enum class StepCode { ok, not_converged, not_finite, singular, drifted };
+
+struct StepStatus {
+  StepCode code = StepCode::ok;
+  int iterations = 0;
+  int factorisations = 0;
+  int coordinate = -1;            ///< of the largest correction, or the culprit
+  int equation = -1;              ///< the culprit, where it is an equation (singular, drifted)
+  double correction = 0;          ///< last Newton correction, largest entry
+  double position_violation = 0;  ///< max |Φ| after the step
+  double velocity_violation = 0;  ///< max |Φ̇| after the step
+};
+
+/// A way to advance the equations of motion M z̈ + Φzᵀ λ = Q, Φ = 0 of a system by steps.
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+  /// One step of options().step. On failure the state is unchanged. Throws nothing, makes a bounded number of
+  /// iterations, and gives the same bits for the same state and system. The system's last evaluation is then
+  /// of the new positions and velocities.
+  virtual StepStatus step(State& state) = 0;
+  /// Changes the step, s > 0.
+  virtual void set_step(double step) = 0;
+  const IntegratorOptions& options() const { return options_; }
+
+ protected:
+  explicit Stepper(const IntegratorOptions& options) : options_(options) {}
+  IntegratorOptions options_;
+};
+
+/// The stepper of a formalism. The system must outlive it.
+std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalism formalism,
+                                      const IntegratorOptions& options);
+
+}  // namespace mimbre
