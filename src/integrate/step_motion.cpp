@@ -62,6 +62,10 @@ void StepMotion::predict(const State& s) {
   system.temper_prediction(h, x.data());
 }
 
+void StepMotion::predict_velocities(const State& s) {
+  for (int k = 0; k < x.size(); ++k) x[k] = h * s.v[k];
+}
+
 void StepMotion::from_increment(const State& s) {
   system.retract(s.q.data(), x.data(), q.data());
   const double i = 1 / (rule.beta * h * h), c = (0.5 - rule.beta) / rule.beta;

@@ -17,6 +17,8 @@ struct StepMotion {
   void begin(const State& s);
   /// x for constant true accelerations, without what should not be extrapolated.
   void predict(const State& s);
+  /// x for constant velocities.
+  void predict_velocities(const State& s);
   /// q, v, a, algorithmic at the end of the step from x.
   void from_increment(const State& s);
   /// The end of the step becomes the state.

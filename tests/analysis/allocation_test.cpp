@@ -75,7 +75,7 @@ long allocations_of(Simulation& s, int steps) {
   return allocations;
 }
 
-TEST(Allocation, is_counted) {
+TEST(AllocationCount, is_counted) {
   counting = true;
   allocations = 0;
   const auto* number = new int(3);
@@ -86,16 +86,31 @@ TEST(Allocation, is_counted) {
   delete number;
 }
 
-TEST(Allocation, none_in_the_steps_of_the_flexible_vehicle) {
-  Simulation s(example("iltis/vehicle.yaml"));
+class Allocation : public testing::TestWithParam<spec::Simulation::Formulation> {
+ protected:
+  RunOptions options() const {
+    RunOptions o;
+    o.formulation = GetParam();
+    return o;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Formulations, Allocation,
+                         testing::Values(spec::Simulation::Formulation::relative,
+                                         spec::Simulation::Formulation::natural),
+                         [](const auto& formulation) {
+                           return formulation.index == 0 ? "relative" : "natural";
+                         });
+
+TEST_P(Allocation, none_in_the_steps_of_the_flexible_vehicle) {
+  Simulation s(example("iltis/vehicle.yaml"), options());
   EXPECT_EQ(allocations_of(s, 1000), 0);
 }
 
 /// Drives, expressions of time, quaternion joints, flexible bodies and a singular position.
-TEST(Allocation, none_in_other_mechanisms) {
+TEST_P(Allocation, none_in_other_mechanisms) {
   for (const char* file :
        {"slider-crank/slider-crank.yaml", "double-four-bar/mechanism.yaml", "pendulum/flexible.yaml"}) {
-    Simulation s(example(file));
+    Simulation s(example(file), options());
     EXPECT_EQ(allocations_of(s, 300), 0) << file;
   }
   const auto model =
@@ -108,7 +123,7 @@ springs:
 loads:
   push: {on: rocker, at: [0.6, 0, 0.3], force: [2, 0, 1], scale: "cos(3*t)", follower: true}
 )yaml");
-  Simulation s(model);
+  Simulation s(model, options());
   EXPECT_EQ(allocations_of(s, 200), 0);
 }
 

@@ -33,6 +33,10 @@ Combination difference(const Combination& x, const Combination& y) {
 /// A body that is fixed in this many variables at most; joints that would exceed it get equations instead.
 constexpr int most_variables = 10;
 
+/// Points of a body that are nearer to each other than this, in typical lengths of the model, are taken to
+/// be at one place up to round-off: only one of them may be among the points that fix the body.
+constexpr double shortest = 1e-3;
+
 /// A point (1, p) or vector (0, d) of a body in homogeneous coordinates.
 Eigen::Vector4d homogeneous(bool point, const Vec3d& place) {
   return {point ? 1.0 : 0.0, place[0], place[1], place[2]};
@@ -177,7 +181,7 @@ class Builder {
       Vec3d d = point ? Vec3d(place - reference->place) : place;
       const double length = d.norm();
       // Short or nearly dependent ones make the body's frame a badly conditioned combination.
-      if (point && !(length > 0.3 * size_of(body))) return false;
+      if (point && !(length > std::max(0.3 * size_of(body), shortest * m_.length_scale))) return false;
       for (const Vec3d& b : basis) d -= b.dot(d) * b;
       if (!(d.norm() > 0.3 * length)) return false;
     }
