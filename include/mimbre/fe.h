@@ -55,6 +55,15 @@ struct BoundaryDof {
   std::string name;
 };
 
+/// What a reduced beam knows of large deflections (Lugrís 2008, chapter 4). Beyond `linear` the mesh must be
+/// a tree of bars with one clamped node, and no axial mode may be missing where a method needs one.
+enum class Stiffening {
+  linear,
+  foreshortening,  ///< bending shortens the beam: displacements quadratic in the amplitudes (4.19–4.35)
+  nonlinear_stiffness_1,  ///< strain energy with the term ½∫EA u'v'² (4.5, 4.11)
+  nonlinear_stiffness_2   ///< and with ⅛∫EA v'⁴
+};
+
 struct ReductionOptions {
   std::vector<int> clamped_nodes;  ///< the tangent frame: all six dofs of these nodes vanish
   std::vector<int>
@@ -62,6 +71,11 @@ struct ReductionOptions {
   std::vector<BoundaryDof> boundary;
   int dynamic_modes = 0;         ///< lowest fixed-interface modes
   double stiffness_damping = 0;  ///< s: C = stiffness_damping · K
+  int axial_dynamic_modes = 0;   ///< lowest fixed-interface modes that only stretch (straight beams)
+  Stiffening stiffening = Stiffening::linear;
+  /// Nonlinear stiffness: the published force, which lacks what bending does on axial modes, instead of the
+  /// gradient of the strain energy; that of nonlinear_stiffness_1 has no lower bound and diverges.
+  bool published_force = false;
 };
 
 /// A node that becomes a frame of the reduced body, with its axes.

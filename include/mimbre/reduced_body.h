@@ -31,6 +31,23 @@ struct MeshInertia {
   Eigen::SparseMatrix<double> nodal_mass;
 };
 
+/// Large deflections: products of amplitudes that count as further amplitudes, so that displacements (and the
+/// strain energy) are quadratic (of degree four) in the modes' amplitudes while all integrals stay constant.
+/// "Extended" blocks have `modes` columns for the amplitudes y, then one for each product y_a y_b.
+struct SecondOrder {
+  std::vector<std::array<int, 2>> products;  ///< (a, b), a ≤ b
+  Eigen::Matrix3Xd S;                        ///< ∫ X dm, extended
+  std::array<Eigen::Matrix3Xd, 3> S_position;
+  std::array<std::array<Eigen::MatrixXd, 3>, 3> S_modes;
+  Eigen::MatrixXd mass_matrix;
+  /// Elastic force on the extended amplitudes η: stiffnessᵀ η. Symmetric where it derives from an energy
+  /// ½ ηᵀ K η; published nonlinear-stiffness forces do not.
+  Eigen::MatrixXd stiffness;
+  std::vector<Eigen::Matrix3Xd> frame_shapes;  ///< X of each of the body's frames, extended
+  Eigen::MatrixXd node_shapes;                 ///< 3·nodes × extended
+  Eigen::MatrixXd mesh_shapes;                 ///< of MeshInertia, dofs × extended; empty without a mesh
+};
+
 /// All that dynamics knows of a flexible body, wherever it comes from. SI units, body axes throughout.
 /// Modes are mass- and stiffness-orthogonal when `make_orthogonal` was applied (built-in bodies always are).
 struct ReducedBody {
@@ -61,6 +78,7 @@ struct ReducedBody {
   std::vector<std::array<int, 2>> lines;
   double line_radius = 0.01;  ///< m, for drawing
 
+  std::optional<SecondOrder> second_order;  ///< absent: linear in the amplitudes
   std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only
 
   /// Index of a frame by name, -1 when there is none.

@@ -39,6 +39,21 @@ struct StepReport {
   bool ok() const { return code == Code::ok; }
 };
 
+/// What the linear description of a flexible body neglected at worst in a run so far (see docs/theory.md),
+/// each with the time when it was worst, s. All are ratios.
+struct Validity {
+  struct Peak {
+    double value = 0, time = 0;
+  };
+  std::string body;
+  Peak deflection;      ///< largest displacement by the modes over the body's length
+  Peak foreshortening;  ///< ½∫v'² ds over length: how much bending would shorten its lines on average
+  double axial = 0;     ///< what the modes changed the lines' length by then, likewise (root mean square)
+  Peak compression;     ///< load over buckling load, held at the tangent frame
+  Peak tension;         ///< geometric over elastic stiffness in the shape that it stiffens most
+  Peak high_modes;      ///< largest energy of the highest third of the dynamic modes over the largest of all
+};
+
 /// A compiled model in motion. One thread at a time; any number of simulations may share a Model.
 class Simulation {
  public:
@@ -94,8 +109,11 @@ class Simulation {
         numerical;
   };
   Energy energy() const;
-  /// Warnings that arose (energy fed in by the numerics), with time and place; grows while stepping.
+  /// Warnings that arose (energy fed in by the numerics, flexible bodies beyond linear theory), with time and
+  /// place; grows while stepping.
   std::vector<std::string> warnings() const;
+  /// The flexible bodies, in tree order. Deflections and energies are of every step, loads of every 16th.
+  std::vector<Validity> validity() const;
   /// Independent motions at the current position: coordinates less the rank of the constraints.
   int degrees_of_freedom();
 

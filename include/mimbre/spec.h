@@ -157,9 +157,11 @@ struct Output {
     yaw,
     joint_position,  ///< scalar coordinate `component` of a joint, plus offset
     joint_velocity,
-    joint_force,  ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
-    deflection,   ///< displacement of a flexible frame relative to its undeformed place, along `direction`
-                  ///< (body axes)
+    joint_force,   ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
+    deflection,    ///< displacement of a flexible frame relative to its undeformed place, along `direction`
+                   ///< (body axes)
+    displacement,  ///< of a frame's origin as seen from the frame `reference`, from where it is undeformed in
+                   ///< the assembled position: `direction` (axes of `reference`) · place + offset
     modal_amplitude,  ///< user's amplitude `component` of a flexible body
     spring_force,     ///< tension
     spring_length,
@@ -167,6 +169,7 @@ struct Output {
   } kind = Kind::position;
   int item = -1;  ///< index of the frame, joint, body, spring or tyre
   int component = 0;
+  int reference = -1;  ///< frame
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   double offset = 0;
 };

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "dynamics/amplitudes.h"
+
 namespace mimbre {
 namespace {
 
@@ -41,6 +43,10 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vec
                           o.component < 3 ? "force" : "moment", axes[o.component % 3], joint())};
     case Kind::deflection:
       return {o.name, "m", fmt::format("deflection of '{}'", frame())};
+    case Kind::displacement:
+      return {
+          o.name, "m",
+          fmt::format("displacement of '{}' in the axes of '{}'", frame(), m.spec.frames[o.reference].name)};
     case Kind::modal_amplitude:
       return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec.bodies[o.item].name)};
     case Kind::spring_force:
@@ -59,7 +65,7 @@ Channels::Channels(const Compiled& m)
     : model_(m), joint_body_(m.spec.joints.size(), -1), joint_loop_(m.spec.joints.size(), -1) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
     joint_body_[m.bodies[b].joint_spec] = static_cast<int>(b);
-    modes_ += m.bodies[b].modes;
+    if (m.bodies[b].modes > 0) modes_ += m.flexible[m.bodies[b].flexible].modes;
   }
   for (std::size_t l = 0; l < m.loops.size(); ++l) joint_loop_[m.loops[l].joint_spec] = static_cast<int>(l);
   for (const spec::Output& o : m.spec.outputs) {
@@ -157,9 +163,17 @@ double Channels::output_value(const spec::Output& o, const relative::RelativeSys
       const FrameData& f = m.frames[m.frame_of_spec[o.item]];
       if (f.flexible < 0) return 0;
       const BodyData& b = m.bodies[f.body];
-      double sum = 0;
-      for (int k = 0; k < b.modes; ++k) sum += o.direction.dot(f.X.col(k)) * s.q[b.q + b.joint_positions + k];
-      return sum;
+      const FlexibleData& flexible = m.flexible[f.flexible];
+      Eigen::VectorXd y = Eigen::VectorXd::Zero(flexible.stride);
+      y.head(b.modes) = s.q.segment(b.q + b.joint_positions, b.modes);
+      extend(flexible, y.data());
+      return o.direction.dot(f.X * y);
+    }
+    case Kind::displacement: {
+      const auto reference =
+          relative::output_motion(system, m.frame_of_spec[o.reference], s.q.data(), s.v.data(), s.a.data());
+      return o.direction.dot(reference.rotation.transpose() * (motion().position - reference.position)) +
+             o.offset;
     }
     case Kind::modal_amplitude: {
       const spec::Body& body = m.spec.bodies[o.item];
@@ -211,7 +225,11 @@ void Channels::sample(const relative::RelativeSystem& system, const State& s, co
     const auto& motion = w.bodies[m.body_of_spec[k]];
     row.poses.col(static_cast<Eigen::Index>(k)).head<3>() = motion.position + w.origin;
     row.poses.col(static_cast<Eigen::Index>(k)).tail<4>() = quaternion_of(motion.rotation);
-    for (int i = 0; i < b.modes; ++i) row.modes[mode++] = s.q[b.q + b.joint_positions + i];
+    if (b.modes == 0) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    for (int i = 0; i < b.modes; ++i) row.modes[mode + i] = s.q[b.q + b.joint_positions + i];
+    extend(f, row.modes.data() + mode);
+    mode += f.modes;
   }
 }
 
@@ -223,10 +241,11 @@ std::vector<BodyDrawing> Channels::drawings() const {
     d.shapes = body.shapes;
     if (body.flexible) {
       d.points = body.flexible->nodes;
-      d.point_shapes = body.flexible->node_shapes;
+      const auto& second = body.flexible->second_order;
+      d.point_shapes = second ? second->node_shapes : body.flexible->node_shapes;
       d.lines = body.flexible->lines;
       d.line_radius = body.flexible->line_radius;
-      d.modes = body.flexible->modes;
+      d.modes = static_cast<int>(d.point_shapes.cols());
     } else {
       d.points.resize(3, static_cast<Eigen::Index>(2 * body.lines.size()));
       d.point_shapes.resize(3 * d.points.cols(), 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynamics/amplitudes.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/forces.h"
 #include "dynamics/relative/kinematics.h"
@@ -35,6 +36,8 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
     double *y = w.scratch.data(), *yd = y + n, *integrals = yd + n;
     relative::copy_modes(b, q + b.q + b.joint_positions, n, y);
     relative::copy_modes(b, v + b.v + b.joint_velocities, n, yd);
+    extend(f, y);
+    extend(f, y, yd);
     if (!w.projections.empty()) {
       energy += projection::kinetic_energy(w.projections[b.flexible], w.projection,
                                            projection::rigid_base(u, omega), y, yd, integrals);
@@ -51,7 +54,7 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
     if (f.identity_mass) {
       energy += 0.5 * relative::dot(yd, yd, n);
     } else {
-      for (int k = 0; k < b.modes; ++k) energy += 0.5 * yd[k] * relative::dot(f.mass.data() + k * n, yd, n);
+      for (int k = 0; k < f.modes; ++k) energy += 0.5 * yd[k] * relative::dot(f.mass.data() + k * n, yd, n);
     }
   }
   return energy;
@@ -116,21 +119,25 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
       const relative::ConstantInertia inertia = relative::constant_inertia(m, w, b);
       mass = inertia.mass;
       first = inertia.first_moment;
-      const double *y = s.q.data() + b.q + b.joint_positions, *yd = s.v.data() + b.v + b.joint_velocities;
+      double *y = w.scratch.data(), *yd = y + f.stride;
+      relative::copy_modes(b, s.q.data() + b.q + b.joint_positions, f.stride, y);
+      relative::copy_modes(b, s.v.data() + b.v + b.joint_velocities, f.stride, yd);
+      extend(f, y);
       double work = 0;
-      for (int k = 0; k < b.modes; ++k) {
+      for (int k = 0; k < f.modes; ++k) {
         first += y[k] * inertia.S.col(k);
         double elastic = 0, damping = 0;
         if (f.diagonal_stiffness) {
           elastic = f.stiffness(k, k) * y[k];
           damping = f.damping(k, k) * yd[k];
         } else {
-          for (int l = 0; l < b.modes; ++l) {
+          for (int l = 0; l < f.modes; ++l) {
             elastic += f.stiffness(l, k) * y[l];
             damping += f.damping(l, k) * yd[l];
           }
         }
         e.elastic += 0.5 * elastic * y[k];
+        if (k >= b.modes) continue;  // products have no damping of their own
         const int at = b.v + b.joint_velocities + k;
         if (started_) work += 0.5 * (damping + damping_force_[at]) * (y[k] - modal_[at]);
         damping_force_[at] = damping;

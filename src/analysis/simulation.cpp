@@ -9,7 +9,9 @@
 
 #include "analysis/channels.h"
 #include "analysis/energy.h"
+#include "analysis/reactions.h"
 #include "analysis/statics.h"
+#include "analysis/validity.h"
 #include "dynamics/natural/system.h"
 #include "dynamics/relative/system.h"
 #include "integrate/initial.h"
@@ -242,7 +244,10 @@ struct Simulation::Impl {
                                 integrator_options(compiled.spec.simulation, o))),
         meter(compiled),
         channels(compiled),
-        meter_before(compiled) {
+        meter_before(compiled),
+        reactions(observer),
+        validity(compiled),
+        scratch(compiled.velocities) {
     const spec::Simulation& options = compiled.spec.simulation;
     const bool index3 = o.formalism.value_or(options.formalism) == spec::Simulation::Formalism::index3;
     substeps = o.substeps > 0                                                              ? o.substeps
@@ -279,6 +284,7 @@ struct Simulation::Impl {
     observe();
     meter.start(observer, view());
     monitor.start(meter);
+    watch_validity();
     state_before = state;
     initialisation = thread_cpu_seconds() - start;
   }
@@ -318,6 +324,18 @@ struct Simulation::Impl {
     observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   }
 
+  /// What linear theory neglects, at an accepted state.
+  void watch_validity() {
+    validity.watch(view());
+    if (!validity.loads_due()) return;
+    const State& s = view();
+    if (natural)
+      reactions.find(observer, seen);
+    else
+      observer.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, scratch.data());
+    validity.watch_loads(observer.workspace(), s.time);
+  }
+
   std::shared_ptr<const Model> model;
   const Compiled& compiled;
   relative::RelativeSystem observer;  ///< the system itself in relative coordinates
@@ -337,6 +355,8 @@ struct Simulation::Impl {
   int substeps = 1;
   double energy_tolerance = 0;
   double initialisation = 0;
+  Reactions reactions;
+  ValidityMonitor validity;
   Eigen::VectorXd scratch;
 };
 
@@ -391,6 +411,7 @@ StepReport Simulation::Impl::step() {
   const double h = s.integrator->options().step, multiple = std::round(s.state.time / h) * h;
   if (std::abs(s.state.time - multiple) < 1e-6 * h) s.state.time = multiple;
   s.monitor.watch(s.meter, s.state.time);
+  s.watch_validity();
   return report;
 }
 
@@ -447,6 +468,8 @@ void Simulation::restore(const Snapshot& c) {
   impl_->observe();
   impl_->meter.start(impl_->observer, impl_->view());
   impl_->monitor.start(impl_->meter);
+  impl_->validity.start();
+  impl_->watch_validity();
 }
 
 const std::vector<ChannelInfo>& Simulation::channels() const { return impl_->channels.info(); }
@@ -458,7 +481,6 @@ void Simulation::sample(ResultsRow& row) {
   if (s.channels.needs_residual()) {
     if (s.natural) find_multipliers(s.observer, s.seen);
     const State& v = s.view();
-    s.scratch.resize(s.compiled.velocities);
     s.observer.residual(v.time, v.q.data(), v.v.data(), v.a.data(), v.multipliers.data(), 0,
                         s.scratch.data());
   }
@@ -488,14 +510,19 @@ Simulation::Energy Simulation::energy() const {
 
 std::vector<std::string> Simulation::warnings() const {
   const EnergyMonitor& m = impl_->monitor;
-  if (m.fed <= EnergyMonitor::share * m.at_play) return {};
-  return {fmt::format(
+  std::vector<std::string> all = impl_->validity.warnings();
+  // At rest there is nothing at play but round-off.
+  if (m.fed <= std::max(EnergyMonitor::share * m.at_play, 1e-3 * impl_->energy_tolerance)) return all;
+  all.push_back(fmt::format(
       "the numerics fed in {:.3g} J, more than {:g} % of the {:.3g} J at play; the most in the step to t = "
       "{:.6g} s, {:.3g} J at {}: do not trust this run; take a smaller step or an integrator with damping "
       "(the default, generalised-alpha)",
       m.fed, 100 * EnergyMonitor::share, m.at_play, m.largest_at, m.largest_input,
-      place_name(impl_->compiled, m.largest_place))};
+      place_name(impl_->compiled, m.largest_place)));
+  return all;
 }
+
+std::vector<Validity> Simulation::validity() const { return impl_->validity.worst(); }
 
 int Simulation::degrees_of_freedom() {
   Impl& s = *impl_;

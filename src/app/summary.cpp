@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -22,6 +23,41 @@ std::array<std::pair<const char*, double>, 10> named(const Simulation::Energy& e
            {"load_work", e.load_work},
            {"road_work", e.road_work},
            {"numerical", e.numerical}}};
+}
+
+std::array<std::pair<const char*, Validity::Peak>, 5> named(const Validity& v) {
+  return {{{"deflection", v.deflection},
+           {"foreshortening", v.foreshortening},
+           {"compression", v.compression},
+           {"tension", v.tension},
+           {"high_modes", v.high_modes}}};
+}
+
+/// What linear theory neglected at worst, by flexible body.
+Json validity(const Simulation& simulation) {
+  Json bodies = Json::array();
+  for (const Validity& v : simulation.validity()) {
+    Json body{{"body", v.body}};
+    for (const auto& [name, peak] : named(v)) {
+      body[name] = peak.value;
+      body["time"][name] = peak.time;
+    }
+    body["axial"] = v.axial;
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+/// The same for people: the worst of all bodies.
+std::string worst(const std::vector<Validity>& bodies) {
+  const char* names[] = {"deflection", "shortening", "compression", "tension", "highest modes"};
+  std::string text;
+  for (std::size_t k = 0; k < 5; ++k) {
+    double largest = 0;
+    for (const Validity& v : bodies) largest = std::max(largest, named(v)[k].second.value);
+    text += fmt::format("{}{} {:.2g} %", k == 0 ? "" : ", ", names[k], 100 * largest);
+  }
+  return text;
 }
 
 double per_step(std::int64_t total, const Totals& totals) {
@@ -46,6 +82,7 @@ Json run_summary(Simulation& simulation, const Json& method, const Totals& total
   summary["max_position_violation"] = totals.max_position_violation;
   summary["max_velocity_violation"] = totals.max_velocity_violation;
   for (const auto& [name, value] : named(simulation.energy())) summary["energy"][name] = value;
+  if (Json bodies = validity(simulation); !bodies.empty()) summary["validity"] = std::move(bodies);
   summary["warnings"] = warnings;
   ResultsRow row;
   simulation.sample(row);
@@ -69,7 +106,7 @@ double real_time_factor(const Simulation& simulation, const Totals& totals) {
 
 std::string summary_table(Simulation& simulation, const Json& method, const Totals& totals) {
   Table table({"run", "", ""});
-  const auto line = [&](const char* name, const std::string& value, const char* unit = "") {
+  const auto line = [&](const char* name, const std::string& value, const std::string& unit = "") {
     table.add({name, value, unit});
   };
   const auto number = [](double value) { return fmt::format("{:.6g}", value); };
@@ -79,8 +116,7 @@ std::string summary_table(Simulation& simulation, const Json& method, const Tota
   // In the last column, for the numbers to stay aligned.
   line("method", "",
        fmt::format("{}, {}, {}", method.at("formulation").get<std::string>(),
-                   method.at("formalism").get<std::string>(), method.at("integrator").get<std::string>())
-           .c_str());
+                   method.at("formalism").get<std::string>(), method.at("integrator").get<std::string>()));
   line("coordinates", fmt::format("{}", simulation.coordinates()));
   line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
   line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
@@ -91,6 +127,8 @@ std::string summary_table(Simulation& simulation, const Json& method, const Tota
   line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");
   for (const auto& [name, value] : named(simulation.energy()))
     line(fmt::format("energy, {}", name).c_str(), number(value), "J");
+  if (const auto bodies = simulation.validity(); !bodies.empty())
+    line("against linear theory", "", worst(bodies));
   return table.text();
 }
 

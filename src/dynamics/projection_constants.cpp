@@ -38,18 +38,19 @@ Sparse three_times(const Sparse& nodal) {
 
 Mesh used_part(const ReducedBody& body, bool rotations) {
   const MeshInertia& given = *body.mesh_inertia;
+  const Eigen::MatrixXd& shapes = body.second_order ? body.second_order->mesh_shapes : given.shapes;
   Mesh mesh;
   mesh.nodes = static_cast<int>(body.nodes.cols());
   if (rotations || given.dofs_per_node == 3) {
     mesh.width = given.dofs_per_node;
     mesh.mass = given.mass;
-    mesh.shapes = given.shapes;
+    mesh.shapes = shapes;
     return mesh;
   }
   mesh.width = 3;
-  mesh.shapes.resize(3 * body.nodes.cols(), given.shapes.cols());
+  mesh.shapes.resize(3 * body.nodes.cols(), shapes.cols());
   for (int k = 0; k < mesh.nodes; ++k)
-    mesh.shapes.middleRows<3>(3 * k) = given.shapes.middleRows<3>(6 * static_cast<Eigen::Index>(k));
+    mesh.shapes.middleRows<3>(3 * k) = shapes.middleRows<3>(6 * static_cast<Eigen::Index>(k));
   if (given.nodal_mass.size() > 0) {
     mesh.mass = three_times(given.nodal_mass);
     return mesh;
@@ -144,8 +145,8 @@ Constants constants(const ReducedBody& body, bool rotations) {
   const Mesh mesh = used_part(body, rotations);
   Constants c;
   c.nodes = mesh.nodes;
-  c.modes = body.modes;
-  c.stride = pad_to(body.modes, 8);
+  c.modes = static_cast<int>(mesh.shapes.cols());
+  c.stride = pad_to(c.modes, 8);
   c.rotations = mesh.width == 6;
   add_blocks(mesh, c);
 

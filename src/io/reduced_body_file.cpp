@@ -482,6 +482,11 @@ void throw_if_unsound(const ReducedBody& body, const std::string& prefix) {
 
 void save(const ReducedBody& body, const std::string& path) {
   throw_if_unsound(body, fmt::format("cannot save reduced body '{}': ", path));
+  if (body.second_order)
+    throw InputError({},
+                     fmt::format("cannot save reduced body '{}': the format has no place for its terms of "
+                                 "large deflections; reduce it with linear stiffening",
+                                 path));
   const SilentErrors silent;
   try {
     const Handle creation = without_times(H5P_FILE_CREATE);

@@ -19,31 +19,40 @@ Rows padded(const Eigen::MatrixXd& m, int stride) {
 
 FlexibleData flexible_data(const ReducedBody& body) {
   FlexibleData f;
-  const int n = f.modes = body.modes;
+  // Blocks of amplitudes and products where there are products.
+  const auto& second = body.second_order;
+  f.amplitudes = body.modes;
+  if (second) f.products = second->products;
+  const auto& S = second ? second->S : body.S;
+  const auto& S_position = second ? second->S_position : body.S_position;
+  const auto& S_modes = second ? second->S_modes : body.S_modes;
+  const auto& mass = second ? second->mass_matrix : body.mass_matrix;
+  const auto& stiffness = second ? second->stiffness : body.stiffness;
+  const int n = f.modes = body.modes + static_cast<int>(f.products.size());
   const int s = f.stride = pad(n);
-  f.S = padded(body.S, s);
+  f.S = padded(S, s);
   f.S_position = Rows::Zero(9, s);
-  for (int i = 0; i < 3; ++i) f.S_position.middleRows(3 * i, 3).leftCols(n) = body.S_position[i];
+  for (int i = 0; i < 3; ++i) f.S_position.middleRows(3 * i, 3).leftCols(n) = S_position[i];
   f.S_modes = Rows::Zero(s, 9 * s);
   f.coriolis = Rows::Zero(s, 3 * s);
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) f.S_modes.block(0, (3 * i + j) * s, n, n) = body.S_modes[i][j];
+    for (int j = 0; j < 3; ++j) f.S_modes.block(0, (3 * i + j) * s, n, n) = S_modes[i][j];
     const int b = (i + 1) % 3, c = (i + 2) % 3;
-    f.coriolis.block(0, i * s, n, n) = body.S_modes[b][c] - body.S_modes[c][b];
+    f.coriolis.block(0, i * s, n, n) = S_modes[b][c] - S_modes[c][b];
   }
   f.mass = Rows::Zero(s, s);
   f.stiffness = Rows::Zero(s, s);
   f.damping = Rows::Zero(s, s);
-  f.mass.topLeftCorner(n, n) = body.mass_matrix;
-  f.stiffness.topLeftCorner(n, n) = body.stiffness;
-  f.damping.topLeftCorner(n, n) = body.damping;
+  f.mass.topLeftCorner(n, n) = mass;
+  f.stiffness.topLeftCorner(n, n) = stiffness;
+  f.damping.topLeftCorner(body.modes, body.modes) = body.damping;
   const auto diagonal = [](const Eigen::MatrixXd& m) {
     const Eigen::MatrixXd off = m - Eigen::MatrixXd(m.diagonal().asDiagonal());
     return off.cwiseAbs().maxCoeff() <= 1e-10 * std::max(1e-300, m.diagonal().cwiseAbs().maxCoeff());
   };
   if (n > 0) {
-    f.identity_mass = (body.mass_matrix - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9;
-    f.diagonal_stiffness = diagonal(body.stiffness) && diagonal(body.damping);
+    f.identity_mass = (mass - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9;
+    f.diagonal_stiffness = diagonal(stiffness) && diagonal(body.damping);
   }
   return f;
 }
@@ -164,7 +173,8 @@ class Compiler {
     if (r.X.isZero(0) && r.X_theta.isZero(0)) return f;
     f.flexible = c_.bodies[f.body].flexible;
     const int stride = c_.flexible[f.flexible].stride;
-    f.X = padded(r.X, stride);
+    const auto& second = c_.spec.bodies[s.body].flexible->second_order;
+    f.X = padded(second ? second->frame_shapes[s.flexible_frame] : r.X, stride);
     f.X_theta = padded(r.X_theta, stride);
     f.turns = !r.X_theta.isZero(0);
     return f;

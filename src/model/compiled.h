@@ -23,8 +23,10 @@ constexpr int pad(int n) { return (n + 7) / 8 * 8; }
 
 /// Constants of a flexible body, mode blocks row-major with `stride` columns (modes padded with zeros).
 struct FlexibleData {
-  int modes = 0;
+  int modes = 0;       ///< of the blocks below: amplitudes and their products (dynamics/amplitudes.h)
+  int amplitudes = 0;  ///< coordinates
   int stride = 0;
+  std::vector<std::array<int, 2>> products;
   Rows S;           ///< 3 × stride
   Rows S_position;  ///< 9 × stride: row 3 i + j is row j of S̄^i
   Rows S_modes;     ///< stride rows (l) × 9 stride: block 3 i + j of row l holds S^ij(l, ·)

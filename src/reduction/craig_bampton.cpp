@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fe/beam_element.h"
 #include "fe/lowest_modes.h"
 #include "fe/rigid_motion.h"
 
@@ -151,6 +152,44 @@ Partition partition(const Mesh& mesh, const ReductionOptions& options) {
 
 Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
+/// Directions along the bars at every node that is neither clamped nor a boundary along them.
+Eigen::SparseMatrix<double> axial_dofs(const Mesh& mesh, const ReductionOptions& options) {
+  const Eigen::Vector3d axis = element_geometry(mesh, 0).axes.col(0);
+  for (int e = 1; e < static_cast<int>(mesh.elements.size()); ++e)
+    if (element_geometry(mesh, e).axes.col(0).cross(axis).norm() > kOrthogonality)
+      throw std::invalid_argument("axial dynamic modes need bars that are all along one line");
+  std::vector<bool> held = clamped_flags(static_cast<int>(mesh.nodes.cols()), options.clamped_nodes);
+  for (const BoundaryDof& dof : options.boundary)
+    if (!dof.rotation && std::abs(dof.direction.normalized().dot(axis)) > kOrthogonality)
+      held[dof.node] = true;
+  Triplets triplets;
+  int columns = 0;
+  for (int node = 0; node < mesh.nodes.cols(); ++node)
+    if (!held[node]) add_column(triplets, 6 * node, columns++, axis);
+  return sparse(6 * mesh.nodes.cols(), columns, triplets);
+}
+
+/// Adds the lowest fixed-interface modes that only stretch.
+void add_axial_modes(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options,
+                     Basis& basis) {
+  const Eigen::SparseMatrix<double> along = axial_dofs(mesh, options);
+  const int count = options.axial_dynamic_modes;
+  if (count > along.cols())
+    throw std::invalid_argument(
+        fmt::format("{} axial modes asked of a mesh with {} free nodes", count, along.cols()));
+  const Eigen::SparseMatrix<double> K = along.transpose() * matrices.stiffness * along;
+  const Eigen::SparseMatrix<double> M = along.transpose() * matrices.mass * along;
+  const Modes modes = lowest_modes(K, M, count, 0, SymmetricSolver(K));
+  const Eigen::Index before = basis.shapes.cols();
+  basis.shapes.conservativeResize(Eigen::NoChange, before + count);
+  basis.shapes.rightCols(count) = along * modes.vectors;
+  const Eigen::MatrixXd stiffness = basis.shapes.transpose() * (matrices.stiffness * basis.shapes);
+  const Eigen::MatrixXd linear = basis.stiffness;
+  basis.stiffness = symmetric(stiffness);
+  basis.stiffness.topLeftCorner(before, before) = linear;
+  for (int k = 0; k < count; ++k) basis.names.push_back(fmt::format("axial {}", k + 1));
+}
+
 }  // namespace
 
 Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options) {
@@ -195,6 +234,7 @@ Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionO
   const auto static_shapes = basis.shapes.leftCols(statics);
   basis.stiffness.topLeftCorner(statics, statics) =
       symmetric(static_shapes.transpose() * (matrices.stiffness * static_shapes));
+  if (options.axial_dynamic_modes > 0) add_axial_modes(mesh, matrices, options, basis);
   return basis;
 }
 

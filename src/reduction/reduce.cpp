@@ -9,6 +9,7 @@
 #include "fe/beam_element.h"
 #include "mimbre/fe.h"
 #include "reduction/craig_bampton.h"
+#include "reduction/second_order.h"
 #include "reduction/shape_integrals.h"
 
 namespace mimbre::fe {
@@ -71,6 +72,7 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   add_drawing(mesh, basis.shapes, body);
   body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
   make_orthogonal(body);
+  add_second_order(mesh, options, body);
   return body;
 }
 

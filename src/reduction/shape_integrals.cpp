@@ -1,22 +1,10 @@
 #include "reduction/shape_integrals.h"
 
-#include <array>
-
 #include "fe/beam_element.h"
+#include "reduction/gauss.h"
 
 namespace mimbre::fe {
 namespace {
-
-struct GaussPoint {
-  double xi;
-  double weight;
-};
-
-/// Four points on [0, 1], exact up to degree 7 (the products of two cubic shape functions have degree 6).
-constexpr std::array<GaussPoint, 4> kGauss{{{0.069431844202973712, 0.17392742256872693},
-                                            {0.330009478207571868, 0.32607257743127307},
-                                            {0.669990521792428132, 0.32607257743127307},
-                                            {0.930568155797026288, 0.17392742256872693}}};
 
 void clear(ReducedBody& body, Eigen::Index modes) {
   body.mass = 0;
@@ -65,7 +53,7 @@ void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, Reduce
 
     const double mass = beam.material.density * beam.section.area * geometry.length;
     const Eigen::Vector3d axis = geometry.axes.col(0);
-    for (const GaussPoint& point : kGauss) {
+    for (const GaussPoint& point : gauss4) {
       const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length) * dofs;
       add_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
     }

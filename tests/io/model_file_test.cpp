@@ -285,6 +285,94 @@ TEST(ModelFile, FlexibleBodies) {
   EXPECT_NEAR(output.direction.dot(a.frames[static_cast<std::size_t>(tip)].X * y), 1, 1e-8);
 }
 
+/// A bent chain of two bars with a seat beside the first, in a turned body frame away from the origin.
+std::string chain(const std::string& more) {
+  return "materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}\nsections: {rod: {type: "
+         "rectangle, "
+         "width: 0.02, height: 0.01}}\nbodies:\n  bar:\n    frame: {at: [1, 2, 3], x: [1, 1, 0]}\n    "
+         "flexible:\n      material: steel\n      section: rod\n"
+         "      nodes: {root: [1, 2, 3], knee: [2, 2.5, 3], tip: [2.5, 3, 3.5], seat: {at: [1.5, 2.3, 3.1], "
+         "on: "
+         "[upper, 0.5]}}\n"
+         "      bars:\n        upper: {from: root, to: knee, elements: 4}\n        lower: {from: knee, to: "
+         "tip, "
+         "elements: 4}\n      clamped: [root]\n      dynamic_modes: 3\n" +
+         more +
+         "joints:\n  root: {type: revolute, between: [ground, bar], at: [1, 2, 3], axis: [0, 0, 1]}\n"
+         "outputs:\n  - {name: tip, deflection: bar.tip, along: [0, 0, 1]}\n"
+         "  - {name: seat, deflection: bar.seat, along: [0, 1, 0]}\n"
+         "  - {name: last, modal_amplitude: bar, component: 8}\n"
+         "  - {name: tip.x, displacement: bar.tip, relative_to: bar, component: x}\n";
+}
+
+TEST(ModelFile, SubstructuresAreBodiesJoinedByBrackets) {
+  const auto model = parse(chain("      substructures: {count: 4, dynamic_modes: 2}\n"));
+  std::vector<std::string> names;
+  for (const auto& body : model.bodies) names.push_back(body.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"bar", "bar.2", "bar.3", "bar.4"}));
+  EXPECT_EQ(modes(model), (std::vector<int>{8, 8, 8, 3}));
+  expect_assembled(model);
+  double mass = 0;
+  for (const auto& body : model.bodies) mass += body.flexible->mass;
+  EXPECT_NEAR(mass, 7850 * 2e-4 * (std::sqrt(1.25) + std::sqrt(0.75)), 1e-9);
+  for (const char* joint : {"bar.2.bracket", "bar.3.bracket", "bar.4.bracket"}) {
+    const spec::Joint& bracket = by_name(model.joints, joint);
+    EXPECT_EQ(bracket.type, spec::JointType::bracket);
+    expect_near(global(model, bracket.frame_a).rotation, global(model, bracket.frame_b).rotation);
+  }
+  // The pieces begin at the seat (half of the upper bar), at the knee and at half of the lower bar.
+  expect_near(by_name(model.bodies, "bar.2").pose.position, Vector3d(1.5, 2.3, 3.1));
+  expect_near(by_name(model.bodies, "bar.3").pose.position, Vector3d(2, 2.5, 3));
+  expect_near(by_name(model.bodies, "bar.4").pose.position, Vector3d(2.25, 2.75, 3.25));
+
+  // Frames stay where they were, on the piece that carries them.
+  const spec::Output &tip = by_name(model.outputs, "tip"), &seat = by_name(model.outputs, "seat");
+  expect_near(global(model, tip.item).position, Vector3d(2.5, 3, 3.5));
+  expect_near(global(model, seat.item).position, Vector3d(1.5, 2.3, 3.1));
+  EXPECT_EQ(model.frames[static_cast<std::size_t>(tip.item)].body, 3);
+  EXPECT_EQ(model.frames[static_cast<std::size_t>(seat.item)].body, 0);
+  EXPECT_EQ(seat.kind, spec::Output::Kind::deflection);
+  EXPECT_EQ(tip.kind, spec::Output::Kind::displacement);
+  EXPECT_EQ(model.frames[static_cast<std::size_t>(tip.reference)].name, "bar");
+  for (const spec::Frame& frame : model.frames) {
+    if (frame.flexible_frame < 0) continue;
+    const auto& node = model.bodies[static_cast<std::size_t>(frame.body)].flexible->frames.at(
+        static_cast<std::size_t>(frame.flexible_frame));
+    expect_near(node.position, frame.pose.position);
+  }
+  // Eight amplitudes of the first piece come before it.
+  const spec::Output& last = by_name(model.outputs, "last");
+  EXPECT_EQ(last.item, 1);
+  EXPECT_EQ(last.component, 0);
+}
+
+TEST(ModelFile, EqualSubstructuresAreReducedOnce) {
+  const auto model = parse(
+      "materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}\nsections: {rod: {type: round, "
+      "diameter: 0.02}}\nbodies:\n  bar:\n    frame: {at: [0, 0, 0]}\n    flexible: {material: steel, "
+      "section: "
+      "rod, nodes: {a: [0, 0, 0], b: [1, 0, 0]}, bars: {bar: {from: b, to: a, elements: 12}}, clamped: [a], "
+      "dynamic_modes: 2, planar: [0, 1, 0], substructures: 6}\n"
+      "joints:\n  a: {type: fixed, between: [ground, bar], at: [0, 0, 0]}\n");
+  EXPECT_EQ(modes(model), (std::vector<int>{5, 5, 5, 5, 5, 2}));  // two displacements, a turn, two dynamic
+  for (const int k : {2, 3, 4})
+    EXPECT_EQ(model.bodies[static_cast<std::size_t>(k)].flexible, model.bodies[1].flexible);
+}
+
+TEST(ModelFile, Displacement) {
+  const auto model = parse(
+      "bodies:\n  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1], frame: {at: [1, 0, 0], x: [0, 1, 0], y: "
+      "[-1, 0, "
+      "0]}}\n  b: {mass: 1, com: [2, 3, 4], inertia: [1, 1, 1]}\n"
+      "outputs:\n  - {name: x, displacement: b, relative_to: a, component: x}\n"
+      "  - {name: y, displacement: b, at: [5, 6, 7], relative_to: a, component: y}\n");
+  const spec::Output &x = by_name(model.outputs, "x"), &y = by_name(model.outputs, "y");
+  EXPECT_NEAR(x.offset, -3, 1e-12);  // a's x is the global y
+  EXPECT_NEAR(y.offset, 4, 1e-12);   // and its y the global -x
+  expect_near(x.direction, Vector3d::UnitX());
+  EXPECT_EQ(model.frames[static_cast<std::size_t>(y.reference)].name, "a");
+}
+
 TEST(ModelFile, Sections) {
   const auto frequency = [](const std::string& section) {
     const auto model =

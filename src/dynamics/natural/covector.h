@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/amplitudes.h"
 #include "dynamics/natural/workspace.h"
 #include "dynamics/relative/flexible.h"
 
@@ -85,10 +86,14 @@ void fill_row(const Compiled& m, const Layout& l, Workspace<T>& w, const Link& l
   }
   act(covectors[0], covectors[1]);
   for (int k = 0; k < link.stencil.stride; ++k) row[k] = T(0);
-  for (int side = 0; side < 2; ++side)
-    if (bodies[side] >= 0)
-      add_to_row(l.bodies[bodies[side]], base[side], modal[side], m.bodies[bodies[side]].modes,
-                 side == 0 ? link.columns_a : link.columns_b, row);
+  for (int side = 0; side < 2; ++side) {
+    if (bodies[side] < 0) continue;
+    const BodyData& b = m.bodies[bodies[side]];
+    if (b.modes > 0)
+      fold(m.flexible[b.flexible], w.y.data() + l.bodies[bodies[side]].amplitudes, modal[side]);
+    add_to_row(l.bodies[bodies[side]], base[side], modal[side], m.bodies[bodies[side]].modes,
+               side == 0 ? link.columns_a : link.columns_b, row);
+  }
 }
 
 }  // namespace mimbre::natural

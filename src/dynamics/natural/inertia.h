@@ -95,7 +95,7 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
     const Mat3<T> turning = A.transpose() * Ad;
     const T w0 = turning(2, 1) - turning(1, 2), w1 = turning(0, 2) - turning(2, 0),
             w2 = turning(1, 0) - turning(0, 1);  // 2 ω in body axes
-    for (int r = 0; r < data.modes; ++r) {
+    for (int r = 0; r < f.modes; ++r) {
       const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(r) * 3 * s;
       const T v = yd[r];
       for (int k = 0; k < s; ++k) elastic[k] += v * (w0 * n[k] + w1 * n[s + k] + w2 * n[2 * s + k]);
@@ -103,7 +103,7 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
     if (f.identity_mass)
       for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
     else
-      for (int r = 0; r < data.modes; ++r)
+      for (int r = 0; r < f.modes; ++r)
         for (int k = 0; k < s; ++k) elastic[k] += ydd[r] * f.mass(r, k);
     add_elastic_forces(f, y, yd, elastic);
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/amplitudes.h"
 #include "dynamics/natural/workspace.h"
 #include "dynamics/relative/kinematics.h"
 
@@ -95,6 +96,12 @@ void kinematics(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q,
       w.y[b.amplitudes + k] = q[b.q + k];
       w.yd[b.amplitudes + k] = v[b.q + k];
       w.ydd[b.amplitudes + k] = a[b.q + k];
+    }
+    if (m.bodies[i].modes > 0) {
+      const FlexibleData& f = m.flexible[m.bodies[i].flexible];
+      extend(f, w.y.data() + b.amplitudes);
+      extend(f, w.y.data() + b.amplitudes, w.yd.data() + b.amplitudes);
+      extend(f, w.y.data() + b.amplitudes, w.yd.data() + b.amplitudes, w.ydd.data() + b.amplitudes);
     }
     const T *y = w.y.data() + b.amplitudes, *yd = w.yd.data() + b.amplitudes,
             *ydd = w.ydd.data() + b.amplitudes;

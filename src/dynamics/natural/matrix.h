@@ -84,6 +84,7 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
           for (int c = 0; c < 3; ++c) matrix[(3 * k + r) * stride + 3 * j + c] += block(r, c);
       }
   }
+  for (int r = 0; r < 12; ++r) fold(f, y, coupling + r * s);
   T* rows = w.row_modal.data();
   for (int k = 0; k < b.unknown; ++k) {
     for (int r = 0; r < 3 * s; ++r)
@@ -94,10 +95,18 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
         matrix[(n + i) * stride + 3 * k + c] +=
             A(c, 0) * rows[i] + A(c, 1) * rows[s + i] + A(c, 2) * rows[2 * s + i];
   }
-  for (int i = 0; i < data.modes; ++i)
-    for (int j = 0; j <= i; ++j)
-      matrix[(n + i) * stride + n + j] +=
-          (*modal_mass)(i, j) + damping * f.damping(i, j) + stiffness * f.stiffness(i, j);
+  const auto add_modal = [&](const Rows& modal, double weight) {
+    const T* values = modal.data();
+    if (!f.products.empty()) {
+      fold(f, y, modal, w.folded.data());
+      values = w.folded.data();
+    }
+    for (int i = 0; i < data.modes; ++i)
+      for (int j = 0; j <= i; ++j) matrix[(n + i) * stride + n + j] += weight * values[i * s + j];
+  };
+  add_modal(*modal_mass, 1);
+  add_modal(f.damping, damping);
+  add_modal(f.stiffness, stiffness);
 }
 
 /// Rows of Φq over the stencils, and of springs' lengths, wheels' heights and sprung joint coordinates.

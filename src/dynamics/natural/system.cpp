@@ -65,6 +65,9 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       double* out = r + 3 * b.variables[k];
       for (int c = 0; c < 3; ++c) out[c] += f[c];
     }
+    if (model_.bodies[i].modes == 0) continue;
+    fold(model_.flexible[model_.bodies[i].flexible], work_.y.data() + b.amplitudes,
+         work_.modal.data() + b.amplitudes);
     for (int k = 0; k < model_.bodies[i].modes; ++k) r[b.q + k] = work_.modal[b.amplitudes + k];
   }
 }
@@ -208,6 +211,7 @@ void NaturalSystem::retract(const double* q, const double* x, double* out) const
       double* y = work_.row_modal.data();
       const int stride = model_.flexible[f.flexible].stride, modes = model_.bodies[f.body].modes;
       for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[layout_.bodies[f.body].q + k] : 0;
+      extend(model_.flexible[f.flexible], y);
       place += relative::times(f.X, y);
       if (f.turns) rotation = rotation_exp<double>(relative::times(f.X_theta, y)) * f.rotation;
     }

@@ -49,6 +49,7 @@ struct Workspace {
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.
   std::vector<projection::Constants> projections;
   projection::Work projection;
+  relative::AlignedVector<T> folded;    ///< a matrix of extended amplitudes folded, by matrix
   relative::AlignedVector<T> coupling;  ///< 12 rows of base vectors and amplitudes, by matrix
   std::vector<Base<T>> poses;           ///< of the bodies, by joint_positions
 };
@@ -87,6 +88,7 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) {
   local.assign(static_cast<std::size_t>(l.widest) * l.widest, nan);
   row_modal.assign(4 * stride, nan);
   coupling.assign(12 * stride, nan);
+  folded.assign(static_cast<std::size_t>(stride) * stride, nan);
   poses.assign(m.bodies.size(), nan34);
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/amplitudes.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
@@ -195,6 +196,10 @@ void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, cons
       copy_modes(b, q + b.q + b.joint_positions, stride, y);
       copy_modes(b, v + b.v + b.joint_velocities, stride, yd);
       copy_modes(b, a + b.v + b.joint_velocities, stride, ydd);
+      const FlexibleData& flexible = m.flexible[b.flexible];
+      extend(flexible, y);
+      extend(flexible, y, yd);
+      extend(flexible, y, yd, ydd);
     }
     Motion<T> own;
     joint_step<T>(b, w.frames[b.parent_frame], q + b.q, v + b.v, a + b.v, own, &w.joint_angular[b.v],

@@ -48,11 +48,13 @@ void columns(const Compiled& m, Workspace<T>& w, const T* q) {
     const auto add_frame = [&](const FrameData& f, const Vec3<T>& position, const T& sign) {
       const Mat3<T>& A = w.bodies[set.body].rotation;
       const int fs = static_cast<int>(f.X.cols());
-      T *linear = w.scratch.data(), *angular = linear + 3 * fs;
+      T *linear = w.scratch.data(), *angular = linear + 3 * fs, *y = angular + 3 * fs;
+      const FlexibleData& flexible = m.flexible[b.flexible];
+      copy_modes(b, q + b.q + b.joint_positions, fs, y);
+      extend(flexible, y);
       rotate_rows<T>(A, f.X.data(), fs, linear);
+      for (int r = 0; r < 3; ++r) fold(flexible, y, linear + r * fs);
       if (f.turns) {
-        T* y = angular + 3 * fs;
-        for (int k = 0; k < fs; ++k) y[k] = k < b.modes ? q[b.q + b.joint_positions + k] : T(0);
         rotate_rows<T>(A * left_jacobian<T>(times(f.X_theta, y)), f.X_theta.data(), fs, angular);
         add_cross_rows<T>(position, angular, fs, linear);
       }
@@ -70,6 +72,7 @@ void columns(const Compiled& m, Workspace<T>& w, const T* q) {
       T* y = w.scratch.data() + 8 * own.X.cols();  // behind add_frame's part
       for (int k = 0; k < 3 * own.X.cols(); ++k) y[k] = T(0);
       for (int k = 0; k < b.modes; ++k) y[k] = q[b.q + b.joint_positions + k];
+      extend(m.flexible[b.flexible], y);
       frame_motion<T>(own, w.bodies[set.body], y, y + own.X.cols(), y + 2 * own.X.cols(), at);
       add_frame(own, at.position, T(-1));
     }
@@ -146,6 +149,7 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       const int fs = f.stride;
       T* y = w.scratch.data();
       copy_modes(b, q + b.q + b.joint_positions, fs, y);
+      extend(f, y);
       T* integrals = w.integrals.data() + w.integral_offset[i];
       const ConstantInertia constant = constant_inertia(m, w, b);
       if (w.projections.empty()) {
@@ -164,6 +168,11 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       }
       rotate_rows<T>(A, crossed, fs, angular);
       add_cross_rows<T>(motion.position, linear, fs, angular);
+      for (int r = 0; r < 3; ++r) {
+        fold(f, y, linear + r * fs);
+        fold(f, y, angular + r * fs);
+      }
+      if (!f.products.empty()) fold(f, y, constant.modal_mass, w.folded.data());
       T* out = elastic + b.joint_velocities;
       for (int r = 0; r < 3; ++r)
         for (int k = 0; k < b.modes; ++k) {
@@ -189,11 +198,13 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       // Diagonal block: bᵀ(Mc b + H) + (H part of elastic columns)ᵀ b + elastic–elastic.
       add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
       for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
-      const Rows& modal_mass = constant_inertia(m, w, b).modal_mass;
+      const FlexibleData& f = m.flexible[b.flexible];
+      const T* modal_mass =
+          f.products.empty() ? constant_inertia(m, w, b).modal_mass.data() : w.folded.data();
       for (int c = 0; c < b.modes; ++c)
         for (int r = 0; r < b.modes; ++r)
           values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
-                 (b.joint_velocities + c) * diagonal.col_stride] += modal_mass(r, c);
+                 (b.joint_velocities + c) * diagonal.col_stride] += modal_mass[r * f.stride + c];
     }
     add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
     for (const MassPlace& place : m.mass_places[i]) {

@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/amplitudes.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
@@ -123,6 +124,9 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
         ydd[k] = a[b.v + b.joint_velocities + k];
       }
       for (int k = b.modes; k < s; ++k) y[k] = yd[k] = ydd[k] = T(0);
+      extend(f, y);
+      extend(f, y, yd);
+      extend(f, y, yd, ydd);
       for (int k = 0; k < s; ++k) elastic[k] = T(0);
       if (w.projections.empty()) {
         T* integrals = w.integrals.data() + w.integral_offset[i];
@@ -159,6 +163,7 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
     }
     for (int j = 0; j < b.joint_velocities; ++j)
       out[b.v + j] += w.joint_linear[b.v + j].dot(force) + w.joint_angular[b.v + j].dot(moment);
+    if (b.modes > 0) fold(m.flexible[b.flexible], y, elastic);
     for (int k = 0; k < b.modes; ++k) out[b.v + b.joint_velocities + k] += elastic[k];
     w.transmitted[i] = {force, moment};
     Wrench<T>& parent = w.wrenches[b.parent_frame];

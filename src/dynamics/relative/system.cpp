@@ -47,6 +47,7 @@ Workspace<T>::Workspace(const Compiled& m) {
     elastic_offset.push_back(elastic);
     integral_offset.push_back(integral);
     if (b.modes == 0) continue;
+    widest = std::max(widest, m.flexible[b.flexible].stride);
     elastic += 6 * pad(b.size());
     integral += 9 * m.flexible[b.flexible].stride;
   }
@@ -54,6 +55,7 @@ Workspace<T>::Workspace(const Compiled& m) {
   elastic_forces.assign(elastic, nan);
   integrals.assign(integral, nan);
   scratch.assign(24 * widest, nan);
+  folded.assign(static_cast<std::size_t>(widest) * widest, nan);
 }
 
 template struct Workspace<double>;
@@ -135,10 +137,18 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
         out[(n0 + k) * (place.row_stride + place.col_stride)] +=
             weights.damping * f.damping(k, k) + weights.stiffness * f.stiffness(k, k);
     } else {
+      const double* stiffness = f.stiffness.data();
+      if (!f.products.empty()) {
+        double* y = work_.scratch.data();
+        copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+        extend(f, y);
+        fold(f, y, f.stiffness, work_.folded.data());
+        stiffness = work_.folded.data();
+      }
       for (int c = 0; c < b.modes; ++c)
         for (int r = 0; r < b.modes; ++r)
           out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
-              weights.damping * f.damping(r, c) + weights.stiffness * f.stiffness(r, c);
+              weights.damping * f.damping(r, c) + weights.stiffness * stiffness[r * f.stride + c];
     }
   }
   for (std::size_t k = 0; k < model_.springs.size(); ++k) {
@@ -289,6 +299,12 @@ Motion<double> output_motion(const RelativeSystem& system, int frame, const doub
     y[k] = q[b.q + b.joint_positions + k];
     y[s + k] = v[b.v + b.joint_velocities + k];
     y[2 * s + k] = a[b.v + b.joint_velocities + k];
+  }
+  if (b.modes > 0) {
+    const FlexibleData& flexible = m.flexible[b.flexible];
+    extend(flexible, y.data());
+    extend(flexible, y.data(), y.data() + s);
+    extend(flexible, y.data(), y.data() + s, y.data() + 2 * s);
   }
   frame_motion<double>(f, system.workspace().bodies[f.body], y.data(), y.data() + s, y.data() + 2 * s, out);
   return out;

@@ -80,6 +80,7 @@ struct Workspace {
   std::vector<int> elastic_offset;  ///< by body into elastic_forces
   AlignedVector<T> integrals;       ///< per flexible body: S'^i rows (9 × stride), by kinematics
   std::vector<int> integral_offset;
+  AlignedVector<T> folded;  ///< a matrix of extended amplitudes folded, by mass and assembly
   AlignedVector<T> scratch;
 
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.

@@ -33,6 +33,13 @@ struct Part {
   std::optional<Value> section(const std::string& key) const;
 };
 
+/// A chain of beams that is cut into bodies joined by brackets.
+struct Substructures {
+  Mark mark;
+  int count = 1;
+  int dynamic_modes = 0;  ///< of every piece but the last, which takes those of the options
+};
+
 /// A beam frame ready to be reduced, in body axes.
 struct FlexibleDescription {
   Mark mark;
@@ -41,7 +48,10 @@ struct FlexibleDescription {
   fe::ReductionOptions options;
   std::vector<fe::NodeFrame> frames;  ///< the named nodes
   double line_radius = 0.01;
+  Substructures substructures;
 };
+/// Amplitudes that the description has: of all pieces, one after the other.
+int mode_count(const FlexibleDescription& description);
 
 /// What the later sections need to know of a body besides the spec.
 struct BodyInfo {
@@ -114,6 +124,9 @@ void read_outputs(Builder& builder);
 void read_simulation(Builder& builder, Part& part);
 void read_instances(Builder& builder);
 void add_floating_joints(Builder& builder);
+/// Cuts the bodies with substructures into pieces and moves frames and outputs to the piece that carries
+/// them.
+void split_bodies(Builder& builder);
 /// Reduces every flexible body; equal ones once.
 void reduce_bodies(Builder& builder);
 

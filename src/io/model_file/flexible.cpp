@@ -27,6 +27,7 @@ struct Reader {
   BodyInfo& info;
   FlexibleDescription result;
   std::vector<OnBar> on_bars;
+  std::vector<std::pair<int, int>> bar_ends;
   std::vector<bool> used;
   std::vector<Eigen::Vector3d> positions;  ///< of the mesh's nodes, named ones first
   bool good = true;
@@ -156,6 +157,7 @@ struct Reader {
       if (direction) element.y_direction = local_vector(part.place.vector(*direction));
     }
     if (a < 0 || b < 0) return;
+    bar_ends.emplace_back(a, b);
     for (const int node : {a, b})
       if (std::find(unplaced.begin(), unplaced.end(), node) != unplaced.end())
         return fail(value_of_bar,
@@ -255,6 +257,58 @@ struct Reader {
     result.options.boundary.push_back({node, about.has_value(), local_vector(placed), name});
   }
 
+  void read_stiffening(const Fields& fields) {
+    if (const auto kind = fields.get("stiffening"))
+      if (const auto k =
+              kind->choice({"linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2"}))
+        result.options.stiffening = static_cast<fe::Stiffening>(*k);
+    // Without ⅛∫EA v'⁴ the energy has no lower bound: a beam that follows its gradient collapses.
+    result.options.published_force = result.options.stiffening == fe::Stiffening::nonlinear_stiffness_1;
+    if (const auto force = fields.get("stiffening_force"))
+      result.options.published_force = force->choice({"consistent", "published"}).value_or(0) == 1;
+  }
+
+  /// The first axial mode is the bar stretched from its free end, the others keep that end where it is.
+  void read_axial_modes(const Value& value_of_modes) {
+    const auto n = value_of_modes.integer(0, builder.limits.dynamic_modes);
+    good = good && n;
+    if (n.value_or(0) == 0 || !good) return;
+    const auto& held = result.options.clamped_nodes;
+    const auto refuse = [&](const std::string& what) {
+      fail(value_of_modes, "axial modes need one straight bar that is clamped at one of its ends; " + what);
+    };
+    if (bar_ends.size() != 1) return refuse(fmt::format("this body has {} bars", bar_ends.size()));
+    const auto [a, b] = bar_ends.front();
+    if (held.size() != 1 || (held.front() != a && held.front() != b))
+      return refuse(held.size() == 1 ? "another node is" : "several nodes are");
+    const int end = held.front() == a ? b : a;
+    const Eigen::Vector3d along =
+        positions[static_cast<std::size_t>(end)] - positions[static_cast<std::size_t>(held.front())];
+    result.options.boundary.push_back(
+        {end, false, along.normalized(),
+         fmt::format("{}.axial", info.node_names[static_cast<std::size_t>(end)])});
+    result.options.axial_dynamic_modes = *n - 1;
+  }
+
+  void read_substructures(const Value& pieces) {
+    Substructures& s = result.substructures;
+    s.mark = pieces.mark();
+    std::optional<int> count, modes = result.options.dynamic_modes;
+    if (pieces.is_map()) {
+      const Fields fields(pieces, {"count", "dynamic_modes"});
+      if (const auto given = fields.need("count", "5")) count = given->integer(1, builder.limits.elements);
+      if (const auto given = fields.get("dynamic_modes"))
+        modes = given->integer(0, builder.limits.dynamic_modes);
+    } else {
+      count = pieces.integer(1, builder.limits.elements);
+    }
+    good = good && count && modes;
+    s.count = count.value_or(1);
+    s.dynamic_modes = modes.value_or(0);
+    if (s.count > 1 && result.options.axial_dynamic_modes > 0)
+      fail(pieces, "'axial_modes' above 1 are for a beam in one piece; the pieces stretch by their brackets");
+  }
+
   void read_planar(const Value& planar) {
     const auto normal = planar.direction();
     if (!normal) return void(good = false);
@@ -275,7 +329,8 @@ struct Reader {
 
   void read() {
     const Fields fields(value, {"material", "section", "nodes", "bars", "clamped", "static_modes",
-                                "dynamic_modes", "stiffness_damping", "planar"});
+                                "dynamic_modes", "stiffness_damping", "planar", "stiffening",
+                                "stiffening_force", "axial_modes", "substructures"});
     result.mark = value.mark();
     result.what = value.what();
     result.line_radius = 0;
@@ -305,7 +360,11 @@ struct Reader {
       result.options.stiffness_damping = c.value_or(0);
     }
     if (const auto planar = fields.get("planar")) read_planar(*planar);
-    if (good && result.options.boundary.empty() && result.options.dynamic_modes == 0)
+    read_stiffening(fields);
+    if (const auto modes = fields.get("axial_modes")) read_axial_modes(*modes);
+    if (const auto pieces = fields.get("substructures")) read_substructures(*pieces);
+    if (good && result.substructures.count == 1 && result.options.boundary.empty() &&
+        result.options.dynamic_modes == 0)
       fail(value, "has no modes; give static_modes or dynamic_modes");
 
     result.mesh.nodes.resize(3, static_cast<Eigen::Index>(positions.size()));
@@ -346,6 +405,9 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
     if (a.frames[k].name != b.frames[k].name) return false;
   return a.options.clamped_nodes == b.options.clamped_nodes && a.options.fixed_dofs == b.options.fixed_dofs &&
          a.options.dynamic_modes == b.options.dynamic_modes &&
+         a.options.axial_dynamic_modes == b.options.axial_dynamic_modes &&
+         a.options.stiffening == b.options.stiffening &&
+         a.options.published_force == b.options.published_force &&
          a.options.stiffness_damping == b.options.stiffness_damping;
 }
 
@@ -353,7 +415,7 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
 
 std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& part, const Value& value,
                                                  const spec::Pose& pose, BodyInfo& info) {
-  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, true, {}};
+  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, {}, true, {}};
   reader.read();
   if (!reader.good) return {};
   return std::move(reader.result);

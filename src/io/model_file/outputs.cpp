@@ -27,6 +27,7 @@ constexpr std::array kinds{
     KindRow{"pitch", Kind::pitch, KindRow::Of::frame},
     KindRow{"yaw", Kind::yaw, KindRow::Of::frame},
     KindRow{"deflection", Kind::deflection, KindRow::Of::frame},
+    KindRow{"displacement", Kind::displacement, KindRow::Of::frame},
     KindRow{"joint", Kind::joint_position, KindRow::Of::joint},
     KindRow{"joint_velocity", Kind::joint_velocity, KindRow::Of::joint},
     KindRow{"joint_force", Kind::joint_force, KindRow::Of::joint},
@@ -83,6 +84,20 @@ void read_joint_component(const Builder& builder, const Fields& fields, spec::Ou
     fields.error(fmt::format("the joint has {} coordinates; say which: component: 0", count));
 }
 
+/// The frame from which a displacement is seen, and where that frame sees the undeformed place.
+void read_reference(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
+  const auto named = fields.need("relative_to", "hub");
+  if (!named) return;
+  if (named->is_scalar() && named->tree().text == "ground")
+    return named->error("the ground has no axes of its own here; name a frame of it, or use 'position'");
+  output.reference = attach(builder, part, *named, {}, fmt::format("{}.reference", output.name));
+  if (output.reference < 0) return;
+  const spec::Pose here = builder.global_pose(output.reference);
+  output.direction = Eigen::Vector3d::Unit(output.component);
+  output.offset = -output.direction.dot(here.rotation.transpose() *
+                                        (builder.global_pose(output.item).position - here.position));
+}
+
 void read_item(Builder& builder, const Part& part, const Fields& fields, const KindRow& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
@@ -91,8 +106,10 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
     if (output.item < 0) return;
     const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
-    if (row.kind == Kind::position || row.kind == Kind::velocity || row.kind == Kind::acceleration)
+    if (row.kind == Kind::position || row.kind == Kind::velocity || row.kind == Kind::acceleration ||
+        row.kind == Kind::displacement)
       output.component = read_component(fields, {"x", "y", "z"});
+    if (row.kind == Kind::displacement) read_reference(builder, part, fields, output);
     if (row.kind == Kind::deflection) {
       const auto along = fields.need("along", "[0, 0, 1]");
       const auto direction = along ? along->direction() : std::nullopt;
@@ -113,10 +130,7 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
   if (row.of == KindRow::Of::body) {
     const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
     const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
-    const int modes = loaded             ? loaded->modes
-                      : info.description ? static_cast<int>(info.description->options.boundary.size()) +
-                                               info.description->options.dynamic_modes
-                                         : 0;
+    const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
     const auto component = fields.need("component", "0");
     if (info.failed) return;
     if (modes == 0)
@@ -127,10 +141,17 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
 }
 
 void read_output(Builder& builder, const Part& part, const Value& value) {
-  const Fields fields(
-      value, {"name", "at", "component", "along", "offset", "position", "velocity", "acceleration", "roll",
-              "pitch", "yaw", "deflection", "joint", "joint_velocity", "joint_force", "modal_amplitude",
-              "spring_force", "spring_length", "tyre_force"});
+  const Fields fields(value, {"name",         "at",
+                              "component",    "along",
+                              "offset",       "position",
+                              "velocity",     "acceleration",
+                              "roll",         "pitch",
+                              "yaw",          "deflection",
+                              "displacement", "relative_to",
+                              "joint",        "joint_velocity",
+                              "joint_force",  "modal_amplitude",
+                              "spring_force", "spring_length",
+                              "tyre_force"});
   if (!value.has_fields()) return;
   const auto given_name = fields.need("name", "chassis.z");
   const auto text = given_name ? given_name->text() : std::nullopt;
@@ -155,6 +176,8 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
                               row.kind != Kind::deflection;
   if (!component_used && fields.has("component")) fields.error(fmt::format("'{}' has no component", row.key));
   if (row.kind != Kind::deflection && fields.has("along")) fields.error("'along' belongs to 'deflection'");
+  if (row.kind != Kind::displacement && fields.has("relative_to"))
+    fields.error("'relative_to' belongs to 'displacement'");
   if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");
   output.kind = row.kind;
   output.offset = fields.number("offset", 0);

@@ -85,6 +85,8 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
     builder.errors.add(model.tree->mark, "the model has no body; add one under 'bodies'");
   builder.errors.throw_if_any();
 
+  split_bodies(builder);
+  builder.errors.throw_if_any();
   reduce_bodies(builder);
   builder.errors.throw_if_any();
   warn_unused(builder);
