@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -144,42 +143,70 @@ Eigenmodes eigenmodes(const ReducedBody& body) {
   return {solver.eigenvectors().rightCols(squares.size() - free), squares.tail(squares.size() - free)};
 }
 
-/// Rows whose values' squares add up to twice the energy in the highest third of the modes: of the dynamic
-/// ones where the names tell (static modes hold what loads at the boundary need, however stiff they are).
-/// None when there is no mode twice as high as the lowest one to judge by.
-MatrixXd high_rows(const ReducedBody& body) {
-  MatrixXd rows(0, body.modes);
-  VectorXd squares(0);
+/// Modes that stand for a series, by increasing frequency: the dynamic ones where the names tell (static
+/// modes hold what loads at the boundary need, however stiff they are), otherwise those of the reduced
+/// matrices.
+struct Series {
+  MatrixXd rows;     ///< squares of their values are twice the modes' energies
+  MatrixXd shapes;   ///< modes × count, amplitudes
+  VectorXd squares;  ///< ω²
+};
+
+Series dynamic_series(const ReducedBody& body) {
   if (body.user_from_modal.rows() == body.modes) {
     const MatrixXd modal_from_user = body.user_from_modal.inverse();
-    const MatrixXd stiffness = modal_from_user.transpose() * body.stiffness * modal_from_user;
-    const MatrixXd mass = modal_from_user.transpose() * body.mass_matrix * modal_from_user;
+    std::vector<std::pair<double, Eigen::Index>> order;
     for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(body.mode_names.size()); ++k) {
       if (body.mode_names[static_cast<std::size_t>(k)].rfind("dynamic", 0) != 0) continue;
-      rows.conservativeResize(rows.rows() + 1, body.modes);
-      squares.conservativeResize(rows.rows());
-      rows.bottomRows<1>() = std::sqrt(stiffness(k, k)) * body.user_from_modal.row(k);
-      squares[rows.rows() - 1] = stiffness(k, k) / mass(k, k);
+      const VectorXd shape = modal_from_user.col(k);
+      order.push_back({shape.dot(body.stiffness * shape) / shape.dot(body.mass_matrix * shape), k});
     }
+    std::sort(order.begin(), order.end());
+    const Eigen::Index count = static_cast<Eigen::Index>(order.size());
+    Series s{MatrixXd(count, body.modes), MatrixXd(body.modes, count), VectorXd(count)};
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto [square, k] = order[static_cast<std::size_t>(i)];
+      const VectorXd shape = modal_from_user.col(k);
+      s.shapes.col(i) = shape;
+      s.rows.row(i) = std::sqrt(shape.dot(body.stiffness * shape)) * body.user_from_modal.row(k);
+      s.squares[i] = square;
+    }
+    if (count > 0) return s;
   }
-  const bool named = rows.rows() > 0;
-  if (!named) {
-    const Eigenmodes modes = eigenmodes(body);
-    rows = modes.squares.cwiseSqrt().asDiagonal() * modes.shapes.transpose() * body.mass_matrix;
-    squares = modes.squares;
+  const Eigenmodes modes = eigenmodes(body);
+  return {modes.squares.cwiseSqrt().asDiagonal() * modes.shapes.transpose() * body.mass_matrix, modes.shapes,
+          modes.squares};
+}
+
+/// Where a shape moves the body's points: Σ u uᵀ, of norm 1 (or 0 when it moves none).
+Mat3d directions(const Points& points, const VectorXd& shape) {
+  Mat3d sum = Mat3d::Zero();
+  for (Eigen::Index k = 0; k < points.places.cols(); ++k) {
+    const Vec3d u = points.shapes.middleRows<3>(3 * k) * shape;
+    sum += u * u.transpose();
   }
-  const Eigen::Index count = squares.size();
-  if (count < (named ? 2 : 3)) return MatrixXd(0, body.modes);
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](Eigen::Index i, Eigen::Index j) { return squares[i] < squares[j]; });
+  const double size = sum.norm();
+  if (size > 0) sum /= size;
+  return sum;
+}
+
+/// Rows whose values' squares add up to twice the energy in the highest third of the series, of those modes
+/// that a mode of half the frequency or less precedes in about the same direction: the first bending mode
+/// across is not a high one, however many there are along.
+MatrixXd high_rows(const ReducedBody& body) {
+  const Points points = points_of(body);
+  const Series series = dynamic_series(body);
+  const Eigen::Index count = series.squares.size();
   MatrixXd high(0, body.modes);
   for (Eigen::Index k = count - (count + 2) / 3; k < count; ++k) {
-    const Eigen::Index mode = order[static_cast<std::size_t>(k)];
-    if (squares[mode] < 4 * squares[order.front()]) continue;
+    const Mat3d own = directions(points, series.shapes.col(k));
+    bool preceded = false;
+    for (Eigen::Index i = 0; i < k && !preceded; ++i)
+      preceded = 4 * series.squares[i] <= series.squares[k] &&
+                 own.cwiseProduct(directions(points, series.shapes.col(i))).sum() > 0.5;
+    if (!preceded) continue;
     high.conservativeResize(high.rows() + 1, body.modes);
-    high.bottomRows<1>() = rows.row(mode);
+    high.bottomRows<1>() = series.rows.row(k);
   }
   return high;
 }
@@ -367,6 +394,10 @@ void BodyValidity::watch(const double* positions, double time) {
     worst_.high_modes.time = time;
   }
   if (most_energy_ > 0) worst_.high_modes.value = most_high_energy_ / most_energy_;
+  if (!(worst_.high_modes.value > validity_limit::high_modes))
+    passed_.high_modes = -1;
+  else if (passed_.high_modes < 0)
+    passed_.high_modes = time;
 }
 
 void BodyValidity::watch_loads(const relative::Workspace<double>& work, double time) {
@@ -396,8 +427,9 @@ void BodyValidity::watch_loads(const relative::Workspace<double>& work, double t
 std::string BodyValidity::warning() const {
   std::string what, remedy;
   const auto add = [&](const std::string& text, double value, double limit, double time, const char* helps) {
-    what += fmt::format("{}{} {:.3g} % (at most {:g} %; first at t = {:.4g} s)", what.empty() ? "" : ", ",
-                        text, 100 * value, 100 * limit, time);
+    const std::string size = value > 10 ? "over 1000 %" : fmt::format("{:.3g} %", 100 * value);
+    what += fmt::format("{}{} {} (limit {:g} %, from t = {:.4g} s on)", what.empty() ? "" : ", ", text, size,
+                        100 * limit, time);
     if (remedy.find(helps) == std::string::npos)
       remedy += (remedy.empty() ? "" : ", and ") + std::string(helps);
   };
@@ -415,9 +447,9 @@ std::string BodyValidity::warning() const {
   if (!piece_ && passed_.compression >= 0)
     add("compression over buckling load", worst_.compression.value, validity_limit::load, passed_.compression,
         nonlinear);
-  if (!piece_ && worst_.high_modes.value > validity_limit::high_modes)
+  if (!piece_ && passed_.high_modes >= 0)
     add("elastic energy in the highest modes", worst_.high_modes.value, validity_limit::high_modes,
-        worst_.high_modes.time, "more `dynamic_modes`");
+        passed_.high_modes, "more `dynamic_modes`");
   if (what.empty()) return {};
   return fmt::format("body '{}' is beyond {} theory: {}; use {}", worst_.body,
                      second_order_ ? "second-order" : "linear", what, remedy);

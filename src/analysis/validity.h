@@ -28,10 +28,11 @@ constexpr double foreshortening = 0.005;
 /// one also where joints hold the body otherwise: of a rod with two hinges the linear description in the
 /// tangent frame misses three times load over (pinned) buckling load, which is three quarters of this ratio.
 constexpr double load = 0.2;
-/// Share of the highest third of the dynamic modes in the elastic energy: from half on the body moves mostly
-/// in shapes beyond which there are none. (Bodies that are set free or struck have a fifth of it there for a
-/// while, rightly.) Pieces of a beam hand on from one to the next, so that a single one's share says nothing.
-constexpr double high_modes = 0.5;
+/// Largest elastic energy of the highest third of the dynamic modes over the largest of all: what the missing
+/// modes would hold is then no longer small. Under loads that change slowly the energies of a series fall as
+/// the square of the frequency at least; a tenth in the last mode says that they do not. Pieces of a beam
+/// hand on from one to the next, so that a single one's share says nothing.
+constexpr double high_modes = 0.1;
 }  // namespace validity_limit
 
 /// Bodies of second order know of loads and shortening, and pieces of a beam that brackets join share them in
@@ -61,7 +62,7 @@ class BodyValidity {
   };
   /// When a measure passed its limit first; negative: never.
   struct Passed {
-    double deflection = -1, foreshortening = -1, compression = -1, tension = -1;
+    double deflection = -1, foreshortening = -1, compression = -1, tension = -1, high_modes = -1;
   };
   void add_points(const ReducedBody& body);
   void add_lines(const ReducedBody& body);
