@@ -26,9 +26,14 @@ constexpr double area = pi / 4 * diameter * diameter,
 constexpr double bending = young * inertia;
 constexpr double buckling_load = pi * pi * bending / (4 * length * length);
 
-/// `joints` and more; `modes` of the bar.
+const std::string both_planes =
+    "static_modes: [{node: tip, along: [0, 1, 0]}, {node: tip, along: [0, 0, 1]}]\n      dynamic_modes: 4";
+const std::string one_plane =
+    "planar: [0, 1, 0]\n      static_modes: [{node: tip, along: [0, 0, 1]}]\n      dynamic_modes: 3";
+
+/// With the given joints and whatever else.
 std::shared_ptr<const Model> cantilever(const std::string& gravity, const std::string& more,
-                                        const std::string& modes = "dynamic_modes: 4") {
+                                        const std::string& modes = both_planes) {
   return model_of("gravity: " + gravity + R"(
 materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
 sections: {round: {type: round, diameter: 0.01}}
@@ -41,7 +46,6 @@ bodies:
       nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
       bars: {bar: {from: root, to: tip, elements: 20}}
       clamped: [root]
-      static_modes: [{node: tip, along: [0, 1, 0]}, {node: tip, along: [0, 0, 1]}]
       )" + modes + "\n" +
                   more);
 }
@@ -104,10 +108,7 @@ TEST(Validity, a_fast_blade_is_stiffened) {
 TEST(Validity, a_large_end_load_bends_too_far) {
   const auto bent = [](double share) {
     const double force = share * 3 * bending / (length * length);
-    return Simulation(
-        Model::compile(parse_model("mimbre: 1\ntitle: bent\ninitial: equilibrium\n" +
-                                       cantilever("[0, 0, 0]", end_load(0, force))->spec().text.substr(22),
-                                   "test.yaml", ".")));
+    return Simulation(cantilever("[0, 0, 0]", end_load(0, force) + "initial: equilibrium\n"));
   };
   const Simulation far = bent(0.2);
   const Validity v = far.validity().at(0);
@@ -117,6 +118,22 @@ TEST(Validity, a_large_end_load_bends_too_far) {
   EXPECT_THAT(far.warnings(),
               ElementsAre(AllOf(HasSubstr("deflection"), HasSubstr("20 %"), HasSubstr("shortening"))));
   EXPECT_THAT(bent(0.05).warnings(), IsEmpty());
+}
+
+/// States in which one of the user's modes moves alone: the last of three dynamic ones is a high one.
+TEST(Validity, energy_in_the_highest_mode_of_a_series) {
+  const auto model = cantilever("[0, 0, 0]", held, one_plane);
+  const ReducedBody& body = *model->spec().bodies.at(0).flexible;
+  ASSERT_EQ(body.modes, 4);  // static, three dynamic
+  const Eigen::MatrixXd modal = body.user_from_modal.inverse();
+  for (int mode = 0; mode < 4; ++mode) {
+    Simulation s(model);
+    Simulation::Snapshot state = s.save();
+    state.q = 1e-4 * modal.col(mode) / modal.col(mode).norm();
+    s.restore(state);
+    EXPECT_NEAR(s.validity().at(0).high_modes.value, mode == 3 ? 1 : 0, 1e-9) << mode;
+    EXPECT_EQ(s.warnings().size(), mode == 3 ? 1u : 0u);
+  }
 }
 
 /// With as many modes across as along, the higher of two is the first of its plane: nothing is said of it.
