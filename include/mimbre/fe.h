@@ -61,7 +61,8 @@ enum class Stiffening {
   linear,
   foreshortening,  ///< bending shortens the beam: displacements quadratic in the amplitudes (4.19–4.35)
   nonlinear_stiffness_1,  ///< strain energy with the term ½∫EA u'v'² (4.5, 4.11)
-  nonlinear_stiffness_2   ///< and with ⅛∫EA v'⁴
+  nonlinear_stiffness_2,  ///< and with ⅛∫EA v'⁴
+  geometric_stiffness  ///< stiffness by prestress: of inertia, gravity and boundary forces (GeometricStiffness)
 };
 
 struct ReductionOptions {
@@ -76,6 +77,7 @@ struct ReductionOptions {
   /// Nonlinear stiffness: the published force, which lacks what bending does on axial modes, instead of the
   /// gradient of the strain energy; that of nonlinear_stiffness_1 has no lower bound and diverges.
   bool published_force = false;
+  BoundaryRotation boundary_rotation = BoundaryRotation::exponential;
 };
 
 /// A node that becomes a frame of the reduced body, with its axes.
@@ -89,6 +91,17 @@ struct NodeFrame {
 /// orthogonal. Throws std::invalid_argument naming what is wrong (no clamped node, dependent boundary dofs,
 /// singular Kii, more modes than dofs).
 ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std::vector<NodeFrame>& frames);
+
+struct AncfOptions {
+  int clamped_node = 0;  ///< the body frame moves with it and with the direction of its slope
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane in which the beam moves, body axes
+  double stiffness_damping = 0;                       ///< s
+};
+
+/// A straight beam in a plane by absolute nodal coordinates (AncfBeam): no modes are chosen, the amplitudes
+/// are the nodes'. Throws std::invalid_argument when the mesh is not one line of bars that is clamped at one
+/// end, or does not lie in the plane.
+ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames);
 
 /// Lowest `count` eigenfrequencies (rad/s, ascending) of the mesh with the given nodes clamped (sparse
 /// shift-invert). Rigid-body modes of a free mesh come out as zeros.

@@ -48,6 +48,50 @@ struct SecondOrder {
   Eigen::MatrixXd mesh_shapes;                 ///< of MeshInertia, dofs × extended; empty without a mesh
 };
 
+/// Geometric stiffness of the prestressed body by the loads that prestress it, each in proportion: a force
+/// −(Σ s_l K_l) y on the amplitudes, s_l the load's present value. Stress that loads cause through rigid motion
+/// of the body needs no mode that stretches (Wallrapp, Schwertassek 1991, SID's Ge and ksigma). The body's
+/// elastic energy has no such term, and the motion of the body frame does not feel it.
+struct GeometricStiffness {
+  /// Numbers of the loads of inertia and gravity, body axes: products ωx², ωy², ωz², ωxωy, ωyωz, ωxωz of the
+  /// body frame's angular velocity (a mixed product stands once for both orders, s = ωx ωy), components of the
+  /// acceleration of its origin minus gravity, of its angular acceleration.
+  static constexpr int angular_velocity = 0, acceleration = 6, angular_acceleration = 9;
+  /// Number of the first boundary load: load boundary + r is row r of `boundary_loads` times y.
+  static constexpr int boundary = 12;
+
+  std::vector<int> loads;                  ///< ascending; those that are missing stiffen nothing
+  std::vector<Eigen::MatrixXd> stiffness;  ///< one for each of `loads`: modes × modes, symmetric
+  Eigen::MatrixXd boundary_loads;          ///< elastic forces (N, N m) by amplitudes: count × modes
+};
+
+/// How a frame turns by its small rotations θ = X_theta y (Lugrís 2008, 2.11, 4.2). All but the first are
+/// there for comparison: `successive` is singular at a quarter turn, `infinitesimal` is no rotation.
+enum class BoundaryRotation {
+  exponential,   ///< exp(θ~)
+  successive,    ///< about x, then the turned y, then the turned z
+  infinitesimal  ///< I + θ~
+};
+
+/// A beam in a plane by absolute nodal coordinates (Shabana 1997; Gerstmayr, Irschik 2008): the amplitudes are
+/// displacements and changes of slope at nodes, in the axes of the first node, so that the inertia is linear
+/// in them and all of its integrals are exact; the elastic forces are those of any deflection. A frame's
+/// X_theta gives the change of slope, and its axes turn with the slope.
+struct AncfBeam {
+  Eigen::Vector3d along = Eigen::Vector3d::UnitX();   ///< the straight undeformed axis, body axes
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane; across = normal × along
+  struct Element {
+    /// Amplitude of: displacement along and across, change of slope along and across, of the first node, then
+    /// of the second; -1: zero.
+    std::array<int, 8> amplitudes{};
+    double length = 0;   ///< m
+    double axial = 0;    ///< EA, N
+    double bending = 0;  ///< EI, N m²
+  };
+  std::vector<Element> elements;
+  double stiffness_damping = 0;  ///< s: strain rates act like this many seconds of strain
+};
+
 /// All that dynamics knows of a flexible body, wherever it comes from. SI units, body axes throughout.
 /// Modes are mass- and stiffness-orthogonal when `make_orthogonal` was applied (built-in bodies always are).
 struct ReducedBody {
@@ -67,6 +111,7 @@ struct ReducedBody {
   Eigen::MatrixXd damping;      ///< modes × modes
 
   std::vector<BodyFrame> frames;
+  BoundaryRotation boundary_rotation = BoundaryRotation::exponential;
 
   /// user amplitudes = user_from_modal * y; identity until make_orthogonal is applied.
   Eigen::MatrixXd user_from_modal;
@@ -79,6 +124,8 @@ struct ReducedBody {
   double line_radius = 0.01;  ///< m, for drawing
 
   std::optional<SecondOrder> second_order;  ///< absent: linear in the amplitudes
+  std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen
+  std::optional<AncfBeam> ancf;  ///< present: elastic forces are its own; `stiffness` is that at y = 0
   std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only
 
   /// Index of a frame by name, -1 when there is none.

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "dynamics/amplitudes.h"
+#include "dynamics/elasticity.h"
+#include "dynamics/geometric.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/forces.h"
 #include "dynamics/relative/kinematics.h"
@@ -76,7 +78,8 @@ EnergyMeter::EnergyMeter(const Compiled& m)
       load_force_(m.loads.size()),
       load_power_(m.loads.size()),
       damping_force_(Eigen::VectorXd::Zero(m.velocities)),
-      modal_(Eigen::VectorXd::Zero(m.velocities)) {}
+      modal_(Eigen::VectorXd::Zero(m.velocities)),
+      geometric_force_(Eigen::VectorXd::Zero(m.velocities)) {}
 
 void EnergyMeter::start(relative::RelativeSystem& system, const State& s) {
   balance_ = {};
@@ -92,6 +95,23 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
   balance_.numerical = balance_.total() - start_total_ - balance_.drive_work - balance_.load_work -
                        balance_.road_work + balance_.dissipated;
   last_input_ = balance_.numerical - before;
+}
+
+/// Energy ½ yᵀ K_G y at the present loads, and what their change put in since the last step: as the work of
+/// K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. `first`: the velocity coordinate of
+/// the first amplitude, `forces`: scratch.
+void EnergyMeter::observe_geometric(const GeometricData& g, const relative::Motion<double>& motion, int first,
+                                    const double* y, double* forces) {
+  const Mat3d to_body = motion.rotation.transpose();
+  std::fill(forces, forces + g.stiffness.cols(), 0.0);
+  geometric::add_forces<double>(
+      g, {to_body * motion.omega, to_body * motion.acceleration, to_body * motion.alpha}, y, forces);
+  for (int k = 0; k < g.modes; ++k) {
+    balance_.elastic += 0.5 * forces[k] * y[k];
+    if (started_)
+      balance_.load_work += 0.5 * (forces[k] * modal_[first + k] - geometric_force_[first + k] * y[k]);
+    geometric_force_[first + k] = forces[k];
+  }
 }
 
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
@@ -123,14 +143,22 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
       relative::copy_modes(b, s.q.data() + b.q + b.joint_positions, f.stride, y);
       relative::copy_modes(b, s.v.data() + b.v + b.joint_velocities, f.stride, yd);
       extend(f, y);
+      double* forces = yd + f.stride;
+      std::fill(forces, forces + f.stride, 0.0);
+      if (!f.ancf.empty()) {
+        ancf::add_forces(f, 0, 1, y, yd, forces);
+        e.elastic += ancf::energy(f, y);
+      }
+      if (!f.geometric.empty())
+        observe_geometric(f.geometric, w.bodies[i], b.v + b.joint_velocities, y, forces + f.stride);
       double work = 0;
       for (int k = 0; k < f.modes; ++k) {
         first += y[k] * inertia.S.col(k);
-        double elastic = 0, damping = 0;
+        double elastic = 0, damping = forces[k];
         if (f.diagonal_stiffness) {
           elastic = f.stiffness(k, k) * y[k];
           damping = f.damping(k, k) * yd[k];
-        } else {
+        } else if (f.ancf.empty()) {
           for (int l = 0; l < f.modes; ++l) {
             elastic += f.stiffness(l, k) * y[l];
             damping += f.damping(l, k) * yd[l];

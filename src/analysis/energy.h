@@ -8,13 +8,14 @@ namespace mimbre {
 struct EnergyBalance {
   double kinetic = 0;
   double gravitational = 0;  ///< zero where the masses are at the global origin's height
-  double elastic = 0;        ///< strain energy of the flexible bodies
+  double elastic = 0;        ///< strain energy of the flexible bodies, with ½ yᵀ K_G y of geometric stiffness
   double springs =
       0;  ///< potential of elastic spring laws, zero at the assembled length, and of joint springs
   double tyres = 0;
   double dissipated = 0;  ///< dampers and modal damping
   double drive_work = 0;  ///< by driven joints on the mechanism
-  double load_work = 0;   ///< by loads and by spring forces given as expressions
+  double load_work = 0;   ///< by loads and by spring forces given as expressions, and what the changing stress
+                          ///< of bodies with geometric stiffness puts into ½ yᵀ K_G y
   double road_work = 0;   ///< by the road's height changing under the tyres
   double numerical = 0;   ///< what the numerics fed in: total − start − works + dissipated
 
@@ -49,6 +50,8 @@ class EnergyMeter {
     double length = 0, force = 0, damping = 0, general = 0;
   };
   void observe(relative::RelativeSystem& system, const State& state);
+  void observe_geometric(const GeometricData& geometric, const relative::Motion<double>& motion, int first,
+                         const double* y, double* forces);
 
   const Compiled* model_;
   EnergyBalance balance_;
@@ -60,7 +63,7 @@ class EnergyMeter {
       drive_position_, drive_force_;
   std::vector<Eigen::Vector3d> load_position_, load_force_;
   std::vector<double> load_power_;
-  Eigen::VectorXd damping_force_, modal_;
+  Eigen::VectorXd damping_force_, modal_, geometric_force_;
   double time_ = 0;
 };
 

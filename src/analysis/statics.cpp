@@ -40,6 +40,7 @@ StaticsStatus find_equilibrium(System& system, State& s) {
   }
   // Typical force of a coordinate, to make residuals comparable.
   const double weight = std::max(1e-12, (mass.diagonal().cwiseAbs().maxCoeff() + 1e-6) * 9.81);
+  double round_off = 0;  // of elastic forces
   double tau = 0.05, previous = r.norm();
   for (status.iterations = 0; status.iterations < 400; ++status.iterations) {
     // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
@@ -53,7 +54,7 @@ StaticsStatus find_equilibrium(System& system, State& s) {
     const double norm = r.norm();
     status.residual = n == 0 ? 0 : r.cwiseAbs().maxCoeff();
     if (!std::isfinite(norm)) return status;
-    const bool balanced = status.residual < 1e-8 * weight;
+    const bool balanced = status.residual < std::max(1e-8 * weight, round_off);
     if (status.iterations > 0)
       tau = std::clamp(tau * (balanced ? 10.0 : std::clamp(previous / std::max(norm, 1e-300), 0.5, 10.0)),
                        1e-3, 100.0);
@@ -70,6 +71,7 @@ StaticsStatus find_equilibrium(System& system, State& s) {
       tangent.col(k) += (plus - forces(q_try, zero)) / (2 * eps);
       unit[k] = 0;
     }
+    round_off = 1e-15 * (tangent - mass / (tau * tau)).cwiseAbs().maxCoeff();
     // Along the motions that the constraints leave: x = N z, Φz N = 0.
     MatrixXd motions = MatrixXd::Identity(n, n);
     if (m > 0) {

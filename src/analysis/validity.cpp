@@ -261,6 +261,7 @@ BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
   if (!second_order_ && !body.lines.empty()) {
     add_lines(body);
     add_loads(m, body);
+    if (body.geometric) leave_out_known_loads(*body.geometric);
   }
   values_.setZero(functionals_.rows());
 }
@@ -360,6 +361,12 @@ void BodyValidity::add_loads(const Compiled& m, const ReducedBody& body) {
   }
 }
 
+void BodyValidity::leave_out_known_loads(const GeometricStiffness& known) {
+  feels_stress_ = true;
+  if (load_coefficients_.size() > 0) load_coefficients_.leftCols<12>().setZero();
+  if (known.boundary_loads.rows() > 0) load_coefficients_.resize(0, 0);
+}
+
 double BodyValidity::squares(Range range) const {
   return values_.segment(range.first, range.last - range.first).squaredNorm();
 }
@@ -436,6 +443,7 @@ std::string BodyValidity::warning() const {
   const char* nonlinear = piece_          ? "more `substructures`"
                           : second_order_ ? "`substructures`"
                                           : "`stiffening: foreshortening` or `substructures`";
+  const char* stressed = feels_stress_ ? "`static_modes` along the bars where forces act" : nonlinear;
   if (passed_.deflection >= 0)
     add("deflection over length", worst_.deflection.value, deflection_limit_, passed_.deflection, nonlinear);
   if (!piece_ && passed_.foreshortening >= 0)
@@ -443,10 +451,10 @@ std::string BodyValidity::warning() const {
         passed_.foreshortening, nonlinear);
   if (!piece_ && passed_.tension >= 0)
     add("stiffening by rotation or tension", worst_.tension.value, validity_limit::load, passed_.tension,
-        nonlinear);
+        stressed);
   if (!piece_ && passed_.compression >= 0)
     add("compression over buckling load", worst_.compression.value, validity_limit::load, passed_.compression,
-        nonlinear);
+        stressed);
   if (!piece_ && passed_.high_modes >= 0)
     add("elastic energy in the highest modes", worst_.high_modes.value, validity_limit::high_modes,
         passed_.high_modes, "more `dynamic_modes`");
@@ -457,7 +465,7 @@ std::string BodyValidity::warning() const {
 
 ValidityMonitor::ValidityMonitor(const Compiled& m) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b)
-    if (m.bodies[b].modes > 0) bodies_.emplace_back(m, static_cast<int>(b));
+    if (m.bodies[b].modes > 0 && m.flexible[m.bodies[b].flexible].ancf.empty()) bodies_.emplace_back(m, static_cast<int>(b));
 }
 
 void ValidityMonitor::start() {

@@ -37,7 +37,8 @@ constexpr double high_modes = 0.1;
 
 /// Bodies of second order know of loads and shortening, and pieces of a beam that brackets join share them in
 /// a way that no piece sees alone: the former warn of deflection and high modes only, the latter of
-/// deflection.
+/// deflection. Geometric stiffness stands for the loads it knows, but displacements stay linear: those bodies
+/// warn of deflection and shortening, and of forces on frames where no static mode feels them.
 
 /// Measures of one body that are sums of squares of linear functions of its amplitudes, and those that are
 /// linear in its acceleration and in the forces on it. Made once.
@@ -68,13 +69,15 @@ class BodyValidity {
   void add_lines(const ReducedBody& body);
   void add_energies(const ReducedBody& body);
   void add_loads(const Compiled& model, const ReducedBody& body);
+  /// Geometric stiffness knows of stress by inertia and gravity, and of forces where static modes bear them.
+  void leave_out_known_loads(const GeometricStiffness& known);
   Range add_rows(const Eigen::MatrixXd& rows);
   Range add_form(const Eigen::MatrixXd& form);
   double squares(Range range) const;
 
   int body_ = 0, first_amplitude_ = 0, modes_ = 0, first_frame_ = 0, last_frame_ = 0, own_frame_ = 0;
   double length_ = 0, deflection_limit_ = validity_limit::deflection;
-  bool second_order_ = false, piece_ = false;
+  bool second_order_ = false, piece_ = false, feels_stress_ = false;
   Eigen::MatrixXd functionals_;  ///< rows × modes
   Eigen::VectorXd values_;       ///< functionals times amplitudes
   Range points_;                 ///< three rows each

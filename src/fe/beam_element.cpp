@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "reduction/gauss.h"
+
 namespace mimbre::fe {
 namespace {
 
@@ -132,6 +134,21 @@ Matrix12 element_mass(const BeamElement& element, double length) {
 
 double polar_inertia(const BeamElement& element) {
   return element.material.density * (element.section.Iy + element.section.Iz);
+}
+
+Matrix12 element_geometric_stiffness(const AxialForce& force, double length) {
+  Eigen::Matrix4d bending = Eigen::Matrix4d::Zero();
+  for (const GaussPoint& g : gauss4) {
+    const double x = g.xi;
+    const Eigen::Vector4d slope{6 * (x * x - x) / length, 1 - 4 * x + 3 * x * x, 6 * (x - x * x) / length,
+                                3 * x * x - 2 * x};
+    const double tension = force[0] + x * (force[1] + x * force[2]);
+    bending += (g.weight * length * tension) * slope * slope.transpose();
+  }
+  Matrix12 k = Matrix12::Zero();
+  add_bending(k, bending, kBendingXY, 1);
+  add_bending(k, bending, kBendingXZ, -1);
+  return k;
 }
 
 Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3d& axes) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 
 #include "mimbre/fe.h"
 
@@ -29,6 +30,13 @@ Matrix12 element_mass(const BeamElement& element, double length);
 
 /// Polar mass inertia of the section per length, ρ(Iy + Iz).
 double polar_inertia(const BeamElement& element);
+
+/// An axial force (tension positive) along the element: N(ξ) = Σ coefficients[k] ξ^k, N.
+using AxialForce = std::array<double, 3>;
+
+/// ∫ N (v'² + w'²) ds in element dofs: the geometric stiffness of a tie with the cubic displacements
+/// (Przemieniecki 1968, 15.3, for constant N).
+Matrix12 element_geometric_stiffness(const AxialForce& force, double length);
 
 /// Element dofs = transformation · nodal dofs (body axes): the rigid offsets, then the element's axes.
 Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3d& axes);

@@ -79,13 +79,13 @@ StepStatus IndexThree::step(State& s) {
       continue;
     }
     if (iteration == 0 && options_.rule == IntegratorOptions::Rule::newmark &&
-        system_.tangent_changed(weights_)) {
+        system_.tangent_changed(q.data(), weights_)) {
       // Into an impact, or out of it: Newmark's accelerations ring there and, extrapolated, can lead to
       // another, absurd solution of the step.
       motion_.predict_velocities(s);
       continue;
     }
-    const bool fresh = refactor || system_.tangent_changed(weights_);
+    const bool fresh = refactor || system_.tangent_changed(q.data(), weights_);
     if (fresh) {
       mixing_.reset();
       const linalg::FactorStatus f = system_.factor(q.data(), weights_);

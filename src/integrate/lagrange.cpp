@@ -62,7 +62,7 @@ StepStatus LagrangeStepper::step(State& s) {
       status.coordinate = bad;
       return fail(StepCode::not_finite);
     }
-    const bool fresh = newton.refactor || system_.tangent_changed(weights_);
+    const bool fresh = newton.refactor || system_.tangent_changed(motion_.q.data(), weights_);
     if (fresh) {
       mixing_.reset();
       dense_.assemble(motion_.q.data(), weights_);

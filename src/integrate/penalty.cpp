@@ -56,7 +56,7 @@ StepStatus PenaltyStepper::step(State& s) {
       motion_.x.setZero();
       continue;
     }
-    const bool fresh = newton.refactor || system_.tangent_changed(weights_);
+    const bool fresh = newton.refactor || system_.tangent_changed(motion_.q.data(), weights_);
     if (fresh) {
       mixing_.reset();
       const linalg::FactorStatus f = system_.factor(motion_.q.data(), weights_);

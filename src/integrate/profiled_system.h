@@ -48,8 +48,8 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.matrix);
     system_.dense_matrix(q, weights, out);
   }
-  bool tangent_changed(const MatrixWeights& weights) const override {
-    return system_.tangent_changed(weights);
+  bool tangent_changed(const double* q, const MatrixWeights& weights) const override {
+    return system_.tangent_changed(q, weights);
   }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override {
     const Timer timer(seconds_.solution);

@@ -46,7 +46,7 @@ class System {
   virtual void dense_matrix(const double* q, const MatrixWeights& weights, double* out) = 0;
   /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
   /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
-  virtual bool tangent_changed(const MatrixWeights& weights) const = 0;
+  virtual bool tangent_changed(const double* q, const MatrixWeights& weights) const = 0;
   /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
   /// x.
   virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;

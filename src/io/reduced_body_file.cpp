@@ -201,8 +201,62 @@ void write_mesh(hid_t file, const MeshInertia& mesh) {
   write_matrix(group, "shapes", mesh.shapes.transpose());
 }
 
+/// S, S_position and S_modes, of the modes or of the extended amplitudes.
+template <typename Body>
+void write_integrals(hid_t place, const Body& body) {
+  const auto modes = static_cast<hsize_t>(body.S.cols());
+  write_matrix(place, "S", body.S);
+  std::vector<double> positions;
+  std::vector<double> pairs;
+  for (int i = 0; i < 3; ++i) {
+    append_rows(positions, body.S_position[i]);
+    for (int j = 0; j < 3; ++j) append_rows(pairs, body.S_modes[i][j]);
+  }
+  write_doubles(place, "S_position", {3, 3, modes}, positions);
+  write_doubles(place, "S_modes", {3, 3, modes, modes}, pairs);
+}
+
+/// modes × nodes × 3: the transpose of the matrix, whose rows run over nodes, then directions.
+void write_node_shapes(hid_t place, const Eigen::MatrixXd& node_shapes) {
+  std::vector<double> shapes;
+  append_rows(shapes, node_shapes.transpose());
+  write_doubles(
+      place, "node_shapes",
+      {static_cast<hsize_t>(node_shapes.cols()), static_cast<hsize_t>(node_shapes.rows() / 3), 3}, shapes);
+}
+
+/// Matrices of the same shape one after the other.
+template <typename Matrices>
+void write_stack(hid_t place, const std::string& name, const Matrices& matrices, Eigen::Index rows,
+                 Eigen::Index columns) {
+  std::vector<double> buffer;
+  for (const auto& matrix : matrices) append_rows(buffer, matrix);
+  write_doubles(place, name,
+                {matrices.size(), static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)}, buffer);
+}
+
+void write_geometric_stiffness(hid_t file, const GeometricStiffness& geometric) {
+  const Handle group = create_group(file, "geometric_stiffness");
+  write_integers(group, "loads", {geometric.loads.size()}, {geometric.loads.begin(), geometric.loads.end()});
+  const Eigen::Index modes = geometric.boundary_loads.cols();
+  write_stack(group, "stiffness", geometric.stiffness, modes, modes);
+  write_matrix(group, "boundary_loads", geometric.boundary_loads);
+}
+
+void write_second_order(hid_t file, const SecondOrder& second) {
+  const Handle group = create_group(file, "second_order");
+  std::vector<std::int32_t> products;
+  for (const auto& product : second.products) products.insert(products.end(), product.begin(), product.end());
+  write_integers(group, "products", {second.products.size(), 2}, products);
+  write_integrals(group, second);
+  write_matrix(group, "mass_matrix", second.mass_matrix);
+  write_matrix(group, "stiffness", second.stiffness);
+  write_stack(group, "frame_shapes", second.frame_shapes, 3, second.S.cols());
+  write_node_shapes(group, second.node_shapes);
+  if (second.mesh_shapes.size() > 0) write_matrix(group, "mesh_shapes", second.mesh_shapes.transpose());
+}
+
 void write_body(hid_t file, const ReducedBody& body) {
-  const auto modes = static_cast<hsize_t>(body.modes);
   write_text_attribute(file, "format", kFormat);
   write_text_attribute(file, "name", body.name);
   write_attribute(file, "modes", H5T_STD_I32LE, H5T_NATIVE_INT, &body.modes);
@@ -211,29 +265,20 @@ void write_body(hid_t file, const ReducedBody& body) {
   write_texts(file, "mode_names", body.mode_names);
   write_matrix(file, "first_moment", body.first_moment);
   write_matrix(file, "second_moment", body.second_moment);
-  write_matrix(file, "S", body.S);
-  std::vector<double> positions;
-  std::vector<double> pairs;
-  for (int i = 0; i < 3; ++i) {
-    append_rows(positions, body.S_position[i]);
-    for (int j = 0; j < 3; ++j) append_rows(pairs, body.S_modes[i][j]);
-  }
-  write_doubles(file, "S_position", {3, 3, modes}, positions);
-  write_doubles(file, "S_modes", {3, 3, modes, modes}, pairs);
+  write_integrals(file, body);
   write_matrix(file, "mass_matrix", body.mass_matrix);
   write_matrix(file, "stiffness", body.stiffness);
   write_matrix(file, "damping", body.damping);
   write_matrix(file, "user_from_modal", body.user_from_modal);
   write_matrix(file, "eigenfrequencies", body.eigenfrequencies);
   write_matrix(file, "nodes", body.nodes.transpose());
-  // modes × nodes × 3: the transpose of the matrix, whose rows run over nodes, then directions
-  std::vector<double> shapes;
-  append_rows(shapes, body.node_shapes.transpose());
-  write_doubles(file, "node_shapes", {modes, static_cast<hsize_t>(body.nodes.cols()), 3}, shapes);
+  write_node_shapes(file, body.node_shapes);
   write_lines(file, body.lines);
   const Handle frames = create_group(file, "frames");
   for (std::size_t k = 0; k < body.frames.size(); ++k) write_frame(frames, std::to_string(k), body.frames[k]);
   if (body.mesh_inertia) write_mesh(file, *body.mesh_inertia);
+  if (body.geometric) write_geometric_stiffness(file, *body.geometric);
+  if (body.second_order) write_second_order(file, *body.second_order);
 }
 
 // ----------------------------------------------------------------------------------------------------
@@ -431,6 +476,77 @@ MeshInertia read_mesh(hid_t file, Eigen::Index nodes, Eigen::Index modes) {
   }
 }
 
+template <typename Body>
+void read_integrals(hid_t place, Eigen::Index n, Body& body) {
+  const auto modes = static_cast<hsize_t>(n);
+  body.S = read_matrix(place, "S", 3, modes);
+  const std::vector<double> positions = read_doubles(place, "S_position", {3, 3, modes});
+  const std::vector<double> pairs = read_doubles(place, "S_modes", {3, 3, modes, modes});
+  for (int i = 0; i < 3; ++i) {
+    body.S_position[i] = from_rows(positions.data() + 3 * n * i, 3, n);
+    for (int j = 0; j < 3; ++j) body.S_modes[i][j] = from_rows(pairs.data() + n * n * (3 * i + j), n, n);
+  }
+}
+
+Eigen::MatrixXd read_node_shapes(hid_t place, Eigen::Index modes, Eigen::Index points) {
+  const std::vector<double> shapes =
+      read_doubles(place, "node_shapes", {static_cast<hsize_t>(modes), static_cast<hsize_t>(points), 3});
+  return from_rows(shapes.data(), modes, 3 * points).transpose();
+}
+
+/// What write_stack wrote.
+template <typename Matrix>
+std::vector<Matrix> read_stack(hid_t place, const std::string& name, std::size_t count, Eigen::Index rows,
+                               Eigen::Index columns) {
+  const std::vector<double> data =
+      read_doubles(place, name, {count, static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)});
+  std::vector<Matrix> matrices;
+  for (std::size_t k = 0; k < count; ++k)
+    matrices.push_back(
+        from_rows(data.data() + static_cast<Eigen::Index>(k) * rows * columns, rows, columns));
+  return matrices;
+}
+
+GeometricStiffness read_geometric_stiffness(hid_t file, Eigen::Index modes) {
+  const Handle group = open_group(file, "geometric_stiffness");
+  try {
+    GeometricStiffness geometric;
+    geometric.loads = read_numbers<int>(group, "loads", {kAny}, H5T_NATIVE_INT).first;
+    geometric.stiffness =
+        read_stack<Eigen::MatrixXd>(group, "stiffness", geometric.loads.size(), modes, modes);
+    const auto [rows, shape] = read_numbers<double>(
+        group, "boundary_loads", {kAny, static_cast<hsize_t>(modes)}, H5T_NATIVE_DOUBLE);
+    geometric.boundary_loads = from_rows(rows.data(), static_cast<Eigen::Index>(shape[0]), modes);
+    return geometric;
+  } catch (const FileProblem& problem) {
+    throw FileProblem(fmt::format("group 'geometric_stiffness': {}", problem.what()));
+  }
+}
+
+/// Of a body whose frames, nodes and mesh are known.
+SecondOrder read_second_order(hid_t file, const ReducedBody& body) {
+  const Handle group = open_group(file, "second_order");
+  try {
+    SecondOrder second;
+    const auto [products, shape] = read_numbers<int>(group, "products", {kAny, 2}, H5T_NATIVE_INT);
+    for (hsize_t k = 0; k < shape[0]; ++k) second.products.push_back({products[2 * k], products[2 * k + 1]});
+    const Eigen::Index n = body.modes + static_cast<Eigen::Index>(shape[0]);
+    const auto extended = static_cast<hsize_t>(n);
+    read_integrals(group, n, second);
+    second.mass_matrix = read_matrix(group, "mass_matrix", extended, extended);
+    second.stiffness = read_matrix(group, "stiffness", extended, extended);
+    second.frame_shapes = read_stack<Eigen::Matrix3Xd>(group, "frame_shapes", body.frames.size(), 3, n);
+    second.node_shapes = read_node_shapes(group, n, body.nodes.cols());
+    if (body.mesh_inertia)
+      second.mesh_shapes =
+          read_matrix(group, "mesh_shapes", extended, static_cast<hsize_t>(body.mesh_inertia->mass.rows()))
+              .transpose();
+    return second;
+  } catch (const FileProblem& problem) {
+    throw FileProblem(fmt::format("group 'second_order': {}", problem.what()));
+  }
+}
+
 ReducedBody read_body(hid_t file) {
   if (const std::string format = read_text_attribute(file, "format"); format != kFormat)
     throw FileProblem(fmt::format("its format is '{}', expected '{}'", format, kFormat));
@@ -447,13 +563,7 @@ ReducedBody read_body(hid_t file) {
   body.mode_names = read_texts(file, "mode_names", modes);
   body.first_moment = Eigen::Vector3d(read_doubles(file, "first_moment", {3}).data());
   body.second_moment = read_matrix(file, "second_moment", 3, 3);
-  body.S = read_matrix(file, "S", 3, modes);
-  const std::vector<double> positions = read_doubles(file, "S_position", {3, 3, modes});
-  const std::vector<double> pairs = read_doubles(file, "S_modes", {3, 3, modes, modes});
-  for (int i = 0; i < 3; ++i) {
-    body.S_position[i] = from_rows(positions.data() + 3 * n * i, 3, n);
-    for (int j = 0; j < 3; ++j) body.S_modes[i][j] = from_rows(pairs.data() + n * n * (3 * i + j), n, n);
-  }
+  read_integrals(file, n, body);
   body.mass_matrix = read_matrix(file, "mass_matrix", modes, modes);
   body.stiffness = read_matrix(file, "stiffness", modes, modes);
   body.damping = read_matrix(file, "damping", modes, modes);
@@ -464,11 +574,12 @@ ReducedBody read_body(hid_t file) {
   const auto [nodes, nodes_shape] = read_numbers<double>(file, "nodes", {kAny, 3}, H5T_NATIVE_DOUBLE);
   const auto points = static_cast<Eigen::Index>(nodes_shape[0]);
   body.nodes = from_rows(nodes.data(), points, 3).transpose();
-  const std::vector<double> shapes = read_doubles(file, "node_shapes", {modes, nodes_shape[0], 3});
-  body.node_shapes = from_rows(shapes.data(), n, 3 * points).transpose();
+  body.node_shapes = read_node_shapes(file, n, points);
   body.lines = read_lines(file);
   body.frames = read_frames(file, modes);
   if (has_link(file, "mesh_inertia")) body.mesh_inertia = read_mesh(file, points, n);
+  if (has_link(file, "geometric_stiffness")) body.geometric = read_geometric_stiffness(file, n);
+  if (has_link(file, "second_order")) body.second_order = read_second_order(file, body);
   return body;
 }
 
@@ -482,11 +593,10 @@ void throw_if_unsound(const ReducedBody& body, const std::string& prefix) {
 
 void save(const ReducedBody& body, const std::string& path) {
   throw_if_unsound(body, fmt::format("cannot save reduced body '{}': ", path));
-  if (body.second_order)
-    throw InputError({},
-                     fmt::format("cannot save reduced body '{}': the format has no place for its terms of "
-                                 "large deflections; reduce it with linear stiffening",
-                                 path));
+  if (body.ancf)
+    throw InputError({}, fmt::format("cannot save reduced body '{}': the format has no place for beams by "
+                                     "absolute nodal coordinates",
+                                     path));
   const SilentErrors silent;
   try {
     const Handle creation = without_times(H5P_FILE_CREATE);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -15,6 +16,36 @@ Rows padded(const Eigen::MatrixXd& m, int stride) {
   Rows rows = Rows::Zero(m.rows(), stride);
   rows.leftCols(m.cols()) = m;
   return rows;
+}
+
+AncfElement ancf_element(const AncfBeam::Element& e) {
+  AncfElement out;
+  out.amplitudes = e.amplitudes;
+  const double L = out.length = e.length;
+  const auto point = [&](double x, double stiffness) {
+    AncfElement::Point p;
+    p.slope = {6 * (x * x - x) / L, 1 - 4 * x + 3 * x * x, 6 * (x - x * x) / L, 3 * x * x - 2 * x};
+    p.curvature = {(12 * x - 6) / (L * L), (6 * x - 4) / L, (6 - 12 * x) / (L * L), (6 * x - 2) / L};
+    p.stiffness = stiffness * L;
+    return p;
+  };
+  // As many strains as ways to deform: three points for stretching (Lobatto) and two for bending (Gauss) keep
+  // the cubic axis from resisting bending by stretching it (Gerstmayr, Irschik 2008).
+  const double third = std::sqrt(1.0 / 12);
+  out.axial = {point(0, e.axial / 6), point(0.5, e.axial * 4 / 6), point(1, e.axial / 6)};
+  out.bending = {point(0.5 - third, e.bending / 2), point(0.5 + third, e.bending / 2)};
+  return out;
+}
+
+GeometricData geometric_data(const GeometricStiffness& body, int modes, int stride) {
+  GeometricData g;
+  g.modes = modes;
+  g.loads = body.loads;
+  g.stiffness = Rows::Zero(static_cast<Eigen::Index>(body.loads.size()) * modes, stride);
+  for (std::size_t k = 0; k < body.loads.size(); ++k)
+    g.stiffness.block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
+  g.boundary_loads = padded(body.boundary_loads, stride);
+  return g;
 }
 
 FlexibleData flexible_data(const ReducedBody& body) {
@@ -52,7 +83,12 @@ FlexibleData flexible_data(const ReducedBody& body) {
   };
   if (n > 0) {
     f.identity_mass = (mass - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9;
-    f.diagonal_stiffness = diagonal(stiffness) && diagonal(body.damping);
+    f.diagonal_stiffness = !body.ancf && diagonal(stiffness) && diagonal(body.damping);
+  }
+  if (body.geometric) f.geometric = geometric_data(*body.geometric, body.modes, s);
+  if (body.ancf) {
+    for (const AncfBeam::Element& e : body.ancf->elements) f.ancf.push_back(ancf_element(e));
+    f.ancf_damping = body.ancf->stiffness_damping;
   }
   return f;
 }
@@ -177,6 +213,13 @@ class Compiler {
     f.X = padded(second ? second->frame_shapes[s.flexible_frame] : r.X, stride);
     f.X_theta = padded(r.X_theta, stride);
     f.turns = !r.X_theta.isZero(0);
+    const ReducedBody& body = *c_.spec.bodies[s.body].flexible;
+    f.turn = static_cast<FrameTurn>(body.boundary_rotation);
+    if (body.ancf) {
+      f.turn = FrameTurn::slope;
+      f.along = body.ancf->along;
+      f.normal = body.ancf->normal;
+    }
     return f;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,28 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 constexpr int pad(int n) { return (n + 7) / 8 * 8; }
 
+/// Gauss points of a planar beam element by absolute nodal coordinates, as weights of its eight amplitudes
+/// along or across: slope and curvature of the deformed axis, stiffness times length.
+struct AncfElement {
+  std::array<int, 8> amplitudes{};  ///< -1: zero
+  double length = 0;
+  struct Point {
+    std::array<double, 4> slope{}, curvature{};  ///< r' − along, r'' per (u, p) of both nodes
+    double stiffness = 0;                        ///< EA or EI times length
+  };
+  std::array<Point, 3> axial;
+  std::array<Point, 2> bending;
+};
+
+/// Geometric stiffness (GeometricStiffness), the matrices one below the other.
+struct GeometricData {
+  int modes = 0;
+  std::vector<int> loads;
+  Rows stiffness;       ///< loads · modes × stride
+  Rows boundary_loads;  ///< count × stride
+  bool empty() const { return loads.empty(); }
+};
+
 /// Constants of a flexible body, mode blocks row-major with `stride` columns (modes padded with zeros).
 struct FlexibleData {
   int modes = 0;       ///< of the blocks below: amplitudes and their products (dynamics/amplitudes.h)
@@ -37,7 +60,14 @@ struct FlexibleData {
   Rows damping;                     ///< stride × stride
   bool identity_mass = false;       ///< Mff = I: modes are orthonormal
   bool diagonal_stiffness = false;  ///< stiffness and damping are diagonal
+  /// Not empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at y = 0.
+  std::vector<AncfElement> ancf;
+  double ancf_damping = 0;  ///< s
+  GeometricData geometric;  ///< empty: stress does not stiffen
 };
+
+/// What X_theta y does to a frame's axes: BoundaryRotation, and the change of slope of an AncfBeam.
+enum class FrameTurn { exponential, successive, infinitesimal, slope };
 
 /// A point with axes on a body; body -1 is the ground.
 struct FrameData {
@@ -46,6 +76,8 @@ struct FrameData {
   Mat3d rotation = Mat3d::Identity();  ///< undeformed frame axes to body axes
   int flexible = -1;                   ///< index of the flexible body's data when modes move the frame
   bool turns = false;                  ///< modes turn the frame too
+  FrameTurn turn = FrameTurn::exponential;
+  Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
   bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
   Rows X, X_theta;   ///< 3 × stride
   int columns = -1;  ///< its column set: velocity of the frame per coordinate of its body

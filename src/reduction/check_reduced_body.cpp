@@ -71,6 +71,49 @@ void check_mesh_sizes(const ReducedBody& body, Report& report) {
     check_sparse("mesh inertia: nodal_mass", mesh.nodal_mass, body.nodes.cols(), report);
 }
 
+void check_geometric_stiffness(const ReducedBody& body, Report& report) {
+  const GeometricStiffness& g = *body.geometric;
+  report.require(!body.second_order && !body.ancf,
+                 "geometric stiffness: a body that knows of large deflections otherwise must not have it too");
+  report.matrix("geometric stiffness: boundary_loads", g.boundary_loads, g.boundary_loads.rows(), body.modes);
+  report.require(g.stiffness.size() == g.loads.size(),
+                 fmt::format("geometric stiffness: there must be one matrix for each of {} loads, there are {}",
+                             g.loads.size(), g.stiffness.size()));
+  const Eigen::Index end = GeometricStiffness::boundary + g.boundary_loads.rows();
+  for (std::size_t k = 0; k < g.loads.size(); ++k) {
+    report.require(g.loads[k] >= 0 && g.loads[k] < end,
+                   fmt::format("geometric stiffness: load {} must be from 0 to {}", g.loads[k], end - 1));
+    report.require(k == 0 || g.loads[k] > g.loads[k - 1],
+                   fmt::format("geometric stiffness: loads must ascend, {} comes late", g.loads[k]));
+  }
+  for (const Eigen::MatrixXd& k : g.stiffness)
+    report.matrix("geometric stiffness: stiffness", k, body.modes, body.modes);
+}
+
+void check_second_order(const ReducedBody& body, Report& report) {
+  const SecondOrder& s = *body.second_order;
+  for (const auto& [a, b] : s.products)
+    report.require(a >= 0 && a <= b && b < body.modes,
+                   fmt::format("second order: product ({}, {}) must be of modes in ascending order", a, b));
+  const Eigen::Index e = body.modes + static_cast<Eigen::Index>(s.products.size());
+  report.matrix("second order: S", s.S, 3, e);
+  for (int i = 0; i < 3; ++i) {
+    report.matrix(fmt::format("second order: S_position[{}]", i), s.S_position[i], 3, e);
+    for (int j = 0; j < 3; ++j)
+      report.matrix(fmt::format("second order: S_modes[{}][{}]", i, j), s.S_modes[i][j], e, e);
+  }
+  report.matrix("second order: mass_matrix", s.mass_matrix, e, e);
+  report.matrix("second order: stiffness", s.stiffness, e, e);
+  report.require(s.frame_shapes.size() == body.frames.size(),
+                 fmt::format("second order: frame_shapes must be {}, are {}", body.frames.size(),
+                             s.frame_shapes.size()));
+  for (const Eigen::Matrix3Xd& X : s.frame_shapes) report.matrix("second order: frame_shapes", X, 3, e);
+  report.matrix("second order: node_shapes", s.node_shapes, 3 * body.nodes.cols(), e);
+  if (body.mesh_inertia)
+    report.matrix("second order: mesh_shapes", s.mesh_shapes,
+                  body.mesh_inertia->dofs_per_node * body.nodes.cols(), e);
+}
+
 void check_sizes(const ReducedBody& body, Report& report) {
   const Eigen::Index n = body.modes;
   report.require(std::isfinite(body.mass), "mass must be finite");
@@ -93,6 +136,8 @@ void check_sizes(const ReducedBody& body, Report& report) {
   report.matrix("nodes", body.nodes, 3, body.nodes.cols());
   report.matrix("node_shapes", body.node_shapes, 3 * body.nodes.cols(), n);
   if (body.mesh_inertia) check_mesh_sizes(body, report);
+  if (body.geometric) check_geometric_stiffness(body, report);
+  if (body.second_order) check_second_order(body, report);
   for (const BodyFrame& frame : body.frames) {
     report.matrix(fmt::format("frame '{}': position", frame.name), frame.position, 3, 1);
     report.matrix(fmt::format("frame '{}': rotation", frame.name), frame.rotation, 3, 3);
@@ -157,6 +202,8 @@ void check_matrices(const ReducedBody& body, Report& report) {
   symmetric("mass_matrix", body.mass_matrix);
   symmetric("stiffness", body.stiffness);
   symmetric("damping", body.damping);
+  if (body.geometric)
+    for (const Eigen::MatrixXd& k : body.geometric->stiffness) symmetric("geometric stiffness", k);
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j)
       report.require(equal(body.S_modes[j][i], body.S_modes[i][j].transpose()),

@@ -192,7 +192,8 @@ void add_axial_modes(const Mesh& mesh, const Matrices& matrices, const Reduction
 
 }  // namespace
 
-Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options) {
+Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options,
+                    const Eigen::MatrixXd& loads) {
   const Partition dofs = partition(mesh, options);
   const Eigen::Index internals = dofs.internal.cols();
   if (options.dynamic_modes < 0 || options.dynamic_modes > internals)
@@ -214,6 +215,7 @@ Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionO
   basis.shapes.resize(matrices.stiffness.rows(), statics + options.dynamic_modes);
   basis.shapes.leftCols(statics) = dofs.boundary;
   basis.stiffness.setZero(basis.shapes.cols(), basis.shapes.cols());
+  basis.responses.setZero(matrices.stiffness.rows(), loads.cols());
   if (internals > 0) {
     const Eigen::SparseMatrix<double> Kii = dofs.internal.transpose() * matrices.stiffness * dofs.internal;
     const Eigen::SparseMatrix<double> Mii = dofs.internal.transpose() * matrices.mass * dofs.internal;
@@ -224,6 +226,8 @@ Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionO
       const Eigen::MatrixXd Kib = (dofs.internal.transpose() * matrices.stiffness * dofs.boundary).toDense();
       basis.shapes.leftCols(statics) -= dofs.internal * factor.solve(Kib).eval();
     }
+    if (loads.cols() > 0)
+      basis.responses = dofs.internal * factor.solve((dofs.internal.transpose() * loads).eval()).eval();
     // (2.8): dynamic modes, the boundary fixed
     const Modes modes = lowest_modes(Kii, Mii, options.dynamic_modes, 0, factor);
     basis.shapes.rightCols(options.dynamic_modes) = dofs.internal * modes.vectors;

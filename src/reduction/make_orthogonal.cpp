@@ -58,6 +58,13 @@ void make_orthogonal(ReducedBody& body) {
       body.S_modes[j][i] = body.S_modes[i][j].transpose();
     }
   }
+  if (body.geometric) {
+    for (Eigen::MatrixXd& stiffness : body.geometric->stiffness) {
+      rotate(stiffness, Q);
+      make_symmetric(stiffness);
+    }
+    rotate_columns(body.geometric->boundary_loads, Q);
+  }
   for (BodyFrame& frame : body.frames) {
     rotate_columns(frame.X, Q);
     rotate_columns(frame.X_theta, Q);

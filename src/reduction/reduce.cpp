@@ -9,6 +9,7 @@
 #include "fe/beam_element.h"
 #include "mimbre/fe.h"
 #include "reduction/craig_bampton.h"
+#include "reduction/geometric_stiffness.h"
 #include "reduction/second_order.h"
 #include "reduction/shape_integrals.h"
 
@@ -58,11 +59,14 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
         fmt::format("stiffness damping must not be negative, is {}", options.stiffness_damping));
   if (mesh.elements.empty()) throw std::invalid_argument("the mesh has no elements");
   const Matrices matrices = assemble(mesh);
-  const Basis basis = craig_bampton(mesh, matrices, options);
+  const bool geometric = options.stiffening == Stiffening::geometric_stiffness;
+  const Basis basis =
+      craig_bampton(mesh, matrices, options, geometric ? unit_inertia_forces(mesh) : Eigen::MatrixXd());
 
   ReducedBody body;
   body.modes = static_cast<int>(basis.shapes.cols());
   body.mode_names = basis.names;
+  body.boundary_rotation = options.boundary_rotation;
   const Eigen::MatrixXd mass = basis.shapes.transpose() * (matrices.mass * basis.shapes);
   body.mass_matrix = 0.5 * (mass + mass.transpose());
   body.stiffness = basis.stiffness;
@@ -71,6 +75,7 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   for (const NodeFrame& frame : frames) body.frames.push_back(body_frame(frame, mesh, basis.shapes));
   add_drawing(mesh, basis.shapes, body);
   body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
+  if (geometric) body.geometric = geometric_stiffness(mesh, options, basis);
   make_orthogonal(body);
   add_second_order(mesh, options, body);
   return body;

@@ -240,7 +240,7 @@ void add_nonlinear_stiffness(const std::vector<Piece>& pieces, const ReductionOp
 }  // namespace
 
 void add_second_order(const Mesh& mesh, const ReductionOptions& options, ReducedBody& body) {
-  if (options.stiffening == Stiffening::linear) return;
+  if (options.stiffening == Stiffening::linear || options.stiffening == Stiffening::geometric_stiffness) return;
   const MatrixXd shapes = body.mesh_inertia->shapes;
   const std::vector<Piece> pieces = pieces_of(mesh, shapes);
   SecondOrder out;

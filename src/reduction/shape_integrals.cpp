@@ -4,9 +4,8 @@
 #include "reduction/gauss.h"
 
 namespace mimbre::fe {
-namespace {
 
-void clear(ReducedBody& body, Eigen::Index modes) {
+void clear_shape_integrals(ReducedBody& body, Eigen::Index modes) {
   body.mass = 0;
   body.first_moment.setZero();
   body.second_moment.setZero();
@@ -16,8 +15,8 @@ void clear(ReducedBody& body, Eigen::Index modes) {
     for (auto& block : row) block.setZero(modes, modes);
 }
 
-/// (3.6), (3.9)–(3.11) at one point with mass dm.
-void add_point(ReducedBody& body, double dm, const Eigen::Vector3d& position, const Eigen::Matrix3Xd& X) {
+void add_mass_point(ReducedBody& body, double dm, const Eigen::Vector3d& position,
+                    const Eigen::Matrix3Xd& X) {
   body.mass += dm;
   body.first_moment += dm * position;
   body.second_moment += dm * position * position.transpose();
@@ -27,6 +26,15 @@ void add_point(ReducedBody& body, double dm, const Eigen::Vector3d& position, co
     for (int j = i; j < 3; ++j) body.S_modes[i][j].noalias() += dm * X.row(i).transpose() * X.row(j);
   }
 }
+
+void complete_shape_integrals(ReducedBody& body) {
+  for (int i = 0; i < 3; ++i) {
+    body.S_modes[i][i] = (0.5 * (body.S_modes[i][i] + body.S_modes[i][i].transpose())).eval();
+    for (int j = 0; j < i; ++j) body.S_modes[i][j] = body.S_modes[j][i].transpose();
+  }
+}
+
+namespace {
 
 void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d& axis,
                        const Eigen::RowVectorXd& mean_twist) {
@@ -43,7 +51,7 @@ void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d&
 }  // namespace
 
 void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body) {
-  clear(body, shapes.cols());
+  clear_shape_integrals(body, shapes.cols());
   Eigen::MatrixXd dofs(12, shapes.cols());  // of the element, in its axes, per mode
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
     const BeamElement& beam = mesh.elements[e];
@@ -55,14 +63,11 @@ void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, Reduce
     const Eigen::Vector3d axis = geometry.axes.col(0);
     for (const GaussPoint& point : gauss4) {
       const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length) * dofs;
-      add_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
+      add_mass_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
     }
     add_polar_inertia(body, polar_inertia(beam) * geometry.length, axis, 0.5 * (dofs.row(3) + dofs.row(9)));
   }
-  for (int i = 0; i < 3; ++i) {
-    body.S_modes[i][i] = (0.5 * (body.S_modes[i][i] + body.S_modes[i][i].transpose())).eval();
-    for (int j = 0; j < i; ++j) body.S_modes[i][j] = body.S_modes[j][i].transpose();
-  }
+  complete_shape_integrals(body);
 }
 
 }  // namespace mimbre::fe

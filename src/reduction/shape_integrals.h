@@ -19,4 +19,10 @@ namespace mimbre::fe {
 /// - S_modes has no such term; that of the modes among themselves is in mass_matrix.
 void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body);
 
+/// The same point by point: zeros, then (3.6), (3.9)–(3.11) at each point with mass `dm`, undeformed
+/// `position` and modes X (3 × modes), at last the blocks of S_modes that follow by symmetry.
+void clear_shape_integrals(ReducedBody& body, Eigen::Index modes);
+void add_mass_point(ReducedBody& body, double dm, const Eigen::Vector3d& position, const Eigen::Matrix3Xd& X);
+void complete_shape_integrals(ReducedBody& body);
+
 }  // namespace mimbre::fe

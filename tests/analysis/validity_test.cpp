@@ -160,7 +160,7 @@ TEST(Validity, the_spin_up_warns_before_it_diverges) {
 
 /// The same with what linear theory neglects, and in pieces.
 TEST(Validity, what_knows_of_stiffening_does_not_warn) {
-  for (const char* method : {"foreshortening", "substructuring"}) {
+  for (const char* method : {"foreshortening", "substructuring", "geometric_stiffness"}) {
     Simulation s(example("spin-up-beam/beam-2d.yaml", {{"method", method}}));
     while (s.time() < 16) ASSERT_TRUE(s.step().ok()) << method;
     EXPECT_THAT(s.warnings(), IsEmpty()) << method;

@@ -238,7 +238,7 @@ TEST_P(Bricks, relative_inertia_by_integrals_is_that_by_projection) {
                                          m.b[0], m.omega, m.alpha, by_integrals.data());
   const auto b = projection::inertia_wrench(c, w, m.b[0], m.omega, m.alpha, m.y.data(), m.yd.data(),
                                             m.ydd.data(), by_projection.data());
-  relative::add_elasticity<double>(f, m.y.data(), m.yd.data(), by_projection.data());
+  add_elasticity<double>(f, m.y.data(), m.yd.data(), by_projection.data());
   EXPECT_LT(relative_difference(b.force, a.force, 0), 1e-12);
   EXPECT_LT(relative_difference(b.moment, a.moment, 0), 1e-12);
   EXPECT_LT(relative_difference(by_projection, by_integrals, 0), 1e-12);
@@ -355,7 +355,7 @@ Differences beam_differences(int elements, double section_size, bool rotations) 
   const auto b = projection::inertia_wrench(c, w, m.b[0], m.omega, m.alpha, m.y.data(), m.yd.data(),
                                             m.ydd.data(), p.data());
   VectorXd elasticity = VectorXd::Zero(s);
-  relative::add_elasticity<double>(f, m.y.data(), m.yd.data(), elasticity.data());
+  add_elasticity<double>(f, m.y.data(), m.yd.data(), elasticity.data());
   e -= elasticity;
   const Mat3d by_integrals =
       relative::deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());

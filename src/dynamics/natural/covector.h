@@ -1,5 +1,6 @@
 #pragma once
 #include "dynamics/amplitudes.h"
+#include "dynamics/frame_turn.h"
 #include "dynamics/natural/workspace.h"
 #include "dynamics/relative/flexible.h"
 
@@ -35,7 +36,7 @@ void act_on_axis(const FrameData& f, const FrameMotion<T>& frame, int axis, cons
   const Vec3<T> turning =
       frame.rotation.col(axis).cross(Vec3<T>(out.body->position.template rightCols<3>().transpose() * g));
   const Vec3<T> theta = relative::times(f.X_theta, out.y);
-  relative::add_transposed<T>(f.X_theta, left_jacobian<T>(theta).transpose() * turning, out.modal);
+  relative::add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * turning, out.modal);
 }
 
 /// Moment on the frame: ω = ½ Σ e × ė over its axes e.

@@ -1,4 +1,6 @@
 #pragma once
+#include "dynamics/elasticity.h"
+#include "dynamics/geometric.h"
 #include "dynamics/natural/workspace.h"
 #include "dynamics/relative/flexible.h"
 
@@ -19,17 +21,6 @@ Eigen::Matrix<T, 4, 4> deformed_mass(const BodyData& b, const FlexibleData& f, c
   return mass;
 }
 
-/// Elastic and damping forces, added to `elastic`.
-template <class T>
-void add_elastic_forces(const FlexibleData& f, const T* y, const T* yd, T* elastic) {
-  const int s = f.stride;
-  if (f.diagonal_stiffness)
-    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
-  else
-    for (int r = 0; r < f.modes; ++r)
-      for (int k = 0; k < s; ++k) elastic[k] += f.stiffness(r, k) * y[r] + f.damping(r, k) * yd[r];
-}
-
 /// The forces that inertia() adds for one flexible body, by projection of its mesh.
 inline void projected_inertia(const projection::Constants& c, projection::Work& work,
                               const BaseMotion<double>& motion, const Base<double>& second, const double* y,
@@ -40,6 +31,19 @@ inline void projected_inertia(const projection::Constants& c, projection::Work& 
   projection::inertia_forces(c, work, base, A.transpose() * motion.velocity.rightCols<3>(), y, yd, ydd,
                              forces, elastic);
   for (int s = 0; s < 4; ++s) out.col(s) += A * forces[s];
+}
+
+/// Motion of a body frame in its own axes, from that of its base vectors and from their accelerations, gravity
+/// taken off.
+template <class T>
+geometric::Motion<T> motion_in_body(const BaseMotion<T>& base, const Base<T>& second) {
+  const Mat3<T> A = base.position.template rightCols<3>();
+  const Mat3<T> turning = A.transpose() * base.velocity.template rightCols<3>(),
+                gradient = A.transpose() * second.template rightCols<3>();
+  const auto axis = [](const Mat3<T>& m) {
+    return Vec3<T>(T(0.5) * (m(2, 1) - m(1, 2)), T(0.5) * (m(0, 2) - m(2, 0)), T(0.5) * (m(1, 0) - m(0, 1)));
+  };
+  return {axis(turning), A.transpose() * second.col(0), axis(gradient)};
 }
 
 /// Adds M̄ q̈ − Q̄v of all bodies, gravity, and elastic and damping forces:
@@ -64,10 +68,12 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
     const T *y = w.y.data() + b.amplitudes, *yd = w.yd.data() + b.amplitudes,
             *ydd = w.ydd.data() + b.amplitudes;
     T* elastic = w.modal.data() + b.amplitudes;
+    if (!f.geometric.empty())
+      geometric::add_forces(f.geometric, motion_in_body(w.bodies[i], second), y, elastic);
     if (!w.projections.empty()) {
       projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
                         elastic);
-      add_elastic_forces(f, y, yd, elastic);
+      add_elasticity(f, y, yd, elastic);
       continue;
     }
     T* integrals = w.integrals.data();
@@ -105,7 +111,7 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
     else
       for (int r = 0; r < f.modes; ++r)
         for (int k = 0; k < s; ++k) elastic[k] += ydd[r] * f.mass(r, k);
-    add_elastic_forces(f, y, yd, elastic);
+    add_elasticity(f, y, yd, elastic);
   }
 }
 

@@ -105,8 +105,22 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
       for (int j = 0; j <= i; ++j) matrix[(n + i) * stride + n + j] += weight * values[i * s + j];
   };
   add_modal(*modal_mass, 1);
+  if (!f.ancf.empty()) {
+    ancf::add_tangent(f, y, stiffness, damping, [&](int r, int c, const T& x) {
+      if (c <= r) matrix[(n + r) * stride + n + c] += x;
+    });
+    return;
+  }
   add_modal(f.damping, damping);
   add_modal(f.stiffness, stiffness);
+  if (f.geometric.empty()) return;
+  Base<T> second = w.bodies[index].acceleration;
+  second.col(0) -= m.gravity.template cast<T>();
+  T* geometric_stiffness = w.folded.data();
+  geometric::stiffness(f.geometric, motion_in_body(w.bodies[index], second), y, geometric_stiffness);
+  for (int i = 0; i < data.modes; ++i)
+    for (int j = 0; j <= i; ++j)
+      matrix[(n + i) * stride + n + j] += stiffness * geometric_stiffness[i * s + j];
 }
 
 /// Rows of Φq over the stencils, and of springs' lengths, wheels' heights and sprung joint coordinates.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dynamics/frame_turn.h"
 #include "dynamics/natural/constraints.h"
 #include "dynamics/natural/forces.h"
 #include "dynamics/natural/inertia.h"
@@ -28,7 +29,8 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       penalty_(layout_.equations),
       mu_(layout_.equations),
       spring_weight_(model.springs.size()),
-      tyre_weight_(model.tyres.size()) {
+      tyre_weight_(model.tyres.size()),
+      ancf_marks_(ancf::all_marks(model)) {
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
   for (const Body& b : layout_.bodies)
@@ -77,6 +79,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
   factor_.set_zero();
   double *values = factor_.values(), *local = work_.local.data();
   double weight[6];
+  double* marks = ancf_marks_.data();
   const auto clear = [&](const Stencil& s) {
     std::fill(local, local + static_cast<std::ptrdiff_t>(s.size()) * s.stride, 0.0);
   };
@@ -90,6 +93,10 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     body_matrix<double>(model_, layout_, work_, static_cast<int>(i), weights.damping, weights.stiffness,
                         local);
     scatter(b.stencil, local, values);
+    if (model_.bodies[i].modes == 0 || model_.flexible[model_.bodies[i].flexible].ancf.empty()) continue;
+    const FlexibleData& f = model_.flexible[model_.bodies[i].flexible];
+    ancf::keep_marks(f, q + b.q, marks);
+    marks += ancf::marks(f);
   }
   const auto add_link = [&](const Link& link, int rows) {
     clear(link.stencil);
@@ -130,12 +137,19 @@ void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, 
   linalg::to_dense(*layout_.symbolic, factor_.values(), out);
 }
 
-bool NaturalSystem::tangent_changed(const MatrixWeights& weights) const {
+bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
   const double small = 0.02 * model_.mass_scale;
   for (std::size_t k = 0; k < model_.springs.size(); ++k)
     if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
   for (std::size_t k = 0; k < model_.tyres.size(); ++k)
     if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
+  const double* marks = ancf_marks_.data();
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
+    if (model_.bodies[i].modes == 0 || model_.flexible[model_.bodies[i].flexible].ancf.empty()) continue;
+    const FlexibleData& f = model_.flexible[model_.bodies[i].flexible];
+    if (ancf::marks_moved(f, q + layout_.bodies[i].q, marks, small / weights.stiffness)) return true;
+    marks += ancf::marks(f);
+  }
   return false;
 }
 
@@ -179,6 +193,7 @@ void NaturalSystem::temper_prediction(double h, double* x) const {
     const BodyData& b = model_.bodies[i];
     if (b.modes == 0) continue;
     const FlexibleData& f = model_.flexible[b.flexible];
+    if (!f.ancf.empty()) continue;  // nodes move far without strain
     for (int k = 0; k < b.modes; ++k)
       x[layout_.bodies[i].q + k] /= 1 + h * h * f.stiffness(k, k) / f.mass(k, k);
   }
@@ -213,7 +228,7 @@ void NaturalSystem::retract(const double* q, const double* x, double* out) const
       for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[layout_.bodies[f.body].q + k] : 0;
       extend(model_.flexible[f.flexible], y);
       place += relative::times(f.X, y);
-      if (f.turns) rotation = rotation_exp<double>(relative::times(f.X_theta, y)) * f.rotation;
+      if (f.turns) rotation = turn_rotation<double>(f, relative::times(f.X_theta, y)) * f.rotation;
     }
     position = base.col(0) + base.rightCols<3>() * place;
     axes = base.rightCols<3>() * rotation;

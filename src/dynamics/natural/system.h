@@ -31,7 +31,7 @@ class NaturalSystem final : public System {
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
   void solve(double* x) const override { factor_.solve(x); }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
-  bool tangent_changed(const MatrixWeights& weights) const override;
+  bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   void temper_prediction(double h, double* x) const override;
@@ -60,6 +60,7 @@ class NaturalSystem final : public System {
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_;
   std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
+  std::vector<double> ancf_marks_;                   ///< of its beams by absolute nodal coordinates, by body
 };
 
 }  // namespace mimbre::natural

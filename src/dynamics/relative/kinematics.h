@@ -1,19 +1,19 @@
 #pragma once
 #include "dynamics/amplitudes.h"
+#include "dynamics/frame_turn.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
 /// Positions, velocities and accelerations from the root to the leaves.
 namespace mimbre::relative {
 
-/// Displacement and turn of a flexible frame in body axes, with rates: θ = Xθ y, ω = J_l(θ) θ̇, its
-/// derivative, and the part of the latter without ÿ is included from the given accelerations.
+/// Displacement and turn of a flexible frame in body axes, with rates.
 template <class T>
 struct Deformation {
   Vec3<T> position;  ///< r̄u + X y
   Vec3<T> velocity;  ///< X ẏ
   Vec3<T> acceleration;
-  Mat3<T> rotation;  ///< exp(θ~) times the undeformed rotation: frame axes to body axes
+  Mat3<T> rotation;  ///< R(θ) times the undeformed rotation: frame axes to body axes
   Vec3<T> omega;     ///< relative to the body, body axes
   Vec3<T> alpha;
 };
@@ -30,14 +30,8 @@ void deform(const FrameData& f, const T* y, const T* yd, const T* ydd, Deformati
     return;
   }
   const Vec3<T> theta = times(f.X_theta, y), rate = times(f.X_theta, yd), second = times(f.X_theta, ydd);
-  const RotationSeries<T> s = rotation_series<T>(theta.squaredNorm());
-  const Mat3<T> k = skew<T>(theta), k2 = k * k;
-  d.rotation = (Mat3<T>::Identity() + s.sinc * k + s.a * k2) * f.rotation.template cast<T>();
-  const Mat3<T> jl = Mat3<T>::Identity() + s.a * k + s.b * k2;
-  const T phi_rate = theta.dot(rate);  // φ φ̇
-  const Vec3<T> c1 = theta.cross(rate), c2 = theta.cross(c1);
-  d.omega = jl * rate;
-  d.alpha = jl * second + (s.a1 * phi_rate) * c1 + (s.b1 * phi_rate) * c2 + s.b * rate.cross(c1);
+  turn_motion(f, theta, rate, second, d.rotation, d.omega, d.alpha);
+  d.rotation = d.rotation * f.rotation.template cast<T>();
 }
 
 /// Motion of a frame from that of its body. y, ẏ, ÿ: the body's padded amplitudes.

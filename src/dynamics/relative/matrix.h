@@ -1,4 +1,5 @@
 #pragma once
+#include "dynamics/frame_turn.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
@@ -55,7 +56,7 @@ void columns(const Compiled& m, Workspace<T>& w, const T* q) {
       rotate_rows<T>(A, f.X.data(), fs, linear);
       for (int r = 0; r < 3; ++r) fold(flexible, y, linear + r * fs);
       if (f.turns) {
-        rotate_rows<T>(A * left_jacobian<T>(times(f.X_theta, y)), f.X_theta.data(), fs, angular);
+        rotate_rows<T>(A * turn_jacobian<T>(f, times(f.X_theta, y)), f.X_theta.data(), fs, angular);
         add_cross_rows<T>(position, angular, fs, linear);
       }
       T* out = c + b.joint_velocities;

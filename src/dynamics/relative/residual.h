@@ -1,5 +1,8 @@
 #pragma once
 #include "dynamics/amplitudes.h"
+#include "dynamics/elasticity.h"
+#include "dynamics/frame_turn.h"
+#include "dynamics/geometric.h"
 #include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
@@ -23,16 +26,6 @@ BodyWrench<T> rigid_inertia(const BodyData& b, const Vec3<T>& acc, const Vec3<T>
   w.force = T(b.mass) * acc + alpha.cross(moment) + omega.cross(omega.cross(moment));
   w.moment = moment.cross(acc) + inertia * alpha + omega.cross(inertia * omega);
   return w;
-}
-
-/// Adds K y + C_d ẏ to `elastic` (padded).
-template <class T>
-void add_elasticity(const FlexibleData& f, const T* y, const T* yd, T* elastic) {
-  if (f.diagonal_stiffness)
-    for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];
-  else
-    for (int l = 0; l < f.modes; ++l)
-      for (int k = 0; k < f.stride; ++k) elastic[k] += f.stiffness(l, k) * y[l] + f.damping(l, k) * yd[l];
 }
 
 /// Flexible body by shape integrals, all in body axes (Lugrís 2008, 3.51–3.71, evaluated in the body frame):
@@ -86,7 +79,7 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T
   return out;
 }
 
-/// Generalised force of a frame's wrench on the modes of its body: out += Xᵀ f̄ + (J_l Xθ)ᵀ n̄, f, n in global
+/// Generalised force of a frame's wrench on the modes of its body: out += Xᵀ f̄ + (J Xθ)ᵀ n̄, f, n in global
 /// axes.
 template <class T>
 void frame_modal_force(const FrameData& f, const Motion<T>& body, const T* y, const Vec3<T>& force,
@@ -94,7 +87,7 @@ void frame_modal_force(const FrameData& f, const Motion<T>& body, const T* y, co
   add_transposed<T>(f.X, body.rotation.transpose() * force, out);
   if (!f.turns) return;
   const Vec3<T> theta = times(f.X_theta, y);
-  add_transposed<T>(f.X_theta, left_jacobian<T>(theta).transpose() * (body.rotation.transpose() * moment),
+  add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * (body.rotation.transpose() * moment),
                     out);
 }
 
@@ -138,6 +131,10 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
         inertia = {wrench.force, wrench.moment};
         add_elasticity(f, y, yd, elastic);
       }
+    }
+    if (b.modes > 0) {
+      const GeometricData& g = m.flexible[b.flexible].geometric;
+      if (!g.empty()) geometric::add_forces<T>(g, {omega, acc, alpha}, y, elastic);
     }
     // About the common point.
     Vec3<T> force = motion.rotation * inertia.force;

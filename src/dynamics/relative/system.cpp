@@ -73,7 +73,8 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       mu_(model.equations),
       weight_(8),
       spring_weight_(model.springs.size()),
-      tyre_weight_(model.tyres.size()) {
+      tyre_weight_(model.tyres.size()),
+      ancf_marks_(ancf::all_marks(model)) {
   for (const LoopData& loop : model.loops)
     for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
@@ -125,6 +126,7 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
   factor_.set_zero();
   double* values = factor_.values();
   mass<double>(model_, work_, q, values);
+  double* marks = ancf_marks_.data();
   for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
     const BodyData& b = model_.bodies[i];
     if (b.modes == 0) continue;
@@ -132,7 +134,28 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
     const linalg::BlockPlace& place = model_.diagonal[i];
     double* out = values + place.offset;
     const int n0 = b.joint_velocities;
-    if (f.diagonal_stiffness) {
+    if (!f.geometric.empty()) {
+      const Motion<double>& motion = work_.bodies[i];
+      const Mat3d to_body = motion.rotation.transpose();
+      double* y = work_.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+      geometric::stiffness<double>(
+          f.geometric, {to_body * motion.omega, to_body * motion.acceleration, to_body * motion.alpha}, y,
+          work_.folded.data());
+      for (int c = 0; c < b.modes; ++c)
+        for (int r = 0; r < b.modes; ++r)
+          out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
+              weights.stiffness * work_.folded[r * f.stride + c];
+    }
+    if (!f.ancf.empty()) {
+      double* y = work_.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+      ancf::keep_marks(f, y, marks);
+      marks += ancf::marks(f);
+      ancf::add_tangent(f, y, weights.stiffness, weights.damping, [&](int r, int c, double x) {
+        out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] += x;
+      });
+    } else if (f.diagonal_stiffness) {
       for (int k = 0; k < b.modes; ++k)
         out[(n0 + k) * (place.row_stride + place.col_stride)] +=
             weights.damping * f.damping(k, k) + weights.stiffness * f.stiffness(k, k);
@@ -191,12 +214,19 @@ void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights,
   linalg::to_dense(*model_.symbolic, factor_.values(), out);
 }
 
-bool RelativeSystem::tangent_changed(const MatrixWeights& weights) const {
+bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
   const double small = 0.02 * model_.mass_scale;
   for (std::size_t k = 0; k < model_.springs.size(); ++k)
     if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
   for (std::size_t k = 0; k < model_.tyres.size(); ++k)
     if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
+  const double* marks = ancf_marks_.data();
+  for (const BodyData& b : model_.bodies) {
+    if (b.modes == 0 || model_.flexible[b.flexible].ancf.empty()) continue;
+    const FlexibleData& f = model_.flexible[b.flexible];
+    if (ancf::marks_moved(f, q + b.q + b.joint_positions, marks, small / weights.stiffness)) return true;
+    marks += ancf::marks(f);
+  }
   return false;
 }
 
@@ -225,6 +255,7 @@ void RelativeSystem::temper_prediction(double h, double* x) const {
   for (const BodyData& b : model_.bodies) {
     if (b.modes == 0) continue;
     const FlexibleData& f = model_.flexible[b.flexible];
+    if (!f.ancf.empty()) continue;  // nodes move far without strain
     const Rows& modal_mass = constant_inertia(model_, work_, b).modal_mass;
     for (int k = 0; k < b.modes; ++k)
       x[b.v + b.joint_velocities + k] /= 1 + h * h * f.stiffness(k, k) / modal_mass(k, k);

@@ -28,7 +28,7 @@ class RelativeSystem final : public System {
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
   void solve(double* x) const override { factor_.solve(x); }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
-  bool tangent_changed(const MatrixWeights& weights) const override;
+  bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   void temper_prediction(double h, double* x) const override;
@@ -50,6 +50,7 @@ class RelativeSystem final : public System {
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_, weight_;
   std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
+  std::vector<double> ancf_marks_;                   ///< of its beams by absolute nodal coordinates, by body
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

@@ -40,15 +40,26 @@ struct Substructures {
   int dynamic_modes = 0;  ///< of every piece but the last, which takes those of the options
 };
 
+/// What becomes of a body of bars.
+enum class BeamKind {
+  reduced,       ///< modes in one floating frame, or in that of each substructure
+  corotational,  ///< a floating frame for every element, which deforms with the ends of the element
+  ancf           ///< absolute nodal coordinates, in a plane
+};
+
 /// A beam frame ready to be reduced, in body axes.
 struct FlexibleDescription {
   Mark mark;
+  BeamKind kind = BeamKind::reduced;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the plane to which it is bound; zero: none
   std::string what;
   fe::Mesh mesh;
   fe::ReductionOptions options;
   std::vector<fe::NodeFrame> frames;  ///< the named nodes
   double line_radius = 0.01;
   Substructures substructures;
+
+  bool in_pieces() const { return substructures.count > 1 || kind == BeamKind::corotational; }
 };
 /// Amplitudes that the description has: of all pieces, one after the other.
 int mode_count(const FlexibleDescription& description);

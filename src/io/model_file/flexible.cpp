@@ -260,7 +260,8 @@ struct Reader {
   void read_stiffening(const Fields& fields) {
     if (const auto kind = fields.get("stiffening"))
       if (const auto k =
-              kind->choice({"linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2"}))
+              kind->choice({"linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2",
+                                     "geometric_stiffness"}))
         result.options.stiffening = static_cast<fe::Stiffening>(*k);
     // Without ⅛∫EA v'⁴ the energy has no lower bound: a beam that follows its gradient collapses.
     result.options.published_force = result.options.stiffening == fe::Stiffening::nonlinear_stiffness_1;
@@ -318,6 +319,7 @@ struct Reader {
       return fail(planar,
                   fmt::format("the normal {} must be along an axis of the body's frame; it is {} there",
                               to_text(*normal), to_text(local)));
+    result.normal = Eigen::Vector3d::Unit(axis);
     const auto& held = result.options.clamped_nodes;
     for (int node = 0; node < static_cast<int>(positions.size()); ++node) {
       if (std::find(held.begin(), held.end(), node) != held.end()) continue;
@@ -327,10 +329,33 @@ struct Reader {
     }
   }
 
+  /// Beams of one element per frame have no modes to choose.
+  void read_kind(const Value& kind) {
+    const auto k = kind.choice({"reduced", "corotational", "ancf"});
+    if (!k || *k == 0) return;
+    result.kind = static_cast<BeamKind>(*k);
+    fe::ReductionOptions& o = result.options;
+    if (!o.boundary.empty() || o.dynamic_modes + o.axial_dynamic_modes > 0 ||
+        result.substructures.count > 1 || o.stiffening != fe::Stiffening::linear)
+      return fail(kind,
+                  "takes all of the elements' motions: leave out static_modes, dynamic_modes, axial_modes, "
+                  "substructures and stiffening");
+    if (result.kind == BeamKind::corotational) {
+      result.substructures = {kind.mark(), static_cast<int>(result.mesh.elements.size()), 0};
+      o.stiffening = fe::Stiffening::foreshortening;
+    } else if (result.normal.isZero(0)) {
+      fail(kind,
+           "by absolute nodal coordinates moves in a plane; give its normal, for example planar: [0, 0, 1]");
+    } else if (o.clamped_nodes.size() > 1) {
+      fail(kind, "by absolute nodal coordinates is clamped at one end");
+    }
+  }
+
   void read() {
-    const Fields fields(value, {"material", "section", "nodes", "bars", "clamped", "static_modes",
-                                "dynamic_modes", "stiffness_damping", "planar", "stiffening",
-                                "stiffening_force", "axial_modes", "substructures"});
+    const Fields fields(value,
+                        {"material", "section", "nodes", "bars", "clamped", "static_modes", "dynamic_modes",
+                         "stiffness_damping", "planar", "stiffening", "stiffening_force", "axial_modes",
+                         "substructures", "beam", "boundary_rotation"});
     result.mark = value.mark();
     result.what = value.what();
     result.line_radius = 0;
@@ -363,8 +388,12 @@ struct Reader {
     read_stiffening(fields);
     if (const auto modes = fields.get("axial_modes")) read_axial_modes(*modes);
     if (const auto pieces = fields.get("substructures")) read_substructures(*pieces);
-    if (good && result.substructures.count == 1 && result.options.boundary.empty() &&
-        result.options.dynamic_modes == 0)
+    if (const auto turning = fields.get("boundary_rotation"))
+      if (const auto k = turning->choice({"exponential", "successive", "infinitesimal"}))
+        result.options.boundary_rotation = static_cast<BoundaryRotation>(*k);
+    if (const auto kind = fields.get("beam")) read_kind(*kind);
+    if (good && result.kind == BeamKind::reduced && result.substructures.count == 1 &&
+        result.options.boundary.empty() && result.options.dynamic_modes == 0)
       fail(value, "has no modes; give static_modes or dynamic_modes");
 
     result.mesh.nodes.resize(3, static_cast<Eigen::Index>(positions.size()));
@@ -408,7 +437,8 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
          a.options.axial_dynamic_modes == b.options.axial_dynamic_modes &&
          a.options.stiffening == b.options.stiffening &&
          a.options.published_force == b.options.published_force &&
-         a.options.stiffness_damping == b.options.stiffness_damping;
+         a.options.boundary_rotation == b.options.boundary_rotation && a.kind == b.kind &&
+         near(a.normal, b.normal, 1) && a.options.stiffness_damping == b.options.stiffness_damping;
 }
 
 }  // namespace
@@ -420,6 +450,16 @@ std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& p
   if (!reader.good) return {};
   return std::move(reader.result);
 }
+
+namespace {
+
+ReducedBody make_reduced(const FlexibleDescription& d) {
+  if (d.kind != BeamKind::ancf) return fe::reduce(d.mesh, d.options, d.frames);
+  return fe::ancf_beam(d.mesh, {d.options.clamped_nodes.front(), d.normal, d.options.stiffness_damping},
+                       d.frames);
+}
+
+}  // namespace
 
 void reduce_bodies(Builder& builder) {
   std::vector<std::pair<const FlexibleDescription*, std::shared_ptr<const ReducedBody>>> done;
@@ -439,8 +479,7 @@ void reduce_bodies(Builder& builder) {
       return;
     }
     try {
-      auto reduced = std::make_shared<ReducedBody>(
-          fe::reduce(description->mesh, description->options, description->frames));
+      auto reduced = std::make_shared<ReducedBody>(make_reduced(*description));
       reduced->name = body.name;
       reduced->line_radius = description->line_radius;
       body.flexible = std::move(reduced);

@@ -5,7 +5,8 @@
 #include "io/model_file/builder.h"
 
 /// Substructuring (Wu, Haug 1988; Lugrís 2008, 4.2): a beam that bends far is cut into bodies, each of which
-/// bends little in its own frame, joined by brackets.
+/// bends little in its own frame, joined by brackets. With a frame for each element, and the second order of
+/// its bending, this is a corotational beam.
 namespace mimbre::model_file {
 namespace {
 
@@ -59,6 +60,7 @@ Piece make_piece(const FlexibleDescription& whole, const Chain& chain, const std
                  int index, int first, int last) {
   Piece piece;
   const bool at_end = last == static_cast<int>(chain.elements.size());
+  const bool moves_at_end = !at_end || whole.kind == BeamKind::corotational;
   FlexibleDescription& d = piece.description;
   d.mark = whole.mark;
   d.what = fmt::format("{}: substructure {}", whole.what, index + 1);
@@ -89,14 +91,14 @@ Piece make_piece(const FlexibleDescription& whole, const Chain& chain, const std
     for (int dof = 0; dof < 6; ++dof) {
       if (fixed[static_cast<std::size_t>(6 * piece.nodes[static_cast<std::size_t>(k)] + dof)])
         d.options.fixed_dofs.push_back(6 * k + dof);
-      else if (k == end && !at_end)
+      else if (k == end && moves_at_end)
         d.options.boundary.push_back({end, dof > 2, Eigen::Vector3d::Unit(dof % 3),
                                       fmt::format("end.{}{}", dof > 2 ? "r" : "", "xyz"[dof % 3])});
     }
   for (fe::BoundaryDof dof : whole.options.boundary) {
     dof.node = local[static_cast<std::size_t>(dof.node)];
     // The bracket's modes hold whatever the user wants at its node.
-    if (dof.node > 0 && (at_end || dof.node != end)) d.options.boundary.push_back(dof);
+    if (dof.node > 0 && (!moves_at_end || dof.node != end)) d.options.boundary.push_back(dof);
   }
   for (const fe::NodeFrame& frame : whole.frames)
     if (const int node = local[static_cast<std::size_t>(frame.node)]; node > 0 || (node == 0 && index == 0)) {
@@ -216,7 +218,8 @@ void move_outputs(Builder& builder, int body, int outputs_frame, const std::vect
 
 int mode_count(const FlexibleDescription& description) {
   const fe::ReductionOptions& o = description.options;
-  if (description.substructures.count == 1)
+  if (description.kind == BeamKind::ancf) return 4 * static_cast<int>(description.mesh.elements.size()) + 1;
+  if (!description.in_pieces())
     return static_cast<int>(o.boundary.size()) + o.dynamic_modes + o.axial_dynamic_modes;
   const auto chain = chain_of(description);
   if (!obstacle(description, chain).empty()) return 0;
@@ -227,7 +230,7 @@ int mode_count(const FlexibleDescription& description) {
 void split_bodies(Builder& builder) {
   const std::size_t count = builder.bodies.size();
   for (std::size_t k = 0; k < count; ++k) {
-    if (!builder.bodies[k].description || builder.bodies[k].description->substructures.count == 1) continue;
+    if (!builder.bodies[k].description || !builder.bodies[k].description->in_pieces()) continue;
     const FlexibleDescription whole = *builder.bodies[k].description;
     const auto chain = chain_of(whole);
     if (const std::string message = obstacle(whole, chain); !message.empty()) {

@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "fe/beam_element.h"
+#include "mimbre/fe.h"
+#include "reduction/gauss.h"
+#include "reduction/shape_integrals.h"
+
+namespace mimbre::fe {
+namespace {
+
+constexpr double kStraight = 1e-9;  // of the beam's length
+
+/// The line's nodes by distance from the clamped one, and its elements likewise, first node first.
+struct Line {
+  std::vector<int> nodes;
+  std::vector<int> elements;
+  Eigen::Vector3d along = Eigen::Vector3d::UnitX();
+};
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::invalid_argument(
+      "a beam by absolute nodal coordinates is one straight line of bars, clamped at one end: " + what);
+}
+
+Line line_of(const Mesh& mesh, const AncfOptions& options) {
+  const int start = options.clamped_node;
+  if (start < 0 || start >= mesh.nodes.cols()) refuse(fmt::format("node {} does not exist", start));
+  if (mesh.elements.empty()) refuse("the mesh has no elements");
+  std::vector<std::vector<int>> at_node(static_cast<std::size_t>(mesh.nodes.cols()));
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    element_geometry(mesh, e);  // refuses what is unsound
+    if (!mesh.elements[e].offsets[0].isZero(0) || !mesh.elements[e].offsets[1].isZero(0))
+      refuse(fmt::format("element {} has an offset", e));
+    for (const int node : mesh.elements[e].nodes) at_node[static_cast<std::size_t>(node)].push_back(e);
+  }
+  Line line{{start},
+            {},
+            element_geometry(mesh, at_node[static_cast<std::size_t>(start)].empty()
+                                       ? 0
+                                       : at_node[static_cast<std::size_t>(start)].front())
+                .axes.col(0)};
+  for (int last = -1; line.elements.size() < mesh.elements.size();) {
+    const int here = line.nodes.back();
+    std::vector<int> next = at_node[static_cast<std::size_t>(here)];
+    std::erase(next, last);
+    if (next.size() != 1) refuse(fmt::format("it branches or ends at node {}", here));
+    last = next.front();
+    const std::array<int, 2>& ends = mesh.elements[static_cast<std::size_t>(last)].nodes;
+    line.elements.push_back(last);
+    line.nodes.push_back(ends[0] == here ? ends[1] : ends[0]);
+  }
+  const Eigen::Vector3d whole = mesh.nodes.col(line.nodes.back()) - mesh.nodes.col(start);
+  line.along = whole.normalized();
+  for (const int node : line.nodes) {
+    const Eigen::Vector3d r = mesh.nodes.col(node) - mesh.nodes.col(start);
+    if ((r - r.dot(line.along) * line.along).norm() > kStraight * whole.norm())
+      refuse(fmt::format("node {} is off the line", node));
+  }
+  return line;
+}
+
+/// EI of an element for bending in the plane with this normal.
+double bending_stiffness(const Mesh& mesh, int element, const Eigen::Vector3d& normal) {
+  const BeamElement& beam = mesh.elements[static_cast<std::size_t>(element)];
+  const Eigen::Vector3d n = element_geometry(mesh, element).axes.transpose() * normal;
+  const double product = (beam.section.Iy - beam.section.Iz) * n.y() * n.z();
+  if (std::abs(product) > 1e-6 * (beam.section.Iy + beam.section.Iz))
+    throw std::invalid_argument(
+        fmt::format("beam element {} bends out of the plane: a principal axis of its section must be along "
+                    "the plane's normal",
+                    element));
+  return beam.material.young * (beam.section.Iy * n.y() * n.y() + beam.section.Iz * n.z() * n.z());
+}
+
+/// Stiffness at y = 0 over the element's eight amplitudes.
+Eigen::Matrix<double, 8, 8> tangent(const AncfBeam::Element& e) {
+  const double L = e.length;
+  Eigen::Matrix4d bending;                  // of unit EI
+  bending << 12, 6 * L, -12, 6 * L,         //
+      6 * L, 4 * L * L, -6 * L, 2 * L * L,  //
+      -12, -6 * L, 12, -6 * L,              //
+      6 * L, 2 * L * L, -6 * L, 4 * L * L;
+  Eigen::Matrix4d axial = Eigen::Matrix4d::Zero();
+  for (const auto& [x, weight] : {std::pair{0.0, 1.0 / 6}, {0.5, 4.0 / 6}, {1.0, 1.0 / 6}}) {  // Lobatto
+    const Eigen::Vector4d slope(6 * (x * x - x) / L, 1 - 4 * x + 3 * x * x, 6 * (x - x * x) / L,
+                                3 * x * x - 2 * x);
+    axial += weight * e.axial * L * slope * slope.transpose();
+  }
+  Eigen::Matrix<double, 8, 8> k = Eigen::Matrix<double, 8, 8>::Zero();
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      k(2 * i, 2 * j) = axial(i, j);
+      k(2 * i + 1, 2 * j + 1) = e.bending / (L * L * L) * bending(i, j);
+    }
+  return k;
+}
+
+}  // namespace
+
+ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames) {
+  if (!(std::isfinite(options.stiffness_damping) && options.stiffness_damping >= 0))
+    throw std::invalid_argument(
+        fmt::format("stiffness damping must not be negative, is {}", options.stiffness_damping));
+  const Line line = line_of(mesh, options);
+  AncfBeam beam;
+  beam.along = line.along;
+  beam.normal = options.normal.normalized();
+  beam.stiffness_damping = options.stiffness_damping;
+  if (!(std::abs(beam.normal.dot(beam.along)) < 1e-6)) refuse("it does not lie in the plane");
+  const Eigen::Vector3d across = beam.normal.cross(beam.along);
+  const std::array<Eigen::Vector3d, 2> directions{beam.along, across};
+
+  ReducedBody body;
+  const int nodes = static_cast<int>(line.nodes.size());
+  // The first node stays and its slope keeps its direction; it may stretch.
+  body.modes = 4 * nodes - 3;
+  const auto amplitude = [](int position, int component) {
+    if (position == 0) return component == 2 ? 0 : -1;
+    return 4 * position - 3 + component;
+  };
+  body.mode_names.assign(1, "stretch at the first node");
+  for (int k = 1; k < nodes; ++k)
+    for (const char* what : {"displacement along", "displacement across", "stretch", "slope"})
+      body.mode_names.push_back(fmt::format("{}, node {}", what, k + 1));
+
+  clear_shape_integrals(body, body.modes);
+  body.mass_matrix.setZero(body.modes, body.modes);
+  body.stiffness.setZero(body.modes, body.modes);
+  double area = 0;
+  for (int k = 0; k + 1 < nodes; ++k) {
+    const int index = line.elements[static_cast<std::size_t>(k)];
+    const BeamElement& element = mesh.elements[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d start = mesh.nodes.col(line.nodes[static_cast<std::size_t>(k)]);
+    AncfBeam::Element e;
+    e.length = element_geometry(mesh, index).length;
+    e.axial = element.material.young * element.section.area;
+    e.bending = bending_stiffness(mesh, index, beam.normal);
+    for (int c = 0; c < 8; ++c) e.amplitudes[static_cast<std::size_t>(c)] = amplitude(k + c / 4, c % 4);
+    const double mass = element.material.density * element.section.area * e.length;
+    const Eigen::Matrix<double, 8, 8> stiffness = tangent(e);
+    for (const GaussPoint& point : gauss4) {
+      const double x = point.xi;
+      const std::array<double, 4> hermite{1 - 3 * x * x + 2 * x * x * x,
+                                          e.length * (x - 2 * x * x + x * x * x), 3 * x * x - 2 * x * x * x,
+                                          e.length * (x * x * x - x * x)};
+      Eigen::Matrix3Xd X = Eigen::Matrix3Xd::Zero(3, body.modes);
+      for (std::size_t c = 0; c < 8; ++c)
+        if (e.amplitudes[c] >= 0) X.col(e.amplitudes[c]) = hermite[c / 2] * directions[c % 2];
+      add_mass_point(body, point.weight * mass, start + x * e.length * beam.along, X);
+    }
+    for (int r = 0; r < 8; ++r)
+      for (int c = 0; c < 8; ++c)
+        if (e.amplitudes[static_cast<std::size_t>(r)] >= 0 && e.amplitudes[static_cast<std::size_t>(c)] >= 0)
+          body.stiffness(e.amplitudes[static_cast<std::size_t>(r)],
+                         e.amplitudes[static_cast<std::size_t>(c)]) += stiffness(r, c);
+    const double polar = polar_inertia(element) * e.length;
+    body.second_moment += polar * (0.5 * Eigen::Matrix3d::Identity() - beam.along * beam.along.transpose());
+    beam.elements.push_back(e);
+    body.lines.push_back(
+        {line.nodes[static_cast<std::size_t>(k)], line.nodes[static_cast<std::size_t>(k + 1)]});
+    area = std::max(area, element.section.area);
+  }
+  complete_shape_integrals(body);
+  body.mass_matrix = body.S_modes[0][0] + body.S_modes[1][1] + body.S_modes[2][2];
+  body.damping = options.stiffness_damping * body.stiffness;
+  body.user_from_modal.setIdentity(body.modes, body.modes);
+  body.line_radius = std::sqrt(area / std::numbers::pi);
+
+  body.nodes = mesh.nodes;
+  body.node_shapes.setZero(3 * mesh.nodes.cols(), body.modes);
+  Eigen::MatrixXd slopes = body.node_shapes;
+  for (int k = 0; k < nodes; ++k)
+    for (int c = 0; c < 4; ++c)
+      if (const int at = amplitude(k, c); at >= 0 && k > 0)  // stretching turns nothing
+        (c < 2 ? body.node_shapes : slopes).block<3, 1>(3 * line.nodes[static_cast<std::size_t>(k)], at) =
+            directions[static_cast<std::size_t>(c % 2)];
+  for (const NodeFrame& frame : frames) {
+    if (frame.node < 0 || frame.node >= mesh.nodes.cols())
+      throw std::invalid_argument(fmt::format("frame '{}': node {} does not exist, the mesh has {} nodes",
+                                              frame.name, frame.node, mesh.nodes.cols()));
+    body.frames.push_back({frame.name, mesh.nodes.col(frame.node), frame.rotation,
+                           body.node_shapes.middleRows<3>(3 * frame.node),
+                           slopes.middleRows<3>(3 * frame.node)});
+  }
+  body.ancf = std::move(beam);
+  return body;
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,81 @@
+#include "dynamics/frame_turn.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace mimbre::test {
+namespace {
+
+struct Path {
+  Vec3d a, b, c;
+  Vec3d at(double t) const { return a + t * b + 0.5 * t * t * c; }
+};
+
+Path random_path(std::mt19937& random, bool planar) {
+  std::uniform_real_distribution<double> u(-1, 1);
+  const auto any = [&] { return Vec3d(u(random), u(random), planar ? 0 : u(random)); };
+  return {(planar ? 0.3 : 0.8) * any(), any(), any()};  // the slope stays away from zero
+}
+
+Vec3d axial(const Mat3d& m) { return 0.5 * Vec3d(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)); }
+
+/// R is a rotation, ω = axial(Ṙ Rᵀ), α = ω̇ and J θ̇ = ω against differences along random paths.
+void follows_its_motion(FrameTurn turn) {
+  std::mt19937 random(7);
+  FrameData f;
+  f.turn = turn;
+  f.along = Vec3d(0.6, 0.8, 0);
+  f.normal = Vec3d::UnitZ();
+  for (int round = 0; round < 20; ++round) {
+    const Path p = random_path(random, turn == FrameTurn::slope);
+    const auto motion = [&](double t, Mat3d& R, Vec3d& omega) {
+      Vec3d alpha;
+      turn_motion<double>(f, p.at(t), p.b + t * p.c, p.c, R, omega, alpha);
+      return alpha;
+    };
+    Mat3d R, plus, minus;
+    Vec3d omega, omega_plus, omega_minus;
+    const double h = 1e-5;
+    const Vec3d alpha = motion(0, R, omega);
+    motion(h, plus, omega_plus);
+    motion(-h, minus, omega_minus);
+    EXPECT_LT((R.transpose() * R - Mat3d::Identity()).norm(), 1e-13);
+    EXPECT_NEAR(R.determinant(), 1, 1e-13);
+    EXPECT_LT((R - turn_rotation<double>(f, p.a)).norm(), 1e-14);
+    EXPECT_LT((axial((plus - minus) / (2 * h) * R.transpose()) - omega).norm(), 1e-8);
+    EXPECT_LT(((omega_plus - omega_minus) / (2 * h) - alpha).norm(), 1e-8);
+    EXPECT_LT((turn_jacobian<double>(f, p.a) * p.b - omega).norm(), 1e-14);
+  }
+}
+
+TEST(FrameTurn, exponential_map) { follows_its_motion(FrameTurn::exponential); }
+TEST(FrameTurn, three_successive_rotations) { follows_its_motion(FrameTurn::successive); }
+TEST(FrameTurn, slope_of_a_planar_beam) { follows_its_motion(FrameTurn::slope); }
+
+TEST(FrameTurn, slope_turns_past_half_a_turn) {
+  FrameData f;
+  f.turn = FrameTurn::slope;
+  f.along = Vec3d::UnitX();
+  f.normal = Vec3d::UnitZ();
+  const double angle = 4;
+  const Vec3d slope(1.2 * std::cos(angle), 1.2 * std::sin(angle), 0);
+  const Mat3d expected = rotation_exp<double>(Vec3d(0, 0, angle));
+  EXPECT_LT((turn_rotation<double>(f, slope - f.along) - expected).norm(), 1e-14);
+}
+
+/// All agree to the first order.
+TEST(FrameTurn, infinitesimal_is_the_first_order_of_the_others) {
+  const Vec3d theta = 1e-4 * Vec3d(0.3, -0.7, 0.5);
+  FrameData f;
+  f.turn = FrameTurn::infinitesimal;
+  const Mat3d first = turn_rotation<double>(f, theta);
+  for (const FrameTurn turn : {FrameTurn::exponential, FrameTurn::successive}) {
+    f.turn = turn;
+    EXPECT_LT((turn_rotation<double>(f, theta) - first).norm(), 2 * theta.squaredNorm());
+    EXPECT_GT((turn_rotation<double>(f, theta) - first).norm(), 0.1 * theta.squaredNorm());
+  }
+}
+
+}  // namespace
+}  // namespace mimbre::test
