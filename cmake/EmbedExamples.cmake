@@ -2,7 +2,8 @@
 
 function(mimbre_embed_examples target)
   set(files "")
-  foreach(name iltis/vehicle.yaml iltis/suspension.yaml iltis/corner.yaml double-four-bar/mechanism.yaml)
+  foreach(name iltis/vehicle.yaml iltis/suspension.yaml iltis/corner.yaml double-four-bar/mechanism.yaml
+               spin-up-beam/beam-2d.yaml spin-up-beam/beam-3d.yaml)
     set(path ${PROJECT_SOURCE_DIR}/examples/${name})
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
     file(READ ${path} text)

@@ -62,7 +62,8 @@ enum class Stiffening {
   foreshortening,  ///< bending shortens the beam: displacements quadratic in the amplitudes (4.19–4.35)
   nonlinear_stiffness_1,  ///< strain energy with the term ½∫EA u'v'² (4.5, 4.11)
   nonlinear_stiffness_2,  ///< and with ⅛∫EA v'⁴
-  geometric_stiffness  ///< stiffness by prestress: of inertia, gravity and boundary forces (GeometricStiffness)
+  geometric_stiffness     ///< stiffness by prestress: of inertia, gravity and boundary forces
+                          ///< (GeometricStiffness)
 };
 
 struct ReductionOptions {

@@ -61,4 +61,24 @@ struct FeMatrices {
   std::vector<Dof> dofs;                        ///< of each row, nodes ascending
 };
 
+/// Consistent mass and stiffness of all elements. Nodes of shells and beams have six dofs, those of solids
+/// only three, those of no element none. The result does not depend on the number of threads, to the last
+/// bit; 0: as many as the machine runs. Throws std::invalid_argument that names the element (by its label)
+/// for nodes that do not exist, positions that are not finite, elements without volume or turned inside out,
+/// missing or unsound materials and thicknesses; std::length_error above 2³¹ − 1 entries in a matrix.
+FeMatrices assemble(const SolidMesh& mesh, int threads = 0);
+
+/// Geometric stiffness KG(σ), σ of the displacements (in the order of FeMatrices::dofs) by linear elasticity:
+/// lower triangle, dofs × dofs, linear in the displacements; K + KG is the stiffness of the stressed mesh.
+/// Solids only: throws std::invalid_argument for shells and beams, and as assemble does.
+Eigen::SparseMatrix<double> geometric_stiffness(const SolidMesh& mesh,
+                                                const Eigen::Ref<const Eigen::VectorXd>& displacements,
+                                                int threads = 0);
+
+/// Stresses at the nodes (6 × nodes, Pa, rows xx yy zz xy yz zx, body axes) of displacements in the order of
+/// FeMatrices::dofs: extrapolated in each solid from where they are most accurate, then the mean over the
+/// node's solids. Zero where no solid is.
+Eigen::Matrix<double, 6, Eigen::Dynamic> nodal_stresses(
+    const SolidMesh& mesh, const Eigen::Ref<const Eigen::VectorXd>& displacements);
+
 }  // namespace mimbre::fe

@@ -49,13 +49,13 @@ struct SecondOrder {
 };
 
 /// Geometric stiffness of the prestressed body by the loads that prestress it, each in proportion: a force
-/// −(Σ s_l K_l) y on the amplitudes, s_l the load's present value. Stress that loads cause through rigid motion
-/// of the body needs no mode that stretches (Wallrapp, Schwertassek 1991, SID's Ge and ksigma). The body's
-/// elastic energy has no such term, and the motion of the body frame does not feel it.
+/// −(Σ s_l K_l) y on the amplitudes, s_l the load's present value. Stress that loads cause through rigid
+/// motion of the body needs no mode that stretches (Wallrapp, Schwertassek 1991, SID's Ge and ksigma). The
+/// body's elastic energy has no such term, and the motion of the body frame does not feel it.
 struct GeometricStiffness {
   /// Numbers of the loads of inertia and gravity, body axes: products ωx², ωy², ωz², ωxωy, ωyωz, ωxωz of the
-  /// body frame's angular velocity (a mixed product stands once for both orders, s = ωx ωy), components of the
-  /// acceleration of its origin minus gravity, of its angular acceleration.
+  /// body frame's angular velocity (a mixed product stands once for both orders, s = ωx ωy), components of
+  /// the acceleration of its origin minus gravity, of its angular acceleration.
   static constexpr int angular_velocity = 0, acceleration = 6, angular_acceleration = 9;
   /// Number of the first boundary load: load boundary + r is row r of `boundary_loads` times y.
   static constexpr int boundary = 12;
@@ -73,10 +73,10 @@ enum class BoundaryRotation {
   infinitesimal  ///< I + θ~
 };
 
-/// A beam in a plane by absolute nodal coordinates (Shabana 1997; Gerstmayr, Irschik 2008): the amplitudes are
-/// displacements and changes of slope at nodes, in the axes of the first node, so that the inertia is linear
-/// in them and all of its integrals are exact; the elastic forces are those of any deflection. A frame's
-/// X_theta gives the change of slope, and its axes turn with the slope.
+/// A beam in a plane by absolute nodal coordinates (Shabana 1997; Gerstmayr, Irschik 2008): the amplitudes
+/// are displacements and changes of slope at nodes, in the axes of the first node, so that the inertia is
+/// linear in them and all of its integrals are exact; the elastic forces are those of any deflection. A
+/// frame's X_theta gives the change of slope, and its axes turn with the slope.
 struct AncfBeam {
   Eigen::Vector3d along = Eigen::Vector3d::UnitX();   ///< the straight undeformed axis, body axes
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane; across = normal × along
@@ -123,7 +123,7 @@ struct ReducedBody {
   std::vector<std::array<int, 2>> lines;
   double line_radius = 0.01;  ///< m, for drawing
 
-  std::optional<SecondOrder> second_order;  ///< absent: linear in the amplitudes
+  std::optional<SecondOrder> second_order;      ///< absent: linear in the amplitudes
   std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen
   std::optional<AncfBeam> ancf;  ///< present: elastic forces are its own; `stiffness` is that at y = 0
   std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only

@@ -98,8 +98,8 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
 }
 
 /// Energy ½ yᵀ K_G y at the present loads, and what their change put in since the last step: as the work of
-/// K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. `first`: the velocity coordinate of
-/// the first amplitude, `forces`: scratch.
+/// K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. `first`: the velocity coordinate
+/// of the first amplitude, `forces`: scratch.
 void EnergyMeter::observe_geometric(const GeometricData& g, const relative::Motion<double>& motion, int first,
                                     const double* y, double* forces) {
   const Mat3d to_body = motion.rotation.transpose();

@@ -8,16 +8,16 @@ namespace mimbre {
 struct EnergyBalance {
   double kinetic = 0;
   double gravitational = 0;  ///< zero where the masses are at the global origin's height
-  double elastic = 0;        ///< strain energy of the flexible bodies, with ½ yᵀ K_G y of geometric stiffness
+  double elastic = 0;  ///< strain energy of the flexible bodies, with ½ yᵀ K_G y of geometric stiffness
   double springs =
       0;  ///< potential of elastic spring laws, zero at the assembled length, and of joint springs
   double tyres = 0;
   double dissipated = 0;  ///< dampers and modal damping
   double drive_work = 0;  ///< by driven joints on the mechanism
-  double load_work = 0;   ///< by loads and by spring forces given as expressions, and what the changing stress
-                          ///< of bodies with geometric stiffness puts into ½ yᵀ K_G y
-  double road_work = 0;   ///< by the road's height changing under the tyres
-  double numerical = 0;   ///< what the numerics fed in: total − start − works + dissipated
+  double load_work = 0;  ///< by loads and by spring forces given as expressions, and what the changing stress
+                         ///< of bodies with geometric stiffness puts into ½ yᵀ K_G y
+  double road_work = 0;  ///< by the road's height changing under the tyres
+  double numerical = 0;  ///< what the numerics fed in: total − start − works + dissipated
 
   double total() const { return kinetic + gravitational + elastic + springs + tyres; }
 };

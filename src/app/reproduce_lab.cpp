@@ -15,6 +15,7 @@ namespace {
 
 constexpr double reference_step = 1e-4;
 constexpr double compared_seconds = 3;
+constexpr double tip_reference_step = 1e-3, tip_interval = 0.01;
 constexpr int longest_milliseconds = 50, shortest_milliseconds = 10;
 /// Times are the least of as many runs as it takes to trust them, and no more than it takes to bear them.
 constexpr int least_runs = 3, most_runs = 20;
@@ -123,6 +124,29 @@ double Lab::height_error(const Case& c) {
     ++count;
   }
   return sum / count;
+}
+
+Eigen::MatrixXd Lab::tips(const Case& c, int stride) {
+  Simulation simulation(model(c), c.options);
+  Eigen::MatrixXd history(simulation.output_count(), steps_of(simulation) / stride);
+  ResultsRow row;
+  Eigen::Index k = 0;
+  run_through(simulation, stride, [&] {
+    simulation.sample(row);
+    if (k < history.cols()) history.col(k++) = row.channels.head(history.rows());
+  });
+  return history;
+}
+
+Eigen::VectorXd Lab::tip_deviation(const Case& c) {
+  Eigen::MatrixXd& exact = tip_references_[c.file];
+  if (exact.size() == 0) {
+    Case fine{c.file, {{"method", "nonlinear_beam"}, {"elements", "40"}}, {}};
+    fine.options.step = tip_reference_step;
+    exact = tips(fine, static_cast<int>(std::lround(tip_interval / tip_reference_step)));
+  }
+  const Eigen::MatrixXd history = tips(c, static_cast<int>(std::lround(tip_interval / c.options.step)));
+  return (history - exact).cwiseAbs().rowwise().mean();
 }
 
 std::optional<double> Lab::error_at(const Case& c, int milliseconds) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Core>
 #include <functional>
 #include <map>
 #include <memory>
@@ -45,6 +46,9 @@ class Lab {
   LongestStep longest_step(const Case& c);
   /// The longest step, s, from 10 ms on up to which every whole millisecond goes through.
   double unbroken_step(const Case& c);
+  /// Mean absolute deviation of the first outputs (the tip's displacements, by component) from the same model
+  /// with 40 nonlinear beams in steps of 1 ms, default integrator, m, every 10 ms (Lugrís 2008, 4.37).
+  Eigen::VectorXd tip_deviation(const Case& c);
   /// Energy that the numerics took out, J: mean of the magnitude over all steps; at the end.
   double mean_energy_loss(const Case& c);
   double energy_loss(const Case& c);
@@ -64,6 +68,8 @@ class Lab {
 
   ExampleFolder examples_;
   std::map<std::string, std::shared_ptr<const Model>> models_;
+  Eigen::MatrixXd tips(const Case& c, int stride);
+  std::map<std::string, Eigen::MatrixXd> tip_references_;
   std::map<std::string, Trace> references_;
   std::map<std::string, std::optional<double>> errors_;
 };

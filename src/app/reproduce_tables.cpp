@@ -5,65 +5,15 @@
 #include <array>
 #include <stdexcept>
 
-#include "app/common.h"
+#include "app/reproduce_rows.h"
 
-/// The tables of U. Lugrís' doctoral thesis (Universidade da Coruña, 2008), chapters 2 and 3.
+/// The tables of U. Lugrís' doctoral thesis (Universidade da Coruña, 2008), chapters 2 and 3; chapter 4 is in
+/// reproduce_deflections.cpp.
 namespace mimbre::app {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
 using Inertia = spec::Simulation::Inertia;
 using Integrator = spec::Simulation::Integrator;
-using Tell = std::function<void(const ReproducedRow&)>;
-using Numbers = std::vector<std::optional<double>>;
-
-constexpr std::array formulations{Formulation::natural, Formulation::relative};
-
-std::string name_of(Formulation formulation) {
-  return formulation == Formulation::natural ? "natural" : "relative";
-}
-
-/// Collects rows; a measurement that fails leaves its message.
-class Rows {
- public:
-  explicit Rows(const Tell& tell) : tell_(tell) {}
-
-  template <class Measure>
-  void add(ReproducedRow row, Measure&& measure) {
-    tell_(row);
-    try {
-      row.ours = measure(row);
-    } catch (const Failure&) {
-      throw;
-    } catch (const std::exception& error) {
-      row.note = error.what();
-    }
-    rows_.push_back(std::move(row));
-  }
-
-  /// Rows of one series over another, column by column: what does not depend on the machine.
-  void add_quotient(const std::string& name, const std::string& above, const std::string& below) {
-    std::vector<ReproducedRow> quotients;
-    for (const ReproducedRow& a : rows_)
-      for (const ReproducedRow& b : rows_) {
-        if (a.series != above || b.series != below || a.column != b.column) continue;
-        ReproducedRow row{name, a.column, "1", {}, {}, {}};
-        if (a.published && b.published) row.published = *a.published / *b.published;
-        if (a.ours && b.ours)
-          row.ours = *a.ours / *b.ours;
-        else
-          row.note = "one of the two failed";
-        quotients.push_back(row);
-      }
-    rows_.insert(rows_.end(), quotients.begin(), quotients.end());
-  }
-
-  std::vector<ReproducedRow> take() { return std::move(rows_); }
-
- private:
-  const Tell& tell_;
-  std::vector<ReproducedRow> rows_;
-};
 
 // The models.
 
@@ -307,31 +257,37 @@ std::vector<ReproducedRow> energy(Lab& lab, const Tell& tell) {
 }  // namespace
 
 const std::vector<PublishedTable>& published_tables() {
-  static const std::vector<PublishedTable> tables{
-      coordinates("double-four-bar", "Coordinates of the double four-bar, by number of flexible bars (2.1)",
-                  bars(), {{6, 13, 20, 27, 34, 41}, {5, 8, 11, 14, 17, 20}}),
-      coordinates("suspension", "Coordinates of the suspension, by flexible parts (2.3)", suspensions(),
-                  {{35, 45, 47, 50, 57, 60, 62, 72}, {8, 12, 14, 14, 18, 18, 20, 24}}),
-      coordinates("vehicle", "Coordinates of the vehicle, by flexible parts (2.5)", vehicles(),
-                  {{168, 196, 216, 228, 244, 256, 276, 304}, {34, 50, 58, 58, 74, 74, 82, 98}}),
-      cpu("double-four-bar",
-          "CPU time of the double four-bar, 5 s, by number of flexible bars (2.2; published in an "
-          "interpreter)",
-          bars(), {{0.91, 3.30, 6.24, 9.61, 11.51, 15.22}, {4.85, 9.11, 12.62, 15.74, 17.74, 20.92}}, "s", 1),
-      cpu("suspension",
-          "CPU time of the suspension, 5 s, by flexible parts (2.4; published in an interpreter)",
-          suspensions(), {{45, 155, 120, 91, 234, 231, 175, 298}, {31, 125, 52, 67, 169, 167, 98, 216}}, "ms",
-          1000),
-      cpu("vehicle", "CPU time of the vehicle, 8 s, by flexible parts (2.6)", vehicles(),
-          {{1.25, 2.33, 2.35, 2.41, 3.35, 3.44, 3.31, 4.48},
-           {0.23, 0.74, 0.57, 0.58, 1.22, 1.21, 0.93, 1.48}},
-          "s", 1),
-      {"cpu-inertia", "CPU time of the vehicle, all flexible, by elements per bar and inertia (3.1)",
-       cpu_inertia},
-      {"accuracy", "Error of the vehicle's chassis height, and longest steps of 10 to 50 ms (2.7)", accuracy},
-      {"real-time", "Real-time ratio of the vehicle (2.7)", real_time},
-      {"energy", "Energy lost by the numerics, trapezoidal rule, 10 ms (2.9.1, 2.9.2)", energy},
-  };
+  static const std::vector<PublishedTable> tables = [] {
+    std::vector<PublishedTable> all{
+        coordinates("double-four-bar", "Coordinates of the double four-bar, by number of flexible bars (2.1)",
+                    bars(), {{6, 13, 20, 27, 34, 41}, {5, 8, 11, 14, 17, 20}}),
+        coordinates("suspension", "Coordinates of the suspension, by flexible parts (2.3)", suspensions(),
+                    {{35, 45, 47, 50, 57, 60, 62, 72}, {8, 12, 14, 14, 18, 18, 20, 24}}),
+        coordinates("vehicle", "Coordinates of the vehicle, by flexible parts (2.5)", vehicles(),
+                    {{168, 196, 216, 228, 244, 256, 276, 304}, {34, 50, 58, 58, 74, 74, 82, 98}}),
+        cpu("double-four-bar",
+            "CPU time of the double four-bar, 5 s, by number of flexible bars (2.2; published in an "
+            "interpreter)",
+            bars(), {{0.91, 3.30, 6.24, 9.61, 11.51, 15.22}, {4.85, 9.11, 12.62, 15.74, 17.74, 20.92}}, "s",
+            1),
+        cpu("suspension",
+            "CPU time of the suspension, 5 s, by flexible parts (2.4; published in an interpreter)",
+            suspensions(), {{45, 155, 120, 91, 234, 231, 175, 298}, {31, 125, 52, 67, 169, 167, 98, 216}},
+            "ms", 1000),
+        cpu("vehicle", "CPU time of the vehicle, 8 s, by flexible parts (2.6)", vehicles(),
+            {{1.25, 2.33, 2.35, 2.41, 3.35, 3.44, 3.31, 4.48},
+             {0.23, 0.74, 0.57, 0.58, 1.22, 1.21, 0.93, 1.48}},
+            "s", 1),
+        {"cpu-inertia", "CPU time of the vehicle, all flexible, by elements per bar and inertia (3.1)",
+         cpu_inertia},
+        {"accuracy", "Error of the vehicle's chassis height, and longest steps of 10 to 50 ms (2.7)",
+         accuracy},
+        {"real-time", "Real-time ratio of the vehicle (2.7)", real_time},
+        {"energy", "Energy lost by the numerics, trapezoidal rule, 10 ms (2.9.1, 2.9.2)", energy},
+    };
+    for (const PublishedTable& table : deflection_tables()) all.push_back(table);
+    return all;
+  }();
   return tables;
 }
 

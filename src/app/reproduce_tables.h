@@ -26,5 +26,7 @@ struct PublishedTable {
       make;
 };
 const std::vector<PublishedTable>& published_tables();
+/// Those among them of chapter 4.
+std::vector<PublishedTable> deflection_tables();
 
 }  // namespace mimbre::app

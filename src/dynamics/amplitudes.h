@@ -60,4 +60,19 @@ void fold(const FlexibleData& f, const T* y, const Rows& A, T* out) {
   }
 }
 
+/// Adds weight · Σ_p f_p ∂²η_p/∂y² to a folded matrix, f = Kᵀ η the elastic forces: what the change of ∂η/∂y
+/// adds to the tangent of (∂η/∂y)ᵀ f.
+template <class T>
+void add_curvature(const FlexibleData& f, const T* y, T weight, T* out) {
+  const int s = f.stride;
+  for (std::size_t p = 0; p < f.products.size(); ++p) {
+    const int column = f.amplitudes + static_cast<int>(p);
+    T force(0);
+    for (int l = 0; l < f.modes; ++l) force += f.stiffness(l, column) * y[l];
+    const auto [a, b] = f.products[p];
+    out[a * s + b] += weight * force;
+    out[b * s + a] += weight * force;
+  }
+}
+
 }  // namespace mimbre

@@ -220,9 +220,9 @@ void write_integrals(hid_t place, const Body& body) {
 void write_node_shapes(hid_t place, const Eigen::MatrixXd& node_shapes) {
   std::vector<double> shapes;
   append_rows(shapes, node_shapes.transpose());
-  write_doubles(
-      place, "node_shapes",
-      {static_cast<hsize_t>(node_shapes.cols()), static_cast<hsize_t>(node_shapes.rows() / 3), 3}, shapes);
+  write_doubles(place, "node_shapes",
+                {static_cast<hsize_t>(node_shapes.cols()), static_cast<hsize_t>(node_shapes.rows() / 3), 3},
+                shapes);
 }
 
 /// Matrices of the same shape one after the other.
@@ -231,8 +231,8 @@ void write_stack(hid_t place, const std::string& name, const Matrices& matrices,
                  Eigen::Index columns) {
   std::vector<double> buffer;
   for (const auto& matrix : matrices) append_rows(buffer, matrix);
-  write_doubles(place, name,
-                {matrices.size(), static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)}, buffer);
+  write_doubles(place, name, {matrices.size(), static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)},
+                buffer);
 }
 
 void write_geometric_stiffness(hid_t file, const GeometricStiffness& geometric) {
@@ -502,8 +502,7 @@ std::vector<Matrix> read_stack(hid_t place, const std::string& name, std::size_t
       read_doubles(place, name, {count, static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)});
   std::vector<Matrix> matrices;
   for (std::size_t k = 0; k < count; ++k)
-    matrices.push_back(
-        from_rows(data.data() + static_cast<Eigen::Index>(k) * rows * columns, rows, columns));
+    matrices.push_back(from_rows(data.data() + static_cast<Eigen::Index>(k) * rows * columns, rows, columns));
   return matrices;
 }
 
@@ -514,8 +513,8 @@ GeometricStiffness read_geometric_stiffness(hid_t file, Eigen::Index modes) {
     geometric.loads = read_numbers<int>(group, "loads", {kAny}, H5T_NATIVE_INT).first;
     geometric.stiffness =
         read_stack<Eigen::MatrixXd>(group, "stiffness", geometric.loads.size(), modes, modes);
-    const auto [rows, shape] = read_numbers<double>(
-        group, "boundary_loads", {kAny, static_cast<hsize_t>(modes)}, H5T_NATIVE_DOUBLE);
+    const auto [rows, shape] =
+        read_numbers<double>(group, "boundary_loads", {kAny, static_cast<hsize_t>(modes)}, H5T_NATIVE_DOUBLE);
     geometric.boundary_loads = from_rows(rows.data(), static_cast<Eigen::Index>(shape[0]), modes);
     return geometric;
   } catch (const FileProblem& problem) {

@@ -83,6 +83,7 @@ FlexibleData flexible_data(const ReducedBody& body) {
   };
   if (n > 0) {
     f.identity_mass = (mass - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9;
+    f.nonlinear_stiffness = !stiffness.rightCols(n - body.modes).isZero(0);
     f.diagonal_stiffness = !body.ancf && diagonal(stiffness) && diagonal(body.damping);
   }
   if (body.geometric) f.geometric = geometric_data(*body.geometric, body.modes, s);

@@ -60,6 +60,7 @@ struct FlexibleData {
   Rows damping;                     ///< stride × stride
   bool identity_mass = false;       ///< Mff = I: modes are orthonormal
   bool diagonal_stiffness = false;  ///< stiffness and damping are diagonal
+  bool nonlinear_stiffness = false;  ///< products have stiffness
   /// Not empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at y = 0.
   std::vector<AncfElement> ancf;
   double ancf_damping = 0;  ///< s

@@ -73,12 +73,14 @@ void check_mesh_sizes(const ReducedBody& body, Report& report) {
 
 void check_geometric_stiffness(const ReducedBody& body, Report& report) {
   const GeometricStiffness& g = *body.geometric;
-  report.require(!body.second_order && !body.ancf,
-                 "geometric stiffness: a body that knows of large deflections otherwise must not have it too");
+  report.require(
+      !body.second_order && !body.ancf,
+      "geometric stiffness: a body that knows of large deflections otherwise must not have it too");
   report.matrix("geometric stiffness: boundary_loads", g.boundary_loads, g.boundary_loads.rows(), body.modes);
-  report.require(g.stiffness.size() == g.loads.size(),
-                 fmt::format("geometric stiffness: there must be one matrix for each of {} loads, there are {}",
-                             g.loads.size(), g.stiffness.size()));
+  report.require(
+      g.stiffness.size() == g.loads.size(),
+      fmt::format("geometric stiffness: there must be one matrix for each of {} loads, there are {}",
+                  g.loads.size(), g.stiffness.size()));
   const Eigen::Index end = GeometricStiffness::boundary + g.boundary_loads.rows();
   for (std::size_t k = 0; k < g.loads.size(); ++k) {
     report.require(g.loads[k] >= 0 && g.loads[k] < end,

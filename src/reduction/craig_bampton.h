@@ -15,7 +15,8 @@ struct Basis {
 };
 
 /// Static constraint modes, one per boundary dof, then the lowest fixed-interface modes (Craig, Bampton 1968;
-/// Lugrís 2008, 2.7–2.9). Errors as for reduce(). `loads`: forces on the mesh's dofs, 6·nodes × loads, whose static responses are wanted too.
+/// Lugrís 2008, 2.7–2.9). Errors as for reduce(). `loads`: forces on the mesh's dofs, 6·nodes × loads, whose
+/// static responses are wanted too.
 Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options,
                     const Eigen::MatrixXd& loads = {});
 

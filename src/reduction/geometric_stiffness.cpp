@@ -58,8 +58,7 @@ Vector12 element_field(const ElementGeometry& g, const Field& field) {
 
 Vector12 nodal_values(const BeamElement& beam, const VectorXd& displacement) {
   Vector12 values;
-  for (int end = 0; end < 2; ++end)
-    values.segment<6>(6 * end) = displacement.segment<6>(6 * beam.nodes[end]);
+  for (int end = 0; end < 2; ++end) values.segment<6>(6 * end) = displacement.segment<6>(6 * beam.nodes[end]);
   return values;
 }
 
@@ -80,7 +79,8 @@ struct Loads {
   VectorXd sizes;  ///< the largest axial force that each could cause, about
 };
 
-/// Adds the geometric stiffness of one beam, in the basis, for every load; to `reference` that of unit tension.
+/// Adds the geometric stiffness of one beam, in the basis, for every load; to `reference` that of unit
+/// tension.
 void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd& shapes,
               std::vector<MatrixXd>& stiffness, MatrixXd& reference) {
   const BeamElement& beam = mesh.elements[element];
@@ -95,8 +95,7 @@ void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd&
   };
   add({1, 0, 0}, reference);
   for (Eigen::Index l = 0; l < loads.displacements.cols(); ++l)
-    add(axial_force(beam, geometry.length,
-                    transformation * nodal_values(beam, loads.displacements.col(l)),
+    add(axial_force(beam, geometry.length, transformation * nodal_values(beam, loads.displacements.col(l)),
                     element_field(geometry, loads.fields[static_cast<std::size_t>(l)])),
         stiffness[static_cast<std::size_t>(l)]);
 }
@@ -158,7 +157,8 @@ MatrixXd unit_inertia_forces(const Mesh& mesh) {
   return forces;
 }
 
-GeometricStiffness geometric_stiffness(const Mesh& mesh, const ReductionOptions& options, const Basis& basis) {
+GeometricStiffness geometric_stiffness(const Mesh& mesh, const ReductionOptions& options,
+                                       const Basis& basis) {
   const Loads loads = all_loads(mesh, options, basis);
   const Eigen::Index modes = basis.shapes.cols();
   std::vector<MatrixXd> stiffness(loads.fields.size(), MatrixXd::Zero(modes, modes));

@@ -208,9 +208,11 @@ void add_foreshortening(const Mesh& mesh, const std::vector<Piece>& pieces, cons
     const Matrix3Xd& h = s.nodes[static_cast<std::size_t>(node)];
     out.node_shapes.block(3 * node, body.modes, 3, count) = h;
     if (out.mesh_shapes.size() > 0) out.mesh_shapes.block(6 * node, body.modes, 3, count) = h;
+    // Of several nodes at one place the one that moves as the frame does, up to round-off.
+    const auto X = shapes.middleRows<3>(6 * node);
     for (std::size_t f = 0; f < body.frames.size(); ++f)
       if ((body.frames[f].position - mesh.nodes.col(node)).norm() == 0 &&
-          (body.frames[f].X - shapes.middleRows<3>(6 * node)).norm() == 0)
+          (body.frames[f].X - X).norm() <= 1e-9 * X.norm())
         out.frame_shapes[f].rightCols(count) = h;
   }
 }
@@ -240,7 +242,8 @@ void add_nonlinear_stiffness(const std::vector<Piece>& pieces, const ReductionOp
 }  // namespace
 
 void add_second_order(const Mesh& mesh, const ReductionOptions& options, ReducedBody& body) {
-  if (options.stiffening == Stiffening::linear || options.stiffening == Stiffening::geometric_stiffness) return;
+  if (options.stiffening == Stiffening::linear || options.stiffening == Stiffening::geometric_stiffness)
+    return;
   const MatrixXd shapes = body.mesh_inertia->shapes;
   const std::vector<Piece> pieces = pieces_of(mesh, shapes);
   SecondOrder out;

@@ -113,6 +113,8 @@ TEST_P(Allocation, none_in_other_mechanisms) {
     Simulation s(example(file), options());
     EXPECT_EQ(allocations_of(s, 300), 0) << file;
   }
+  Simulation beam(example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}}), options());
+  EXPECT_EQ(allocations_of(beam, 300), 0);
   const auto model =
       model_of(four_bar_text({{"crank", R"yaml(, drive: {position: "0.5*sin(4*t)"})yaml"}}) + R"yaml(
 springs:

@@ -19,12 +19,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-ReducedBody some_body() {
+ReducedBody some_body(fe::Stiffening stiffening = fe::Stiffening::linear) {
   fe::ReductionOptions options;
   options.clamped_nodes = {0};
   options.boundary = {{2, false, Eigen::Vector3d::UnitZ(), "tip.z"}};
   options.dynamic_modes = 3;
   options.stiffness_damping = 0.02;
+  options.stiffening = stiffening;
   ReducedBody body = fe::reduce(bent_frame(), options,
                                 {{"tip", 2, some_rotation()}, {"gelenk ä", 1, Eigen::Matrix3d::Identity()}});
   body.name = "bent frame";
@@ -87,6 +88,69 @@ class ReducedBodyFile : public testing::Test {
  private:
   std::filesystem::path folder_;
 };
+
+TEST_F(ReducedBodyFile, GivesGeometricStiffnessBack) {
+  const ReducedBody body = some_body(fe::Stiffening::geometric_stiffness);
+  ASSERT_TRUE(body.geometric);
+  ASSERT_GT(body.geometric->loads.size(), 10u);
+  ASSERT_EQ(body.geometric->boundary_loads.rows(), 1);
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  ASSERT_TRUE(read.geometric);
+  EXPECT_EQ(read.geometric->loads, body.geometric->loads);
+  EXPECT_EQ(read.geometric->stiffness, body.geometric->stiffness);
+  EXPECT_EQ(read.geometric->boundary_loads, body.geometric->boundary_loads);
+  EXPECT_FALSE(read.second_order);
+}
+
+TEST_F(ReducedBodyFile, GivesLargeDeflectionsBack) {
+  const ReducedBody body = some_body(fe::Stiffening::foreshortening);
+  ASSERT_TRUE(body.second_order);
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  ASSERT_TRUE(read.second_order);
+  const SecondOrder &a = *body.second_order, &b = *read.second_order;
+  EXPECT_EQ(b.products, a.products);
+  EXPECT_EQ(b.S, a.S);
+  EXPECT_EQ(b.S_position, a.S_position);
+  EXPECT_EQ(b.S_modes, a.S_modes);
+  EXPECT_EQ(b.mass_matrix, a.mass_matrix);
+  EXPECT_EQ(b.stiffness, a.stiffness);
+  EXPECT_EQ(b.frame_shapes, a.frame_shapes);
+  EXPECT_EQ(b.node_shapes, a.node_shapes);
+  EXPECT_EQ(b.mesh_shapes, a.mesh_shapes);
+  EXPECT_FALSE(read.geometric);
+}
+
+TEST_F(ReducedBodyFile, SaysWhatIsWrongWithStiffening) {
+  const auto saving = [&](const ReducedBody& body) -> std::string {
+    try {
+      save(body, path());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  ReducedBody body = some_body(fe::Stiffening::geometric_stiffness);
+  const ReducedBody good = body;
+  body.geometric->loads.back() = 13;
+  EXPECT_THAT(saving(body), HasSubstr("geometric stiffness: load 13 must be from 0 to 12"));
+  body = good;
+  std::swap(body.geometric->loads[0], body.geometric->loads[1]);
+  EXPECT_THAT(saving(body), HasSubstr("loads must ascend"));
+  body = good;
+  body.geometric->stiffness[2](0, 1) += 1;
+  EXPECT_THAT(saving(body), HasSubstr("geometric stiffness must be symmetric"));
+  body = good;
+  body.geometric->stiffness.pop_back();
+  EXPECT_THAT(saving(body), HasSubstr("one matrix for each"));
+  body = some_body(fe::Stiffening::foreshortening);
+  body.geometric = good.geometric;
+  EXPECT_THAT(saving(body), HasSubstr("must not have it too"));
+  body.geometric.reset();
+  body.second_order->products.front() = {1, 0};
+  EXPECT_THAT(saving(body), HasSubstr("product (1, 0)"));
+}
 
 TEST_F(ReducedBodyFile, GivesBackWhatWasSavedToTheLastBit) {
   const ReducedBody body = some_body();

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <random>
 #include <string>
@@ -60,6 +61,10 @@ inline ReducedBody mixed(ReducedBody b, const MatrixXd& mix) {
     f.X = (f.X * mix).eval();
     f.X_theta = (f.X_theta * mix).eval();
   }
+  if (b.geometric) {
+    for (MatrixXd& k : b.geometric->stiffness) k = (mix.transpose() * k * mix).eval();
+    b.geometric->boundary_loads = (b.geometric->boundary_loads * mix).eval();
+  }
   b.user_from_modal = (b.user_from_modal * mix).eval();
   b.node_shapes = (b.node_shapes * mix).eval();
   if (b.mesh_inertia) b.mesh_inertia->shapes = (b.mesh_inertia->shapes * mix).eval();
@@ -68,10 +73,11 @@ inline ReducedBody mixed(ReducedBody b, const MatrixXd& mix) {
 
 /// A soft bent frame of beams with one clamped node, and four frames: the clamped node's, both ends', and one
 /// halfway. Modes: 2 to 6. Half of them in coordinates that are not orthogonal. Made once per kind.
-inline std::shared_ptr<const ReducedBody> random_flexible_body(int kind) {
+inline std::shared_ptr<const ReducedBody> random_flexible_body(
+    int kind, fe::Stiffening stiffening = fe::Stiffening::linear) {
   constexpr int kinds = 10;
-  static std::array<std::shared_ptr<const ReducedBody>, kinds> made;
-  std::shared_ptr<const ReducedBody>& body = made[static_cast<std::size_t>(kind % kinds)];
+  static std::map<fe::Stiffening, std::array<std::shared_ptr<const ReducedBody>, kinds>> made;
+  std::shared_ptr<const ReducedBody>& body = made[stiffening][static_cast<std::size_t>(kind % kinds)];
   if (body) return body;
   Random random(static_cast<unsigned>(1000 + kind % kinds));
   fe::Mesh mesh =
@@ -91,6 +97,7 @@ inline std::shared_ptr<const ReducedBody> random_flexible_body(int kind) {
   if (modes > 3) options.boundary.push_back({3, true, Vec3d::UnitY(), "turn"});
   options.dynamic_modes = modes - static_cast<int>(options.boundary.size());
   options.stiffness_damping = 1e-3;
+  options.stiffening = stiffening;
   ReducedBody reduced = fe::reduce(mesh, options,
                                    {{"clamped", 0, random.rotation()},
                                     {"first", 2, random.rotation()},
@@ -108,8 +115,9 @@ struct RandomOptions {
   int bodies = 5;
   int loops = 0;
   double flexible_share = 0.5;
-  bool springs = false;  ///< elastic ones between frames and on joints
-  bool damping = false;  ///< dampers and modal damping
+  fe::Stiffening stiffening = fe::Stiffening::linear;  ///< of the flexible bodies
+  bool springs = false;                                ///< elastic ones between frames and on joints
+  bool damping = false;                                ///< dampers and modal damping
   bool tyres = false;
   bool loads = false;
   bool drives = false;
@@ -218,7 +226,7 @@ inline RandomMechanism random_mechanism(unsigned seed, const RandomOptions& opti
   for (int b = 0; b < options.bodies; ++b) {
     spec::Body body;
     if (random.chance(options.flexible_share)) {
-      auto flexible = random_flexible_body(static_cast<int>(seed) + 3 * b);
+      auto flexible = random_flexible_body(static_cast<int>(seed) + 3 * b, options.stiffening);
       if (!options.damping) {
         auto undamped = std::make_shared<ReducedBody>(*flexible);
         undamped->damping.setZero();

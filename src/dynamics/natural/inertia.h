@@ -33,8 +33,8 @@ inline void projected_inertia(const projection::Constants& c, projection::Work& 
   for (int s = 0; s < 4; ++s) out.col(s) += A * forces[s];
 }
 
-/// Motion of a body frame in its own axes, from that of its base vectors and from their accelerations, gravity
-/// taken off.
+/// Motion of a body frame in its own axes, from that of its base vectors and from their accelerations,
+/// gravity taken off.
 template <class T>
 geometric::Motion<T> motion_in_body(const BaseMotion<T>& base, const Base<T>& second) {
   const Mat3<T> A = base.position.template rightCols<3>();

@@ -113,6 +113,13 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
   }
   add_modal(f.damping, damping);
   add_modal(f.stiffness, stiffness);
+  if (f.nonlinear_stiffness) {
+    T* curvature = w.folded.data();
+    std::fill(curvature, curvature + static_cast<std::ptrdiff_t>(s) * s, T(0));
+    add_curvature(f, y, T(stiffness), curvature);
+    for (int i = 0; i < data.modes; ++i)
+      for (int j = 0; j <= i; ++j) matrix[(n + i) * stride + n + j] += curvature[i * s + j];
+  }
   if (f.geometric.empty()) return;
   Base<T> second = w.bodies[index].acceleration;
   second.col(0) -= m.gravity.template cast<T>();

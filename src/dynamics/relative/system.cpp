@@ -166,6 +166,7 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
         copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
         extend(f, y);
         fold(f, y, f.stiffness, work_.folded.data());
+        if (f.nonlinear_stiffness) add_curvature(f, y, 1.0, work_.folded.data());
         stiffness = work_.folded.data();
       }
       for (int c = 0; c < b.modes; ++c)

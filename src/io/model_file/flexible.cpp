@@ -259,9 +259,8 @@ struct Reader {
 
   void read_stiffening(const Fields& fields) {
     if (const auto kind = fields.get("stiffening"))
-      if (const auto k =
-              kind->choice({"linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2",
-                                     "geometric_stiffness"}))
+      if (const auto k = kind->choice({"linear", "foreshortening", "nonlinear_stiffness_1",
+                                       "nonlinear_stiffness_2", "geometric_stiffness"}))
         result.options.stiffening = static_cast<fe::Stiffening>(*k);
     // Without ⅛∫EA v'⁴ the energy has no lower bound: a beam that follows its gradient collapses.
     result.options.published_force = result.options.stiffening == fe::Stiffening::nonlinear_stiffness_1;
@@ -269,9 +268,18 @@ struct Reader {
       result.options.published_force = force->choice({"consistent", "published"}).value_or(0) == 1;
   }
 
-  /// The first axial mode is the bar stretched from its free end, the others keep that end where it is.
+  /// With its end held, the first axial mode is the bar stretched from there and the others keep that end
+  /// where it is; with its end free, they are the bar's own.
   void read_axial_modes(const Value& value_of_modes) {
-    const auto n = value_of_modes.integer(0, builder.limits.dynamic_modes);
+    std::optional<int> n;
+    bool free_end = false;
+    if (value_of_modes.is_map()) {
+      const Fields fields(value_of_modes, {"count", "end"});
+      if (const auto count = fields.need("count", "1")) n = count->integer(0, builder.limits.dynamic_modes);
+      if (const auto end = fields.get("end")) free_end = end->choice({"held", "free"}).value_or(0) == 1;
+    } else {
+      n = value_of_modes.integer(0, builder.limits.dynamic_modes);
+    }
     good = good && n;
     if (n.value_or(0) == 0 || !good) return;
     const auto& held = result.options.clamped_nodes;
@@ -282,6 +290,7 @@ struct Reader {
     const auto [a, b] = bar_ends.front();
     if (held.size() != 1 || (held.front() != a && held.front() != b))
       return refuse(held.size() == 1 ? "another node is" : "several nodes are");
+    if (free_end) return void(result.options.axial_dynamic_modes = *n);
     const int end = held.front() == a ? b : a;
     const Eigen::Vector3d along =
         positions[static_cast<std::size_t>(end)] - positions[static_cast<std::size_t>(held.front())];

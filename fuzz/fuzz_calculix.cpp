@@ -1,0 +1,13 @@
+#include "fuzz_bytes.h"
+#include "io/fe/calculix.h"
+
+using namespace mimbre::fe;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  SolidMesh mesh;
+  mesh.nodes = Eigen::Matrix3Xd::Zero(3, 4);
+  mesh.labels = {1, 2, 3, 4};
+  read_text_or_refuse(data, size, [&](TextFile& file) { parse_calculix_dofs(file, mesh); });
+  const std::vector<Dof> rows = {{0, 0}, {0, 1}, {1, 0}, {1, 1}};
+  return read_text_or_refuse(data, size, [&](TextFile& file) { parse_calculix_matrix(file, rows); });
+}

@@ -1,0 +1,10 @@
+#include "fuzz_bytes.h"
+#include "io/fe/inp_model.h"
+
+using namespace mimbre::fe;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return read_or_refuse(data, size, [](std::string bytes) {
+    parse_inp(std::make_unique<TextFile>(std::move(bytes), "fuzz"), "", false);
+  });
+}

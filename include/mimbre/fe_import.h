@@ -1,0 +1,111 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/fe_mesh.h"
+#include "mimbre/reduced_body.h"
+
+/// Finite-element models from other programs' files, and reduced bodies to and from the exchange formats of
+/// multibody programs. Text is read line by line: a file may be larger than the memory that it fills. All
+/// functions throw InputError with file, line, what is wrong and what would be right.
+namespace mimbre::fe {
+
+/// What one unit of the file's numbers is in SI, {1, 1, 1} for files in SI units; {1e-3, 1e3, 1} for the
+/// common mm–tonne–second system (N, MPa).
+struct FileUnits {
+  double length = 1;  ///< m
+  double mass = 1;    ///< kg
+  double time = 1;    ///< s
+};
+
+struct ImportedMesh {
+  SolidMesh mesh;
+  std::vector<Diagnostic> warnings;  ///< what the file has beyond the mesh and is not taken
+};
+
+/// Matrices made elsewhere, with the nodes that they belong to; the mesh has elements only where the node
+/// file is a CalculiX or Abaqus input or a Gmsh mesh.
+struct ImportedMatrices {
+  SolidMesh mesh;
+  FeMatrices matrices;
+  std::vector<Diagnostic> warnings;  ///< such as matrices that hold the body
+};
+
+/// Gmsh .msh, versions 2.x and 4.1, ASCII. Physical groups become node sets (of the same name; the tag where
+/// there is no name), those of the volumes also element groups. Surface elements are shells where the file
+/// has no volume elements, else only node sets; lines and points are only node sets.
+ImportedMesh read_gmsh(const std::string& path, const FileUnits& units = {});
+
+/// The mesh of a CalculiX or Abaqus input file (.inp): nodes, elements C3D4, C3D10, C3D8, C3D20, C3D6, C3D15,
+/// S3, S4 (also with the suffixes I, R, H, M) and B31 with rectangular sections, sets, surfaces (as node
+/// sets), isotropic elastic materials, sections, includes. Sections make the element groups. Every element
+/// set is a node set too. Steps are skipped, plane elements and trusses only make node sets; constraints,
+/// loads and the rest are left out with a warning.
+ImportedMesh read_inp(const std::string& path, const FileUnits& units = {});
+
+/// read_gmsh or read_inp, by the file's ending.
+ImportedMesh read_mesh(const std::string& path, const FileUnits& units = {});
+
+/// Nodes of a file that is a mesh (.msh, .inp) or a table: CSV (comma, semicolon, tab or blanks) with the
+/// columns label, x, y, z, with or without a heading.
+ImportedMesh read_nodes(const std::string& path, const FileUnits& units = {});
+
+/// What CalculiX writes for *FREQUENCY, SOLVER=MATRIXSTORAGE: JOB.sti, JOB.mas, JOB.dof beside JOB.inp. The
+/// model must have no *BOUNDARY, no cyclic symmetry, and no elements to which CalculiX adds nodes (shells,
+/// beams, C3D8I).
+ImportedMatrices read_calculix_matrices(const std::string& inp_path, const FileUnits& units = {});
+
+/// Minus what CalculiX writes for *BUCKLE, SOLVER=MATRIXSTORAGE: the geometric stiffness of the static load
+/// before it (of the step's load), lower triangle, in the rows of `matrices`, which come from the same mesh.
+/// `dof_path` is the .dof file written with it.
+Eigen::SparseMatrix<double> read_calculix_geometric_stiffness(const std::string& str_path,
+                                                              const std::string& dof_path,
+                                                              const ImportedMatrices& matrices,
+                                                              const FileUnits& units = {});
+
+/// What Abaqus writes for *MATRIX GENERATE and *MATRIX OUTPUT: lines `row node, dof, column node, dof, value`
+/// of one triangle, or, in its coordinate form, `row column value`, for which the dofs must be said as in
+/// read_sparse_matrices. `nodes` as for read_nodes.
+ImportedMatrices read_abaqus_matrices(const std::string& stiffness_path, const std::string& mass_path,
+                                      const std::string& nodes_path, const std::string& dofs_path = "",
+                                      const FileUnits& units = {});
+
+/// Nastran and OptiStruct: DMIG cards (small, large and free field; square or symmetric, real) of a punch
+/// file and GRID cards of the same file or of `bulk_path`. An empty name means the only matrix whose name
+/// begins with K or M. Displacements must be in basic axes; positions may be in CORD2R systems.
+ImportedMatrices read_nastran_dmig(const std::string& punch_path, const std::string& bulk_path = "",
+                                   const std::string& stiffness_name = "", const std::string& mass_name = "",
+                                   const FileUnits& units = {});
+
+/// Matrix Market (.mtx, coordinate, real or integer, symmetric or general) or SciPy's save_npz (.npz: CSR,
+/// CSC, COO), with the nodes as for read_nodes. `dofs_path`: CSV with the columns row (counted from 0 or from
+/// 1), node label, direction (1–6, or x y z rx ry rz). Without it rows are 3 or 6 per node, in the order of
+/// the node file.
+ImportedMatrices read_sparse_matrices(const std::string& stiffness_path, const std::string& mass_path,
+                                      const std::string& nodes_path, const std::string& dofs_path = "",
+                                      const FileUnits& units = {});
+
+/// A body reduced elsewhere, with what its file could not say.
+struct ImportedBody {
+  ReducedBody body;
+  std::vector<Diagnostic> warnings;
+};
+
+/// MBDyn's .fem of the modal joint. Its nodes become frames `node LABEL`. Mass, first and second moments come
+/// from record group 12 or, without it, from the lumped masses of group 11; the modal integrals from groups
+/// 13 to 17 or else from lumped masses and mode shapes.
+/// Without a place there: axes of frames (positions and modes are in body axes), mode names, drawing lines,
+/// modes in the user's view, second order. Geometric stiffness (record group 19) is neither read nor written.
+/// Blanks in the names of frames become '_'. Throws std::invalid_argument for a body without frames.
+ImportedBody read_mbdyn_fem(const std::string& path);
+void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
+
+/// SID, standard input data (O. Wallrapp, Mech. Struct. Mach. 22(4), 1994). Nodes become frames `node LABEL`;
+/// the linear terms m1 are accepted with the indices (row, mode, column) and (row, column, mode). Geometric
+/// stiffness by inertia and gravity is in the linear terms of Oe, Ct and Cr; what the format has for forces
+/// at nodes is neither read nor written. Frames are numbered unless all are called `node NUMBER`.
+ImportedBody read_sid(const std::string& path);
+void write_sid(const ReducedBody& body, const std::string& path);
+
+}  // namespace mimbre::fe

@@ -1,0 +1,106 @@
+#include "fe/mesh_cells.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fe/solid_element.h"
+
+namespace mimbre::fe {
+namespace {
+
+constexpr const char* kTypeNames[] = {"tet4", "tet10", "hex8", "hex20", "wedge6", "wedge15", "tri3", "quad4"};
+
+[[noreturn]] void fail(const std::string& where, const std::string& what) {
+  throw std::invalid_argument(fmt::format("{}: {}", where, what));
+}
+
+std::string node_name(const SolidMesh& mesh, Eigen::Index node) {
+  return fmt::format("node {}", node < static_cast<Eigen::Index>(mesh.labels.size())
+                                    ? mesh.labels[static_cast<std::size_t>(node)]
+                                    : node);
+}
+
+void check_nodes(const SolidMesh& mesh) {
+  for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node)
+    if (!mesh.nodes.col(node).allFinite()) fail(node_name(mesh, node), "its position must be finite");
+}
+
+void check_group(const SolidMesh& mesh, const ElementGroup& group) {
+  if (group.nodes.empty()) return;
+  const std::string where = fmt::format("element set '{}'", group.name);
+  const int per_element = node_count(group.type);
+  if (group.nodes.size() % per_element != 0)
+    fail(where, fmt::format("{} nodes are no multiple of the {} of a {}", group.nodes.size(), per_element,
+                            kTypeNames[static_cast<int>(group.type)]));
+  if (group.material < 0 || group.material >= static_cast<int>(mesh.materials.size()))
+    fail(element_name(group, 0), "has no material");
+  try {
+    check_elastic(mesh.materials[group.material].material);
+  } catch (const std::invalid_argument& error) {
+    fail(fmt::format("material '{}' of {}", mesh.materials[group.material].name, where), error.what());
+  }
+  if (is_shell(group.type) && !(std::isfinite(group.thickness) && group.thickness > 0))
+    fail(element_name(group, 0), fmt::format("its thickness must be positive, is {}", group.thickness));
+}
+
+void add_cell(MeshCells& cells, const int* nodes, int count, int dofs) {
+  cells.nodes.insert(cells.nodes.end(), nodes, nodes + count);
+  cells.first.push_back(static_cast<int>(cells.nodes.size()));
+  for (int k = 0; k < count; ++k) {
+    int& node_dofs = cells.node_dofs[nodes[k]];
+    node_dofs = std::max(node_dofs, dofs);
+  }
+}
+
+}  // namespace
+
+std::string element_name(const ElementGroup& group, int index) {
+  const auto label = index < static_cast<int>(group.labels.size()) ? group.labels[index] : index;
+  return fmt::format("element {} of '{}' ({})", label, group.name, kTypeNames[static_cast<int>(group.type)]);
+}
+
+MeshCells mesh_cells(const SolidMesh& mesh) {
+  check_nodes(mesh);
+  std::size_t entries = 2 * mesh.beams.size();
+  for (const ElementGroup& group : mesh.groups) entries += group.nodes.size();
+  if (entries > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw std::length_error("the mesh has too many elements");
+
+  const auto exists = [&](int node) { return node >= 0 && node < mesh.nodes.cols(); };
+  const auto missing = [&](int node) {
+    return fmt::format("its node with index {} does not exist, the mesh has {}", node, mesh.nodes.cols());
+  };
+  MeshCells cells;
+  cells.node_dofs.assign(mesh.nodes.cols(), 0);
+  cells.nodes.reserve(entries);
+  cells.first.push_back(0);
+  for (const ElementGroup& group : mesh.groups) {
+    check_group(mesh, group);
+    cells.group_begin.push_back(cells.size());
+    const int per_element = node_count(group.type);
+    for (int e = 0; e < group.size(); ++e) {
+      const int* nodes = group.nodes.data() + static_cast<std::ptrdiff_t>(e) * per_element;
+      for (int k = 0; k < per_element; ++k)
+        if (!exists(nodes[k])) fail(element_name(group, e), missing(nodes[k]));
+      add_cell(cells, nodes, per_element, is_shell(group.type) ? 6 : 3);
+    }
+  }
+  cells.group_begin.push_back(cells.size());
+  for (std::size_t b = 0; b < mesh.beams.size(); ++b) {
+    for (int node : mesh.beams[b].nodes)
+      if (!exists(node)) fail(fmt::format("beam element {}", b), missing(node));
+    add_cell(cells, mesh.beams[b].nodes.data(), 2, 6);
+  }
+  return cells;
+}
+
+int group_of(const MeshCells& cells, int cell) {
+  const auto above = std::upper_bound(cells.group_begin.begin(), cells.group_begin.end(), cell);
+  return static_cast<int>(above - cells.group_begin.begin()) - 1;
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,129 @@
+#include "fe/shell_bending.h"
+
+#include <array>
+#include <cmath>
+
+#include "fe/quadrature.h"
+
+namespace mimbre::fe {
+namespace {
+
+using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
+template <int Rows>
+using Operator = Eigen::Matrix<double, Rows, Eigen::Dynamic, Eigen::ColMajor, Rows, 12>;
+using Gradients = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 4>;
+
+/// A side from its node to the next one. Along it the rotation towards the side β = (θy, −θx)·t is linear
+/// plus a parabola of height Δβ, which follows from the nodes such that the mean shear strain is that of the
+/// side's equilibrium.
+struct Side {
+  Eigen::Vector2d tangent;
+  double length = 0;
+  Row height;  ///< Δβ = height · dofs
+  Row shear;   ///< mean shear strain along the side = shear · dofs
+};
+
+Side side(const PlaneNodes& nodes, int i, double poisson, double thickness) {
+  constexpr double kShearFactor = 5.0 / 6;
+  const int count = static_cast<int>(nodes.cols());
+  const int j = (i + 1) % count;
+  Side side;
+  side.tangent = nodes.col(j) - nodes.col(i);
+  side.length = side.tangent.norm();
+  side.tangent /= side.length;
+  const double ratio = thickness / side.length;
+  const double phi = 2 * ratio * ratio / (kShearFactor * (1 - poisson));
+  side.height.setZero(3 * count);
+  side.height[3 * i] = -1;
+  side.height[3 * j] = 1;
+  for (int node : {i, j}) {
+    side.height[3 * node + 1] = -side.length / 2 * side.tangent.y();
+    side.height[3 * node + 2] = side.length / 2 * side.tangent.x();
+  }
+  side.height *= -1.5 / (side.length * (1 + phi));
+  side.shear = -2.0 / 3 * phi * side.height;
+  return side;
+}
+
+/// Functions and derivatives by the reference coordinates at a point.
+struct PlateShapes {
+  Gradients nodes;      ///< of the linear functions
+  Gradients parabolas;  ///< of the sides' parabolas of unit height
+  Gradients sides;      ///< shear strains (reference) of unit ones along the sides times their lengths
+};
+
+PlateShapes triangle_shapes(double r, double s) {
+  const std::array<double, 3> l{1 - r - s, r, s};
+  PlateShapes shapes;
+  shapes.nodes.resize(2, 3);
+  shapes.nodes << -1, 1, 0, -1, 0, 1;
+  shapes.parabolas.resize(2, 3);
+  shapes.sides.resize(2, 3);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    shapes.parabolas.col(i) = 4 * (l[i] * shapes.nodes.col(j) + l[j] * shapes.nodes.col(i));
+    shapes.sides.col(i) = l[i] * shapes.nodes.col(j) - l[j] * shapes.nodes.col(i);
+  }
+  return shapes;
+}
+
+PlateShapes square_shapes(double x, double y) {
+  PlateShapes shapes;
+  shapes.nodes.resize(2, 4);
+  shapes.nodes << -(1 - y), 1 - y, 1 + y, -(1 + y), -(1 - x), -(1 + x), 1 + x, 1 - x;
+  shapes.nodes /= 4;
+  shapes.parabolas.resize(2, 4);
+  shapes.parabolas << -2 * x * (1 - y), 1 - y * y, -2 * x * (1 + y), -(1 - y * y),  //
+      -(1 - x * x), -2 * y * (1 + x), 1 - x * x, -2 * y * (1 - x);
+  shapes.parabolas /= 2;
+  shapes.sides.resize(2, 4);
+  shapes.sides << 1 - y, 0, -(1 + y), 0,  //
+      0, 1 + x, 0, -(1 - x);
+  shapes.sides /= 4;
+  return shapes;
+}
+
+}  // namespace
+
+MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness) {
+  const int count = static_cast<int>(nodes.cols());
+  std::array<Side, 4> sides;
+  for (int k = 0; k < count; ++k) sides[k] = side(nodes, k, poisson, thickness);
+
+  const double t3 = thickness * thickness * thickness;
+  Eigen::Matrix3d bending;
+  bending << 1, poisson, 0, poisson, 1, 0, 0, 0, (1 - poisson) / 2;
+  bending *= young * t3 / (12 * (1 - poisson * poisson));
+  const double shear = 5.0 / 6 * thickness * young / (2 * (1 + poisson));
+
+  static const Quadrature triangle = triangle_rule(3), square = square_rule(2);
+  MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
+  for (const IntegrationPoint& point : count == 3 ? triangle : square) {
+    const PlateShapes shapes =
+        count == 3 ? triangle_shapes(point.at.x(), point.at.y()) : square_shapes(point.at.x(), point.at.y());
+    const Eigen::Matrix2d J = nodes * shapes.nodes.transpose();
+    const double dA = point.weight * J.determinant();
+    const Eigen::Matrix2d to_plane = J.inverse().transpose();
+    const Gradients g = to_plane * shapes.nodes;
+    const Gradients p = to_plane * shapes.parabolas;
+    const Gradients s = to_plane * shapes.sides;
+
+    Operator<3> curvature = Operator<3>::Zero(3, 3 * count);
+    Operator<2> strain = Operator<2>::Zero(2, 3 * count);
+    for (int k = 0; k < count; ++k) {
+      curvature.col(3 * k + 1) << 0, -g(1, k), -g(0, k);  // β = (θy, −θx)
+      curvature.col(3 * k + 2) << g(0, k), 0, g(1, k);
+    }
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Vector2d& t = sides[k].tangent;
+      curvature += Eigen::Vector3d(p(0, k) * t.x(), p(1, k) * t.y(), p(1, k) * t.x() + p(0, k) * t.y()) *
+                   sides[k].height;
+      strain += sides[k].length * s.col(k) * sides[k].shear;
+    }
+    stiffness += dA * curvature.transpose() * bending * curvature;
+    stiffness += dA * shear * strain.transpose() * strain;
+  }
+  return 0.5 * (stiffness + stiffness.transpose());
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,16 @@
+#pragma once
+#include <Eigen/Core>
+
+namespace mimbre::fe {
+
+using PlaneNodes = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 4>;
+using MembraneMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 12, 12>;
+
+/// Plane stress membrane of constant thickness with rotations about its normal (drilling): dofs u, v, θ of
+/// each node. Triangles: the optimal one for bending in its plane (Felippa 2003, "A study of optimal membrane
+/// triangles with drilling freedoms"). Quadrilaterals: the mean of their two divisions into such triangles,
+/// with the exact energy of bending as rectangles of any aspect ratio. `nodes` (2 × 3 or 2 × 4)
+/// anticlockwise, convex. Symmetric, full storage.
+MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
+
+}  // namespace mimbre::fe

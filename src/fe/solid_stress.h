@@ -1,0 +1,23 @@
+#pragma once
+#include "fe/solid_element.h"
+
+/// Stresses of solid elements and the stiffness that they give. Order of components: xx yy zz xy yz zx (body
+/// axes), Pa; strains likewise, with engineering shears.
+namespace mimbre::fe {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Stress = matrix · strain.
+Matrix6 elasticity(const Material& material);
+
+/// 6·nodes × 3·nodes: stresses at the element's nodes, extrapolated from the points where they are most
+/// accurate, of nodal displacements.
+Eigen::MatrixXd nodal_stress_operator(const SolidGeometry& geometry, const Material& material);
+
+/// Nodes × nodes, symmetric, full storage: ∫ ∇Na·σ ∇Nb dV, σ of the nodal displacements (3 × nodes). The
+/// geometric stiffness matrix is each entry times the 3 × 3 identity; its rule is that of the stiffness.
+void solid_geometric_stiffness(const SolidGeometry& geometry, const Material& material,
+                               const NodePositions& displacements, NodalMatrix& stiffness);
+
+}  // namespace mimbre::fe

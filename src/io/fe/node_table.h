@@ -1,0 +1,15 @@
+#pragma once
+#include <vector>
+
+#include "io/fe/text_file.h"
+#include "mimbre/fe_import.h"
+
+namespace mimbre::fe {
+
+/// Nodes from CSV: label, x, y, z.
+ImportedMesh parse_node_table(TextFile& file);
+
+/// Dofs of the rows of a matrix from CSV: row, node label, direction.
+std::vector<Dof> parse_dof_table(TextFile& file, const SolidMesh& mesh);
+
+}  // namespace mimbre::fe
