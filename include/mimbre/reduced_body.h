@@ -92,6 +92,13 @@ struct AncfBeam {
   double stiffness_damping = 0;  ///< s: strain rates act like this many seconds of strain
 };
 
+/// One line of the certificate that a reduction gives.
+struct Check {
+  std::string name;
+  bool passed = false;
+  std::string detail;
+};
+
 /// All that dynamics knows of a flexible body, wherever it comes from. SI units, body axes throughout.
 /// Modes are mass- and stiffness-orthogonal when `make_orthogonal` was applied (built-in bodies always are).
 struct ReducedBody {
@@ -122,6 +129,8 @@ struct ReducedBody {
   Eigen::MatrixXd node_shapes;
   std::vector<std::array<int, 2>> lines;
   double line_radius = 0.01;  ///< m, for drawing
+
+  std::vector<Check> checks;  ///< of the reduction that made it; none: it was not certified
 
   std::optional<SecondOrder> second_order;      ///< absent: linear in the amplitudes
   std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen

@@ -28,4 +28,25 @@ std::string report_html(const Results& results, const ReportOptions& options = {
 /// overwritten. Throws also std::runtime_error when the file cannot be written.
 void write_report(const Results& results, const std::string& path, const ReportOptions& options = {});
 
+/// One of the runs that a page compares.
+struct ComparedRun {
+  Results results;
+  std::string file;  ///< where the results were read from; shown, not opened
+  /// Its name in legends and tables; empty: what was set, formulation, formalism, integrator and step as far
+  /// as they differ between the runs, or else the file's name.
+  std::string label;
+};
+
+/// One page of at least two runs: every channel (same name, same unit) that two of them have, drawn over each
+/// other; what the others differ by from the first, on the instants of the coarser of both within the time
+/// that both have, linearly interpolated (as `compare`), as curves and as mean and largest deviation; a table
+/// of the runs; the animation of the first. Runs may have different time grids and ends. `max_samples` holds
+/// for each run, the names in `channels` are those of shared channels. Throws as `report_html`, and
+/// InputError for fewer than two runs, for runs without a shared channel, and for times that do not ascend.
+std::string comparison_html(const std::vector<ComparedRun>& runs, const ReportOptions& options = {});
+
+/// Writes `comparison_html` as `write_report` does.
+void write_comparison(const std::vector<ComparedRun>& runs, const std::string& path,
+                      const ReportOptions& options = {});
+
 }  // namespace mimbre

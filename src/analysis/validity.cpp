@@ -465,7 +465,8 @@ std::string BodyValidity::warning() const {
 
 ValidityMonitor::ValidityMonitor(const Compiled& m) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b)
-    if (m.bodies[b].modes > 0 && m.flexible[m.bodies[b].flexible].ancf.empty()) bodies_.emplace_back(m, static_cast<int>(b));
+    if (m.bodies[b].modes > 0 && m.flexible[m.bodies[b].flexible].ancf.empty())
+      bodies_.emplace_back(m, static_cast<int>(b));
 }
 
 void ValidityMonitor::start() {

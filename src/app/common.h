@@ -41,6 +41,8 @@ Command add_compare(CLI::App& program);
 Command add_bench(CLI::App& program);
 Command add_verify(CLI::App& program);
 Command add_reproduce(CLI::App& program);
+Command add_reduce(CLI::App& program);
+Command add_convert(CLI::App& program);
 
 /// Wrong use that only shows after parsing: exit code 2.
 struct UsageError : std::runtime_error {

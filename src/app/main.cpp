@@ -91,9 +91,10 @@ int main_program(int argc, char** argv) {
       "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed.\n"
       "'mimbre COMMAND --help' says more about a command.\n"
       "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
-  const std::vector<Command> commands{add_run(program),    add_check(program),    add_static(program),
-                                      add_report(program), add_compare(program),  add_bench(program),
-                                      add_verify(program), add_reproduce(program)};
+  const std::vector<Command> commands{add_run(program),      add_check(program),   add_static(program),
+                                      add_report(program),   add_compare(program), add_bench(program),
+                                      add_verify(program),   add_reduce(program),  add_convert(program),
+                                      add_reproduce(program)};
   const std::vector<std::string> names = names_of(commands);
   if (argc < 2) {
     fmt::print(stderr, "{}", program.help());

@@ -33,6 +33,15 @@ void Progress::update(double time, double end, double cpu_seconds) {
   std::fflush(stderr);
 }
 
+void Progress::update(const std::string& stage, double done) {
+  if (!shown_) return;
+  drawn_ = true;
+  const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * bar_width);
+  fmt::print(stderr, "\r[{}{}] {}\033[K", std::string(filled, '#'), std::string(bar_width - filled, ' '),
+             stage);
+  std::fflush(stderr);
+}
+
 void Progress::clear() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
   drawn_ = false;

@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <string>
 
 namespace mimbre::app {
 
@@ -13,6 +14,8 @@ class Progress {
   bool shown() const { return shown_; }
   /// Redraws at most ten times per second. `time` of `end` simulated, s, with `cpu_seconds` of stepping.
   void update(double time, double end, double cpu_seconds);
+  /// The same for work in stages: what is being done, and how much of it is, 0 to 1.
+  void update(const std::string& stage, double done);
   /// Takes the line away.
   void clear();
 

@@ -145,8 +145,8 @@ void add_tangent(const FlexibleData& f, const T* y, double stiffness, double dam
   }
 }
 
-/// Per axial Gauss point, three numbers: force over length, which is geometric stiffness, and the direction in
-/// which the axis is stiff. They say whether a tangent is still good.
+/// Per axial Gauss point, three numbers: force over length, which is geometric stiffness, and the direction
+/// in which the axis is stiff. They say whether a tangent is still good.
 inline std::size_t marks(const FlexibleData& f) { return 9 * f.ancf.size(); }
 
 /// Of all bodies.
@@ -180,8 +180,8 @@ inline void keep_marks(const FlexibleData& f, const double* y, double* marks) {
 inline bool marks_moved(const FlexibleData& f, const double* y, const double* marks, double limit) {
   double most = 0;
   visit_marks(f, y, [&](double force, double along, double across) {
-    most = std::max({most, std::abs(force - marks[0]), std::abs(along - marks[1]),
-                     std::abs(across - marks[2])});
+    most =
+        std::max({most, std::abs(force - marks[0]), std::abs(along - marks[1]), std::abs(across - marks[2])});
     marks += 3;
   });
   return most > limit;

@@ -159,6 +159,17 @@ Handle create_group(hid_t place, const std::string& name) {
           fmt::format("cannot create group '{}'", name)};
 }
 
+/// Each line's name, "passed" or "failed", and detail.
+void write_checks(hid_t place, const std::vector<Check>& checks) {
+  std::vector<std::string> texts;
+  for (const Check& c : checks) {
+    texts.push_back(c.name);
+    texts.push_back(c.passed ? "passed" : "failed");
+    texts.push_back(c.detail);
+  }
+  write_texts(place, "checks", texts);
+}
+
 void write_frame(hid_t place, const std::string& name, const BodyFrame& frame) {
   const Handle group = create_group(place, name);
   write_text_attribute(group, "name", frame.name);
@@ -263,6 +274,7 @@ void write_body(hid_t file, const ReducedBody& body) {
   write_attribute(file, "mass", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &body.mass);
   write_attribute(file, "line_radius", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &body.line_radius);
   write_texts(file, "mode_names", body.mode_names);
+  if (!body.checks.empty()) write_checks(file, body.checks);
   write_matrix(file, "first_moment", body.first_moment);
   write_matrix(file, "second_moment", body.second_moment);
   write_integrals(file, body);
@@ -398,6 +410,16 @@ std::vector<std::string> read_texts(hid_t place, const std::string& name, hsize_
   std::vector<std::string> texts;
   for (hsize_t i = 0; i < count; ++i) texts.push_back(without_padding(buffer.substr(i * size, size)));
   return texts;
+}
+
+std::vector<Check> read_checks(hid_t place) {
+  const std::vector<hsize_t> shape = shape_of(open_dataset(place, "checks"), "checks");
+  if (shape.size() != 1 || shape[0] % 3 != 0) throw FileProblem("'checks' must have three texts per line");
+  const std::vector<std::string> texts = read_texts(place, "checks", shape[0]);
+  std::vector<Check> checks;
+  for (std::size_t k = 0; k < texts.size(); k += 3)
+    checks.push_back({texts[k], texts[k + 1] == "passed", texts[k + 2]});
+  return checks;
 }
 
 BodyFrame read_frame(hid_t place, const std::string& name, hsize_t modes) {
@@ -560,6 +582,7 @@ ReducedBody read_body(hid_t file) {
   const auto modes = static_cast<hsize_t>(body.modes);
   const Eigen::Index n = body.modes;
   body.mode_names = read_texts(file, "mode_names", modes);
+  if (has_link(file, "checks")) body.checks = read_checks(file);
   body.first_moment = Eigen::Vector3d(read_doubles(file, "first_moment", {3}).data());
   body.second_moment = read_matrix(file, "second_moment", 3, 3);
   read_integrals(file, n, body);

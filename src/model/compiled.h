@@ -55,11 +55,11 @@ struct FlexibleData {
   Rows S_modes;     ///< stride rows (l) × 9 stride: block 3 i + j of row l holds S^ij(l, ·)
   Rows
       coriolis;  ///< stride rows (l) × 3 stride: block a of row l holds (S^bc − S^cb)(l, ·), (a, b, c) cyclic
-  Rows mass;                        ///< stride × stride
-  Rows stiffness;                   ///< stride × stride
-  Rows damping;                     ///< stride × stride
-  bool identity_mass = false;       ///< Mff = I: modes are orthonormal
-  bool diagonal_stiffness = false;  ///< stiffness and damping are diagonal
+  Rows mass;                         ///< stride × stride
+  Rows stiffness;                    ///< stride × stride
+  Rows damping;                      ///< stride × stride
+  bool identity_mass = false;        ///< Mff = I: modes are orthonormal
+  bool diagonal_stiffness = false;   ///< stiffness and damping are diagonal
   bool nonlinear_stiffness = false;  ///< products have stiffness
   /// Not empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at y = 0.
   std::vector<AncfElement> ancf;

@@ -1,5 +1,5 @@
 // The list in which channels are searched and ticked.
-import type { Channel } from "./data";
+import type { ChannelName } from "./data";
 import { element } from "./dom";
 import { grouped, unitLabel, type Grouping } from "./groups";
 
@@ -21,7 +21,7 @@ export class ChannelList {
   private refreshers: (() => void)[] = [];
 
   constructor(
-    private channels: Channel[],
+    private channels: ChannelName[],
     private selected: Set<number>,
     private changed: () => void,
   ) {

@@ -1,4 +1,4 @@
-// The data that mimbre writes into the page (src/io/report.cpp), and as the page uses them.
+// The data that mimbre writes into the page (src/io/report*.cpp), and as the page uses them.
 
 export interface PackedArray {
   type: "f32" | "f64" | "u32";
@@ -16,7 +16,14 @@ interface PackedBody {
   shapes: Solid[];
 }
 
-export interface PackedReport {
+/** What is animated. */
+export interface PackedScene {
+  bodies: PackedBody[];
+  roads: { name: string; profile: PackedArray }[];
+  animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
+}
+
+export interface PackedReport extends PackedScene {
   format: string;
   title: string;
   step: number;
@@ -28,9 +35,6 @@ export interface PackedReport {
   channels: { name: string; unit: string; meaning: string; offset: number }[];
   values: PackedArray;
   shown: number[];
-  bodies: PackedBody[];
-  roads: { name: string; profile: PackedArray }[];
-  animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
 }
 
 /** A solid drawn on a body, in body axes. Sizes: box edges; cylinder (axis z) radius, length; sphere radius. */
@@ -54,15 +58,15 @@ export interface Body {
   shapes: Solid[];
 }
 
-export interface Channel {
+/** What a channel is called, for the list of channels. */
+export interface ChannelName {
   name: string;
   unit: string;
   meaning: string;
-  /** One per instant of Report.time; null where the value is not finite. */
-  values: (number | null)[];
-  /** Largest less smallest finite value. */
-  range: number;
 }
+
+/** Values: one per instant of Report.time. */
+export interface Channel extends ChannelName, Curve {}
 
 export interface Animation {
   time: Float64Array;
@@ -73,7 +77,13 @@ export interface Animation {
   amplitudes: number;
 }
 
-export interface Report {
+export interface Scene {
+  bodies: Body[];
+  roads: { name: string; profile: Float64Array }[];
+  animation: Animation;
+}
+
+export interface Report extends Scene {
   title: string;
   step: number;
   instants: number;
@@ -83,9 +93,6 @@ export interface Report {
   time: number[];
   channels: Channel[];
   shown: number[];
-  bodies: Body[];
-  roads: { name: string; profile: Float64Array }[];
-  animation: Animation;
 }
 
 /** Throws when the array does not hold what it says. */
@@ -99,9 +106,29 @@ export function decodeArray(packed: PackedArray): Float32Array | Float64Array | 
   return new type(bytes.buffer);
 }
 
-const f32 = (packed: PackedArray) => decodeArray(packed) as Float32Array;
-const f64 = (packed: PackedArray) => decodeArray(packed) as Float64Array;
+export const f32 = (packed: PackedArray) => decodeArray(packed) as Float32Array;
+export const f64 = (packed: PackedArray) => decodeArray(packed) as Float64Array;
 const u32 = (packed: PackedArray) => decodeArray(packed) as Uint32Array;
+
+export interface Curve {
+  /** null where the value is not finite */
+  values: (number | null)[];
+  /** Largest less smallest finite value. */
+  range: number;
+}
+
+/** Of single-precision values without their offset. */
+export function decodeCurve(own: Float32Array, offset: number): Curve {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of own) {
+    if (!Number.isFinite(value)) continue;
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  const values = Array.from(own, (value) => (Number.isFinite(value) ? value + offset : null));
+  return { values, range: Math.max(high - low, 0) };
+}
 
 export function decodeReport(packed: PackedReport): Report {
   if (packed.format !== "mimbre-report-1") throw new Error(`unknown report format ${packed.format}`);
@@ -109,16 +136,23 @@ export function decodeReport(packed: PackedReport): Report {
   const values = f32(packed.values);
   const channels = packed.channels.map(({ name, unit, meaning, offset }, k) => {
     const own = values.subarray(k * time.length, (k + 1) * time.length);
-    let low = Infinity;
-    let high = -Infinity;
-    for (const value of own) {
-      if (!Number.isFinite(value)) continue;
-      low = Math.min(low, value);
-      high = Math.max(high, value);
-    }
-    const shifted = Array.from(own, (value) => (Number.isFinite(value) ? value + offset : null));
-    return { name, unit, meaning, values: shifted, range: Math.max(high - low, 0) };
+    return { name, unit, meaning, ...decodeCurve(own, offset) };
   });
+  return {
+    title: packed.title,
+    step: packed.step,
+    instants: packed.instants,
+    model: packed.model,
+    options: packed.options,
+    summary: packed.summary,
+    time,
+    channels,
+    shown: packed.shown,
+    ...decodeScene(packed),
+  };
+}
+
+export function decodeScene(packed: PackedScene): Scene {
   let firstMode = 0;
   const bodies = packed.bodies.map((body) => {
     const decoded: Body = {
@@ -135,15 +169,6 @@ export function decodeReport(packed: PackedReport): Report {
     return decoded;
   });
   return {
-    title: packed.title,
-    step: packed.step,
-    instants: packed.instants,
-    model: packed.model,
-    options: packed.options,
-    summary: packed.summary,
-    time,
-    channels,
-    shown: packed.shown,
     bodies,
     roads: packed.roads.map(({ name, profile }) => ({ name, profile: f64(profile) })),
     animation: {

@@ -1,5 +1,5 @@
 // Order in the list of channels.
-import type { Channel } from "./data";
+import type { ChannelName } from "./data";
 
 export type Grouping = "name" | "unit";
 
@@ -15,7 +15,7 @@ export function unitLabel(unit: string): string {
 }
 
 /** Groups in the order of their first channel, channels as they come; only those whose name, unit or meaning has all words. */
-export function grouped(channels: Channel[], grouping: Grouping, search: string): Map<string, number[]> {
+export function grouped(channels: ChannelName[], grouping: Grouping, search: string): Map<string, number[]> {
   const words = search.toLowerCase().split(/\s+/).filter((word) => word !== "");
   const groups = new Map<string, number[]>();
   channels.forEach((channel, index) => {

@@ -89,3 +89,13 @@ export function amplitudesAt(animation: Animation, t: number, first: number, cou
   for (let k = 0; k < count; ++k) amplitudes[k] = m[a + k] + fraction * (m[b + k] - m[a + k]);
   return amplitudes;
 }
+
+/** A curve at `t`, linearly; null before its beginning, after its end and in its gaps. */
+export function valueAt(time: ArrayLike<number>, values: ArrayLike<number | null>, t: number): number | null {
+  if (time.length === 0 || t < time[0] || t > time[time.length - 1]) return null;
+  const { index, fraction } = locate(time, t);
+  const from = values[index];
+  if (fraction === 0) return from;
+  const to = values[index + 1];
+  return from === null || to === null ? null : from + fraction * (to - from);
+}

@@ -2,17 +2,17 @@ import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { ChannelList } from "./channelList";
 import { Clock } from "./clock";
-import { decodeReport, type PackedReport } from "./data";
+import { buildComparison, comparisonTitle } from "./comparison";
+import { comparisonFormat, decodeComparison, type PackedComparison } from "./comparisonData";
+import { decodeReport, type PackedReport, type Report } from "./data";
 import { element } from "./dom";
 import { firstSelection } from "./groups";
 import { header, model, summary } from "./panels";
 import { Player } from "./player";
 import { Plots } from "./plots";
 
-function build(page: HTMLElement): void {
-  const report = decodeReport(JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport);
-  document.title = `${report.title || "Untitled model"} – mimbre report`;
-
+/** Fills the page; returns the clock of its animation. */
+function buildReport(page: HTMLElement, report: Report): Clock {
   const { time } = report.animation;
   const clock = new Clock(time[0] ?? 0, time[time.length - 1] ?? 0);
   const selected = new Set(report.shown.length > 0 ? report.shown : firstSelection(report.channels));
@@ -47,6 +47,21 @@ function build(page: HTMLElement): void {
     ),
   );
   changed();
+  return clock;
+}
+
+function build(page: HTMLElement): void {
+  const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison;
+  let clock: Clock;
+  if (packed.format === comparisonFormat) {
+    const comparison = decodeComparison(packed as PackedComparison);
+    document.title = `${comparisonTitle(comparison)} – mimbre report`;
+    clock = buildComparison(page, comparison);
+  } else {
+    const report = decodeReport(packed as PackedReport);
+    document.title = `${report.title || "Untitled model"} – mimbre report`;
+    clock = buildReport(page, report);
+  }
   // report.html#t=4.3 opens at that time: a link can point at what is worth seeing.
   const start = Number(new URLSearchParams(location.hash.slice(1)).get("t") ?? NaN);
   if (Number.isFinite(start)) clock.set(start);

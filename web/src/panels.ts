@@ -23,7 +23,7 @@ export function header(report: Report): HTMLElement {
   return made;
 }
 
-function table(lines: SummaryLine[]): HTMLElement {
+export function table(lines: SummaryLine[]): HTMLElement {
   const rows = lines.map(({ label, value, warning }) =>
     element("tr", { class: warning ? "warning" : "" }, element("th", { scope: "row" }, label), element("td", {}, (warning ? "⚠ " : "") + value)),
   );

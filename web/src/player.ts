@@ -1,7 +1,7 @@
 // The card with the 3D view and everything that steers it.
 import type { Clock } from "./clock";
 import { turboGradient } from "./color";
-import type { Report } from "./data";
+import type { Scene } from "./data";
 import { element } from "./dom";
 import { formatNumber } from "./format";
 import { nearest } from "./interpolate";
@@ -48,7 +48,7 @@ export class Player {
   private caption = element("span"); // of the colour bar
 
   constructor(
-    private report: Report,
+    private report: Scene,
     private clock: Clock,
   ) {
     const holder = element("div", { class: "view" });

@@ -1,16 +1,16 @@
 // Stacked plots, one per unit, with one time axis: cursors and zoom go together.
-import uPlot from "uplot";
+import type uPlot from "uplot";
+import { TimeChart, type Range } from "./chart";
 import type { Clock } from "./clock";
 import { lineColors } from "./color";
 import type { Report } from "./data";
-import { element, onThemeChange, themeColor } from "./dom";
-import { formatNumber, formatWithin } from "./format";
+import { element, onThemeChange } from "./dom";
+import { formatWithin } from "./format";
 import { unitLabel } from "./groups";
 import { nearest } from "./interpolate";
 
 interface Plot {
-  chart: uPlot;
-  marker: HTMLElement;
+  chart: TimeChart;
   values: HTMLElement[];
   channels: number[];
 }
@@ -21,7 +21,7 @@ export class Plots {
   readonly root = element("div", { class: "plots" });
   private plots: Plot[] = [];
   private selection: number[] = [];
-  private range: { min: number; max: number } | null = null; // of the time axis, null when all is shown
+  private range: Range | null = null; // of the time axis, null when all is shown
 
   constructor(
     private report: Report,
@@ -35,7 +35,7 @@ export class Plots {
 
   show(selection: number[]): void {
     this.selection = selection;
-    for (const { chart } of this.plots) chart.destroy();
+    for (const { chart } of this.plots) chart.uplot.destroy();
     this.root.replaceChildren();
     this.plots = [];
     if (this.report.time.length === 0 || selection.length === 0) {
@@ -53,18 +53,15 @@ export class Plots {
   }
 
   resetZoom(): void {
-    for (const { chart } of this.plots) chart.setScale("x", this.whole());
+    for (const { chart } of this.plots) chart.uplot.setScale("x", this.whole());
   }
 
-  private whole(): { min: number; max: number } {
+  private whole(): Range {
     const { time } = this.report;
     return { min: time[0], max: time[time.length - 1] };
   }
 
   private plot(unit: string, channels: number[]): Plot {
-    const text = themeColor("muted");
-    const grid = { stroke: themeColor("grid"), width: 1 };
-    const axis: uPlot.Axis = { stroke: text, grid, ticks: grid, font: "12px system-ui, sans-serif" };
     const values: HTMLElement[] = [];
     const legend = element("div", { class: "legend" });
     channels.forEach((index, k) => {
@@ -84,78 +81,32 @@ export class Plots {
     const box = element("figure", {}, element("figcaption", {}, element("b", {}, unitLabel(unit)), legend), holder);
     this.root.append(box);
 
-    let plot: Plot | undefined = undefined; // the hooks may be called before it is there
-    const chart = new uPlot(
-      {
-        width: Math.max(this.root.clientWidth, 200),
-        height,
-        legend: { show: false },
-        scales: { x: { time: false, ...(this.range ?? this.whole()) } },
-        cursor: {
-          sync: { key: "time" },
-          drag: { x: true, y: false, dist: 5 },
-          points: { size: 6 },
-        },
-        series: [
-          {},
-          ...channels.map((_, k) => ({
-            stroke: lineColors[k % lineColors.length],
-            width: 1.5,
-            points: { show: false },
-          })),
-        ],
-        axes: [
-          { ...axis, size: 30, values: (_, splits) => splits.map((split) => `${formatNumber(split)} s`) },
-          { ...axis, size: 64, values: (_, splits) => splits.map((split) => formatNumber(split)) },
-        ],
-        hooks: {
-          setCursor: [() => this.readOut(plot)],
-          setScale: [
-            (u, key) => {
-              if (key === "x") {
-                this.range = { min: u.scales.x.min!, max: u.scales.x.max! };
-                this.place(plot);
-              }
-            },
-          ],
-        },
-      },
-      [this.report.time, ...channels.map((index) => this.report.channels[index].values)] as uPlot.AlignedData,
-      holder,
-    );
-    const marker = element("div", { class: "marker" });
-    chart.over.append(marker);
-    plot = { chart, marker, values, channels };
-    // A click, not the end of a drag, sets the animation's time.
-    let pressed = 0;
-    chart.over.addEventListener("mousedown", (event) => (pressed = event.clientX));
-    chart.over.addEventListener("click", (event) => {
-      const left = event.clientX - chart.over.getBoundingClientRect().left;
-      if (Math.abs(event.clientX - pressed) < 5) this.clock.set(chart.posToVal(left, "x"));
+    let plot: Plot | undefined = undefined; // the chart may call back before it is there
+    const chart = new TimeChart(holder, this.clock, {
+      width: Math.max(this.root.clientWidth, 200),
+      height,
+      time: this.range ?? this.whole(),
+      data: [this.report.time, ...channels.map((index) => this.report.channels[index].values)] as uPlot.AlignedData,
+      colors: channels.map((_, k) => lineColors[k % lineColors.length]),
+      pointed: () => this.readOut(plot),
+      zoomed: (range) => (this.range = range),
     });
+    plot = { chart, values, channels };
     return plot;
   }
 
   /** The marker and the values in the legends go with the animation's time. */
   private follow(): void {
     for (const plot of this.plots) {
-      this.place(plot);
+      plot.chart.place();
       this.readOut(plot);
     }
-  }
-
-  private place(plot: Plot | undefined): void {
-    if (!plot) return;
-    const { min, max } = plot.chart.scales.x;
-    const { time } = this.clock;
-    plot.marker.hidden = min == null || max == null || time < min || time > max;
-    if (!plot.marker.hidden) plot.marker.style.transform = `translateX(${plot.chart.valToPos(time, "x")}px)`;
   }
 
   /** Values under the cursor; where there is none, those at the animation's time. */
   private readOut(plot: Plot | undefined): void {
     if (!plot || this.report.time.length === 0) return;
-    const index = plot.chart.cursor.idx ?? nearest(this.report.time, this.clock.time);
+    const index = plot.chart.uplot.cursor.idx ?? nearest(this.report.time, this.clock.time);
     plot.channels.forEach((channel, k) => {
       const { values, range } = this.report.channels[channel];
       const value = values[index];
@@ -165,7 +116,7 @@ export class Plots {
 
   private resize(): void {
     const width = Math.max(this.root.clientWidth, 200);
-    for (const { chart } of this.plots) if (chart.width !== width) chart.setSize({ width, height });
+    for (const { chart } of this.plots) if (chart.uplot.width !== width) chart.uplot.setSize({ width, height });
     this.follow();
   }
 }

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyView } from "./bodyView";
 import type { Clock } from "./clock";
-import type { Report } from "./data";
+import type { Scene } from "./data";
 import { largestDisplacement, suggestedExaggeration } from "./deform";
 import { onThemeChange, themeColor } from "./dom";
 import { amplitudesAt, poseAt } from "./interpolate";
@@ -57,7 +57,7 @@ export class View3D {
 
   /** Throws where there is no WebGL. */
   constructor(
-    private report: Report,
+    private report: Scene,
     private clock: Clock,
     private holder: HTMLElement,
   ) {

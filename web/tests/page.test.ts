@@ -1,22 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { turbo } from "../src/color";
-import { decodeArray, decodeReport, type Animation, type Body, type PackedArray, type PackedReport } from "../src/data";
+import { decodeArray, decodeReport, type Animation, type Body, type PackedReport } from "../src/data";
 import { deformed, displacements, largestDisplacement, magnitudes, suggestedExaggeration } from "../src/deform";
 import { flatten, formatNumber, formatWithin, splitKey } from "../src/format";
 import { firstSelection, grouped, groupOf } from "../src/groups";
 import { amplitudesAt, locate, nearest, poseAt, slerp, type Quaternion } from "../src/interpolate";
 import { crossings, finiteProfile, niceLength } from "../src/surroundings";
-
-function packed(type: "f32" | "f64" | "u32", values: number[]): PackedArray {
-  const array = type === "f32" ? new Float32Array(values) : type === "f64" ? new Float64Array(values) : new Uint32Array(values);
-  return { type, size: values.length, data: Buffer.from(array.buffer).toString("base64") };
-}
-
-function near(actual: ArrayLike<number>, expected: number[], tolerance = 1e-12): void {
-  assert.equal(actual.length, expected.length);
-  expected.forEach((value, k) => assert.ok(Math.abs(actual[k] - value) <= tolerance, `[${k}]: ${actual[k]} ≠ ${value}`));
-}
+import { near, packed } from "./helpers";
 
 /** A beam of three points along x with two modes: the tip rises, the middle goes sideways. */
 const beam: Body = {

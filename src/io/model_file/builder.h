@@ -33,11 +33,11 @@ struct Part {
   std::optional<Value> section(const std::string& key) const;
 };
 
-/// A chain of beams that is cut into bodies joined by brackets.
+/// A frame of bars that is cut into bodies joined by brackets.
 struct Substructures {
   Mark mark;
   int count = 1;
-  int dynamic_modes = 0;  ///< of every piece but the last, which takes those of the options
+  int dynamic_modes = 0;  ///< of every piece but those with a free end, which take those of the options
 };
 
 /// What becomes of a body of bars.

@@ -1,0 +1,95 @@
+#include "fe/block_lanczos.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace mimbre::fe {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Wide enough for the multiplicities that symmetric parts have.
+constexpr Index kWidth = 6;
+constexpr double kTolerance = 1e-9;  // of a vector's residual; its eigenvalue is then right to the square
+
+/// The same block on every platform.
+MatrixXd start_block(Index rows, Index columns) {
+  std::mt19937 generator(1);
+  MatrixXd block(rows, columns);
+  for (double& entry : block.reshaped()) entry = generator() / 2147483648.0 - 1.0;
+  return block;
+}
+
+/// block = out · triangle with out M-orthonormal; columns that depend on the others are dropped.
+struct Orthonormal {
+  MatrixXd block, factor;
+};
+Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
+  MatrixXd out = block, factor = MatrixXd::Identity(block.cols(), block.cols());
+  for (int pass = 0; pass < 2; ++pass) {
+    const MatrixXd gram = out.transpose() * pencil.mass(out);
+    const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const MatrixXd scaled = scale.cwiseInverse().asDiagonal() * gram * scale.cwiseInverse().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (scaled + scaled.transpose()));
+    const VectorXd& values = solver.eigenvalues();
+    const Index kept = (values.array() > 1e-13 * values.maxCoeff()).count();
+    const MatrixXd vectors = solver.eigenvectors().rightCols(kept);
+    const VectorXd roots = values.tail(kept).cwiseSqrt();
+    factor = roots.asDiagonal() * vectors.transpose() * scale.asDiagonal() * factor;
+    out = out * (scale.cwiseInverse().asDiagonal() * vectors * roots.cwiseInverse().asDiagonal());
+  }
+  return {out, factor};
+}
+
+}  // namespace
+
+Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress) {
+  if (count == 0) return {VectorXd(0), MatrixXd(pencil.size, 0)};
+  if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
+  const Index width = std::min<Index>(kWidth, pencil.size);
+  const Index most = std::min<Index>(pencil.size, 6 * count + 60);
+  MatrixXd basis(pencil.size, most), projected = MatrixXd::Zero(most, most);
+  Orthonormal next = orthonormal(pencil, pencil.solve(pencil.mass(start_block(pencil.size, width))));
+  Index columns = 0;
+  while (true) {
+    const Index fresh = std::min(next.block.cols(), most - columns);
+    basis.middleCols(columns, fresh) = next.block.leftCols(fresh);
+    MatrixXd image = pencil.solve(pencil.mass(next.block.leftCols(fresh)));
+    const Index first = columns;
+    columns += fresh;
+    const auto known = basis.leftCols(columns);
+    MatrixXd products = MatrixXd::Zero(columns, fresh);
+    for (int pass = 0; pass < 2; ++pass) {  // once loses orthogonality to round-off
+      const MatrixXd h = known.transpose() * pencil.mass(image);
+      image -= known * h;
+      products += h;
+    }
+    projected.block(0, first, columns, fresh) = products;
+    projected.block(first, 0, fresh, columns) = products.transpose();
+    next = orthonormal(pencil, image);
+
+    const MatrixXd T = projected.topLeftCorner(columns, columns);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (T + T.transpose()));  // ascending 1/(λ − σ)
+    const Index found = std::min<Index>(count, columns);
+    const VectorXd nu = ritz.eigenvalues().tail(found).reverse();
+    const MatrixXd turn = ritz.eigenvectors().rightCols(found).rowwise().reverse();
+    const VectorXd residuals = (next.factor * turn.bottomRows(fresh)).colwise().norm();
+    const Index converged = (residuals.array() <= kTolerance * nu.array()).count();
+    if (progress) progress(static_cast<double>(converged) / count);
+    const bool complete = columns >= pencil.size || next.block.cols() == 0;
+    if (converged == count || complete) {
+      Modes modes{pencil.shift + nu.cwiseInverse().array(), basis.leftCols(columns) * turn};
+      fix_signs(modes.vectors);
+      return modes;
+    }
+    if (columns >= most)
+      throw std::runtime_error("the eigenvalue iteration of the finite-element model did not converge");
+  }
+}
+
+}  // namespace mimbre::fe

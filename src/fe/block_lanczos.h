@@ -1,0 +1,23 @@
+#pragma once
+#include <Eigen/Core>
+#include <functional>
+
+#include "fe/lowest_modes.h"
+
+namespace mimbre::fe {
+
+/// A symmetric pencil (K, M) by what it does to blocks of vectors.
+struct Pencil {
+  Eigen::Index size = 0;
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> solve;  ///< (K − shift M)⁻¹ b, positive definite
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> mass;   ///< M x
+  double shift = 0;
+};
+
+/// The `count` lowest solutions of K v = λ M v by block Lanczos iteration with full orthogonalisation
+/// (Golub, Underwood 1977; shift and invert, Grimes, Lewis, Simon 1994). `progress` (optional) is called with
+/// 0 to 1. Vectors are M-normalised, their largest entry positive. Throws std::runtime_error when it does not
+/// converge.
+Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress = {});
+
+}  // namespace mimbre::fe

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "fe/skin.h"
+#include "mimbre/fe_reduce.h"
+#include "reduction/rigid_shapes.h"
+#include "reduction/tied_model.h"
+
+namespace mimbre::fe {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+bool all_finite(const Eigen::SparseMatrix<double>& m) {
+  return Eigen::Map<const Eigen::VectorXd>(m.valuePtr(), m.nonZeros()).allFinite();
+}
+
+double largest(const Eigen::SparseMatrix<double>& m) {
+  return m.nonZeros() > 0
+             ? Eigen::Map<const Eigen::VectorXd>(m.valuePtr(), m.nonZeros()).cwiseAbs().maxCoeff()
+             : 0;
+}
+
+/// Mass over the volume of the box around the model tells units that do not fit: real parts fill between a
+/// hundredth and all of it, at 100 to 25 000 kg/m³.
+Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass) {
+  Vector3d low = Vector3d::Constant(INFINITY), high = -low;
+  for (const Dof& dof : matrices.dofs) {
+    low = low.cwiseMin(mesh.nodes.col(dof.node));
+    high = high.cwiseMax(mesh.nodes.col(dof.node));
+  }
+  const Vector3d size = high - low;
+  const double longest = size.maxCoeff();
+  const double volume = size.cwiseMax(1e-3 * longest).prod();
+  const double density = mass / volume;
+  std::string detail =
+      fmt::format("{:.4g} m long, {:.4g} kg, {:.3g} kg per m³ of the box around it", longest, mass, density);
+  const bool sound = density > 0.5 && density < 30000 && longest > 1e-4 && longest < 300;
+  if (!sound) {
+    // mm–t–s taken for SI: lengths 1e3 too large, masses 1e-3 of what they are.
+    const double tonne_millimetre = density * 1e12;
+    detail += tonne_millimetre > 0.5 && tonne_millimetre < 30000
+                  ? "; in millimetres, tonnes and seconds it would be sound: --units mm"
+                  : "; are these metres, kilograms and seconds? See --units";
+  }
+  return {"units", sound, detail};
+}
+
+}  // namespace
+
+MatrixXd rigid_shapes(const SolidMesh& mesh, const FeMatrices& matrices) {
+  MatrixXd shapes = MatrixXd::Zero(static_cast<Index>(matrices.dofs.size()), 6);
+  for (std::size_t r = 0; r < matrices.dofs.size(); ++r) {
+    const Dof& dof = matrices.dofs[r];
+    const auto row = static_cast<Index>(r);
+    if (dof.direction >= 3) {
+      shapes(row, dof.direction) = 1;
+      continue;
+    }
+    const Vector3d position = mesh.nodes.col(dof.node);
+    shapes(row, dof.direction) = 1;
+    for (int k = 0; k < 3; ++k)
+      shapes(row, 3 + k) = Vector3d(Vector3d::Unit(k)).cross(position)[dof.direction];
+  }
+  return shapes;
+}
+
+std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matrices) {
+  std::vector<Check> checks;
+  const Index n = matrices.stiffness.rows();
+  const bool sizes = matrices.stiffness.cols() == n && matrices.mass.rows() == n &&
+                     matrices.mass.cols() == n && static_cast<Index>(matrices.dofs.size()) == n && n > 0;
+  checks.push_back({"sizes", sizes,
+                    fmt::format("stiffness {} × {}, mass {} × {}, {} dofs", n, matrices.stiffness.cols(),
+                                matrices.mass.rows(), matrices.mass.cols(), matrices.dofs.size())});
+  if (!sizes) return checks;
+  const bool finite = all_finite(matrices.stiffness) && all_finite(matrices.mass) && mesh.nodes.allFinite();
+  checks.push_back({"finite numbers", finite, finite ? "all are" : "there are numbers that are not finite"});
+  if (!finite) return checks;
+
+  const double least = matrices.mass.diagonal().minCoeff(), stiff = matrices.stiffness.diagonal().minCoeff();
+  checks.push_back({"positive diagonals", least >= 0 && stiff > 0,
+                    fmt::format("smallest of mass {:.3g}, of stiffness {:.3g}", least, stiff)});
+
+  const MatrixXd R = rigid_shapes(mesh, matrices);
+  const MatrixXd momenta = symmetric_times(matrices.mass, R);
+  const double mass = R.leftCols(3).cwiseProduct(momenta.leftCols(3)).sum() / 3;
+  const MatrixXd inertia = R.transpose() * momenta;
+  const double spread = (inertia.topLeftCorner(3, 3) - mass * MatrixXd::Identity(3, 3)).cwiseAbs().maxCoeff();
+  checks.push_back({"mass", mass > 0 && spread < 1e-6 * mass,
+                    fmt::format("{:.6g} kg, the same in all directions to {:.1g}", mass,
+                                spread / std::max(mass, 1e-300))});
+  const MatrixXd forces = symmetric_times(matrices.stiffness, R);
+  const double largest_entry = largest(matrices.stiffness);
+  const double length = std::max(1e-300, R.rightCols(3).cwiseAbs().maxCoeff());
+  const double translation = forces.leftCols(3).cwiseAbs().maxCoeff() / largest_entry,
+               rotation = forces.rightCols(3).cwiseAbs().maxCoeff() / (largest_entry * length);
+  checks.push_back(
+      {"rigid motions", translation < 1e-6 && rotation < 1e-6,
+       fmt::format(
+           "six motions without force: {:.1g} (translations) and {:.1g} (rotations) of the "
+           "largest entry{}",
+           translation, rotation,
+           translation < 1e-6 && rotation < 1e-6 ? "" : "; is the model held somewhere, or in other axes?")});
+  if (mass > 0) checks.push_back(units_check(mesh, matrices, mass));
+
+  // The geometry's own mass, where it has one material and nothing but solids.
+  const Skin outside = skin(mesh);
+  if (outside.closed && mass > 0) {
+    double density = -1;
+    for (const ElementGroup& group : mesh.groups) {
+      if (group.material < 0) continue;
+      const double own = mesh.materials[static_cast<std::size_t>(group.material)].material.density;
+      density = density < 0 || density == own ? own : NAN;
+    }
+    const Enclosed geometry = enclosed(mesh, outside);
+    if (density > 0 && geometry.volume > 0) {
+      const double relative = mass / (density * geometry.volume) - 1;
+      const Vector3d moment(inertia(1, 5), inertia(2, 3), inertia(0, 4));  // m (x, y, z)
+      const double off = (moment / mass - geometry.centre).norm() / std::cbrt(geometry.volume);
+      checks.push_back({"geometry", std::abs(relative) < 0.03 && off < 0.03,
+                        fmt::format("the mass differs by {:.2g} % from density times the volume inside the "
+                                    "skin's flat facets, the centre by {:.2g} % of its size",
+                                    100 * relative, 100 * off)});
+    }
+  }
+  return checks;
+}
+
+}  // namespace mimbre::fe

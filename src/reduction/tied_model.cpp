@@ -1,0 +1,263 @@
+#include "reduction/tied_model.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#ifdef MIMBRE_WITH_CHOLMOD
+#include <Eigen/CholmodSupport>
+#else
+#include <Eigen/SparseCholesky>
+#endif
+
+namespace mimbre::fe {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::SparseMatrix;
+using Eigen::Vector3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Row6 = Eigen::Matrix<double, 1, 6>;
+
+struct LargeFactor::Implementation {
+#ifdef MIMBRE_WITH_CHOLMOD
+  mutable Eigen::CholmodSupernodalLLT<SparseMatrix<double>, Eigen::Lower> solver;
+#else
+  Eigen::SimplicialLLT<SparseMatrix<double>, Eigen::Lower> solver;
+#endif
+  double entries = 0;
+};
+
+LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what)
+    : implementation_(std::make_unique<Implementation>()) {
+  auto& solver = implementation_->solver;
+#ifdef MIMBRE_WITH_CHOLMOD
+  // Nested dissection halves the factor of solids; the default would first try minimum degree.
+  if (lower.rows() > 20000) {
+    solver.cholmod().nmethods = 1;
+    solver.cholmod().method[0].ordering = CHOLMOD_METIS;
+    solver.cholmod().postorder = 1;
+  }
+  solver.cholmod().print = 0;
+#endif
+  solver.analyzePattern(lower);
+#ifdef MIMBRE_WITH_CHOLMOD
+  implementation_->entries = solver.cholmod().lnz;
+#endif
+  solver.factorize(lower);
+  if (solver.info() != Eigen::Success) throw std::invalid_argument(what);
+}
+LargeFactor::~LargeFactor() = default;
+MatrixXd LargeFactor::solve(const MatrixXd& b) const { return implementation_->solver.solve(b); }
+double LargeFactor::entries() const { return implementation_->entries; }
+
+MatrixXd symmetric_times(const SparseMatrix<double>& lower, const MatrixXd& x) {
+  return lower.selfadjointView<Eigen::Lower>() * x;
+}
+
+namespace {
+
+/// Displacement in `direction` (0–5) of a node at `arm` from the reference point, per coordinate of the
+/// interface: displacements along its axes, turns about them.
+Row6 rigid_motion(const Interface& interface, const Vector3d& arm, int direction) {
+  Row6 row = Row6::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d axis = interface.axes.col(k);
+    if (direction < 3) {
+      row[k] = axis[direction];
+      row[3 + k] = axis.cross(arm)[direction];
+    } else {
+      row[3 + k] = axis[direction - 3];
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
+TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
+                     const std::vector<Interface>& interfaces)
+    : matrices_(matrices), interfaces_(interfaces.size()) {
+  const Index rows = matrices.stiffness.rows();
+  std::vector<std::vector<Index>> rows_of_node(static_cast<std::size_t>(mesh.nodes.cols()));
+  for (Index r = 0; r < rows; ++r)
+    rows_of_node[static_cast<std::size_t>(matrices.dofs[static_cast<std::size_t>(r)].node)].push_back(r);
+  std::vector<int> owner(static_cast<std::size_t>(mesh.nodes.cols()), -1);
+  std::vector<Index> place(static_cast<std::size_t>(rows), 0);  // of a row among x; −1: not there
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    const Interface& interface = interfaces[i];
+    if (interface.nodes.empty())
+      throw std::invalid_argument(fmt::format("interface '{}' has no nodes", interface.name));
+    std::vector<Index> own;
+    for (const int node : interface.nodes) {
+      if (node < 0 || node >= mesh.nodes.cols())
+        throw std::invalid_argument(
+            fmt::format("interface '{}': node {} does not exist", interface.name, node));
+      int& taken = owner[static_cast<std::size_t>(node)];
+      if (taken >= 0 && taken != static_cast<int>(i))
+        throw std::invalid_argument(
+            fmt::format("node {} is in the interfaces '{}' and '{}'; a node belongs to one at most",
+                        mesh.labels.empty() ? node : mesh.labels[static_cast<std::size_t>(node)],
+                        interfaces[static_cast<std::size_t>(taken)].name, interface.name));
+      if (taken >= 0) continue;
+      taken = static_cast<int>(i);
+      for (const Index r : rows_of_node[static_cast<std::size_t>(node)]) own.push_back(r);
+    }
+    // The motions of these dofs per coordinate: what hold the interface has.
+    MatrixXd motions(own.size(), 6);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const Dof& dof = matrices.dofs[static_cast<std::size_t>(own[k])];
+      motions.row(static_cast<Index>(k)) =
+          rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
+    }
+    const double length = motions.rightCols(3).cwiseAbs().maxCoeff();
+    MatrixXd scaled = motions;
+    if (length > 0) scaled.rightCols(3) /= length;
+    Eigen::ColPivHouseholderQR<MatrixXd> rank(scaled);
+    rank.setThreshold(1e-6);
+    if (own.empty() || rank.rank() < 6)
+      throw std::invalid_argument(
+          fmt::format("interface '{}' has no hold in all six directions: its {} node{} must not lie on one "
+                      "line (or must have rotations) and must belong to the model",
+                      interface.name, interface.nodes.size(), interface.nodes.size() == 1 ? "" : "s"));
+    if (interface.tie == Interface::Tie::rigid) {
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        tied_.push_back({own[k], static_cast<int>(i), motions.row(static_cast<Index>(k))});
+        place[static_cast<std::size_t>(own[k])] = -1;
+      }
+      continue;
+    }
+    // z is the rigid motion nearest to that of the nodes' translations: z = W u, W = (RᵀR)⁻¹ Rᵀ.
+    std::vector<Index> translations;
+    for (const Index r : own)
+      if (matrices.dofs[static_cast<std::size_t>(r)].direction < 3) translations.push_back(r);
+    MatrixXd R(translations.size(), 6);
+    for (std::size_t k = 0; k < translations.size(); ++k) {
+      const Dof& dof = matrices.dofs[static_cast<std::size_t>(translations[k])];
+      R.row(static_cast<Index>(k)) =
+          rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
+    }
+    const MatrixXd W = (R.transpose() * R).ldlt().solve(R.transpose());
+    MatrixXd weighted = W;
+    if (length > 0) weighted.bottomRows(3) *= length;
+    const Eigen::ColPivHouseholderQR<MatrixXd> pivots(weighted);  // six columns that hold best
+    Mean mean;
+    mean.interface = static_cast<int>(i);
+    Matrix6 at_pins;
+    std::vector<char> pinned(translations.size(), 0);
+    for (int p = 0; p < 6; ++p) {
+      const auto column = static_cast<std::size_t>(pivots.colsPermutation().indices()[p]);
+      mean.pins[static_cast<std::size_t>(p)] = translations[column];
+      at_pins.col(p) = W.col(static_cast<Index>(column));
+      pinned[column] = 1;
+      place[static_cast<std::size_t>(translations[column])] = -1;
+    }
+    mean.from_z = at_pins.inverse();
+    mean.from_x.resize(6, static_cast<Index>(translations.size()) - 6);
+    Index next = 0;
+    for (std::size_t k = 0; k < translations.size(); ++k)
+      if (!pinned[k]) {
+        mean.others.push_back(translations[k]);
+        mean.from_x.col(next++) = -mean.from_z * W.col(static_cast<Index>(k));
+      }
+    means_.push_back(std::move(mean));
+  }
+
+  for (Index r = 0; r < rows; ++r)
+    if (Index& p = place[static_cast<std::size_t>(r)]; p >= 0) {
+      p = static_cast<Index>(internal_.size());
+      internal_.push_back(r);
+    }
+  for (Mean& mean : means_)
+    for (Index& r : mean.others) r = place[static_cast<std::size_t>(r)];
+
+  const Index n = internals();
+  if (n == 0) return;
+  {
+    SparseMatrix<double> Koo(n, n);
+    const auto visit = [&](Index column, const auto& see) {
+      for (SparseMatrix<double>::InnerIterator it(matrices.stiffness,
+                                                  internal_[static_cast<std::size_t>(column)]);
+           it; ++it)
+        if (const Index r = place[static_cast<std::size_t>(it.row())]; r >= 0) see(r, it.value());
+    };
+    Index entries = 0;
+    for (Index c = 0; c < n; ++c) visit(c, [&](Index, double) { ++entries; });
+    Koo.reserve(entries);
+    for (Index c = 0; c < n; ++c) {
+      Koo.startVec(c);
+      visit(c, [&](Index r, double value) { Koo.insertBack(r, c) = value; });
+    }
+    Koo.finalize();
+    factor_ = std::make_unique<LargeFactor>(
+        Koo,
+        "the stiffness is not positive definite where the interfaces hold the body: a part of the model is "
+        "not connected to the rest, or the matrices are not those of an elastic body");
+  }
+  if (means_.empty()) return;
+  // U = [Kop/√k, √k Cᵀ], S = [0 I; I Kpp/k], pins p, C the others' part in them, k so that both parts weigh
+  // alike.
+  const Index pins = 6 * static_cast<Index>(means_.size());
+  MatrixXd unit = MatrixXd::Zero(rows, pins);
+  for (std::size_t m = 0; m < means_.size(); ++m)
+    for (int p = 0; p < 6; ++p)
+      unit(means_[m].pins[static_cast<std::size_t>(p)], static_cast<Index>(6 * m) + p) = 1;
+  const MatrixXd Kp = symmetric_times(matrices.stiffness, unit);
+  const MatrixXd Kpp = unit.transpose() * Kp;
+  const double k = Kpp.diagonal().maxCoeff(), root = std::sqrt(k);
+  U_.setZero(n, 2 * pins);
+  for (Index r = 0; r < n; ++r) U_.row(r).head(pins) = Kp.row(internal_[static_cast<std::size_t>(r)]) / root;
+  for (std::size_t m = 0; m < means_.size(); ++m)
+    for (std::size_t j = 0; j < means_[m].others.size(); ++j)
+      U_.block(means_[m].others[j], pins + static_cast<Index>(6 * m), 1, 6) =
+          root * means_[m].from_x.col(static_cast<Index>(j)).transpose();
+  MatrixXd inverse = MatrixXd::Zero(2 * pins, 2 * pins);  // of S
+  inverse.topLeftCorner(pins, pins) = -Kpp / k;
+  inverse.topRightCorner(pins, pins).setIdentity();
+  inverse.bottomLeftCorner(pins, pins).setIdentity();
+  solved_ = factor_->solve(U_);
+  small_ = (inverse + U_.transpose() * solved_).fullPivLu().inverse();
+}
+
+MatrixXd TiedModel::expand(const MatrixXd& x, const MatrixXd& z) const {
+  MatrixXd u = MatrixXd::Zero(matrices_.stiffness.rows(), x.cols());
+  for (Index k = 0; k < internals(); ++k) u.row(internal_[static_cast<std::size_t>(k)]) = x.row(k);
+  for (const Tied& t : tied_) u.row(t.row) = t.motion * z.middleRows<6>(6 * t.interface);
+  for (const Mean& m : means_) {
+    MatrixXd at = m.from_z * z.middleRows<6>(6 * m.interface);
+    for (std::size_t k = 0; k < m.others.size(); ++k)
+      at += m.from_x.col(static_cast<Index>(k)) * x.row(m.others[k]);
+    for (int p = 0; p < 6; ++p) u.row(m.pins[static_cast<std::size_t>(p)]) = at.row(p);
+  }
+  return u;
+}
+
+MatrixXd TiedModel::restrict(const MatrixXd& f) const {
+  MatrixXd x(internals(), f.cols());
+  for (Index k = 0; k < internals(); ++k) x.row(k) = f.row(internal_[static_cast<std::size_t>(k)]);
+  for (const Mean& m : means_) {
+    MatrixXd at(6, f.cols());
+    for (int p = 0; p < 6; ++p) at.row(p) = f.row(m.pins[static_cast<std::size_t>(p)]);
+    for (std::size_t k = 0; k < m.others.size(); ++k)
+      x.row(m.others[k]) += m.from_x.col(static_cast<Index>(k)).transpose() * at;
+  }
+  return x;
+}
+
+MatrixXd TiedModel::solve(const MatrixXd& f) const {
+  MatrixXd x = factor_->solve(f);
+  if (means_.empty()) return x;
+  return x - solved_ * (small_ * (U_.transpose() * x));
+}
+
+Pencil TiedModel::held() const {
+  const auto mass = [this](const MatrixXd& x) {
+    return restrict(symmetric_times(matrices_.mass, expand(x, MatrixXd::Zero(boundaries(), x.cols()))));
+  };
+  return {internals(), [this](const MatrixXd& f) { return solve(f); }, mass, 0};
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,72 @@
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "fe/block_lanczos.h"
+#include "mimbre/fe_reduce.h"
+
+namespace mimbre::fe {
+
+/// Sparse Cholesky factorisation of a large symmetric positive definite matrix (lower triangle).
+class LargeFactor {
+ public:
+  /// Throws std::invalid_argument with `what` when the matrix is not positive definite.
+  LargeFactor(const Eigen::SparseMatrix<double>& lower, const std::string& what);
+  ~LargeFactor();
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
+  double entries() const;  ///< of the factor
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// A model whose interfaces move as their six coordinates z say: displacements u = Tx x + Tz z, x the dofs
+/// that are left. Nodes of rigid interfaces follow z; of each mean interface six dofs ("pins") are eliminated
+/// by its six equations.
+class TiedModel {
+ public:
+  TiedModel(const SolidMesh& mesh, const FeMatrices& matrices, const std::vector<Interface>& interfaces);
+
+  Eigen::Index internals() const { return static_cast<Eigen::Index>(internal_.size()); }
+  Eigen::Index boundaries() const { return 6 * static_cast<Eigen::Index>(interfaces_); }
+  /// u of x and z.
+  Eigen::MatrixXd expand(const Eigen::MatrixXd& x, const Eigen::MatrixXd& z) const;
+  /// Txᵀ f.
+  Eigen::MatrixXd restrict(const Eigen::MatrixXd& f) const;
+  /// (Txᵀ K Tx)⁻¹ f.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& f) const;
+  /// Interfaces held: Txᵀ K Tx, Txᵀ M Tx.
+  Pencil held() const;
+  double factor_entries() const { return factor_->entries(); }
+
+ private:
+  struct Tied {
+    Eigen::Index row = 0;
+    int interface = 0;
+    Eigen::Matrix<double, 1, 6> motion;  ///< displacement per z of the interface
+  };
+  struct Mean {
+    int interface = 0;
+    std::array<Eigen::Index, 6> pins{};  ///< rows
+    Eigen::Matrix<double, 6, 6> from_z;  ///< u_pins = from_z z + from_x u_others
+    std::vector<Eigen::Index> others;    ///< internal indices
+    Eigen::Matrix<double, 6, Eigen::Dynamic> from_x;
+  };
+
+  const FeMatrices& matrices_;
+  std::size_t interfaces_ = 0;
+  std::vector<Eigen::Index> internal_;  ///< rows of x
+  std::vector<Tied> tied_;
+  std::vector<Mean> means_;
+  std::unique_ptr<LargeFactor> factor_;
+  // Txᵀ K Tx = Koo + U S Uᵀ, where pins follow the others.
+  Eigen::MatrixXd U_, solved_, small_;
+};
+
+/// The product with a symmetric matrix of which the lower triangle is given.
+Eigen::MatrixXd symmetric_times(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& x);
+
+}  // namespace mimbre::fe

@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+
+#include "app/program.h"
+
+/// mimbre reduce and mimbre convert.
+namespace mimbre::app_test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const std::string data = MIMBRE_SOURCE_DIR "/tests/data/";
+const std::string bar = data + "calculix/beam.inp", block = data + "gmsh/block-41.msh";
+
+class Reduce : public ProgramTest {};
+
+TEST_F(Reduce, TakesTheMatricesBesideTheInput) {
+  const Outcome outcome = run({"reduce", bar, "--interface", "root=box(0,0,0, 0,1,1)", "--interface",
+                               "tip=set:end", "--modes", "5", "-o", "bar.h5", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const json summary = outcome.json();
+  EXPECT_EQ(summary.at("dofs"), 36);
+  EXPECT_EQ(summary.at("modes"), 6 + 5);
+  EXPECT_EQ(summary.at("interfaces").size(), 2u);
+  EXPECT_EQ(summary.at("frequencies_hz").size(), 5u);
+  EXPECT_EQ(summary.at("free_frequencies_hz").size(), 10u);
+  EXPECT_NEAR(summary.at("mass").get<double>(), 2 * 7800, 0.02 * 15600);  // CalculiX's mass is a little off
+  EXPECT_GT(summary.at("seconds").get<double>(), 0);
+  for (const json& check : summary.at("checks"))
+    for (const char* key : {"name", "detail"}) EXPECT_TRUE(check.at(key).is_string());
+  const Outcome text =
+      run({"reduce", bar, "--interface", "root=box(0,0,0, 0,1,1)", "--modes", "3", "-o", "bar.h5"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("rigid motions"));
+}
+
+/// From Gmsh's mesh to a mechanism that moves.
+TEST_F(Reduce, MakesABodyThatSwings) {
+  const Outcome outcome = run({"reduce", block, "--units", "SI", "--material", "2.1e11,0.3,7850",
+                               "--interface", "left=group:left", "--interface", "right=group:right", "--mean",
+                               "right", "--modes", "4", "--output", "block.h5"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  write_file(folder / "swing.yaml", R"(mimbre: 1
+title: A block on a hinge
+gravity: [0, 0, -9.81]
+bodies:
+  block: {frame: {at: [0, 0, 0]}, reduced: block.h5}
+joints:
+  hinge: {type: revolute, between: [ground, block.left], axis: [0, 1, 0]}
+outputs:
+  - {name: angle, joint: hinge}
+simulation: {step: 0.001, end: 0.2}
+)");
+  const Outcome swing = run({"run", "swing.yaml", "--json"});
+  EXPECT_EQ(swing.code, 0) << swing.err;
+}
+
+TEST_F(Reduce, ConvertsBodies) {
+  ASSERT_EQ(run({"reduce", bar, "--interface", "root=box(0,0,0, 0,1,1)", "--interface", "tip=set:end",
+                 "--modes", "2", "-o", "bar.h5"})
+                .code,
+            0);
+  for (const std::string to : {"fem", "sid"}) {
+    const Outcome there = run({"convert", "bar.h5", "--to", to});
+    ASSERT_EQ(there.code, 0) << there.err;
+    EXPECT_EQ(there.out, "bar." + to + "\n");
+    const Outcome back = run({"convert", "bar." + to, "--to", "h5", "-o", "back-" + to + ".h5"});
+    EXPECT_EQ(back.code, 0) << back.err;
+  }
+}
+
+TEST_F(Reduce, SaysWhatIsWrong) {
+  const auto fails = [&](std::vector<std::string> arguments, int code, const std::string& message) {
+    arguments.insert(arguments.begin(), "reduce");
+    arguments.insert(arguments.end(), {"-o", "body.h5"});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << message;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_FALSE(fs::exists(folder / "body.h5"));
+  };
+  fails({bar, "--interface", "tip=set:ends"}, 2, "no group or set 'ends'; it has:");
+  fails({bar, "--interface", "tip"}, 2, "NAME=SELECTION");
+  fails({bar, "--interface", "tip=box(0,0,0)"}, 2, "box needs 6 numbers");
+  fails({bar, "--interface", "tip=box(5,5,5,6,6,6)"}, 2, "no node of the model is there");
+  fails({bar, "--interface", "tip=sphere(0,0,0,1)"}, 2, "selects nothing");
+  fails({bar, "--interface", "tip=set:end", "--mean", "top"}, 2, "no interface 'top'");
+  fails({block, "--interface", "left=group:left"}, 1, "material");
+  fails({"nothing.inp", "--interface", "left=group:left"}, 1, "nothing.inp");
+  fails({data + "scipy/stiffness.mtx", "--interface", "a=set:a"}, 2, "--mass");
+}
+
+}  // namespace
+}  // namespace mimbre::app_test

@@ -1,0 +1,165 @@
+// Per channel one plot with all runs over each other, and below it what they differ by from the first.
+import uPlot from "uplot";
+import { TimeChart, type Range } from "./chart";
+import type { Clock } from "./clock";
+import { lineColors } from "./color";
+import type { ComparedChannel, Comparison } from "./comparisonData";
+import type { Curve } from "./data";
+import { element, onThemeChange } from "./dom";
+import { formatWithin } from "./format";
+import { unitLabel } from "./groups";
+import { valueAt } from "./interpolate";
+import { extent, overlayRange } from "./overlayRange";
+import { endOf, isSound } from "./runFacts";
+
+interface Line {
+  run: number;
+  time: number[];
+  curve: Curve;
+  value: HTMLElement;
+}
+
+interface Plot {
+  chart: TimeChart;
+  lines: Line[];
+  height: number;
+}
+
+const valuesHeight = 190;
+const differencesHeight = 130;
+
+export function runColor(run: number): string {
+  return lineColors[run % lineColors.length];
+}
+
+export class Overlays {
+  readonly root = element("div", { class: "plots" });
+  private plots: Plot[] = [];
+  private selection: number[] = [];
+  private hidden = new Set<number>();
+  private differences = true;
+  private range: Range | null = null; // of the time axis, null when all is shown
+
+  constructor(
+    private comparison: Comparison,
+    private clock: Clock,
+    private remove: (channel: number) => void,
+  ) {
+    clock.onChange(() => this.follow());
+    onThemeChange(() => this.show(this.selection));
+    new ResizeObserver(() => this.resize()).observe(this.root);
+  }
+
+  show(selection: number[]): void {
+    this.selection = selection;
+    for (const { chart } of this.plots) chart.uplot.destroy();
+    this.root.replaceChildren();
+    this.plots = [];
+    if (selection.length === 0) this.root.append(element("p", { class: "hint" }, "No channel is chosen: tick some in the list."));
+    for (const index of selection) this.add(index);
+    this.follow();
+  }
+
+  showRun(run: number, visible: boolean): void {
+    if (visible) this.hidden.delete(run);
+    else this.hidden.add(run);
+    for (const plot of this.plots) plot.lines.forEach((line, k) => line.run === run && plot.chart.uplot.setSeries(k + 1, { show: visible }));
+    this.follow();
+  }
+
+  showDifferences(visible: boolean): void {
+    this.differences = visible;
+    this.show(this.selection);
+  }
+
+  resetZoom(): void {
+    for (const { chart } of this.plots) chart.uplot.setScale("x", this.whole());
+  }
+
+  private whole(): Range {
+    const runs = this.comparison.runs.filter((run) => run.time.length > 0);
+    return { min: Math.min(...runs.map((run) => run.time[0])), max: Math.max(...runs.map(endOf)) };
+  }
+
+  private add(index: number): void {
+    const { runs, channels } = this.comparison;
+    const channel = channels[index];
+    const close = element("button", { class: "close", "aria-label": `Remove ${channel.name}`, title: "Remove" }, "×");
+    close.addEventListener("click", () => this.remove(index));
+    const title = element("b", { title: channel.meaning }, `${channel.name}, ${unitLabel(channel.unit)}`);
+    this.plot(channel, channel.curves, (run) => runs[run].time, valuesHeight, [title, close], "Plot over time");
+    if (!this.differences) return;
+    const caption = element("span", { class: "versus" }, `less ${runs[0].label}`);
+    this.plot(channel, channel.differences, (run) => runs[run].commonTime, differencesHeight, [caption], `Differences to ${runs[0].label}`);
+  }
+
+  private plot(channel: ComparedChannel, curves: (Curve | null)[], time: (run: number) => number[], height: number, caption: Node[], what: string): void {
+    const { runs } = this.comparison;
+    const lines = curves.flatMap((curve, run): Line[] =>
+      curve && time(run).length > 0 ? [{ run, time: time(run), curve, value: element("span", { class: "value" }) }] : [],
+    );
+    if (lines.length === 0) return;
+    const entries = lines.map(({ run, value }) => {
+      const swatch = element("span", { class: "swatch" });
+      swatch.style.background = runColor(run);
+      return element("span", { class: "entry", title: runs[run].label }, swatch, value);
+    });
+    const holder = element("div", { role: "img", "aria-label": `${what} of ${channel.name}` });
+    this.root.append(element("figure", {}, element("figcaption", {}, ...caption, element("div", { class: "legend" }, ...entries)), holder));
+
+    let plot: Plot | undefined = undefined; // the chart may call back before it is there
+    const chart = new TimeChart(holder, this.clock, {
+      width: Math.max(this.root.clientWidth, 200),
+      height,
+      time: this.range ?? this.whole(),
+      data: uPlot.join(lines.map((line) => [line.time, line.curve.values] as uPlot.AlignedData)),
+      colors: lines.map(({ run }) => runColor(run)),
+      vertical: (u) => this.vertical(u, lines),
+      pointed: () => this.readOut(plot),
+      zoomed: (range) => (this.range = range),
+    });
+    plot = { chart, lines, height };
+    this.plots.push(plot);
+    lines.forEach(({ run }, k) => this.hidden.has(run) && chart.uplot.setSeries(k + 1, { show: false }));
+  }
+
+  private vertical(u: uPlot, lines: Line[]): [number | null, number | null] {
+    const extents: Record<"sound" | "others", [number, number][]> = { sound: [], others: [] };
+    lines.forEach(({ run }, k) => {
+      const { show, idxs } = u.series[k + 1];
+      const own = show && idxs ? extent(u.data[k + 1], idxs[0], idxs[1]) : null;
+      if (own) extents[isSound(this.comparison.runs[run]) ? "sound" : "others"].push(own);
+    });
+    const range = overlayRange(extents.sound, extents.others);
+    return range ? uPlot.rangeNum(range[0], range[1], 0.1, true) : [null, null];
+  }
+
+  /** The marker and the values in the captions go with the animation's time. */
+  private follow(): void {
+    for (const plot of this.plots) {
+      plot.chart.place();
+      this.readOut(plot);
+    }
+  }
+
+  /** Values under the cursor; where there is none, those at the animation's time. */
+  private readOut(plot: Plot | undefined): void {
+    if (!plot) return;
+    const { uplot } = plot.chart;
+    const index = uplot.cursor.idx;
+    const t = index == null ? this.clock.time : uplot.data[0][index];
+    // With the digits that the plot can show: a failed run's own range may be absurd.
+    const { min, max } = uplot.scales.y;
+    const range = min == null || max == null ? 0 : max - min;
+    for (const { run, time, curve, value } of plot.lines) {
+      const now = this.hidden.has(run) ? null : valueAt(time, curve.values, t);
+      value.textContent = now === null ? "–" : formatWithin(range, now);
+    }
+  }
+
+  private resize(): void {
+    const width = Math.max(this.root.clientWidth, 200);
+    for (const { chart, height } of this.plots) if (chart.uplot.width !== width) chart.uplot.setSize({ width, height });
+    this.follow();
+  }
+}
