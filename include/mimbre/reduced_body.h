@@ -49,13 +49,14 @@ struct SecondOrder {
 };
 
 /// Geometric stiffness of the prestressed body by the loads that prestress it, each in proportion: a force
-/// −(Σ s_l K_l) y on the amplitudes, s_l the load's present value. Stress that loads cause through rigid
-/// motion of the body needs no mode that stretches (Wallrapp, Schwertassek 1991, SID's Ge and ksigma). The
-/// body's elastic energy has no such term, and the motion of the body frame does not feel it.
+/// −(Σ s_l K_l) y on the amplitudes, s_l the load's present value. Stress that the body's motion causes needs
+/// no mode that stretches (Wallrapp, Schwertassek 1991, SID's Ge and ksigma). The body's energy has no such
+/// term, and the motion of the body frame does not feel it.
 struct GeometricStiffness {
   /// Numbers of the loads of inertia and gravity, body axes: products ωx², ωy², ωz², ωxωy, ωyωz, ωxωz of the
   /// body frame's angular velocity (a mixed product stands once for both orders, s = ωx ωy), components of
-  /// the acceleration of its origin minus gravity, of its angular acceleration.
+  /// the acceleration at its origin minus gravity, of the angular acceleration. Both are those of the body's
+  /// mean motion: to the frame's comes the rigid motion that is nearest, by mass, to what the modes do.
   static constexpr int angular_velocity = 0, acceleration = 6, angular_acceleration = 9;
   /// Number of the first boundary load: load boundary + r is row r of `boundary_loads` times y.
   static constexpr int boundary = 12;

@@ -100,12 +100,10 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
 /// Energy ½ yᵀ K_G y at the present loads, and what their change put in since the last step: as the work of
 /// K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. `first`: the velocity coordinate
 /// of the first amplitude, `forces`: scratch.
-void EnergyMeter::observe_geometric(const GeometricData& g, const relative::Motion<double>& motion, int first,
+void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<double>& motion, int first,
                                     const double* y, double* forces) {
-  const Mat3d to_body = motion.rotation.transpose();
   std::fill(forces, forces + g.stiffness.cols(), 0.0);
-  geometric::add_forces<double>(
-      g, {to_body * motion.omega, to_body * motion.acceleration, to_body * motion.alpha}, y, forces);
+  geometric::add_forces(g, motion, y, forces);
   for (int k = 0; k < g.modes; ++k) {
     balance_.elastic += 0.5 * forces[k] * y[k];
     if (started_)
@@ -149,8 +147,17 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
         ancf::add_forces(f, 0, 1, y, yd, forces);
         e.elastic += ancf::energy(f, y);
       }
-      if (!f.geometric.empty())
-        observe_geometric(f.geometric, w.bodies[i], b.v + b.joint_velocities, y, forces + f.stride);
+      if (!f.geometric.empty()) {
+        double* ydd = forces + f.stride;
+        relative::copy_modes(b, s.a.data() + b.v + b.joint_velocities, f.stride, ydd);
+        const auto& motion = w.bodies[i];
+        const Mat3d to_body = motion.rotation.transpose();
+        observe_geometric(
+            f.geometric,
+            geometric::stress_motion<double>(f.geometric, to_body * motion.omega,
+                                             to_body * motion.acceleration, to_body * motion.alpha, ydd),
+            b.v + b.joint_velocities, y, ydd + f.stride);
+      }
       double work = 0;
       for (int k = 0; k < f.modes; ++k) {
         first += y[k] * inertia.S.col(k);

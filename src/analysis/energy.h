@@ -50,7 +50,7 @@ class EnergyMeter {
     double length = 0, force = 0, damping = 0, general = 0;
   };
   void observe(relative::RelativeSystem& system, const State& state);
-  void observe_geometric(const GeometricData& geometric, const relative::Motion<double>& motion, int first,
+  void observe_geometric(const GeometricData& geometric, const StressMotion<double>& motion, int first,
                          const double* y, double* forces);
 
   const Compiled* model_;

@@ -3,23 +3,29 @@
 #include <array>
 
 #include "dynamics/relative/flexible.h"
+#include "dynamics/stress_motion.h"
 #include "mimbre/reduced_body.h"
 
 /// Geometric stiffness of flexible bodies by their present loads (GeometricStiffness). Bodies without it have
 /// no terms, and nothing happens here.
 namespace mimbre::geometric {
 
-/// Motion of a body frame in its own axes, as far as it loads the body.
+/// Adds to the motion of a body frame (body axes, gravity taken off) the mean motion of the body in it.
 template <class T>
-struct Motion {
-  Vec3<T> omega;
-  Vec3<T> acceleration;  ///< of the origin, minus gravity
-  Vec3<T> alpha;
-};
+StressMotion<T> stress_motion(const GeometricData& g, const Vec3<T>& omega, const Vec3<T>& acceleration,
+                              const Vec3<T>& alpha, const T* ydd) {
+  const int s = static_cast<int>(g.mean_motion.cols());
+  StressMotion<T> m{omega, acceleration, alpha};
+  for (int k = 0; k < 3; ++k) {
+    m.acceleration[k] += relative::dot(g.mean_motion.data() + k * s, ydd, s);
+    m.alpha[k] += relative::dot(g.mean_motion.data() + (3 + k) * s, ydd, s);
+  }
+  return m;
+}
 
 /// Present value of a load; y: padded amplitudes.
 template <class T>
-T load(const GeometricData& g, int number, const Motion<T>& m, const T* y) {
+T load(const GeometricData& g, int number, const StressMotion<T>& m, const T* y) {
   constexpr std::array<std::array<int, 2>, 6> products{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
   using Loads = GeometricStiffness;
   if (number < Loads::acceleration) return m.omega[products[number][0]] * m.omega[products[number][1]];
@@ -31,7 +37,7 @@ T load(const GeometricData& g, int number, const Motion<T>& m, const T* y) {
 
 /// elastic += (Σ s_l K_l) y, both padded.
 template <class T>
-void add_forces(const GeometricData& g, const Motion<T>& m, const T* y, T* elastic) {
+void add_forces(const GeometricData& g, const StressMotion<T>& m, const T* y, T* elastic) {
   const int s = static_cast<int>(g.stiffness.cols());
   const double* row = g.stiffness.data();
   for (const int number : g.loads) {
@@ -45,7 +51,7 @@ void add_forces(const GeometricData& g, const Motion<T>& m, const T* y, T* elast
 
 /// out = Σ s_l K_l, modes rows of the stride: the tangent at constant loads.
 template <class T>
-void stiffness(const GeometricData& g, const Motion<T>& m, const T* y, T* out) {
+void stiffness(const GeometricData& g, const StressMotion<T>& m, const T* y, T* out) {
   const int s = static_cast<int>(g.stiffness.cols()), size = g.modes * s;
   std::fill(out, out + size, T(0));
   const double* block = g.stiffness.data();

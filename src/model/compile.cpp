@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -37,10 +38,30 @@ AncfElement ancf_element(const AncfBeam::Element& e) {
   return out;
 }
 
-GeometricData geometric_data(const GeometricStiffness& body, int modes, int stride) {
+/// Rigid motion nearest to each mode of the undeformed body: velocity of the origin and angular velocity.
+Eigen::MatrixXd mean_motion(const ReducedBody& body) {
+  Eigen::Matrix<double, 6, 6> rigid;
+  rigid.topLeftCorner<3, 3>() = body.mass * Mat3d::Identity();
+  rigid.topRightCorner<3, 3>() = -skew<double>(body.first_moment);
+  rigid.bottomLeftCorner<3, 3>() = skew<double>(body.first_moment);
+  rigid.bottomRightCorner<3, 3>() = body.second_moment.trace() * Mat3d::Identity() - body.second_moment;
+  Eigen::MatrixXd coupling(6, body.modes);
+  coupling.topRows<3>() = body.S;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    coupling.row(3 + k) = body.S_position[i].row(j) - body.S_position[j].row(i);
+  }
+  // A body without inertia about its axis has no mean turn about it.
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(rigid).solve(coupling);
+}
+
+GeometricData geometric_data(const ReducedBody& reduced, int stride) {
+  const GeometricStiffness& body = *reduced.geometric;
+  const int modes = reduced.modes;
   GeometricData g;
   g.modes = modes;
   g.loads = body.loads;
+  g.mean_motion = padded(mean_motion(reduced), stride);
   g.stiffness = Rows::Zero(static_cast<Eigen::Index>(body.loads.size()) * modes, stride);
   for (std::size_t k = 0; k < body.loads.size(); ++k)
     g.stiffness.block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
@@ -86,7 +107,7 @@ FlexibleData flexible_data(const ReducedBody& body) {
     f.nonlinear_stiffness = !stiffness.rightCols(n - body.modes).isZero(0);
     f.diagonal_stiffness = !body.ancf && diagonal(stiffness) && diagonal(body.damping);
   }
-  if (body.geometric) f.geometric = geometric_data(*body.geometric, body.modes, s);
+  if (body.geometric) f.geometric = geometric_data(body, s);
   if (body.ancf) {
     for (const AncfBeam::Element& e : body.ancf->elements) f.ancf.push_back(ancf_element(e));
     f.ancf_damping = body.ancf->stiffness_damping;

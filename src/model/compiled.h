@@ -41,6 +41,9 @@ struct GeometricData {
   std::vector<int> loads;
   Rows stiffness;       ///< loads · modes × stride
   Rows boundary_loads;  ///< count × stride
+  /// 6 × stride: acceleration of the origin and angular acceleration of the rigid motion that is nearest, by
+  /// mass, to that of each mode, body axes.
+  Rows mean_motion;
   bool empty() const { return loads.empty(); }
 };
 

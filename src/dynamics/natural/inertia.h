@@ -33,17 +33,18 @@ inline void projected_inertia(const projection::Constants& c, projection::Work& 
   for (int s = 0; s < 4; ++s) out.col(s) += A * forces[s];
 }
 
-/// Motion of a body frame in its own axes, from that of its base vectors and from their accelerations,
+/// What stresses a body with geometric stiffness, by its base vectors' motion and their accelerations,
 /// gravity taken off.
 template <class T>
-geometric::Motion<T> motion_in_body(const BaseMotion<T>& base, const Base<T>& second) {
+StressMotion<T> stress_motion(const GeometricData& g, const BaseMotion<T>& base, const Base<T>& second,
+                              const T* ydd) {
   const Mat3<T> A = base.position.template rightCols<3>();
   const Mat3<T> turning = A.transpose() * base.velocity.template rightCols<3>(),
                 gradient = A.transpose() * second.template rightCols<3>();
   const auto axis = [](const Mat3<T>& m) {
     return Vec3<T>(T(0.5) * (m(2, 1) - m(1, 2)), T(0.5) * (m(0, 2) - m(2, 0)), T(0.5) * (m(1, 0) - m(0, 1)));
   };
-  return {axis(turning), A.transpose() * second.col(0), axis(gradient)};
+  return geometric::stress_motion<T>(g, axis(turning), A.transpose() * second.col(0), axis(gradient), ydd);
 }
 
 /// Adds M̄ q̈ − Q̄v of all bodies, gravity, and elastic and damping forces:
@@ -69,7 +70,7 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
             *ydd = w.ydd.data() + b.amplitudes;
     T* elastic = w.modal.data() + b.amplitudes;
     if (!f.geometric.empty())
-      geometric::add_forces(f.geometric, motion_in_body(w.bodies[i], second), y, elastic);
+      geometric::add_forces(f.geometric, stress_motion(f.geometric, w.bodies[i], second, ydd), y, elastic);
     if (!w.projections.empty()) {
       projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
                         elastic);

@@ -124,7 +124,9 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
   Base<T> second = w.bodies[index].acceleration;
   second.col(0) -= m.gravity.template cast<T>();
   T* geometric_stiffness = w.folded.data();
-  geometric::stiffness(f.geometric, motion_in_body(w.bodies[index], second), y, geometric_stiffness);
+  geometric::stiffness(f.geometric,
+                       stress_motion(f.geometric, w.bodies[index], second, w.ydd.data() + b.amplitudes), y,
+                       geometric_stiffness);
   for (int i = 0; i < data.modes; ++i)
     for (int j = 0; j <= i; ++j)
       matrix[(n + i) * stride + n + j] += stiffness * geometric_stiffness[i * s + j];

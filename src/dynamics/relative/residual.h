@@ -134,7 +134,11 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
     }
     if (b.modes > 0) {
       const GeometricData& g = m.flexible[b.flexible].geometric;
-      if (!g.empty()) geometric::add_forces<T>(g, {omega, acc, alpha}, y, elastic);
+      if (!g.empty()) {
+        const T* ydd = y + 2 * m.flexible[b.flexible].stride;
+        w.stress[i] = geometric::stress_motion<T>(g, omega, acc, alpha, ydd);
+        geometric::add_forces<T>(g, w.stress[i], y, elastic);
+      }
     }
     // About the common point.
     Vec3<T> force = motion.rotation * inertia.force;

@@ -41,6 +41,7 @@ Workspace<T>::Workspace(const Compiled& m) {
   jacobian.assign(m.jacobian_storage, nan);
   weighted.assign(m.jacobian_storage, nan);
   composites.assign(m.bodies.size(), {nan, nan3, nan33});
+  stress.assign(m.bodies.size(), {nan3, nan3, nan3});
   int widest = 8, elastic = 0, integral = 0;
   for (const BodyData& b : m.bodies) {
     widest = std::max(widest, pad(b.size()));
@@ -135,13 +136,9 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
     double* out = values + place.offset;
     const int n0 = b.joint_velocities;
     if (!f.geometric.empty()) {
-      const Motion<double>& motion = work_.bodies[i];
-      const Mat3d to_body = motion.rotation.transpose();
       double* y = work_.scratch.data();
       copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-      geometric::stiffness<double>(
-          f.geometric, {to_body * motion.omega, to_body * motion.acceleration, to_body * motion.alpha}, y,
-          work_.folded.data());
+      geometric::stiffness<double>(f.geometric, work_.stress[i], y, work_.folded.data());
       for (int c = 0; c < b.modes; ++c)
         for (int r = 0; r < b.modes; ++r)
           out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=

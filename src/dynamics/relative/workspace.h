@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "dynamics/projection.h"
+#include "dynamics/stress_motion.h"
 #include "linalg/block_sparse.h"
 #include "math/rotation.h"
 #include "model/compiled.h"
@@ -82,6 +83,7 @@ struct Workspace {
   std::vector<int> integral_offset;
   AlignedVector<T> folded;  ///< a matrix of extended amplitudes folded, by mass and assembly
   AlignedVector<T> scratch;
+  std::vector<StressMotion<T>> stress;  ///< of bodies with geometric stiffness, by residual
 
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.
   std::vector<projection::Constants> projections;
