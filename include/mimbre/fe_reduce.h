@@ -32,26 +32,44 @@ struct ModelReduction {
     tangent,   ///< the body frame moves with the first interface
     mean_axis  ///< origin in the centre of mass, modes without momentum (Buckens)
   };
+  enum class Basis {
+    craig_bampton,   ///< static modes and the lowest modes with all interfaces held
+    free_interface,  ///< the lowest modes of the free body and residual modes of forces (MacNeal; Rubin)
+    krylov           ///< static modes and moments of the response to forces at the interfaces
+  };
   std::vector<Interface> interfaces;  ///< at least one
-  int dynamic_modes = 10;             ///< lowest modes with all interfaces held
+  Basis basis = Basis::craig_bampton;
+  int dynamic_modes = 10;       ///< lowest modes, or Krylov vectors beyond the static modes
+  double max_frequency = 0;     ///< Hz; not 0: all modes up to it in place of `dynamic_modes`; not of Krylov
+  double krylov_frequency = 0;  ///< Hz: the moments are those about it
+  /// %; not 0: of the modes with interfaces held only those that reach this share of the body's mass, see
+  /// ReductionResult::effective_mass. Craig–Bampton only.
+  double effective_mass = 0;
   Frame frame = Frame::tangent;
   double stiffness_damping = 0;  ///< s
-  int free_modes = 10;           ///< of the full model, for the certificate: 0 saves a factorisation
+  /// Matrices by which forces of inertia, gravity and at the interfaces stiffen the body
+  /// (GeometricStiffness): solids, tangent frame, bases with static modes.
+  bool geometric_stiffness = false;
+  int free_modes = 10;  ///< of the full model, for the certificate: 0 saves a factorisation
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;
 };
 
 struct ReductionResult {
-  ReducedBody body;                          ///< with its checks
-  Eigen::VectorXd fixed_frequencies;         ///< Hz, of the dynamic modes, interfaces held
+  ReducedBody body;                   ///< with its checks
+  Eigen::VectorXd fixed_frequencies;  ///< Hz, of the dynamic modes, interfaces held; Craig–Bampton only
+  /// Of these modes, %: rows: share of the mass that moves with each in translations along the first
+  /// interface's axes, of the moments of inertia in rotations about them.
+  Eigen::MatrixXd effective_mass;
   Eigen::VectorXd free_frequencies;          ///< Hz, elastic modes of the full model, free
   Eigen::VectorXd reduced_free_frequencies;  ///< Hz, the same of the reduced body
 };
 
-/// Craig–Bampton reduction (Craig, Bampton 1968; Lugrís 2008, 2.7–2.9) of free matrices: static modes of the
-/// interfaces' motions, dynamic modes with the interfaces held, shape integrals, modes made orthogonal.
+/// Reduction of free matrices to a basis, Craig–Bampton's (Craig, Bampton 1968; Lugrís 2008, 2.7–2.9) or
+/// another (Rubin 1975; Craig, Hale 1988), shape integrals, modes made orthogonal. All bases have the exact
+/// static compliance between the interfaces.
 /// Throws std::invalid_argument that says what is wrong: interfaces without hold, nodes in two of them,
-/// matrices that are not those of a free elastic body.
+/// matrices that are not those of a free elastic body, options that do not go together.
 ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options);
 
 /// What matrices must be, whatever body they come from: sizes, finite, definite mass, six rigid motions

@@ -23,9 +23,9 @@ struct Arguments {
   std::string input, output, mass, nodes, dofs;
   std::vector<std::string> interfaces, means, points, materials;
   int modes = 10, free_modes = 10;
-  std::string frame = "tangent", units = "SI";
-  double damping = 0;
-  bool json = false;
+  std::string frame = "tangent", units = "SI", basis = "craig_bampton";
+  double damping = 0, max_frequency = 0, krylov_frequency = 0, effective_mass = 0;
+  bool json = false, stiffening = false;
 };
 
 constexpr const char* formats =
@@ -161,6 +161,34 @@ Json to_json(const Eigen::VectorXd& values) {
   return list;
 }
 
+fe::ModelReduction::Basis basis_of(const std::string& name) {
+  using Basis = fe::ModelReduction::Basis;
+  if (name == "free_interface") return Basis::free_interface;
+  return name == "krylov" ? Basis::krylov : Basis::craig_bampton;
+}
+
+/// A list per mode.
+Json to_json(const Eigen::MatrixXd& columns) {
+  Json list = Json::array();
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) list.push_back(to_json(Eigen::VectorXd(columns.col(k))));
+  return list;
+}
+
+std::string effective_masses(const fe::ReductionResult& result) {
+  if (result.effective_mass.cols() == 0) return {};
+  Table table({"mode", "Hz", "x, %", "y, %", "z, %", "rx, %", "ry, %", "rz, %"});
+  const auto add = [&](const std::string& name, const std::string& hertz, const Eigen::VectorXd& shares) {
+    std::vector<std::string> row{name, hertz};
+    for (const double share : shares) row.push_back(fmt::format("{:.2f}", share));
+    table.add(row);
+  };
+  for (Eigen::Index k = 0; k < result.effective_mass.cols(); ++k)
+    add(fmt::format("{}", k + 1), fmt::format("{:.6g}", result.fixed_frequencies[k]),
+        result.effective_mass.col(k));
+  add("sum", "", result.effective_mass.rowwise().sum());
+  return "Effective mass of the modes with interfaces held\n" + table.text() + '\n';
+}
+
 int run(const Arguments& a) {
   const auto start = std::chrono::steady_clock::now();
   require_different(a.input, a.output);
@@ -176,7 +204,12 @@ int run(const Arguments& a) {
   options.interfaces = interfaces_of(a, input);
   options.dynamic_modes = a.modes;
   options.free_modes = a.free_modes;
+  options.basis = basis_of(a.basis);
+  options.max_frequency = a.max_frequency;
+  options.krylov_frequency = a.krylov_frequency;
+  options.effective_mass = a.effective_mass;
   options.stiffness_damping = a.damping;
+  options.geometric_stiffness = a.stiffening;
   options.frame =
       a.frame == "mean_axis" ? fe::ModelReduction::Frame::mean_axis : fe::ModelReduction::Frame::tangent;
   options.progress = [&](const std::string& stage, double part) { progress.update(stage, part); };
@@ -207,8 +240,10 @@ int run(const Arguments& a) {
                                     {"nodes", i.nodes.size()},
                                     {"point", {i.point.x(), i.point.y(), i.point.z()}},
                                     {"tie", i.tie == fe::Interface::Tie::rigid ? "rigid" : "mean"}});
+    json["basis"] = a.basis;
     json["modes"] = body.modes;
     json["frequencies_hz"] = to_json(result.fixed_frequencies);
+    json["effective_mass"] = to_json(result.effective_mass);
     json["free_frequencies_hz"] = to_json(result.free_frequencies);
     json["reduced_free_frequencies_hz"] = to_json(result.reduced_free_frequencies);
     json["mass"] = body.mass;
@@ -232,7 +267,7 @@ int run(const Arguments& a) {
   for (Eigen::Index k = 0; k < rows; ++k)
     frequencies.add({fmt::format("{}", k + 1), entry(result.fixed_frequencies, k),
                      entry(result.free_frequencies, k), entry(result.reduced_free_frequencies, k)});
-  text += frequencies.text() + '\n';
+  text += frequencies.text() + '\n' + effective_masses(result);
   Table checks({"check", "", "detail"});
   for (const Check& c : body.checks) checks.add({c.name, c.passed ? "ok" : "NO", c.detail});
   print_data(text + checks.text());
@@ -264,9 +299,26 @@ Command add_reduce(CLI::App& program) {
   parser->add_option("--point", a->points, "Reference point of an interface; default: the mean of its nodes")
       ->allow_extra_args(false)
       ->type_name("NAME=x,y,z");
-  parser->add_option("--modes", a->modes, "Dynamic modes, interfaces held; default 10")
-      ->check(CLI::Range(0, 1000))
-      ->type_name("N");
+  parser->add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
+      ->check(CLI::IsMember({"craig_bampton", "free_interface", "krylov"}));
+  CLI::Option* const modes =
+      parser->add_option("--modes", a->modes, "Dynamic modes, or vectors of the Krylov basis; default 10")
+          ->check(CLI::Range(0, 1000))
+          ->type_name("N");
+  parser->add_option("--max-frequency", a->max_frequency, "All dynamic modes up to it, in place of --modes")
+      ->check(CLI::PositiveNumber)
+      ->excludes(modes)
+      ->type_name("HZ");
+  parser
+      ->add_option("--krylov-frequency", a->krylov_frequency,
+                   "Frequency about which the Krylov basis matches the response; default 0")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("HZ");
+  parser
+      ->add_option("--effective-mass", a->effective_mass,
+                   "Of the dynamic modes only those that reach this share of the body's mass")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("PERCENT");
   parser->add_option("--free-modes", a->free_modes, "Modes of the free model to compare with; default 10")
       ->check(CLI::Range(0, 1000))
       ->type_name("N");
@@ -280,6 +332,8 @@ Command add_reduce(CLI::App& program) {
   parser->add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
+  parser->add_flag("--geometric-stiffness", a->stiffening,
+                   "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
   parser->add_option("--units", a->units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
       ->check(CLI::IsMember({"SI", "mm", "in"}));
   parser->add_option("--mass", a->mass, "Mass matrix")->type_name("FILE");

@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 /// Wide enough for the multiplicities that symmetric parts have.
 constexpr Index kWidth = 6;
+constexpr Index kMostBelow = 1000;
 constexpr double kTolerance = 1e-9;  // of a vector's residual; its eigenvalue is then right to the square
 
 /// The same block on every platform.
@@ -46,18 +47,22 @@ Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
   return {out, factor};
 }
 
-}  // namespace
+/// Called with the estimates of λ found so far, ascending: how many of the lowest must have converged.
+using Wanted = std::function<Index(const VectorXd&)>;
 
-Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress) {
-  if (count == 0) return {VectorXd(0), MatrixXd(pencil.size, 0)};
-  if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
+Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<void(double)>& progress) {
+  const Index rows = pencil.rows > 0 ? pencil.rows : pencil.size;
   const Index width = std::min<Index>(kWidth, pencil.size);
-  const Index most = std::min<Index>(pencil.size, 6 * count + 60);
-  MatrixXd basis(pencil.size, most), projected = MatrixXd::Zero(most, most);
-  Orthonormal next = orthonormal(pencil, pencil.solve(pencil.mass(start_block(pencil.size, width))));
+  MatrixXd basis(rows, 0), projected(0, 0);
+  Orthonormal next = orthonormal(pencil, pencil.solve(pencil.mass(start_block(rows, width))));
   Index columns = 0;
   while (true) {
-    const Index fresh = std::min(next.block.cols(), most - columns);
+    const Index fresh = std::min(next.block.cols(), pencil.size - columns);
+    if (columns + fresh > basis.cols()) {
+      const Index room = std::min(pencil.size, 2 * basis.cols() + 66);
+      basis.conservativeResize(rows, room);
+      projected.conservativeResize(room, room);
+    }
     basis.middleCols(columns, fresh) = next.block.leftCols(fresh);
     MatrixXd image = pencil.solve(pencil.mass(next.block.leftCols(fresh)));
     const Index first = columns;
@@ -75,21 +80,47 @@ Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(do
 
     const MatrixXd T = projected.topLeftCorner(columns, columns);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (T + T.transpose()));  // ascending 1/(λ − σ)
-    const Index found = std::min<Index>(count, columns);
-    const VectorXd nu = ritz.eigenvalues().tail(found).reverse();
+    const VectorXd all = ritz.eigenvalues().reverse();
+    const VectorXd estimates = pencil.shift + all.cwiseInverse().array();
+    const Index count = wanted(estimates), found = std::min(count, columns);
     const MatrixXd turn = ritz.eigenvectors().rightCols(found).rowwise().reverse();
     const VectorXd residuals = (next.factor * turn.bottomRows(fresh)).colwise().norm();
-    const Index converged = (residuals.array() <= kTolerance * nu.array()).count();
-    if (progress) progress(static_cast<double>(converged) / count);
+    const Index converged = (residuals.array() <= kTolerance * all.head(found).array()).count();
+    if (progress) progress(static_cast<double>(converged) / static_cast<double>(count));
     const bool complete = columns >= pencil.size || next.block.cols() == 0;
     if (converged == count || complete) {
-      Modes modes{pencil.shift + nu.cwiseInverse().array(), basis.leftCols(columns) * turn};
+      Modes modes{estimates.head(found), basis.leftCols(columns) * turn};
       fix_signs(modes.vectors);
       return modes;
     }
-    if (columns >= most)
+    if (columns >= 6 * count + 60)
       throw std::runtime_error("the eigenvalue iteration of the finite-element model did not converge");
   }
+}
+
+}  // namespace
+
+Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress) {
+  if (count == 0) return {VectorXd(0), MatrixXd(pencil.rows > 0 ? pencil.rows : pencil.size, 0)};
+  if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
+  return iterate(
+      pencil, [count](const VectorXd&) { return Index{count}; }, progress);
+}
+
+Modes block_lanczos_below(const Pencil& pencil, double limit, const std::function<void(double)>& progress) {
+  const auto below = [limit](const VectorXd& eigenvalues) { return (eigenvalues.array() <= limit).count(); };
+  // One more: when it has converged nothing is left below it.
+  const auto wanted = [&](const VectorXd& estimates) {
+    const Index count = below(estimates);
+    if (count > kMostBelow)
+      throw std::invalid_argument("more than 1000 modes lie below the frequency; is it in hertz?");
+    return count + 1;
+  };
+  Modes modes = iterate(pencil, wanted, progress);
+  const Index count = below(modes.eigenvalues);
+  modes.eigenvalues.conservativeResize(count);
+  modes.vectors.conservativeResize(Eigen::NoChange, count);
+  return modes;
 }
 
 }  // namespace mimbre::fe

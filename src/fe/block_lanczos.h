@@ -12,6 +12,7 @@ struct Pencil {
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> solve;  ///< (K − shift M)⁻¹ b, positive definite
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> mass;   ///< M x
   double shift = 0;
+  Eigen::Index rows = 0;  ///< of the vectors, where they have more entries than the space has dimensions
 };
 
 /// The `count` lowest solutions of K v = λ M v by block Lanczos iteration with full orthogonalisation
@@ -19,5 +20,9 @@ struct Pencil {
 /// 0 to 1. Vectors are M-normalised, their largest entry positive. Throws std::runtime_error when it does not
 /// converge.
 Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress = {});
+
+/// All solutions with λ ≤ limit. Throws std::invalid_argument when they are more than a thousand.
+Modes block_lanczos_below(const Pencil& pencil, double limit,
+                          const std::function<void(double)>& progress = {});
 
 }  // namespace mimbre::fe

@@ -4,13 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "fe/block_lanczos.h"
 #include "fe/skin.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/effective_mass.h"
+#include "reduction/free_interface.h"
+#include "reduction/krylov.h"
 #include "reduction/nodal_shape_integrals.h"
 #include "reduction/rigid_shapes.h"
+#include "reduction/shapes.h"
+#include "reduction/solid_stiffening.h"
 #include "reduction/tied_model.h"
 
 namespace mimbre::fe {
@@ -24,75 +30,6 @@ using Eigen::VectorXd;
 
 constexpr int kDrawnNodes = 1500;
 constexpr double kHertz = 1 / (2 * std::numbers::pi);
-
-/// Mode shapes over the dofs, and the motion of the interfaces' points in them: six rows per interface,
-/// displacement and turn in body axes.
-struct Shapes {
-  MatrixXd dofs, points;
-  std::vector<std::string> names;
-};
-
-MatrixXd point_rows(const Interface& interface, const MatrixXd& z) {
-  MatrixXd rows(6, z.cols());
-  rows.topRows(3) = interface.axes * z.topRows(3);
-  rows.bottomRows(3) = interface.axes * z.bottomRows(3);
-  return rows;
-}
-
-/// Static modes of the interfaces' motions, all but the first's in a tangent frame, then the modes of the
-/// held model.
-Shapes craig_bampton(const TiedModel& tied, const FeMatrices& matrices, const ModelReduction& options,
-                     const MatrixXd& dynamic) {
-  const auto interfaces = static_cast<Index>(options.interfaces.size());
-  const Index first = options.frame == ModelReduction::Frame::tangent ? 1 : 0;
-  const Index statics = 6 * (interfaces - first);
-  Shapes shapes;
-  MatrixXd z = MatrixXd::Zero(6 * interfaces, statics + dynamic.cols());
-  z.block(6 * first, 0, statics, statics).setIdentity();
-  shapes.dofs.resize(matrices.stiffness.rows(), z.cols());
-  if (statics > 0) {
-    const MatrixXd zs = z.leftCols(statics);
-    const MatrixXd moved = tied.expand(MatrixXd::Zero(tied.internals(), statics), zs);
-    const MatrixXd x = -tied.solve(tied.restrict(symmetric_times(matrices.stiffness, moved)));
-    shapes.dofs.leftCols(statics) = tied.expand(x, zs);
-  }
-  shapes.dofs.rightCols(dynamic.cols()) =
-      tied.expand(dynamic, MatrixXd::Zero(6 * interfaces, dynamic.cols()));
-  shapes.points.resize(6 * interfaces, z.cols());
-  for (Index i = 0; i < interfaces; ++i) {
-    const Interface& interface = options.interfaces[static_cast<std::size_t>(i)];
-    shapes.points.middleRows(6 * i, 6) = point_rows(interface, z.middleRows(6 * i, 6));
-    if (i < first) continue;
-    for (const char* motion : {"x", "y", "z", "rx", "ry", "rz"})
-      shapes.names.push_back(fmt::format("static {}.{}", interface.name, motion));
-  }
-  for (Index k = 0; k < dynamic.cols(); ++k) shapes.names.push_back(fmt::format("dynamic {}", k + 1));
-  return shapes;
-}
-
-/// Takes linear and angular momentum out of the shapes, and the six that then depend on the others.
-void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& interfaces, const MatrixXd& R,
-                  Shapes& shapes) {
-  const MatrixXd momenta = symmetric_times(matrices.mass, R);
-  const MatrixXd part = (R.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
-  shapes.dofs -= R * part;
-  for (std::size_t i = 0; i < interfaces.size(); ++i) {
-    Eigen::Matrix<double, 6, 6> motion = Eigen::Matrix<double, 6, 6>::Identity();
-    for (int k = 0; k < 3; ++k)
-      motion.block<3, 1>(0, 3 + k) = Vector3d(Vector3d::Unit(k)).cross(interfaces[i].point);
-    shapes.points.middleRows<6>(static_cast<Index>(6 * i)) -= motion * part;
-  }
-  const MatrixXd gram = shapes.dofs.transpose() * symmetric_times(matrices.mass, shapes.dofs);
-  const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * gram * scale.asDiagonal());
-  const Index kept = gram.cols() - 6;
-  const MatrixXd turn = scale.asDiagonal() * solver.eigenvectors().rightCols(kept) *
-                        solver.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  shapes.dofs = (shapes.dofs * turn).eval();
-  shapes.points = (shapes.points * turn).eval();
-  shapes.names.clear();
-  for (Index k = 0; k < kept; ++k) shapes.names.push_back(fmt::format("mean-axis {}", k + 1));
-}
 
 /// m_kl of the translations: a third of the trace of each pair's block; full storage.
 SparseMatrix<double> nodal_mass_of(const SolidMesh& mesh, const FeMatrices& matrices) {
@@ -199,6 +136,142 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
                                             rows)});
 }
 
+void require(const ModelReduction& o) {
+  using Basis = ModelReduction::Basis;
+  if (o.interfaces.empty())
+    throw std::invalid_argument("a body needs at least one interface, where something can hold it");
+  if (o.dynamic_modes < 0 || o.free_modes < 0)
+    throw std::invalid_argument("numbers of modes must not be negative");
+  const auto sound = [](double x) { return std::isfinite(x) && x >= 0; };
+  if (!sound(o.stiffness_damping)) throw std::invalid_argument("stiffness damping must not be negative");
+  if (!sound(o.max_frequency) || !sound(o.krylov_frequency))
+    throw std::invalid_argument("frequencies must not be negative");
+  if (!(o.effective_mass >= 0 && o.effective_mass <= 100))
+    throw std::invalid_argument("the effective mass is a share between 0 and 100 %");
+  if (o.basis == Basis::krylov && o.max_frequency > 0)
+    throw std::invalid_argument("vectors of the Krylov basis have no frequencies: give their number");
+  if (o.basis != Basis::krylov && o.krylov_frequency > 0)
+    throw std::invalid_argument("the frequency to match about belongs to the Krylov basis");
+  if (o.basis != Basis::craig_bampton && o.effective_mass > 0)
+    throw std::invalid_argument("effective masses are those of the Craig-Bampton basis");
+  if (o.basis != Basis::free_interface && o.frame == ModelReduction::Frame::tangent &&
+      o.interfaces.size() == 1 && o.dynamic_modes == 0 && o.max_frequency == 0)
+    throw std::invalid_argument("one interface and no dynamic modes leave nothing that could deform");
+  if (o.geometric_stiffness &&
+      (o.frame != ModelReduction::Frame::tangent || o.basis == Basis::free_interface))
+    throw std::invalid_argument("geometric stiffness needs the tangent frame and a basis with static modes");
+  for (std::size_t i = 0; i < o.interfaces.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (o.interfaces[i].name == o.interfaces[j].name)
+        throw std::invalid_argument(fmt::format("two interfaces are called '{}'", o.interfaces[i].name));
+}
+
+/// Keeps the dynamic modes, the last of the shapes, that have the effective mass asked for.
+void keep_effective(const FeMatrices& matrices, const ModelReduction& options, const MatrixXd& R,
+                    Shapes& shapes, ReductionResult& result) {
+  const ModeSelection selection = select_modes(result.effective_mass, options.effective_mass);
+  const Index all = shapes.dofs.cols(), dynamic = result.effective_mass.cols(), statics = all - dynamic;
+  std::vector<Index> kept(static_cast<std::size_t>(statics));
+  std::iota(kept.begin(), kept.end(), Index{0});
+  for (const Index k : selection.kept) kept.push_back(statics + k);
+  if (kept.empty()) throw std::invalid_argument("no dynamic mode has the effective mass asked for");
+
+  double rise = 0;
+  {
+    // Motions of the first interface, there without a tangent frame, depend on the rigid ones and the others.
+    const Index first = options.frame == ModelReduction::Frame::tangent ? 0 : 6;
+    MatrixXd free(R.rows(), 6 + all - first);
+    free << R, shapes.dofs.rightCols(all - first);
+    std::vector<Index> some(6);
+    std::iota(some.begin(), some.end(), Index{0});
+    for (const Index k : kept)
+      if (k >= first) some.push_back(6 + k - first);
+    rise = frequency_rise(free.transpose() * symmetric_times(matrices.stiffness, free),
+                          free.transpose() * symmetric_times(matrices.mass, free), some);
+  }
+  std::string dropped;
+  for (const Index k : selection.dropped)
+    dropped +=
+        fmt::format("{}{} ({:.4g} Hz)", dropped.empty() ? "" : ", ", k + 1, result.fixed_frequencies[k]);
+  const auto& s = selection.share;
+  result.body.checks.push_back(
+      {"mode selection", selection.reached,
+       fmt::format("effective mass of {} of {} dynamic modes: {:.4g} %, {:.4g} %, {:.4g} % in translations, "
+                   "{:.4g} %, {:.4g} %, {:.4g} % in rotations, {:.4g} % asked; dropped: {}; without them the "
+                   "lowest free frequencies are up to {:.2g} % higher{}",
+                   selection.kept.size(), dynamic, s[0], s[1], s[2], s[3], s[4], s[5], options.effective_mass,
+                   dropped.empty() ? "none" : dropped, 100 * rise,
+                   selection.reached ? "" : "; the modes computed have no more, ask for more of them")});
+
+  Shapes some{shapes.dofs(Eigen::all, kept), shapes.points(Eigen::all, kept), {}};
+  for (const Index k : kept) some.names.push_back(shapes.names[static_cast<std::size_t>(k)]);
+  shapes = std::move(some);
+  result.fixed_frequencies = result.fixed_frequencies(selection.kept).eval();
+  result.effective_mass = result.effective_mass(Eigen::all, selection.kept).eval();
+}
+
+/// The basis in the body's frame; a typical ω² comes with it.
+Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
+                const MatrixXd& R, double& scale, ReductionResult& result) {
+  using Basis = ModelReduction::Basis;
+  const auto tell = [&](const char* stage, double done) {
+    if (options.progress) options.progress(stage, done);
+  };
+  const auto square = [](double hertz) { return std::pow(hertz / kHertz, 2); };
+  const bool tangent = options.frame == ModelReduction::Frame::tangent;
+  tell("factorisation", 0);
+  const TiedModel tied(mesh, matrices, options.interfaces);
+  tell("dynamic modes", 0);
+  const auto progress = [&](double done) { tell("dynamic modes", done); };
+  Shapes shapes;
+  if (options.basis == Basis::free_interface) {
+    VectorXd eigenvalues;
+    shapes = free_interface_shapes(tied, matrices, options.interfaces, R, options.dynamic_modes,
+                                   square(options.max_frequency), eigenvalues, progress);
+    if (eigenvalues.size() > 0) scale = eigenvalues[0];
+    if (tangent) to_tangent(options.interfaces, R, shapes);
+    result.body.checks.push_back(
+        {"number of modes", true,
+         fmt::format("{} = {} free + {} of forces at {} interface{}", shapes.dofs.cols(), eigenvalues.size(),
+                     shapes.dofs.cols() - eigenvalues.size(), options.interfaces.size(),
+                     options.interfaces.size() == 1 ? "" : "s")});
+    return shapes;
+  }
+  MatrixXd x;
+  if (options.basis == Basis::krylov) {
+    x = krylov_vectors(mesh, tied, matrices, options.interfaces, square(options.krylov_frequency),
+                       options.dynamic_modes);
+  } else {
+    Modes held = options.max_frequency > 0
+                     ? block_lanczos_below(tied.held(), square(options.max_frequency), progress)
+                     : block_lanczos(tied.held(), options.dynamic_modes, progress);
+    if (held.eigenvalues.size() > 0) scale = held.eigenvalues[0];
+    result.fixed_frequencies = held.eigenvalues.cwiseMax(0).cwiseSqrt() * kHertz;
+    x = std::move(held.vectors);
+  }
+  tell("static modes", 0);
+  shapes = static_shapes(tied, matrices, options.interfaces, tangent ? 1 : 0);
+  const bool krylov = options.basis == Basis::krylov;
+  const Shapes held = held_shapes(tied, x, krylov ? "krylov" : "dynamic");
+  shapes = join(shapes, held);
+  if (!krylov) {
+    result.effective_mass = effective_mass(matrices, options.interfaces[0], R, held.dofs);
+    if (options.effective_mass > 0) keep_effective(matrices, options, R, shapes, result);
+  }
+  const std::size_t interfaces = options.interfaces.size();
+  if (shapes.dofs.cols() == 0)
+    throw std::invalid_argument(
+        "one interface and no dynamic mode below the frequency leave nothing that could deform");
+  const Index statics = tied.boundaries() - (tangent ? 6 : 0);
+  result.body.checks.push_back(
+      {"number of modes", true,
+       fmt::format("{} = {} motions of {} interface{} − 6 of the body + {} {}",
+                   shapes.dofs.cols() - (tangent ? 0 : 6), tied.boundaries(), interfaces,
+                   interfaces == 1 ? "" : "s", shapes.dofs.cols() - statics, krylov ? "Krylov" : "dynamic")});
+  if (!tangent) to_mean_axes(matrices, options.interfaces, R, shapes);
+  return shapes;
+}
+
 }  // namespace
 
 Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
@@ -211,21 +284,7 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
   const auto tell = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
-  if (options.interfaces.empty())
-    throw std::invalid_argument("a body needs at least one interface, where something can hold it");
-  if (options.dynamic_modes < 0 || options.free_modes < 0)
-    throw std::invalid_argument("numbers of modes must not be negative");
-  if (!(std::isfinite(options.stiffness_damping) && options.stiffness_damping >= 0))
-    throw std::invalid_argument("stiffness damping must not be negative");
-  if (options.frame == ModelReduction::Frame::tangent && options.interfaces.size() == 1 &&
-      options.dynamic_modes == 0)
-    throw std::invalid_argument("one interface and no dynamic modes leave nothing that could deform");
-  for (std::size_t i = 0; i < options.interfaces.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (options.interfaces[i].name == options.interfaces[j].name)
-        throw std::invalid_argument(
-            fmt::format("two interfaces are called '{}'", options.interfaces[i].name));
-
+  require(options);
   tell("checks", 0);
   ReductionResult result;
   result.body.checks = check_matrices(mesh, matrices);
@@ -235,24 +294,11 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
       throw std::invalid_argument(fmt::format("{}: {}", check.name, check.detail));
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
-  Shapes shapes;
   double scale = 0;  // a typical ω²
-  {
-    tell("factorisation", 0);
-    const TiedModel tied(mesh, matrices, options.interfaces);
-    tell("dynamic modes", 0);
-    const Modes held =
-        block_lanczos(tied.held(), options.dynamic_modes, [&](double done) { tell("dynamic modes", done); });
-    result.fixed_frequencies = held.eigenvalues.cwiseMax(0).cwiseSqrt() * kHertz;
-    tell("static modes", 0);
-    shapes = craig_bampton(tied, matrices, options, held.vectors);
-    if (options.dynamic_modes > 0) scale = held.eigenvalues[0];
-  }
+  const Shapes shapes = basis_of(mesh, matrices, options, R, scale, result);
   if (scale == 0)
     scale = shapes.dofs.cwiseProduct(symmetric_times(matrices.stiffness, shapes.dofs)).sum() /
             shapes.dofs.cwiseProduct(symmetric_times(matrices.mass, shapes.dofs)).sum();
-  if (options.frame == ModelReduction::Frame::mean_axis)
-    to_mean_axes(matrices, options.interfaces, R, shapes);
 
   tell("integrals", 0);
   ReducedBody& body = result.body;
@@ -272,18 +318,20 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
         {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
   }
   add_drawing(mesh, displacements, body);
+  if (options.geometric_stiffness) {
+    tell("geometric stiffness", 0);
+    const TiedModel held(mesh, matrices, options.interfaces);
+    const MatrixXd x = held.solve(held.restrict(unit_inertia_forces(mesh, matrices)));
+    const MatrixXd responses = held.expand(x, MatrixXd::Zero(held.boundaries(), x.cols()));
+    body.geometric = solid_stiffening(mesh, responses, shapes.dofs, body.stiffness, held.boundaries() - 6);
+  }
   make_orthogonal(body);
 
   const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -
                           MatrixXd::Identity(body.modes, body.modes))
                              .cwiseAbs()
                              .maxCoeff();
-  const auto statics = static_cast<int>(6 * options.interfaces.size());
   body.checks.push_back({"orthogonal modes", overlap < 1e-8, fmt::format("to {:.1g}", overlap)});
-  body.checks.push_back({"number of modes", true,
-                         fmt::format("{} = {} motions of {} interface{} − 6 of the body + {} dynamic",
-                                     body.modes, statics, options.interfaces.size(),
-                                     options.interfaces.size() == 1 ? "" : "s", options.dynamic_modes)});
   std::string unsound;
   for (const std::string& message : check(body)) unsound += (unsound.empty() ? "" : "; ") + message;
   body.checks.push_back({"reduced body", unsound.empty(), unsound.empty() ? "sound" : unsound});

@@ -22,18 +22,18 @@ using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
-struct LargeFactor::Implementation {
-#ifdef MIMBRE_WITH_CHOLMOD
-  mutable Eigen::CholmodSupernodalLLT<SparseMatrix<double>, Eigen::Lower> solver;
-#else
-  Eigen::SimplicialLLT<SparseMatrix<double>, Eigen::Lower> solver;
-#endif
-  double entries = 0;
-};
+namespace {
 
-LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what)
-    : implementation_(std::make_unique<Implementation>()) {
-  auto& solver = implementation_->solver;
+#ifdef MIMBRE_WITH_CHOLMOD
+using Definite = Eigen::CholmodSupernodalLLT<SparseMatrix<double>, Eigen::Lower>;
+using Indefinite = Eigen::CholmodSimplicialLDLT<SparseMatrix<double>, Eigen::Lower>;
+#else
+using Definite = Eigen::SimplicialLLT<SparseMatrix<double>, Eigen::Lower>;
+using Indefinite = Eigen::SimplicialLDLT<SparseMatrix<double>, Eigen::Lower>;
+#endif
+
+template <typename Solver>
+bool factorise(Solver& solver, const SparseMatrix<double>& lower) {
 #ifdef MIMBRE_WITH_CHOLMOD
   // Nested dissection halves the factor of solids; the default would first try minimum degree.
   if (lower.rows() > 20000) {
@@ -44,14 +44,39 @@ LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& w
   solver.cholmod().print = 0;
 #endif
   solver.analyzePattern(lower);
-#ifdef MIMBRE_WITH_CHOLMOD
-  implementation_->entries = solver.cholmod().lnz;
-#endif
   solver.factorize(lower);
-  if (solver.info() != Eigen::Success) throw std::invalid_argument(what);
+  return solver.info() == Eigen::Success;
+}
+
+}  // namespace
+
+struct LargeFactor::Implementation {
+  mutable Definite definite;
+  mutable std::unique_ptr<Indefinite> indefinite;
+  double entries = 0;
+};
+
+LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what, Definiteness matrix)
+    : implementation_(std::make_unique<Implementation>()) {
+  Implementation& own = *implementation_;
+  if (factorise(own.definite, lower)) {
+#ifdef MIMBRE_WITH_CHOLMOD
+    own.entries = own.definite.cholmod().lnz;
+#endif
+    return;
+  }
+  if (matrix == Definiteness::definite) throw std::invalid_argument(what);
+  own.indefinite = std::make_unique<Indefinite>();
+  if (!factorise(*own.indefinite, lower)) throw std::invalid_argument(what);
+#ifdef MIMBRE_WITH_CHOLMOD
+  own.entries = own.indefinite->cholmod().lnz;
+#endif
 }
 LargeFactor::~LargeFactor() = default;
-MatrixXd LargeFactor::solve(const MatrixXd& b) const { return implementation_->solver.solve(b); }
+MatrixXd LargeFactor::solve(const MatrixXd& b) const {
+  const Implementation& own = *implementation_;
+  return own.indefinite ? MatrixXd(own.indefinite->solve(b)) : MatrixXd(own.definite.solve(b));
+}
 double LargeFactor::entries() const { return implementation_->entries; }
 
 MatrixXd symmetric_times(const SparseMatrix<double>& lower, const MatrixXd& x) {
@@ -79,7 +104,7 @@ Row6 rigid_motion(const Interface& interface, const Vector3d& arm, int direction
 }  // namespace
 
 TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
-                     const std::vector<Interface>& interfaces)
+                     const std::vector<Interface>& interfaces, Definiteness stiffness)
     : matrices_(matrices), interfaces_(interfaces.size()) {
   const Index rows = matrices.stiffness.rows();
   std::vector<std::vector<Index>> rows_of_node(static_cast<std::size_t>(mesh.nodes.cols()));
@@ -195,7 +220,8 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
     factor_ = std::make_unique<LargeFactor>(
         Koo,
         "the stiffness is not positive definite where the interfaces hold the body: a part of the model is "
-        "not connected to the rest, or the matrices are not those of an elastic body");
+        "not connected to the rest, or the matrices are not those of an elastic body",
+        stiffness);
   }
   if (means_.empty()) return;
   // U = [Kop/√k, √k Cᵀ], S = [0 I; I Kpp/k], pins p, C the others' part in them, k so that both parts weigh

@@ -9,11 +9,18 @@
 
 namespace mimbre::fe {
 
-/// Sparse Cholesky factorisation of a large symmetric positive definite matrix (lower triangle).
+enum class Definiteness {
+  definite,  ///< positive; else it is an error
+  any        ///< where it is not positive definite, factors L D Lᵀ without pivots: slower, less accurate
+};
+
+/// Sparse factorisation of a large symmetric matrix (lower triangle), Cholesky's where it is positive
+/// definite.
 class LargeFactor {
  public:
-  /// Throws std::invalid_argument with `what` when the matrix is not positive definite.
-  LargeFactor(const Eigen::SparseMatrix<double>& lower, const std::string& what);
+  /// Throws std::invalid_argument with `what` when there are no factors.
+  LargeFactor(const Eigen::SparseMatrix<double>& lower, const std::string& what,
+              Definiteness matrix = Definiteness::definite);
   ~LargeFactor();
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
   double entries() const;  ///< of the factor
@@ -28,7 +35,8 @@ class LargeFactor {
 /// by its six equations.
 class TiedModel {
  public:
-  TiedModel(const SolidMesh& mesh, const FeMatrices& matrices, const std::vector<Interface>& interfaces);
+  TiedModel(const SolidMesh& mesh, const FeMatrices& matrices, const std::vector<Interface>& interfaces,
+            Definiteness stiffness = Definiteness::definite);
 
   Eigen::Index internals() const { return static_cast<Eigen::Index>(internal_.size()); }
   Eigen::Index boundaries() const { return 6 * static_cast<Eigen::Index>(interfaces_); }

@@ -168,7 +168,7 @@ std::optional<int> chosen_description(const Fields& fields) {
              reduced = fields.has("reduced");
   std::optional<int> as;
   if (const auto word = fields.get("as")) {
-    as = word->choice({"rigid", "flexible"});
+    as = word->choice({"rigid", "flexible", "reduced"});
     if (!as) return {};
     if (*as == 0 && !rigid) {
       word->error("is rigid, but the body has no mass; add rigid: {mass: .., com: .., inertia: ..}");
@@ -178,16 +178,20 @@ std::optional<int> chosen_description(const Fields& fields) {
       word->error("is flexible, but the body has no 'flexible' or 'reduced'");
       return {};
     }
+    if (*as == 2 && !reduced) {
+      word->error("is reduced, but the body has no 'reduced'; add the file's name");
+      return {};
+    }
   }
-  if (flexible && reduced) {
-    fields.error("has both 'flexible' and 'reduced'; keep one");
+  if (!as && flexible && reduced) {
+    fields.error("has both 'flexible' and 'reduced'; say which: 'as: flexible' or 'as: reduced'");
     return {};
   }
   if (fields.has("rigid") && (fields.has("mass") || fields.has("com") || fields.has("inertia"))) {
     fields.error("mass, com and inertia stand either under 'rigid' or beside it, not both");
     return {};
   }
-  if (as) return *as == 0 ? 0 : flexible ? 1 : 2;
+  if (as) return *as == 1 && !flexible ? 2 : *as;
   if (int(rigid) + int(flexible) + int(reduced) == 1) return rigid ? 0 : flexible ? 1 : 2;
   fields.error(rigid ? "has a rigid and a flexible description; say which: 'as: rigid' or 'as: flexible'"
                      : "has no mass; give mass, com and inertia, or 'flexible', or 'reduced'");
@@ -241,6 +245,8 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
     body.flexible = read_reduced(builder, part, *reduced);
     info.flexible = true;
     info.failed = !body.flexible;
+    info.node_names.clear();  // those of `flexible:`, beside it
+    info.node_positions.clear();
     if (body.flexible)
       for (const BodyFrame& frame : body.flexible->frames) {
         info.node_names.push_back(frame.name);

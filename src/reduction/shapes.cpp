@@ -1,0 +1,98 @@
+#include "reduction/shapes.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+namespace mimbre::fe {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+MatrixXd point_rows(const std::vector<Interface>& interfaces, const MatrixXd& z) {
+  MatrixXd rows(z.rows(), z.cols());
+  for (std::size_t i = 0; i < interfaces.size(); ++i)
+    for (Index row = static_cast<Index>(6 * i), half = 0; half < 2; ++half, row += 3)
+      rows.middleRows<3>(row) = interfaces[i].axes * z.middleRows<3>(row);
+  return rows;
+}
+
+MatrixXd rigid_points(const std::vector<Interface>& interfaces) {
+  MatrixXd motion(6 * interfaces.size(), 6);
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    auto own = motion.middleRows<6>(static_cast<Index>(6 * i));
+    own.setIdentity();
+    for (int k = 0; k < 3; ++k)
+      own.block<3, 1>(0, 3 + k) = Vector3d(Vector3d::Unit(k)).cross(interfaces[i].point);
+  }
+  return motion;
+}
+
+std::vector<std::string> motion_names(const std::string& kind, const std::vector<Interface>& interfaces,
+                                      Index first) {
+  std::vector<std::string> names;
+  for (auto i = static_cast<std::size_t>(first); i < interfaces.size(); ++i)
+    for (const char* motion : {"x", "y", "z", "rx", "ry", "rz"})
+      names.push_back(fmt::format("{} {}.{}", kind, interfaces[i].name, motion));
+  return names;
+}
+
+Shapes static_shapes(const TiedModel& tied, const FeMatrices& matrices,
+                     const std::vector<Interface>& interfaces, Index first) {
+  const Index count = tied.boundaries() - 6 * first;
+  MatrixXd z = MatrixXd::Zero(tied.boundaries(), count);
+  z.bottomRows(count).setIdentity();
+  Shapes shapes{MatrixXd(matrices.stiffness.rows(), count), point_rows(interfaces, z),
+                motion_names("static", interfaces, first)};
+  if (count == 0) return shapes;
+  const MatrixXd moved = tied.expand(MatrixXd::Zero(tied.internals(), count), z);
+  const MatrixXd x = -tied.solve(tied.restrict(symmetric_times(matrices.stiffness, moved)));
+  shapes.dofs = tied.expand(x, z);
+  return shapes;
+}
+
+Shapes held_shapes(const TiedModel& tied, const MatrixXd& x, const std::string& kind) {
+  const MatrixXd z = MatrixXd::Zero(tied.boundaries(), x.cols());
+  Shapes shapes{tied.expand(x, z), z, {}};
+  for (Index k = 0; k < x.cols(); ++k) shapes.names.push_back(fmt::format("{} {}", kind, k + 1));
+  return shapes;
+}
+
+Shapes join(const Shapes& a, const Shapes& b) {
+  Shapes both{MatrixXd(a.dofs.rows(), a.dofs.cols() + b.dofs.cols()),
+              MatrixXd(a.points.rows(), a.points.cols() + b.points.cols()), a.names};
+  both.dofs << a.dofs, b.dofs;
+  both.points << a.points, b.points;
+  both.names.insert(both.names.end(), b.names.begin(), b.names.end());
+  return both;
+}
+
+void to_tangent(const std::vector<Interface>& interfaces, const MatrixXd& R, Shapes& shapes) {
+  const MatrixXd motion = rigid_points(interfaces);
+  const MatrixXd part = motion.topRows<6>().partialPivLu().solve(shapes.points.topRows<6>());
+  shapes.dofs -= R * part;
+  shapes.points -= motion * part;
+  shapes.points.topRows<6>().setZero();
+}
+
+void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& interfaces, const MatrixXd& R,
+                  Shapes& shapes) {
+  const MatrixXd momenta = symmetric_times(matrices.mass, R);
+  const MatrixXd part = (R.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
+  shapes.dofs -= R * part;
+  shapes.points -= rigid_points(interfaces) * part;
+  const MatrixXd gram = shapes.dofs.transpose() * symmetric_times(matrices.mass, shapes.dofs);
+  const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * gram * scale.asDiagonal());
+  const Index kept = gram.cols() - 6;
+  const MatrixXd turn = scale.asDiagonal() * solver.eigenvectors().rightCols(kept) *
+                        solver.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  shapes.dofs = (shapes.dofs * turn).eval();
+  shapes.points = (shapes.points * turn).eval();
+  shapes.names.clear();
+  for (Index k = 0; k < kept; ++k) shapes.names.push_back(fmt::format("mean-axis {}", k + 1));
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/program.h"
+
+/// docs/finite-elements.md: its commands run as they stand, and what it says of the solid A-arm is so.
+namespace mimbre::app_test {
+namespace {
+
+using nlohmann::json;
+
+const fs::path source = MIMBRE_SOURCE_DIR;
+
+/// What stands in the page's shell blocks; its indented commands need other programs.
+std::string shell_blocks(const std::string& page) {
+  const std::string open = "```sh\n", close = "```";
+  std::string commands;
+  for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at)) {
+    at += open.size();
+    commands += page.substr(at, page.find(close, at) - at);
+    at = page.find(close, at) + close.size();
+  }
+  return commands;
+}
+
+class FiniteElements : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    fs::create_directory(folder / "examples");
+    for (const char* example : {"iltis", "solid-arm"})
+      fs::copy(source / "examples" / example, folder / "examples" / example);
+  }
+
+  int shell(const std::string& commands) const {
+    write_file(folder / "commands.sh",
+               "set -e\nmimbre() { \"" MIMBRE_PROGRAM "\" \"$@\" >> out.txt 2>> err.txt; }\n" + commands);
+    return std::system(("cd '" + folder.string() + "' && sh commands.sh").c_str());
+  }
+
+  json simulate(const std::string& model, const std::string& csv) const {
+    const Outcome outcome = run({"run", model, "--csv", csv, "--json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.json();
+  }
+};
+
+TEST_F(FiniteElements, CommandsOfThePageRun) {
+  const std::string commands = shell_blocks(read_file(source / "docs/finite-elements.md"));
+  ASSERT_NE(commands.find("mimbre reduce"), std::string::npos);
+  fs::remove(folder / "examples/solid-arm/arm.h5");
+  EXPECT_EQ(shell(commands), 0) << read_file(folder / "err.txt");
+  for (const char* made : {"examples/solid-arm/arm.h5", "solid.html", "arm.fem", "arm.sid", "back.h5"})
+    EXPECT_GT(fs::file_size(folder / made), 1000u) << made;
+}
+
+/// The committed body is the one that the committed mesh gives.
+TEST_F(FiniteElements, MeshGivesTheBody) {
+  const json before = simulate("examples/solid-arm/suspension.yaml", "before.csv");
+  const Outcome outcome = run({"reduce",       "examples/solid-arm/arm.msh",
+                               "--units",      "mm",
+                               "--material",   "2.1e11,0.3,7850",
+                               "--interface",  "front=group:front",
+                               "--interface",  "rear=group:rear",
+                               "--interface",  "ball=group:ball",
+                               "--interface",  "shock=group:seat",
+                               "--point",      "front=108,0,0",
+                               "--point",      "rear=-108,0,0",
+                               "--point",      "ball=0,321.4603,0",
+                               "--point",      "shock=75,248.6166,-4.6668",
+                               "--modes",      "2",
+                               "--free-modes", "6",
+                               "--damping",    "0.01",
+                               "-o",           "examples/solid-arm/arm.h5",
+                               "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const json summary = outcome.json();
+  EXPECT_TRUE(summary.at("passed"));
+  EXPECT_EQ(summary.at("modes"), 20);
+  EXPECT_NEAR(summary.at("mass").get<double>(), 6, 0.05);
+  // CalculiX 2.20 on the same mesh: 204.2807 Hz, 550.5410 Hz.
+  EXPECT_NEAR(summary.at("free_frequencies_hz").at(0).get<double>(), 204.2807, 204 * 1e-4);
+  EXPECT_NEAR(summary.at("free_frequencies_hz").at(1).get<double>(), 550.5410, 550 * 1e-4);
+  simulate("examples/solid-arm/suspension.yaml", "after.csv");
+  const auto a = csv_rows(folder / "before.csv"), b = csv_rows(folder / "after.csv");
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k][1], b[k][1], 1e-6) << "at " << a[k][0] << " s";
+}
+
+/// The solid arm against that of beams: the same motion, a step at most a few times as dear.
+TEST_F(FiniteElements, SolidArmMovesAsTheBeams) {
+  const json solid = simulate("examples/solid-arm/suspension.yaml", "solid.csv");
+  const json beams = simulate("examples/iltis/suspension.yaml", "beams.csv");
+  EXPECT_TRUE(solid.at("warnings").empty());
+  EXPECT_EQ(solid.at("coordinates").get<int>(), beams.at("coordinates").get<int>() - 4 + 20);
+  const auto a = csv_rows(folder / "solid.csv"), b = csv_rows(folder / "beams.csv");
+  ASSERT_EQ(a.size(), b.size());
+  double largest = 0, lowest = 1;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    for (int wheel_or_chassis : {1, 2})
+      largest = std::max(largest, std::abs(a[k][static_cast<std::size_t>(wheel_or_chassis)] -
+                                           b[k][static_cast<std::size_t>(wheel_or_chassis)]));
+    lowest = std::min(lowest, a[k][1]);
+  }
+  EXPECT_LT(largest, 1e-3);
+  EXPECT_LT(lowest, 0.4);  // the drop happened
+  // Not a measurement, which a busy machine would spoil: that nothing of the mesh is in a step.
+  EXPECT_LT(solid.at("cpu_seconds").get<double>(), 10 * beams.at("cpu_seconds").get<double>());
+}
+
+/// What a body has twice must be said, and `as` chooses.
+TEST_F(FiniteElements, AsChoosesTheDescription) {
+  const auto model = [](const std::string& as) {
+    return "mimbre: 1\ntitle: Two arms in one\ngravity: [0, 0, -9.81]\nmaterials:\n"
+           "  steel: {young: 2.1e11, poisson: 0.3, density: 7850}\nsections:\n"
+           "  round: {type: round, diameter: 0.03}\nbodies:\n  arm:\n" +
+           as +
+           "    frame: {at: [0, 0, 0]}\n    reduced: examples/solid-arm/arm.h5\n"
+           "    flexible:\n      material: steel\n      section: round\n"
+           "      nodes: {front: [0.108, 0, 0], ball: [0, 0.32, 0]}\n"
+           "      bars: {bar: {from: front, to: ball, elements: 2}}\n"
+           "      clamped: [front]\n      dynamic_modes: 2\n"
+           "joints:\n  hinge: {type: revolute, between: [ground, arm.front], axis: [1, 0, 0]}\n"
+           "simulation: {step: 0.001, end: 0.01}\n";
+  };
+  for (const auto& [as, coordinates] : {std::pair{"flexible", 3}, {"reduced", 21}}) {
+    write_file(folder / "arm.yaml", model(std::string("    as: ") + as + "\n"));
+    const Outcome outcome = run({"run", "arm.yaml", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.json().at("coordinates"), coordinates);
+  }
+  write_file(folder / "arm.yaml", model(""));
+  const Outcome unclear = run({"run", "arm.yaml"});
+  EXPECT_EQ(unclear.code, 1);
+  EXPECT_NE(unclear.err.find("as: reduced"), std::string::npos) << unclear.err;
+}
+
+}  // namespace
+}  // namespace mimbre::app_test
