@@ -34,6 +34,33 @@ TEST_F(Reduce, TakesTheMatricesBesideTheInput) {
   EXPECT_THAT(text.out, HasSubstr("rigid motions"));
 }
 
+TEST_F(Reduce, ChoosesTheBasis) {
+  const std::vector<std::string> common{"reduce",      bar,           "--interface", "root=box(0,0,0, 0,1,1)",
+                                        "--interface", "tip=set:end", "-o",          "bar.h5",
+                                        "--json"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = common;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const json all = with({"--modes", "5"}).json();
+  ASSERT_EQ(all.at("effective_mass").size(), 5u);
+  EXPECT_EQ(all.at("effective_mass")[0].size(), 6u);
+  // The first three coincide.
+  const double limit =
+      0.5 * (all.at("frequencies_hz")[2].get<double>() + all.at("frequencies_hz")[3].get<double>());
+  const json below = with({"--max-frequency", std::to_string(limit)}).json();
+  EXPECT_EQ(below.at("frequencies_hz").size(), 3u);
+  EXPECT_EQ(with({"--basis", "krylov", "--modes", "3"}).json().at("modes"), 6 + 3);
+  // Twelve attachment modes and three, of which one depends on the others in so small a model.
+  EXPECT_EQ(with({"--basis", "free_interface", "--modes", "3"}).json().at("modes"), 12 + 3 - 1);
+  const json some = with({"--modes", "5", "--effective-mass", "5"}).json();
+  EXPECT_LE(some.at("frequencies_hz").size(), 5u);
+  EXPECT_THAT(some.at("checks").dump(), HasSubstr("mode selection"));
+  EXPECT_NE(with({"--max-frequency", "100", "--modes", "3"}).code, 0);
+  EXPECT_NE(with({"--basis", "krylov", "--effective-mass", "90"}).code, 0);
+}
+
 /// From Gmsh's mesh to a mechanism that moves.
 TEST_F(Reduce, MakesABodyThatSwings) {
   const Outcome outcome = run({"reduce", block, "--units", "SI", "--material", "2.1e11,0.3,7850",
