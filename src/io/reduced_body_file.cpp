@@ -2,6 +2,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -19,6 +20,8 @@ namespace mimbre {
 namespace {
 
 constexpr const char* kFormat = "mimbre-reduced-body-1";
+/// In the order of BoundaryRotation.
+const std::array<std::string, 3> kRotations{"exponential", "successive", "infinitesimal"};
 /// More than any real body has: a damaged or hostile file must not make us ask for all of the memory.
 constexpr std::uint64_t kMaxElements = std::uint64_t{1} << 27;
 
@@ -275,6 +278,8 @@ void write_body(hid_t file, const ReducedBody& body) {
   write_attribute(file, "line_radius", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &body.line_radius);
   write_texts(file, "mode_names", body.mode_names);
   if (!body.checks.empty()) write_checks(file, body.checks);
+  if (body.boundary_rotation != BoundaryRotation::exponential)
+    write_texts(file, "boundary_rotation", {kRotations[static_cast<std::size_t>(body.boundary_rotation)]});
   write_matrix(file, "first_moment", body.first_moment);
   write_matrix(file, "second_moment", body.second_moment);
   write_integrals(file, body);
@@ -410,6 +415,15 @@ std::vector<std::string> read_texts(hid_t place, const std::string& name, hsize_
   std::vector<std::string> texts;
   for (hsize_t i = 0; i < count; ++i) texts.push_back(without_padding(buffer.substr(i * size, size)));
   return texts;
+}
+
+BoundaryRotation read_rotation(hid_t place) {
+  const std::string name = read_texts(place, "boundary_rotation", 1).front();
+  const auto found = std::find(kRotations.begin(), kRotations.end(), name);
+  if (found == kRotations.end())
+    throw FileProblem(
+        fmt::format("'boundary_rotation' is '{}', expected exponential, successive or infinitesimal", name));
+  return static_cast<BoundaryRotation>(found - kRotations.begin());
 }
 
 std::vector<Check> read_checks(hid_t place) {
@@ -583,6 +597,7 @@ ReducedBody read_body(hid_t file) {
   const Eigen::Index n = body.modes;
   body.mode_names = read_texts(file, "mode_names", modes);
   if (has_link(file, "checks")) body.checks = read_checks(file);
+  if (has_link(file, "boundary_rotation")) body.boundary_rotation = read_rotation(file);
   body.first_moment = Eigen::Vector3d(read_doubles(file, "first_moment", {3}).data());
   body.second_moment = read_matrix(file, "second_moment", 3, 3);
   read_integrals(file, n, body);

@@ -103,6 +103,22 @@ TEST_F(ReducedBodyFile, GivesGeometricStiffnessBack) {
   EXPECT_FALSE(read.second_order);
 }
 
+TEST_F(ReducedBodyFile, GivesTurningAndCertificateBack) {
+  ReducedBody body = some_body();
+  for (const auto turning :
+       {BoundaryRotation::exponential, BoundaryRotation::successive, BoundaryRotation::infinitesimal}) {
+    body.boundary_rotation = turning;
+    body.checks = {{"units", true, "1 m long"}, {"mass", false, ""}};
+    save(body, path());
+    const ReducedBody read = load_reduced_body(path());
+    EXPECT_EQ(read.boundary_rotation, turning);
+    ASSERT_EQ(read.checks.size(), 2u);
+    EXPECT_EQ(read.checks[0].detail, "1 m long");
+    EXPECT_TRUE(read.checks[0].passed);
+    EXPECT_FALSE(read.checks[1].passed);
+  }
+}
+
 TEST_F(ReducedBodyFile, GivesLargeDeflectionsBack) {
   const ReducedBody body = some_body(fe::Stiffening::foreshortening);
   ASSERT_TRUE(body.second_order);
