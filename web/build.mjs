@@ -67,7 +67,7 @@ std::string_view mimbre::io::report_page() { return {page, sizeof page - 1}; }
 const [mode, output] = process.argv.slice(2);
 if (mode === "--tests") {
   await build({
-    entryPoints: ["tests/page.test.ts", "tests/comparison.test.ts"],
+    entryPoints: ["tests/page.test.ts", "tests/comparison.test.ts", "tests/surfaces.test.ts"],
     bundle: true,
     outdir: "dist/tests",
     outExtension: { ".js": ".mjs" },

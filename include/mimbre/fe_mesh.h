@@ -75,10 +75,24 @@ Eigen::SparseMatrix<double> geometric_stiffness(const SolidMesh& mesh,
                                                 const Eigen::Ref<const Eigen::VectorXd>& displacements,
                                                 int threads = 0);
 
-/// Stresses at the nodes (6 × nodes, Pa, rows xx yy zz xy yz zx, body axes) of displacements in the order of
-/// FeMatrices::dofs: extrapolated in each solid from where they are most accurate, then the mean over the
-/// node's solids. Zero where no solid is.
-Eigen::Matrix<double, 6, Eigen::Dynamic> nodal_stresses(
-    const SolidMesh& mesh, const Eigen::Ref<const Eigen::VectorXd>& displacements);
+/// A node as solids see it, or a place on one side of a shell.
+struct SurfacePoint {
+  int node = 0;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< from the node to the side of the shell, m; 0: solids
+};
+
+/// Rows xx yy zz xy yz zx of each point in turn, body axes, Pa; shear strains twice the tensor's entries.
+/// 6·points × fields.
+struct Recovery {
+  Eigen::MatrixXd stress, strain;
+};
+
+/// Stress and strain at points by displacement fields (columns; rows as `dofs` say, what is missing is held):
+/// in each solid extrapolated from where they are most accurate, then the mean over the solids that have the
+/// node. Of shells, on the side where the offset points: the membrane's mean over the element and the
+/// plate's bending, without transverse shear. Zero where no element of the kind is. Throws
+/// std::invalid_argument as assemble does, and for sizes that do not fit.
+Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points, const std::vector<Dof>& dofs,
+                 const Eigen::Ref<const Eigen::MatrixXd>& displacements);
 
 }  // namespace mimbre::fe

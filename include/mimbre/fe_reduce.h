@@ -17,15 +17,36 @@ struct Interface {
     rigid,  ///< the nodes move as one rigid body with the point (RBE2)
     mean    ///< the point moves as the nodes do in the mean, equal weights (RBE3): nothing is stiffened
   };
+  /// Which modes a motion of the point has. All but the first: of the Craig–Bampton basis only, and not of
+  /// the interface that a tangent frame moves with.
+  enum class Motion {
+    retained,  ///< a static mode
+    free,      ///< none: a joint leaves it free, so no force acts that way, and dynamic modes have it
+    held       ///< never moves: for what the mechanism holds in any case
+  };
   std::string name;
   std::vector<int> nodes;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< body axes; see centre_of
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Tie tie = Tie::rigid;
+  std::array<Motion, 6> motions{};  ///< displacements along the axes, turns about them
 };
 
 /// Mean of the nodes' positions.
 Eigen::Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes);
+
+/// A force spread in equal parts over nodes; body axes.
+struct SpreadLoad {
+  std::string name;
+  std::vector<int> nodes;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+};
+
+/// Mode shapes from elsewhere, such as measured ones: displacements at some dofs, or at all of them.
+struct UserModes {
+  std::vector<Dof> dofs;   ///< of each row, each once
+  Eigen::MatrixXd shapes;  ///< dofs × modes, body axes; any unit: only the shapes count
+};
 
 struct ModelReduction {
   enum class Frame {
@@ -45,6 +66,11 @@ struct ModelReduction {
   /// %; not 0: of the modes with interfaces held only those that reach this share of the body's mass, see
   /// ReductionResult::effective_mass. Craig–Bampton only.
   double effective_mass = 0;
+  /// Of each, what it deflects beyond the other modes with the interfaces held becomes a mode (of the free
+  /// body by inertia relief where the basis is that of the free body); one that depends on them is left out.
+  std::vector<SpreadLoad> loads;
+  /// Beside the dynamic modes, or, with none of these, in their place.
+  UserModes user_modes;
   Frame frame = Frame::tangent;
   double stiffness_damping = 0;  ///< s
   /// Matrices by which forces of inertia, gravity and at the interfaces stiffen the body

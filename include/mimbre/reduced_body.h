@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -129,7 +130,12 @@ struct ReducedBody {
   Eigen::Matrix3Xd nodes;
   Eigen::MatrixXd node_shapes;
   std::vector<std::array<int, 2>> lines;
-  double line_radius = 0.01;  ///< m, for drawing
+  std::vector<std::array<int, 3>> triangles;  ///< the surface, counterclockwise from outside; none: unknown
+  double line_radius = 0.01;                  ///< m, for drawing
+  std::vector<std::int64_t> node_labels;      ///< of the nodes in the file of their mesh; none: unknown
+  /// Stress (Pa) and strain at the nodes, linear in the amplitudes: rows xx yy zz xy yz zx of each node in
+  /// turn, body axes, shear strains twice the tensor's entries. 6·nodes × modes; empty: unknown.
+  Eigen::MatrixXd stress, strain;
 
   std::vector<Check> checks;  ///< of the reduction that made it; none: it was not certified
 

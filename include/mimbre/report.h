@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "mimbre/reduced_body.h"
 #include "mimbre/results.h"
 
 namespace mimbre {
@@ -48,5 +49,12 @@ std::string comparison_html(const std::vector<ComparedRun>& runs, const ReportOp
 /// Writes `comparison_html` as `write_report` does.
 void write_comparison(const std::vector<ComparedRun>& runs, const std::string& path,
                       const ReportOptions& options = {});
+
+/// One page of a body: the certificate of its reduction, and its modes, animated, with their stresses where
+/// the body has them: its eigenmodes and, by user_from_modal, the user's. Throws as `report_html`.
+std::string modes_html(const ReducedBody& body);
+
+/// Writes `modes_html` as `write_report` does.
+void write_modes_report(const ReducedBody& body, const std::string& path);
 
 }  // namespace mimbre

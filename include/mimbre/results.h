@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct BodyDrawing {
   Eigen::Matrix3Xd points;
   Eigen::MatrixXd point_shapes;  ///< 3·points × modes; no columns for a rigid body
   std::vector<std::array<int, 2>> lines;
+  std::vector<std::array<int, 3>> triangles;  ///< of points: the surface, counterclockwise from outside
+  std::vector<std::int64_t> labels;           ///< of the points in the file of their mesh; none: unknown
+  Eigen::MatrixXd stress;                     ///< 6·points × modes, see ReducedBody::stress; empty: unknown
   double line_radius = 0.01;
   std::vector<spec::Shape> shapes;
   int modes = 0;

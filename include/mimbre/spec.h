@@ -163,13 +163,17 @@ struct Output {
     displacement,  ///< of a frame's origin as seen from the frame `reference`, from where it is undeformed in
                    ///< the assembled position: `direction` (axes of `reference`) · place + offset
     modal_amplitude,  ///< user's amplitude `component` of a flexible body
-    spring_force,     ///< tension
+    stress,  ///< of a flexible body at surface node `node`, or its extreme over all (−1): `component` of
+             ///< stress_components
+    strain,  ///< likewise `component`; where `direction` is not zero, elongation along it (body axes)
+    spring_force,  ///< tension
     spring_length,
     tyre_force
   } kind = Kind::position;
   int item = -1;  ///< index of the frame, joint, body, spring or tyre
   int component = 0;
   int reference = -1;  ///< frame
+  int node = -1;       ///< of ReducedBody::nodes
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   double offset = 0;
 };

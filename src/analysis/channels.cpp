@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynamics/amplitudes.h"
+#include "math/stress.h"
 
 namespace mimbre {
 namespace {
@@ -49,6 +50,20 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vec
           fmt::format("displacement of '{}' in the axes of '{}'", frame(), m.spec.frames[o.reference].name)};
     case Kind::modal_amplitude:
       return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec.bodies[o.item].name)};
+    case Kind::stress:
+    case Kind::strain: {
+      const bool stress = o.kind == Kind::stress;
+      const std::string what = o.direction.isZero(0) ? fmt::format("{} {}", stress ? "stress" : "strain",
+                                                                   stress_components[o.component])
+                                                     : "elongation";
+      const spec::Body& body = m.spec.bodies[o.item];
+      std::string place = "largest";
+      if (o.node >= 0 && body.flexible)
+        place = body.flexible->node_labels.empty()
+                    ? fmt::format("point {}", o.node)
+                    : fmt::format("node {}", body.flexible->node_labels[o.node]);
+      return {o.name, stress ? "Pa" : "1", fmt::format("{} of '{}', {}", what, body.name, place)};
+    }
     case Kind::spring_force:
       return {o.name, "N", fmt::format("tension of spring '{}'", m.spec.springs[o.item].name)};
     case Kind::spring_length:
@@ -57,6 +72,31 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vec
       return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec.tyres[o.item].name)};
   }
   return {};
+}
+
+/// Of the smallest principal value the smallest, of all others the one of the largest magnitude.
+bool more_extreme(int component, double a, double b) {
+  if (component == 6) return a > b;
+  if (component == 7) return a < b;
+  return std::abs(a) > std::abs(b);
+}
+
+double stress_or_strain(const spec::Output& o, const ReducedBody& body,
+                        const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const bool stress = o.kind == Kind::stress;
+  const Eigen::MatrixXd& shapes = stress ? body.stress : body.strain;
+  const auto value = [&](const Vector6& here) {
+    if (!o.direction.isZero(0)) return elongation(here, o.direction);
+    return stress || o.component < 6 ? stress_component(here, o.component)
+                                     : stress_component(tensor_strain(here), o.component);
+  };
+  if (o.node >= 0) return value(shapes.middleRows<6>(6 * o.node) * y);
+  const Eigen::VectorXd field = shapes * y;
+  double extreme = value(field.head<6>());
+  for (Eigen::Index at = 6; at < field.size(); at += 6)
+    if (const double here = value(field.segment<6>(at)); more_extreme(o.component, here, extreme))
+      extreme = here;
+  return extreme;
 }
 
 }  // namespace
@@ -182,6 +222,13 @@ double Channels::output_value(const spec::Output& o, const relative::RelativeSys
       return body.flexible->user_from_modal.row(o.component)
           .dot(s.q.segment(b.q + b.joint_positions, b.modes));
     }
+    case Kind::stress:
+    case Kind::strain: {
+      const spec::Body& body = m.spec.bodies[o.item];
+      if (!body.flexible) return 0;
+      const BodyData& b = m.bodies[m.body_of_spec[o.item]];
+      return stress_or_strain(o, *body.flexible, s.q.segment(b.q + b.joint_positions, b.modes));
+    }
     case Kind::spring_force:
       return w.springs[o.item].tension;
     case Kind::spring_length:
@@ -244,6 +291,9 @@ std::vector<BodyDrawing> Channels::drawings() const {
       const auto& second = body.flexible->second_order;
       d.point_shapes = second ? second->node_shapes : body.flexible->node_shapes;
       d.lines = body.flexible->lines;
+      d.triangles = body.flexible->triangles;
+      d.labels = body.flexible->node_labels;
+      d.stress = body.flexible->stress;
       d.line_radius = body.flexible->line_radius;
       d.modes = static_cast<int>(d.point_shapes.cols());
     } else {

@@ -49,7 +49,7 @@ double extent(const Eigen::Matrix3Xd& places) {
   return (places.col(other) - places.col(one)).norm();
 }
 
-/// A line of the drawing as a bar.
+/// A line of the drawing, or a side of its triangles, as a bar.
 struct Bar {
   int a = 0, b = 0;
   double length = 0;
@@ -59,7 +59,14 @@ struct Bar {
 std::vector<Bar> bars_of(const ReducedBody& body) {
   std::vector<Bar> bars;
   const double length = extent(body.nodes);
-  for (const auto& [a, b] : body.lines) {
+  std::vector<std::array<int, 2>> lines;
+  for (const auto& t : body.triangles)
+    for (int k = 0; k < 3; ++k)
+      lines.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  std::sort(lines.begin(), lines.end());
+  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+  if (lines.empty()) lines = body.lines;
+  for (const auto& [a, b] : lines) {
     const Eigen::Vector3d along = body.nodes.col(b) - body.nodes.col(a);
     if (along.norm() > 1e-9 * length) bars.push_back({a, b, along.norm(), along.normalized()});
   }

@@ -42,7 +42,10 @@ Command add_bench(CLI::App& program);
 Command add_verify(CLI::App& program);
 Command add_reproduce(CLI::App& program);
 Command add_reduce(CLI::App& program);
+Command add_select(CLI::App& program);
 Command add_convert(CLI::App& program);
+Command add_stress(CLI::App& program);
+Command add_export(CLI::App& program);
 
 /// Wrong use that only shows after parsing: exit code 2.
 struct UsageError : std::runtime_error {

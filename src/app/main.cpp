@@ -93,7 +93,8 @@ int main_program(int argc, char** argv) {
       "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
   const std::vector<Command> commands{add_run(program),      add_check(program),   add_static(program),
                                       add_report(program),   add_compare(program), add_bench(program),
-                                      add_verify(program),   add_reduce(program),  add_convert(program),
+                                      add_verify(program),   add_reduce(program),  add_select(program),
+                                      add_convert(program),  add_stress(program),  add_export(program),
                                       add_reproduce(program)};
   const std::vector<std::string> names = names_of(commands);
   if (argc < 2) {

@@ -6,12 +6,17 @@
 #include <map>
 
 #include "app/common.h"
+#include "app/further_modes.h"
+#include "app/interfaces.h"
 #include "app/progress.h"
-#include "app/selection.h"
+#include "app/reduce_key.h"
+#include "app/result_cache.h"
 #include "app/table.h"
 #include "app/targets.h"
+#include "io/fe/user_modes_file.h"
 #include "mimbre/fe_import.h"
 #include "mimbre/fe_reduce.h"
+#include "mimbre/report.h"
 
 /// mimbre reduce: a finite-element model as a body.
 namespace mimbre::app {
@@ -20,12 +25,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string input, output, mass, nodes, dofs;
-  std::vector<std::string> interfaces, means, points, materials;
+  std::string input, output, report, mass, nodes, dofs, user_modes;
+  InterfaceOptions interfaces;
+  std::vector<std::string> materials, loads;
   int modes = 10, free_modes = 10;
   std::string frame = "tangent", units = "SI", basis = "craig_bampton";
   double damping = 0, max_frequency = 0, krylov_frequency = 0, effective_mass = 0;
-  bool json = false, stiffening = false;
+  bool json = false, stiffening = false, no_cache = false;
 };
 
 constexpr const char* formats =
@@ -123,38 +129,6 @@ Input read_input(const Arguments& a) {
   throw UsageError(fmt::format("'{}': the ending '{}' is not known\n{}", a.input, ending, formats));
 }
 
-std::vector<fe::Interface> interfaces_of(const Arguments& a, const Input& input) {
-  const double unit = units_of(a.units).length;
-  std::vector<fe::Interface> interfaces;
-  for (const std::string& text : a.interfaces) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw UsageError(fmt::format("--interface '{}': NAME=SELECTION is needed, as ball=group:ball", text));
-    fe::Interface interface;
-    interface.name = text.substr(0, equals);
-    interface.nodes = select_nodes(text.substr(equals + 1), input.mesh, input.matrices.dofs, unit);
-    interface.point = fe::centre_of(input.mesh, interface.nodes);
-    interfaces.push_back(std::move(interface));
-  }
-  const auto find = [&](const std::string& name, const char* option) -> fe::Interface& {
-    for (fe::Interface& interface : interfaces)
-      if (interface.name == name) return interface;
-    throw UsageError(fmt::format("{}: there is no interface '{}'", option, name));
-  };
-  for (const std::string& name : a.means) find(name, "--mean").tie = fe::Interface::Tie::mean;
-  for (const std::string& text : a.points) {
-    const std::size_t equals = text.find('=');
-    Eigen::Vector3d point;
-    char comma1 = 0, comma2 = 0;
-    std::istringstream numbers(equals == std::string::npos ? "" : text.substr(equals + 1));
-    if (!(numbers >> point.x() >> comma1 >> point.y() >> comma2 >> point.z()) || comma1 != ',' ||
-        comma2 != ',')
-      throw UsageError(fmt::format("--point '{}': NAME=x,y,z is needed", text));
-    find(text.substr(0, equals), "--point").point = unit * point;
-  }
-  return interfaces;
-}
-
 Json to_json(const Eigen::VectorXd& values) {
   Json list = Json::array();
   for (const double x : values) list.push_back(x);
@@ -174,34 +148,53 @@ Json to_json(const Eigen::MatrixXd& columns) {
   return list;
 }
 
-std::string effective_masses(const fe::ReductionResult& result) {
-  if (result.effective_mass.cols() == 0) return {};
+/// The number at `k` as a table has it; nothing beyond the end.
+std::string entry(const Json& list, std::size_t k, const char* format = "{:.6g}") {
+  if (k >= list.size()) return {};
+  return list[k].is_number() ? fmt::format(fmt::runtime(format), list[k].get<double>()) : "nan";
+}
+
+std::string effective_masses(const Json& summary) {
+  const Json& masses = summary.at("effective_mass");
+  if (masses.empty()) return {};
   Table table({"mode", "Hz", "x, %", "y, %", "z, %", "rx, %", "ry, %", "rz, %"});
-  const auto add = [&](const std::string& name, const std::string& hertz, const Eigen::VectorXd& shares) {
+  std::vector<double> sums(6, 0);
+  const auto add = [&](const std::string& name, const std::string& hertz, const Json& shares) {
     std::vector<std::string> row{name, hertz};
-    for (const double share : shares) row.push_back(fmt::format("{:.2f}", share));
+    for (std::size_t c = 0; c < shares.size(); ++c) row.push_back(entry(shares, c, "{:.2f}"));
     table.add(row);
   };
-  for (Eigen::Index k = 0; k < result.effective_mass.cols(); ++k)
-    add(fmt::format("{}", k + 1), fmt::format("{:.6g}", result.fixed_frequencies[k]),
-        result.effective_mass.col(k));
-  add("sum", "", result.effective_mass.rowwise().sum());
+  for (std::size_t k = 0; k < masses.size(); ++k) {
+    add(fmt::format("{}", k + 1), entry(summary.at("frequencies_hz"), k), masses[k]);
+    for (std::size_t c = 0; c < sums.size(); ++c)
+      if (masses[k][c].is_number()) sums[c] += masses[k][c].get<double>();
+  }
+  add("sum", "", sums);
   return "Effective mass of the modes with interfaces held\n" + table.text() + '\n';
 }
 
-int run(const Arguments& a) {
-  const auto start = std::chrono::steady_clock::now();
-  require_different(a.input, a.output);
-  require_writable(a.output);
+std::string body_name(const Arguments& a) { return fs::path(a.output).stem().string(); }
+
+void print_line(const Json& text) { fmt::print(stderr, "{}\n", text.get<std::string>()); }
+
+/// Makes the body and writes it; the summary of it, and the warnings.
+Json reduce_anew(const Arguments& a) {
   Progress progress(!a.json);
   progress.update("reading", 0);
   const Input input = read_input(a);
   progress.clear();
-  for (const Diagnostic& warning : input.warnings)
-    fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
+  Json warnings = Json::array();
+  for (const Diagnostic& warning : input.warnings) {
+    warnings.push_back(diagnostic_line(warning, "warning"));
+    print_line(warnings.back());
+  }
 
   fe::ModelReduction options;
-  options.interfaces = interfaces_of(a, input);
+  options.interfaces =
+      read_interfaces(a.interfaces, input.mesh, input.matrices.dofs, units_of(a.units).length);
+  options.loads = loads_of(a.loads, input.mesh, input.matrices.dofs, units_of(a.units).length);
+  if (!a.user_modes.empty())
+    options.user_modes = fe::read_user_modes(a.user_modes, input.mesh, units_of(a.units));
   options.dynamic_modes = a.modes;
   options.free_modes = a.free_modes;
   options.basis = basis_of(a.basis);
@@ -223,55 +216,95 @@ int run(const Arguments& a) {
   }();
   progress.clear();
   ReducedBody& body = result.body;
-  body.name = fs::path(a.output).stem().string();
+  body.name = body_name(a);
   save(body, a.output);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const bool passed =
+  Json json;
+  json["status"] = "ok";
+  json["output"] = a.output;
+  json["cached"] = false;
+  json["dofs"] = input.matrices.dofs.size();
+  json["interfaces"] = Json::array();
+  for (const fe::Interface& i : options.interfaces)
+    json["interfaces"].push_back({{"name", i.name},
+                                  {"nodes", i.nodes.size()},
+                                  {"point", {i.point.x(), i.point.y(), i.point.z()}},
+                                  {"tie", i.tie == fe::Interface::Tie::rigid ? "rigid" : "mean"}});
+  json["basis"] = a.basis;
+  json["modes"] = body.modes;
+  json["frequencies_hz"] = to_json(result.fixed_frequencies);
+  json["effective_mass"] = to_json(result.effective_mass);
+  json["free_frequencies_hz"] = to_json(result.free_frequencies);
+  json["reduced_free_frequencies_hz"] = to_json(result.reduced_free_frequencies);
+  json["mass"] = body.mass;
+  json["seconds"] = 0;
+  json["memory_mb"] = 0;
+  json["passed"] =
       std::all_of(body.checks.begin(), body.checks.end(), [](const Check& c) { return c.passed; });
+  json["checks"] = Json::array();
+  for (const Check& c : body.checks)
+    json["checks"].push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
+  return {{"summary", json}, {"warnings", warnings}};
+}
 
+/// What was kept of the same reduction, its body written; null when there is nothing.
+Json reduce_from(const ResultCache& cache, const std::string& key, const Arguments& a) {
+  const auto kept = cache.fetch(key, a.output);
+  if (!kept) return nullptr;
+  Json found = Json::parse(*kept);
+  for (const Json& warning : found.at("warnings")) print_line(warning);
+  found.at("summary")["cached"] = true;
+  found.at("summary")["output"] = a.output;
+  return found;
+}
+
+std::string summary_text(const Json& summary) {
+  std::string text = fmt::format("{}: {} dofs, {} modes, {:.6g} kg, {:.1f} s, {:.0f} MB{}\n\n",
+                                 summary.at("output").get<std::string>(), summary.at("dofs").get<int>(),
+                                 summary.at("modes").get<int>(), summary.at("mass").get<double>(),
+                                 summary.at("seconds").get<double>(), summary.at("memory_mb").get<double>(),
+                                 summary.at("cached").get<bool>() ? ", from cache" : "");
+  Table frequencies({"mode", "interfaces held, Hz", "free, full model, Hz", "free, reduced, Hz"});
+  const Json &held = summary.at("frequencies_hz"), &free = summary.at("free_frequencies_hz"),
+             &reduced = summary.at("reduced_free_frequencies_hz");
+  for (std::size_t k = 0; k < std::max(held.size(), free.size()); ++k)
+    frequencies.add({fmt::format("{}", k + 1), entry(held, k), entry(free, k), entry(reduced, k)});
+  text += frequencies.text() + '\n' + effective_masses(summary);
+  Table checks({"check", "", "detail"});
+  for (const Json& c : summary.at("checks"))
+    checks.add({c.at("name").get<std::string>(), c.at("passed").get<bool>() ? "ok" : "NO",
+                c.at("detail").get<std::string>()});
+  return text + checks.text();
+}
+
+int run(const Arguments& a, const CLI::App& command) {
+  const auto start = std::chrono::steady_clock::now();
+  require_different(a.input, a.output);
+  require_writable(a.output);
+  if (!a.report.empty()) {
+    require_different(a.input, a.report);
+    require_different(a.output, a.report);
+    require_writable(a.report);
+  }
+  const std::string key =
+      a.no_cache ? std::string()
+                 : reduction_key(command, body_name(a), {"--output", "--report", "--json", "--no-cache"});
+  const ResultCache cache(key.empty() ? fs::path() : ResultCache::user_folder());
+  Json result = reduce_from(cache, key, a);
+  if (result.is_null()) {
+    result = reduce_anew(a);
+    cache.store(key, to_text(result), a.output);
+  }
+  if (!a.report.empty()) write_modes_report(load_reduced_body(a.output), a.report);
+  Json& summary = result.at("summary");
+  summary["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary["memory_mb"] = peak_memory_mb();
   if (a.json) {
-    Json json;
-    json["status"] = "ok";
-    json["output"] = a.output;
-    json["dofs"] = input.matrices.dofs.size();
-    json["interfaces"] = Json::array();
-    for (const fe::Interface& i : options.interfaces)
-      json["interfaces"].push_back({{"name", i.name},
-                                    {"nodes", i.nodes.size()},
-                                    {"point", {i.point.x(), i.point.y(), i.point.z()}},
-                                    {"tie", i.tie == fe::Interface::Tie::rigid ? "rigid" : "mean"}});
-    json["basis"] = a.basis;
-    json["modes"] = body.modes;
-    json["frequencies_hz"] = to_json(result.fixed_frequencies);
-    json["effective_mass"] = to_json(result.effective_mass);
-    json["free_frequencies_hz"] = to_json(result.free_frequencies);
-    json["reduced_free_frequencies_hz"] = to_json(result.reduced_free_frequencies);
-    json["mass"] = body.mass;
-    json["seconds"] = seconds;
-    json["memory_mb"] = peak_memory_mb();
-    json["passed"] = passed;
-    json["checks"] = Json::array();
-    for (const Check& c : body.checks)
-      json["checks"].push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
-    print_data(to_text(json) + '\n');
+    print_data(to_text(summary) + '\n');
     return done;
   }
-  std::string text =
-      fmt::format("{}: {} dofs, {} modes, {:.6g} kg, {:.1f} s, {:.0f} MB\n\n", a.output,
-                  input.matrices.dofs.size(), body.modes, body.mass, seconds, peak_memory_mb());
-  Table frequencies({"mode", "interfaces held, Hz", "free, full model, Hz", "free, reduced, Hz"});
-  const auto entry = [](const Eigen::VectorXd& values, Eigen::Index k) {
-    return k < values.size() ? fmt::format("{:.6g}", values[k]) : std::string();
-  };
-  const Eigen::Index rows = std::max(result.fixed_frequencies.size(), result.free_frequencies.size());
-  for (Eigen::Index k = 0; k < rows; ++k)
-    frequencies.add({fmt::format("{}", k + 1), entry(result.fixed_frequencies, k),
-                     entry(result.free_frequencies, k), entry(result.reduced_free_frequencies, k)});
-  text += frequencies.text() + '\n' + effective_masses(result);
-  Table checks({"check", "", "detail"});
-  for (const Check& c : body.checks) checks.add({c.name, c.passed ? "ok" : "NO", c.detail});
-  print_data(text + checks.text());
-  if (!passed) print_warning("not all checks are passed; see above before you trust this body");
+  print_data(summary_text(summary));
+  if (!summary.at("passed").get<bool>())
+    print_warning("not all checks are passed; see above before you trust this body");
   return done;
 }
 
@@ -282,23 +315,7 @@ Command add_reduce(CLI::App& program) {
       "reduce", "Make a body of a finite-element model: interface and dynamic modes, with a certificate");
   const auto a = std::make_shared<Arguments>();
   parser->add_option("input", a->input, "The model; formats: below")->required()->type_name("INPUT");
-  parser
-      ->add_option("--interface", a->interfaces,
-                   "Where joints and forces take hold: group:NAME, set:NAME, nodes:FILE, "
-                   "box(x0,y0,z0, x1,y1,z1), cylinder(px,py,pz, ax,ay,az, r); several options, several "
-                   "interfaces. The body frame of a tangent frame moves with the first")
-      ->required()
-      ->take_all()
-      ->allow_extra_args(false)
-      ->type_name("NAME=SELECTION");
-  parser
-      ->add_option("--mean", a->means,
-                   "Interface that moves as its nodes do in the mean (RBE3), not rigidly (RBE2)")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
-  parser->add_option("--point", a->points, "Reference point of an interface; default: the mean of its nodes")
-      ->allow_extra_args(false)
-      ->type_name("NAME=x,y,z");
+  add_interface_options(*parser, a->interfaces);
   parser->add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
       ->check(CLI::IsMember({"craig_bampton", "free_interface", "krylov"}));
   CLI::Option* const modes =
@@ -319,6 +336,16 @@ Command add_reduce(CLI::App& program) {
                    "Of the dynamic modes only those that reach this share of the body's mass")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("PERCENT");
+  parser
+      ->add_option("--load", a->loads,
+                   "A force in equal parts on a selection of nodes: how it deflects the body becomes a mode")
+      ->allow_extra_args(false)
+      ->type_name("NAME=SELECTION,FX,FY,FZ");
+  parser
+      ->add_option("--user-modes", a->user_modes,
+                   "Further modes, as measured: CSV node,direction,mode 1,mode 2,... or .npz with label, "
+                   "direction, shapes; with --modes 0 in place of the dynamic modes")
+      ->type_name("FILE");
   parser->add_option("--free-modes", a->free_modes, "Modes of the free model to compare with; default 10")
       ->check(CLI::Range(0, 1000))
       ->type_name("N");
@@ -340,12 +367,17 @@ Command add_reduce(CLI::App& program) {
   parser->add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh")->type_name("FILE");
   parser->add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction")->type_name("FILE");
   parser->add_option("-o,--output", a->output, "The body")->required()->type_name("BODY.h5");
+  parser
+      ->add_option("--report", a->report,
+                   "A page of the body's modes and certificate, as `mimbre report` makes")
+      ->type_name("FILE.html");
+  parser->add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
   parser->add_flag("--json", a->json, "Print a summary for machines");
   parser->footer(
       std::string(formats) +
       "Example:\n  mimbre reduce arm.inp --interface pivot=set:pivot --interface ball=set:ball --modes 10 "
       "-o arm.h5");
-  return {parser, [a] { return run(*a); }};
+  return {parser, [a, parser] { return run(*a, *parser); }};
 }
 
 }  // namespace mimbre::app

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "app/common.h"
 #include "app/targets.h"
+#include "io/file_format.h"
 
 /// mimbre report: a results file as a page, or several compared on one.
 namespace mimbre::app {
@@ -52,7 +54,25 @@ std::string measured_summary(const std::string& path, const Results& results) {
   return text;
 }
 
+bool is_body(const std::string& path) { return io::file_format(path).starts_with("mimbre-reduced-body-"); }
+
+/// The page of a reduced body: its certificate and its modes.
+int run_modes(const Arguments& arguments) {
+  if (arguments.results.size() > 1)
+    throw UsageError("a body's page has no room for other files; give the body alone");
+  if (!arguments.labels.empty() || !arguments.summaries.empty())
+    throw UsageError("--label and --summary are for results files, not for a body");
+  const std::string output = page_name(arguments);
+  require_different(arguments.results.front(), output);
+  const ReducedBody body = load_reduced_body(arguments.results.front());
+  require_writable(output);
+  write_modes_report(body, output);
+  print_data(output + '\n');
+  return done;
+}
+
 int run(const Arguments& arguments) {
+  if (std::any_of(arguments.results.begin(), arguments.results.end(), is_body)) return run_modes(arguments);
   if (arguments.results.size() == 1 && !arguments.labels.empty())
     throw UsageError("--label names the runs of a comparison; there is one results file only");
   require_one_per_file(arguments.labels, "--label", arguments);
@@ -83,11 +103,11 @@ Command add_report(CLI::App& program) {
   CLI::App* parser = program.add_subcommand(
       "report",
       "Make one HTML page of a results file, with plots and an animation, to open in a browser; of several, "
-      "one that compares them");
+      "one that compares them; of a body that `mimbre reduce` made, one of its modes");
   const auto arguments = std::make_shared<Arguments>();
   parser
       ->add_option("results", arguments->results,
-                   "Results files (HDF5); the others are compared with the first")
+                   "Results files (HDF5); the others are compared with the first. Or one reduced body")
       ->required()
       ->type_name("RESULTS.h5");
   parser->add_option("-o,--output", arguments->output, "The page; default, for one file: its name with .html")
@@ -108,7 +128,8 @@ Command add_report(CLI::App& program) {
       ->allow_extra_args(false);
   parser->footer(
       "Prints the page's name.\nExample:\n  mimbre report pendulum.h5 -o pendulum.html\n"
-      "  mimbre report fine.h5 coarse.h5 --label 1ms --label 10ms -o steps.html");
+      "  mimbre report fine.h5 coarse.h5 --label 1ms --label 10ms -o steps.html\n"
+      "  mimbre report arm.h5 -o modes.html");
   return {parser, [arguments] { return run(*arguments); }};
 }
 

@@ -5,6 +5,7 @@
 #include "fe/beam_element.h"
 #include "fe/block_pattern.h"
 #include "fe/cell_loop.h"
+#include "fe/cell_view.h"
 #include "fe/shell_element.h"
 #include "fe/solid_element.h"
 #include "fe/solid_stress.h"
@@ -15,42 +16,6 @@ namespace {
 
 using DenseMap = Eigen::Map<Eigen::MatrixXd>;
 using ConstDenseMap = Eigen::Map<const Eigen::MatrixXd>;
-
-/// A cell's place in the mesh.
-struct CellView {
-  const ElementGroup* group;  ///< null: a beam
-  int index;                  ///< in the group or among the beams
-  const int* nodes;
-  int node_count;
-
-  bool solid() const { return group != nullptr && !is_shell(group->type); }
-  int node_dofs() const { return solid() ? 3 : 6; }
-  int dofs() const { return node_count * node_dofs(); }
-};
-
-CellView view(const SolidMesh& mesh, const MeshCells& cells, int cell) {
-  const int group = group_of(cells, cell);
-  const bool beam = group == static_cast<int>(mesh.groups.size());
-  return {beam ? nullptr : &mesh.groups[group], cell - cells.group_begin[group],
-          cells.nodes.data() + cells.first[cell], cells.first[cell + 1] - cells.first[cell]};
-}
-
-template <class Positions>
-Positions positions(const SolidMesh& mesh, const CellView& cell) {
-  Positions nodes(3, cell.node_count);
-  for (int k = 0; k < cell.node_count; ++k) nodes.col(k) = mesh.nodes.col(cell.nodes[k]);
-  return nodes;
-}
-
-/// Says which element is meant when `compute` finds it unsound.
-template <class Compute>
-void naming(const CellView& cell, const Compute& compute) {
-  try {
-    compute();
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: {}", element_name(*cell.group, cell.index), error.what()));
-  }
-}
 
 bool only_solids(const SolidMesh& mesh) {
   bool only = mesh.beams.empty();
@@ -204,34 +169,6 @@ Eigen::SparseMatrix<double> geometric_stiffness(const SolidMesh& mesh,
   };
   loop_over_cells(cells, used_threads(threads), size, compute, add);
   return result;
-}
-
-Eigen::Matrix<double, 6, Eigen::Dynamic> nodal_stresses(
-    const SolidMesh& mesh, const Eigen::Ref<const Eigen::VectorXd>& displacements) {
-  const MeshCells cells = mesh_cells(mesh);
-  const BlockPattern pattern = block_pattern(cells);
-  check_displacements(pattern, displacements.size());
-  Eigen::Matrix<double, 6, Eigen::Dynamic> sum =
-      Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, mesh.nodes.cols());
-  Eigen::VectorXi count = Eigen::VectorXi::Zero(mesh.nodes.cols());
-  for (int number = 0; number < cells.size(); ++number) {
-    const CellView cell = view(mesh, cells, number);
-    if (!cell.solid()) continue;
-    naming(cell, [&] {
-      const SolidGeometry geometry = solid_geometry(cell.group->type, positions<NodePositions>(mesh, cell));
-      const NodePositions u = cell_displacements(pattern, cell, displacements);
-      const Eigen::VectorXd stress =
-          nodal_stress_operator(geometry, mesh.materials[cell.group->material].material) *
-          Eigen::VectorXd::Map(u.data(), u.size());
-      for (int k = 0; k < cell.node_count; ++k) {
-        sum.col(cell.nodes[k]) += stress.segment<6>(6 * k);
-        ++count[cell.nodes[k]];
-      }
-    });
-  }
-  for (Eigen::Index node = 0; node < sum.cols(); ++node)
-    if (count[node] > 0) sum.col(node) /= count[node];
-  return sum;
 }
 
 }  // namespace mimbre::fe

@@ -1,5 +1,6 @@
 #include "fe/shell_bending.h"
 
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 
@@ -83,12 +84,37 @@ PlateShapes square_shapes(double x, double y) {
   return shapes;
 }
 
+std::array<Side, 4> all_sides(const PlaneNodes& nodes, double poisson, double thickness) {
+  std::array<Side, 4> sides;
+  for (int k = 0; k < static_cast<int>(nodes.cols()); ++k) sides[k] = side(nodes, k, poisson, thickness);
+  return sides;
+}
+
+PlateShapes plate_shapes(Eigen::Index count, const Eigen::Vector3d& at) {
+  return count == 3 ? triangle_shapes(at.x(), at.y()) : square_shapes(at.x(), at.y());
+}
+
+Operator<3> curvature_operator(const std::array<Side, 4>& sides, const Gradients& nodes,
+                               const Gradients& parabolas) {
+  const int count = static_cast<int>(nodes.cols());
+  Operator<3> curvature = Operator<3>::Zero(3, 3 * count);
+  for (int k = 0; k < count; ++k) {
+    curvature.col(3 * k + 1) << 0, -nodes(1, k), -nodes(0, k);  // β = (θy, −θx)
+    curvature.col(3 * k + 2) << nodes(0, k), 0, nodes(1, k);
+  }
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector2d& t = sides[k].tangent;
+    const double x = parabolas(0, k), y = parabolas(1, k);
+    curvature += Eigen::Vector3d(x * t.x(), y * t.y(), y * t.x() + x * t.y()) * sides[k].height;
+  }
+  return curvature;
+}
+
 }  // namespace
 
 MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness) {
   const int count = static_cast<int>(nodes.cols());
-  std::array<Side, 4> sides;
-  for (int k = 0; k < count; ++k) sides[k] = side(nodes, k, poisson, thickness);
+  const std::array<Side, 4> sides = all_sides(nodes, poisson, thickness);
 
   const double t3 = thickness * thickness * thickness;
   Eigen::Matrix3d bending;
@@ -99,31 +125,36 @@ MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poi
   static const Quadrature triangle = triangle_rule(3), square = square_rule(2);
   MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
   for (const IntegrationPoint& point : count == 3 ? triangle : square) {
-    const PlateShapes shapes =
-        count == 3 ? triangle_shapes(point.at.x(), point.at.y()) : square_shapes(point.at.x(), point.at.y());
+    const PlateShapes shapes = plate_shapes(count, point.at);
     const Eigen::Matrix2d J = nodes * shapes.nodes.transpose();
     const double dA = point.weight * J.determinant();
     const Eigen::Matrix2d to_plane = J.inverse().transpose();
-    const Gradients g = to_plane * shapes.nodes;
-    const Gradients p = to_plane * shapes.parabolas;
     const Gradients s = to_plane * shapes.sides;
-
-    Operator<3> curvature = Operator<3>::Zero(3, 3 * count);
+    const Operator<3> curvature =
+        curvature_operator(sides, to_plane * shapes.nodes, to_plane * shapes.parabolas);
     Operator<2> strain = Operator<2>::Zero(2, 3 * count);
-    for (int k = 0; k < count; ++k) {
-      curvature.col(3 * k + 1) << 0, -g(1, k), -g(0, k);  // β = (θy, −θx)
-      curvature.col(3 * k + 2) << g(0, k), 0, g(1, k);
-    }
-    for (int k = 0; k < count; ++k) {
-      const Eigen::Vector2d& t = sides[k].tangent;
-      curvature += Eigen::Vector3d(p(0, k) * t.x(), p(1, k) * t.y(), p(1, k) * t.x() + p(0, k) * t.y()) *
-                   sides[k].height;
-      strain += sides[k].length * s.col(k) * sides[k].shear;
-    }
+    for (int k = 0; k < count; ++k) strain += sides[k].length * s.col(k) * sides[k].shear;
     stiffness += dA * curvature.transpose() * bending * curvature;
     stiffness += dA * shear * strain.transpose() * strain;
   }
   return 0.5 * (stiffness + stiffness.transpose());
+}
+
+Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, double poisson, double thickness) {
+  const Eigen::Index count = nodes.cols();
+  const std::array<Side, 4> sides = all_sides(nodes, poisson, thickness);
+  const double low = count == 3 ? 0 : -1;
+  const std::array<Eigen::Vector3d, 4> corners{
+      Eigen::Vector3d(low, low, 0), Eigen::Vector3d(1, low, 0),
+      count == 3 ? Eigen::Vector3d(0, 1, 0) : Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(-1, 1, 0)};
+  Eigen::MatrixXd curvatures(3 * count, 3 * count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const PlateShapes shapes = plate_shapes(count, corners[n]);
+    const Eigen::Matrix2d to_plane = Eigen::Matrix2d(nodes * shapes.nodes.transpose()).inverse().transpose();
+    curvatures.middleRows<3>(3 * n) =
+        curvature_operator(sides, to_plane * shapes.nodes, to_plane * shapes.parabolas);
+  }
+  return curvatures;
 }
 
 }  // namespace mimbre::fe

@@ -11,4 +11,7 @@ namespace mimbre::fe {
 /// anticlockwise, convex. Symmetric, full storage.
 MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
 
+/// Curvatures at the nodes = matrix (3·nodes × dofs) · dofs: strains (xx, yy, engineering xy) per height z.
+Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, double poisson, double thickness);
+
 }  // namespace mimbre::fe

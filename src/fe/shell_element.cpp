@@ -112,32 +112,58 @@ ShellMatrix mass_matrix(const ShellNodes& nodes, const Eigen::Vector3d& normal, 
   return 0.5 * (mass + mass.transpose());
 }
 
+constexpr int kMembraneDofs[] = {0, 1, 5};
+constexpr int kPlateDofs[] = {2, 3, 4};
+
+/// The flat element behind the nodes.
+struct FlatShell {
+  Eigen::Matrix3d axes;
+  PlaneNodes plane;
+  ShellMatrix from_nodes;  ///< element dofs = from_nodes · nodal dofs
+};
+
+FlatShell flat_shell(ElementType type, const ShellNodes& nodes) {
+  if (!is_shell(type) || nodes.cols() != node_count(type)) throw std::logic_error("not the nodes of a shell");
+  const Eigen::Matrix3d axes = shell_axes(nodes);
+  const ShellNodes local = axes.transpose() * (nodes.colwise() - Eigen::Vector3d(nodes.rowwise().mean()));
+  const PlaneNodes plane = local.topRows<2>();
+  check_convex(plane);
+  return {axes, plane, transformation(axes, local.row(2).transpose())};
+}
+
 }  // namespace
 
 ShellMatrices shell_matrices(ElementType type, const ShellNodes& nodes, const Material& material,
                              double thickness) {
-  if (!is_shell(type) || nodes.cols() != node_count(type))
-    throw std::logic_error("shell_matrices: not the nodes of a shell");
-  const auto count = nodes.cols();
-  const Eigen::Matrix3d axes = shell_axes(nodes);
-  const Eigen::Vector3d centre = nodes.rowwise().mean();
-  const ShellNodes local = axes.transpose() * (nodes.colwise() - centre);
-  const PlaneNodes plane = local.topRows<2>();
-  check_convex(plane);
-
-  const MembraneMatrix membrane = membrane_stiffness(plane, material.young, material.poisson, thickness);
-  const MembraneMatrix plate = plate_stiffness(plane, material.young, material.poisson, thickness);
+  const FlatShell shell = flat_shell(type, nodes);
+  const Eigen::Index count = nodes.cols();
+  const MembraneMatrix membrane =
+      membrane_stiffness(shell.plane, material.young, material.poisson, thickness);
+  const MembraneMatrix plate = plate_stiffness(shell.plane, material.young, material.poisson, thickness);
   ShellMatrix stiffness = ShellMatrix::Zero(6 * count, 6 * count);
-  constexpr int kMembraneDofs[] = {0, 1, 5};
-  constexpr int kPlateDofs[] = {2, 3, 4};
   for (Eigen::Index i = 0; i < 3 * count; ++i)
     for (Eigen::Index j = 0; j < 3 * count; ++j) {
       stiffness(6 * (i / 3) + kMembraneDofs[i % 3], 6 * (j / 3) + kMembraneDofs[j % 3]) = membrane(i, j);
       stiffness(6 * (i / 3) + kPlateDofs[i % 3], 6 * (j / 3) + kPlateDofs[j % 3]) = plate(i, j);
     }
-  const ShellMatrix t = transformation(axes, local.row(2).transpose());
-  const ShellMatrix turned = t.transpose() * stiffness * t;
-  return {0.5 * (turned + turned.transpose()), mass_matrix(nodes, axes.col(2), material.density, thickness)};
+  const ShellMatrix turned = shell.from_nodes.transpose() * stiffness * shell.from_nodes;
+  return {0.5 * (turned + turned.transpose()),
+          mass_matrix(nodes, shell.axes.col(2), material.density, thickness)};
+}
+
+ShellStrains shell_strains(ElementType type, const ShellNodes& nodes, const Material& material,
+                           double thickness) {
+  const FlatShell shell = flat_shell(type, nodes);
+  const Eigen::Index count = nodes.cols();
+  const Eigen::MatrixXd membrane = membrane_strain(shell.plane);
+  const Eigen::MatrixXd curvature = nodal_curvatures(shell.plane, material.poisson, thickness);
+  Eigen::MatrixXd in_plane = Eigen::MatrixXd::Zero(3, 6 * count);
+  Eigen::MatrixXd bent = Eigen::MatrixXd::Zero(3 * count, 6 * count);
+  for (Eigen::Index j = 0; j < 3 * count; ++j) {
+    in_plane.col(6 * (j / 3) + kMembraneDofs[j % 3]) = membrane.col(j);
+    bent.col(6 * (j / 3) + kPlateDofs[j % 3]) = curvature.col(j);
+  }
+  return {shell.axes, in_plane * shell.from_nodes, bent * shell.from_nodes};
 }
 
 }  // namespace mimbre::fe

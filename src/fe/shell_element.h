@@ -26,4 +26,14 @@ struct ShellMatrices {
 ShellMatrices shell_matrices(ElementType type, const ShellNodes& nodes, const Material& material,
                              double thickness);
 
+/// In-plane strains (xx, yy, engineering xy in the element's axes) by nodal dofs: at node k and height z
+/// along the normal membrane + z · rows 3k to 3k + 2 of curvature.
+struct ShellStrains {
+  Eigen::Matrix3d axes;       ///< columns; the last is the normal
+  Eigen::MatrixXd membrane;   ///< 3 × 6·nodes, the element's mean
+  Eigen::MatrixXd curvature;  ///< 3·nodes × 6·nodes
+};
+ShellStrains shell_strains(ElementType type, const ShellNodes& nodes, const Material& material,
+                           double thickness);
+
 }  // namespace mimbre::fe

@@ -9,25 +9,52 @@ namespace {
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Triangle = Eigen::Matrix<double, 2, 3>;
 
+/// What constant stresses see (Felippa's α_b = 3/2): twice the nodal forces of unit stresses.
+Eigen::Matrix<double, 9, 3> lumping(const Triangle& nodes) {
+  constexpr double kAlpha = 1.5;
+  const auto x = [&](int i, int j) { return nodes(0, i % 3) - nodes(0, j % 3); };
+  const auto y = [&](int i, int j) { return nodes(1, i % 3) - nodes(1, j % 3); };
+  Eigen::Matrix<double, 9, 3> forces;
+  for (int i = 0; i < 3; ++i) {
+    const int j = i + 1;
+    const int k = i + 2;
+    forces.row(3 * i) << y(j, k), 0, x(k, j);
+    forces.row(3 * i + 1) << 0, x(k, j), y(j, k);
+    forces.row(3 * i + 2) << kAlpha / 6 * y(j, k) * (y(i, k) - y(j, i)),
+        kAlpha / 6 * x(k, j) * (x(k, i) - x(i, j)), kAlpha / 3 * (x(k, i) * y(i, k) - x(i, j) * y(j, i));
+  }
+  return forces;
+}
+
+double area_of(const Triangle& n) {
+  return 0.5 * ((n(0, 1) - n(0, 0)) * (n(1, 2) - n(1, 0)) - (n(0, 2) - n(0, 0)) * (n(1, 1) - n(1, 0)));
+}
+
+/// Calls add(triangle, corners, share) for the triangles of the element.
+template <class Add>
+void for_each_triangle(const PlaneNodes& nodes, const Add& add) {
+  const auto part = [&](const std::array<int, 3>& corners, double share) {
+    Triangle triangle;
+    for (int i = 0; i < 3; ++i) triangle.col(i) = nodes.col(corners[i]);
+    add(triangle, corners, share);
+  };
+  if (nodes.cols() == 3) {
+    part({0, 1, 2}, 1);
+  } else {
+    part({0, 1, 2}, 0.5);
+    part({0, 2, 3}, 0.5);
+    part({0, 1, 3}, 0.5);
+    part({1, 2, 3}, 0.5);
+  }
+}
+
 /// Stiffness of unit thickness. Corners i, j, k in cyclic order; "side i" runs from i to j.
 Matrix9 triangle_stiffness(const Triangle& nodes, const Eigen::Matrix3d& elasticity, double poisson) {
   const auto x = [&](int i, int j) { return nodes(0, i % 3) - nodes(0, j % 3); };
   const auto y = [&](int i, int j) { return nodes(1, i % 3) - nodes(1, j % 3); };
-  const double doubled_area = x(1, 0) * y(2, 0) - x(2, 0) * y(1, 0);
-  const double area = doubled_area / 2;
-
-  // Basic part, which constant stresses see (Felippa's α_b = 3/2): forces of a unit stress on the nodes.
-  constexpr double kAlpha = 1.5;
-  Eigen::Matrix<double, 9, 3> lumping;
-  for (int i = 0; i < 3; ++i) {
-    const int j = i + 1;
-    const int k = i + 2;
-    lumping.row(3 * i) << y(j, k), 0, x(k, j);
-    lumping.row(3 * i + 1) << 0, x(k, j), y(j, k);
-    lumping.row(3 * i + 2) << kAlpha / 6 * y(j, k) * (y(i, k) - y(j, i)),
-        kAlpha / 6 * x(k, j) * (x(k, i) - x(i, j)), kAlpha / 3 * (x(k, i) * y(i, k) - x(i, j) * y(j, i));
-  }
-  Matrix9 stiffness = lumping * elasticity * lumping.transpose() / (4 * area);
+  const double area = area_of(nodes);
+  const Eigen::Matrix<double, 9, 3> basic = lumping(nodes);
+  Matrix9 stiffness = basic * elasticity * basic.transpose() / (4 * area);
 
   // Higher part: strains along the three sides (natural strains) of the corners' rotations beyond the mean.
   std::array<double, 3> squared_length;
@@ -74,23 +101,26 @@ MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double 
 
   const int count = static_cast<int>(nodes.cols());
   MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
-  const auto add = [&](const std::array<int, 3>& corners, double share) {
-    Triangle triangle;
-    for (int i = 0; i < 3; ++i) triangle.col(i) = nodes.col(corners[i]);
+  for_each_triangle(nodes, [&](const Triangle& triangle, const std::array<int, 3>& corners, double share) {
     const Matrix9 part = triangle_stiffness(triangle, elasticity, poisson);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         stiffness.block<3, 3>(3 * corners[i], 3 * corners[j]) += share * part.block<3, 3>(3 * i, 3 * j);
-  };
-  if (count == 3) {
-    add({0, 1, 2}, 1);
-  } else {
-    add({0, 1, 2}, 0.5);
-    add({0, 2, 3}, 0.5);
-    add({0, 1, 3}, 0.5);
-    add({1, 2, 3}, 0.5);
-  }
+  });
   return 0.5 * (stiffness + stiffness.transpose());
+}
+
+Eigen::Matrix<double, 3, Eigen::Dynamic> membrane_strain(const PlaneNodes& nodes) {
+  Eigen::Matrix<double, 3, Eigen::Dynamic> strain =
+      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, 3 * nodes.cols());
+  double area = 0;
+  for_each_triangle(nodes, [&](const Triangle& triangle, const std::array<int, 3>& corners, double share) {
+    const Eigen::Matrix<double, 9, 3> basic = lumping(triangle);
+    for (int i = 0; i < 3; ++i)
+      strain.middleCols<3>(3 * corners[i]) += 0.5 * share * basic.middleRows<3>(3 * i).transpose();
+    area += share * area_of(triangle);
+  });
+  return strain / area;
 }
 
 }  // namespace mimbre::fe

@@ -13,4 +13,7 @@ using MembraneMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// anticlockwise, convex. Symmetric, full storage.
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
 
+/// Mean strain (xx, yy, engineering xy) of the element = matrix (3 × dofs) · dofs.
+Eigen::Matrix<double, 3, Eigen::Dynamic> membrane_strain(const PlaneNodes& nodes);
+
 }  // namespace mimbre::fe

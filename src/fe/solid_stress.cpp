@@ -75,18 +75,17 @@ Matrix6 elasticity(const Material& material) {
   return matrix;
 }
 
-Eigen::MatrixXd nodal_stress_operator(const SolidGeometry& geometry, const Material& material) {
+Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const Material& material) {
   const SolidMatrix condensation = function_displacements(geometry, material);
   const ShapeSamples& samples = stress_samples(geometry.type);
   const Eigen::MatrixXd weights = extrapolation(geometry.type);
-  const Matrix6 elastic = elasticity(material);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 * weights.rows(), condensation.cols());
   ShapeGradients gradients;
   for (std::size_t p = 0; p < samples.size(); ++p) {
     body_gradients(geometry, samples[p], gradients);
-    const Eigen::MatrixXd stress = elastic * (strain_operator(gradients) * condensation);
+    const Eigen::MatrixXd strain = strain_operator(gradients) * condensation;
     for (Eigen::Index n = 0; n < weights.rows(); ++n)
-      result.middleRows<6>(6 * n) += weights(n, static_cast<Eigen::Index>(p)) * stress;
+      result.middleRows<6>(6 * n) += weights(n, static_cast<Eigen::Index>(p)) * strain;
   }
   return result;
 }

@@ -11,9 +11,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// Stress = matrix · strain.
 Matrix6 elasticity(const Material& material);
 
-/// 6·nodes × 3·nodes: stresses at the element's nodes, extrapolated from the points where they are most
+/// 6·nodes × 3·nodes: strains at the element's nodes, extrapolated from the points where they are most
 /// accurate, of nodal displacements.
-Eigen::MatrixXd nodal_stress_operator(const SolidGeometry& geometry, const Material& material);
+Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const Material& material);
 
 /// Nodes × nodes, symmetric, full storage: ∫ ∇Na·σ ∇Nb dV, σ of the nodal displacements (3 × nodes). The
 /// geometric stiffness matrix is each entry times the 3 × 3 identity; its rule is that of the stiffness.

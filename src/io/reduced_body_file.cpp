@@ -187,10 +187,12 @@ void write_integers(hid_t place, const std::string& name, const Shape& shape,
   write_data(place, name, shape, H5T_STD_I32LE, H5T_NATIVE_INT32, data.data());
 }
 
-void write_lines(hid_t file, const std::vector<std::array<int, 2>>& lines) {
+/// Lines, or triangles.
+template <std::size_t Corners>
+void write_tuples(hid_t file, const std::string& name, const std::vector<std::array<int, Corners>>& tuples) {
   std::vector<std::int32_t> buffer;
-  for (const auto& line : lines) buffer.insert(buffer.end(), line.begin(), line.end());
-  write_integers(file, "lines", {lines.size(), 2}, buffer);
+  for (const auto& tuple : tuples) buffer.insert(buffer.end(), tuple.begin(), tuple.end());
+  write_integers(file, name, {tuples.size(), Corners}, buffer);
 }
 
 /// Entries in the order of columns, then rows.
@@ -230,13 +232,14 @@ void write_integrals(hid_t place, const Body& body) {
   write_doubles(place, "S_modes", {3, 3, modes, modes}, pairs);
 }
 
-/// modes × nodes × 3: the transpose of the matrix, whose rows run over nodes, then directions.
-void write_node_shapes(hid_t place, const Eigen::MatrixXd& node_shapes) {
-  std::vector<double> shapes;
-  append_rows(shapes, node_shapes.transpose());
-  write_doubles(place, "node_shapes",
-                {static_cast<hsize_t>(node_shapes.cols()), static_cast<hsize_t>(node_shapes.rows() / 3), 3},
-                shapes);
+/// modes × nodes × components: the transpose of the matrix, whose rows run over nodes, then components.
+void write_node_field(hid_t place, const std::string& name, const Eigen::MatrixXd& field, int components) {
+  std::vector<double> values;
+  append_rows(values, field.transpose());
+  write_doubles(place, name,
+                {static_cast<hsize_t>(field.cols()), static_cast<hsize_t>(field.rows() / components),
+                 static_cast<hsize_t>(components)},
+                values);
 }
 
 /// Matrices of the same shape one after the other.
@@ -266,7 +269,7 @@ void write_second_order(hid_t file, const SecondOrder& second) {
   write_matrix(group, "mass_matrix", second.mass_matrix);
   write_matrix(group, "stiffness", second.stiffness);
   write_stack(group, "frame_shapes", second.frame_shapes, 3, second.S.cols());
-  write_node_shapes(group, second.node_shapes);
+  write_node_field(group, "node_shapes", second.node_shapes, 3);
   if (second.mesh_shapes.size() > 0) write_matrix(group, "mesh_shapes", second.mesh_shapes.transpose());
 }
 
@@ -289,8 +292,14 @@ void write_body(hid_t file, const ReducedBody& body) {
   write_matrix(file, "user_from_modal", body.user_from_modal);
   write_matrix(file, "eigenfrequencies", body.eigenfrequencies);
   write_matrix(file, "nodes", body.nodes.transpose());
-  write_node_shapes(file, body.node_shapes);
-  write_lines(file, body.lines);
+  write_node_field(file, "node_shapes", body.node_shapes, 3);
+  write_tuples(file, "lines", body.lines);
+  if (!body.triangles.empty()) write_tuples(file, "triangles", body.triangles);
+  if (!body.node_labels.empty())
+    write_data(file, "node_labels", {body.node_labels.size()}, H5T_STD_I64LE, H5T_NATIVE_INT64,
+               body.node_labels.data());
+  if (body.stress.size() > 0) write_node_field(file, "stress", body.stress, 6);
+  if (body.strain.size() > 0) write_node_field(file, "strain", body.strain, 6);
   const Handle frames = create_group(file, "frames");
   for (std::size_t k = 0; k < body.frames.size(); ++k) write_frame(frames, std::to_string(k), body.frames[k]);
   if (body.mesh_inertia) write_mesh(file, *body.mesh_inertia);
@@ -461,11 +470,12 @@ std::vector<BodyFrame> read_frames(hid_t file, hsize_t modes) {
   return frames;
 }
 
-std::vector<std::array<int, 2>> read_lines(hid_t file) {
-  const auto [data, shape] = read_numbers<int>(file, "lines", {kAny, 2}, H5T_NATIVE_INT);
-  std::vector<std::array<int, 2>> lines;
-  for (hsize_t i = 0; i < shape[0]; ++i) lines.push_back({data[2 * i], data[2 * i + 1]});
-  return lines;
+template <std::size_t Corners>
+std::vector<std::array<int, Corners>> read_tuples(hid_t file, const std::string& name) {
+  const auto [data, shape] = read_numbers<int>(file, name, {kAny, Corners}, H5T_NATIVE_INT);
+  std::vector<std::array<int, Corners>> tuples(shape[0]);
+  for (std::size_t i = 0; i < data.size(); ++i) tuples[i / Corners][i % Corners] = data[i];
+  return tuples;
 }
 
 bool has_link(hid_t place, const std::string& name) {
@@ -524,10 +534,12 @@ void read_integrals(hid_t place, Eigen::Index n, Body& body) {
   }
 }
 
-Eigen::MatrixXd read_node_shapes(hid_t place, Eigen::Index modes, Eigen::Index points) {
-  const std::vector<double> shapes =
-      read_doubles(place, "node_shapes", {static_cast<hsize_t>(modes), static_cast<hsize_t>(points), 3});
-  return from_rows(shapes.data(), modes, 3 * points).transpose();
+Eigen::MatrixXd read_node_field(hid_t place, const std::string& name, Eigen::Index modes, Eigen::Index points,
+                                int components) {
+  const std::vector<double> values = read_doubles(
+      place, name,
+      {static_cast<hsize_t>(modes), static_cast<hsize_t>(points), static_cast<hsize_t>(components)});
+  return from_rows(values.data(), modes, components * points).transpose();
 }
 
 /// What write_stack wrote.
@@ -571,7 +583,7 @@ SecondOrder read_second_order(hid_t file, const ReducedBody& body) {
     second.mass_matrix = read_matrix(group, "mass_matrix", extended, extended);
     second.stiffness = read_matrix(group, "stiffness", extended, extended);
     second.frame_shapes = read_stack<Eigen::Matrix3Xd>(group, "frame_shapes", body.frames.size(), 3, n);
-    second.node_shapes = read_node_shapes(group, n, body.nodes.cols());
+    second.node_shapes = read_node_field(group, "node_shapes", n, body.nodes.cols(), 3);
     if (body.mesh_inertia)
       second.mesh_shapes =
           read_matrix(group, "mesh_shapes", extended, static_cast<hsize_t>(body.mesh_inertia->mass.rows()))
@@ -611,8 +623,13 @@ ReducedBody read_body(hid_t file) {
   const auto [nodes, nodes_shape] = read_numbers<double>(file, "nodes", {kAny, 3}, H5T_NATIVE_DOUBLE);
   const auto points = static_cast<Eigen::Index>(nodes_shape[0]);
   body.nodes = from_rows(nodes.data(), points, 3).transpose();
-  body.node_shapes = read_node_shapes(file, n, points);
-  body.lines = read_lines(file);
+  body.node_shapes = read_node_field(file, "node_shapes", n, points, 3);
+  body.lines = read_tuples<2>(file, "lines");
+  if (has_link(file, "triangles")) body.triangles = read_tuples<3>(file, "triangles");
+  if (has_link(file, "node_labels"))
+    body.node_labels = read_numbers<std::int64_t>(file, "node_labels", {kAny}, H5T_NATIVE_INT64).first;
+  if (has_link(file, "stress")) body.stress = read_node_field(file, "stress", n, points, 6);
+  if (has_link(file, "strain")) body.strain = read_node_field(file, "strain", n, points, 6);
   body.frames = read_frames(file, modes);
   if (has_link(file, "mesh_inertia")) body.mesh_inertia = read_mesh(file, points, n);
   if (has_link(file, "geometric_stiffness")) body.geometric = read_geometric_stiffness(file, n);

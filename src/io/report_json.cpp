@@ -7,29 +7,14 @@
 #include <cstdint>
 #include <cstring>
 
+#include "io/base64.h"
+#include "io/thin_surface.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre::io {
 namespace {
 
 using Eigen::Index;
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = static_cast<std::uint32_t>(bytes[i]) << 16;
-    if (left > 1) group |= static_cast<std::uint32_t>(bytes[i + 1]) << 8;
-    if (left > 2) group |= bytes[i + 2];
-    text += digits[group >> 18];
-    text += digits[(group >> 12) & 63];
-    text += left > 1 ? digits[(group >> 6) & 63] : '=';
-    text += left > 2 ? digits[group & 63] : '=';
-  }
-  return text;
-}
 
 /// Little-endian bytes whatever the machine: browsers' typed arrays are little-endian wherever browsers run.
 template <typename Bits, typename Real>
@@ -59,15 +44,42 @@ std::vector<Index> thinned(Index count, Index most) {
 
 [[noreturn]] void bad(const std::string& message) { throw InputError(Mark{}, message); }
 
-Json body_json(const BodyDrawing& body) {
-  std::vector<float> points, point_shapes;
-  for (const double value : body.points.reshaped()) points.push_back(static_cast<float>(value));
-  for (const double value : body.point_shapes.reshaped()) point_shapes.push_back(static_cast<float>(value));
-  std::vector<std::uint32_t> lines;
-  for (const auto& line : body.lines)
-    for (const int point : line) lines.push_back(static_cast<std::uint32_t>(point));
+void same(Index have, Index want, const char* what) {
+  if (have != want) bad(fmt::format("results: {} of {}, expected {}", what, have, want));
+}
+
+/// How much of any mode's largest stress each point has; empty without stresses.
+Eigen::VectorXd stress_weights(const BodyDrawing& body) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(body.stress.size() > 0 ? body.points.cols() : 0);
+  for (Index mode = 0; weights.size() > 0 && mode < body.stress.cols(); ++mode) {
+    const Eigen::VectorXd sizes = body.stress.col(mode).reshaped(6, body.points.cols()).colwise().norm();
+    if (const double largest = sizes.maxCoeff(); largest > 0) weights = weights.cwiseMax(sizes / largest);
+  }
+  return weights;
+}
+
+/// Of each mode (column) the rows of the points kept, `rows` per point.
+Json kept_rows(const Eigen::MatrixXd& all, const std::vector<int>& points, Index rows) {
+  std::vector<float> values;
+  values.reserve(points.size() * static_cast<std::size_t>(rows * all.cols()));
+  for (Index mode = 0; mode < all.cols(); ++mode)
+    for (const int point : points)
+      for (Index k = 0; k < rows; ++k) values.push_back(static_cast<float>(all(rows * point + k, mode)));
+  return array_of(values);
+}
+
+template <std::size_t corners>
+Json indices(const std::vector<std::array<int, corners>>& all) {
+  std::vector<std::uint32_t> values;
+  values.reserve(corners * all.size());
+  for (const auto& one : all)
+    for (const int point : one) values.push_back(static_cast<std::uint32_t>(point));
+  return array_of(values);
+}
+
+Json solids_json(const std::vector<spec::Shape>& solids) {
   Json shapes = Json::array();
-  for (const auto& shape : body.shapes) {
+  for (const auto& shape : solids) {
     static constexpr const char* kinds[] = {"box", "cylinder", "sphere"};
     Json rotation = Json::array(), position = Json::array(), size = Json::array();
     for (int i = 0; i < 3; ++i) {
@@ -80,13 +92,7 @@ Json body_json(const BodyDrawing& body) {
                       {"position", position},
                       {"rotation", rotation}});
   }
-  return {{"name", body.name},
-          {"modes", body.modes},
-          {"lineRadius", body.line_radius},
-          {"points", array_of(points)},
-          {"pointShapes", array_of(point_shapes)},
-          {"lines", array_of(lines)},
-          {"shapes", shapes}};
+  return shapes;
 }
 
 Json animation_json(const Results& results, int max_frames) {
@@ -108,6 +114,35 @@ Json animation_json(const Results& results, int max_frames) {
 }
 
 }  // namespace
+
+Json body_json(const BodyDrawing& body, int most) {
+  const ThinSurface thin = thin_surface(body.points, body.triangles, free_lines(body.lines, body.triangles),
+                                        most, stress_weights(body));
+  std::vector<double> labels;
+  if (!body.labels.empty())
+    for (const int point : thin.points)
+      labels.push_back(static_cast<double>(body.labels[static_cast<std::size_t>(point)]));
+  return {{"name", body.name},
+          {"modes", body.modes},
+          {"lineRadius", body.line_radius},
+          {"points", kept_rows(body.points.reshaped(), thin.points, 3)},
+          {"pointShapes", kept_rows(body.point_shapes, thin.points, 3)},
+          {"lines", indices(thin.lines)},
+          {"triangles", indices(thin.triangles)},
+          {"edges", indices(thin.edges)},
+          {"labels", array_of(labels)},
+          {"stress", kept_rows(body.stress, thin.points, 6)},
+          {"shapes", solids_json(body.shapes)}};
+}
+
+int drawn_points(const std::vector<BodyDrawing>& bodies) {
+  constexpr Index largest = 2500, least = 300, numbers = 6'000'000;  // single precision: 32 MB of text
+  Index per_point = 0;                                               // of all bodies
+  for (const auto& body : bodies)
+    if (body.points.cols() > least)
+      per_point += 3 + 3 * body.point_shapes.cols() + (body.stress.size() > 0 ? 6 * body.stress.cols() : 0);
+  return static_cast<int>(std::clamp(per_point > 0 ? numbers / per_point : largest, least, largest));
+}
 
 Json array_of(const std::vector<float>& values) {
   return {{"type", "f32"}, {"size", values.size()}, {"data", packed<std::uint32_t>(values)}};
@@ -165,12 +200,31 @@ double typical(const Eigen::Ref<const Eigen::VectorXd>& values) {
   return *half;
 }
 
+void check_drawing(const BodyDrawing& body) {
+  const Index points = body.points.cols();
+  if (body.point_shapes.cols() > 0) {
+    same(body.point_shapes.rows(), 3 * points, "rows of point shapes");
+    same(body.point_shapes.cols(), body.modes, "columns of point shapes");
+  }
+  if (body.stress.size() > 0) {
+    same(body.stress.rows(), 6 * points, "rows of stress");
+    if (body.stress.cols() > body.modes)
+      bad(fmt::format("results: stress of {} modes, body '{}' has {}", body.stress.cols(), body.name,
+                      body.modes));
+  }
+  if (!body.labels.empty()) same(static_cast<Index>(body.labels.size()), points, "labels of points");
+  const auto inside = [&](const auto& corners, const char* what) {
+    for (const int point : corners)
+      if (point < 0 || point >= points)
+        bad(fmt::format("results: a {} of body '{}' ends at point {} of {}", what, body.name, point, points));
+  };
+  for (const auto& line : body.lines) inside(line, "line");
+  for (const auto& triangle : body.triangles) inside(triangle, "triangle");
+}
+
 void check_sizes(const Results& results) {
   const Index instants = results.time.size();
   const auto& header = results.header;
-  const auto same = [](Index have, Index want, const char* what) {
-    if (have != want) bad(fmt::format("results: {} of {}, expected {}", what, have, want));
-  };
   same(results.channels.rows(), instants, "instants of the channels");
   same(results.channels.cols(), static_cast<Index>(header.channels.size()), "columns of the channels");
   same(static_cast<Index>(results.poses.size()), instants, "instants of the poses");
@@ -180,22 +234,15 @@ void check_sizes(const Results& results) {
   Index modes = 0;
   for (const auto& body : header.bodies) {
     modes += body.modes;
-    if (body.point_shapes.cols() == 0) continue;
-    same(body.point_shapes.rows(), 3 * body.points.cols(), "rows of point shapes");
-    same(body.point_shapes.cols(), body.modes, "columns of point shapes");
+    check_drawing(body);
   }
   same(results.modes.cols(), modes, "modes");
-  for (const auto& body : header.bodies)
-    for (const auto& line : body.lines)
-      for (const int point : line)
-        if (point < 0 || point >= body.points.cols())
-          bad(fmt::format("results: a line of body '{}' ends at point {} of {}", body.name, point,
-                          body.points.cols()));
 }
 
 Json scene_json(const Results& results, int max_frames) {
   Json bodies = Json::array(), roads = Json::array();
-  for (const auto& body : results.header.bodies) bodies.push_back(body_json(body));
+  const int most = drawn_points(results.header.bodies);
+  for (const auto& body : results.header.bodies) bodies.push_back(body_json(body, most));
   for (const auto& road : results.header.roads) {
     std::vector<double> profile;
     for (const double value : road.profile.reshaped()) profile.push_back(value);

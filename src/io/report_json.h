@@ -36,6 +36,15 @@ double typical(const Eigen::Ref<const Eigen::VectorXd>& values);
 /// Throws InputError when the parts of the results contradict each other.
 void check_sizes(const Results& results);
 
+/// Throws InputError when the parts of the drawing contradict each other.
+void check_drawing(const BodyDrawing& body);
+
+/// At most `most` points, see thin_surface; those where the modes' stresses are largest are kept.
+Json body_json(const BodyDrawing& body, int most);
+
+/// How many points of each body a page can carry.
+int drawn_points(const std::vector<BodyDrawing>& bodies);
+
 /// What is animated: bodies, roads, and the motion of at most `max_frames` instants.
 Json scene_json(const Results& results, int max_frames);
 

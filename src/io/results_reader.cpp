@@ -213,16 +213,36 @@ class Reader {
     const Array shapes = array(place.get(), owner, "point_shapes", {any, points.shape[0], 3});
     result.point_shapes = Eigen::Map<const Eigen::MatrixXd>(shapes.values.data(), 3 * index(points.shape[0]),
                                                             index(shapes.shape[0]));
-    const Array lines = array(place.get(), owner, "lines", {any, 2});
-    for (std::size_t i = 0; i < lines.values.size(); i += 2) {
-      for (const double point : {lines.values[i], lines.values[i + 1]})
-        if (!(point >= 0 && point < static_cast<double>(points.shape[0])))
-          refuse(fmt::format("a line of '{}' ends at point {}, of {}", owner, point, points.shape[0]));
-      result.lines.push_back({static_cast<int>(lines.values[i]), static_cast<int>(lines.values[i + 1])});
+    result.lines = tuples<2>(place.get(), owner, "lines", points.shape[0]);
+    if (exists(place.get(), "triangles"))
+      result.triangles = tuples<3>(place.get(), owner, "triangles", points.shape[0]);
+    if (exists(place.get(), "labels"))
+      for (const double label : array(place.get(), owner, "labels", {points.shape[0]}).values)
+        result.labels.push_back(static_cast<std::int64_t>(label));
+    if (exists(place.get(), "stress")) {
+      const Array stress = array(place.get(), owner, "stress", {any, points.shape[0], 6});
+      result.stress = Eigen::Map<const Eigen::MatrixXd>(stress.values.data(), 6 * index(points.shape[0]),
+                                                        index(stress.shape[0]));
+      if (result.stress.cols() > result.modes)
+        refuse(fmt::format("'{}' has stress by {} modes, of {}", owner, result.stress.cols(), result.modes));
     }
     const Array solids = array(place.get(), owner, "shapes", {any, results_layout::numbers_per_shape});
     for (hsize_t s = 0; s < solids.shape[0]; ++s)
       result.shapes.push_back(shape(&solids.values[s * results_layout::numbers_per_shape], owner));
+    return result;
+  }
+
+  template <std::size_t Corners>
+  std::vector<std::array<int, Corners>> tuples(hid_t place, const std::string& owner, const char* name,
+                                               hsize_t points) const {
+    const Array read = array(place, owner, name, {any, Corners});
+    std::vector<std::array<int, Corners>> result(read.values.size() / Corners);
+    for (std::size_t i = 0; i < read.values.size(); ++i) {
+      const double point = read.values[i];
+      if (!(point >= 0 && point < static_cast<double>(points)))
+        refuse(fmt::format("one of the {} of '{}' ends at point {}, of {}", name, owner, point, points));
+      result[i / Corners][i % Corners] = static_cast<int>(point);
+    }
     return result;
   }
 

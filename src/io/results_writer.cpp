@@ -106,6 +106,9 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
     throw std::invalid_argument(fmt::format("body '{}': {} points need mode shapes of {} rows, not {}",
                                             body.name, body.points.cols(), 3 * body.points.cols(),
                                             body.point_shapes.rows()));
+  if (body.stress.size() > 0 && body.stress.rows() != 6 * body.points.cols())
+    throw std::invalid_argument(fmt::format("body '{}': {} points need stress of {} rows, not {}", body.name,
+                                            body.points.cols(), 6 * body.points.cols(), body.stress.rows()));
   const Handle group = create_group(bodies, key);
   write_attribute(group.get(), "name", body.name);
   write_attribute(group.get(), "modes", body.modes);
@@ -115,6 +118,16 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
   write_array(group.get(), "point_shapes",
               {size_of(body.point_shapes.cols()), size_of(body.points.cols()), 3}, body.point_shapes.data());
   write_array(group.get(), "lines", {body.lines.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT, body.lines.data());
+  if (!body.triangles.empty())
+    write_array(group.get(), "triangles", {body.triangles.size(), 3}, H5T_STD_I32LE, H5T_NATIVE_INT,
+                body.triangles.data());
+  if (!body.labels.empty())
+    write_array(group.get(), "labels", {body.labels.size()}, H5T_STD_I64LE, H5T_NATIVE_INT64,
+                body.labels.data());
+  // Seven digits of stress are enough, and it is the largest of a file's arrays.
+  if (body.stress.size() > 0)
+    write_array(group.get(), "stress", {size_of(body.stress.cols()), size_of(body.points.cols()), 6},
+                H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, body.stress.data());
 
   std::vector<double> shapes;
   for (const spec::Shape& shape : body.shapes) {
@@ -147,6 +160,7 @@ hsize_t header_bytes(const ResultsHeader& header) {
   for (const BodyDrawing& body : header.bodies)
     bytes += 8192 + body.name.size() +
              8 * (size_of(body.points.size()) + size_of(body.point_shapes.size()) + body.lines.size() +
+                  2 * body.triangles.size() + body.labels.size() + size_of(body.stress.size()) / 2 +
                   results_layout::numbers_per_shape * body.shapes.size());
   for (const RoadDrawing& road : header.roads)
     bytes += 4096 + road.name.size() + 8 * size_of(road.profile.size());

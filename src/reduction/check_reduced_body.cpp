@@ -137,6 +137,11 @@ void check_sizes(const ReducedBody& body, Report& report) {
   if (body.eigenfrequencies.size() > 0) report.matrix("eigenfrequencies", body.eigenfrequencies, n, 1);
   report.matrix("nodes", body.nodes, 3, body.nodes.cols());
   report.matrix("node_shapes", body.node_shapes, 3 * body.nodes.cols(), n);
+  if (body.stress.size() > 0) report.matrix("stress", body.stress, 6 * body.nodes.cols(), n);
+  if (body.strain.size() > 0) report.matrix("strain", body.strain, 6 * body.nodes.cols(), n);
+  report.require(
+      body.node_labels.empty() || static_cast<Eigen::Index>(body.node_labels.size()) == body.nodes.cols(),
+      fmt::format("node_labels must be {}, are {}", body.nodes.cols(), body.node_labels.size()));
   if (body.mesh_inertia) check_mesh_sizes(body, report);
   if (body.geometric) check_geometric_stiffness(body, report);
   if (body.second_order) check_second_order(body, report);
@@ -161,6 +166,11 @@ void check_geometry(const ReducedBody& body, Report& report) {
     for (int node : line)
       report.require(node >= 0 && node < body.nodes.cols(),
                      fmt::format("line end {} is no node, there are {}", node, body.nodes.cols()));
+  for (const auto& triangle : body.triangles)
+    for (int node : triangle)
+      report.require(
+          node >= 0 && node < body.nodes.cols(),
+          fmt::format("corner {} of a triangle is no node, there are {}", node, body.nodes.cols()));
 }
 
 /// The inertia about the centre of mass of a real body obeys Jxx + Jyy ≥ Jzz and so on: tr(P̄)/2 is no less

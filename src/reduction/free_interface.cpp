@@ -77,8 +77,8 @@ std::vector<Index> independent(MatrixXd gram) {
 
 Shapes free_interface_shapes(const TiedModel& tied, const FeMatrices& matrices,
                              const std::vector<Interface>& interfaces, const MatrixXd& R, int modes,
-                             double limit, VectorXd& eigenvalues,
-                             const std::function<void(double)>& progress) {
+                             double limit, const MatrixXd& loads, const std::vector<std::string>& load_names,
+                             VectorXd& eigenvalues, const std::function<void(double)>& progress) {
   const FreeFlexibility flexibility(tied, matrices, interfaces, R);
   const auto respond = [&](const MatrixXd& f) {
     return flexibility.respond(f, MatrixXd::Zero(tied.boundaries(), f.cols()));
@@ -91,14 +91,17 @@ Shapes free_interface_shapes(const TiedModel& tied, const FeMatrices& matrices,
   const Modes found =
       limit > 0 ? block_lanczos_below(pencil, limit, progress) : block_lanczos(pencil, modes, progress);
   eigenvalues = found.eigenvalues;
-  const Index count = eigenvalues.size(), forces = tied.boundaries();
+  const Index count = eigenvalues.size(), boundaries = tied.boundaries(), forces = boundaries + loads.cols();
   // One more iteration gives the motion of the interfaces too.
   Response free = respond(pencil.mass(found.vectors) * eigenvalues.asDiagonal());
 
-  Response residual =
-      flexibility.respond(MatrixXd::Zero(pencil.rows, forces), MatrixXd::Identity(forces, forces));
+  MatrixXd on_dofs = MatrixXd::Zero(pencil.rows, forces);
+  on_dofs.rightCols(loads.cols()) = loads;
+  Response residual = flexibility.respond(on_dofs, MatrixXd::Identity(boundaries, forces));
   const VectorXd all = (residual.u.transpose() * pencil.mass(residual.u)).diagonal();
-  const MatrixXd known = eigenvalues.cwiseInverse().asDiagonal() * free.z.transpose();
+  MatrixXd known(count, forces);
+  known << free.z.transpose(), free.u.transpose() * loads;
+  known = (eigenvalues.cwiseInverse().asDiagonal() * known).eval();
   residual.u -= free.u * known;
   residual.z -= free.z * known;
   MatrixXd gram = residual.u.transpose() * pencil.mass(residual.u);
@@ -109,9 +112,10 @@ Shapes free_interface_shapes(const TiedModel& tied, const FeMatrices& matrices,
   const std::vector<Index> kept = independent(gram);
 
   const auto residuals = static_cast<Index>(kept.size());
-  const std::vector<std::string> names = motion_names("residual", interfaces, 0);
+  std::vector<std::string> names = motion_names("residual", interfaces, 0);
+  names.insert(names.end(), load_names.begin(), load_names.end());
   Shapes shapes{MatrixXd(pencil.rows, count + residuals), {}, {}};
-  MatrixXd z(forces, count + residuals);
+  MatrixXd z(boundaries, count + residuals);
   shapes.dofs.leftCols(count) = free.u;
   z.leftCols(count) = free.z;
   for (Index k = 0; k < count; ++k) shapes.names.push_back(fmt::format("free {}", k + 1));

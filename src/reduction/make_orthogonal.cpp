@@ -70,6 +70,8 @@ void make_orthogonal(ReducedBody& body) {
     rotate_columns(frame.X_theta, Q);
   }
   rotate_columns(body.node_shapes, Q);
+  for (Eigen::MatrixXd* field : {&body.stress, &body.strain})
+    if (field->size() > 0) rotate_columns(*field, Q);
   if (body.mesh_inertia) rotate_columns(body.mesh_inertia->shapes, Q);
   rotate_columns(body.user_from_modal, Q);
 }

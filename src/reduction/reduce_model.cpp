@@ -6,18 +6,22 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "fe/block_lanczos.h"
-#include "fe/skin.h"
+#include "fe/surface.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/effective_mass.h"
 #include "reduction/free_interface.h"
+#include "reduction/independent_shapes.h"
 #include "reduction/krylov.h"
+#include "reduction/load_modes.h"
 #include "reduction/nodal_shape_integrals.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/shapes.h"
 #include "reduction/solid_stiffening.h"
 #include "reduction/tied_model.h"
+#include "reduction/user_modes.h"
 
 namespace mimbre::fe {
 namespace {
@@ -57,21 +61,46 @@ MatrixXd node_shapes(const SolidMesh& mesh, const FeMatrices& matrices, const Ma
   return out;
 }
 
-void add_drawing(const SolidMesh& mesh, const MatrixXd& displacements, ReducedBody& body) {
-  const Wire drawn = wire(mesh, skin(mesh), kDrawnNodes);
-  std::vector<int> nodes = drawn.nodes;
-  if (nodes.empty())  // matrices without elements: a cloud of points
+/// The surface with its motion, stress and strain by the modes.
+void add_surface(const SolidMesh& mesh, const FeMatrices& matrices, const MatrixXd& shapes,
+                 const MatrixXd& displacements, ReducedBody& body) {
+  Surface seen = surface(mesh);
+  const bool elements = !seen.points.empty();
+  if (!elements)  // matrices alone: a cloud of points
     for (Index k = 0; k < mesh.nodes.cols(); k += 1 + mesh.nodes.cols() / kDrawnNodes)
-      nodes.push_back(static_cast<int>(k));
-  body.nodes.resize(3, static_cast<Index>(nodes.size()));
-  body.node_shapes.resize(static_cast<Index>(3 * nodes.size()), displacements.cols());
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    body.nodes.col(static_cast<Index>(k)) = mesh.nodes.col(nodes[k]);
-    body.node_shapes.middleRows<3>(static_cast<Index>(3 * k)) = displacements.middleRows<3>(3 * nodes[k]);
+      seen.points.push_back({static_cast<int>(k), Vector3d::Zero()});
+  const auto count = static_cast<Index>(seen.points.size());
+  body.nodes.resize(3, count);
+  body.node_shapes.resize(3 * count, shapes.cols());
+  std::unordered_map<int, std::vector<Index>> on_shell;  // points beside a node
+  for (Index k = 0; k < count; ++k) {
+    const auto& [node, offset] = seen.points[static_cast<std::size_t>(k)];
+    body.nodes.col(k) = mesh.nodes.col(node) + offset;
+    body.node_shapes.middleRows<3>(3 * k) = displacements.middleRows<3>(3 * node);
+    if (!offset.isZero(0)) on_shell[node].push_back(k);
+    if (!mesh.labels.empty()) body.node_labels.push_back(mesh.labels[static_cast<std::size_t>(node)]);
   }
-  body.lines = drawn.lines;
+  if (!on_shell.empty())
+    for (std::size_t r = 0; r < matrices.dofs.size(); ++r) {
+      const auto [node, direction] = matrices.dofs[r];
+      const auto found = on_shell.find(node);
+      if (direction < 3 || found == on_shell.end()) continue;
+      for (const Index k : found->second) {
+        const Vector3d arm =
+            Vector3d::Unit(direction - 3).cross(seen.points[static_cast<std::size_t>(k)].offset);
+        body.node_shapes.middleRows<3>(3 * k) += arm * shapes.row(static_cast<Index>(r));
+      }
+    }
+  body.lines = std::move(seen.lines);
+  body.triangles = std::move(seen.triangles);
   const Vector3d size = body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff();
   body.line_radius = std::max(1e-6, 1e-3 * size.maxCoeff());
+  const bool known = std::all_of(mesh.groups.begin(), mesh.groups.end(),
+                                 [](const ElementGroup& g) { return g.nodes.empty() || g.material >= 0; });
+  if (!known || body.triangles.empty()) return;  // matrices of another program, elements only for the eye
+  Recovery recovery = recover(mesh, seen.points, matrices.dofs, shapes);
+  body.stress = std::move(recovery.stress);
+  body.strain = std::move(recovery.strain);
 }
 
 /// Elastic modes of the free model, and how well the reduced body has them.
@@ -129,11 +158,40 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
       ++compared;
     }
   }
+  const bool held = std::any_of(options.interfaces.begin(), options.interfaces.end(), [](const Interface& i) {
+    return std::find(i.motions.begin(), i.motions.end(), Interface::Motion::held) != i.motions.end();
+  });
+  if (held) {
+    result.body.checks.push_back({"free frequencies", true,
+                                  "not compared: motions that are held make the body stiffer than the full "
+                                  "model, as the mechanism must"});
+    return;
+  }
   result.body.checks.push_back({"free frequencies",
                                 compared == 0 || (worst_frequency < 0.1 && worst_mac > 0.9),
                                 fmt::format("full model against reduced, the lower half must agree within 10 "
                                             "% and MAC 0.9 (rigid interfaces stiffen): {}",
                                             rows)});
+}
+
+void require_motions(const ModelReduction& o) {
+  using Motion = Interface::Motion;
+  const bool tangent = o.frame == ModelReduction::Frame::tangent;
+  for (std::size_t i = 0; i < o.interfaces.size(); ++i)
+    for (const Motion motion : o.interfaces[i].motions) {
+      if (motion == Motion::retained) continue;
+      const std::string& name = o.interfaces[i].name;
+      if (o.basis != ModelReduction::Basis::craig_bampton || o.user_modes.shapes.cols() > 0)
+        throw std::invalid_argument(fmt::format(
+            "interface '{}': motions are free or held in the Craig-Bampton basis without user modes only",
+            name));
+      if (tangent && i == 0)
+        throw std::invalid_argument(
+            fmt::format("interface '{}': the body frame moves with it, in all of its motions", name));
+      if (!tangent && motion == Motion::held)
+        throw std::invalid_argument(
+            fmt::format("interface '{}': nothing can be held where the frame is that of the mean", name));
+    }
 }
 
 void require(const ModelReduction& o) {
@@ -155,11 +213,13 @@ void require(const ModelReduction& o) {
   if (o.basis != Basis::craig_bampton && o.effective_mass > 0)
     throw std::invalid_argument("effective masses are those of the Craig-Bampton basis");
   if (o.basis != Basis::free_interface && o.frame == ModelReduction::Frame::tangent &&
-      o.interfaces.size() == 1 && o.dynamic_modes == 0 && o.max_frequency == 0)
+      o.interfaces.size() == 1 && o.dynamic_modes == 0 && o.max_frequency == 0 && o.loads.empty() &&
+      o.user_modes.shapes.cols() == 0)
     throw std::invalid_argument("one interface and no dynamic modes leave nothing that could deform");
   if (o.geometric_stiffness &&
       (o.frame != ModelReduction::Frame::tangent || o.basis == Basis::free_interface))
     throw std::invalid_argument("geometric stiffness needs the tangent frame and a basis with static modes");
+  require_motions(o);
   for (std::size_t i = 0; i < o.interfaces.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (o.interfaces[i].name == o.interfaces[j].name)
@@ -210,6 +270,40 @@ void keep_effective(const FeMatrices& matrices, const ModelReduction& options, c
   result.effective_mass = result.effective_mass(Eigen::all, selection.kept).eval();
 }
 
+/// Appends what loads and the user's modes have beyond the shapes. Of `held` ones, which move with the
+/// interfaces held, the loads' are part; in the free body's basis loads are among the forces already.
+void add_asked(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
+               const MatrixXd& R, const TiedModel& tied, bool held, const Shapes& known, Shapes& shapes,
+               ReducedBody& body) {
+  std::vector<double> fresh;
+  Shapes added{MatrixXd(shapes.dofs.rows(), 0), MatrixXd(shapes.points.rows(), 0), {}};
+  if (held && !options.loads.empty()) {
+    added = independent_shapes(matrices, known,
+                               load_shapes(tied, matrices, options.interfaces, options.loads), fresh);
+    for (Check& check : load_checks(options.loads, fresh)) body.checks.push_back(std::move(check));
+  }
+  if (options.user_modes.shapes.cols() > 0) {
+    const ExpandedModes modes = expand_user_modes(mesh, matrices, options.interfaces, options.user_modes);
+    Shapes user = held ? held_user_modes(tied, matrices, options.interfaces, modes)
+                       : free_user_modes(matrices, options.interfaces, R, modes);
+    added = join(added, independent_shapes(matrices, join(known, added), std::move(user), fresh));
+    body.checks.push_back(user_modes_check(matrices, options.user_modes, modes, fresh));
+  }
+  shapes = join(shapes, added);
+}
+
+/// For the sum of the modes.
+std::string freed_and_held(const std::vector<Interface>& interfaces) {
+  int freed = 0, held = 0;
+  for (const Interface& i : interfaces)
+    for (const Interface::Motion motion : i.motions) {
+      if (motion == Interface::Motion::free) ++freed;
+      if (motion == Interface::Motion::held) ++held;
+    }
+  return (freed > 0 ? fmt::format(" − {} free", freed) : "") +
+         (held > 0 ? fmt::format(" − {} held", held) : "");
+}
+
 /// The basis in the body's frame; a typical ω² comes with it.
 Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
                 const MatrixXd& R, double& scale, ReductionResult& result) {
@@ -227,14 +321,20 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
   if (options.basis == Basis::free_interface) {
     VectorXd eigenvalues;
     shapes = free_interface_shapes(tied, matrices, options.interfaces, R, options.dynamic_modes,
-                                   square(options.max_frequency), eigenvalues, progress);
+                                   square(options.max_frequency), load_forces(matrices, options.loads),
+                                   load_names(options.loads), eigenvalues, progress);
     if (eigenvalues.size() > 0) scale = eigenvalues[0];
+    const Index forces = shapes.dofs.cols() - eigenvalues.size();
+    add_asked(mesh, matrices, options, R, tied, false, shapes, shapes, result.body);
+    const Index user = shapes.dofs.cols() - eigenvalues.size() - forces;
     if (tangent) to_tangent(options.interfaces, R, shapes);
     result.body.checks.push_back(
         {"number of modes", true,
-         fmt::format("{} = {} free + {} of forces at {} interface{}", shapes.dofs.cols(), eigenvalues.size(),
-                     shapes.dofs.cols() - eigenvalues.size(), options.interfaces.size(),
-                     options.interfaces.size() == 1 ? "" : "s")});
+         fmt::format("{} = {} free + {} of forces at {} interface{}{}", shapes.dofs.cols(),
+                     eigenvalues.size(), forces, options.interfaces.size(),
+                     options.interfaces.size() == 1 ? "" : "s",
+                     (options.loads.empty() ? "" : fmt::format(" and {} loads", options.loads.size())) +
+                         (user > 0 ? fmt::format(" + {} of the user", user) : ""))});
     return shapes;
   }
   MatrixXd x;
@@ -252,22 +352,31 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
   tell("static modes", 0);
   shapes = static_shapes(tied, matrices, options.interfaces, tangent ? 1 : 0);
   const bool krylov = options.basis == Basis::krylov;
-  const Shapes held = held_shapes(tied, x, krylov ? "krylov" : "dynamic");
+  const Shapes held = held_shapes(tied, options.interfaces, x, krylov ? "krylov" : "dynamic");
   shapes = join(shapes, held);
   if (!krylov) {
     result.effective_mass = effective_mass(matrices, options.interfaces[0], R, held.dofs);
     if (options.effective_mass > 0) keep_effective(matrices, options, R, shapes, result);
   }
+  const auto statics = static_cast<Index>(retained_motions(options.interfaces, tangent ? 1 : 0).size());
+  const Index chosen = shapes.dofs.cols();
+  {
+    const Index moving = chosen - statics;
+    const Shapes known{shapes.dofs.rightCols(moving), shapes.points.rightCols(moving), {}};
+    add_asked(mesh, matrices, options, R, tied, true, known, shapes, result.body);
+  }
+  const Index asked = shapes.dofs.cols() - chosen;
   const std::size_t interfaces = options.interfaces.size();
   if (shapes.dofs.cols() == 0)
     throw std::invalid_argument(
         "one interface and no dynamic mode below the frequency leave nothing that could deform");
-  const Index statics = tied.boundaries() - (tangent ? 6 : 0);
   result.body.checks.push_back(
       {"number of modes", true,
-       fmt::format("{} = {} motions of {} interface{} − 6 of the body + {} {}",
+       fmt::format("{} = {} motions of {} interface{} − 6 of the body{} + {} {}{}",
                    shapes.dofs.cols() - (tangent ? 0 : 6), tied.boundaries(), interfaces,
-                   interfaces == 1 ? "" : "s", shapes.dofs.cols() - statics, krylov ? "Krylov" : "dynamic")});
+                   interfaces == 1 ? "" : "s", freed_and_held(options.interfaces), chosen - statics,
+                   krylov ? "Krylov" : "dynamic",
+                   asked > 0 ? fmt::format(" + {} of loads and the user", asked) : "")});
   if (!tangent) to_mean_axes(matrices, options.interfaces, R, shapes);
   return shapes;
 }
@@ -317,13 +426,15 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
     body.frames.push_back(
         {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
   }
-  add_drawing(mesh, displacements, body);
+  tell("stress", 0);
+  add_surface(mesh, matrices, shapes.dofs, displacements, body);
   if (options.geometric_stiffness) {
     tell("geometric stiffness", 0);
     const TiedModel held(mesh, matrices, options.interfaces);
     const MatrixXd x = held.solve(held.restrict(unit_inertia_forces(mesh, matrices)));
     const MatrixXd responses = held.expand(x, MatrixXd::Zero(held.boundaries(), x.cols()));
-    body.geometric = solid_stiffening(mesh, responses, shapes.dofs, body.stiffness, held.boundaries() - 6);
+    body.geometric = solid_stiffening(mesh, responses, shapes.dofs, body.stiffness,
+                                      static_cast<Index>(retained_motions(options.interfaces, 1).size()));
   }
   make_orthogonal(body);
 

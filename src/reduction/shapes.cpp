@@ -39,23 +39,39 @@ std::vector<std::string> motion_names(const std::string& kind, const std::vector
   return names;
 }
 
+std::vector<Index> retained_motions(const std::vector<Interface>& interfaces, Index first) {
+  std::vector<Index> retained;
+  for (auto i = static_cast<std::size_t>(first); i < interfaces.size(); ++i)
+    for (std::size_t k = 0; k < 6; ++k)
+      if (interfaces[i].motions[k] == Interface::Motion::retained)
+        retained.push_back(static_cast<Index>(6 * i + k));
+  return retained;
+}
+
 Shapes static_shapes(const TiedModel& tied, const FeMatrices& matrices,
                      const std::vector<Interface>& interfaces, Index first) {
-  const Index count = tied.boundaries() - 6 * first;
+  const std::vector<Index> retained = retained_motions(interfaces, first);
+  const std::vector<std::string> names = motion_names("static", interfaces, 0);
+  const auto count = static_cast<Index>(retained.size());
   MatrixXd z = MatrixXd::Zero(tied.boundaries(), count);
-  z.bottomRows(count).setIdentity();
-  Shapes shapes{MatrixXd(matrices.stiffness.rows(), count), point_rows(interfaces, z),
-                motion_names("static", interfaces, first)};
+  Shapes shapes{MatrixXd(matrices.stiffness.rows(), count), z, {}};
+  for (Index k = 0; k < count; ++k) {
+    const Index motion = retained[static_cast<std::size_t>(k)];
+    z(motion, k) = 1;
+    shapes.names.push_back(names[static_cast<std::size_t>(motion)]);
+  }
   if (count == 0) return shapes;
   const MatrixXd moved = tied.expand(MatrixXd::Zero(tied.internals(), count), z);
   const MatrixXd x = -tied.solve(tied.restrict(symmetric_times(matrices.stiffness, moved)));
   shapes.dofs = tied.expand(x, z);
+  shapes.points = point_rows(interfaces, tied.motions(x, z));
   return shapes;
 }
 
-Shapes held_shapes(const TiedModel& tied, const MatrixXd& x, const std::string& kind) {
+Shapes held_shapes(const TiedModel& tied, const std::vector<Interface>& interfaces, const MatrixXd& x,
+                   const std::string& kind) {
   const MatrixXd z = MatrixXd::Zero(tied.boundaries(), x.cols());
-  Shapes shapes{tied.expand(x, z), z, {}};
+  Shapes shapes{tied.expand(x, z), point_rows(interfaces, tied.motions(x, z)), {}};
   for (Index k = 0; k < x.cols(); ++k) shapes.names.push_back(fmt::format("{} {}", kind, k + 1));
   return shapes;
 }

@@ -23,11 +23,17 @@ Eigen::MatrixXd rigid_points(const std::vector<Interface>& interfaces);
 std::vector<std::string> motion_names(const std::string& kind, const std::vector<Interface>& interfaces,
                                       Eigen::Index first);
 
-/// Static modes: unit motions of the interfaces from number `first` on, the others held, no other forces.
+/// Numbers among the interfaces' coordinates of the motions that have a static mode, of the interfaces from
+/// number `first` on.
+std::vector<Eigen::Index> retained_motions(const std::vector<Interface>& interfaces, Eigen::Index first);
+/// Static modes: unit retained motions of the interfaces from number `first` on, the others held, no other
+/// forces.
 Shapes static_shapes(const TiedModel& tied, const FeMatrices& matrices,
                      const std::vector<Interface>& interfaces, Eigen::Index first);
-/// Shapes with all interfaces held, x over the tied model's internal dofs; names "kind 1", "kind 2", ….
-Shapes held_shapes(const TiedModel& tied, const Eigen::MatrixXd& x, const std::string& kind);
+/// Shapes with all interfaces held (but where they are free), x over the tied model's internal dofs; names
+/// "kind 1", "kind 2", ….
+Shapes held_shapes(const TiedModel& tied, const std::vector<Interface>& interfaces, const Eigen::MatrixXd& x,
+                   const std::string& kind);
 Shapes join(const Shapes& a, const Shapes& b);
 
 /// Takes the rigid motion out that moves the first interface's point; R: rigid_shapes.

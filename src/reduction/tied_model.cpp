@@ -200,8 +200,7 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
     for (Index& r : mean.others) r = place[static_cast<std::size_t>(r)];
 
   const Index n = internals();
-  if (n == 0) return;
-  {
+  if (n > 0) {
     SparseMatrix<double> Koo(n, n);
     const auto visit = [&](Index column, const auto& see) {
       for (SparseMatrix<double>::InnerIterator it(matrices.stiffness,
@@ -223,7 +222,12 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
         "not connected to the rest, or the matrices are not those of an elastic body",
         stiffness);
   }
-  if (means_.empty()) return;
+  if (n > 0 && !means_.empty()) prepare_means();
+  free_motions(interfaces);
+}
+
+void TiedModel::prepare_means() {
+  const Index n = internals(), rows = matrices_.stiffness.rows();
   // U = [Kop/√k, √k Cᵀ], S = [0 I; I Kpp/k], pins p, C the others' part in them, k so that both parts weigh
   // alike.
   const Index pins = 6 * static_cast<Index>(means_.size());
@@ -231,7 +235,7 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
   for (std::size_t m = 0; m < means_.size(); ++m)
     for (int p = 0; p < 6; ++p)
       unit(means_[m].pins[static_cast<std::size_t>(p)], static_cast<Index>(6 * m) + p) = 1;
-  const MatrixXd Kp = symmetric_times(matrices.stiffness, unit);
+  const MatrixXd Kp = symmetric_times(matrices_.stiffness, unit);
   const MatrixXd Kpp = unit.transpose() * Kp;
   const double k = Kpp.diagonal().maxCoeff(), root = std::sqrt(k);
   U_.setZero(n, 2 * pins);
@@ -248,9 +252,38 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
   small_ = (inverse + U_.transpose() * solved_).fullPivLu().inverse();
 }
 
+void TiedModel::free_motions(const std::vector<Interface>& interfaces) {
+  std::vector<Index> freed;
+  for (std::size_t i = 0; i < interfaces.size(); ++i)
+    for (std::size_t k = 0; k < 6; ++k)
+      if (interfaces[i].motions[k] == Interface::Motion::free) freed.push_back(static_cast<Index>(6 * i + k));
+  if (freed.empty()) return;
+  const auto count = static_cast<Index>(freed.size());
+  MatrixXd z = MatrixXd::Zero(boundaries(), count);
+  for (Index k = 0; k < count; ++k) z(freed[static_cast<std::size_t>(k)], k) = 1;
+  const MatrixXd moved = expand(MatrixXd::Zero(internals(), count), z);
+  const MatrixXd shapes = expand(-solve(restrict(symmetric_times(matrices_.stiffness, moved))), z);
+  MatrixXd stiffness = shapes.transpose() * symmetric_times(matrices_.stiffness, shapes);
+  stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
+  const Eigen::VectorXd unit = stiffness.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<MatrixXd> factor(unit.asDiagonal() * stiffness * unit.asDiagonal());
+  if (!(factor.vectorD().minCoeff() > 1e-10))
+    throw std::invalid_argument("so many motions are free that nothing holds the body: retain six at least");
+  freed_inverse_ = unit.asDiagonal() * factor.solve(MatrixXd(unit.asDiagonal()));
+  freed_shapes_ = shapes;
+  freed_ = std::move(freed);
+}
+
+MatrixXd TiedModel::motions(const MatrixXd& x, const MatrixXd& z) const {
+  MatrixXd all = z;
+  const auto first = static_cast<Index>(internal_.size());
+  for (std::size_t k = 0; k < freed_.size(); ++k) all.row(freed_[k]) += x.row(first + static_cast<Index>(k));
+  return all;
+}
+
 MatrixXd TiedModel::expand(const MatrixXd& x, const MatrixXd& z) const {
   MatrixXd u = MatrixXd::Zero(matrices_.stiffness.rows(), x.cols());
-  for (Index k = 0; k < internals(); ++k) u.row(internal_[static_cast<std::size_t>(k)]) = x.row(k);
+  for (std::size_t k = 0; k < internal_.size(); ++k) u.row(internal_[k]) = x.row(static_cast<Index>(k));
   for (const Tied& t : tied_) u.row(t.row) = t.motion * z.middleRows<6>(6 * t.interface);
   for (const Mean& m : means_) {
     MatrixXd at = m.from_z * z.middleRows<6>(6 * m.interface);
@@ -258,12 +291,14 @@ MatrixXd TiedModel::expand(const MatrixXd& x, const MatrixXd& z) const {
       at += m.from_x.col(static_cast<Index>(k)) * x.row(m.others[k]);
     for (int p = 0; p < 6; ++p) u.row(m.pins[static_cast<std::size_t>(p)]) = at.row(p);
   }
+  if (!freed_.empty()) u += freed_shapes_ * x.bottomRows(static_cast<Index>(freed_.size()));
   return u;
 }
 
 MatrixXd TiedModel::restrict(const MatrixXd& f) const {
   MatrixXd x(internals(), f.cols());
-  for (Index k = 0; k < internals(); ++k) x.row(k) = f.row(internal_[static_cast<std::size_t>(k)]);
+  for (std::size_t k = 0; k < internal_.size(); ++k) x.row(static_cast<Index>(k)) = f.row(internal_[k]);
+  if (!freed_.empty()) x.bottomRows(static_cast<Index>(freed_.size())) = freed_shapes_.transpose() * f;
   for (const Mean& m : means_) {
     MatrixXd at(6, f.cols());
     for (int p = 0; p < 6; ++p) at.row(p) = f.row(m.pins[static_cast<std::size_t>(p)]);
@@ -274,9 +309,15 @@ MatrixXd TiedModel::restrict(const MatrixXd& f) const {
 }
 
 MatrixXd TiedModel::solve(const MatrixXd& f) const {
-  MatrixXd x = factor_->solve(f);
-  if (means_.empty()) return x;
-  return x - solved_ * (small_ * (U_.transpose() * x));
+  const auto inner = static_cast<Index>(internal_.size());
+  MatrixXd x(internals(), f.cols());
+  if (inner > 0) {
+    x.topRows(inner) = factor_->solve(f.topRows(inner));
+    if (!means_.empty())
+      x.topRows(inner) -= (solved_ * (small_ * (U_.transpose() * x.topRows(inner)))).eval();
+  }
+  if (!freed_.empty()) x.bottomRows(x.rows() - inner) = freed_inverse_ * f.bottomRows(x.rows() - inner);
+  return x;
 }
 
 Pencil TiedModel::held() const {

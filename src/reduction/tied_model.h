@@ -32,16 +32,19 @@ class LargeFactor {
 
 /// A model whose interfaces move as their six coordinates z say: displacements u = Tx x + Tz z, x the dofs
 /// that are left. Nodes of rigid interfaces follow z; of each mean interface six dofs ("pins") are eliminated
-/// by its six equations.
+/// by its six equations. Motions of the interfaces that are free count among x, as what the body does when
+/// they alone are moved.
 class TiedModel {
  public:
   TiedModel(const SolidMesh& mesh, const FeMatrices& matrices, const std::vector<Interface>& interfaces,
             Definiteness stiffness = Definiteness::definite);
 
-  Eigen::Index internals() const { return static_cast<Eigen::Index>(internal_.size()); }
+  Eigen::Index internals() const { return static_cast<Eigen::Index>(internal_.size() + freed_.size()); }
   Eigen::Index boundaries() const { return 6 * static_cast<Eigen::Index>(interfaces_); }
   /// u of x and z.
   Eigen::MatrixXd expand(const Eigen::MatrixXd& x, const Eigen::MatrixXd& z) const;
+  /// How the interfaces move in x and z: z, and the free motions.
+  Eigen::MatrixXd motions(const Eigen::MatrixXd& x, const Eigen::MatrixXd& z) const;
   /// Txᵀ f.
   Eigen::MatrixXd restrict(const Eigen::MatrixXd& f) const;
   /// (Txᵀ K Tx)⁻¹ f.
@@ -64,6 +67,9 @@ class TiedModel {
     Eigen::Matrix<double, 6, Eigen::Dynamic> from_x;
   };
 
+  void prepare_means();
+  void free_motions(const std::vector<Interface>& interfaces);
+
   const FeMatrices& matrices_;
   std::size_t interfaces_ = 0;
   std::vector<Eigen::Index> internal_;  ///< rows of x
@@ -72,6 +78,9 @@ class TiedModel {
   std::unique_ptr<LargeFactor> factor_;
   // Txᵀ K Tx = Koo + U S Uᵀ, where pins follow the others.
   Eigen::MatrixXd U_, solved_, small_;
+  std::vector<Eigen::Index> freed_;  ///< of z
+  Eigen::MatrixXd freed_shapes_;     ///< dofs × freed, orthogonal by the stiffness to all that is held
+  Eigen::MatrixXd freed_inverse_;    ///< of their stiffness
 };
 
 /// The product with a symmetric matrix of which the lower triangle is given.

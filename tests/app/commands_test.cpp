@@ -196,6 +196,23 @@ TEST_F(Commands, ReportMakesAPageWhereItIsBuiltIn) {
   EXPECT_EQ(run({"report", "a.h5", "-o", "a.h5"}).code, 2);
 }
 
+TEST_F(Commands, ReportMakesAPageOfABody) {
+  const std::string body = MIMBRE_SOURCE_DIR "/examples/solid-arm/arm.h5";
+  const Outcome outcome = run({"report", body, "-o", "modes.html"});
+  if (report_available()) {
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "modes.html\n");
+    EXPECT_THAT(read_file(folder / "modes.html"), HasSubstr("mimbre-modes-1"));
+  } else {
+    EXPECT_EQ(outcome.code, 1);
+  }
+  const Outcome two = run({"report", body, "a.h5", "-o", "page.html"});
+  EXPECT_EQ(two.code, 2);
+  EXPECT_THAT(two.err, HasSubstr("give the body alone"));
+  EXPECT_EQ(run({"report", body, "--label", "arm"}).code, 2);
+  EXPECT_EQ(run({"report", body, "-o", body}).code, 2);
+}
+
 TEST_F(Commands, BenchGivesMedians) {
   const Outcome table = run({"bench", "pendulum.yaml", "pendulum.yaml", "--runs", "2", "--until", "0.1"});
   ASSERT_EQ(table.code, 0) << table.err;

@@ -52,7 +52,8 @@ TEST_F(FiniteElements, CommandsOfThePageRun) {
   ASSERT_NE(commands.find("mimbre reduce"), std::string::npos);
   fs::remove(folder / "examples/solid-arm/arm.h5");
   EXPECT_EQ(shell(commands), 0) << read_file(folder / "err.txt");
-  for (const char* made : {"examples/solid-arm/arm.h5", "solid.html", "arm.fem", "arm.sid", "back.h5"})
+  for (const char* made :
+       {"examples/solid-arm/arm.h5", "modes.html", "solid.html", "arm.fem", "arm.sid", "back.h5"})
     EXPECT_GT(fs::file_size(folder / made), 1000u) << made;
 }
 

@@ -47,6 +47,8 @@ class ProgramTest : public ::testing::Test {
     std::string name = (fs::temp_directory_path() / "mimbre-app-XXXXXX").string();
     ASSERT_NE(mkdtemp(name.data()), nullptr);
     folder = name;
+    // Not the user's own cache.
+    setenv("MIMBRE_CACHE", (folder / "cache").c_str(), 1);
   }
   void TearDown() override {
     std::error_code ignored;

@@ -52,6 +52,15 @@ class ReducedBodyFile : public testing::Test {
     std::ofstream(path, std::ios::binary) << content;
   }
 
+  std::string saving(const ReducedBody& body) const {
+    try {
+      save(body, path());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
   static std::string load_error(const std::string& path) {
     try {
       load_reduced_body(path);
@@ -139,14 +148,6 @@ TEST_F(ReducedBodyFile, GivesLargeDeflectionsBack) {
 }
 
 TEST_F(ReducedBodyFile, SaysWhatIsWrongWithStiffening) {
-  const auto saving = [&](const ReducedBody& body) -> std::string {
-    try {
-      save(body, path());
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  };
   ReducedBody body = some_body(fe::Stiffening::geometric_stiffness);
   const ReducedBody good = body;
   body.geometric->loads.back() = 13;
@@ -205,6 +206,31 @@ TEST_F(ReducedBodyFile, GivesBackWhatWasSavedToTheLastBit) {
     EXPECT_EQ(read.frames[k].X, body.frames[k].X);
     EXPECT_EQ(read.frames[k].X_theta, body.frames[k].X_theta);
   }
+}
+
+TEST_F(ReducedBodyFile, GivesTheSurfaceAndItsStressBack) {
+  ReducedBody body = some_body();
+  const Eigen::Index nodes = body.nodes.cols();
+  ASSERT_GE(nodes, 3);
+  body.triangles = {{0, 1, 2}, {2, 1, 0}};
+  for (Eigen::Index k = 0; k < nodes; ++k) body.node_labels.push_back(5'000'000'000 + k);
+  body.stress = 1e9 * Eigen::MatrixXd::Random(6 * nodes, body.modes);
+  body.strain = Eigen::MatrixXd::Random(6 * nodes, body.modes);
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  EXPECT_EQ(read.triangles, body.triangles);
+  EXPECT_EQ(read.node_labels, body.node_labels);
+  EXPECT_EQ(read.stress, body.stress);
+  EXPECT_EQ(read.strain, body.strain);
+  EXPECT_TRUE(check(read).empty());
+  body.triangles.push_back({0, 1, static_cast<int>(nodes)});
+  EXPECT_THAT(saving(body), HasSubstr("corner"));
+  body.triangles.pop_back();
+  body.node_labels.pop_back();
+  EXPECT_THAT(saving(body), HasSubstr("node_labels"));
+  body.node_labels.clear();
+  body.stress.conservativeResize(6 * nodes - 1, body.modes);
+  EXPECT_THAT(saving(body), HasSubstr("stress"));
 }
 
 TEST_F(ReducedBodyFile, MayHaveNoMeshInertiaOrNoNodalMass) {

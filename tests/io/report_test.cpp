@@ -194,6 +194,96 @@ TEST_F(Report, ContradictorySizesAreRefused) {
   EXPECT_THROW(report_html(results), InputError);
 }
 
+/// A sheet of n × n points in a plane with one mode and its stress: as x, and ten times that at `hot`.
+BodyDrawing sheet(int n, int hot) {
+  BodyDrawing body;
+  body.name = "sheet";
+  body.modes = 2;
+  body.points.resize(3, n * n);
+  body.point_shapes.setZero(3 * n * n, 2);
+  body.stress.setZero(6 * n * n, 1);  // as of a second-order body: of its first modes alone
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int k = i + n * j;
+      body.points.col(k) << i, j, 0;
+      body.point_shapes(3 * k + 2, 0) = k;
+      body.stress(6 * k + 3, 0) = k == hot ? 10. * n : i;
+      body.labels.push_back(1000 + k);
+      if (i + 1 == n || j + 1 == n) continue;
+      body.triangles.push_back({k, k + 1, k + 1 + n});
+      body.triangles.push_back({k, k + 1 + n, k + n});
+      body.lines.push_back({k, k + 1});
+    }
+  body.lines.push_back({0, n * n - 1});
+  return body;
+}
+
+Results with_body(const BodyDrawing& body) {
+  Results results = small_results();
+  results.header.bodies.push_back(body);
+  results.modes.conservativeResizeLike(Eigen::MatrixXd::Zero(3, 1 + body.modes));
+  for (auto& poses : results.poses) {
+    poses.conservativeResize(7, 3);
+    poses.col(2) = poses.col(1);
+  }
+  return results;
+}
+
+TEST_F(Report, CarriesSurfacesAndStresses) {
+  const BodyDrawing body = sheet(4, 6);
+  const Json data = data_of(with_body(body)).at("bodies").at(2);
+  EXPECT_EQ(decoded<float>(data.at("points")).size(), 48U);
+  const auto triangles = decoded<std::uint32_t>(data.at("triangles"));
+  ASSERT_EQ(triangles.size(), 3 * body.triangles.size());
+  EXPECT_THAT(std::vector(triangles.begin(), triangles.begin() + 6), ElementsAre(0, 1, 5, 0, 5, 4));
+  EXPECT_THAT(decoded<std::uint32_t>(data.at("lines")), ElementsAre(0, 15));  // that of no triangle
+  EXPECT_EQ(decoded<std::uint32_t>(data.at("edges")).size(), 2U * 12);        // the sheet's border
+  EXPECT_EQ(decoded<double>(data.at("labels")).at(6), 1006);
+  const auto stress = decoded<float>(data.at("stress"));
+  ASSERT_EQ(stress.size(), 6U * 16);
+  EXPECT_EQ(stress[6 * 6 + 3], 40);
+  EXPECT_EQ(stress[6 * 7 + 3], 3);
+  const Json arm = data_of(small_results()).at("bodies").at(1);
+  for (const char* none : {"triangles", "edges", "labels", "stress"}) EXPECT_EQ(arm.at(none).at("size"), 0);
+}
+
+TEST_F(Report, LargeSurfacesAreThinnedWithoutLosingHotSpots) {
+  const int hot = 7777;
+  const BodyDrawing body = sheet(120, hot);
+  const Json data = data_of(with_body(body)).at("bodies").at(2);
+  const auto labels = decoded<double>(data.at("labels"));
+  ASSERT_LE(labels.size(), 2500U);
+  ASSERT_GT(labels.size(), 1000U);
+  const auto points = decoded<float>(data.at("points"));
+  const auto shapes = decoded<float>(data.at("pointShapes"));
+  const auto stress = decoded<float>(data.at("stress"));
+  ASSERT_EQ(points.size(), 3 * labels.size());
+  ASSERT_EQ(shapes.size(), 6 * labels.size());
+  ASSERT_EQ(stress.size(), 6 * labels.size());
+  bool found = false;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const int point = static_cast<int>(labels[k]) - 1000;
+    EXPECT_EQ(points[3 * k], static_cast<float>(point % 120));
+    EXPECT_EQ(shapes[3 * k + 2], static_cast<float>(point));
+    EXPECT_EQ(stress[6 * k + 3], static_cast<float>(body.stress(6 * point + 3, 0)));
+    found = found || point == hot;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST_F(Report, ContradictorySurfacesAreRefused) {
+  const auto refused = [](auto&& change) {
+    BodyDrawing body = sheet(4, 6);
+    change(body);
+    EXPECT_THROW(report_html(with_body(body)), InputError);
+  };
+  refused([](BodyDrawing& body) { body.triangles[0][1] = 16; });
+  refused([](BodyDrawing& body) { body.triangles[0][1] = -1; });
+  refused([](BodyDrawing& body) { body.labels.pop_back(); });
+  refused([](BodyDrawing& body) { body.stress.setZero(6 * 15, 1); });
+  refused([](BodyDrawing& body) { body.stress.setZero(6 * 16, 3); });
+}
+
 TEST_F(Report, IsWrittenWholeOrNotAtAll) {
   const auto folder =
       std::filesystem::path(testing::TempDir()) / ("mimbre_report_test_" + std::to_string(getpid()));

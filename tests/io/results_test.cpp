@@ -62,6 +62,9 @@ ResultsHeader sample_header() {
   flexible.points = Eigen::Matrix3Xd::Random(3, 4);
   flexible.point_shapes = Eigen::MatrixXd::Random(12, 2);
   flexible.lines = {{0, 1}, {1, 2}, {2, 3}};
+  flexible.triangles = {{0, 1, 2}, {1, 3, 2}};
+  flexible.labels = {7, 8, 9, 5'000'000'000};
+  flexible.stress = 1e8 * Eigen::MatrixXd::Random(24, 2);
   flexible.line_radius = 0.02;
   header.bodies = {rigid, flexible};
   RoadDrawing road;
@@ -159,6 +162,9 @@ TEST_F(ResultsFile, ComesBackAsWritten) {
   EXPECT_EQ(arm.points, header.bodies[1].points);
   EXPECT_EQ(arm.point_shapes, header.bodies[1].point_shapes);
   EXPECT_EQ(arm.lines, header.bodies[1].lines);
+  EXPECT_EQ(arm.triangles, header.bodies[1].triangles);
+  EXPECT_EQ(arm.labels, header.bodies[1].labels);
+  EXPECT_LT((arm.stress - header.bodies[1].stress).norm(), 1e-7 * arm.stress.norm());  // in single precision
   ASSERT_EQ(results.header.roads.size(), 1u);
   EXPECT_EQ(results.header.roads[0].name, "track");
   EXPECT_EQ(results.header.roads[0].profile, header.roads[0].profile);

@@ -1,12 +1,14 @@
-// One body in the 3D view: lines as tubes, deformed where the body is flexible, and solids with their edges.
+// One body in the 3D view: lines as tubes and surfaces, deformed where the body is flexible, and solids with their edges.
 import * as THREE from "three";
 import { turbo } from "./color";
+import { has, PointValues, peak, type Quantity } from "./coloring";
 import type { Body, Solid } from "./data";
-import { deformed, displacements, magnitudes } from "./deform";
+import { deformed, displacements } from "./deform";
+import { SurfaceView } from "./surfaceView";
 
 const fewLines = 2000; // up to here tubes are round and their ends closed by balls
 
-/** The colours of displacements in the linear colour space of the shaders. */
+/** The colours of the points in the linear colour space of the shaders. */
 const scale = Array.from({ length: 256 }, (_, i) => {
   const [r, g, b] = turbo(i / 255);
   return new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
@@ -39,47 +41,100 @@ export class BodyView {
   private tubes?: THREE.InstancedMesh;
   private balls?: THREE.InstancedMesh;
   private solids: THREE.MeshStandardMaterial[] = [];
+  private surface?: SurfaceView;
   private edges = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
+  private undeformed?: THREE.LineSegments;
   private u: Float32Array;
   private points: Float32Array;
-  private lengths: Float32Array;
+  private computed = new Map<Quantity, PointValues>();
   private used: number[]; // points at the ends of lines
 
   constructor(
     private body: Body,
-    color: THREE.Color,
-    private colorEnd: number, // displacement at the end of the colour scale; 0: nothing is coloured
+    private color: THREE.Color,
   ) {
     this.u = new Float32Array(body.points.length);
     this.points = Float32Array.from(body.points);
-    this.lengths = new Float32Array(body.points.length / 3);
     this.used = [...new Set(body.lines)];
     if (body.lines.length > 0) this.addLines(color);
+    if (body.triangles.length > 0) {
+      this.surface = new SurfaceView(body, color, this.flexible, this.edges);
+      this.group.add(this.surface.mesh, this.surface.lines);
+    }
     for (const solid of body.shapes) this.addSolid(solid, color);
-    for (const point of this.used)
+    for (const point of [...this.used, ...new Set(body.triangles)])
       this.bounds.expandByPoint(new THREE.Vector3().fromArray(body.points, 3 * point));
     this.bare = this.bounds.isEmpty();
     if (this.bare) this.bounds.expandByPoint(new THREE.Vector3());
     this.group.name = body.name;
     if (this.tubes) this.place();
+    this.paint([], "none", 0);
   }
 
   get flexible(): boolean {
     return this.body.pointShapes.length > 0;
   }
 
-  /** Of the displacements last given. */
-  get largest(): number {
-    return this.lengths.reduce((most, length) => Math.max(most, length), 0);
-  }
-
   deform(amplitudes: ArrayLike<number>, exaggeration: number): void {
-    if (!this.flexible || !this.tubes) return;
+    if (!this.flexible) return;
     displacements(this.body, amplitudes, this.u);
     deformed(this.body, this.u, exaggeration, this.points);
-    magnitudes(this.u, this.lengths);
-    this.place();
-    if (this.colorEnd > 0) this.paint();
+    if (this.tubes) this.place();
+    this.surface?.place(this.points);
+  }
+
+  /** By a quantity whose scale ends at `end`; what has none gets the body's own colour. */
+  paint(amplitudes: ArrayLike<number>, quantity: Quantity, end: number): void {
+    if (!this.flexible) return;
+    const last = scale.length - 1; // also for what is not a number
+    const values = has(this.body, quantity) && end > 0 ? this.valuesAt(amplitudes, quantity) : null;
+    const colorOf = (point: number) => (values ? (scale[Math.round(last * Math.min(values[point] / end, 1))] ?? scale[last]) : this.color);
+    if (this.tubes) this.paintTubes(colorOf);
+    this.surface?.paint(colorOf);
+  }
+
+  /** Of every point; valid until the next call. */
+  valuesAt(amplitudes: ArrayLike<number>, quantity: Quantity): Float32Array {
+    let computed = this.computed.get(quantity);
+    if (!computed) this.computed.set(quantity, (computed = new PointValues(this.body, quantity)));
+    return computed.at(amplitudes);
+  }
+
+  /** The largest, and where; a value of 0 at −1 where the body has none. */
+  largest(amplitudes: ArrayLike<number>, quantity: Quantity): { value: number; point: number } {
+    if (!has(this.body, quantity)) return { value: 0, point: -1 };
+    const values = this.valuesAt(amplitudes, quantity);
+    const point = peak(values);
+    return { value: values[point] ?? 0, point };
+  }
+
+  /** The point nearest to where a ray hit one of this body's meshes; −1 on a solid. */
+  pointAt({ object, face, instanceId, point }: THREE.Intersection): number {
+    let near: number[] = [];
+    if (object === this.surface?.mesh && face) near = [face.a, face.b, face.c];
+    else if (object === this.tubes && instanceId !== undefined) near = [...this.body.lines.subarray(2 * instanceId, 2 * instanceId + 2)];
+    else if (object === this.balls && instanceId !== undefined) near = [this.used[instanceId]];
+    const place = this.group.worldToLocal(point.clone());
+    const distance = (k: number) => new THREE.Vector3().fromArray(this.points, 3 * k).distanceTo(place);
+    return near.reduce((best, k) => (best < 0 || distance(k) < distance(best) ? k : best), -1);
+  }
+
+  /** Rays are checked against the shape as it is, not as it was. */
+  refreshBounds(): void {
+    this.tubes?.computeBoundingSphere();
+    this.balls?.computeBoundingSphere();
+    this.surface?.mesh.geometry.computeBoundingSphere();
+  }
+
+  showUndeformed(on: boolean): void {
+    if (!this.undeformed) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(this.body.points), 3));
+      geometry.setIndex([...this.body.edges, ...this.body.lines]);
+      this.undeformed = new THREE.LineSegments(geometry, this.edges);
+      this.group.add(this.undeformed);
+    }
+    this.undeformed.visible = on;
   }
 
   seeThrough(on: boolean): void {
@@ -105,7 +160,7 @@ export class BodyView {
   }
 
   private instanced(geometry: THREE.BufferGeometry, count: number, color: THREE.Color): THREE.InstancedMesh {
-    const colored = this.flexible && this.colorEnd > 0;
+    const colored = this.flexible;
     if (colored) {
       const white = new Float32Array(geometry.getAttribute("position").count * 3).fill(1);
       geometry.setAttribute("color", new THREE.BufferAttribute(white, 3));
@@ -175,10 +230,8 @@ export class BodyView {
     this.balls.instanceMatrix.needsUpdate = true;
   }
 
-  private paint(): void {
+  private paintTubes(colorOf: (point: number) => THREE.Color): void {
     const { lines } = this.body;
-    const last = scale.length - 1; // also for what is not a number
-    const colorOf = (point: number) => scale[Math.round(last * Math.min(this.lengths[point] / this.colorEnd, 1))] ?? scale[last];
     const fill = (mesh: THREE.InstancedMesh, name: string, point: (k: number) => number) => {
       const attribute = mesh.geometry.getAttribute(name) as THREE.InstancedBufferAttribute;
       for (let k = 0; k < mesh.count; ++k) colorOf(point(k)).toArray(attribute.array as Float32Array, 3 * k);

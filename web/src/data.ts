@@ -6,13 +6,17 @@ export interface PackedArray {
   data: string; // base64, little-endian
 }
 
-interface PackedBody {
+export interface PackedBody {
   name: string;
   modes: number;
   lineRadius: number;
   points: PackedArray;
   pointShapes: PackedArray;
   lines: PackedArray;
+  triangles: PackedArray;
+  edges: PackedArray;
+  labels: PackedArray;
+  stress: PackedArray;
   shapes: Solid[];
 }
 
@@ -54,7 +58,12 @@ export interface Body {
   points: Float32Array; // x y z per point, body axes
   /** Per mode, x y z per point; empty for a rigid body. */
   pointShapes: Float32Array;
-  lines: Uint32Array; // two points per line
+  lines: Uint32Array; // two points per line; not those of the surface
+  triangles: Uint32Array; // three points each: the surface
+  edges: Uint32Array; // two points each: the lines worth drawing on the surface
+  labels: Float64Array; // of the points in their mesh; empty: unknown
+  /** Per mode, of each point xx yy zz xy yz zx, Pa at unit amplitude; of the first modes, or empty. */
+  stress: Float32Array;
   shapes: Solid[];
 }
 
@@ -152,19 +161,27 @@ export function decodeReport(packed: PackedReport): Report {
   };
 }
 
+export function decodeBody(body: PackedBody, firstMode = 0): Body {
+  return {
+    name: body.name,
+    firstMode,
+    modes: body.modes,
+    lineRadius: body.lineRadius,
+    points: f32(body.points),
+    pointShapes: f32(body.pointShapes),
+    lines: u32(body.lines),
+    triangles: u32(body.triangles),
+    edges: u32(body.edges),
+    labels: f64(body.labels),
+    stress: f32(body.stress),
+    shapes: body.shapes,
+  };
+}
+
 export function decodeScene(packed: PackedScene): Scene {
   let firstMode = 0;
   const bodies = packed.bodies.map((body) => {
-    const decoded: Body = {
-      name: body.name,
-      firstMode,
-      modes: body.modes,
-      lineRadius: body.lineRadius,
-      points: f32(body.points),
-      pointShapes: f32(body.pointShapes),
-      lines: u32(body.lines),
-      shapes: body.shapes,
-    };
+    const decoded = decodeBody(body, firstMode);
     firstMode += body.modes;
     return decoded;
   });

@@ -1,6 +1,5 @@
 // Flexible bodies: displacements of their points from the modal amplitudes.
-import type { Animation, Body } from "./data";
-import { amplitudesAt } from "./interpolate";
+import type { Body } from "./data";
 
 /** u = Σ amplitude·shape, x y z per point in body axes, written into `out` (as long as the points). */
 export function displacements(body: Body, amplitudes: ArrayLike<number>, out: Float32Array): void {
@@ -23,27 +22,6 @@ export function deformed(body: Body, u: Float32Array, exaggeration: number, out:
 /** |u| of every point */
 export function magnitudes(u: Float32Array, out: Float32Array): void {
   for (let i = 0; i < out.length; ++i) out[i] = Math.hypot(u[3 * i], u[3 * i + 1], u[3 * i + 2]);
-}
-
-/** The largest displacement of any point over the animation: the end of the colour scale. */
-export function largestDisplacement(bodies: Body[], animation: Animation, budget = 2e7): number {
-  let work = 0;
-  for (const body of bodies) work += body.pointShapes.length;
-  if (work === 0) return 0;
-  // Large models: a sample of the instants finds the scale well enough.
-  const every = Math.max(1, Math.ceil((work * animation.time.length) / budget));
-  let largest = 0;
-  for (const body of bodies) {
-    if (body.pointShapes.length === 0) continue;
-    const u = new Float32Array(body.points.length);
-    const length = new Float32Array(body.points.length / 3);
-    for (let i = 0; i < animation.time.length; i += every) {
-      displacements(body, amplitudesAt(animation, animation.time[i], body.firstMode, body.modes), u);
-      magnitudes(u, length);
-      for (const value of length) if (value > largest && Number.isFinite(value)) largest = value;
-    }
-  }
-  return largest;
 }
 
 /** A factor 1, 2, 5, 10, … (at most 500) that makes the largest displacement about `share` of the body's size. */

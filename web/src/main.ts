@@ -7,6 +7,8 @@ import { comparisonFormat, decodeComparison, type PackedComparison } from "./com
 import { decodeReport, type PackedReport, type Report } from "./data";
 import { element } from "./dom";
 import { firstSelection } from "./groups";
+import { buildModes } from "./modes";
+import { decodeModes, modesFormat, type PackedModes } from "./modesData";
 import { header, model, summary } from "./panels";
 import { Player } from "./player";
 import { Plots } from "./plots";
@@ -51,12 +53,16 @@ function buildReport(page: HTMLElement, report: Report): Clock {
 }
 
 function build(page: HTMLElement): void {
-  const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison;
+  const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison | PackedModes;
   let clock: Clock;
   if (packed.format === comparisonFormat) {
     const comparison = decodeComparison(packed as PackedComparison);
     document.title = `${comparisonTitle(comparison)} – mimbre report`;
     clock = buildComparison(page, comparison);
+  } else if (packed.format === modesFormat) {
+    const modes = decodeModes(packed as PackedModes);
+    document.title = `${modes.name || "Reduced body"} – mimbre modes`;
+    clock = buildModes(page, modes);
   } else {
     const report = decodeReport(packed as PackedReport);
     document.title = `${report.title || "Untitled model"} – mimbre report`;

@@ -1,51 +1,24 @@
 // The card with the 3D view and everything that steers it.
 import type { Clock } from "./clock";
-import { turboGradient } from "./color";
+import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
+import { atNode, type Quantity } from "./coloring";
 import type { Scene } from "./data";
 import { element } from "./dom";
-import { formatNumber } from "./format";
 import { nearest } from "./interpolate";
-import { View3D } from "./view3d";
+import { checkbox, choice, factorSlider } from "./slider";
+import { View3D, type Picked } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
-
-/** A labelled slider over a factor from `low` to `high`, logarithmic. */
-function factorSlider(label: string, low: number, high: number, start: number, changed: (factor: number) => void): HTMLElement {
-  const ratio = high / low;
-  const shown = element("output");
-  const slider = element("input", { type: "range", min: 0, max: 1, step: 0.001, "aria-label": label });
-  const update = () => {
-    const factor = low * ratio ** Number(slider.value);
-    const rounded = Number(factor.toPrecision(2));
-    shown.textContent = `${rounded}×`;
-    slider.setAttribute("aria-valuetext", shown.textContent);
-    changed(rounded);
-  };
-  slider.value = String(Math.log(start / low) / Math.log(ratio));
-  slider.addEventListener("input", update);
-  update();
-  return element("label", { class: "factor" }, element("span", {}, label), slider, shown);
-}
-
-function colorBar(largest: number, caption: HTMLElement): HTMLElement {
-  const bar = element("div", { class: "bar" });
-  bar.style.background = turboGradient("to right");
-  const millimetres = (value: number) => formatNumber(1000 * value, 3);
-  return element(
-    "div",
-    { class: "colorbar", title: "Displacement of the flexible bodies' points against their undeformed shape (not exaggerated)" },
-    caption,
-    bar,
-    element("div", { class: "ends" }, element("span", {}, "0"), element("span", {}, millimetres(largest / 2)), element("span", {}, millimetres(largest))),
-  );
-}
 
 export class Player {
   readonly root = element("section", { class: "card player" });
   private play = element("button", { class: "play" });
   private slider: HTMLInputElement;
   private shown = element("output", { class: "time" });
-  private caption = element("span"); // of the colour bar
+  private bar = new ColorBar();
+  private quantity: Quantity = "none";
+  private perBody = false;
+  private exaggeration = 1;
 
   constructor(
     private report: Scene,
@@ -75,7 +48,7 @@ export class Player {
     }
     try {
       const view = new View3D(this.report, this.clock, holder);
-      if (view.largest > 0) holder.append(colorBar(view.largest, this.caption));
+      if (view.quantities.length > 1) holder.append(this.bar.root);
       this.nameClicked(view, holder);
       return view;
     } catch (error) {
@@ -85,17 +58,12 @@ export class Player {
     }
   }
 
-  /** A click on a body shows its name. */
+  /** A click on a body shows its name, and the values there. */
   private nameClicked(view: View3D, holder: HTMLElement): void {
     const label = element("output", { class: "picked" });
     holder.append(label);
-    let picked = -1;
-    const show = () => {
-      const body = this.report.bodies[picked];
-      if (!body) label.textContent = "";
-      else if (body.pointShapes.length === 0) label.textContent = body.name;
-      else label.textContent = `${body.name}: deformed by up to ${(1000 * view.displacement(picked)).toFixed(2)} mm`;
-    };
+    let picked: Picked = { body: -1, point: -1 };
+    const show = () => (label.textContent = this.report.bodies[picked.body] ? this.describe(view, picked) : "");
     let pressed = [0, 0];
     view.canvas.addEventListener("pointerdown", (event) => (pressed = [event.offsetX, event.offsetY]));
     view.canvas.addEventListener("click", (event) => {
@@ -106,6 +74,32 @@ export class Player {
     this.clock.onChange(show);
   }
 
+  private describe(view: View3D, { body, point }: Picked): string {
+    const drawn = this.report.bodies[body];
+    if (drawn.pointShapes.length === 0) return drawn.name;
+    let text = `${drawn.name}: deformed by up to ${(1000 * view.largestNow(body, "displacement").value).toFixed(2)} mm`;
+    if (drawn.stress.length === 0) return text;
+    const largest = view.largestNow(body, "stress");
+    text += `, stressed by up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
+    if (point >= 0) text += `; here ${quantityText(view.valuesNow(body, "stress")[point], "stress")}${atNode(drawn, point)}`;
+    return text;
+  }
+
+  private recolor(view: View3D): void {
+    view.color(this.quantity, this.perBody);
+    this.showScale(view);
+  }
+
+  private showScale(view: View3D): void {
+    const note = this.exaggeration > 1 ? ` (drawn ${this.exaggeration}×)` : "";
+    if (this.quantity === "none") this.bar.hide();
+    else if (this.perBody) this.bar.showRelative(this.quantity, note);
+    else {
+      const peak = view.peak(this.quantity);
+      this.bar.show(this.quantity, peak.value, note, peakText(this.report.bodies, peak, this.quantity));
+    }
+  }
+
   private settings(view: View3D | null): HTMLElement {
     const row = element("div", { class: "settings" });
     // A run of milliseconds is watched slower than one of seconds.
@@ -113,27 +107,45 @@ export class Player {
     row.append(factorSlider("Speed", slowest, 4, 1, (factor) => (this.clock.speed = factor)));
     if (!view) return row;
     const exaggerate = (factor: number) => {
+      this.exaggeration = factor;
       view.exaggerate(factor);
-      this.caption.textContent = factor > 1 ? `Deformation, mm (drawn ${factor}×)` : "Deformation, mm";
+      this.showScale(view);
     };
     if (view.largest > 0)
       row.append(factorSlider("Exaggerate", 1, largestFactor, view.suggested, exaggerate));
+    if (view.quantities.length > 1) row.append(...this.colors(view));
     const follow = element("select", { "aria-label": "Follow" }, element("option", { value: -1 }, "nothing"));
     this.report.bodies.forEach((body, k) => follow.append(element("option", { value: k }, body.name)));
     follow.value = String(view.followed);
     follow.addEventListener("change", () => view.follow(Number(follow.value)));
     row.append(element("label", {}, element("span", {}, "Follow"), follow));
     if (this.report.bodies.some((body) => body.shapes.length > 0)) {
-      const box = element("input", { type: "checkbox" });
-      box.checked = true;
-      view.seeThrough(true);
-      box.addEventListener("change", () => view.seeThrough(box.checked));
-      row.append(element("label", {}, box, element("span", {}, "See through solids")));
+      row.append(checkbox("See through solids", true, (on) => view.seeThrough(on)));
     }
     const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
     row.append(fit);
     return row;
+  }
+
+  private colors(view: View3D): HTMLElement[] {
+    const asked = new URLSearchParams(location.hash.slice(1)).get("color") as Quantity;
+    const start = view.quantities.includes(asked) ? asked : view.quantities.includes("displacement") ? "displacement" : "none";
+    const options = view.quantities.map((value) => ({ value, text: quantityNames[value] }));
+    const made = [
+      choice("Colour", options, start, (quantity) => {
+        this.quantity = quantity;
+        this.recolor(view);
+      }),
+    ];
+    if (this.report.bodies.filter((body) => body.pointShapes.length > 0).length > 1)
+      made.push(
+        checkbox("Scale per body", false, (on) => {
+          this.perBody = on;
+          this.recolor(view);
+        }),
+      );
+    return made;
   }
 
   private changed(): void {

@@ -4,8 +4,9 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyView } from "./bodyView";
 import type { Clock } from "./clock";
+import { has, peaks, type Peak, type Quantity } from "./coloring";
 import type { Scene } from "./data";
-import { largestDisplacement, suggestedExaggeration } from "./deform";
+import { suggestedExaggeration } from "./deform";
 import { onThemeChange, themeColor } from "./dom";
 import { amplitudesAt, poseAt } from "./interpolate";
 import { finiteProfile, gridView, niceLength, roadView } from "./surroundings";
@@ -21,13 +22,33 @@ function colorKey(name: string): string {
 
 const extent = (box: THREE.Box3) => box.getSize(new THREE.Vector3()).length();
 
+export interface ViewOptions {
+  /** Colours are those at the end of the clock's time, not of the present instant. */
+  steadyColors?: boolean;
+  /** A grid on the ground; default: there is one. */
+  grid?: boolean;
+}
+
+/** What a click met. */
+export interface Picked {
+  body: number; // −1: nothing
+  point: number; // of the body; −1: none is near
+}
+
 export class View3D {
   readonly canvas: HTMLCanvasElement;
-  /** Largest displacement of a flexible body's point, the end of the colour scale; 0 when there is none. */
+  /** Largest displacement of a flexible body's point; 0 when there is none. */
   readonly largest: number;
+  /** What the bodies can be coloured by. */
+  readonly quantities: Quantity[];
   readonly suggested: number;
   followed = -1; // body; −1: none
   private exaggeration = 1;
+  private quantity: Quantity = "none";
+  private ends: number[] = []; // of each body's colour scale
+  private repaint = true;
+  private knownPeaks = new Map<Quantity, Peak[]>();
+  private attached: { body: number; update: (amplitudes: Float64Array, exaggeration: number) => void }[] = [];
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(40, 1, 0.01, 1000);
@@ -60,6 +81,7 @@ export class View3D {
     private report: Scene,
     private clock: Clock,
     private holder: HTMLElement,
+    private options: ViewOptions = {},
   ) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.canvas = this.renderer.domElement;
@@ -76,10 +98,13 @@ export class View3D {
     const { position } = poseAt(animation, animation.time[0] ?? 0, 0);
     if (position.every(Number.isFinite)) this.origin.set(...position);
 
-    this.largest = largestDisplacement(bodies, animation);
+    this.largest = this.peak("displacement").value;
+    this.quantities = (["none", "displacement", "stress"] as const).filter(
+      (quantity) => quantity === "none" || (quantity === "displacement" ? this.largest > 0 : bodies.some((body) => has(body, quantity))),
+    );
     const kinds = [...new Set(bodies.map((body) => colorKey(body.name)))];
     this.bodies = bodies.map(
-      (body) => new BodyView(body, new THREE.Color(bodyColors[kinds.indexOf(colorKey(body.name)) % bodyColors.length]), this.largest),
+      (body) => new BodyView(body, new THREE.Color(bodyColors[kinds.indexOf(colorKey(body.name)) % bodyColors.length])),
     );
     this.suggested = this.suggestExaggeration();
     this.scene.add(...this.bodies.map((body) => body.group));
@@ -95,22 +120,61 @@ export class View3D {
     new ResizeObserver(() => this.resize()).observe(holder);
   }
 
-  /** The body in front at a place of the canvas, in pixels; −1 where there is none. */
-  pick(x: number, y: number): number {
+  /** What is in front at a place of the canvas, in pixels. */
+  pick(x: number, y: number): Picked {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
-    for (const mesh of this.bodies.flatMap((body) => body.group.children))
-      if (mesh instanceof THREE.InstancedMesh) mesh.computeBoundingSphere(); // else that of an earlier frame is used
-    // Lines inside a solid that is seen through come first.
+    for (const body of this.bodies) body.refreshBounds();
+    // What is inside a solid that is seen through comes first.
     const hits = ray.intersectObjects(this.bodies.map((body) => body.group)).filter((hit) => hit.object instanceof THREE.Mesh);
-    const hit = hits.find(({ object }) => object instanceof THREE.InstancedMesh) ?? hits[0];
-    return hit ? this.bodies.findIndex((body) => body.group === hit.object.parent) : -1;
+    const opaque = ({ object }: THREE.Intersection) => !((object as THREE.Mesh).material as THREE.Material).transparent;
+    const hit = hits.find(opaque) ?? hits[0];
+    const body = hit ? this.bodies.findIndex(({ group }) => group === hit.object.parent) : -1;
+    return { body, point: body < 0 ? -1 : this.bodies[body].pointAt(hit) };
   }
 
-  /** Largest displacement of a body's points now, m. */
-  displacement(body: number): number {
-    return this.bodies[body].largest;
+  /** Values of a body's points now, not exaggerated; valid until the next call. */
+  valuesNow(body: number, quantity: Quantity): Float32Array {
+    return this.bodies[body].valuesAt(this.amplitudes(body), quantity);
+  }
+
+  /** The largest of a body's points now. */
+  largestNow(body: number, quantity: Quantity): { value: number; point: number } {
+    return this.bodies[body].largest(this.amplitudes(body), quantity);
+  }
+
+  /** The largest of all bodies over the whole time. */
+  peak(quantity: Quantity): Peak & { body: number } {
+    return this.peaks(quantity)
+      .map((peak, body) => ({ ...peak, body }))
+      .reduce((most, peak) => (peak.value > most.value ? peak : most), { value: 0, point: -1, time: 0, body: -1 });
+  }
+
+  /** Colours the flexible bodies, on a scale up to the largest of all or of each. */
+  color(quantity: Quantity, perBody = false): void {
+    const largest = perBody ? 0 : this.peak(quantity).value;
+    this.quantity = quantity;
+    this.ends = this.peaks(quantity).map(({ value }) => (perBody ? value : largest));
+    this.request(true);
+  }
+
+  /** The amplitudes of the animation were changed; colour() and the exaggeration have to follow. */
+  forgetPeaks(): void {
+    this.knownPeaks.clear();
+    this.request(true);
+  }
+
+  /** Adds what moves along with a body; `update` is called before it is drawn. */
+  attach(body: number, object: THREE.Object3D, update: (amplitudes: Float64Array, exaggeration: number) => void): void {
+    this.bodies[body].group.add(object);
+    this.attached.push({ body, update });
+    this.request();
+  }
+
+  showUndeformed(on: boolean): void {
+    for (const body of this.bodies) body.showUndeformed(on);
+    this.request();
   }
 
   exaggerate(factor: number): void {
@@ -143,13 +207,23 @@ export class View3D {
   }
 
   private suggestExaggeration(): number {
-    let relative = 0;
-    this.report.bodies.forEach((body, k) => {
+    const relative = this.peaks("displacement").map(({ value }, k) => {
       const size = extent(this.bodies[k].bounds);
-      if (this.bodies[k].flexible && size > 0)
-        relative = Math.max(relative, largestDisplacement([body], this.report.animation) / size);
+      return this.bodies[k].flexible && size > 0 ? value / size : 0;
     });
-    return suggestedExaggeration(relative, 1);
+    return suggestedExaggeration(Math.max(0, ...relative), 1);
+  }
+
+  private peaks(quantity: Quantity): Peak[] {
+    const { bodies, animation } = this.report;
+    let known = this.knownPeaks.get(quantity);
+    if (!known) this.knownPeaks.set(quantity, (known = peaks(bodies, animation, quantity)));
+    return known;
+  }
+
+  private amplitudes(body: number, time = this.clock.time): Float64Array {
+    const { firstMode, modes } = this.report.bodies[body];
+    return amplitudesAt(this.report.animation, time, firstMode, modes);
   }
 
   /** The chassis; without one the first body where things travel far, else none. */
@@ -223,8 +297,10 @@ export class View3D {
     for (const line of [this.road.border, this.road.mark]) line.color.set(themeColor("road-line"));
     for (const body of this.bodies) body.theme(themeColor("edge"));
     if (this.grid) this.scene.remove(this.grid);
-    this.grid = gridView(this.cell, gridCells, themeColor("ground-line"));
-    this.scene.add(this.grid);
+    if (this.options.grid !== false) {
+      this.grid = gridView(this.cell, gridCells, themeColor("ground-line"));
+      this.scene.add(this.grid);
+    }
     this.request();
   }
 
@@ -242,7 +318,8 @@ export class View3D {
     this.request();
   }
 
-  private request(): void {
+  private request(repaint = false): void {
+    this.repaint ||= repaint;
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
@@ -253,15 +330,21 @@ export class View3D {
   }
 
   private update(): void {
-    const { animation, bodies } = this.report;
-    const { time } = this.clock;
+    const { time, end } = this.clock;
+    const { steadyColors } = this.options;
     this.bodies.forEach((view, k) => {
       const matrix = this.poseMatrix(time, k);
       view.group.visible = matrix !== null;
       if (!matrix) return;
       matrix.decompose(view.group.position, view.group.quaternion, view.group.scale);
-      if (view.flexible) view.deform(amplitudesAt(animation, time, bodies[k].firstMode, bodies[k].modes), this.exaggeration);
+      if (!view.flexible) return;
+      const amplitudes = this.amplitudes(k);
+      view.deform(amplitudes, this.exaggeration);
+      if (this.repaint || (!steadyColors && this.quantity !== "none"))
+        view.paint(steadyColors ? this.amplitudes(k, end) : amplitudes, this.quantity, this.ends[k] ?? 0);
     });
+    this.repaint = false;
+    for (const { body, update } of this.attached) update(this.amplitudes(body), this.exaggeration);
     if (this.followed < 0) return;
     const place = this.followedPlace();
     const moved = place.clone().sub(this.place);

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { turbo } from "../src/color";
 import { decodeArray, decodeReport, type Animation, type Body, type PackedReport } from "../src/data";
-import { deformed, displacements, largestDisplacement, magnitudes, suggestedExaggeration } from "../src/deform";
+import { peaks } from "../src/coloring";
+import { deformed, displacements, magnitudes, suggestedExaggeration } from "../src/deform";
 import { flatten, formatNumber, formatWithin, splitKey } from "../src/format";
 import { firstSelection, grouped, groupOf } from "../src/groups";
 import { amplitudesAt, locate, nearest, poseAt, slerp, type Quaternion } from "../src/interpolate";
@@ -18,6 +19,10 @@ const beam: Body = {
   points: new Float32Array([0, 0, 0, 1, 0, 0, 2, 0, 0]),
   pointShapes: new Float32Array([0, 0, 0, 0, 0, 0.25, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0]),
   lines: new Uint32Array([0, 1, 1, 2]),
+  triangles: new Uint32Array(),
+  edges: new Uint32Array(),
+  labels: new Float64Array(),
+  stress: new Float32Array(),
   shapes: [],
 };
 
@@ -42,7 +47,8 @@ test("arrays are decoded to their last bit", () => {
 
 test("a report is decoded: offsets, gaps, places of the modes", () => {
   const empty = packed("f32", []);
-  const body = { lineRadius: 1, points: empty, pointShapes: empty, lines: packed("u32", []), shapes: [] };
+  const none = packed("u32", []);
+  const body = { lineRadius: 1, points: empty, pointShapes: empty, lines: none, triangles: none, edges: none, labels: packed("f64", []), stress: empty, shapes: [] };
   const report = decodeReport({
     format: "mimbre-report-1",
     title: "t",
@@ -113,8 +119,10 @@ test("points are displaced by exaggeration times shapes times amplitudes", () =>
   const lengths = new Float32Array(3);
   magnitudes(u, lengths);
   near(lengths, [0, Math.hypot(4, 0.5), 2], 1e-6);
-  assert.ok(Math.abs(largestDisplacement([beam], animation) - Math.hypot(4, 0.5)) < 1e-6);
-  assert.equal(largestDisplacement([{ ...beam, pointShapes: new Float32Array() }], animation), 0);
+  const [largest] = peaks([beam], animation, "displacement");
+  assert.ok(Math.abs(largest.value - Math.hypot(4, 0.5)) < 1e-6);
+  assert.deepEqual([largest.point, largest.time], [1, 1]);
+  assert.equal(peaks([{ ...beam, pointShapes: new Float32Array() }], animation, "displacement")[0].value, 0);
 });
 
 test("the exaggeration suggested makes deformations visible, not absurd", () => {

@@ -117,6 +117,7 @@ void InpLines::include(const InpKeyword& keyword) {
   if (files_.size() >= kDeepest) file().fail(fmt::format("includes go more than {} files deep", kDeepest));
   if (!std::filesystem::exists(path)) file().fail(fmt::format("'{}' is not there to be included", path));
   files_.push_back(std::make_unique<TextFile>(path));
+  included_.push_back(path);
 }
 
 }  // namespace mimbre::fe

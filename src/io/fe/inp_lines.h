@@ -31,6 +31,8 @@ class InpLines {
   bool next_data(std::string_view& line);
 
   TextFile& file() { return *files_.back(); }
+  /// Paths of the files included so far.
+  const std::vector<std::string>& included() const { return included_; }
 
  private:
   bool next(std::string_view& line);
@@ -41,6 +43,7 @@ class InpLines {
   bool includes_;
   std::string_view line_;
   bool again_ = false;
+  std::vector<std::string> included_;
 };
 
 }  // namespace mimbre::fe

@@ -1,8 +1,10 @@
 #pragma once
+#include <Eigen/Core>
 #include <string>
 
 #include "io/fe/symmetric_entries.h"
 #include "io/fe/text_file.h"
+#include "io/fe/zip_file.h"
 
 namespace mimbre::fe {
 
@@ -42,5 +44,8 @@ struct SparseFile {
   std::vector<double> value;
 };
 SparseFile parse_npz(std::string bytes, const std::string& name);
+
+/// An array of such an archive as numbers; one of one dimension is a column. Throws InputError for others.
+Eigen::MatrixXd npz_matrix(const ZipFile& zip, const std::string& member, const std::string& name);
 
 }  // namespace mimbre::fe

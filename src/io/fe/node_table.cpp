@@ -30,7 +30,8 @@ bool is_skipped(std::string_view line) {
   return line.empty() || line.starts_with('#');
 }
 
-/// 0–5, -1: none.
+}  // namespace
+
 int direction_of(std::string_view field) {
   if (const auto number = to_integer(field))
     return *number >= 1 && *number <= 6 ? static_cast<int>(*number) - 1 : -1;
@@ -40,8 +41,6 @@ int direction_of(std::string_view field) {
     if (name == names[i]) return i;
   return -1;
 }
-
-}  // namespace
 
 ImportedMesh parse_node_table(TextFile& file) {
   NodeTable nodes;

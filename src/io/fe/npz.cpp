@@ -20,9 +20,11 @@ static_assert(std::endian::native == std::endian::little, "arrays are read as th
   throw InputError({name, 0, 0}, message);
 }
 
-/// One array: its kind ("<f8"), length (product of its shape) and bytes.
+/// One array: its kind ("<f8"), shape, length (product of the shape) and bytes.
 struct Array {
   std::string kind;
+  std::vector<std::int64_t> shape;
+  bool by_columns = false;
   std::uint64_t length = 1;
   std::string_view data;
 };
@@ -51,6 +53,7 @@ Array parse_npy(std::string_view bytes, const std::string& name) {
   if (kind.size() < 2 || kind[0] != '\'' || kind.find('\'', 1) == std::string_view::npos)
     fail(name, "has a structured NumPy array; plain numbers are needed");
   array.kind = kind.substr(1, kind.find('\'', 1) - 1);
+  array.by_columns = value_of(head, "'fortran_order'", name).starts_with("True");
   std::string_view shape = value_of(head, "'shape'", name);
   const std::size_t end = shape.find(')');
   if (shape.empty() || shape[0] != '(' || end == std::string_view::npos)
@@ -63,6 +66,7 @@ Array parse_npy(std::string_view bytes, const std::string& name) {
     if (factor > 0 && array.length > std::numeric_limits<std::uint64_t>::max() / factor)
       fail(name, "has an array of an absurd size");
     array.length *= factor;
+    array.shape.push_back(*extent);
   }
   array.data = bytes.substr(start + length);
   return array;
@@ -91,15 +95,18 @@ std::vector<std::int64_t> integers(const ZipFile& zip, const std::string& member
        fmt::format("the array '{}' is of the kind '{}', not of whole numbers", member, shown(array.kind)));
 }
 
-std::vector<double> reals(const ZipFile& zip, const std::string& member, const std::string& name) {
-  const std::string bytes = zip.read(member + ".npy");
-  const Array array = parse_npy(bytes, name);
+std::vector<double> reals(const Array& array, const std::string& member, const std::string& name) {
   if (array.kind == "<f8") return convert<double, double>(array, member, name);
   if (array.kind == "<f4") return convert<float, double>(array, member, name);
   if (array.kind == "<i4") return convert<std::int32_t, double>(array, member, name);
   if (array.kind == "<i8") return convert<std::int64_t, double>(array, member, name);
   fail(name,
        fmt::format("the array '{}' is of the kind '{}', not of real numbers", member, shown(array.kind)));
+}
+
+std::vector<double> reals(const ZipFile& zip, const std::string& member, const std::string& name) {
+  const std::string bytes = zip.read(member + ".npy");
+  return reals(parse_npy(bytes, name), member, name);
 }
 
 /// Letters of the array 'format', which are bytes or UTF-32.
@@ -155,6 +162,18 @@ SparseFile parse_npz(std::string bytes, const std::string& name) {
   file.row = format == "csr" ? outer : inner;
   file.column = format == "csr" ? inner : outer;
   return file;
+}
+
+Eigen::MatrixXd npz_matrix(const ZipFile& zip, const std::string& member, const std::string& name) {
+  const std::string bytes = zip.read(member + ".npy");
+  const Array array = parse_npy(bytes, name);
+  if (array.shape.empty() || array.shape.size() > 2)
+    fail(name, fmt::format("the array '{}' is no table", member));
+  const std::vector<double> values = reals(array, member, name);
+  const Eigen::Index rows = array.shape[0], columns = array.shape.size() == 2 ? array.shape[1] : 1;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (array.by_columns) return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, columns);
+  return Eigen::Map<const RowMajor>(values.data(), rows, columns);
 }
 
 }  // namespace mimbre::fe

@@ -6,6 +6,7 @@
 
 #include "io/model_file/builder.h"
 #include "mimbre/reduced_body.h"
+#include "reduction/mirror.h"
 
 /// Bodies: frames, masses, drawings.
 namespace mimbre::model_file {
@@ -132,20 +133,26 @@ void read_lines(const Value& value, const Local& local, spec::Body& body) {
   }
 }
 
+/// The body of a file, mirrored as its part is; the same one for all that are mirrored alike.
 std::shared_ptr<const ReducedBody> read_reduced(Builder& builder, const Part& part, const Value& value) {
   const auto path = value.word();
   if (!path) return nullptr;
-  if ((part.place.mirror.array() < 0).any()) {
-    value.error("a reduced body from a file cannot be mirrored; reduce the mirrored body too");
-    return nullptr;
-  }
   if (builder.directory.empty()) {
     value.error("this model has no folder, so it cannot name other files");
     return nullptr;
   }
+  auto& images = builder.reduced_files[*path];
+  const auto image = [&](const Eigen::Vector3d& mirror) -> std::shared_ptr<const ReducedBody>& {
+    return images[{mirror.x() < 0, mirror.y() < 0, mirror.z() < 0}];
+  };
   try {
-    return std::make_shared<const ReducedBody>(
-        load_reduced_body((std::filesystem::path(builder.directory) / *path).string()));
+    auto& original = image(Eigen::Vector3d::Ones());
+    if (!original)
+      original = std::make_shared<const ReducedBody>(
+          load_reduced_body((std::filesystem::path(builder.directory) / *path).string()));
+    auto& placed = image(part.place.mirror);
+    if (!placed) placed = std::make_shared<const ReducedBody>(mirrored(*original, part.place.mirror));
+    return placed;
   } catch (const InputError& e) {
     for (const Diagnostic& d : e.diagnostics()) value.error(to_string(d));
     return nullptr;

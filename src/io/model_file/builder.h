@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <deque>
 #include <map>
 #include <memory>
@@ -95,6 +96,8 @@ struct Builder {
       spring_names{"spring", {}}, load_names{"load", {}}, road_names{"road", {}}, tyre_names{"tyre", {}},
       output_names{"output", {}};
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
+  /// Bodies of files, by path and by which axes are mirrored.
+  std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
 
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);

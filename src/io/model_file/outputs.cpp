@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <unordered_map>
 
 #include "io/model_file/builder.h"
 #include "joints/table.h"
+#include "math/stress.h"
 
 /// Channels of the CSV file.
 namespace mimbre::model_file {
@@ -32,6 +34,8 @@ constexpr std::array kinds{
     KindRow{"joint_velocity", Kind::joint_velocity, KindRow::Of::joint},
     KindRow{"joint_force", Kind::joint_force, KindRow::Of::joint},
     KindRow{"modal_amplitude", Kind::modal_amplitude, KindRow::Of::body},
+    KindRow{"stress", Kind::stress, KindRow::Of::body},
+    KindRow{"strain", Kind::strain, KindRow::Of::body},
     KindRow{"spring_force", Kind::spring_force, KindRow::Of::spring},
     KindRow{"spring_length", Kind::spring_length, KindRow::Of::spring},
     KindRow{"tyre_force", Kind::tyre_force, KindRow::Of::tyre},
@@ -98,10 +102,69 @@ void read_reference(Builder& builder, const Part& part, const Fields& fields, sp
                                         (builder.global_pose(output.item).position - here.position));
 }
 
+/// The node of the body's surface at `at`, or of the number `node` in its mesh.
+void read_surface_node(const Builder& builder, const Part& part, const Fields& fields,
+                       const ReducedBody& body, spec::Output& output) {
+  if (const auto node = fields.get("node")) {
+    const auto label = node->integer(0, std::numeric_limits<int>::max());
+    const auto& labels = body.node_labels;
+    const auto found = std::find(labels.begin(), labels.end(), label.value_or(-1));
+    if (!label) return;
+    if (found == labels.end())
+      node->error(fmt::format("the body's surface has no node {}", *label));
+    else
+      output.node = static_cast<int>(found - labels.begin());
+    return;
+  }
+  const auto at = fields.get("at");
+  const auto point = at ? at->triple() : std::nullopt;
+  if (!point) return;
+  const spec::Pose pose = builder.body_pose(output.item);
+  const Eigen::Vector3d wanted = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
+  Eigen::Index nearest = 0;
+  const double distance = (body.nodes.colwise() - wanted).colwise().norm().minCoeff(&nearest);
+  const double size = (body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff()).norm();
+  if (distance > 0.02 * size)
+    at->error(fmt::format("the nearest node of the body's surface is {:.3g} m away", distance));
+  output.node = static_cast<int>(nearest);
+}
+
+/// Which stress or strain of a body, and where; without a place its extreme over the surface.
+void read_stress(const Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                 spec::Output& output) {
+  const bool stress = output.kind == Kind::stress;
+  std::vector<std::string> words(stress_components.begin(), stress_components.end());
+  if (!stress) words.pop_back();  // von Mises is a measure of stress
+  if (const auto along = fields.get("along")) {
+    if (stress) along->error("'along' belongs to 'strain' and 'deflection'");
+    if (fields.has("component")) along->error("give 'along' or 'component', not both");
+    const spec::Pose pose = builder.body_pose(output.item);
+    output.direction =
+        pose.rotation.transpose() * part.place.vector(along->direction().value_or(Eigen::Vector3d::UnitX()));
+  } else {
+    output.component = fields.has("component") ? read_component(fields, words)
+                       : stress                ? von_mises_component
+                                               : max_principal_component;
+  }
+  if (fields.has("node") && fields.has("at")) fields.error("give 'node' or 'at', not both");
+  const auto& body = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+  if (!body) {
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+    if (info.description)
+      named.error("bodies made of bars have no stress modes; a body that 'mimbre reduce' made has them");
+    return;  // rigid: no stress
+  }
+  if ((stress ? body->stress : body->strain).size() == 0)
+    return named.error("the body's file has no stress modes; reduce its model again, with its elements");
+  read_surface_node(builder, part, fields, *body, output);
+}
+
 void read_item(Builder& builder, const Part& part, const Fields& fields, const KindRow& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
-  if (at && row.of != KindRow::Of::frame) at->error("only an output of a body has a place");
+  const bool stress = row.kind == Kind::stress || row.kind == Kind::strain;
+  if (at && row.of != KindRow::Of::frame && !stress) at->error("only an output of a body has a place");
+  if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
   if (row.of == KindRow::Of::frame) {
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
     if (output.item < 0) return;
@@ -127,6 +190,7 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
   output.item = builder.resolve(names, part, *name, named);
   if (output.item < 0) return;
   if (row.of == KindRow::Of::joint) read_joint_component(builder, fields, output);
+  if (stress) return read_stress(builder, part, fields, named, output);
   if (row.of == KindRow::Of::body) {
     const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
     const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
@@ -141,17 +205,12 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
 }
 
 void read_output(Builder& builder, const Part& part, const Value& value) {
-  const Fields fields(value, {"name",         "at",
-                              "component",    "along",
-                              "offset",       "position",
-                              "velocity",     "acceleration",
-                              "roll",         "pitch",
-                              "yaw",          "deflection",
-                              "displacement", "relative_to",
-                              "joint",        "joint_velocity",
-                              "joint_force",  "modal_amplitude",
-                              "spring_force", "spring_length",
-                              "tyre_force"});
+  const Fields fields(
+      value,
+      {"name",         "at",           "component", "along",          "offset",        "position",
+       "velocity",     "acceleration", "roll",      "pitch",          "yaw",           "deflection",
+       "displacement", "relative_to",  "joint",     "joint_velocity", "joint_force",   "modal_amplitude",
+       "stress",       "strain",       "node",      "spring_force",   "spring_length", "tyre_force"});
   if (!value.has_fields()) return;
   const auto given_name = fields.need("name", "chassis.z");
   const auto text = given_name ? given_name->text() : std::nullopt;
@@ -175,7 +234,9 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
                               row.kind != Kind::roll && row.kind != Kind::pitch && row.kind != Kind::yaw &&
                               row.kind != Kind::deflection;
   if (!component_used && fields.has("component")) fields.error(fmt::format("'{}' has no component", row.key));
-  if (row.kind != Kind::deflection && fields.has("along")) fields.error("'along' belongs to 'deflection'");
+  if (row.kind != Kind::deflection && row.kind != Kind::stress && row.kind != Kind::strain &&
+      fields.has("along"))
+    fields.error("'along' belongs to 'deflection' and 'strain'");
   if (row.kind != Kind::displacement && fields.has("relative_to"))
     fields.error("'relative_to' belongs to 'displacement'");
   if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");

@@ -1,0 +1,42 @@
+#include "app/common.h"
+#include "app/progress.h"
+#include "mimbre/vtk.h"
+
+/// mimbre export: a run for other programs that draw.
+namespace mimbre::app {
+namespace {
+
+struct Arguments {
+  std::string results, folder;
+  int instants = 500;
+};
+
+int run(const Arguments& a) {
+  const Results results = read_results(a.results);
+  Progress progress(true);
+  VtkOptions options;
+  options.most_instants = a.instants;
+  options.progress = [&](double part) { progress.update("writing", part); };
+  const std::string path = write_vtk(results, a.folder, options);
+  progress.clear();
+  print_data(path + '\n');
+  return done;
+}
+
+}  // namespace
+
+Command add_export(CLI::App& program) {
+  CLI::App* parser = program.add_subcommand(
+      "export", "Write a run as VTK files: motion, deflection and stress for ParaView");
+  const auto a = std::make_shared<Arguments>();
+  parser->add_option("results", a->results, "Results file (HDF5)")->required()->type_name("RESULTS.h5");
+  parser->add_option("--vtk", a->folder, "Folder for the files")->required()->type_name("FOLDER");
+  parser->add_option("--instants", a->instants, "At most so many instants, evenly spread; default 500")
+      ->check(CLI::Range(2, 1000000));
+  parser->footer(
+      "Prints the name of the file to open.\nExample:\n  mimbre export run.h5 --vtk frames\n"
+      "  paraview frames/run.pvd");
+  return {parser, [a] { return run(*a); }};
+}
+
+}  // namespace mimbre::app

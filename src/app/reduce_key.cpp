@@ -1,0 +1,80 @@
+#include "app/reduce_key.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <string_view>
+
+#include "app/result_cache.h"
+#include "io/fe/inp_lines.h"
+
+namespace mimbre::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a CalculiX or Abaqus input reads besides itself. Throws InputError when an include is missing.
+void add_beside(const fs::path& path, ContentKey& key) {
+  for (const char* extension : {".sti", ".mas", ".dof"})
+    key.add_file(fs::path(path).replace_extension(extension));
+  fe::InpLines lines(std::make_unique<fe::TextFile>(path.string()), path.parent_path().string(), true);
+  fe::InpKeyword keyword;
+  while (lines.next_keyword(keyword)) {
+  }
+  for (const std::string& included : lines.included()) key.add_file(included);
+}
+
+/// The part of an option's value that is the name of a file, as in FILE, ball=nodes:FILE,
+/// push=nodes:FILE,0,0,1; empty when none is.
+std::string_view file_in(std::string_view value) {
+  std::error_code ignored;
+  for (std::size_t begin = 0; begin < value.size();) {
+    for (std::size_t end = value.size(); end != std::string_view::npos && end > begin;
+         end = value.rfind(',', end - 1))
+      if (const auto part = value.substr(begin, end - begin); fs::is_regular_file(part, ignored)) return part;
+    const std::size_t mark = value.find_first_of("=:", begin);
+    if (mark == std::string_view::npos) break;
+    begin = mark + 1;
+  }
+  return {};
+}
+
+/// A file counts by its format and its bytes, not by its name.
+void add_value(std::string_view value, ContentKey& key) {
+  const std::string_view file = file_in(value);
+  if (file.empty()) return key.add(value);
+  const std::size_t begin = static_cast<std::size_t>(file.data() - value.data());
+  key.add(value.substr(0, begin));
+  key.add(value.substr(begin + file.size()));
+  const fs::path path(file);
+  std::string format = path.extension().string();
+  std::transform(format.begin(), format.end(), format.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  key.add(format);
+  key.add_file(path);
+  if (format == ".inp") add_beside(path, key);
+}
+
+}  // namespace
+
+std::string reduction_key(const CLI::App& command, const std::string& name,
+                          const std::vector<std::string>& without) {
+  ContentKey key;
+  key.add(version);
+  key.add(name);
+  key.add_program();
+  try {
+    for (const CLI::Option* option : command.get_options()) {
+      const std::string called = option->get_name();
+      if (option->count() == 0 || std::find(without.begin(), without.end(), called) != without.end())
+        continue;
+      key.add(called);
+      for (const std::string& value : option->results()) add_value(value, key);
+    }
+  } catch (const InputError&) {
+    return {};
+  }
+  return key.hex();
+}
+
+}  // namespace mimbre::app

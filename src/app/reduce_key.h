@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "app/common.h"
+
+namespace mimbre::app {
+
+/// The key of a reduction to a body called `name`: a digest of the program, of all options that were given
+/// but for those named in `without`, and of the bytes of every file that they name, its includes and the
+/// matrices beside it. Empty when the files cannot be followed; reading them will say why.
+std::string reduction_key(const CLI::App& command, const std::string& name,
+                          const std::vector<std::string>& without);
+
+}  // namespace mimbre::app
