@@ -95,12 +95,19 @@ void to_tangent(const std::vector<Interface>& interfaces, const MatrixXd& R, Sha
 
 void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& interfaces, const MatrixXd& R,
                   Shapes& shapes) {
+  // Each shape's size before: what is rigid alone leaves round-off, which must not count as a shape.
+  const VectorXd scale = shapes.dofs.cwiseProduct(symmetric_times(matrices.mass, shapes.dofs))
+                             .colwise()
+                             .sum()
+                             .transpose()
+                             .cwiseMax(1e-300)
+                             .cwiseSqrt()
+                             .cwiseInverse();
   const MatrixXd momenta = symmetric_times(matrices.mass, R);
   const MatrixXd part = (R.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
   shapes.dofs -= R * part;
   shapes.points -= rigid_points(interfaces) * part;
   const MatrixXd gram = shapes.dofs.transpose() * symmetric_times(matrices.mass, shapes.dofs);
-  const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * gram * scale.asDiagonal());
   const Index kept = gram.cols() - 6;
   const MatrixXd turn = scale.asDiagonal() * solver.eigenvectors().rightCols(kept) *

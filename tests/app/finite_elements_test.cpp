@@ -13,14 +13,14 @@ using nlohmann::json;
 
 const fs::path source = MIMBRE_SOURCE_DIR;
 
-/// What stands in the page's shell blocks; its indented commands need other programs.
-std::string shell_blocks(const std::string& page) {
-  const std::string open = "```sh\n", close = "```";
+/// What stands in the page's shell blocks; those called `sh gmsh` need Gmsh and CalculiX.
+std::string shell_blocks(const std::string& page, bool others) {
+  const std::string open = "```sh", close = "```";
   std::string commands;
   for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at)) {
-    at += open.size();
-    commands += page.substr(at, page.find(close, at) - at);
-    at = page.find(close, at) + close.size();
+    const std::size_t begin = page.find('\n', at) + 1, end = page.find(close, begin);
+    if (others || page.substr(at, begin - at) == open + "\n") commands += page.substr(begin, end - begin);
+    at = end + close.size();
   }
   return commands;
 }
@@ -48,13 +48,31 @@ class FiniteElements : public ProgramTest {
 };
 
 TEST_F(FiniteElements, CommandsOfThePageRun) {
-  const std::string commands = shell_blocks(read_file(source / "docs/finite-elements.md"));
+  const std::string commands = shell_blocks(read_file(source / "docs/finite-elements.md"), false);
   ASSERT_NE(commands.find("mimbre reduce"), std::string::npos);
   fs::remove(folder / "examples/solid-arm/arm.h5");
   EXPECT_EQ(shell(commands), 0) << read_file(folder / "err.txt");
-  for (const char* made :
-       {"examples/solid-arm/arm.h5", "modes.html", "solid.html", "arm.fem", "arm.sid", "back.h5"})
+  for (const char* made : {"examples/solid-arm/arm.h5", "modes.html", "solid.html", "vehicle.html",
+                           "frames/run.pvd", "arm.fem", "arm.sid", "back.h5"})
     EXPECT_GT(fs::file_size(folder / made), 1000u) << made;
+}
+
+/// From the drawing on, by Gmsh's mesh and by CalculiX's matrices.
+TEST_F(FiniteElements, CommandsOfThePageRunFromTheDrawingOn) {
+  if (std::system("command -v gmsh ccx > /dev/null 2>&1") != 0 ||
+      std::system("command -v ccx > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "Gmsh and CalculiX are not installed";
+  const std::string commands = shell_blocks(read_file(source / "docs/finite-elements.md"), true);
+  for (const char* made : {"arm.h5", "arm.msh"}) fs::remove(folder / "examples/solid-arm" / made);
+  EXPECT_EQ(shell("exec >> others.txt\n" + commands), 0)
+      << read_file(folder / "err.txt") << read_file(folder / "others.txt");
+  // The arm of CalculiX's matrices moves as that of our own.
+  const Outcome compared = run({"compare", "solid.h5", "calculix.h5", "--json"});
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  for (const json& channel : compared.json().at("channels"))
+    if (channel.at("name") == "chassis.z") {
+      EXPECT_LT(channel.at("max_difference").get<double>(), 1e-6);
+    }
 }
 
 /// The committed body is the one that the committed mesh gives.
@@ -109,6 +127,32 @@ TEST_F(FiniteElements, SolidArmMovesAsTheBeams) {
   EXPECT_LT(lowest, 0.4);  // the drop happened
   // Not a measurement, which a busy machine would spoil: that nothing of the mesh is in a step.
   EXPECT_LT(solid.at("cpu_seconds").get<double>(), 10 * beams.at("cpu_seconds").get<double>());
+}
+
+/// Four solid arms, two of them mirrored, with as many modes as those of beams, in the whole car.
+TEST_F(FiniteElements, VehicleMovesOnSolidArmsAsOnBeams) {
+  const Outcome beams = run({"run", "examples/iltis/vehicle.yaml", "--csv", "beams.csv", "--json"});
+  const Outcome solid = run({"run", "examples/iltis/vehicle.yaml", "--set", "arms=reduced", "--csv",
+                             "solid.csv", "--output", "solid.h5", "--json"});
+  ASSERT_EQ(solid.code, 0) << solid.err;
+  EXPECT_TRUE(solid.json().at("warnings").empty());
+  EXPECT_EQ(solid.json().at("coordinates"), beams.json().at("coordinates"));
+  const auto a = csv_rows(folder / "beams.csv"), b = csv_rows(folder / "solid.csv");
+  ASSERT_EQ(a.size(), b.size());
+  double height = 0, sideways = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    height = std::max(height, std::abs(a[k][1] - b[k][1]));
+    sideways = std::max({sideways, std::abs(b[k][2]), std::abs(b[k][4])});  // roll, yaw
+  }
+  EXPECT_LT(height, 3e-3);
+  EXPECT_LT(sideways, 1e-8);  // the mirror images push as their originals do
+  const json bodies = run({"stress", "solid.h5", "--json", "--spots", "1"}).json().at("bodies");
+  ASSERT_EQ(bodies.size(), 4u);
+  const auto peak = [&](int k) { return bodies[k].at("hot_spots")[0].at("von_mises").get<double>(); };
+  EXPECT_GT(peak(0), 3e7);
+  EXPECT_LT(peak(0), 3e8);
+  EXPECT_NEAR(peak(1), peak(0), 1e-6 * peak(0));
+  EXPECT_NEAR(peak(3), peak(2), 1e-6 * peak(2));
 }
 
 /// What a body has twice must be said, and `as` chooses.

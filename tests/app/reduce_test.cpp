@@ -116,5 +116,32 @@ TEST_F(Reduce, SaysWhatIsWrong) {
   fails({data + "scipy/stiffness.mtx", "--interface", "a=set:a"}, 2, "--mass");
 }
 
+/// Motions, axes and several interfaces after one option; and what is wrong with them.
+TEST_F(Reduce, TakesMotionsOfInterfaces) {
+  const std::vector<std::string> common{"reduce",      bar,       "--interface", "root=box(0,0,0, 0,1,1)",
+                                        "tip=set:end", "--modes", "2",           "-o",
+                                        "bar.h5",      "--json"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = common;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  EXPECT_EQ(with({}).json().at("modes"), 6 + 2);
+  EXPECT_EQ(with({"--free", "tip=rx,ry,rz"}).json().at("modes"), 3 + 2);
+  EXPECT_EQ(with({"--free", "tip=x,ry", "--hold", "tip=y", "--axes", "tip=1,0,0"}).json().at("modes"), 3 + 2);
+  EXPECT_EQ(with({"--hold", "tip"}).json().at("modes"), 2);
+  for (const auto& [arguments, message] :
+       {std::pair{std::vector<std::string>{"--free", "tip=w"}, "'w' is no motion"},
+        {{"--free", "top=x"}, "no interface 'top'"},
+        {{"--free", "tip=x", "--hold", "tip"}, "x is free and held at once"},
+        {{"--axes", "tip=0,0,0"}, "z must have a direction"},
+        {{"--axes", "tip=0,0,1,0,0,2"}, "x another one"},
+        {{"--point", "tip=1,2"}, "NAME=x,y,z"}}) {
+    const Outcome outcome = with(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::app_test

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -270,6 +271,51 @@ TEST(UserModes, TooFewDisplacementsAreRefused) {
   EXPECT_THROW(fe::reduce(p.mesh, p.matrices, options), std::invalid_argument);
 }
 
+std::string little(std::uint32_t number, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += static_cast<char>(number >> 8 * i & 0xff);
+  return text;
+}
+
+std::uint32_t crc32(const std::string& bytes) {
+  std::uint32_t crc = 0xffffffffU;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int i = 0; i < 8; ++i) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320U : 0U);
+  }
+  return ~crc;
+}
+
+/// A ZIP archive, nothing compressed.
+std::string zip(const std::vector<std::pair<std::string, std::string>>& members) {
+  std::string bytes, directory;
+  for (const auto& [name, data] : members) {
+    const auto size = static_cast<std::uint32_t>(data.size());
+    const std::string sizes = little(crc32(data), 4) + little(size, 4) + little(size, 4) +
+                              little(static_cast<std::uint32_t>(name.size()), 2) + little(0, 2);
+    const auto offset = static_cast<std::uint32_t>(bytes.size());
+    bytes += "PK\x03\x04" + little(20, 2) + little(0, 8) + sizes + name + data;
+    directory += "PK\x01\x02" + little(20, 2) + little(20, 2) + little(0, 8) + sizes + little(0, 10) +
+                 little(offset, 4) + name;
+  }
+  const auto count = static_cast<std::uint32_t>(members.size());
+  return bytes + directory + "PK\x05\x06" + little(0, 4) + little(count, 2) + little(count, 2) +
+         little(static_cast<std::uint32_t>(directory.size()), 4) +
+         little(static_cast<std::uint32_t>(bytes.size()), 4) + little(0, 2);
+}
+
+template <class Number>
+std::pair<std::string, std::string> array(const std::string& name, const std::string& kind,
+                                          const std::string& shape, const std::vector<Number>& values,
+                                          bool by_columns = false) {
+  const std::string head = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}\n", kind,
+                                       by_columns ? "True" : "False", shape);
+  std::string data =
+      "\x93NUMPY" + std::string("\x01\0", 2) + little(static_cast<std::uint32_t>(head.size()), 2) + head;
+  data.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number));
+  return {name + ".npy", data};
+}
+
 class UserModesFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -279,7 +325,7 @@ class UserModesFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path); }
   fe::UserModes read(const std::string& text, const fe::FileUnits& units = {}) {
-    std::ofstream(path) << text;
+    std::ofstream(path, std::ios::binary) << text;
     return fe::read_user_modes(path, mesh, units);
   }
   std::string error(const std::string& text) {
@@ -302,6 +348,38 @@ TEST_F(UserModesFile, IsATableByNodeAndDirection) {
   EXPECT_EQ(m.dofs[0].direction, 2);
   EXPECT_EQ(m.dofs[1].direction, 3);
   EXPECT_TRUE(m.shapes.isApprox((MatrixXd(2, 2) << 0.5e-3, -1e-3, 2, 3).finished()));
+}
+
+TEST_F(UserModesFile, IsNumPysArrays) {
+  path = testing::TempDir() + "/mimbre-user-modes.npz";
+  using Integers = std::vector<std::int64_t>;
+  const auto label = array("label", "<i8", "(3,)", Integers{9, 7, 7}),
+             direction = array("direction", "<i8", "(3,)", Integers{3, 1, 6});
+  const std::vector<double> rows{1, 2, 3, 4, 5, 6};
+  const MatrixXd expected = (MatrixXd(3, 2) << 1, 2, 3, 4, 5, 6).finished();
+  for (const bool by_columns : {false, true}) {
+    const std::vector<double> values = by_columns ? std::vector<double>{1, 3, 5, 2, 4, 6} : rows;
+    const fe::UserModes m =
+        read(zip({label, direction, array("shapes", "<f8", "(3, 2)", values, by_columns)}));
+    EXPECT_EQ(m.shapes, expected);
+    ASSERT_EQ(m.dofs.size(), 3U);
+    EXPECT_EQ(m.dofs[0].node, 1);
+    EXPECT_EQ(m.dofs[2].direction, 5);
+  }
+  EXPECT_EQ(read(zip({label, direction, array("shapes", "<f8", "(3,)", std::vector<double>{1, 2, 3})}))
+                .shapes.cols(),
+            1);
+  const auto shapes = array("shapes", "<f8", "(3, 2)", rows);
+  EXPECT_THAT(error(zip({label, shapes})), HasSubstr("no array 'direction'"));
+  EXPECT_THAT(error(zip({label, array("direction", "<i8", "(3,)", Integers{3, 0, 1}), shapes})),
+              HasSubstr("the direction 0"));
+  EXPECT_THAT(error(zip({array("label", "<i8", "(3,)", Integers{9, 9, 7}),
+                         array("direction", "<i8", "(3,)", Integers{3, 3, 1}), shapes})),
+              HasSubstr("twice"));
+  EXPECT_THAT(error(zip({array("label", "<i8", "(2,)", Integers{9, 7}), direction, shapes})),
+              HasSubstr("2 labels, 3 directions and 3 x 2"));
+  EXPECT_THAT(error(zip({label, direction, array("shapes", "<f8", "(3, 2, 1)", rows)})),
+              HasSubstr("no table"));
 }
 
 TEST_F(UserModesFile, RubbishGetsClearErrors) {
