@@ -29,6 +29,8 @@ struct ImportedMesh {
 struct ImportedMatrices {
   SolidMesh mesh;
   FeMatrices matrices;
+  /// Of the rows in the order of the file (`matrices` has them by nodes); empty: the file has no such order.
+  std::vector<Dof> file_dofs;
   std::vector<Diagnostic> warnings;  ///< such as matrices that hold the body
 };
 
@@ -95,16 +97,27 @@ struct ImportedBody {
 /// MBDyn's .fem of the modal joint. Its nodes become frames `node LABEL`. Mass, first and second moments come
 /// from record group 12 or, without it, from the lumped masses of group 11; the modal integrals from groups
 /// 13 to 17 or else from lumped masses and mode shapes.
-/// Without a place there: axes of frames (positions and modes are in body axes), mode names, drawing lines,
-/// modes in the user's view, second order. Geometric stiffness (record group 19) is neither read nor written.
-/// Blanks in the names of frames become '_'. Throws std::invalid_argument for a body without frames.
+/// Geometric stiffness is in record group 19: there by loads of inertia on the body with its frame held and
+/// by forces at the nodes. The boundary loads of a body become such forces as they are where it deforms at
+/// rest, and forces become those that hold the nodes where the amplitudes have them; of static modes of the
+/// nodes both ways give the same body. Without a place there: axes of frames (positions and modes are in body
+/// axes), mode names, stress, drawing lines and points, modes in the user's view, second order. Blanks in the
+/// names of frames become '_'. Throws std::invalid_argument for a body without frames, or with boundary loads
+/// and a stiffness that is not positive definite.
 ImportedBody read_mbdyn_fem(const std::string& path);
 void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
 
 /// SID, standard input data (O. Wallrapp, Mech. Struct. Mach. 22(4), 1994). Nodes become frames `node LABEL`;
 /// the linear terms m1 are accepted with the indices (row, mode, column) and (row, column, mode). Geometric
-/// stiffness by inertia and gravity is in the linear terms of Oe, Ct and Cr; what the format has for forces
-/// at nodes is neither read nor written. Frames are numbered unless all are called `node NUMBER`.
+/// stiffness, by the loads of write_mbdyn_fem, is in the linear terms of Oe, Ct and Cr and, minus that by
+/// forces and torques at a node, of its phi and psi, so that phiᵀ F is the force on the modes. Initial stress
+/// changes the stiffness (linear terms of ksigma), its forces are left out.
+/// Stress of the modes is sigma of the nodes (xx yy zz xy yz zx). The body's points with stress become nodes
+/// behind the frames, without psi and so, when read, no frames; a point that is where a frame is, and moves
+/// as it does, is one node with it. Points keep their labels, unless these are there twice or are frames'
+/// too: then they are numbered. Frames are numbered, above those labels, unless all are called `node NUMBER`.
+/// Without a place there: strain, triangles, drawing lines, modes in the user's view, second order. Throws
+/// std::invalid_argument for boundary loads and a stiffness that is not positive definite.
 ImportedBody read_sid(const std::string& path);
 void write_sid(const ReducedBody& body, const std::string& path);
 

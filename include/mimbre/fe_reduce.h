@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <array>
 #include <functional>
 #include <string>
@@ -48,6 +49,14 @@ struct UserModes {
   Eigen::MatrixXd shapes;  ///< dofs × modes, body axes; any unit: only the shapes count
 };
 
+/// Stress by displacements as another program has it.
+struct StressMatrix {
+  /// 6·nodes × dofs, Pa by m and rad, columns as FeMatrices::dofs; rows xx yy zz xy yz zx of each node in
+  /// turn, body axes.
+  Eigen::SparseMatrix<double> matrix;
+  std::vector<int> nodes;  ///< of the rows, indices into SolidMesh::nodes, each once
+};
+
 struct ModelReduction {
   enum class Frame {
     tangent,   ///< the body frame moves with the first interface
@@ -76,6 +85,9 @@ struct ModelReduction {
   /// Matrices by which forces of inertia, gravity and at the interfaces stiffen the body
   /// (GeometricStiffness): solids, tangent frame, bases with static modes.
   bool geometric_stiffness = false;
+  /// With nodes: these are the body's points, in this order, their stress is this one's, and strain is not
+  /// known.
+  StressMatrix stress;
   int free_modes = 10;  ///< of the full model, for the certificate: 0 saves a factorisation
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;

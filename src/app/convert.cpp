@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string input, output, to;
+  bool no_stress = false;
 };
 
 std::string format_of(const std::string& path) {
@@ -40,6 +41,10 @@ int run(const Arguments& a) {
     read = from == "fem" ? fe::read_mbdyn_fem(a.input) : fe::read_sid(a.input);
   for (const Diagnostic& warning : read.warnings)
     fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
+  if (a.no_stress) {
+    read.body.stress.resize(0, 0);
+    read.body.strain.resize(0, 0);
+  }
   if (read.body.name.empty()) read.body.name = fs::path(a.input).stem().string();
   require_writable(output);
   try {
@@ -66,6 +71,8 @@ Command add_convert(CLI::App& program) {
   parser->add_option("--to", a->to, "Format to write")
       ->required()
       ->check(CLI::IsMember({"sid", "fem", "h5"}));
+  parser->add_flag("--no-stress", a->no_stress,
+                   "Leave stress out: in SID every point with stress is a node more");
   parser->add_option("-o,--output", a->output, "File to write; default: the input's name with the new ending")
       ->type_name("FILE");
   parser->footer(

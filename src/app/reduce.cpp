@@ -13,6 +13,7 @@
 #include "app/result_cache.h"
 #include "app/table.h"
 #include "app/targets.h"
+#include "io/fe/stress_matrix.h"
 #include "io/fe/user_modes_file.h"
 #include "mimbre/fe_import.h"
 #include "mimbre/fe_reduce.h"
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string input, output, report, mass, nodes, dofs, user_modes;
+  std::string input, output, report, mass, nodes, dofs, user_modes, stress, stress_nodes;
   InterfaceOptions interfaces;
   std::vector<std::string> materials, loads;
   int modes = 10, free_modes = 10;
@@ -91,6 +92,7 @@ void add_materials(fe::SolidMesh& mesh, const std::vector<std::string>& texts) {
 struct Input {
   fe::SolidMesh mesh;
   fe::FeMatrices matrices;
+  std::vector<fe::Dof> file_dofs;
   std::vector<Diagnostic> warnings;
 };
 
@@ -105,13 +107,15 @@ Input read_input(const Arguments& a) {
     if (ending == ".inp" && fs::exists(with(".sti")) && fs::exists(with(".mas")) &&
         fs::exists(with(".dof"))) {
       fe::ImportedMatrices read = fe::read_calculix_matrices(a.input, units);
-      return {std::move(read.mesh), std::move(read.matrices), std::move(read.warnings)};
+      return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
+              std::move(read.warnings)};
     }
     fe::ImportedMesh read = fe::read_mesh(a.input, units);
     add_materials(read.mesh, a.materials);
     try {
       fe::FeMatrices matrices = fe::assemble(read.mesh);
-      return {std::move(read.mesh), std::move(matrices), std::move(read.warnings)};
+      if (matrices.dofs.empty()) throw std::invalid_argument("has no elements");
+      return {std::move(read.mesh), std::move(matrices), {}, std::move(read.warnings)};
     } catch (const std::invalid_argument& error) {
       throw InputError(Mark{a.input}, error.what());
     }
@@ -120,11 +124,13 @@ Input read_input(const Arguments& a) {
     if (a.mass.empty() || a.nodes.empty())
       throw UsageError("a stiffness matrix needs --mass FILE and --nodes FILE beside it");
     fe::ImportedMatrices read = fe::read_sparse_matrices(a.input, a.mass, a.nodes, a.dofs, units);
-    return {std::move(read.mesh), std::move(read.matrices), std::move(read.warnings)};
+    return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
+            std::move(read.warnings)};
   }
   if (ending == ".pch" || ending == ".dmig" || ending == ".bdf" || ending == ".dat") {
     fe::ImportedMatrices read = fe::read_nastran_dmig(a.input, a.nodes, "", "", units);
-    return {std::move(read.mesh), std::move(read.matrices), std::move(read.warnings)};
+    return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
+            std::move(read.warnings)};
   }
   throw UsageError(fmt::format("'{}': the ending '{}' is not known\n{}", a.input, ending, formats));
 }
@@ -195,6 +201,11 @@ Json reduce_anew(const Arguments& a) {
   options.loads = loads_of(a.loads, input.mesh, input.matrices.dofs, units_of(a.units).length);
   if (!a.user_modes.empty())
     options.user_modes = fe::read_user_modes(a.user_modes, input.mesh, units_of(a.units));
+  if (!a.stress.empty())
+    options.stress = fe::read_stress_matrix(a.stress, a.stress_nodes, input.mesh, input.matrices,
+                                            input.file_dofs, units_of(a.units));
+  else if (!a.stress_nodes.empty())
+    throw UsageError("--stress-nodes says which nodes the rows of --stress FILE belong to");
   options.dynamic_modes = a.modes;
   options.free_modes = a.free_modes;
   options.basis = basis_of(a.basis);
@@ -366,6 +377,16 @@ Command add_reduce(CLI::App& program) {
   parser->add_option("--mass", a->mass, "Mass matrix")->type_name("FILE");
   parser->add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh")->type_name("FILE");
   parser->add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction")->type_name("FILE");
+  parser
+      ->add_option(
+          "--stress", a->stress,
+          "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
+          "stiffness matrix")
+      ->type_name("FILE");
+  parser
+      ->add_option("--stress-nodes", a->stress_nodes,
+                   "Nodes of its rows: CSV, labels in the first column; default: all, in order")
+      ->type_name("FILE");
   parser->add_option("-o,--output", a->output, "The body")->required()->type_name("BODY.h5");
   parser
       ->add_option("--report", a->report,

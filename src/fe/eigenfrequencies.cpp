@@ -72,7 +72,7 @@ Eigen::VectorXd eigenfrequencies_fixed_dofs(const Mesh& mesh, const std::vector<
   if (factor.info() != Eigen::Success)
     throw std::runtime_error("the stiffness matrix could not be factorised");
 
-  Eigen::VectorXd eigenvalues = lowest_modes(K, M, count, shift, factor).eigenvalues;
+  Eigen::VectorXd eigenvalues = lowest_modes(M, count, shift, factor).eigenvalues;
   eigenvalues.head(std::min(rigid, count)).setZero();
   return eigenvalues.cwiseMax(0).cwiseSqrt();
 }

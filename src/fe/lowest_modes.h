@@ -14,8 +14,8 @@ struct Modes {
 /// The `count` lowest solutions of K v = λ M v, K positive semi-definite, M positive definite.
 /// `factor` holds the factorisation of K − shift·M, shift ≤ 0 and below the lowest eigenvalue.
 /// Throws std::runtime_error when the iteration does not converge.
-Modes lowest_modes(const Eigen::SparseMatrix<double>& K, const Eigen::SparseMatrix<double>& M, int count,
-                   double shift, const SymmetricSolver& factor);
+Modes lowest_modes(const Eigen::SparseMatrix<double>& M, int count, double shift,
+                   const SymmetricSolver& factor);
 
 /// Turns every column so that its entry of largest magnitude is positive; of entries that are equal up to
 /// round-off, as in symmetric shapes, the first decides.

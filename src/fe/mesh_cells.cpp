@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include "fe/solid_element.h"
 
@@ -45,6 +47,43 @@ void check_group(const SolidMesh& mesh, const ElementGroup& group) {
   }
   if (is_shell(group.type) && !(std::isfinite(group.thickness) && group.thickness > 0))
     fail(element_name(group, 0), fmt::format("its thickness must be positive, is {}", group.thickness));
+}
+
+/// Solids that fill the same place twice: both would count. (Shells may lie in layers.)
+void check_no_solid_twice(const SolidMesh& mesh) {
+  struct Solid {
+    std::array<int, 4> lowest;  ///< of its nodes
+    std::size_t group;
+    int element;
+  };
+  std::vector<Solid> solids;
+  for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
+    const ElementGroup& group = mesh.groups[g];
+    if (is_shell(group.type)) continue;
+    for (int e = 0; e < group.size(); ++e) {
+      const int* const nodes = group.nodes.data() + static_cast<std::ptrdiff_t>(e) * node_count(group.type);
+      Solid solid{{}, g, e};
+      std::partial_sort_copy(nodes, nodes + node_count(group.type), solid.lowest.begin(), solid.lowest.end());
+      solids.push_back(solid);
+    }
+  }
+  std::sort(solids.begin(), solids.end(), [](const Solid& a, const Solid& b) {
+    return std::tie(a.lowest, a.group, a.element) < std::tie(b.lowest, b.group, b.element);
+  });
+  const auto all_nodes = [&](const Solid& solid) {
+    const ElementGroup& group = mesh.groups[solid.group];
+    const int* const nodes =
+        group.nodes.data() + static_cast<std::ptrdiff_t>(solid.element) * node_count(group.type);
+    std::vector<int> sorted(nodes, nodes + node_count(group.type));
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  for (std::size_t k = 1; k < solids.size(); ++k) {
+    const Solid &a = solids[k - 1], &b = solids[k];
+    if (a.lowest == b.lowest && all_nodes(a) == all_nodes(b))
+      fail(element_name(mesh.groups[b.group], b.element),
+           fmt::format("has the same nodes as {}", element_name(mesh.groups[a.group], a.element)));
+  }
 }
 
 void add_cell(MeshCells& cells, const int* nodes, int count, int dofs) {
@@ -90,6 +129,7 @@ MeshCells mesh_cells(const SolidMesh& mesh) {
     }
   }
   cells.group_begin.push_back(cells.size());
+  check_no_solid_twice(mesh);
   for (std::size_t b = 0; b < mesh.beams.size(); ++b) {
     for (int node : mesh.beams[b].nodes)
       if (!exists(node)) fail(fmt::format("beam element {}", b), missing(node));

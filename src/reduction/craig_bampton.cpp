@@ -179,7 +179,7 @@ void add_axial_modes(const Mesh& mesh, const Matrices& matrices, const Reduction
         fmt::format("{} axial modes asked of a mesh with {} free nodes", count, along.cols()));
   const Eigen::SparseMatrix<double> K = along.transpose() * matrices.stiffness * along;
   const Eigen::SparseMatrix<double> M = along.transpose() * matrices.mass * along;
-  const Modes modes = lowest_modes(K, M, count, 0, SymmetricSolver(K));
+  const Modes modes = lowest_modes(M, count, 0, SymmetricSolver(K));
   const Eigen::Index before = basis.shapes.cols();
   basis.shapes.conservativeResize(Eigen::NoChange, before + count);
   basis.shapes.rightCols(count) = along * modes.vectors;
@@ -229,7 +229,7 @@ Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionO
     if (loads.cols() > 0)
       basis.responses = dofs.internal * factor.solve((dofs.internal.transpose() * loads).eval()).eval();
     // (2.8): dynamic modes, the boundary fixed
-    const Modes modes = lowest_modes(Kii, Mii, options.dynamic_modes, 0, factor);
+    const Modes modes = lowest_modes(Mii, options.dynamic_modes, 0, factor);
     basis.shapes.rightCols(options.dynamic_modes) = dofs.internal * modes.vectors;
     basis.stiffness.diagonal().tail(options.dynamic_modes) = modes.eigenvalues;
   }

@@ -68,7 +68,10 @@ void add_shape_integrals(const Eigen::Matrix3Xd& nodes, const Sparse& nodal_mass
     weighted[i] = nodal_mass * X[i];
   }
   const Eigen::MatrixXd positions = nodal_mass * nodes.transpose();  // nodes × 3
-  body.mass = nodal_mass.sum();
+  // Entry by entry: Eigen sums a sparse matrix in an order that depends on where its memory begins.
+  body.mass = 0;
+  for (int c = 0; c < nodal_mass.outerSize(); ++c)
+    for (Sparse::InnerIterator it(nodal_mass, c); it; ++it) body.mass += it.value();
   body.first_moment = positions.colwise().sum();
   const Eigen::Matrix3d second = nodes * positions;
   body.second_moment = 0.5 * (second + second.transpose());

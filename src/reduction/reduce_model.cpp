@@ -11,8 +11,10 @@
 #include "fe/block_lanczos.h"
 #include "fe/surface.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/connected_parts.h"
 #include "reduction/effective_mass.h"
 #include "reduction/free_interface.h"
+#include "reduction/given_stress.h"
 #include "reduction/independent_shapes.h"
 #include "reduction/krylov.h"
 #include "reduction/load_modes.h"
@@ -63,10 +65,11 @@ MatrixXd node_shapes(const SolidMesh& mesh, const FeMatrices& matrices, const Ma
 
 /// The surface with its motion, stress and strain by the modes.
 void add_surface(const SolidMesh& mesh, const FeMatrices& matrices, const MatrixXd& shapes,
-                 const MatrixXd& displacements, ReducedBody& body) {
+                 const MatrixXd& displacements, const StressMatrix& stress, ReducedBody& body) {
   Surface seen = surface(mesh);
-  const bool elements = !seen.points.empty();
-  if (!elements)  // matrices alone: a cloud of points
+  const bool given = !stress.nodes.empty();
+  if (given) seen = at_nodes(stress, seen);
+  if (seen.points.empty())  // matrices alone: a cloud of points
     for (Index k = 0; k < mesh.nodes.cols(); k += 1 + mesh.nodes.cols() / kDrawnNodes)
       seen.points.push_back({static_cast<int>(k), Vector3d::Zero()});
   const auto count = static_cast<Index>(seen.points.size());
@@ -95,6 +98,10 @@ void add_surface(const SolidMesh& mesh, const FeMatrices& matrices, const Matrix
   body.triangles = std::move(seen.triangles);
   const Vector3d size = body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff();
   body.line_radius = std::max(1e-6, 1e-3 * size.maxCoeff());
+  if (given) {
+    body.stress = stress.matrix * shapes;
+    return;
+  }
   const bool known = std::all_of(mesh.groups.begin(), mesh.groups.end(),
                                  [](const ElementGroup& g) { return g.nodes.empty() || g.material >= 0; });
   if (!known || body.triangles.empty()) return;  // matrices of another program, elements only for the eye
@@ -402,7 +409,14 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
                           check.name == "positive diagonals" || check.name == "rigid motions"))
       throw std::invalid_argument(fmt::format("{}: {}", check.name, check.detail));
 
+  result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
+  if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);
+
   const MatrixXd R = rigid_shapes(mesh, matrices);
+  if (!options.stress.nodes.empty()) {
+    require(options.stress, mesh, matrices);
+    result.body.checks.push_back(check_rigid(options.stress, R));
+  }
   double scale = 0;  // a typical ω²
   const Shapes shapes = basis_of(mesh, matrices, options, R, scale, result);
   if (scale == 0)
@@ -427,7 +441,7 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
         {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
   }
   tell("stress", 0);
-  add_surface(mesh, matrices, shapes.dofs, displacements, body);
+  add_surface(mesh, matrices, shapes.dofs, displacements, options.stress, body);
   if (options.geometric_stiffness) {
     tell("geometric stiffness", 0);
     const TiedModel held(mesh, matrices, options.interfaces);

@@ -259,5 +259,19 @@ TEST(MeshAssembly, CantileverBlockDeflectsAsBeamTheorySays) {
   }
 }
 
+TEST(MeshAssembly, SolidsThatAreThereTwiceAreNamed) {
+  fe::SolidMesh mesh = block(ElementType::tet10, {1, 1, 1}, {2, 1, 1}, steel());
+  auto& nodes = mesh.groups[0].nodes;
+  const std::vector<int> third(nodes.begin() + 20, nodes.begin() + 30);
+  nodes.insert(nodes.end(), third.begin(), third.end());
+  try {
+    fe::assemble(mesh);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("has the same nodes as element 2"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::test

@@ -228,6 +228,34 @@ TEST(ReduceModel, SaysWhatIsWrong) {
   fails(both_ends(mesh, Interface::Tie::rigid), broken, "not finite");
 }
 
+TEST(ReduceModel, PartsThatNothingJoinsAreNamed) {
+  // Two blocks end to end whose nodes were never merged.
+  fe::SolidMesh mesh = block(fe::ElementType::hex8, {1, 0.1, 0.1}, {4, 1, 1}, steel);
+  const auto one = static_cast<int>(mesh.nodes.cols());
+  const fe::SolidMesh other = block(fe::ElementType::hex8, {0.5, 0.1, 0.1}, {2, 1, 1}, steel);
+  Eigen::Matrix3Xd nodes(3, one + other.nodes.cols());
+  nodes << mesh.nodes, other.nodes.colwise() + Vector3d(1, 0, 0);
+  mesh.nodes = nodes;
+  for (const int node : other.groups[0].nodes) mesh.groups[0].nodes.push_back(one + node);
+  for (int k = 0; k < nodes.cols(); ++k) mesh.labels.push_back(k + 1);
+  if (!mesh.groups[0].labels.empty()) mesh.groups[0].labels.clear();
+  const fe::FeMatrices m = fe::assemble(mesh);
+  ModelReduction o;
+  o.interfaces = {end(mesh, "root", 0, Interface::Tie::rigid)};
+  o.free_modes = 0;
+  try {
+    fe::reduce(mesh, m, o);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("in 2 parts that no element joins; the smallest has 12 nodes"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("4 nodes of different parts coincide"));
+  }
+  // An interface may join them.
+  o.interfaces.push_back(end(mesh, "seam", 1, Interface::Tie::rigid));
+  EXPECT_EQ(fe::reduce(mesh, m, o).body.modes, 6 + 10);
+}
+
 TEST(Skin, EnclosesTheBlock) {
   for (const auto type : {fe::ElementType::tet4, fe::ElementType::hex20, fe::ElementType::wedge6}) {
     const fe::SolidMesh mesh = block(type, {1, 0.5, 0.25}, {3, 2, 2}, steel);

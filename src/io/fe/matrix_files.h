@@ -39,11 +39,13 @@ std::int64_t count_abaqus_rows(TextFile& file);
 
 /// SciPy's save_npz as bytes: a ZIP of arrays.
 struct SparseFile {
-  std::int64_t rows = 0;
+  std::int64_t rows = 0, columns = 0;
   std::vector<int> row, column;  ///< of each entry
   std::vector<double> value;
 };
+/// A square matrix; the second one of any shape.
 SparseFile parse_npz(std::string bytes, const std::string& name);
+SparseFile parse_any_npz(std::string bytes, const std::string& name);
 
 /// An array of such an archive as numbers; one of one dimension is a column. Throws InputError for others.
 Eigen::MatrixXd npz_matrix(const ZipFile& zip, const std::string& member, const std::string& name);

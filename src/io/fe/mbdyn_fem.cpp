@@ -1,16 +1,23 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
 #include "io/fe/cross_integrals.h"
+#include "io/fe/frame_force_stiffness.h"
 #include "io/fe/reduced_files.h"
 #include "io/fe/text.h"
 #include "reduction/shape_integrals.h"
 
 // Format: MBDyn input manual, modal joint. Of node i, mass m and position u: invariants I3_j = Σ m φ_j,
 // I4_j = Σ (m u × φ_j + J ψ_j), I5_jk = Σ m φ_j × φ_k, I8_j = −Σ m u~ φ_j~, I9_jk = Σ m φ_j~ φ_k~.
+// Record group 19: a count, then for each matrix its index and the matrix. With them the modal stiffness has
+// Σ K_index s_index more, s: 1–6 ωx², ωy², ωz², ωxωy, ωyωz, ωzωx; 7–9 angular acceleration; 10–12
+// acceleration less gravity, all of the modal node and in its axes; from 13 on six of each node: force,
+// torque on the body.
 
 namespace mimbre::fe {
 namespace {
@@ -102,6 +109,36 @@ Fem read_groups(TextFile& file) {
   return fem;
 }
 
+/// Index of record group 19, from 0, as a number of GeometricStiffness or, from 12 on, six of each node.
+constexpr int kStiffeningLoads[] = {0, 1, 2, 3, 4, 5, 9, 10, 11, 6, 7, 8};
+
+/// Numbers of each matrix of record group 19, with its index.
+std::int64_t stiffening_size(const Fem& fem) { return 1 + fem.modes * fem.modes; }
+
+void check_stiffening(const Fem& fem) {
+  const Group& group = fem.groups.at(19);
+  const auto fail = [&](const std::string& message) {
+    throw InputError(group.mark, "record group 19 " + message);
+  };
+  const auto whole = [](double value, double most) {
+    return value >= 0 && value <= most && value == std::floor(value);
+  };
+  if (group.values.empty() || !whole(group.values[0], 12.0 + 6.0 * static_cast<double>(fem.nodes)))
+    fail("must begin with the number of its matrices, one of each load at most");
+  const auto count = static_cast<std::int64_t>(group.values[0]);
+  const auto size = static_cast<std::int64_t>(group.values.size());
+  if (size != 1 + count * stiffening_size(fem))
+    fail(fmt::format("has {} numbers, {} are needed", size, 1 + count * stiffening_size(fem)));
+  std::set<std::int64_t> indices;
+  for (std::int64_t k = 0; k < count; ++k) {
+    const double index = group.values[static_cast<std::size_t>(1 + k * stiffening_size(fem))];
+    if (!whole(index, 12.0 + 6.0 * static_cast<double>(fem.nodes)) || index == 0)
+      fail(fmt::format("has the index {}: 1 to 12 are loads of inertia, then come six of each node", index));
+    if (!indices.insert(static_cast<std::int64_t>(index)).second)
+      fail(fmt::format("has the index {} twice", index));
+  }
+}
+
 void check_groups(const Fem& fem) {
   const std::int64_t n = fem.modes;
   const std::map<int, std::int64_t> sizes = {
@@ -114,6 +151,7 @@ void check_groups(const Fem& fem) {
   if (static_cast<std::int64_t>(fem.labels.size()) != fem.nodes)
     throw InputError(fem.groups.at(2).mark, fmt::format("record group 2 has {} nodes, the head says {}",
                                                         fem.labels.size(), fem.nodes));
+  if (fem.has(19)) check_stiffening(fem);
   for (const auto& [group, size] : sizes)
     if (fem.has(group) && static_cast<std::int64_t>(fem.values(group).size()) != size)
       throw InputError(fem.groups.at(group).mark, fmt::format("record group {} has {} numbers, {} are needed",
@@ -194,6 +232,20 @@ Eigen::Matrix3d from_cross(const Eigen::Vector3d& cross) {
   return 0.5 * result;
 }
 
+/// Record group 19; what of it could not be taken.
+std::string read_stiffening(const Fem& fem, ReducedBody& body) {
+  FrameForceStiffness given;
+  given.forces.resize(6 * body.frames.size());
+  const std::vector<double>& values = fem.values(19);
+  for (std::size_t at = 1; at < values.size(); at += static_cast<std::size_t>(stiffening_size(fem))) {
+    const auto index = static_cast<std::size_t>(values[at]) - 1;
+    (index < 12 ? given.inertia[static_cast<std::size_t>(kStiffeningLoads[index])]
+                : given.forces[index - 12]) =
+        Eigen::Map<const RowMajor>(values.data() + at + 1, body.modes, body.modes);
+  }
+  return take_frame_forces(given, body);
+}
+
 void read_invariants(const Fem& fem, ReducedBody& body, std::vector<Diagnostic>& warnings) {
   const int n = body.modes;
   if (fem.has(14)) body.S = matrix(fem, 14, 3, n);
@@ -257,11 +309,11 @@ ImportedBody parse_mbdyn_fem(TextFile& file) {
   }
   if (fem.has(12)) read_rigid(fem, body);
   read_invariants(fem, body, result.warnings);
-  if (fem.has(19))
-    result.warnings.push_back(
-        {fem.groups.at(19).mark, "the geometric stiffness of record group 19 is left out"});
   for (std::string& message : finish_body(file.name(), body))
     result.warnings.push_back({mark, std::move(message)});
+  if (fem.has(19))
+    if (std::string left_out = read_stiffening(fem, body); !left_out.empty())
+      result.warnings.push_back({fem.groups.at(19).mark, std::move(left_out)});
   return result;
 }
 
@@ -291,12 +343,29 @@ void write_group(OutputFile& out, int number, const char* title) {
   out.print("**\n** RECORD GROUP {}, {}\n", number, title);
 }
 
+void write_stiffening(OutputFile& out, const FrameForceStiffness& stiffening) {
+  if (!stiffening.any()) return;
+  std::vector<const Eigen::MatrixXd*> matrices;
+  for (const int load : kStiffeningLoads)
+    matrices.push_back(&stiffening.inertia[static_cast<std::size_t>(load)]);
+  for (const Eigen::MatrixXd& matrix : stiffening.forces) matrices.push_back(&matrix);
+  write_group(out, 19, "MODAL STRESS STIFFENING MATRIX");
+  out.print("{}\n", std::count_if(matrices.begin(), matrices.end(),
+                                  [](const Eigen::MatrixXd* matrix) { return matrix->size() > 0; }));
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
+    if (matrices[i]->size() == 0) continue;
+    out.print("{}\n", i + 1);
+    write_matrix(out, *matrices[i]);
+  }
+}
+
 }  // namespace
 
 void write_mbdyn_fem(const ReducedBody& body, const std::string& path) {
   if (body.frames.empty())
     throw std::invalid_argument("a body without frames cannot be written as .fem: its nodes are the frames");
   const int n = body.modes;
+  const FrameForceStiffness stiffening = by_frame_forces(body);
   OutputFile out(path);
   out.print("** MBDyn MODAL DATA FILE\n** RECORD GROUP 1, HEADER\n");
   out.print("**   REVISION,  NODE,  NORMAL, ATTACHMENT, CONSTRAINT, REJECTED MODES.\n");
@@ -352,6 +421,7 @@ void write_mbdyn_fem(const ReducedBody& body, const std::string& path) {
   write_matrix(out, I5);
   write_group(out, 18, "INVARIANT 9");
   write_matrix(out, I9);
+  write_stiffening(out, stiffening);
   out.finish();
 }
 

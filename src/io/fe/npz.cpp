@@ -122,45 +122,55 @@ std::string format_of(const ZipFile& zip, const std::string& name) {
 }  // namespace
 
 SparseFile parse_npz(std::string bytes, const std::string& name) {
+  SparseFile file = parse_any_npz(std::move(bytes), name);
+  if (file.rows != file.columns) fail(name, "must be a square matrix");
+  return file;
+}
+
+SparseFile parse_any_npz(std::string bytes, const std::string& name) {
   const ZipFile zip(std::move(bytes), name);
   const std::string format = format_of(zip, name);
   const std::vector<std::int64_t> shape = integers(zip, "shape", name);
-  if (shape.size() != 2 || shape[0] != shape[1] || shape[0] < 1 || shape[0] > std::numeric_limits<int>::max())
-    fail(name, "must be a square matrix");
+  constexpr std::int64_t most = std::numeric_limits<int>::max();
+  if (shape.size() != 2 || shape[0] < 1 || shape[0] > most || shape[1] < 1 || shape[1] > most)
+    fail(name, "must be a matrix");
   SparseFile file;
   file.rows = shape[0];
+  file.columns = shape[1];
   file.value = reals(zip, "data", name);
   const std::size_t n = file.value.size();
   for (const double value : file.value)
     if (!std::isfinite(value)) fail(name, "has entries that are not finite");
-  const auto checked = [&](const std::vector<std::int64_t>& indices) {
+  const auto checked = [&](const std::vector<std::int64_t>& indices, std::int64_t count, const char* what) {
     if (indices.size() != n) fail(name, fmt::format("has {} indices for {} entries", indices.size(), n));
     std::vector<int> result(n);
     for (std::size_t i = 0; i < n; ++i) {
-      if (indices[i] < 0 || indices[i] >= file.rows)
-        fail(name, fmt::format("has the index {} where there are {} rows", indices[i], file.rows));
+      if (indices[i] < 0 || indices[i] >= count)
+        fail(name, fmt::format("has the index {} where there are {} {}", indices[i], count, what));
       result[i] = static_cast<int>(indices[i]);
     }
     return result;
   };
   if (format == "coo") {
-    file.row = checked(integers(zip, "row", name));
-    file.column = checked(integers(zip, "col", name));
+    file.row = checked(integers(zip, "row", name), file.rows, "rows");
+    file.column = checked(integers(zip, "col", name), file.columns, "columns");
     return file;
   }
   if (format != "csr" && format != "csc")
     fail(name, fmt::format("is stored as '{}'; write A.tocsr(), A.tocsc() or A.tocoo()", shown(format)));
-  const std::vector<int> inner = checked(integers(zip, "indices", name));
+  const bool by_rows = format == "csr";
+  const std::vector<int> inner = by_rows ? checked(integers(zip, "indices", name), file.columns, "columns")
+                                         : checked(integers(zip, "indices", name), file.rows, "rows");
   const std::vector<std::int64_t> starts = integers(zip, "indptr", name);
-  bool good = starts.size() == static_cast<std::size_t>(file.rows) + 1 && starts.front() == 0 &&
-              starts.back() == static_cast<std::int64_t>(n);
+  bool good = starts.size() == static_cast<std::size_t>(by_rows ? file.rows : file.columns) + 1 &&
+              starts.front() == 0 && starts.back() == static_cast<std::int64_t>(n);
   for (std::size_t i = 1; good && i < starts.size(); ++i) good = starts[i] >= starts[i - 1];
   if (!good) fail(name, "has an array 'indptr' that does not fit to its entries");
   std::vector<int> outer(n);
   for (std::size_t i = 0; i + 1 < starts.size(); ++i)
     std::fill(outer.begin() + starts[i], outer.begin() + starts[i + 1], static_cast<int>(i));
-  file.row = format == "csr" ? outer : inner;
-  file.column = format == "csr" ? inner : outer;
+  file.row = by_rows ? outer : inner;
+  file.column = by_rows ? inner : outer;
   return file;
 }
 

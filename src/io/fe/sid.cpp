@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "io/fe/cross_integrals.h"
+#include "io/fe/frame_force_stiffness.h"
 #include "io/fe/reduced_files.h"
 #include "io/fe/sid_file.h"
 #include "io/fe/text.h"
@@ -16,7 +18,10 @@
 //   Ge0_l(k) = 2∫(φ_l × φ_k)ᵀ dm      Oe(k)·(ωx², ωy², ωz², ωxωy, ωyωz, ωxωz) = ∫φ_k · ω × (ω × (r + Σ φ_m
 //   y_m)) dm
 // Geometric stiffness adds to the linear parts of Oe (angular velocity), Ct (acceleration less gravity) and
-// Cr (angular acceleration).
+// Cr (angular acceleration), of the body with nothing but its frame held. That of forces at a node is minus
+// the linear part of its phi, that of torques of its psi, so that phiᵀ F is the force on the modes: under
+// tension the node comes nearer by what the modes bend. sigma: stress at a node, xx yy zz xy yz zx, m1 of the
+// modes.
 
 namespace mimbre::fe {
 namespace {
@@ -25,16 +30,6 @@ namespace {
 constexpr int kProducts[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 /// Rows of J.
 constexpr int kInertia[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-
-/// Factors of the products in ∫φ · ω × (ω × r) dm, of A = ∫φ rᵀ dm.
-Eigen::Matrix<double, 1, 6> centrifugal(const Eigen::Matrix3d& A) {
-  Eigen::Matrix<double, 1, 6> result;
-  for (int c = 0; c < 6; ++c) {
-    const int a = kProducts[c][0], b = kProducts[c][1];
-    result(c) = a == b ? A(a, a) - A.trace() : A(a, b) + A(b, a);
-  }
-  return result;
-}
 
 /// ∫φ × r dm of A = ∫φ rᵀ dm.
 Eigen::RowVector3d cross_of(const Eigen::Matrix3d& A) {
@@ -85,9 +80,11 @@ class Meaning {
     read_matrices();
     read_inertia();
     read_products();
-    read_frames();
+    read_nodes();
     for (std::string& message : finish_body(mark_.file, body))
       result_.warnings.push_back({mark_, std::move(message)});
+    if (std::string left_out = take_frame_forces(stiffening_, body); !left_out.empty())
+      result_.warnings.push_back({mark_, std::move(left_out)});
     return std::move(result_);
   }
 
@@ -96,6 +93,7 @@ class Meaning {
   Mark mark_;
   int n_;
   ImportedBody result_;
+  FrameForceStiffness stiffening_;
 
   void read_matrices() {
     ReducedBody& body = result_.body;
@@ -104,6 +102,22 @@ class Meaning {
     if (const SidBlock* damping = find(sid_.blocks, "De", n_, n_)) body.damping = constant_part(*damping);
     body.S = constant_part(need(sid_.blocks, "Ct", n_, 3, mark_)).transpose();
     body.first_moment = constant_part(need(sid_.blocks, "mdCM", 3, 1, mark_));
+    if (const SidBlock* initial = find(sid_.blocks, "ksigma", n_, 1)) {
+      // Stress that is there at rest: its forces on the modes and how they change.
+      body.stiffness += column(linear_parts(*initial, sid_), 0);
+      if (!constant_part(*initial).isZero(0))
+        result_.warnings.push_back(
+            {initial->mark,
+             "the forces of initial stress (m0 of ksigma) are left out: the body is at rest at "
+             "zero amplitudes"});
+    }
+  }
+
+  /// A column of the linear parts of a block of as many rows as modes: modes × modes.
+  Eigen::MatrixXd column(const std::vector<Eigen::MatrixXd>& parts, int c) const {
+    Eigen::MatrixXd result(n_, n_);
+    for (int m = 0; m < n_; ++m) result.col(m) = parts[static_cast<std::size_t>(m)].col(c);
+    return result;
   }
 
   void read_inertia() {
@@ -159,16 +173,8 @@ class Meaning {
     }
     // What the linear parts have beyond the inertia is geometric stiffness; Oe only where S_modes come from
     // Gr.
-    GeometricStiffness geometric;
     const auto add = [&](int load, const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& whole) {
-      if (!matters(stiffness, whole)) return;
-      geometric.loads.push_back(load);
-      geometric.stiffness.push_back(0.5 * (stiffness + stiffness.transpose()));
-    };
-    const auto column = [&](const std::vector<Eigen::MatrixXd>& parts, int c) {
-      Eigen::MatrixXd result(n_, n_);
-      for (int m = 0; m < n_; ++m) result.col(m) = parts[static_cast<std::size_t>(m)].col(c);
-      return result;
+      if (matters(stiffness, whole)) stiffening_.inertia[static_cast<std::size_t>(load)] = stiffness;
     };
     if (from_Gr && Oe && !Oe->m1.empty()) {
       const std::vector<Eigen::MatrixXd> Oe1 = linear_parts(*Oe, sid_);
@@ -187,8 +193,6 @@ class Meaning {
         for (int m = 0; m < n_; ++m) stiffness(k, m) += cross_of(mode_integral(body, k, m))(c);
       add(GeometricStiffness::angular_acceleration + c, stiffness, column(Cr1, c));
     }
-    geometric.boundary_loads.resize(0, n_);
-    if (!geometric.loads.empty()) body.geometric = std::move(geometric);
   }
 
   void read_products_from(const std::vector<Eigen::MatrixXd>& Oe1, const Eigen::MatrixXd& Ge0) {
@@ -211,27 +215,70 @@ class Meaning {
         result_.body);
   }
 
-  void read_frames() {
+  /// Nodes are frames; one without psi, of which no turning is known, is only a point. Points for drawing and
+  /// output are the nodes with stress or, without any, all.
+  void read_nodes() {
     ReducedBody& body = result_.body;
-    const auto nodes = static_cast<Eigen::Index>(sid_.nodes.size());
-    body.nodes.resize(3, nodes);
-    body.node_shapes.resize(3 * nodes, n_);
-    for (Eigen::Index i = 0; i < nodes; ++i) {
-      const SidNode& node = sid_.nodes[static_cast<std::size_t>(i)];
-      BodyFrame frame;
-      frame.name = to_integer(node.label) ? "node " + node.label : node.label;
-      frame.position = constant_part(need(node.blocks, "origin", 3, 1, mark_));
-      frame.X = constant_part(need(node.blocks, "phi", 3, n_, mark_));
-      frame.X_theta = constant_part(need(node.blocks, "psi", 3, n_, mark_));
-      if (const SidBlock* AP = find(node.blocks, "AP", 3, 3)) frame.rotation = constant_part(*AP);
-      if (!(frame.rotation * frame.rotation.transpose()).isIdentity(1e-5) || frame.rotation.determinant() < 0)
-        throw InputError(mark_, fmt::format("AP of node {} is no rotation", shown(node.label)));
-      // Files have few digits; the nearest rotation is meant.
-      if (!(frame.rotation * frame.rotation.transpose()).isIdentity(1e-14))
-        frame.rotation = Eigen::Quaterniond(frame.rotation).normalized().toRotationMatrix();
-      body.nodes.col(i) = frame.position;
-      body.node_shapes.middleRows<3>(3 * i) = frame.X;
-      body.frames.push_back(std::move(frame));
+    const bool stressed = std::any_of(sid_.nodes.begin(), sid_.nodes.end(),
+                                      [](const SidNode& node) { return node.blocks.count("sigma") > 0; });
+    std::vector<const SidNode*> points;
+    for (const SidNode& node : sid_.nodes) {
+      if (!stressed || node.blocks.count("sigma") > 0) points.push_back(&node);
+      if (node.blocks.count("psi") > 0 || node.blocks.count("sigma") == 0) read_frame(node);
+    }
+    const auto count = static_cast<Eigen::Index>(points.size());
+    body.nodes.resize(3, count);
+    body.node_shapes.resize(3 * count, n_);
+    if (stressed) body.stress.resize(6 * count, n_);
+    const Mark* initial = nullptr;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const SidNode& node = *points[static_cast<std::size_t>(k)];
+      body.nodes.col(k) = constant_part(need(node.blocks, "origin", 3, 1, mark_));
+      body.node_shapes.middleRows<3>(3 * k) = constant_part(need(node.blocks, "phi", 3, n_, mark_));
+      if (!stressed) continue;
+      const SidBlock& sigma = need(node.blocks, "sigma", 6, 1, mark_);
+      if (!initial && !constant_part(sigma).isZero(0)) initial = &sigma.mark;
+      const std::vector<Eigen::MatrixXd> parts = linear_parts(sigma, sid_);
+      for (int m = 0; m < n_; ++m) body.stress.col(m).segment<6>(6 * k) = parts[static_cast<std::size_t>(m)];
+    }
+    if (stressed && std::all_of(points.begin(), points.end(),
+                                [](const SidNode* node) { return to_integer(node->label).has_value(); }))
+      for (const SidNode* node : points) body.node_labels.push_back(*to_integer(node->label));
+    if (initial)
+      result_.warnings.push_back({*initial,
+                                  "initial stress (m0 of sigma) is left out: only that of the modes is "
+                                  "taken"});
+  }
+
+  void read_frame(const SidNode& node) {
+    BodyFrame frame;
+    frame.name = to_integer(node.label) ? "node " + node.label : node.label;
+    frame.position = constant_part(need(node.blocks, "origin", 3, 1, mark_));
+    const SidBlock &phi = need(node.blocks, "phi", 3, n_, mark_),
+                   &psi = need(node.blocks, "psi", 3, n_, mark_);
+    frame.X = constant_part(phi);
+    frame.X_theta = constant_part(psi);
+    if (const SidBlock* AP = find(node.blocks, "AP", 3, 3)) frame.rotation = constant_part(*AP);
+    if (!(frame.rotation * frame.rotation.transpose()).isIdentity(1e-5) || frame.rotation.determinant() < 0)
+      throw InputError(mark_, fmt::format("AP of node {} is no rotation", shown(node.label)));
+    // Files have few digits; the nearest rotation is meant.
+    if (!(frame.rotation * frame.rotation.transpose()).isIdentity(1e-14))
+      frame.rotation = Eigen::Quaterniond(frame.rotation).normalized().toRotationMatrix();
+    result_.body.frames.push_back(std::move(frame));
+    read_forces(phi);
+    read_forces(psi);
+  }
+
+  /// Geometric stiffness by forces or torques at a node. One without linear parts is none of the places where
+  /// forces stiffen.
+  void read_forces(const SidBlock& block) {
+    stiffening_.forces.resize(stiffening_.forces.size() + 3);
+    if (block.order == 0 && block.m1.empty()) return;
+    const std::vector<Eigen::MatrixXd> parts = linear_parts(block, sid_);
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::MatrixXd stiffness(n_, n_);
+      for (int m = 0; m < n_; ++m) stiffness.row(m) = -parts[static_cast<std::size_t>(m)].row(axis);
+      stiffening_.forces[stiffening_.forces.size() - 3 + static_cast<std::size_t>(axis)] = stiffness;
     }
   }
 };
@@ -252,18 +299,19 @@ namespace {
 
 class Writer {
  public:
-  Writer(const ReducedBody& body, const std::string& path) : body_(body), n_(body.modes), out_(path) {}
+  Writer(const ReducedBody& body, const std::string& path)
+      : body_(body), n_(body.modes), stiffening_(by_frame_forces(body)), out_(path) {}
 
   void write() {
+    const Places places = find_places();
     out_.print("{:5} {:5}    : number of nodes, number of modes\n part\n      new modal = {}\n",
-               body_.frames.size(), n_, one_line(body_.name));
+               body_.frames.size() + places.alone.size(), n_, one_line(body_.name));
     write_refmod();
     out_.print("           frame\n");
-    const bool labelled = std::all_of(body_.frames.begin(), body_.frames.end(), [](const BodyFrame& frame) {
-      return frame.name.starts_with("node ") && to_integer(frame.name.substr(5));
-    });
     for (std::size_t i = 0; i < body_.frames.size(); ++i)
-      write_frame(body_.frames[i], labelled ? body_.frames[i].name.substr(5) : std::to_string(i + 1));
+      write_frame(i, places.frame_labels[i], places.of_frame[i]);
+    for (std::size_t i = 0; i < places.alone.size(); ++i)
+      write_point(places.alone[i], places.point_labels[i]);
     out_.print("           end frame\n");
     write_blocks();
     out_.print("      end modal\n end part\n");
@@ -273,7 +321,51 @@ class Writer {
  private:
   const ReducedBody& body_;
   int n_;
+  FrameForceStiffness stiffening_;
   OutputFile out_;
+
+  /// The nodes of the file: the frames, then the points with stress that are at none of them.
+  struct Places {
+    std::vector<std::int64_t> frame_labels;
+    std::vector<Eigen::Index> of_frame;  ///< point where the frame is, −1: none
+    std::vector<Eigen::Index> alone;
+    std::vector<std::int64_t> point_labels;
+  };
+
+  Places find_places() const {
+    Places places;
+    const bool stressed = body_.stress.size() > 0;
+    std::vector<bool> taken(stressed ? static_cast<std::size_t>(body_.nodes.cols()) : 0, false);
+    for (const BodyFrame& frame : body_.frames) {
+      std::size_t k = 0;
+      for (; k < taken.size(); ++k)
+        if (const auto point = static_cast<Eigen::Index>(k);
+            !taken[k] && body_.nodes.col(point) == frame.position &&
+            body_.node_shapes.middleRows<3>(3 * point) == frame.X)
+          break;
+      places.of_frame.push_back(k < taken.size() ? static_cast<Eigen::Index>(k) : -1);
+      if (k < taken.size()) taken[k] = true;
+    }
+    for (std::size_t k = 0; k < taken.size(); ++k)
+      if (!taken[k]) places.alone.push_back(static_cast<Eigen::Index>(k));
+
+    const bool numbered = std::all_of(body_.frames.begin(), body_.frames.end(), [](const BodyFrame& frame) {
+      return frame.name.starts_with("node ") && to_integer(frame.name.substr(5));
+    });
+    std::set<std::int64_t> used;
+    bool keep = !places.alone.empty() && !body_.node_labels.empty();
+    if (numbered)
+      for (const BodyFrame& frame : body_.frames) used.insert(*to_integer(frame.name.substr(5)));
+    for (std::size_t i = 0; keep && i < places.alone.size(); ++i)
+      keep = used.insert(body_.node_labels[static_cast<std::size_t>(places.alone[i])]).second;
+    if (!keep && !numbered) used.clear();
+    std::int64_t last = used.empty() ? 0 : std::max<std::int64_t>(0, *used.rbegin());
+    for (const BodyFrame& frame : body_.frames)
+      places.frame_labels.push_back(numbered ? *to_integer(frame.name.substr(5)) : ++last);
+    for (const Eigen::Index point : places.alone)
+      places.point_labels.push_back(keep ? body_.node_labels[static_cast<std::size_t>(point)] : ++last);
+    return places;
+  }
 
   using Parts = std::vector<Eigen::MatrixXd>;
 
@@ -319,26 +411,56 @@ class Writer {
     out_.print("           end {}\n", name);
   }
 
-  void write_frame(const BodyFrame& frame, const std::string& label) {
-    Parts origin, turn;
-    for (int m = 0; m < n_; ++m) {
-      origin.push_back(frame.X.col(m));
-      turn.push_back(skew(frame.X_theta.col(m)) * frame.rotation);
-    }
+  void write_origin(std::int64_t label, const Eigen::Vector3d& position, const Eigen::Matrix3Xd& X) {
+    Parts origin;
+    for (int m = 0; m < n_; ++m) origin.push_back(X.col(m));
     out_.print("                new node = {}\n                rframe = body ref\n", label);
-    write_block("origin", frame.position, origin);
-    write_block("phi", frame.X);
-    write_block("psi", frame.X_theta);
+    write_block("origin", position, origin);
+  }
+
+  void write_frame(std::size_t index, std::int64_t label, Eigen::Index point) {
+    const BodyFrame& frame = body_.frames[index];
+    Parts turn;
+    for (int m = 0; m < n_; ++m) turn.push_back(skew(frame.X_theta.col(m)) * frame.rotation);
+    write_origin(label, frame.position, frame.X);
+    write_block("phi", frame.X, forces(6 * index));
+    write_block("psi", frame.X_theta, forces(6 * index + 3));
     write_block("AP", frame.rotation, turn);
+    if (point >= 0) write_stress(point);
     out_.print("                end node\n");
   }
 
-  /// The geometric stiffness of a load, or zero.
+  void write_point(Eigen::Index point, std::int64_t label) {
+    const Eigen::Matrix3Xd X = body_.node_shapes.middleRows<3>(3 * point);
+    write_origin(label, body_.nodes.col(point), X);
+    write_block("phi", X);
+    write_stress(point);
+    out_.print("                end node\n");
+  }
+
+  void write_stress(Eigen::Index point) {
+    Parts stress;
+    for (int m = 0; m < n_; ++m) stress.push_back(body_.stress.col(m).segment<6>(6 * point));
+    write_block("sigma", Eigen::MatrixXd::Zero(6, 1), stress);
+  }
+
+  /// Linear parts of phi or psi by the stiffening of three forces; none where they stiffen nothing.
+  Parts forces(std::size_t first) const {
+    Parts parts;
+    if (stiffening_.forces[first].size() == 0) return parts;
+    for (int m = 0; m < n_; ++m) {
+      Eigen::MatrixXd part(3, n_);
+      for (int axis = 0; axis < 3; ++axis)
+        part.row(axis) = -stiffening_.forces[first + static_cast<std::size_t>(axis)].row(m);
+      parts.push_back(std::move(part));
+    }
+    return parts;
+  }
+
+  /// The geometric stiffness of a load of inertia, or zero.
   Eigen::MatrixXd geometric(int load) const {
-    if (body_.geometric)
-      for (std::size_t i = 0; i < body_.geometric->loads.size(); ++i)
-        if (body_.geometric->loads[i] == load) return body_.geometric->stiffness[i];
-    return Eigen::MatrixXd::Zero(n_, n_);
+    const Eigen::MatrixXd& stiffness = stiffening_.inertia[static_cast<std::size_t>(load)];
+    return stiffness.size() > 0 ? stiffness : Eigen::MatrixXd::Zero(n_, n_);
   }
 
   static Eigen::MatrixXd inertia_column(const Eigen::Matrix3d& J) {

@@ -228,6 +228,7 @@ ImportedMatrices finish_matrices(SolidMesh mesh, std::vector<Diagnostic> warning
   const double per_time = units.mass / (units.time * units.time);
   scale(result.matrices.stiffness, result.matrices.dofs, per_time, units.length);
   scale(result.matrices.mass, result.matrices.dofs, units.mass, units.length);
+  result.file_dofs = std::move(rows);
   result.mesh = std::move(mesh);
   result.warnings = std::move(warnings);
   check_translations(result, stiffness, mass);

@@ -221,6 +221,51 @@ TEST(MbdynFem, saysWhatIsWrong) {
   EXPECT_THROW(write_mbdyn_fem(cloud.body, "/nowhere/a.fem"), std::runtime_error);
 }
 
+/// Record group 19 by its index: products of angular velocity, angular acceleration, acceleration.
+TEST(MbdynFem, stiffeningHasTheOrderOfTheFormat) {
+  ReducedBody body = Cloud().body;
+  GeometricStiffness geometric;
+  geometric.boundary_loads.resize(0, 4);
+  for (int load = 0; load < 12; ++load) {
+    geometric.loads.push_back(load);
+    geometric.stiffness.push_back((load + 1) * Eigen::MatrixXd::Identity(4, 4));
+  }
+  geometric.stiffness[3](0, 2) = geometric.stiffness[3](2, 0) = 7;
+  body.geometric = geometric;
+  Folder folder;
+  write_mbdyn_fem(body, folder.path("a.fem"));
+  const std::vector<double> values = group(text_of(folder.path("a.fem")), 19);
+  ASSERT_EQ(values.size(), 1u + 12 * 17);
+  EXPECT_EQ(values[0], 12);
+  const double expected[] = {1, 2, 3, 4, 5, 6, 10, 11, 12, 7, 8, 9};
+  for (std::size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(values[1 + 17 * k], static_cast<double>(k + 1));
+    EXPECT_EQ(values[2 + 17 * k], expected[k]);
+  }
+  const ImportedBody read = read_mbdyn_fem(folder.path("a.fem"));
+  EXPECT_THAT(read.warnings, IsEmpty());
+  expect_same(read.body, body, true);
+  ASSERT_TRUE(read.body.geometric);
+  EXPECT_EQ(read.body.geometric->loads, geometric.loads);
+  for (std::size_t l = 0; l < 12; ++l) EXPECT_EQ(read.body.geometric->stiffness[l], geometric.stiffness[l]);
+
+  const std::string good = text_of(folder.path("a.fem"));
+  const auto wrong = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from, text.find("RECORD GROUP 19")), from.size(), to);
+    return complaint([&] {
+      TextFile file(text, "a.fem");
+      parse_mbdyn_fem(file);
+    });
+  };
+  EXPECT_THAT(wrong("\n12\n", "\n11\n"), HasSubstr("record group 19 has 205 numbers, 188 are needed"));
+  EXPECT_THAT(wrong("\n12\n", "\n1e300\n"), HasSubstr("must begin with the number of its matrices"));
+  EXPECT_THAT(wrong("\n1\n", "\n2\n"), HasSubstr("has the index 2 twice"));
+  EXPECT_THAT(wrong("\n1\n", "\n31\n"), HasSubstr("has the index 31: 1 to 12"));
+  EXPECT_THAT(wrong("\n1\n", "\n1.5\n"), HasSubstr("has the index 1.5"));
+  EXPECT_THAT(wrong("\n1\n", "\n0\n"), HasSubstr("has the index 0"));
+}
+
 ReducedBody with_axes_and_stress() {
   ReducedBody body = Cloud().body;
   body.frames[1].rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
@@ -247,6 +292,85 @@ TEST(Sid, writtenAndReadIsTheSameBody) {
   EXPECT_EQ(read.body.geometric->loads, body.geometric->loads);
   for (std::size_t i = 0; i < 4; ++i)
     expect_near(read.body.geometric->stiffness[i], body.geometric->stiffness[i], "geometric");
+}
+
+/// Of a mesh beside the frames, of which one is at a point.
+ReducedBody with_points() {
+  ReducedBody body = Cloud().body;
+  body.nodes = Eigen::Matrix3Xd::Random(3, 5);
+  body.node_shapes = Eigen::MatrixXd::Random(15, 4);
+  body.stress = 1e9 * Eigen::MatrixXd::Random(30, 4);
+  body.stress.row(7).setZero();
+  body.node_labels = {4, 101, 7, 8, 9};
+  body.frames[0].position = body.nodes.col(1);
+  body.frames[0].X = body.node_shapes.middleRows<3>(3);
+  return body;
+}
+
+/// Stress of a point as row, found by its place.
+Eigen::MatrixXd stress_at(const ReducedBody& body, const Eigen::Vector3d& place) {
+  for (Eigen::Index k = 0; k < body.nodes.cols(); ++k)
+    if (body.nodes.col(k) == place) return body.stress.middleRows<6>(6 * k);
+  return {};
+}
+
+TEST(Sid, hasTheStressOfThePoints) {
+  const ReducedBody body = with_points();
+  Folder folder;
+  write_sid(body, folder.path("a.sid"));
+  const ImportedBody read = read_sid(folder.path("a.sid"));
+  EXPECT_THAT(read.warnings, IsEmpty());
+  ASSERT_EQ(read.body.frames.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.body.frames[i].name, body.frames[i].name);
+    EXPECT_EQ(read.body.frames[i].X_theta, body.frames[i].X_theta);
+  }
+  ASSERT_EQ(read.body.nodes.cols(), 5);
+  for (Eigen::Index k = 0; k < 5; ++k)
+    EXPECT_EQ(stress_at(read.body, body.nodes.col(k)), (body.stress.middleRows<6>(6 * k))) << k;
+  // The point at a frame comes first, by the frame's label.
+  EXPECT_EQ(read.body.node_labels, (std::vector<std::int64_t>{10, 4, 7, 8, 9}));
+  // From then on nothing changes.
+  write_sid(read.body, folder.path("b.sid"));
+  const ReducedBody again = read_sid(folder.path("b.sid")).body;
+  expect_same(again, read.body, true);
+  EXPECT_EQ(again.stress, read.body.stress);
+  EXPECT_EQ(again.node_labels, read.body.node_labels);
+}
+
+TEST(Sid, numbersPointsWhoseLabelsWouldBeThereTwice) {
+  ReducedBody body = with_points();
+  body.node_labels = {13, 13, 7, 8, 9};  // 13 is a frame too
+  Folder folder;
+  write_sid(body, folder.path("a.sid"));
+  EXPECT_EQ(read_sid(folder.path("a.sid")).body.node_labels, (std::vector<std::int64_t>{10, 17, 18, 19, 20}));
+  body.frames[2].name = "ball";
+  body.node_labels = {4, 101, 7, 8, 9};
+  write_sid(body, folder.path("a.sid"));
+  const ReducedBody read = read_sid(folder.path("a.sid")).body;
+  EXPECT_EQ(read.frames[2].name, "node 12");  // frames have no names there
+  EXPECT_EQ(read.node_labels, (std::vector<std::int64_t>{10, 4, 7, 8, 9}));
+}
+
+TEST(Sid, saysThatInitialStressIsLeftOut) {
+  Folder folder;
+  write_sid(with_points(), folder.path("a.sid"));
+  std::string text = text_of(folder.path("a.sid"));
+  const auto insert = [&](const std::string& block, const std::string& line) {
+    const std::size_t at = text.find("           end " + block + "\n");
+    ASSERT_NE(at, std::string::npos);
+    text.insert(at, line);
+  };
+  insert("sigma", "m0( 2, 1) = 5.0D6\n");
+  insert("ksigma", "m0( 1, 1) = 3.0\nm1( 1, 2, 1) = 5.0\nm1( 2, 1, 1) = 5.0\n");
+  TextFile file(text, "a.sid");
+  const ImportedBody read = parse_sid(file);
+  ASSERT_EQ(read.warnings.size(), 2u);
+  EXPECT_THAT(read.warnings[0].message, HasSubstr("forces of initial stress"));
+  EXPECT_THAT(read.warnings[1].message, HasSubstr("initial stress (m0 of sigma) is left out"));
+  const ReducedBody body = with_points();
+  EXPECT_NEAR(read.body.stiffness(0, 1), body.stiffness(0, 1) + 5, 1e-9);
+  EXPECT_NEAR(read.body.stiffness(2, 1), body.stiffness(2, 1), 1e-9);
 }
 
 TEST(Sid, blocksAreSumsOverThePoints) {
@@ -361,6 +485,11 @@ TEST(Sid, saysWhatIsWrong) {
   EXPECT_THAT(wrong("nqn = 0", "nqn = 1"), HasSubstr("terms of higher order (nqn) are not read"));
   EXPECT_THAT(wrong("mass = ", "mass = -"), HasSubstr("mass must be positive"));
   EXPECT_THAT(read(without(good, "Ke")), HasSubstr("has no block Ke"));
+  EXPECT_THAT(read(without(good, "psi")), HasSubstr("has no block psi"));
+  write_sid(with_points(), folder.path("b.sid"));
+  std::string stressed = text_of(folder.path("b.sid"));
+  stressed.replace(stressed.find("nrow = 6"), 8, "nrow = 5");
+  EXPECT_NE(read(stressed), "");
 }
 
 }  // namespace
