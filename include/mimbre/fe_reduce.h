@@ -59,8 +59,9 @@ struct StressMatrix {
 
 struct ModelReduction {
   enum class Frame {
-    tangent,   ///< the body frame moves with the first interface
-    mean_axis  ///< origin in the centre of mass, modes without momentum (Buckens)
+    tangent,         ///< the body frame moves with the first interface
+    centre_of_mass,  ///< it turns with the first interface and follows the centre of mass
+    mean_axis        ///< origin in the centre of mass, modes without momentum (Buckens)
   };
   enum class Basis {
     craig_bampton,   ///< static modes and the lowest modes with all interfaces held

@@ -141,6 +141,12 @@ Json to_json(const Eigen::VectorXd& values) {
   return list;
 }
 
+fe::ModelReduction::Frame frame_of(const std::string& name) {
+  using Frame = fe::ModelReduction::Frame;
+  if (name == "mean_axis") return Frame::mean_axis;
+  return name == "centre_of_mass" ? Frame::centre_of_mass : Frame::tangent;
+}
+
 fe::ModelReduction::Basis basis_of(const std::string& name) {
   using Basis = fe::ModelReduction::Basis;
   if (name == "free_interface") return Basis::free_interface;
@@ -214,8 +220,7 @@ Json reduce_anew(const Arguments& a) {
   options.effective_mass = a.effective_mass;
   options.stiffness_damping = a.damping;
   options.geometric_stiffness = a.stiffening;
-  options.frame =
-      a.frame == "mean_axis" ? fe::ModelReduction::Frame::mean_axis : fe::ModelReduction::Frame::tangent;
+  options.frame = frame_of(a.frame);
   options.progress = [&](const std::string& stage, double part) { progress.update(stage, part); };
   fe::ReductionResult result = [&] {
     try {
@@ -289,13 +294,14 @@ std::string summary_text(const Json& summary) {
 
 int run(const Arguments& a, const CLI::App& command) {
   const auto start = std::chrono::steady_clock::now();
-  require_different(a.input, a.output);
-  require_writable(a.output);
-  if (!a.report.empty()) {
-    require_different(a.input, a.report);
-    require_different(a.output, a.report);
-    require_writable(a.report);
+  for (const std::string& made : {a.output, a.report}) {
+    if (made.empty()) continue;
+    for (const std::string& input :
+         {a.input, a.mass, a.nodes, a.dofs, a.user_modes, a.stress, a.stress_nodes})
+      if (!input.empty()) require_different(input, made);
+    require_writable(made);
   }
+  if (!a.report.empty()) require_different(a.output, a.report);
   const std::string key =
       a.no_cache ? std::string()
                  : reduction_key(command, body_name(a), {"--output", "--report", "--json", "--no-cache"});
@@ -361,7 +367,7 @@ Command add_reduce(CLI::App& program) {
       ->check(CLI::Range(0, 1000))
       ->type_name("N");
   parser->add_option("--frame", a->frame, "Reference frame; default tangent")
-      ->check(CLI::IsMember({"tangent", "mean_axis"}));
+      ->check(CLI::IsMember({"tangent", "centre_of_mass", "mean_axis"}));
   parser
       ->add_option("--material", a->materials,
                    "E,nu,rho in SI, of all elements without material or of a group")

@@ -24,14 +24,20 @@ void add_beside(const fs::path& path, ContentKey& key) {
   for (const std::string& included : lines.included()) key.add_file(included);
 }
 
+/// A file of any kind, pipes among them.
+bool is_file(const fs::path& path) {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  return fs::exists(status) && !fs::is_directory(status);
+}
+
 /// The part of an option's value that is the name of a file, as in FILE, ball=nodes:FILE,
 /// push=nodes:FILE,0,0,1; empty when none is.
 std::string_view file_in(std::string_view value) {
-  std::error_code ignored;
   for (std::size_t begin = 0; begin < value.size();) {
     for (std::size_t end = value.size(); end != std::string_view::npos && end > begin;
          end = value.rfind(',', end - 1))
-      if (const auto part = value.substr(begin, end - begin); fs::is_regular_file(part, ignored)) return part;
+      if (const auto part = value.substr(begin, end - begin); is_file(part)) return part;
     const std::size_t mark = value.find_first_of("=:", begin);
     if (mark == std::string_view::npos) break;
     begin = mark + 1;
@@ -39,20 +45,28 @@ std::string_view file_in(std::string_view value) {
   return {};
 }
 
-/// A file counts by its format and its bytes, not by its name.
-void add_value(std::string_view value, ContentKey& key) {
+/// A file counts by its format and its bytes, not by its name. False when it can be read only once, as a
+/// pipe.
+bool add_value(std::string_view value, ContentKey& key) {
   const std::string_view file = file_in(value);
-  if (file.empty()) return key.add(value);
+  if (file.empty()) {
+    key.add(value);
+    return true;
+  }
   const std::size_t begin = static_cast<std::size_t>(file.data() - value.data());
   key.add(value.substr(0, begin));
   key.add(value.substr(begin + file.size()));
   const fs::path path(file);
+  if (!fs::is_regular_file(path)) return false;
   std::string format = path.extension().string();
   std::transform(format.begin(), format.end(), format.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   key.add(format);
+  // Without an ending it may be the name of a set that a file happens to have too.
+  if (format.empty()) key.add(file);
   key.add_file(path);
   if (format == ".inp") add_beside(path, key);
+  return true;
 }
 
 }  // namespace
@@ -69,7 +83,8 @@ std::string reduction_key(const CLI::App& command, const std::string& name,
       if (option->count() == 0 || std::find(without.begin(), without.end(), called) != without.end())
         continue;
       key.add(called);
-      for (const std::string& value : option->results()) add_value(value, key);
+      for (const std::string& value : option->results())
+        if (!add_value(value, key)) return {};
     }
   } catch (const InputError&) {
     return {};

@@ -54,8 +54,6 @@ std::string measured_summary(const std::string& path, const Results& results) {
   return text;
 }
 
-bool is_body(const std::string& path) { return io::file_format(path).starts_with("mimbre-reduced-body-"); }
-
 /// The page of a reduced body: its certificate and its modes.
 int run_modes(const Arguments& arguments) {
   if (arguments.results.size() > 1)
@@ -72,7 +70,8 @@ int run_modes(const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  if (std::any_of(arguments.results.begin(), arguments.results.end(), is_body)) return run_modes(arguments);
+  if (std::any_of(arguments.results.begin(), arguments.results.end(), io::is_reduced_body))
+    return run_modes(arguments);
   if (arguments.results.size() == 1 && !arguments.labels.empty())
     throw UsageError("--label names the runs of a comparison; there is one results file only");
   require_one_per_file(arguments.labels, "--label", arguments);

@@ -113,7 +113,10 @@ std::optional<std::string> ResultCache::fetch(const std::string& key, const std:
   const auto bytes = read(entry(key));
   const auto found = bytes ? unpacked(*bytes) : std::nullopt;
   if (!found) return {};
-  if (!write(output, found->file)) throw std::runtime_error(fmt::format("cannot write '{}'", output));
+  std::error_code unknown;
+  const fs::path target = fs::weakly_canonical(output, unknown);  // not the link, but what it leads to
+  if (!write(unknown ? fs::path(output) : target, found->file))
+    throw std::runtime_error(fmt::format("cannot write '{}'", output));
   std::error_code ignored;
   fs::last_write_time(entry(key), fs::file_time_type::clock::now(), ignored);
   return std::string(found->text);

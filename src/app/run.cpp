@@ -38,6 +38,7 @@ void check_targets(const Arguments& arguments) {
   for (const std::string& path : {arguments.output, arguments.csv}) {
     if (path.empty()) continue;
     require_different(arguments.model, path);
+    require_no_body(path);
     require_writable(path);
   }
   if (!arguments.output.empty() && !arguments.csv.empty()) require_different(arguments.output, arguments.csv);

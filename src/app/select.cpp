@@ -11,6 +11,7 @@
 #include "app/progress.h"
 #include "app/table.h"
 #include "app/targets.h"
+#include "io/file_format.h"
 
 /// mimbre select: the fewest modes of a body that its mechanism needs.
 namespace mimbre::app {
@@ -59,6 +60,17 @@ ModeSelection select(const LoadedModel& loaded, const Arguments& a, Progress& pr
   }
 }
 
+/// The body with all its modes took long to make, and the next selection needs it.
+void require_not_candidates(const spec::Model& model, const Arguments& a) {
+  const auto& candidates = model.bodies[static_cast<std::size_t>(find_body(model, a.body))].flexible;
+  if (!candidates || !io::is_reduced_body(a.output)) return;
+  const ReducedBody there = load_reduced_body(a.output);  // it or its mirror image
+  if (there.mass == candidates->mass && there.modes == candidates->modes &&
+      there.mass_matrix == candidates->mass_matrix && there.stiffness == candidates->stiffness)
+    throw UsageError(fmt::format(
+        "'{}' has all the modes of '{}' and would be overwritten; choose another name", a.output, a.body));
+}
+
 Json to_json(const std::vector<ModeSelection::Mode>& modes) {
   Json list = Json::array();
   for (const ModeSelection::Mode& m : modes)
@@ -83,6 +95,7 @@ int run(const Arguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const LoadedModel loaded = load(a.model, a.settings);
   require_different(a.model, a.output);
+  require_not_candidates(loaded.model->spec(), a);
   require_writable(a.output);
   Progress progress(!a.json);
   ModeSelection s = select(loaded, a, progress);

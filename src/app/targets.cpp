@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "app/common.h"
+#include "io/file_format.h"
 
 namespace mimbre::app {
 
@@ -31,6 +32,12 @@ void require_different(const std::string& input, const std::string& output) {
   std::error_code one_is_missing;
   if (input == output || fs::equivalent(input, output, one_is_missing))
     throw UsageError(fmt::format("'{}' would be overwritten; choose another name for the output", input));
+}
+
+void require_no_body(const std::string& output) {
+  if (io::is_reduced_body(output))
+    throw UsageError(
+        fmt::format("'{}' is a reduced body and would be overwritten; choose another name", output));
 }
 
 }  // namespace mimbre::app

@@ -70,10 +70,11 @@ void orient(std::vector<ShellFace>& faces) {
     if (turned[f] == 1) std::swap(faces[f].nodes[1], faces[f].nodes[2]);
 }
 
-/// Half the thickness along the mean normal, of the nodes of faces that face the same side.
+/// Half the thickness along the mean normal, of the nodes of faces that face the same side. Faces that lie on
+/// each other may not: where the normals cancel, the first counts.
 std::map<int, Vector3d> shell_offsets(const SolidMesh& mesh, const std::vector<ShellFace>& faces) {
   struct Sum {
-    Vector3d normal = Vector3d::Zero();
+    Vector3d normal = Vector3d::Zero(), first = Vector3d::Zero();
     double thickness = 0, area = 0;
   };
   std::map<int, Sum> sums;
@@ -83,14 +84,17 @@ std::map<int, Vector3d> shell_offsets(const SolidMesh& mesh, const std::vector<S
     for (const int node : nodes) {
       Sum& sum = sums[node];
       sum.normal += area;
+      if (sum.area == 0) sum.first = area;
       sum.area += area.norm();
       sum.thickness += area.norm() * thickness;
     }
   }
   std::map<int, Vector3d> offsets;
-  for (const auto& [node, sum] : sums)
-    offsets[node] = sum.area > 0 ? Vector3d(0.5 * sum.thickness / sum.area * sum.normal.normalized())
+  for (const auto& [node, sum] : sums) {
+    const Vector3d& normal = sum.normal.norm() > 1e-6 * sum.area ? sum.normal : sum.first;
+    offsets[node] = sum.area > 0 ? Vector3d(0.5 * sum.thickness / sum.area * normal.normalized())
                                  : Vector3d(Vector3d::Zero());
+  }
   return offsets;
 }
 

@@ -26,4 +26,8 @@ std::string file_format(const std::string& path) {
   return format.c_str();  // up to the first of the zeros that fill it
 }
 
+bool is_reduced_body(const std::string& path) {
+  return file_format(path).starts_with("mimbre-reduced-body-");
+}
+
 }  // namespace mimbre::io

@@ -60,9 +60,10 @@ Check connected_check(const SolidMesh& mesh, const FeMatrices& matrices,
   for (Eigen::Index c = 0; c < matrices.stiffness.cols(); ++c)
     for (Eigen::SparseMatrix<double>::InnerIterator it(matrices.stiffness, c); it; ++it)
       if (node_of(it.row()) != node_of(c)) parts.join(node_of(it.row()), node_of(c));
+  const auto exists = [&](int node) { return node >= 0 && node < mesh.nodes.cols(); };
   for (const Interface& interface : interfaces)
     for (const int node : interface.nodes)
-      if (node >= 0 && node < mesh.nodes.cols()) parts.join(node, interface.nodes.front());
+      if (exists(node) && exists(interface.nodes.front())) parts.join(node, interface.nodes.front());
 
   std::vector<int> nodes;
   std::map<int, int> sizes;  // of the parts, by their first node

@@ -183,7 +183,7 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
 
 void require_motions(const ModelReduction& o) {
   using Motion = Interface::Motion;
-  const bool tangent = o.frame == ModelReduction::Frame::tangent;
+  const bool tangent = o.frame != ModelReduction::Frame::mean_axis;
   for (std::size_t i = 0; i < o.interfaces.size(); ++i)
     for (const Motion motion : o.interfaces[i].motions) {
       if (motion == Motion::retained) continue;
@@ -219,7 +219,7 @@ void require(const ModelReduction& o) {
     throw std::invalid_argument("the frequency to match about belongs to the Krylov basis");
   if (o.basis != Basis::craig_bampton && o.effective_mass > 0)
     throw std::invalid_argument("effective masses are those of the Craig-Bampton basis");
-  if (o.basis != Basis::free_interface && o.frame == ModelReduction::Frame::tangent &&
+  if (o.basis != Basis::free_interface && o.frame != ModelReduction::Frame::mean_axis &&
       o.interfaces.size() == 1 && o.dynamic_modes == 0 && o.max_frequency == 0 && o.loads.empty() &&
       o.user_modes.shapes.cols() == 0)
     throw std::invalid_argument("one interface and no dynamic modes leave nothing that could deform");
@@ -246,7 +246,7 @@ void keep_effective(const FeMatrices& matrices, const ModelReduction& options, c
   double rise = 0;
   {
     // Motions of the first interface, there without a tangent frame, depend on the rigid ones and the others.
-    const Index first = options.frame == ModelReduction::Frame::tangent ? 0 : 6;
+    const Index first = options.frame == ModelReduction::Frame::mean_axis ? 6 : 0;
     MatrixXd free(R.rows(), 6 + all - first);
     free << R, shapes.dofs.rightCols(all - first);
     std::vector<Index> some(6);
@@ -319,7 +319,11 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     if (options.progress) options.progress(stage, done);
   };
   const auto square = [](double hertz) { return std::pow(hertz / kHertz, 2); };
-  const bool tangent = options.frame == ModelReduction::Frame::tangent;
+  const bool tangent = options.frame != ModelReduction::Frame::mean_axis;  // at first, or to the end
+  const auto centred = [&](Shapes& shapes) {
+    if (options.frame == ModelReduction::Frame::centre_of_mass)
+      to_centre_of_mass(matrices, options.interfaces, R, shapes);
+  };
   tell("factorisation", 0);
   const TiedModel tied(mesh, matrices, options.interfaces);
   tell("dynamic modes", 0);
@@ -335,6 +339,7 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     add_asked(mesh, matrices, options, R, tied, false, shapes, shapes, result.body);
     const Index user = shapes.dofs.cols() - eigenvalues.size() - forces;
     if (tangent) to_tangent(options.interfaces, R, shapes);
+    centred(shapes);
     result.body.checks.push_back(
         {"number of modes", true,
          fmt::format("{} = {} free + {} of forces at {} interface{}{}", shapes.dofs.cols(),
@@ -385,6 +390,7 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
                    krylov ? "Krylov" : "dynamic",
                    asked > 0 ? fmt::format(" + {} of loads and the user", asked) : "")});
   if (!tangent) to_mean_axes(matrices, options.interfaces, R, shapes);
+  centred(shapes);
   return shapes;
 }
 

@@ -93,6 +93,14 @@ void to_tangent(const std::vector<Interface>& interfaces, const MatrixXd& R, Sha
   shapes.points.topRows<6>().setZero();
 }
 
+void to_centre_of_mass(const FeMatrices& matrices, const std::vector<Interface>& interfaces,
+                       const MatrixXd& R, Shapes& shapes) {
+  const MatrixXd moved = R.leftCols(3), momenta = symmetric_times(matrices.mass, moved);
+  const MatrixXd part = (moved.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
+  shapes.dofs -= moved * part;
+  shapes.points -= rigid_points(interfaces).leftCols(3) * part;
+}
+
 void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& interfaces, const MatrixXd& R,
                   Shapes& shapes) {
   // Each shape's size before: what is rigid alone leaves round-off, which must not count as a shape.

@@ -38,6 +38,9 @@ Shapes join(const Shapes& a, const Shapes& b);
 
 /// Takes the rigid motion out that moves the first interface's point; R: rigid_shapes.
 void to_tangent(const std::vector<Interface>& interfaces, const Eigen::MatrixXd& R, Shapes& shapes);
+/// Takes linear momentum out: the centre of mass stays where it is.
+void to_centre_of_mass(const FeMatrices& matrices, const std::vector<Interface>& interfaces,
+                       const Eigen::MatrixXd& R, Shapes& shapes);
 /// Takes linear and angular momentum out of shapes that span the six rigid motions, and the six shapes that
 /// then depend on the others.
 void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& interfaces,

@@ -1,6 +1,7 @@
 #include "app/result_cache.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "app/program.h"
 
@@ -191,6 +192,41 @@ TEST_F(CachedReduction, IsMadeAnewWhereSomethingChanged) {
     fs::copy(fs::path(MIMBRE_SOURCE_DIR "/tests/data/calculix/beam.") += extension,
              folder / (std::string("bar.") + extension));
   EXPECT_FALSE(cached());
+}
+
+TEST_F(CachedReduction, IsNotThatOfAnotherSetWhereFilesHaveTheNamesOfSets) {
+  std::string with_sets = mesh;
+  with_sets.insert(mesh.find("*MATERIAL"), "*NSET, NSET=LEFT\n19,20,11\n*NSET, NSET=RIGHT\n19,20,12\n");
+  write_file(folder / "bar.inp", with_sets);
+  for (const char* name : {"LEFT", "RIGHT"}) write_file(folder / name, "");
+  EXPECT_FALSE(cached({"--interface", "end=set:LEFT"}));
+  EXPECT_FALSE(cached({"--interface", "end=set:RIGHT"}));
+}
+
+TEST_F(CachedReduction, IsMadeAnewWhereNodesComeThroughAPipe) {
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (int k = 0; k < 2; ++k) {
+    std::thread writer([&] { write_file(folder / "pipe", "1 4 5 8\n"); });
+    const Outcome outcome = run(
+        {"reduce", "bar.inp", "--interface", "root=nodes:pipe", "--modes", "3", "-o", "out.h5", "--json"});
+    const int reader = open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);  // where the program was none
+    writer.join();
+    close(reader);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_FALSE(outcome.json().at("cached").get<bool>());
+  }
+}
+
+TEST_F(CachedReduction, GoesWhereALinkLeads) {
+  EXPECT_FALSE(cached());
+  const std::string made = body();
+  fs::create_directory(folder / "far");
+  fs::rename(folder / "out.h5", folder / "far/out.h5");
+  write_file(folder / "far/out.h5", "");
+  fs::create_symlink("far/out.h5", folder / "out.h5");
+  EXPECT_TRUE(cached());
+  EXPECT_TRUE(fs::is_symlink(folder / "out.h5"));
+  EXPECT_EQ(read_file(folder / "far/out.h5"), made);
 }
 
 TEST_F(CachedReduction, IsMadeAnewWhereTheEntryIsDamaged) {

@@ -46,6 +46,19 @@ TEST_F(SelectCommand, TellsPeopleTheSame) {
   EXPECT_THAT(body("small.h5").mode_names[0], HasSubstr("mode "));
 }
 
+TEST_F(SelectCommand, ABodyIsNotOverwrittenByWhatWasMadeOfIt) {
+  fs::copy(examples / "solid-arm/arm.h5", folder / "arm.h5");
+  const std::string made = read_file(folder / "arm.h5");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"select", suspension, "--body", "front_left.arm", "-o", "arm.h5"},
+        std::vector<std::string>{"run", suspension, "--output", "arm.h5"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("would be overwritten"));
+    EXPECT_EQ(read_file(folder / "arm.h5"), made);
+  }
+}
+
 TEST_F(SelectCommand, MistakesAreNamed) {
   const auto select = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments{"select", suspension, "-o", "small.h5"};

@@ -109,5 +109,12 @@ TEST(Surface, OfAShellIsItsTwoSidesWhateverTheWayItsElementsFace) {
   EXPECT_EQ(seen.lines.size(), 16u);  // the rims
 }
 
+TEST(Surface, OfShellsThatLieOnEachOtherHasTwoSidesToo) {
+  fe::SolidMesh mesh = plate(ElementType::tri3, some_rotation());
+  mesh.groups.push_back(mesh.groups[0]);
+  for (const fe::SurfacePoint& p : fe::surface(mesh).points)
+    EXPECT_NEAR(p.offset.norm(), thickness / 2, 1e-15);
+}
+
 }  // namespace
 }  // namespace mimbre::test

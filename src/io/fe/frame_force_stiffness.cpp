@@ -125,7 +125,7 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
   std::vector<MatrixXd> boundary;
   MatrixXd loads(0, n);
   std::string left_out;
-  std::vector<Index> rows;
+  std::vector<Index> rows, taken;
   const MatrixXd motions = frame_motions(body);
   for (Index i = 0; i < motions.rows() && i < static_cast<Index>(given.forces.size()); ++i)
     if (given.forces[static_cast<std::size_t>(i)].size() > 0 && !motions.row(i).isZero(0)) rows.push_back(i);
@@ -136,23 +136,32 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
         "amplitudes "
         "do not say the forces";
   } else if (!rows.empty()) {
-    const MatrixXd P = motions(rows, Eigen::all), compliant = K.solve(P.transpose());
-    // Frames may depend on each other; then the least forces that do it.
-    const MatrixXd flexibility = P * compliant;
-    const Eigen::VectorXd scale = flexibility.diagonal().cwiseSqrt().cwiseInverse();
+    // F with P K⁻¹ Pᵀ F = P y and, where frames depend on each other, the least forces that do it, measured
+    // by what each deflects: with K = L Lᵀ and rows of length 1 in A = S P L⁻ᵀ it is S A⁺ᵀ Lᵀ y.
+    MatrixXd A = K.matrixL().solve(motions(rows, Eigen::all).transpose()).transpose();
+    const Eigen::VectorXd S = A.rowwise().norm().cwiseInverse();
+    A = S.asDiagonal() * A;
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
-    solver.setThreshold(1e-10);
-    solver.compute(scale.asDiagonal() * flexibility * scale.asDiagonal());
-    const MatrixXd F = scale.asDiagonal() * solver.solve(scale.asDiagonal() * P);
+    solver.setThreshold(1e-7);
+    solver.compute(A);
+    const MatrixXd F = S.asDiagonal() * (solver.pseudoInverse().transpose() * MatrixXd(K.matrixU()));
     const MatrixXd from_inertia = inertia_forces(body).transpose() * K.solve(F.transpose());
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const MatrixXd& stiffness = given.forces[static_cast<std::size_t>(rows[r])];
       if (stiffness.isZero(0)) continue;
       for (Index c = 0; c < kInertia; ++c)
         add(inertia[static_cast<std::size_t>(c)], -from_inertia(c, static_cast<Index>(r)), stiffness);
-      loads.conservativeResize(loads.rows() + 1, n);
-      loads.row(loads.rows() - 1) = F.row(static_cast<Index>(r));
       boundary.push_back(stiffness);
+      taken.push_back(static_cast<Index>(r));
+    }
+    loads = F(taken, Eigen::all);
+    if (loads.rows() > n) {  // no more than the amplitudes are needed
+      std::vector<MatrixXd> of_amplitudes(static_cast<std::size_t>(n), MatrixXd::Zero(n, n));
+      for (Index m = 0; m < n; ++m)
+        for (Index r = 0; r < loads.rows(); ++r)
+          of_amplitudes[static_cast<std::size_t>(m)] += loads(r, m) * boundary[static_cast<std::size_t>(r)];
+      boundary = std::move(of_amplitudes);
+      loads = MatrixXd::Identity(n, n);
     }
   }
   clean(given.inertia, inertia);

@@ -274,6 +274,12 @@ class Meaning {
   void read_forces(const SidBlock& block) {
     stiffening_.forces.resize(stiffening_.forces.size() + 3);
     if (block.order == 0 && block.m1.empty()) return;
+    // A file of a few lines must not fill the memory.
+    constexpr std::size_t most = std::size_t{1} << 27;
+    if (stiffening_.forces.size() * static_cast<std::size_t>(n_ * n_) > most)
+      throw InputError(block.mark,
+                       "stiffening by forces at nodes needs more than 1 GB: there are too many nodes "
+                       "with linear parts of phi or psi");
     const std::vector<Eigen::MatrixXd> parts = linear_parts(block, sid_);
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::MatrixXd stiffness(n_, n_);

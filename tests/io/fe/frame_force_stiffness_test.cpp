@@ -210,6 +210,28 @@ TEST(FrameForceStiffness, AColumnBucklesAsTheSidFileSays) {
   EXPECT_NEAR(1 / buckling.eigenvalues().maxCoeff() / euler, 1, 0.02);
 }
 
+/// More forces than amplitudes: the body of a file may have many nodes. Here each of the tip's forces is
+/// there twice, at two nodes that move as one, and both take half.
+TEST(FrameForceStiffness, TakesForcesAtFramesThatDependOnEachOther) {
+  ReducedBody body = bar();
+  const Loads s = some_loads();
+  const MatrixXd expected = stiffening(body, s);
+  const fe::FrameForceStiffness once = fe::by_frame_forces(body);
+  for (const int copies : {1, 5}) {
+    fe::FrameForceStiffness given = once;
+    for (int k = 0; k < copies; ++k) {
+      body.frames.push_back(body.frames[1]);
+      body.frames.back().name += "'" + std::to_string(k);
+      for (std::size_t i = 6; i < 12; ++i) given.forces.push_back(given.forces[i]);
+    }
+    EXPECT_EQ(fe::take_frame_forces(given, body), "");
+    EXPECT_LE(body.geometric->boundary_loads.rows(), body.modes);
+    EXPECT_THAT(check(body), IsEmpty());
+    EXPECT_LT((stiffening(body, s) - expected).norm(), 1e-7 * expected.norm()) << copies;
+    body = bar();
+  }
+}
+
 TEST(FrameForceStiffness, NeedsAStiffnessForForcesByAmplitudes) {
   ReducedBody body = bar();
   Folder folder;
