@@ -105,9 +105,14 @@ void add_surface(const SolidMesh& mesh, const FeMatrices& matrices, const Matrix
   const bool known = std::all_of(mesh.groups.begin(), mesh.groups.end(),
                                  [](const ElementGroup& g) { return g.nodes.empty() || g.material >= 0; });
   if (!known || body.triangles.empty()) return;  // matrices of another program, elements only for the eye
-  Recovery recovery = recover(mesh, seen.points, matrices.dofs, shapes);
-  body.stress = std::move(recovery.stress);
-  body.strain = std::move(recovery.strain);
+  try {
+    Recovery recovery = recover(mesh, seen.points, matrices.dofs, shapes);
+    body.stress = std::move(recovery.stress);
+    body.strain = std::move(recovery.strain);
+  } catch (const std::invalid_argument& error) {
+    // The matrices are another program's, and of its elements only the stress would come from here.
+    body.checks.push_back({"stress", true, fmt::format("not known: {}", error.what())});
+  }
 }
 
 /// Elastic modes of the free model, and how well the reduced body has them.

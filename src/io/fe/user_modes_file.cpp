@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -53,8 +54,9 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   return fields;
 }
 
-UserModes read_table(const std::string& path, const SolidMesh& mesh) {
-  TextFile file(path);
+}  // namespace
+
+UserModes parse_user_modes(TextFile& file, const SolidMesh& mesh) {
   Rows rows(mesh);
   std::vector<double> values;
   std::size_t modes = 0;
@@ -77,7 +79,7 @@ UserModes read_table(const std::string& path, const SolidMesh& mesh) {
     if (const std::string wrong = rows.add(*label, direction); !wrong.empty()) file.fail(wrong);
     for (std::size_t k = 2; k < fields.size(); ++k) {
       const auto value = to_real(fields[k]);
-      if (!value) file.fail(fmt::format("'{}' is no number", shown(fields[k])));
+      if (!value || !std::isfinite(*value)) file.fail(fmt::format("'{}' is no number", shown(fields[k])));
       values.push_back(*value);
     }
   }
@@ -89,10 +91,8 @@ UserModes read_table(const std::string& path, const SolidMesh& mesh) {
   return result;
 }
 
-UserModes read_arrays(const std::string& path, const SolidMesh& mesh) {
-  TextFile(path).name();  // says why it cannot be opened
-  std::ifstream stream(path, std::ios::binary);
-  const ZipFile zip({std::istreambuf_iterator<char>(stream), {}}, path);
+UserModes parse_user_modes_npz(std::string bytes, const std::string& path, const SolidMesh& mesh) {
+  const ZipFile zip(std::move(bytes), path);
   const auto fail = [&](const std::string& message) { throw InputError({path, 0, 0}, message); };
   for (const char* member : {"label", "direction", "shapes"})
     if (!zip.has(std::string(member) + ".npy"))
@@ -110,6 +110,8 @@ UserModes read_arrays(const std::string& path, const SolidMesh& mesh) {
   Rows rows(mesh);
   for (Eigen::Index r = 0; r < label.rows(); ++r) {
     const double d = direction(r, 0);
+    if (!(std::abs(label(r, 0)) < 9e15))
+      fail(fmt::format("has the label {} where a node's number is needed", label(r, 0)));
     if (!(d == 1 || d == 2 || d == 3 || d == 4 || d == 5 || d == 6))
       fail(fmt::format("has the direction {} where 1 to 6 are possible", d));
     if (const std::string wrong = rows.add(static_cast<std::int64_t>(label(r, 0)), static_cast<int>(d) - 1);
@@ -120,11 +122,19 @@ UserModes read_arrays(const std::string& path, const SolidMesh& mesh) {
   return result;
 }
 
+namespace {
+
+UserModes read(const std::string& path, const SolidMesh& mesh) {
+  TextFile file(path);  // says why it cannot be opened
+  if (lower(std::filesystem::path(path).extension().string()) != ".npz") return parse_user_modes(file, mesh);
+  std::ifstream stream(path, std::ios::binary);
+  return parse_user_modes_npz({std::istreambuf_iterator<char>(stream), {}}, path, mesh);
+}
+
 }  // namespace
 
 UserModes read_user_modes(const std::string& path, const SolidMesh& mesh, const FileUnits& units) {
-  const std::string kind = lower(std::filesystem::path(path).extension().string());
-  UserModes modes = kind == ".npz" ? read_arrays(path, mesh) : read_table(path, mesh);
+  UserModes modes = read(path, mesh);
   for (std::size_t r = 0; r < modes.dofs.size(); ++r)
     if (modes.dofs[r].direction < 3) modes.shapes.row(static_cast<Eigen::Index>(r)) *= units.length;
   for (Eigen::Index k = 0; k < modes.shapes.cols(); ++k)
