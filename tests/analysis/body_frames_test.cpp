@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <filesystem>
 
+#include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"
 #include "mimbre/model_file.h"
@@ -15,15 +16,6 @@ namespace {
 
 using fe::Interface;
 using Frame = fe::ModelReduction::Frame;
-
-Interface end(const fe::SolidMesh& mesh, const std::string& name, double x) {
-  Interface i;
-  i.name = name;
-  for (int k = 0; k < mesh.nodes.cols(); ++k)
-    if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-  i.point = fe::centre_of(mesh, i.nodes);
-  return i;
-}
 
 fe::ReductionResult reduced(Frame frame) {
   const fe::Material stiff{2.1e11, 0.3, 7850};

@@ -79,7 +79,7 @@ std::vector<Number> array(const std::string& file, const std::string& name) {
   std::memcpy(&size, bytes.data(), sizeof size);
   EXPECT_EQ(size + sizeof size, bytes.size()) << name;
   std::vector<Number> values(size / sizeof(Number));
-  std::memcpy(values.data(), bytes.data() + sizeof size, size);
+  if (size > 0) std::memcpy(values.data(), bytes.data() + sizeof size, size);
   return values;
 }
 

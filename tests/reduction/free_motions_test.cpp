@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/shapes.h"
@@ -23,16 +24,6 @@ using Motion = fe::Interface::Motion;
 
 constexpr double length = 1, width = 0.1, height = 0.05;
 const fe::Material steel_bar{2.1e11, 0.3, 7850};
-
-Interface end(const fe::SolidMesh& mesh, const std::string& name, double x, Interface::Tie tie) {
-  Interface i;
-  i.name = name;
-  i.tie = tie;
-  for (int k = 0; k < mesh.nodes.cols(); ++k)
-    if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-  i.point = fe::centre_of(mesh, i.nodes);
-  return i;
-}
 
 fe::SolidMesh bar() { return block(fe::ElementType::hex20, {length, width, height}, {8, 1, 1}, steel_bar); }
 

@@ -271,7 +271,7 @@ TEST(UserModes, TooFewDisplacementsAreRefused) {
   EXPECT_THROW(fe::reduce(p.mesh, p.matrices, options), std::invalid_argument);
 }
 
-std::string little(std::uint32_t number, int bytes) {
+std::string little(std::uint64_t number, int bytes) {
   std::string text;
   for (int i = 0; i < bytes; ++i) text += static_cast<char>(number >> 8 * i & 0xff);
   return text;

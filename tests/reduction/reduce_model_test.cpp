@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fe/bar_ends.h"
 #include "fe/block_lanczos.h"
 #include "fe/skin.h"
 #include "fe/solid_meshes.h"
@@ -26,16 +27,6 @@ constexpr double length = 1, width = 0.1, height = 0.05;
 
 fe::SolidMesh bar(fe::ElementType type = fe::ElementType::hex20, std::array<int, 3> cells = {8, 2, 1}) {
   return block(type, {length, width, height}, cells, steel);
-}
-
-Interface end(const fe::SolidMesh& mesh, const std::string& name, double x, Interface::Tie tie) {
-  Interface i;
-  i.name = name;
-  i.tie = tie;
-  for (int k = 0; k < mesh.nodes.cols(); ++k)
-    if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-  i.point = fe::centre_of(mesh, i.nodes);
-  return i;
 }
 
 ModelReduction both_ends(const fe::SolidMesh& mesh, Interface::Tie tie, int modes = 6) {

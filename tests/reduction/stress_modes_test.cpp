@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"
 
@@ -18,15 +19,6 @@ using fe::Interface;
 
 const fe::Material steel_bar{2.1e11, 0.3, 7850};
 constexpr double length = 1, width = 0.1, height = 0.05;
-
-Interface end(const fe::SolidMesh& mesh, const std::string& name, double x) {
-  Interface i;
-  i.name = name;
-  for (int k = 0; k < mesh.nodes.cols(); ++k)
-    if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-  i.point = fe::centre_of(mesh, i.nodes);
-  return i;
-}
 
 ReducedBody reduced(const fe::SolidMesh& mesh, fe::ModelReduction::Basis basis, int modes) {
   fe::ModelReduction o;
