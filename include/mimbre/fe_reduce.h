@@ -61,7 +61,7 @@ struct ModelReduction {
   enum class Frame {
     tangent,         ///< the body frame moves with the first interface
     centre_of_mass,  ///< it turns with the first interface and follows the centre of mass
-    mean_axis        ///< origin in the centre of mass, modes without momentum (Buckens)
+    mean_axis        ///< in the mean motion: modes without momentum (Buckens)
   };
   enum class Basis {
     craig_bampton,   ///< static modes and the lowest modes with all interfaces held
