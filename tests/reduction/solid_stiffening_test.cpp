@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"
 
@@ -21,14 +22,7 @@ constexpr double length = 1, width = 0.02;
 ReducedBody clamped_bar() {
   const fe::SolidMesh mesh = block(fe::ElementType::hex20, {length, width, width}, {12, 1, 1}, steel);
   fe::ModelReduction o;
-  for (const double x : {0.0, length}) {
-    fe::Interface i;
-    i.name = x == 0 ? "root" : "tip";
-    for (int k = 0; k < mesh.nodes.cols(); ++k)
-      if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-    i.point = fe::centre_of(mesh, i.nodes);
-    o.interfaces.push_back(i);
-  }
+  o.interfaces = {end(mesh, "root", 0), end(mesh, "tip", length)};
   o.dynamic_modes = 6;
   o.free_modes = 0;
   o.geometric_stiffness = true;

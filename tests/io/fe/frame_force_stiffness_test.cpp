@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
 #include "io/fe/fe_files.h"
 #include "io/fe/sid_file.h"
@@ -33,14 +34,7 @@ const ReducedBody& bar() {
   static const ReducedBody body = [] {
     const fe::SolidMesh mesh = block(fe::ElementType::hex20, {length, width, width}, {12, 1, 1}, steel);
     fe::ModelReduction o;
-    for (const double x : {0.0, length}) {
-      fe::Interface i;
-      i.name = x == 0 ? "node 7" : "node 3";
-      for (int k = 0; k < mesh.nodes.cols(); ++k)
-        if (std::abs(mesh.nodes(0, k) - x) < 1e-9) i.nodes.push_back(k);
-      i.point = fe::centre_of(mesh, i.nodes);
-      o.interfaces.push_back(i);
-    }
+    o.interfaces = {end(mesh, "node 7", 0), end(mesh, "node 3", length)};
     o.dynamic_modes = 6;
     o.free_modes = 0;
     o.geometric_stiffness = true;
