@@ -14,8 +14,10 @@ help: ## Show this list
 packages: ## Install the Debian packages that are missing
 	@scripts/install-packages
 
+# One configuration for everything, so that nothing is compiled twice. Where CI is set, as continuous integration does,
+# warnings are errors.
 configure: packages
-	@cmake --preset release $(CONFIGURE_OPTIONS)
+	@cmake --preset release -DMIMBRE_WERROR=$(if $(CI),ON,OFF)
 
 build: configure ## Build everything (the program: build/release/mimbre)
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -28,10 +30,10 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 	@echo "Made report.html (plots, animation) from results/iltis.h5 (every channel; as a table: results/iltis.csv)."
 	@echo "Open it in a browser:  xdg-open $(CURDIR)/report.html"
 
-# Formatting comes before the tests, so that the last lines are the summary of ctest.
-test: CONFIGURE_OPTIONS := -DMIMBRE_WERROR=ON
-test: build ## Build with warnings as errors, check the formatting, run all tests
+# The checks of the sources come before the tests, so that the last lines are the summary of ctest.
+test: build ## Build everything, check the formatting and the order of the folders, run all tests
 	@scripts/check-format
+	@scripts/check-includes
 	@ctest --test-dir $(BUILD) --output-on-failure --parallel $(JOBS)
 
 bench: configure ## Run the benchmarks

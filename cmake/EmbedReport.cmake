@@ -24,9 +24,9 @@ function(mimbre_embed_report target)
       message(WARNING "npm or Node.js not found: `mimbre report` will not work (silence with -DMIMBRE_WITH_REPORT=OFF)")
     endif()
     file(CONFIGURE OUTPUT ${generated} CONTENT [=[
-#include "io/report_page.h"
+#include "results/report_page.h"
 
-std::string_view mimbre::io::report_page() { return {}; }
+std::string_view mimbre::results::report_page() { return {}; }
 ]=] @ONLY)
   endif()
   target_sources(${target} PRIVATE ${generated})

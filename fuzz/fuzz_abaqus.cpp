@@ -1,5 +1,5 @@
+#include "fe_files/matrix_files.h"
 #include "fuzz_bytes.h"
-#include "io/fe/matrix_files.h"
 
 using namespace mimbre::fe;
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "io/fe/text_file.h"
+#include "fe_files/text_file.h"
 #include "mimbre/diagnostics.h"
 
 /// Any bytes either are read or give an InputError.

@@ -1,5 +1,5 @@
+#include "fe_files/calculix.h"
 #include "fuzz_bytes.h"
-#include "io/fe/calculix.h"
 
 using namespace mimbre::fe;
 

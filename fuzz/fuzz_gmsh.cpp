@@ -1,5 +1,5 @@
+#include "fe_files/gmsh.h"
 #include "fuzz_bytes.h"
-#include "io/fe/gmsh.h"
 
 using namespace mimbre::fe;
 

@@ -1,5 +1,5 @@
+#include "fe_files/inp_model.h"
 #include "fuzz_bytes.h"
-#include "io/fe/inp_model.h"
 
 using namespace mimbre::fe;
 

@@ -1,5 +1,5 @@
+#include "fe_files/reduced_files.h"
 #include "fuzz_bytes.h"
-#include "io/fe/reduced_files.h"
 
 using namespace mimbre::fe;
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string>
 
-#include "io/model_file/parse.h"
 #include "mimbre/diagnostics.h"
+#include "model_file/parse.h"
 
 /// Any text either becomes a model or an InputError. Without a folder no file is read.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
+#include "fe_files/nastran.h"
 #include "fuzz_bytes.h"
-#include "io/fe/nastran.h"
 
 using namespace mimbre::fe;
 

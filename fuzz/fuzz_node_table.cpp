@@ -1,5 +1,5 @@
+#include "fe_files/node_table.h"
 #include "fuzz_bytes.h"
-#include "io/fe/node_table.h"
 
 using namespace mimbre::fe;
 

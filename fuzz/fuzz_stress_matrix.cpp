@@ -1,5 +1,5 @@
+#include "fe_files/stress_matrix.h"
 #include "fuzz_bytes.h"
-#include "io/fe/stress_matrix.h"
 
 using namespace mimbre::fe;
 

@@ -1,5 +1,5 @@
+#include "fe_files/user_modes_file.h"
 #include "fuzz_bytes.h"
-#include "io/fe/user_modes_file.h"
 
 using namespace mimbre::fe;
 

@@ -1,6 +1,6 @@
 // Bundles the page into one HTML file: dist/report.html.
 //   node build.mjs              the page
-//   node build.mjs --cpp FILE   also the page as a C++ source that defines mimbre::io::report_page()
+//   node build.mjs --cpp FILE   also the page as a C++ source that defines mimbre::results::report_page()
 //   node build.mjs --tests      the tests instead, for node --test
 import { build } from "esbuild";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
@@ -53,14 +53,14 @@ function cpp(html) {
     pieces.push(`R"mimbrepage(${html.slice(at, end)})mimbrepage"`);
     at = end;
   }
-  return `#include "io/report_page.h"
+  return `#include "results/report_page.h"
 
 namespace {
 constexpr char page[] =
 ${pieces.join("\n")};
 }
 
-std::string_view mimbre::io::report_page() { return {page, sizeof page - 1}; }
+std::string_view mimbre::results::report_page() { return {page, sizeof page - 1}; }
 `;
 }
 

@@ -1,13 +1,10 @@
 #pragma once
 #include <Eigen/Core>
-#include <Eigen/Sparse>
+#include <Eigen/SparseCore>
 #include <array>
-#include <string>
 #include <vector>
 
-#include "mimbre/reduced_body.h"
-
-/// Finite-element models of beam frames and their reduction to a ReducedBody.
+/// Finite-element models of frames of beams.
 namespace mimbre::fe {
 
 struct Material {
@@ -44,65 +41,6 @@ struct Matrices {
   Eigen::SparseMatrix<double> stiffness;
 };
 Matrices assemble(const Mesh& mesh);
-
-/// One retained boundary dof: unit displacement along (or rotation about) `direction` (body axes) of `node`.
-/// Several on one node must have orthogonal directions. Each gives one static mode. Dofs that are not
-/// named here are internal ("freed").
-struct BoundaryDof {
-  int node = 0;
-  bool rotation = false;
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
-  std::string name;
-};
-
-/// What a reduced beam knows of large deflections (Lugrís 2008, chapter 4). Beyond `linear` the mesh must be
-/// a tree of bars with one clamped node, and no axial mode may be missing where a method needs one.
-enum class Stiffening {
-  linear,
-  foreshortening,  ///< bending shortens the beam: displacements quadratic in the amplitudes (4.19–4.35)
-  nonlinear_stiffness_1,  ///< strain energy with the term ½∫EA u'v'² (4.5, 4.11)
-  nonlinear_stiffness_2,  ///< and with ⅛∫EA v'⁴
-  geometric_stiffness     ///< stiffness by prestress: of inertia, gravity and boundary forces
-                          ///< (GeometricStiffness)
-};
-
-struct ReductionOptions {
-  std::vector<int> clamped_nodes;  ///< the tangent frame: all six dofs of these nodes vanish
-  std::vector<int>
-      fixed_dofs;  ///< further dofs that vanish: indices 6·node + 0..5, body axes (planar bodies)
-  std::vector<BoundaryDof> boundary;
-  int dynamic_modes = 0;         ///< lowest fixed-interface modes
-  double stiffness_damping = 0;  ///< s: C = stiffness_damping · K
-  int axial_dynamic_modes = 0;   ///< lowest fixed-interface modes that only stretch (straight beams)
-  Stiffening stiffening = Stiffening::linear;
-  /// Nonlinear stiffness: the published force, which lacks what bending does on axial modes, instead of the
-  /// gradient of the strain energy; that of nonlinear_stiffness_1 has no lower bound and diverges.
-  bool published_force = false;
-  BoundaryRotation boundary_rotation = BoundaryRotation::exponential;
-};
-
-/// A node that becomes a frame of the reduced body, with its axes.
-struct NodeFrame {
-  std::string name;
-  int node = 0;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-};
-
-/// Craig–Bampton reduction (Craig, Bampton 1968; Lugrís 2008, 2.7–2.9) with inertia shape integrals, made
-/// orthogonal. Throws std::invalid_argument naming what is wrong (no clamped node, dependent boundary dofs,
-/// singular Kii, more modes than dofs).
-ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std::vector<NodeFrame>& frames);
-
-struct AncfOptions {
-  int clamped_node = 0;  ///< the body frame moves with it and with the direction of its slope
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane in which the beam moves, body axes
-  double stiffness_damping = 0;                       ///< s
-};
-
-/// A straight beam in a plane by absolute nodal coordinates (AncfBeam): no modes are chosen, the amplitudes
-/// are the nodes'. Throws std::invalid_argument when the mesh is not one line of bars that is clamped at one
-/// end, or does not lie in the plane.
-ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames);
 
 /// Lowest `count` eigenfrequencies (rad/s, ascending) of the mesh with the given nodes clamped (sparse
 /// shift-invert). Rigid-body modes of a free mesh come out as zeros.

@@ -4,6 +4,7 @@
 
 #include "mimbre/diagnostics.h"
 #include "mimbre/fe_mesh.h"
+#include "mimbre/fe_reduce.h"
 #include "mimbre/reduced_body.h"
 
 /// Finite-element models from other programs' files, and reduced bodies to and from the exchange formats of
@@ -88,6 +89,54 @@ ImportedMatrices read_sparse_matrices(const std::string& stiffness_path, const s
                                       const std::string& nodes_path, const std::string& dofs_path = "",
                                       const FileUnits& units = {});
 
+/// A model ready to be reduced, whatever it was read from.
+struct FeModel {
+  SolidMesh mesh;
+  FeMatrices matrices;
+  std::vector<Dof> file_dofs;  ///< as in ImportedMatrices
+  std::vector<Diagnostic> warnings;
+};
+
+/// What the model's own file does not say.
+struct FeCompanions {
+  std::string mass, nodes, dofs;  ///< files beside a stiffness matrix; `nodes` also of DMIG cards
+  /// Of the element groups without a material, by the group's name; "": of all that are left.
+  std::vector<NamedMaterial> materials;
+};
+
+/// A model by its file's ending: .msh and .inp are meshes, assembled here (with matrices of the same name
+/// beside an .inp those are taken), .mtx and .npz stiffness matrices, .pch, .dmig, .bdf and .dat DMIG cards.
+/// Throws std::invalid_argument for an ending that is not known, companions that are missing or groups that
+/// are not there, InputError for what is wrong with the files.
+FeModel read_model(const std::string& path, const FeCompanions& companions = {}, const FileUnits& units = {});
+
+/// What read_model() reads beside a CalculiX or Abaqus input: its includes, and matrices of the same name (if
+/// they exist). Throws InputError when an include is missing.
+std::vector<std::string> files_beside(const std::string& inp_path);
+
+/// Nodes that a text selects: `group:NAME` or `set:NAME` (a node set of the mesh), `nodes:FILE` (labels, one
+/// per line or separated by commas or blanks), `box(x0,y0,z0, x1,y1,z1)` (inside, with a margin of 1e-6 of
+/// the model), `cylinder(px,py,pz, ax,ay,az, r)` (on that surface, to 1 % of r). Coordinates in the file's
+/// unit of length. Places select among nodes with dofs: others cannot carry
+/// anything. Throws
+/// std::invalid_argument that says what is wrong and what there is.
+std::vector<int> select_nodes(const std::string& text, const SolidMesh& mesh, const std::vector<Dof>& dofs,
+                              double length_unit);
+
+/// Stress by displacements from SciPy's save_npz (CSR, CSC or COO; entries of the same place are summed).
+/// Rows: xx yy zz xy yz zx of each node in turn, nodes in the order of the mesh or, with `nodes_path`, of a
+/// table whose first column has their labels. Columns: the dofs `columns` or, where that is empty, those of
+/// `matrices`, in this order. `units` are those of the file: stress in mass/(length time²), by displacements
+/// in lengths and rotations in rad. Throws InputError.
+StressMatrix read_stress_matrix(const std::string& path, const std::string& nodes_path, const SolidMesh& mesh,
+                                const FeMatrices& matrices, const std::vector<Dof>& columns,
+                                const FileUnits& units = {});
+
+/// Mode shapes from a table. CSV (comma, semicolon, tab or blanks): node label, direction (1–6, or x y z rx
+/// ry rz), then a column per mode, with or without a heading. NumPy's savez (.npz): the arrays `label` and
+/// `direction` (1–6) of whole numbers, `shapes` (rows × modes). Throws InputError.
+UserModes read_user_modes(const std::string& path, const SolidMesh& mesh, const FileUnits& units = {});
+
 /// A body reduced elsewhere, with what its file could not say.
 struct ImportedBody {
   ReducedBody body;
@@ -97,13 +146,16 @@ struct ImportedBody {
 /// MBDyn's .fem of the modal joint. Its nodes become frames `node LABEL`. Mass, first and second moments come
 /// from record group 12 or, without it, from the lumped masses of group 11; the modal integrals from groups
 /// 13 to 17 or else from lumped masses and mode shapes.
-/// Geometric stiffness is in record group 19: there by loads of inertia on the body with its frame held and
-/// by forces at the nodes. The boundary loads of a body become such forces as they are where it deforms at
-/// rest, and forces become those that hold the nodes where the amplitudes have them; of static modes of the
-/// nodes both ways give the same body. Without a place there: axes of frames (positions and modes are in body
-/// axes), mode names, stress, drawing lines and points, modes in the user's view, second order. Blanks in the
-/// names of frames become '_'. Throws std::invalid_argument for a body without frames, or with boundary loads
-/// and a stiffness that is not positive definite.
+/// Record group 19 holds the geometric stiffness, as stiffness per unit of two kinds of loads: accelerations
+/// of the body with its frame held, and forces at the nodes. GeometricStiffness::boundary_loads, elastic
+/// forces on the boundary, are linear functions of the amplitudes instead; .fem has no place for those.
+/// Writing takes the nodal forces that would deform the body, at rest, by the same amplitudes; reading takes
+/// the boundary loads that hold the nodes at the amplitudes which the nodal forces cause. Where all modes are
+/// static modes of the nodes the two are each other's inverse, and a body comes back as it was. Not in the
+/// format, and lost by writing: axes of frames (positions and modes are in body axes), mode names, stress,
+/// drawing lines and points, modes in the user's view, second order. Blanks in the names of frames become
+/// '_'. Writing throws std::invalid_argument for a body without frames, or with boundary loads and a
+/// stiffness that is not positive definite.
 ImportedBody read_mbdyn_fem(const std::string& path);
 void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
 
@@ -120,5 +172,13 @@ void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
 /// std::invalid_argument for boundary loads and a stiffness that is not positive definite.
 ImportedBody read_sid(const std::string& path);
 void write_sid(const ReducedBody& body, const std::string& path);
+
+/// The formats of reduced bodies: mimbre's own (docs/reduced-body-format.md), MBDyn's, SID.
+enum class BodyFormat { h5, fem, sid };
+/// By the file's ending: .h5 and .hdf5, .fem, .sid and .sid_fem. Throws std::invalid_argument for another.
+BodyFormat body_format(const std::string& path);
+/// A body in any of them. Throws as body_format() and the format's own function do.
+ImportedBody read_body(const std::string& path);
+void write_body(const ReducedBody& body, const std::string& path, BodyFormat format);
 
 }  // namespace mimbre::fe

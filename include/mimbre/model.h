@@ -23,7 +23,7 @@ class Model {
   int bodies() const;
   int coordinates() const;  ///< velocity coordinates: joints' and modal amplitudes
   int elastic_coordinates() const;
-  int constraints() const;  ///< closing equations of cut joints and drives
+  int constraints() const;  ///< loop closure equations of cut joints, and drives
 
   /// One line per tree joint and cut joint, for people.
   struct JointLine {

@@ -160,5 +160,7 @@ std::vector<std::string> check(const ReducedBody& body);
 /// One HDF5 file (layout in docs/reduced-body-format.md). Throw InputError naming the file and what is wrong.
 void save(const ReducedBody& body, const std::string& path);
 ReducedBody load_reduced_body(const std::string& path);
+/// Whether there is such a file, as far as its first attribute says.
+bool is_reduced_body(const std::string& path);
 
 }  // namespace mimbre

@@ -1,30 +1,15 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "mimbre/channels.h"
+#include "mimbre/energy.h"
+#include "mimbre/method.h"
 #include "mimbre/model.h"
-#include "mimbre/results.h"
 
 namespace mimbre {
-
-/// Options of a run; fields left at their defaults are taken from the model file's simulation section.
-struct RunOptions {
-  double step = 0;  ///< s
-  std::optional<spec::Simulation::Formulation> formulation;
-  std::optional<spec::Simulation::Inertia> inertia;
-  std::optional<spec::Simulation::Formalism> formalism;
-  std::optional<spec::Simulation::Integrator> integrator;
-  double rho = -1;
-  double xi = 1;  ///< Newmark's ξ ≤ 0; 1: not given
-  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
-  /// lifts the mechanism by 0.25 mm), or when it does not converge. 1: never; 0: from the file, or 4 with
-  /// generalised-α, 1 with Newmark.
-  int substeps = 0;
-  bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
-};
 
 /// How a step ended. Everything but ok leaves the state as it was before the step.
 struct StepReport {
@@ -67,6 +52,8 @@ class Simulation {
   StepReport step();
   double time() const;
   double step_size() const;
+  /// What the run takes: formulation, integrator, tolerances, …
+  const Method& method() const;
   /// What went wrong where, for people ("the iterations of the step to t = 1.23 s did not converge; largest
   /// correction in 'front_left.arm'").
   std::string explain(const StepReport& report) const;
@@ -91,6 +78,7 @@ class Simulation {
     double time = 0;
     Eigen::VectorXd q, v, a, algorithmic, multipliers;
     bool started = false;
+    Eigen::VectorXd marks;  ///< the tangents in the factorised matrix: when it is made anew depends on them
   };
   Snapshot save() const;
   void restore(const Snapshot& snapshot);
@@ -103,12 +91,8 @@ class Simulation {
   /// Everything a results file needs to explain itself.
   ResultsHeader header(const std::string& options_json) const;
 
-  /// The energy balance so far, J (see docs/theory.md): names and values in order.
-  struct Energy {
-    double kinetic, gravitational, elastic, springs, tyres, dissipated, drive_work, load_work, road_work,
-        numerical;
-  };
-  Energy energy() const;
+  /// The energy balance so far (see docs/theory.md).
+  const EnergyBalance& energy() const;
   /// Warnings that arose (energy fed in by the numerics, flexible bodies beyond linear theory), with time and
   /// place; grows while stepping.
   std::vector<std::string> warnings() const;
@@ -123,16 +107,5 @@ class Simulation {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Static equilibrium of a model: outputs by name and value. Throws std::runtime_error when it is not found.
-struct StaticResult {
-  std::vector<ChannelInfo> channels;
-  Eigen::VectorXd values;
-  int output_count = 0;
-  int iterations = 0;
-  double cpu_seconds = 0;
-  double residual = 0;
-};
-StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options = {});
 
 }  // namespace mimbre

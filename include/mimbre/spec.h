@@ -9,7 +9,11 @@
 
 #include "mimbre/diagnostics.h"
 #include "mimbre/function.h"
-#include "mimbre/reduced_body.h"
+#include "mimbre/joint_type.h"
+
+namespace mimbre {
+struct ReducedBody;
+}
 
 /// What the user said, with templates placed, expressions evaluated and names resolved to indices: the input
 /// of compile(). Everything of a body is in that body's own axes here; only Body::pose and ground frames are
@@ -53,24 +57,6 @@ struct Frame {
   Pose pose;  ///< undeformed, in body axes (global axes for the ground)
   int flexible_frame =
       -1;  ///< for a flexible body: index into ReducedBody::frames whose X, X_theta move this frame
-};
-
-/// Axis convention, frame a to frame b: revolute and cylindrical about/along z; prismatic along z; universal:
-/// first axis x of a, second axis y of b (right angle at zero); planar: translation along x, y of a, rotation
-/// about z. Joint coordinates describe b relative to a, all zero when the frames coincide (spherical,
-/// floating: unit quaternion). Velocity coordinates: rates; for spherical the relative angular velocity in
-/// b's axes; for floating the origin's velocity in a's axes, then the relative angular velocity in b's axes.
-/// `bracket` is `fixed` between flexible bodies (all six static modes); dynamics treats both alike.
-enum class JointType {
-  fixed,
-  bracket,
-  revolute,
-  prismatic,
-  cylindrical,
-  universal,
-  spherical,
-  planar,
-  floating
 };
 
 struct Drive {

@@ -1,7 +1,7 @@
 #include "analysis/mode_participation.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <stdexcept>
 
@@ -78,18 +78,17 @@ ModeRanking rank_modes(const ReducedBody& body, const MatrixXd& amplitudes) {
 
 ModeCombinations combine_modes(const ReducedBody& body, const MatrixXd& amplitudes) {
   constexpr double round_off = 1e-14;  // of the largest share: squares of amplitudes
-  const Eigen::LLT<MatrixXd> factor(body.stiffness);
-  if (factor.info() != Eigen::Success)
-    throw std::invalid_argument("the modes' stiffness is not positive definite");
-  const MatrixXd root = factor.matrixL().transpose() * amplitudes;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> energies(root * root.transpose());
-  const VectorXd all = energies.eigenvalues().reverse();
+  const Cholesky factor(body.stiffness);
+  if (!factor.ok()) throw std::invalid_argument("the modes' stiffness is not positive definite");
+  const MatrixXd root = factor.lower().transpose() * amplitudes;
+  const EigenPairs energies = symmetric_eigen(root * root.transpose());
+  const VectorXd all = energies.values.reverse();
   if (!(all[0] > 0)) throw std::invalid_argument("the body does not deflect in this run");
   const Index count = (all.array() > round_off * all[0]).count();
 
   ModeCombinations combinations;
-  const MatrixXd directions = energies.eigenvectors().rowwise().reverse().leftCols(count);
-  combinations.T = factor.matrixU().solve(directions);
+  const MatrixXd directions = energies.vectors.rowwise().reverse().leftCols(count);
+  combinations.T = factor.solve_upper(directions);
   combinations.share = all.head(count) / all.cwiseMax(0).sum();
   combinations.error.resize(count + 1);
   combinations.participation.resize(count);

@@ -1,4 +1,4 @@
-#include "analysis/mode_selection.h"
+#include "mimbre/mode_selection.h"
 
 #include <fmt/format.h>
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "mimbre/model.h"
+#include "mimbre/reduced_body.h"
 
 namespace mimbre {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "analysis/mode_selection.h"
+#include "mimbre/mode_selection.h"
 
 namespace mimbre {
 

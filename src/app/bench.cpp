@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/method_options.h"
-#include "app/stepping.h"
 #include "app/summary.h"
 #include "app/table.h"
+#include "mimbre/run.h"
 
 /// mimbre bench: how fast models run on this machine.
 namespace mimbre::app {
@@ -34,7 +36,7 @@ struct Measurement {
   Json method;  ///< in force
   int coordinates = 0, elastic_coordinates = 0;
   double step = 0;
-  Totals totals;                    ///< of one run: the same in all; its time is the median
+  RunTotals totals;                 ///< of one run: the same in all; its time is the median
   std::vector<double> cpu_seconds;  ///< of each run
   double real_time_factor = 0;
   double peak_memory_mb = 0;
@@ -52,24 +54,24 @@ Measurement measure(const std::string& path, const Arguments& arguments) {
   options.step = arguments.step.value_or(0);
   Measurement result;
   result.model = path;
-  result.method = method_in_force(options, model.spec().simulation);
+  result.method = method_json(resolve_method(model.spec().simulation, options));
   result.elastic_coordinates = model.elastic_coordinates();
   for (int k = 0; k < arguments.runs; ++k) {
     Simulation simulation(loaded.model, options);
     result.step = simulation.step_size();
     result.coordinates = simulation.coordinates();
-    const Plan plan = plan_run(arguments.until.value_or(model.spec().simulation.end), 0, result.step);
+    const RunPlan plan = plan_run(arguments.until.value_or(model.spec().simulation.end), 0, result.step);
     result.totals = {};
     const StepReport report = advance(simulation, plan.steps, result.totals);
     if (!report.ok()) throw Failure(fmt::format("{}: {}", path, simulation.explain(report)));
     result.cpu_seconds.push_back(result.totals.cpu_seconds);
     result.totals.cpu_seconds = median(result.cpu_seconds);
-    result.real_time_factor = real_time_factor(simulation, result.totals);
+    result.real_time_factor = real_time_factor(result.totals, result.step);
   }
   result.peak_memory_mb = peak_memory_mb();
   options.profile = true;
   Simulation profiled(loaded.model, options);
-  Totals ignored;
+  RunTotals ignored;
   advance(profiled, result.totals.steps, ignored);
   result.phases = profiled.phases();
   return result;
@@ -141,24 +143,20 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_bench(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand("bench", "Measure how fast models run on this machine");
+Command add_bench(CommandLine& program) {
+  Parser parser = program.add_command("bench", "Measure how fast models run on this machine");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("models", arguments->models, "Model files (YAML)")->required()->type_name("MODEL");
-  parser->add_option("--runs", arguments->runs, "Runs of each model; their median counts")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str()
-      ->type_name("N");
-  add_set_option(*parser, arguments->settings);
-  parser->add_option("--step", arguments->step, "Step in s, instead of the models'")
-      ->check(number_from(0, INFINITY, true))
-      ->type_name("H");
-  parser->add_option("--until", arguments->until, "End in s, instead of the models'")
-      ->check(number_from(0, INFINITY, true))
-      ->type_name("T");
-  parser->add_flag("--json", arguments->json, "The same as JSON");
-  add_method_options(*parser, arguments->method);
-  parser->footer(
+  parser.add_option("models", arguments->models, "Model files (YAML)").required().type_name("MODEL");
+  parser.add_option("--runs", arguments->runs, "Runs of each model; their median counts")
+      .within(1, 100000)
+      .show_default()
+      .type_name("N");
+  add_set_option(parser, arguments->settings);
+  parser.add_option("--step", arguments->step, "Step in s, instead of the models'").above(0).type_name("H");
+  parser.add_option("--until", arguments->until, "End in s, instead of the models'").above(0).type_name("T");
+  parser.add_flag("--json", arguments->json, "The same as JSON");
+  add_method_options(parser, arguments->method);
+  parser.footer(
       "A Markdown table: median CPU time of the stepping loop alone, without output. A real-time factor "
       "above 1 is\n"
       "faster than real time. The peak memory is the process's, up to and with the model of the row.\n"

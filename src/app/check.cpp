@@ -2,11 +2,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/method_options.h"
 #include "app/table.h"
+#include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 
 /// mimbre check: what a model is.
@@ -146,15 +149,14 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_check(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("check", "Say what a model is, or everything that is wrong with it");
+Command add_check(CommandLine& program) {
+  Parser parser = program.add_command("check", "Say what a model is, or everything that is wrong with it");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
-  add_set_option(*parser, arguments->settings);
-  parser->add_flag("--json", arguments->json, "The same as JSON");
-  add_method_options(*parser, arguments->method);
-  parser->footer("Example:\n  mimbre check pendulum.yaml --set length=2");
+  parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, arguments->settings);
+  parser.add_flag("--json", arguments->json, "The same as JSON");
+  add_method_options(parser, arguments->method);
+  parser.footer("Example:\n  mimbre check pendulum.yaml --set length=2");
   return {parser, [arguments] { return run(*arguments); }};
 }
 

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -23,23 +22,10 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
   return result;
 }
 
-void add_set_option(CLI::App& command, std::vector<std::string>& settings) {
+void add_set_option(Parser& command, std::vector<std::string>& settings) {
   command.add_option("--set", settings, "Replace a parameter of the model file; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-}
-
-CLI::Validator number_from(double low, double high, bool above) {
-  const auto check = [=](const std::string& text) -> std::string {
-    double number = 0;
-    if (!CLI::detail::lexical_cast(text, number)) return fmt::format("'{}' is not a number", text);
-    if (std::isfinite(number) && (above ? number > low : number >= low) && number <= high) return {};
-    const std::string from =
-        std::isfinite(low) ? fmt::format(" {} {}", above ? "above" : "of at least", low) : "";
-    const std::string to = std::isfinite(high) ? fmt::format(" of at most {}", high) : "";
-    return fmt::format("{} is not a number{}{}{}", text, from, from.empty() || to.empty() ? "" : " and", to);
-  };
-  return CLI::Validator(check, "");
+      .type_name("NAME=VALUE")
+      .repeated();
 }
 
 LoadedModel load(const std::string& path, const std::vector<std::string>& settings) {
@@ -63,10 +49,6 @@ std::string diagnostic_line(const Diagnostic& diagnostic, const std::string& sev
 
 void print_error(const std::string& message) { fmt::print(stderr, "mimbre: error: {}\n", message); }
 void print_warning(const std::string& message) { fmt::print(stderr, "mimbre: warning: {}\n", message); }
-
-std::string to_text(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
 
 void print_data(const std::string& text) {
   errno = 0;

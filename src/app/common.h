@@ -1,13 +1,12 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "app/options.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/model.h"
 
@@ -24,33 +23,25 @@ enum Exit : int {
   failed = 3  ///< the simulation failed, or was interrupted
 };
 
-/// Objects keep the order in which their keys were written.
-using Json = nlohmann::ordered_json;
-
-/// A command of the program: its description for the parser, and what it does; `run` returns the exit code.
+/// A command of the program: its options, and what it does; `run` returns the exit code.
 struct Command {
-  CLI::App* parser;
+  Parser parser;
   std::function<int()> run;
 };
 
-Command add_run(CLI::App& program);
-Command add_check(CLI::App& program);
-Command add_static(CLI::App& program);
-Command add_report(CLI::App& program);
-Command add_compare(CLI::App& program);
-Command add_bench(CLI::App& program);
-Command add_verify(CLI::App& program);
-Command add_reproduce(CLI::App& program);
-Command add_reduce(CLI::App& program);
-Command add_select(CLI::App& program);
-Command add_convert(CLI::App& program);
-Command add_stress(CLI::App& program);
-Command add_export(CLI::App& program);
-
-/// Wrong use that only shows after parsing: exit code 2.
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+Command add_run(CommandLine& program);
+Command add_check(CommandLine& program);
+Command add_static(CommandLine& program);
+Command add_report(CommandLine& program);
+Command add_compare(CommandLine& program);
+Command add_bench(CommandLine& program);
+Command add_verify(CommandLine& program);
+Command add_reproduce(CommandLine& program);
+Command add_reduce(CommandLine& program);
+Command add_select(CommandLine& program);
+Command add_convert(CommandLine& program);
+Command add_stress(CommandLine& program);
+Command add_export(CommandLine& program);
 
 /// The computation failed, though the input could be read: exit code 3.
 struct Failure : std::runtime_error {
@@ -61,10 +52,7 @@ struct Failure : std::runtime_error {
 std::map<std::string, std::string> overrides(const std::vector<std::string>& settings);
 
 /// Adds the option --set to a command.
-void add_set_option(CLI::App& command, std::vector<std::string>& settings);
-
-/// A check for options: a number from `low` (or, when `above`, more than it) to `high`, and finite.
-CLI::Validator number_from(double low, double high, bool above = false);
+void add_set_option(Parser& command, std::vector<std::string>& settings);
 
 /// A compiled model, and the loader's warnings as lines for people (already printed).
 struct LoadedModel {
@@ -83,8 +71,6 @@ void print_error(const std::string& message);
 /// One line to stderr: "mimbre: warning: …".
 void print_warning(const std::string& message);
 
-/// JSON text; numbers that are not finite become null, text that is not UTF-8 is replaced.
-std::string to_text(const Json& json, int indent = 2);
 /// Text to stdout, at once. Throws Failure when it cannot be written.
 void print_data(const std::string& text);
 

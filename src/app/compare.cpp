@@ -2,9 +2,11 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/table.h"
 #include "mimbre/results.h"
 
@@ -72,14 +74,13 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_compare(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("compare", "Give the differences of two results, channel by channel");
+Command add_compare(CommandLine& program) {
+  Parser parser = program.add_command("compare", "Give the differences of two results, channel by channel");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("a", arguments->a, "Results file (HDF5), the reference")->required()->type_name("A.h5");
-  parser->add_option("b", arguments->b, "Results file (HDF5)")->required()->type_name("B.h5");
-  parser->add_flag("--json", arguments->json, "The same as JSON");
-  parser->footer(
+  parser.add_option("a", arguments->a, "Results file (HDF5), the reference").required().type_name("A.h5");
+  parser.add_option("b", arguments->b, "Results file (HDF5)").required().type_name("B.h5");
+  parser.add_flag("--json", arguments->json, "The same as JSON");
+  parser.footer(
       "Compares the channels that both have, on the instants of the coarser one within the time they share.\n"
       "Example:\n  mimbre compare coarse.h5 fine.h5");
   return {parser, [arguments] { return run(*arguments); }};

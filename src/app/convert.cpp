@@ -17,28 +17,20 @@ struct Arguments {
   bool no_stress = false;
 };
 
-std::string format_of(const std::string& path) {
-  std::string ending = fs::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".h5" || ending == ".hdf5") return "h5";
-  if (ending == ".fem") return "fem";
-  if (ending == ".sid" || ending == ".sid_fem") return "sid";
-  return "";
+fe::BodyFormat format_of(const std::string& path) {
+  try {
+    return fe::body_format(path);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
 }
 
 int run(const Arguments& a) {
-  const std::string from = format_of(a.input);
-  if (from.empty())
-    throw UsageError(
-        fmt::format("'{}': the ending says no format of reduced bodies: .h5, .fem, .sid", a.input));
+  format_of(a.input);
   const std::string output =
       a.output.empty() ? fs::path(a.input).replace_extension("." + a.to).string() : a.output;
   require_different(a.input, output);
-  fe::ImportedBody read;
-  if (from == "h5")
-    read.body = load_reduced_body(a.input);
-  else
-    read = from == "fem" ? fe::read_mbdyn_fem(a.input) : fe::read_sid(a.input);
+  fe::ImportedBody read = fe::read_body(a.input);
   for (const Diagnostic& warning : read.warnings)
     fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
   if (a.no_stress) {
@@ -48,12 +40,7 @@ int run(const Arguments& a) {
   if (read.body.name.empty()) read.body.name = fs::path(a.input).stem().string();
   require_writable(output);
   try {
-    if (a.to == "h5")
-      save(read.body, output);
-    else if (a.to == "fem")
-      fe::write_mbdyn_fem(read.body, output);
-    else
-      fe::write_sid(read.body, output);
+    fe::write_body(read.body, output, fe::body_format("body." + a.to));
   } catch (const std::invalid_argument& error) {
     throw InputError(Mark{a.input}, error.what());
   }
@@ -63,19 +50,17 @@ int run(const Arguments& a) {
 
 }  // namespace
 
-Command add_convert(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("convert", "Write a reduced body in another format: MBDyn's .fem, SID, HDF5");
+Command add_convert(CommandLine& program) {
+  Parser parser =
+      program.add_command("convert", "Write a reduced body in another format: MBDyn's .fem, SID, HDF5");
   const auto a = std::make_shared<Arguments>();
-  parser->add_option("body", a->input, "Reduced body: .h5, .fem or .sid")->required()->type_name("BODY");
-  parser->add_option("--to", a->to, "Format to write")
-      ->required()
-      ->check(CLI::IsMember({"sid", "fem", "h5"}));
-  parser->add_flag("--no-stress", a->no_stress,
-                   "Leave stress out: in SID every point with stress is a node more");
-  parser->add_option("-o,--output", a->output, "File to write; default: the input's name with the new ending")
-      ->type_name("FILE");
-  parser->footer(
+  parser.add_option("body", a->input, "Reduced body: .h5, .fem or .sid").required().type_name("BODY");
+  parser.add_option("--to", a->to, "Format to write").required().choice({"sid", "fem", "h5"});
+  parser.add_flag("--no-stress", a->no_stress,
+                  "Leave stress out: in SID every point with stress is a node more");
+  parser.add_option("-o,--output", a->output, "File to write; default: the input's name with the new ending")
+      .type_name("FILE");
+  parser.footer(
       "Prints the file's name. What a format has no place for is said in docs/reduced-body-format.md.\n"
       "Example:\n  mimbre convert arm.h5 --to fem");
   return {parser, [a] { return run(*a); }};

@@ -25,15 +25,15 @@ int run(const Arguments& a) {
 
 }  // namespace
 
-Command add_export(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
-      "export", "Write a run as VTK files: motion, deflection and stress for ParaView");
+Command add_export(CommandLine& program) {
+  Parser parser =
+      program.add_command("export", "Write a run as VTK files: motion, deflection and stress for ParaView");
   const auto a = std::make_shared<Arguments>();
-  parser->add_option("results", a->results, "Results file (HDF5)")->required()->type_name("RESULTS.h5");
-  parser->add_option("--vtk", a->folder, "Folder for the files")->required()->type_name("FOLDER");
-  parser->add_option("--instants", a->instants, "At most so many instants, evenly spread; default 500")
-      ->check(CLI::Range(2, 1000000));
-  parser->footer(
+  parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
+  parser.add_option("--vtk", a->folder, "Folder for the files").required().type_name("FOLDER");
+  parser.add_option("--instants", a->instants, "At most so many instants, evenly spread; default 500")
+      .within(2, 1000000);
+  parser.footer(
       "Prints the name of the file to open.\nExample:\n  mimbre export run.h5 --vtk frames\n"
       "  paraview frames/run.pvd");
   return {parser, [a] { return run(*a); }};

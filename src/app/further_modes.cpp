@@ -4,8 +4,7 @@
 
 #include <cstdlib>
 
-#include "app/common.h"
-#include "app/selection.h"
+#include "app/interfaces.h"
 
 namespace mimbre::app {
 
@@ -34,7 +33,7 @@ std::vector<fe::SpreadLoad> loads_of(const std::vector<std::string>& texts, cons
     }
     if (!load.force.allFinite() || load.force.isZero(0))
       throw UsageError(fmt::format("--load '{}': the force must be finite and not zero", text));
-    load.nodes = select_nodes(rest, mesh, dofs, length_unit);
+    load.nodes = nodes_of(rest, mesh, dofs, length_unit);
     loads.push_back(std::move(load));
   }
   return loads;

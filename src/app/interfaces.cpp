@@ -7,7 +7,7 @@
 #include <array>
 #include <sstream>
 
-#include "app/selection.h"
+#include "mimbre/fe_import.h"
 
 namespace mimbre::app {
 namespace {
@@ -81,6 +81,13 @@ void set_motions(const std::string& option, const std::string& text, Motion moti
 
 }  // namespace
 
+std::vector<int> nodes_of(const std::string& selection, const fe::SolidMesh& mesh,
+                          const std::vector<fe::Dof>& dofs, double length_unit) try {
+  return fe::select_nodes(selection, mesh, dofs, length_unit);
+} catch (const std::invalid_argument& error) {
+  throw UsageError(error.what());
+}
+
 std::vector<fe::Interface> read_interfaces(const InterfaceOptions& options, const fe::SolidMesh& mesh,
                                            const std::vector<fe::Dof>& dofs, double length_unit) {
   std::vector<fe::Interface> interfaces;
@@ -90,7 +97,7 @@ std::vector<fe::Interface> read_interfaces(const InterfaceOptions& options, cons
       throw UsageError(fmt::format("--interface '{}': NAME=SELECTION is needed, as ball=group:ball", text));
     fe::Interface interface;
     interface.name = name;
-    interface.nodes = select_nodes(selection, mesh, dofs, length_unit);
+    interface.nodes = nodes_of(selection, mesh, dofs, length_unit);
     interface.point = fe::centre_of(mesh, interface.nodes);
     interfaces.push_back(std::move(interface));
   }
@@ -113,19 +120,19 @@ std::vector<fe::Interface> read_interfaces(const InterfaceOptions& options, cons
   return interfaces;
 }
 
-void add_interface_options(CLI::App& parser, InterfaceOptions& options) {
+void add_interface_options(Parser& parser, InterfaceOptions& options) {
   parser
       .add_option(
           "--interface", options.interfaces,
           "Where joints and forces take hold: group:NAME, set:NAME, nodes:FILE, "
           "box(x0,y0,z0, x1,y1,z1), cylinder(px,py,pz, ax,ay,az, r). The body frame of a tangent frame "
           "moves with the first. Once for each interface, or several after one option")
-      ->required()
-      ->take_all()
-      ->type_name("NAME=SELECTION");
+      .required()
+      .take_all()
+      .type_name("NAME=SELECTION");
   const auto add = [&](const char* name, std::vector<std::string>& values, const char* about,
                        const char* type) {
-    parser.add_option(name, values, about)->allow_extra_args(false)->type_name(type);
+    parser.add_option(name, values, about).repeated().type_name(type);
   };
   add("--mean", options.means, "Interface that moves as its nodes do in the mean (RBE3), not rigidly (RBE2)",
       "NAME");

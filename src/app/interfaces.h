@@ -1,9 +1,8 @@
 #pragma once
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "app/common.h"
+#include "app/options.h"
 #include "mimbre/fe_reduce.h"
 
 namespace mimbre::app {
@@ -12,9 +11,13 @@ namespace mimbre::app {
 struct InterfaceOptions {
   std::vector<std::string> interfaces, means, points, axes, freed, held;
 };
-void add_interface_options(CLI::App& parser, InterfaceOptions& options);
+void add_interface_options(Parser& parser, InterfaceOptions& options);
 
-/// The interfaces of a model. Arguments as of select_nodes. Throws UsageError that says what is wrong.
+/// fe::select_nodes for a selection of the command line. Throws UsageError that says what is wrong.
+std::vector<int> nodes_of(const std::string& selection, const fe::SolidMesh& mesh,
+                          const std::vector<fe::Dof>& dofs, double length_unit);
+
+/// The interfaces of a model. Arguments as of nodes_of. Throws UsageError that says what is wrong.
 std::vector<fe::Interface> read_interfaces(const InterfaceOptions& options, const fe::SolidMesh& mesh,
                                            const std::vector<fe::Dof>& dofs, double length_unit);
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "app/common.h"
+#include "app/json.h"
 
 /// The command line `mimbre`: finds the command, and tells what goes wrong in it.
 namespace mimbre::app {
@@ -38,8 +40,7 @@ int report_errors(const std::vector<Diagnostic>& errors, bool json, int code) {
 }
 
 int run_guarded(const Command& command) {
-  const CLI::Option* option = command.parser->get_option_no_throw("--json");
-  const bool json = option && option->count() > 0;
+  const bool json = command.parser.has("--json");
   const auto one = [&](const std::string& message, int code) {
     return report_errors({{Mark{}, one_line(message)}}, json, code);
   };
@@ -60,20 +61,8 @@ int run_guarded(const Command& command) {
 
 std::vector<std::string> names_of(const std::vector<Command>& commands) {
   std::vector<std::string> names;
-  for (const Command& command : commands) names.push_back(command.parser->get_name());
+  for (const Command& command : commands) names.push_back(command.parser.name());
   return names;
-}
-
-/// A near name for the first option that the command does not have.
-std::string option_hint(CLI::App& program) {
-  for (CLI::App* command : program.get_subcommands()) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : command->get_options())
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& rest : command->remaining())
-      if (rest.starts_with("--")) return did_you_mean(rest.substr(0, rest.find('=')), names);
-  }
-  return {};
 }
 
 int usage_error(const std::string& message, const std::string& command) {
@@ -83,9 +72,7 @@ int usage_error(const std::string& message, const std::string& command) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App program("Flexible multibody systems in real time", "mimbre");
-  program.set_version_flag("--version", fmt::format("mimbre {}", version));
-  program.require_subcommand(1);
+  CommandLine program("mimbre", "Flexible multibody systems in real time", fmt::format("mimbre {}", version));
   program.footer(
       "Messages go to the standard error, data to the standard output.\n"
       "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed.\n"
@@ -105,16 +92,14 @@ int main_program(int argc, char** argv) {
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
     return usage_error(fmt::format("there is no command '{}'{}", first, did_you_mean(first, names)), "");
   try {
-    program.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // help or version
-    return program.exit(asked);
-  } catch (const CLI::ExtrasError& error) {
-    return usage_error(error.what() + option_hint(program), first);
-  } catch (const CLI::ParseError& error) {
+    if (const auto answered = program.parse(argc, argv)) return *answered;
+  } catch (const UnexpectedArgument& error) {
+    return usage_error(error.what(), first);
+  } catch (const UsageError& error) {
     return usage_error(error.what(), first.starts_with('-') ? "" : first);
   }
   for (const Command& command : commands)
-    if (command.parser->parsed()) return run_guarded(command);
+    if (command.parser.chosen()) return run_guarded(command);
   return bad_usage;
 }
 

@@ -1,12 +1,12 @@
 #include "app/method_options.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "io/model_file/method_names.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre::app {
 namespace {
@@ -16,31 +16,11 @@ using Inertia = spec::Simulation::Inertia;
 using Formalism = spec::Simulation::Formalism;
 using Integrator = spec::Simulation::Integrator;
 
-/// The least spectral radius of HHT (α = -1/3).
-constexpr double least_hht = 0.5;
-/// What Simulation takes where nobody says anything; docs/model-file.md promises it.
-constexpr double default_rho = 0.4;
-
-template <class Names>
-CLI::Validator one_of(const Names& names) {
-  const std::vector<std::string> known(names.begin(), names.end());
-  const auto check = [known](const std::string& text) -> std::string {
-    if (std::find(known.begin(), known.end(), text) != known.end()) return {};
-    return fmt::format("'{}' is not one of {}{}", text, fmt::join(known, ", "), did_you_mean(text, known));
-  };
-  return CLI::Validator(check, "");
-}
-
 /// The enumerator of that name; nothing when the name is empty. The parser has checked the name.
 template <class Enumeration, class Names>
 std::optional<Enumeration> named(const std::string& name, const Names& names) {
   if (name.empty()) return {};
   return static_cast<Enumeration>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-template <class Enumeration, class Names>
-std::string name_of(Enumeration value, const Names& names) {
-  return names[static_cast<std::size_t>(value)];
 }
 
 /// The integrator that the command line asks for, by its name or by a parameter that only fits one.
@@ -59,9 +39,12 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
 
 }  // namespace
 
-void add_method_options(CLI::App& command, MethodArguments& arguments, MethodChoice choice) {
+void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice) {
   const auto add = [&](const char* option, std::string& target, const auto& names, const char* help) {
-    command.add_option(option, target, help)->check(one_of(names))->type_name("NAME")->group("Method");
+    command.add_option(option, target, help)
+        .one_of({names.begin(), names.end()})
+        .type_name("NAME")
+        .group("Method");
   };
   if (choice.formulation)
     add("--formulation", arguments.formulation, method_names::formulations,
@@ -87,18 +70,18 @@ void add_method_options(CLI::App& command, MethodArguments& arguments, MethodCho
       "generalized_alpha: second order, damps what the step cannot resolve\n"
       "newmark: the trapezoidal rule, or with xi below 0 damped\n"
       "hht: Hilber, Hughes, Taylor");
-  auto* xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
-                 ->check(number_from(-INFINITY, 0))
-                 ->type_name("XI")
-                 ->group("Method");
+  const Option xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
+                        .from(-INFINITY, 0)
+                        .type_name("XI")
+                        .group("Method");
   command
       .add_option("--rho", arguments.rho,
                   "Spectral radius of generalized_alpha, 0 to 1, or of hht, 0.5 to 1;\n"
                   "where the model has newmark: generalized_alpha with it")
-      ->check(number_from(0, 1))
-      ->type_name("R")
-      ->excludes(xi)
-      ->group("Method");
+      .from(0, 1)
+      .type_name("R")
+      .excludes(xi)
+      .group("Method");
 }
 
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given) {
@@ -110,8 +93,9 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.xi) options.xi = *arguments.xi;
   if (arguments.rho) options.rho = *arguments.rho;
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
-      options.rho < least_hht)
-    throw UsageError(fmt::format("--rho {}: hht takes {} to 1", options.rho, least_hht));
+      options.rho < resolve_method(given, options).rho)
+    throw UsageError(
+        fmt::format("--rho {}: hht takes {} to 1", options.rho, resolve_method(given, options).rho));
   return options;
 }
 
@@ -129,19 +113,16 @@ Json to_json(const MethodArguments& arguments) {
   return json;
 }
 
-Json method_in_force(const RunOptions& options, const spec::Simulation& given) {
-  const Integrator integrator = options.integrator.value_or(given.integrator);
+Json method_json(const Method& method) {
   Json json;
-  json["formulation"] = name_of(options.formulation.value_or(given.formulation), method_names::formulations);
-  json["inertia"] = name_of(options.inertia.value_or(given.inertia), method_names::inertias);
-  json["formalism"] = name_of(options.formalism.value_or(given.formalism), method_names::formalisms);
-  json["integrator"] = name_of(integrator, method_names::integrators);
-  if (integrator == Integrator::newmark) {
-    json["xi"] = options.xi <= 0 ? options.xi : given.xi;
-  } else {
-    const double rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
-    json["rho"] = integrator == Integrator::hht ? std::max(rho, least_hht) : rho;
-  }
+  json["formulation"] = name_of(method.formulation);
+  json["inertia"] = name_of(method.inertia);
+  json["formalism"] = name_of(method.formalism);
+  json["integrator"] = name_of(method.integrator);
+  if (method.integrator == Integrator::newmark)
+    json["xi"] = method.xi;
+  else
+    json["rho"] = method.rho;
   return json;
 }
 

@@ -2,7 +2,8 @@
 #include <optional>
 #include <string>
 
-#include "app/common.h"
+#include "app/json.h"
+#include "app/options.h"
 #include "mimbre/simulation.h"
 
 /// The options that choose how a model is computed; the same in every command that computes.
@@ -21,7 +22,7 @@ struct MethodChoice {
 };
 
 /// Adds --formulation, --inertia, --formalism, --integrator, --rho and --integrator-xi to a command.
-void add_method_options(CLI::App& command, MethodArguments& arguments, MethodChoice choice = {});
+void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
 /// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not
 /// fit together.
@@ -31,6 +32,6 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
 Json to_json(const MethodArguments& arguments);
 
 /// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
-Json method_in_force(const RunOptions& options, const spec::Simulation& given);
+Json method_json(const Method& method);
 
 }  // namespace mimbre::app

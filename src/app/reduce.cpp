@@ -4,20 +4,20 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "app/common.h"
 #include "app/further_modes.h"
 #include "app/interfaces.h"
+#include "app/json.h"
 #include "app/progress.h"
 #include "app/reduce_key.h"
-#include "app/result_cache.h"
 #include "app/table.h"
 #include "app/targets.h"
-#include "io/fe/stress_matrix.h"
-#include "io/fe/user_modes_file.h"
 #include "mimbre/fe_import.h"
 #include "mimbre/fe_reduce.h"
 #include "mimbre/report.h"
+#include "mimbre/result_cache.h"
 
 /// mimbre reduce: a finite-element model as a body.
 namespace mimbre::app {
@@ -50,13 +50,13 @@ fe::FileUnits units_of(const std::string& name) {
   return {};
 }
 
-/// "NAME=E,nu,rho" or "E,nu,rho" (SI) to the groups without a material.
-void add_materials(fe::SolidMesh& mesh, const std::vector<std::string>& texts) {
+/// "NAME=E,nu,rho" or "E,nu,rho" (SI).
+std::vector<fe::NamedMaterial> materials_of(const std::vector<std::string>& texts) {
+  std::vector<fe::NamedMaterial> materials;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
-    const std::string group = equals == std::string::npos ? "" : text.substr(0, equals);
     fe::NamedMaterial material;
-    material.name = group.empty() ? "material" : group;
+    material.name = equals == std::string::npos ? "" : text.substr(0, equals);
     double* const values[] = {&material.material.young, &material.material.poisson,
                               &material.material.density};
     std::istringstream rest(equals == std::string::npos ? text : text.substr(equals + 1));
@@ -76,63 +76,18 @@ void add_materials(fe::SolidMesh& mesh, const std::vector<std::string>& texts) {
           fmt::format("--material '{}': Young's modulus, Poisson's ratio and density are needed, "
                       "as 2.1e11,0.3,7850",
                       text));
-    const int index = static_cast<int>(mesh.materials.size());
-    mesh.materials.push_back(material);
-    bool used = false;
-    for (fe::ElementGroup& g : mesh.groups)
-      if (group.empty() ? g.material < 0 : g.name == group) {
-        g.material = index;
-        used = true;
-      }
-    if (!used && !group.empty())
-      throw UsageError(fmt::format("--material: no elements belong to a group '{}'", group));
+    materials.push_back(std::move(material));
   }
+  return materials;
 }
 
-struct Input {
-  fe::SolidMesh mesh;
-  fe::FeMatrices matrices;
-  std::vector<fe::Dof> file_dofs;
-  std::vector<Diagnostic> warnings;
-};
-
-Input read_input(const Arguments& a) {
-  const fe::FileUnits units = units_of(a.units);
-  const fs::path path(a.input);
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  const auto with = [&](const char* extension) { return fs::path(path).replace_extension(extension); };
-  if (ending == ".msh" || ending == ".inp") {
-    if (ending == ".inp" && fs::exists(with(".sti")) && fs::exists(with(".mas")) &&
-        fs::exists(with(".dof"))) {
-      fe::ImportedMatrices read = fe::read_calculix_matrices(a.input, units);
-      return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
-              std::move(read.warnings)};
-    }
-    fe::ImportedMesh read = fe::read_mesh(a.input, units);
-    add_materials(read.mesh, a.materials);
-    try {
-      fe::FeMatrices matrices = fe::assemble(read.mesh);
-      if (matrices.dofs.empty()) throw std::invalid_argument("has no elements");
-      return {std::move(read.mesh), std::move(matrices), {}, std::move(read.warnings)};
-    } catch (const std::invalid_argument& error) {
-      throw InputError(Mark{a.input}, error.what());
-    }
+fe::FeModel read_input(const Arguments& a) {
+  try {
+    return fe::read_model(a.input, {a.mass, a.nodes, a.dofs, materials_of(a.materials)}, units_of(a.units));
+  } catch (const std::invalid_argument& error) {
+    const std::string message = error.what();
+    throw UsageError(message.ends_with("is not known") ? message + '\n' + formats : message);
   }
-  if (ending == ".mtx" || ending == ".npz") {
-    if (a.mass.empty() || a.nodes.empty())
-      throw UsageError("a stiffness matrix needs --mass FILE and --nodes FILE beside it");
-    fe::ImportedMatrices read = fe::read_sparse_matrices(a.input, a.mass, a.nodes, a.dofs, units);
-    return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
-            std::move(read.warnings)};
-  }
-  if (ending == ".pch" || ending == ".dmig" || ending == ".bdf" || ending == ".dat") {
-    fe::ImportedMatrices read = fe::read_nastran_dmig(a.input, a.nodes, "", "", units);
-    return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
-            std::move(read.warnings)};
-  }
-  throw UsageError(fmt::format("'{}': the ending '{}' is not known\n{}", a.input, ending, formats));
 }
 
 Json to_json(const Eigen::VectorXd& values) {
@@ -193,7 +148,7 @@ void print_line(const Json& text) { fmt::print(stderr, "{}\n", text.get<std::str
 Json reduce_anew(const Arguments& a) {
   Progress progress(!a.json);
   progress.update("reading", 0);
-  const Input input = read_input(a);
+  const fe::FeModel input = read_input(a);
   progress.clear();
   Json warnings = Json::array();
   for (const Diagnostic& warning : input.warnings) {
@@ -292,7 +247,7 @@ std::string summary_text(const Json& summary) {
   return text + checks.text();
 }
 
-int run(const Arguments& a, const CLI::App& command) {
+int run(const Arguments& a, const Parser& command) {
   const auto start = std::chrono::steady_clock::now();
   for (const std::string& made : {a.output, a.report}) {
     if (made.empty()) continue;
@@ -327,84 +282,84 @@ int run(const Arguments& a, const CLI::App& command) {
 
 }  // namespace
 
-Command add_reduce(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
+Command add_reduce(CommandLine& program) {
+  Parser parser = program.add_command(
       "reduce", "Make a body of a finite-element model: interface and dynamic modes, with a certificate");
   const auto a = std::make_shared<Arguments>();
-  parser->add_option("input", a->input, "The model; formats: below")->required()->type_name("INPUT");
-  add_interface_options(*parser, a->interfaces);
-  parser->add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
-      ->check(CLI::IsMember({"craig_bampton", "free_interface", "krylov"}));
-  CLI::Option* const modes =
-      parser->add_option("--modes", a->modes, "Dynamic modes, or vectors of the Krylov basis; default 10")
-          ->check(CLI::Range(0, 1000))
-          ->type_name("N");
-  parser->add_option("--max-frequency", a->max_frequency, "All dynamic modes up to it, in place of --modes")
-      ->check(CLI::PositiveNumber)
-      ->excludes(modes)
-      ->type_name("HZ");
+  parser.add_option("input", a->input, "The model; formats: below").required().type_name("INPUT");
+  add_interface_options(parser, a->interfaces);
+  parser.add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
+      .choice({"craig_bampton", "free_interface", "krylov"});
+  const Option modes =
+      parser.add_option("--modes", a->modes, "Dynamic modes, or vectors of the Krylov basis; default 10")
+          .within(0, 1000)
+          .type_name("N");
+  parser.add_option("--max-frequency", a->max_frequency, "All dynamic modes up to it, in place of --modes")
+      .positive()
+      .excludes(modes)
+      .type_name("HZ");
   parser
-      ->add_option("--krylov-frequency", a->krylov_frequency,
-                   "Frequency about which the Krylov basis matches the response; default 0")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("HZ");
+      .add_option("--krylov-frequency", a->krylov_frequency,
+                  "Frequency about which the Krylov basis matches the response; default 0")
+      .not_negative()
+      .type_name("HZ");
   parser
-      ->add_option("--effective-mass", a->effective_mass,
-                   "Of the dynamic modes only those that reach this share of the body's mass")
-      ->check(CLI::Range(0.0, 100.0))
-      ->type_name("PERCENT");
+      .add_option("--effective-mass", a->effective_mass,
+                  "Of the dynamic modes only those that reach this share of the body's mass")
+      .within(0.0, 100.0)
+      .type_name("PERCENT");
   parser
-      ->add_option("--load", a->loads,
-                   "A force in equal parts on a selection of nodes: how it deflects the body becomes a mode")
-      ->allow_extra_args(false)
-      ->type_name("NAME=SELECTION,FX,FY,FZ");
+      .add_option("--load", a->loads,
+                  "A force in equal parts on a selection of nodes: how it deflects the body becomes a mode")
+      .repeated()
+      .type_name("NAME=SELECTION,FX,FY,FZ");
   parser
-      ->add_option("--user-modes", a->user_modes,
-                   "Further modes, as measured: CSV node,direction,mode 1,mode 2,... or .npz with label, "
-                   "direction, shapes; with --modes 0 in place of the dynamic modes")
-      ->type_name("FILE");
-  parser->add_option("--free-modes", a->free_modes, "Modes of the free model to compare with; default 10")
-      ->check(CLI::Range(0, 1000))
-      ->type_name("N");
-  parser->add_option("--frame", a->frame, "Reference frame; default tangent")
-      ->check(CLI::IsMember({"tangent", "centre_of_mass", "mean_axis"}));
+      .add_option("--user-modes", a->user_modes,
+                  "Further modes, as measured: CSV node,direction,mode 1,mode 2,... or .npz with label, "
+                  "direction, shapes; with --modes 0 in place of the dynamic modes")
+      .type_name("FILE");
+  parser.add_option("--free-modes", a->free_modes, "Modes of the free model to compare with; default 10")
+      .within(0, 1000)
+      .type_name("N");
+  parser.add_option("--frame", a->frame, "Reference frame; default tangent")
+      .choice({"tangent", "centre_of_mass", "mean_axis"});
   parser
-      ->add_option("--material", a->materials,
-                   "E,nu,rho in SI, of all elements without material or of a group")
-      ->allow_extra_args(false)
-      ->type_name("[GROUP=]E,NU,RHO");
-  parser->add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  parser->add_flag("--geometric-stiffness", a->stiffening,
-                   "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
-  parser->add_option("--units", a->units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
-      ->check(CLI::IsMember({"SI", "mm", "in"}));
-  parser->add_option("--mass", a->mass, "Mass matrix")->type_name("FILE");
-  parser->add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh")->type_name("FILE");
-  parser->add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction")->type_name("FILE");
+      .add_option("--material", a->materials,
+                  "E,nu,rho in SI, of all elements without material or of a group")
+      .repeated()
+      .type_name("[GROUP=]E,NU,RHO");
+  parser.add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
+      .not_negative()
+      .type_name("S");
+  parser.add_flag("--geometric-stiffness", a->stiffening,
+                  "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
+  parser.add_option("--units", a->units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
+      .choice({"SI", "mm", "in"});
+  parser.add_option("--mass", a->mass, "Mass matrix").type_name("FILE");
+  parser.add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh").type_name("FILE");
+  parser.add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction").type_name("FILE");
   parser
-      ->add_option(
+      .add_option(
           "--stress", a->stress,
           "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
           "stiffness matrix")
-      ->type_name("FILE");
+      .type_name("FILE");
   parser
-      ->add_option("--stress-nodes", a->stress_nodes,
-                   "Nodes of its rows: CSV, labels in the first column; default: all, in order")
-      ->type_name("FILE");
-  parser->add_option("-o,--output", a->output, "The body")->required()->type_name("BODY.h5");
+      .add_option("--stress-nodes", a->stress_nodes,
+                  "Nodes of its rows: CSV, labels in the first column; default: all, in order")
+      .type_name("FILE");
+  parser.add_option("-o,--output", a->output, "The body").required().type_name("BODY.h5");
   parser
-      ->add_option("--report", a->report,
-                   "A page of the body's modes and certificate, as `mimbre report` makes")
-      ->type_name("FILE.html");
-  parser->add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
-  parser->add_flag("--json", a->json, "Print a summary for machines");
-  parser->footer(
+      .add_option("--report", a->report,
+                  "A page of the body's modes and certificate, as `mimbre report` makes")
+      .type_name("FILE.html");
+  parser.add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
+  parser.add_flag("--json", a->json, "Print a summary for machines");
+  parser.footer(
       std::string(formats) +
       "Example:\n  mimbre reduce arm.inp --interface pivot=set:pivot --interface ball=set:ball --modes 10 "
       "-o arm.h5");
-  return {parser, [a, parser] { return run(*a, *parser); }};
+  return {parser, [a, parser] { return run(*a, parser); }};
 }
 
 }  // namespace mimbre::app

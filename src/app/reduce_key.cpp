@@ -5,24 +5,14 @@
 #include <filesystem>
 #include <string_view>
 
-#include "app/result_cache.h"
-#include "io/fe/inp_lines.h"
+#include "app/common.h"
+#include "mimbre/fe_import.h"
+#include "mimbre/result_cache.h"
 
 namespace mimbre::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What a CalculiX or Abaqus input reads besides itself. Throws InputError when an include is missing.
-void add_beside(const fs::path& path, ContentKey& key) {
-  for (const char* extension : {".sti", ".mas", ".dof"})
-    key.add_file(fs::path(path).replace_extension(extension));
-  fe::InpLines lines(std::make_unique<fe::TextFile>(path.string()), path.parent_path().string(), true);
-  fe::InpKeyword keyword;
-  while (lines.next_keyword(keyword)) {
-  }
-  for (const std::string& included : lines.included()) key.add_file(included);
-}
 
 /// A file of any kind, pipes among them.
 bool is_file(const fs::path& path) {
@@ -65,25 +55,24 @@ bool add_value(std::string_view value, ContentKey& key) {
   // Without an ending it may be the name of a set that a file happens to have too.
   if (format.empty()) key.add(file);
   key.add_file(path);
-  if (format == ".inp") add_beside(path, key);
+  if (format == ".inp")
+    for (const std::string& beside : fe::files_beside(path.string())) key.add_file(beside);
   return true;
 }
 
 }  // namespace
 
-std::string reduction_key(const CLI::App& command, const std::string& name,
+std::string reduction_key(const Parser& command, const std::string& name,
                           const std::vector<std::string>& without) {
   ContentKey key;
   key.add(version);
   key.add(name);
   key.add_program();
   try {
-    for (const CLI::Option* option : command.get_options()) {
-      const std::string called = option->get_name();
-      if (option->count() == 0 || std::find(without.begin(), without.end(), called) != without.end())
-        continue;
-      key.add(called);
-      for (const std::string& value : option->results())
+    for (const auto& [option, values] : command.given()) {
+      if (std::find(without.begin(), without.end(), option) != without.end()) continue;
+      key.add(option);
+      for (const std::string& value : values)
         if (!add_value(value, key)) return {};
     }
   } catch (const InputError&) {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "app/common.h"
+#include "app/options.h"
 
 namespace mimbre::app {
 
@@ -10,7 +10,7 @@ namespace mimbre::app {
 /// but for those named in `without`, and of the bytes of every file that they name, its includes and the
 /// matrices beside it. Empty when a file is a pipe, or the files cannot be followed; reading them will say
 /// why.
-std::string reduction_key(const CLI::App& command, const std::string& name,
+std::string reduction_key(const Parser& command, const std::string& name,
                           const std::vector<std::string>& without);
 
 }  // namespace mimbre::app

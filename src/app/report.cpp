@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/targets.h"
-#include "io/file_format.h"
+#include "mimbre/reduced_body.h"
 
 /// mimbre report: a results file as a page, or several compared on one.
 namespace mimbre::app {
@@ -70,7 +72,7 @@ int run_modes(const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  if (std::any_of(arguments.results.begin(), arguments.results.end(), io::is_reduced_body))
+  if (std::any_of(arguments.results.begin(), arguments.results.end(), is_reduced_body))
     return run_modes(arguments);
   if (arguments.results.size() == 1 && !arguments.labels.empty())
     throw UsageError("--label names the runs of a comparison; there is one results file only");
@@ -98,34 +100,33 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_report(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
+Command add_report(CommandLine& program) {
+  Parser parser = program.add_command(
       "report",
       "Make one HTML page of a results file, with plots and an animation, to open in a browser; of several, "
       "one that compares them; of a body that `mimbre reduce` made, one of its modes");
   const auto arguments = std::make_shared<Arguments>();
   parser
-      ->add_option("results", arguments->results,
-                   "Results files (HDF5); the others are compared with the first. Or one reduced body")
-      ->required()
-      ->type_name("RESULTS.h5");
-  parser->add_option("-o,--output", arguments->output, "The page; default, for one file: its name with .html")
-      ->type_name("FILE.html");
+      .add_option("results", arguments->results,
+                  "Results files (HDF5); the others are compared with the first. Or one reduced body")
+      .required()
+      .type_name("RESULTS.h5");
+  parser.add_option("-o,--output", arguments->output, "The page; default, for one file: its name with .html")
+      .type_name("FILE.html");
   parser
-      ->add_option(
-          "--label", arguments->labels,
-          "A run's name in a comparison, once per file in their order; default: what differs between "
-          "the runs")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+      .add_option("--label", arguments->labels,
+                  "A run's name in a comparison, once per file in their order; default: what differs between "
+                  "the runs")
+      .type_name("NAME")
+      .repeated();
   parser
-      ->add_option(
+      .add_option(
           "--summary", arguments->summaries,
           "What `mimbre run --json` printed, once per file in their order: CPU times, which a results "
           "file does not hold")
-      ->type_name("FILE.json")
-      ->allow_extra_args(false);
-  parser->footer(
+      .type_name("FILE.json")
+      .repeated();
+  parser.footer(
       "Prints the page's name.\nExample:\n  mimbre report pendulum.h5 -o pendulum.html\n"
       "  mimbre report fine.h5 coarse.h5 --label 1ms --label 10ms -o steps.html\n"
       "  mimbre report arm.h5 -o modes.html");

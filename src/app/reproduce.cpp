@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/common.h"
+#include "app/interrupts.h"
+#include "app/json.h"
 #include "app/reproduce_tables.h"
-#include "app/stepping.h"
 #include "app/table.h"
+#include "mimbre/run.h"
 
 /// mimbre reproduce: published tables beside ours.
 namespace mimbre::app {
@@ -190,16 +193,16 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_reproduce(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand("reproduce", "Published tables beside those of this machine");
+Command add_reproduce(CommandLine& program) {
+  Parser parser = program.add_command("reproduce", "Published tables beside those of this machine");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("--table", arguments->tables, "This table only; may be repeated")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  parser->add_flag("--list", arguments->list, "The tables' names");
-  auto* json = parser->add_flag("--json", arguments->json, "A list of rows as JSON");
-  parser->add_flag("--markdown", arguments->markdown, "The tables in Markdown")->excludes(json);
-  parser->footer(
+  parser.add_option("--table", arguments->tables, "This table only; may be repeated")
+      .type_name("NAME")
+      .repeated();
+  parser.add_flag("--list", arguments->list, "The tables' names");
+  const Option json = parser.add_flag("--json", arguments->json, "A list of rows as JSON");
+  parser.add_flag("--markdown", arguments->markdown, "The tables in Markdown").excludes(json);
+  parser.footer(
       "Reruns what the tables in chapters 2 and 3 of U. Lugris' doctoral thesis (2008) are of, with models "
       "that are\n"
       "built into the program. Times are CPU seconds of the steps, the least of at least three runs. Ratios "

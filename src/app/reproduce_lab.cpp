@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include "app/common.h"
-#include "app/stepping.h"
+#include "app/interrupts.h"
 #include "mimbre/model_file.h"
+#include "mimbre/run.h"
 
 namespace mimbre::app {
 namespace {
@@ -42,11 +43,12 @@ std::int64_t steps_of(const Simulation& simulation) {
 
 /// All steps of a run, `see` called after every `stride` of them. Throws when it fails.
 template <class See>
-Totals run_through(Simulation& simulation, std::int64_t stride, See&& see) {
-  Totals totals;
+RunTotals run_through(Simulation& simulation, std::int64_t stride, See&& see) {
+  RunTotals totals;
   const std::int64_t steps = steps_of(simulation);
   while (totals.steps < steps) {
-    const StepReport report = advance(simulation, std::min(stride, steps - totals.steps), totals);
+    const StepReport report =
+        advance(simulation, std::min(stride, steps - totals.steps), totals, interrupted);
     if (interrupted()) throw Failure("interrupted");
     if (!report.ok()) throw std::runtime_error(simulation.explain(report));
     see();
@@ -181,7 +183,8 @@ double Lab::unbroken_step(const Case& c) {
 double Lab::mean_energy_loss(const Case& c) {
   Simulation simulation(model(c), c.options);
   double sum = 0;
-  const Totals totals = run_through(simulation, 1, [&] { sum += std::abs(simulation.energy().numerical); });
+  const RunTotals totals =
+      run_through(simulation, 1, [&] { sum += std::abs(simulation.energy().numerical); });
   return sum / static_cast<double>(totals.steps);
 }
 

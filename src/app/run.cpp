@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/common.h"
+#include "app/interrupts.h"
+#include "app/json.h"
 #include "app/method_options.h"
 #include "app/progress.h"
-#include "app/stepping.h"
 #include "app/summary.h"
 #include "app/targets.h"
+#include "mimbre/results.h"
+#include "mimbre/run.h"
 
 /// mimbre run: simulates a model.
 namespace mimbre::app {
@@ -92,8 +96,8 @@ class Recorder {
 
 /// The stepping loop with its output. What goes wrong in it is told by the ending, so that the results so far
 /// are kept.
-Ending simulate(Simulation& simulation, const Plan& plan, Recorder& recorder, Progress& progress,
-                Totals& totals) {
+Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder, Progress& progress,
+                RunTotals& totals) {
   const double end = static_cast<double>(plan.steps) * simulation.step_size();
   // Without files the clock is read once, with a progress line a few hundred times.
   const std::int64_t chunk = recorder.recording() ? plan.stride
@@ -102,7 +106,8 @@ Ending simulate(Simulation& simulation, const Plan& plan, Recorder& recorder, Pr
   try {
     recorder.record(simulation);
     while (totals.steps < plan.steps) {
-      const StepReport report = advance(simulation, std::min(chunk, plan.steps - totals.steps), totals);
+      const StepReport report =
+          advance(simulation, std::min(chunk, plan.steps - totals.steps), totals, interrupted);
       if (!report.ok()) return {"failed", simulation.explain(report)};
       if (totals.steps % plan.stride == 0) recorder.record(simulation);
       progress.update(simulation.time(), end, totals.cpu_seconds);
@@ -123,13 +128,13 @@ int run(const Arguments& arguments) {
   RunOptions options = run_options(arguments.method, given);
   options.step = arguments.step.value_or(0);
   Simulation simulation(loaded.model, options);
-  const Plan plan =
+  const RunPlan plan =
       plan_run(arguments.until.value_or(given.end), given.output_interval, simulation.step_size());
 
   catch_interrupts();
   Recorder recorder(arguments, simulation);
   Progress progress(!arguments.quiet);
-  Totals totals;
+  RunTotals totals;
   Ending ending = simulate(simulation, plan, recorder, progress, totals);
   progress.clear();
 
@@ -138,9 +143,8 @@ int run(const Arguments& arguments) {
     print_warning(warning);
     warnings.push_back(warning);
   }
-  const Json method = method_in_force(options, given);
   try {
-    recorder.finish(to_text(run_summary(simulation, method, totals, ending, warnings)));
+    recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)));
   } catch (const std::exception& error) {
     if (ending.message.empty()) ending = {"failed", error.what()};
   }
@@ -152,35 +156,31 @@ int run(const Arguments& arguments) {
                  plan.steps);
   }
   if (arguments.json) {
-    Json summary = run_summary(simulation, method, totals, ending, warnings);
+    Json summary = run_summary(simulation, totals, ending, warnings);
     add_measurements(summary, simulation, totals);
     print_data(to_text(summary) + '\n');
   } else if (!arguments.quiet) {
-    fmt::print(stderr, "{}", summary_table(simulation, method, totals));
+    fmt::print(stderr, "{}", summary_table(simulation, totals));
   }
   return ending.message.empty() ? done : failed;
 }
 
 }  // namespace
 
-Command add_run(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand("run", "Simulate a model");
+Command add_run(CommandLine& program) {
+  Parser parser = program.add_command("run", "Simulate a model");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
-  add_set_option(*parser, arguments->settings);
-  parser->add_option("--step", arguments->step, "Step in s, instead of the model's")
-      ->check(number_from(0, INFINITY, true))
-      ->type_name("H");
-  parser->add_option("--until", arguments->until, "End in s, instead of the model's")
-      ->check(number_from(0, INFINITY))
-      ->type_name("T");
-  parser->add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
-      ->type_name("FILE.h5");
-  parser->add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)")->type_name("FILE.csv");
-  parser->add_flag("--json", arguments->json, "The run's summary as JSON on the standard output");
-  parser->add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
-  add_method_options(*parser, arguments->method);
-  parser->footer(
+  parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, arguments->settings);
+  parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
+  parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
+  parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
+      .type_name("FILE.h5");
+  parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
+  parser.add_flag("--json", arguments->json, "The run's summary as JSON on the standard output");
+  parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
+  add_method_options(parser, arguments->method);
+  parser.footer(
       "Exit codes: 0 done, 1 the model is bad, 2 wrong use, 3 a step failed, a file could not be written, or "
       "the run\n"
       "was interrupted; the results up to then are kept.\n"

@@ -3,15 +3,17 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
-#include "analysis/mode_selection.h"
 #include "app/common.h"
+#include "app/json.h"
 #include "app/method_options.h"
 #include "app/progress.h"
 #include "app/table.h"
 #include "app/targets.h"
-#include "io/file_format.h"
+#include "mimbre/mode_selection.h"
+#include "mimbre/reduced_body.h"
 
 /// mimbre select: the fewest modes of a body that its mechanism needs.
 namespace mimbre::app {
@@ -63,7 +65,7 @@ ModeSelection select(const LoadedModel& loaded, const Arguments& a, Progress& pr
 /// The body with all its modes took long to make, and the next selection needs it.
 void require_not_candidates(const spec::Model& model, const Arguments& a) {
   const auto& candidates = model.bodies[static_cast<std::size_t>(find_body(model, a.body))].flexible;
-  if (!candidates || !io::is_reduced_body(a.output)) return;
+  if (!candidates || !is_reduced_body(a.output)) return;
   const ReducedBody there = load_reduced_body(a.output);  // it or its mirror image
   if (there.mass == candidates->mass && there.modes == candidates->modes &&
       there.mass_matrix == candidates->mass_matrix && there.stiffness == candidates->stiffness)
@@ -134,39 +136,36 @@ int run(const Arguments& a) {
 
 }  // namespace
 
-Command add_select(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
-      "select", "Make a body with as few modes as a mechanism needs, of one with many");
+Command add_select(CommandLine& program) {
+  Parser parser =
+      program.add_command("select", "Make a body with as few modes as a mechanism needs, of one with many");
   const auto a = std::make_shared<Arguments>();
-  parser->add_option("model", a->model, "Model file (YAML) in which the body has all its modes")
-      ->required()
-      ->type_name("MODEL");
-  parser->add_option("--body", a->body, "The flexible body, by its name in the model")
-      ->required()
-      ->type_name("NAME");
+  parser.add_option("model", a->model, "Model file (YAML) in which the body has all its modes")
+      .required()
+      .type_name("MODEL");
+  parser.add_option("--body", a->body, "The flexible body, by its name in the model")
+      .required()
+      .type_name("NAME");
   parser
-      ->add_option("--error", a->error,
-                   "Allowed error of the deflections, mean by largest, of the worst frame; default 1")
-      ->check(number_from(0, 100, true))
-      ->type_name("PERCENT");
+      .add_option("--error", a->error,
+                  "Allowed error of the deflections, mean by largest, of the worst frame; default 1")
+      .above(0, 100)
+      .type_name("PERCENT");
   parser
-      ->add_option("--keep", a->keep,
-                   "combinations of the modes (default: the fewest) or some of the modes as they are")
-      ->check(CLI::IsMember({"combinations", "modes"}));
+      .add_option("--keep", a->keep,
+                  "combinations of the modes (default: the fewest) or some of the modes as they are")
+      .choice({"combinations", "modes"});
   parser
-      ->add_option(
-          "--pre", a->pre,
-          "What the modes are ranked by: a run with all candidates (default), or the response to the "
-          "forces on the rigid body")
-      ->check(CLI::IsMember({"candidates", "rigid"}));
-  parser->add_option("--end", a->end, "End of the runs in s, instead of the model's")
-      ->check(number_from(0, INFINITY, true))
-      ->type_name("T");
-  add_set_option(*parser, a->settings);
-  parser->add_option("-o,--output", a->output, "The body with fewer modes")->required()->type_name("BODY.h5");
-  parser->add_flag("--json", a->json, "The same as JSON");
-  add_method_options(*parser, a->method);
-  parser->footer("Example:\n  mimbre select suspension.yaml --body front_left.arm --error 1 -o arm-small.h5");
+      .add_option("--pre", a->pre,
+                  "What the modes are ranked by: a run with all candidates (default), or the response to the "
+                  "forces on the rigid body")
+      .choice({"candidates", "rigid"});
+  parser.add_option("--end", a->end, "End of the runs in s, instead of the model's").above(0).type_name("T");
+  add_set_option(parser, a->settings);
+  parser.add_option("-o,--output", a->output, "The body with fewer modes").required().type_name("BODY.h5");
+  parser.add_flag("--json", a->json, "The same as JSON");
+  add_method_options(parser, a->method);
+  parser.footer("Example:\n  mimbre select suspension.yaml --body front_left.arm --error 1 -o arm-small.h5");
   return {parser, [a] { return run(*a); }};
 }
 

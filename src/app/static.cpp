@@ -1,9 +1,11 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/method_options.h"
 #include "app/table.h"
-#include "mimbre/simulation.h"
+#include "mimbre/statics.h"
 
 /// mimbre static: the model's outputs at its static equilibrium.
 namespace mimbre::app {
@@ -57,23 +59,22 @@ int run(const Arguments& arguments) {
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
   const StaticResult result = equilibrium(loaded, options);
-  const Json method = method_in_force(options, given);
+  const Json method = method_json(resolve_method(given, options));
   print_data(arguments.json ? to_text(to_json(result, method)) + '\n' : to_table(result));
   return done;
 }
 
 }  // namespace
 
-Command add_static(CLI::App& program) {
-  CLI::App* parser =
-      program.add_subcommand("static", "Find the static equilibrium and give the outputs there");
+Command add_static(CommandLine& program) {
+  Parser parser = program.add_command("static", "Find the static equilibrium and give the outputs there");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
-  add_set_option(*parser, arguments->settings);
-  parser->add_flag("--json", arguments->json, "The same as JSON");
+  parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, arguments->settings);
+  parser.add_flag("--json", arguments->json, "The same as JSON");
   // At rest it does not matter how constraints and steps are made.
-  add_method_options(*parser, arguments->method, {.formulation = true, .motion = false});
-  parser->footer("Example:\n  mimbre static suspension.yaml --json");
+  add_method_options(parser, arguments->method, {.formulation = true, .motion = false});
+  parser.footer("Example:\n  mimbre static suspension.yaml --json");
   return {parser, [arguments] { return run(*arguments); }};
 }
 

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "analysis/stress_history.h"
 #include "app/common.h"
+#include "app/json.h"
 #include "app/table.h"
 #include "mimbre/results.h"
+#include "mimbre/stress_history.h"
 
 /// mimbre stress: where and when the bodies of a run were stressed most.
 namespace mimbre::app {
@@ -86,22 +88,22 @@ int run(const Arguments& a) {
 
 }  // namespace
 
-Command add_stress(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
+Command add_stress(CommandLine& program) {
+  Parser parser = program.add_command(
       "stress", "Tell where and when the bodies of a run were stressed most (von Mises, on their surfaces)");
   const auto a = std::make_shared<Arguments>();
-  parser->add_option("results", a->results, "Results file (HDF5)")->required()->type_name("RESULTS.h5");
-  parser->add_option("--body", a->bodies, "Only this body; several times for several")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  parser->add_option("--spots", a->most, "Hot spots of each body; default 5")->check(CLI::Range(1, 1000));
+  parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
+  parser.add_option("--body", a->bodies, "Only this body; several times for several")
+      .type_name("NAME")
+      .repeated();
+  parser.add_option("--spots", a->most, "Hot spots of each body; default 5").within(1, 1000);
   parser
-      ->add_option("--apart", a->apart,
-                   "Least distance between hot spots, m; default: a twentieth of the body's size")
-      ->check(number_from(0, 1e9))
-      ->type_name("M");
-  parser->add_flag("--json", a->json, "Print for machines, in Pa");
-  parser->footer("Components are in body axes, MPa.\nExample:\n  mimbre stress run.h5 --body arm --spots 10");
+      .add_option("--apart", a->apart,
+                  "Least distance between hot spots, m; default: a twentieth of the body's size")
+      .from(0, 1e9)
+      .type_name("M");
+  parser.add_flag("--json", a->json, "Print for machines, in Pa");
+  parser.footer("Components are in body axes, MPa.\nExample:\n  mimbre stress run.h5 --body arm --spots 10");
   return {parser, [a] { return run(*a); }};
 }
 

@@ -5,25 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/common.h"
+#include "app/method_options.h"
 #include "app/table.h"
+#include "mimbre/build.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre::app {
 namespace {
-
-std::array<std::pair<const char*, double>, 10> named(const Simulation::Energy& e) {
-  return {{{"kinetic", e.kinetic},
-           {"gravitational", e.gravitational},
-           {"elastic", e.elastic},
-           {"springs", e.springs},
-           {"tyres", e.tyres},
-           {"dissipated", e.dissipated},
-           {"drive_work", e.drive_work},
-           {"load_work", e.load_work},
-           {"road_work", e.road_work},
-           {"numerical", e.numerical}}};
-}
 
 std::array<std::pair<const char*, Validity::Peak>, 5> named(const Validity& v) {
   return {{{"deflection", v.deflection},
@@ -60,20 +52,20 @@ std::string worst(const std::vector<Validity>& bodies) {
   return text;
 }
 
-double per_step(std::int64_t total, const Totals& totals) {
+double per_step(std::int64_t total, const RunTotals& totals) {
   return totals.steps > 0 ? static_cast<double>(total) / static_cast<double>(totals.steps) : 0.0;
 }
 
 }  // namespace
 
-Json run_summary(Simulation& simulation, const Json& method, const Totals& totals, const Ending& ending,
+Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& ending,
                  const std::vector<std::string>& warnings) {
   Json summary;
   summary["status"] = ending.status;
   if (!ending.message.empty()) summary["message"] = ending.message;
   summary["steps"] = totals.steps;
   summary["step"] = simulation.step_size();
-  summary.update(method);
+  summary.update(method_json(simulation.method()));
   summary["time"] = simulation.time();
   summary["coordinates"] = simulation.coordinates();
   summary["iterations"] = totals.iterations;
@@ -81,7 +73,7 @@ Json run_summary(Simulation& simulation, const Json& method, const Totals& total
   summary["factorisations"] = totals.factorisations;
   summary["max_position_violation"] = totals.max_position_violation;
   summary["max_velocity_violation"] = totals.max_velocity_violation;
-  for (const auto& [name, value] : named(simulation.energy())) summary["energy"][name] = value;
+  for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
   if (Json bodies = validity(simulation); !bodies.empty()) summary["validity"] = std::move(bodies);
   summary["warnings"] = warnings;
   ResultsRow row;
@@ -92,19 +84,17 @@ Json run_summary(Simulation& simulation, const Json& method, const Totals& total
   return summary;
 }
 
-void add_measurements(Json& summary, const Simulation& simulation, const Totals& totals) {
+void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals) {
   summary["cpu_seconds"] = totals.cpu_seconds;
   summary["initialisation_seconds"] = simulation.initialisation_seconds();
-  summary["real_time_factor"] = real_time_factor(simulation, totals);
+  summary["real_time_factor"] = real_time_factor(totals, simulation.step_size());
   summary["peak_memory_mb"] = peak_memory_mb();
+  const BuildInfo& build = build_info();
+  summary["build"] = {
+      {"version", build.version}, {"compiler", build.compiler}, {"instructions", build.instructions}};
 }
 
-double real_time_factor(const Simulation& simulation, const Totals& totals) {
-  if (totals.steps == 0 || !(totals.cpu_seconds > 0)) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(totals.steps) * simulation.step_size() / totals.cpu_seconds;
-}
-
-std::string summary_table(Simulation& simulation, const Json& method, const Totals& totals) {
+std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   Table table({"run", "", ""});
   const auto line = [&](const char* name, const std::string& value, const std::string& unit = "") {
     table.add({name, value, unit});
@@ -115,18 +105,18 @@ std::string summary_table(Simulation& simulation, const Json& method, const Tota
   line("step", number(simulation.step_size()), "s");
   // In the last column, for the numbers to stay aligned.
   line("method", "",
-       fmt::format("{}, {}, {}", method.at("formulation").get<std::string>(),
-                   method.at("formalism").get<std::string>(), method.at("integrator").get<std::string>()));
+       fmt::format("{}, {}, {}", name_of(simulation.method().formulation),
+                   name_of(simulation.method().formalism), name_of(simulation.method().integrator)));
   line("coordinates", fmt::format("{}", simulation.coordinates()));
   line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
   line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
   line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");
-  line("real-time factor", fmt::format("{:.4g}", real_time_factor(simulation, totals)),
+  line("real-time factor", fmt::format("{:.4g}", real_time_factor(totals, simulation.step_size())),
        "(above 1: faster than real time)");
   line("largest position violation", fmt::format("{:.3g}", totals.max_position_violation), "m");
   line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");
-  for (const auto& [name, value] : named(simulation.energy()))
-    line(fmt::format("energy, {}", name).c_str(), number(value), "J");
+  for (const EnergyTerm& term : energy_terms)
+    line(fmt::format("energy, {}", term.name).c_str(), number(simulation.energy().*term.value), "J");
   if (const auto bodies = simulation.validity(); !bodies.empty())
     line("against linear theory", "", worst(bodies));
   return table.text();

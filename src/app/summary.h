@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "app/common.h"
-#include "app/stepping.h"
+#include "app/json.h"
+#include "mimbre/run.h"
 
 /// What is said about a run when it has ended.
 namespace mimbre::app {
@@ -14,19 +14,14 @@ struct Ending {
   std::string message;        ///< what went wrong, empty when nothing did
 };
 
-/// What is the same whenever the same run is made: this is kept in the results file. `method`: in force, by
-/// method_in_force().
-Json run_summary(Simulation& simulation, const Json& method, const Totals& totals, const Ending& ending,
+/// What is the same whenever the same run is made: this is kept in the results file.
+Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& ending,
                  const std::vector<std::string>& warnings);
 
 /// Adds what differs from run to run: times of this machine, memory.
-void add_measurements(Json& summary, const Simulation& simulation, const Totals& totals);
-
-/// Simulated seconds per CPU second of stepping; larger than 1 is faster than real time. NaN when nothing was
-/// measured.
-double real_time_factor(const Simulation& simulation, const Totals& totals);
+void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals);
 
 /// The table for people.
-std::string summary_table(Simulation& simulation, const Json& method, const Totals& totals);
+std::string summary_table(Simulation& simulation, const RunTotals& totals);
 
 }  // namespace mimbre::app

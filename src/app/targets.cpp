@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "app/common.h"
-#include "io/file_format.h"
+#include "mimbre/reduced_body.h"
 
 namespace mimbre::app {
 
@@ -35,7 +35,7 @@ void require_different(const std::string& input, const std::string& output) {
 }
 
 void require_no_body(const std::string& output) {
-  if (io::is_reduced_body(output))
+  if (is_reduced_body(output))
     throw UsageError(
         fmt::format("'{}' is a reduced body and would be overwritten; choose another name", output));
 }

@@ -1,25 +1,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/common.h"
+#include "app/interrupts.h"
+#include "app/json.h"
 #include "app/method_options.h"
 #include "app/progress.h"
-#include "app/stepping.h"
 #include "app/table.h"
-#include "app/verify_series.h"
+#include "mimbre/method_names.h"
+#include "mimbre/verify.h"
 
 /// mimbre verify: one model in both formulations, and how far they lie apart.
 namespace mimbre::app {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
-constexpr std::array formulations{Formulation::relative, Formulation::natural};
-constexpr std::array names{"relative", "natural"};
+using method_names::formulations;
 constexpr std::size_t channels_shown = 10;
 
 struct Arguments {
@@ -30,160 +29,42 @@ struct Arguments {
   bool json = false, all = false, no_refine = false, quiet = false;
 };
 
-/// A run in one formulation.
-struct Run {
-  double step = 0;
-  int coordinates = 0, constraints = 0;
-  Series series;
-  Totals totals;
-  double energy_drift = std::numeric_limits<double>::quiet_NaN();  ///< J, that the numerics put in
-  std::string failure;                                             ///< empty: it came to its end
-  bool ok() const { return failure.empty(); }
-};
-
-/// Steps of `step`, sampled at every `stride`th. What goes wrong is told by the run, not thrown.
-Run make_run(const LoadedModel& loaded, const RunOptions& options, const Plan& plan, Progress& progress) {
-  Run run;
-  run.step = options.step;
-  try {
-    Simulation simulation(loaded.model, options);
-    run.coordinates = simulation.coordinates();
-    run.constraints = simulation.constraints();
-    run.series.info = simulation.channels();
-    ResultsRow row;
-    const auto sample = [&] {
-      simulation.sample(row);
-      run.series.time.push_back(row.time);
-      run.series.channels.push_back(row.channels);
-    };
-    sample();
-    const double end = static_cast<double>(plan.steps) * options.step;
-    while (run.totals.steps < plan.steps) {
-      const std::int64_t left = plan.steps - run.totals.steps;
-      const StepReport report = advance(simulation, std::min(plan.stride, left), run.totals);
-      if (!report.ok()) {
-        run.failure = simulation.explain(report);
-        break;
-      }
-      if (interrupted())
-        throw Failure(fmt::format("interrupted at t = {:.6g} s of {:.6g} s", simulation.time(), end));
-      sample();
-      progress.update(simulation.time(), end, run.totals.cpu_seconds);
-    }
-    run.energy_drift = simulation.energy().numerical;
-  } catch (const Failure&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const InputError& error) {
-    // What the default formulation cannot start is a bad model.
-    if (options.formulation == Formulation::relative) throw;
-    run.failure = error.what();
-  } catch (const std::exception& error) {
-    run.failure = error.what();
-  }
-  return run;
-}
-
-/// The runs in both formulations at one step.
-using Pair = std::array<Run, 2>;
-
-Pair make_pair(const LoadedModel& loaded, RunOptions options, const Plan& plan, Progress& progress) {
-  Pair pair;
-  for (std::size_t f = 0; f < formulations.size(); ++f) {
-    options.formulation = formulations[f];
-    pair[f] = make_run(loaded, options, plan, progress);
-  }
-  return pair;
-}
-
-bool ok(const Pair& pair) { return pair[0].ok() && pair[1].ok(); }
-
-/// Everything that is said.
-struct Verification {
-  std::string model;
-  Json method;
-  double end = 0;
-  Pair whole;
-  std::optional<Pair> half;
-  Agreement agreement;
-
-  /// "the natural formulation failed with the step 0.01 s: …", a line for each failure.
-  std::vector<std::string> failures() const {
-    std::vector<std::string> lines;
-    const auto add = [&](const Pair& pair) {
-      for (std::size_t f = 0; f < pair.size(); ++f)
-        if (!pair[f].ok())
-          lines.push_back(fmt::format("the {} formulation failed with the step {:.6g} s: {}", names[f],
-                                      pair[f].step, pair[f].failure));
-    };
-    add(whole);
-    if (half) add(*half);
-    return lines;
-  }
-  bool compared() const { return ok(whole); }
-  bool agree() const { return compared() && (!half || ok(*half)) && agreement.agree; }
-};
-
-Verification verify(const Arguments& arguments) {
-  const LoadedModel loaded = load(arguments.model, arguments.settings);
-  const spec::Simulation& given = loaded.model->spec().simulation;
-  RunOptions options = run_options(arguments.method, given);
-  options.step = arguments.step.value_or(given.step);
-  const Plan plan = plan_run(arguments.until.value_or(given.end), given.output_interval, options.step);
-  Verification v;
-  v.model = arguments.model;
-  v.method = method_in_force(options, given);
-  v.method.erase("formulation");
-  v.end = static_cast<double>(plan.steps) * options.step;
-  catch_interrupts();
-  Progress progress(!arguments.quiet);
-  v.whole = make_pair(loaded, options, plan, progress);
-  std::vector<Apart> whole, half;
-  if (v.compared()) whole = differences(v.whole[0].series, v.whole[1].series);
-  for (Run& run : v.whole) run.series = {};
-  if (v.compared() && !arguments.no_refine) {
-    options.step /= 2;
-    v.half = make_pair(loaded, options, {2 * plan.steps, 2 * plan.stride}, progress);
-    if (ok(*v.half)) half = differences((*v.half)[0].series, (*v.half)[1].series);
-    for (Run& run : *v.half) run.series = {};
-  }
-  v.agreement = agreement(whole, half);
-  return v;
-}
-
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 /// {"relative": …, "natural": …}
 template <class Get>
-Json of_both(const Pair& pair, const Get& get) {
+Json of_both(const VerificationPair& pair, const Get& get) {
   Json json;
-  for (std::size_t f = 0; f < pair.size(); ++f) json[names[f]] = get(pair[f]);
+  for (std::size_t f = 0; f < pair.runs.size(); ++f) json[formulations[f]] = get(pair.runs[f]);
   return json;
 }
 
-Json to_json(const Pair& pair) {
+Json to_json(const VerificationPair& pair) {
   Json json;
-  json["step"] = pair[0].step;
-  json["steps"] = of_both(pair, [](const Run& r) { return r.totals.steps; });
-  json["iterations"] = of_both(pair, [](const Run& r) { return r.totals.iterations; });
-  json["cpu_seconds"] = of_both(pair, [](const Run& r) { return r.totals.cpu_seconds; });
-  json["position_violation"] = of_both(pair, [](const Run& r) { return r.totals.max_position_violation; });
-  json["velocity_violation"] = of_both(pair, [](const Run& r) { return r.totals.max_velocity_violation; });
-  json["energy_drift"] = of_both(pair, [](const Run& r) { return r.energy_drift; });
+  json["step"] = pair.runs[0].step;
+  json["steps"] = of_both(pair, [](const VerificationRun& r) { return r.totals.steps; });
+  json["iterations"] = of_both(pair, [](const VerificationRun& r) { return r.totals.iterations; });
+  json["cpu_seconds"] = of_both(pair, [](const VerificationRun& r) { return r.totals.cpu_seconds; });
+  json["position_violation"] =
+      of_both(pair, [](const VerificationRun& r) { return r.totals.max_position_violation; });
+  json["velocity_violation"] =
+      of_both(pair, [](const VerificationRun& r) { return r.totals.max_velocity_violation; });
+  json["energy_drift"] = of_both(pair, [](const VerificationRun& r) { return r.energy_drift; });
   return json;
 }
 
-Json to_json(const Verification& v) {
+Json to_json(const Verification& v, const std::string& model) {
   Json json;
   json["status"] = v.failures().empty() ? "ok" : "failed";
-  json["model"] = v.model;
+  json["model"] = model;
   json["until"] = v.end;
-  json.update(v.method);
+  Json method = method_json(v.method);
+  method.erase("formulation");
+  json.update(method);
   json["agree"] = v.agree();
   json["refinement_ratio"] = number_or_null(v.agreement.ratio);
-  json["coordinates"] = of_both(v.whole, [](const Run& r) { return r.coordinates; });
-  json["constraints"] = of_both(v.whole, [](const Run& r) { return r.constraints; });
+  json["coordinates"] = of_both(v.whole, [](const VerificationRun& r) { return r.coordinates; });
+  json["constraints"] = of_both(v.whole, [](const VerificationRun& r) { return r.constraints; });
   if (v.compared()) json["verdict"] = verdict(v.agreement);
   if (!v.failures().empty()) json["failures"] = v.failures();
   json.update(to_json(v.whole));
@@ -230,15 +111,16 @@ std::string channel_table(const Agreement& agreement, bool all) {
 std::string run_table(const Verification& v) {
   Table table({"formulation", "coordinates", "step, s", "steps", "iterations per step", "CPU s",
                "position violation, m", "velocity violation, m/s", "energy drift, J"});
-  const auto add = [&](const Pair& pair) {
-    for (std::size_t f = 0; f < pair.size(); ++f) {
-      const Totals& t = pair[f].totals;
+  const auto add = [&](const VerificationPair& pair) {
+    for (std::size_t f = 0; f < pair.runs.size(); ++f) {
+      const RunTotals& t = pair.runs[f].totals;
       const double steps = static_cast<double>(std::max<std::int64_t>(t.steps, 1));
-      table.add({names[f], fmt::format("{}", pair[f].coordinates), fmt::format("{:.6g}", pair[f].step),
-                 fmt::format("{}", t.steps), fmt::format("{:.3g}", static_cast<double>(t.iterations) / steps),
+      table.add({formulations[f], fmt::format("{}", pair.runs[f].coordinates),
+                 fmt::format("{:.6g}", pair.runs[f].step), fmt::format("{}", t.steps),
+                 fmt::format("{:.3g}", static_cast<double>(t.iterations) / steps),
                  fmt::format("{:.4g}", t.cpu_seconds), fmt::format("{:.3g}", t.max_position_violation),
                  fmt::format("{:.3g}", t.max_velocity_violation),
-                 fmt::format("{:.3g}", pair[f].energy_drift)});
+                 fmt::format("{:.3g}", pair.runs[f].energy_drift)});
     }
   };
   add(v.whole);
@@ -252,9 +134,29 @@ std::string to_report(const Verification& v, bool all) {
   return text + run_table(v);
 }
 
+Verification verify(const Arguments& arguments) {
+  const LoadedModel loaded = load(arguments.model, arguments.settings);
+  VerifyOptions options;
+  options.run = run_options(arguments.method, loaded.model->spec().simulation);
+  options.run.step = arguments.step.value_or(0);
+  options.end = arguments.until.value_or(-1);
+  options.refine = !arguments.no_refine;
+  Progress progress(!arguments.quiet);
+  double reached = 0;
+  options.progress = [&](double time, double end, double cpu_seconds) {
+    reached = time;
+    progress.update(time, end, cpu_seconds);
+  };
+  options.stop = interrupted;
+  catch_interrupts();
+  Verification v = mimbre::verify(loaded.model, options);
+  if (v.interrupted) throw Failure(fmt::format("interrupted at t = {:.6g} s of {:.6g} s", reached, v.end));
+  return v;
+}
+
 int run(const Arguments& arguments) {
   const Verification v = verify(arguments);
-  print_data(arguments.json ? to_text(to_json(v)) + '\n' : to_report(v, arguments.all));
+  print_data(arguments.json ? to_text(to_json(v, arguments.model)) + '\n' : to_report(v, arguments.all));
   for (const std::string& failure : v.failures()) print_error(failure);
   if (v.failures().empty() && !v.agree()) {
     const std::string text = verdict(v.agreement);
@@ -265,24 +167,20 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-Command add_verify(CLI::App& program) {
-  CLI::App* parser = program.add_subcommand(
+Command add_verify(CommandLine& program) {
+  Parser parser = program.add_command(
       "verify", "Run a model in both formulations, relative and natural coordinates, and compare them");
   const auto arguments = std::make_shared<Arguments>();
-  parser->add_option("model", arguments->model, "Model file (YAML)")->required()->type_name("MODEL");
-  add_set_option(*parser, arguments->settings);
-  parser->add_option("--step", arguments->step, "Step in s, instead of the model's")
-      ->check(number_from(0, INFINITY, true))
-      ->type_name("H");
-  parser->add_option("--until", arguments->until, "End in s, instead of the model's")
-      ->check(number_from(0, INFINITY))
-      ->type_name("T");
-  parser->add_flag("--no-refine", arguments->no_refine, "Leave out the runs with half the step");
-  parser->add_flag("--all", arguments->all, "All channels, not only the ones that differ most");
-  parser->add_flag("--json", arguments->json, "The same as JSON, with all channels");
-  parser->add_flag("-q,--quiet", arguments->quiet, "No progress line");
-  add_method_options(*parser, arguments->method, {.formulation = false, .motion = true});
-  parser->footer(
+  parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, arguments->settings);
+  parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
+  parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
+  parser.add_flag("--no-refine", arguments->no_refine, "Leave out the runs with half the step");
+  parser.add_flag("--all", arguments->all, "All channels, not only the ones that differ most");
+  parser.add_flag("--json", arguments->json, "The same as JSON, with all channels");
+  parser.add_flag("-q,--quiet", arguments->quiet, "No progress line");
+  add_method_options(parser, arguments->method, {.formulation = false, .motion = true});
+  parser.footer(
       "The two formulations are programmed apart and integrate different coordinates, so that their results "
       "differ by\n"
       "an error that falls with the square of the step: with half the step it is about 4 times smaller. A "

@@ -1,5 +1,5 @@
 #pragma once
-#include "dynamics/relative/flexible.h"
+#include "dynamics/flexible.h"
 
 /// How the amplitudes turn a frame. With θ = X_theta y: the rotation R(θ) from the undeformed to the deformed
 /// axes, the map J(θ) from θ̇ to the angular velocity in the body, and the angular acceleration.

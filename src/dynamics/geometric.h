@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "dynamics/relative/flexible.h"
+#include "dynamics/flexible.h"
 #include "dynamics/stress_motion.h"
 #include "mimbre/reduced_body.h"
 
@@ -17,8 +17,8 @@ StressMotion<T> stress_motion(const GeometricData& g, const Vec3<T>& omega, cons
   const int s = static_cast<int>(g.mean_motion.cols());
   StressMotion<T> m{omega, acceleration, alpha};
   for (int k = 0; k < 3; ++k) {
-    m.acceleration[k] += relative::dot(g.mean_motion.data() + k * s, ydd, s);
-    m.alpha[k] += relative::dot(g.mean_motion.data() + (3 + k) * s, ydd, s);
+    m.acceleration[k] += dot(g.mean_motion.data() + k * s, ydd, s);
+    m.alpha[k] += dot(g.mean_motion.data() + (3 + k) * s, ydd, s);
   }
   return m;
 }
@@ -32,7 +32,7 @@ T load(const GeometricData& g, int number, const StressMotion<T>& m, const T* y)
   if (number < Loads::angular_acceleration) return m.acceleration[number - Loads::acceleration];
   if (number < Loads::boundary) return m.alpha[number - Loads::angular_acceleration];
   const int s = static_cast<int>(g.boundary_loads.cols());
-  return relative::dot(g.boundary_loads.data() + (number - Loads::boundary) * s, y, s);
+  return dot(g.boundary_loads.data() + (number - Loads::boundary) * s, y, s);
 }
 
 /// elastic += (Σ s_l K_l) y, both padded.

@@ -7,6 +7,7 @@
 
 #include "dynamics/projection.h"
 #include "mimbre/diagnostics.h"
+#include "mimbre/reduced_body.h"
 #include "model/compiled.h"
 
 namespace mimbre::projection {

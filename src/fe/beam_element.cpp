@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "reduction/gauss.h"
+#include "math/gauss.h"
 
 namespace mimbre::fe {
 namespace {

@@ -1,6 +1,7 @@
 #include "fe/block_lanczos.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -36,10 +37,10 @@ Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
     const MatrixXd gram = out.transpose() * pencil.mass(out);
     const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt();
     const MatrixXd scaled = scale.cwiseInverse().asDiagonal() * gram * scale.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (scaled + scaled.transpose()));
-    const VectorXd& values = solver.eigenvalues();
+    const EigenPairs pairs = symmetric_eigen(0.5 * (scaled + scaled.transpose()));
+    const VectorXd& values = pairs.values;
     const Index kept = (values.array() > 1e-13 * values.maxCoeff()).count();
-    const MatrixXd vectors = solver.eigenvectors().rightCols(kept);
+    const MatrixXd vectors = pairs.vectors.rightCols(kept);
     const VectorXd roots = values.tail(kept).cwiseSqrt();
     factor = roots.asDiagonal() * vectors.transpose() * scale.asDiagonal() * factor;
     out = out * (scale.cwiseInverse().asDiagonal() * vectors * roots.cwiseInverse().asDiagonal());
@@ -79,11 +80,11 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
     next = orthonormal(pencil, image);
 
     const MatrixXd T = projected.topLeftCorner(columns, columns);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (T + T.transpose()));  // ascending 1/(λ − σ)
-    const VectorXd all = ritz.eigenvalues().reverse();
+    const EigenPairs ritz = symmetric_eigen(0.5 * (T + T.transpose()));  // ascending 1/(λ − σ)
+    const VectorXd all = ritz.values.reverse();
     const VectorXd estimates = pencil.shift + all.cwiseInverse().array();
     const Index count = wanted(estimates), found = std::min(count, columns);
-    const MatrixXd turn = ritz.eigenvectors().rightCols(found).rowwise().reverse();
+    const MatrixXd turn = ritz.vectors.rightCols(found).rowwise().reverse();
     const VectorXd residuals = (next.factor * turn.bottomRows(fresh)).colwise().norm();
     const Index converged = (residuals.array() <= kTolerance * all.head(found).array()).count();
     if (progress) progress(static_cast<double>(converged) / static_cast<double>(count));

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/parallel.h"
 #include "fe/mesh_cells.h"
-#include "math/parallel.h"
 
 namespace mimbre::fe {
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,8 +69,7 @@ Eigen::VectorXd eigenfrequencies_fixed_dofs(const Mesh& mesh, const std::vector<
   const Eigen::SparseMatrix<double> K = free.transpose() * matrices.stiffness * free;
   const Eigen::SparseMatrix<double> M = free.transpose() * matrices.mass * free;
   const SymmetricSolver factor(K - shift * M);
-  if (factor.info() != Eigen::Success)
-    throw std::runtime_error("the stiffness matrix could not be factorised");
+  if (!factor.ok()) throw std::runtime_error("the stiffness matrix could not be factorised");
 
   Eigen::VectorXd eigenvalues = lowest_modes(M, count, shift, factor).eigenvalues;
   eigenvalues.head(std::min(rigid, count)).setZero();

@@ -1,6 +1,8 @@
 #include "fe/rigid_motion.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -56,7 +58,7 @@ RigidMotions free_rigid_motions(const Mesh& mesh, const Eigen::SparseMatrix<doub
   RigidMotions motions;
   for (int node = 0; node < mesh.nodes.cols(); ++node) {
     if (part[node] != node) continue;
-    const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(held[node]).eigenvalues();
+    const Vector6 values = eigenvalues6(held[node]);
     const int rank = static_cast<int>((values.array() > 1e-12).count());
     if (rank < 6 && motions.node < 0) motions.node = node;
     motions.count += 6 - rank;

@@ -1,6 +1,7 @@
 #include "fe/shell_bending.h"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 

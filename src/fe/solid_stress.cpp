@@ -1,6 +1,7 @@
 #include "fe/solid_stress.h"
+#include "math/decompositions.h"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 namespace mimbre::fe {
 namespace {
@@ -61,7 +62,7 @@ Eigen::MatrixXd extrapolation(ElementType type) {
   for (Eigen::Index p = 0; p < points; ++p) at_points.row(p) = extrapolation_basis(type, rule[p].at);
   Eigen::MatrixXd at_nodes(nodes.cols(), points);
   for (Eigen::Index n = 0; n < nodes.cols(); ++n) at_nodes.row(n) = extrapolation_basis(type, nodes.col(n));
-  return at_nodes * at_points.inverse();
+  return at_nodes * inverse(at_points);
 }
 
 }  // namespace

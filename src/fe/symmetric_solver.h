@@ -1,17 +1,23 @@
 #pragma once
-#include <Eigen/Sparse>
-#ifdef MIMBRE_WITH_CHOLMOD
-#include <Eigen/CholmodSupport>
-#endif
+#include <Eigen/SparseCore>
+#include <memory>
 
 namespace mimbre::fe {
 
-/// Sparse Cholesky factorisation of the finite-element matrices. CHOLMOD itself chooses between its
-/// simplicial and supernodal methods; frames of beams are so sparse that it takes the simplicial one.
-#ifdef MIMBRE_WITH_CHOLMOD
-using SymmetricSolver = Eigen::CholmodDecomposition<Eigen::SparseMatrix<double>>;
-#else
-using SymmetricSolver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-#endif
+/// Sparse Cholesky factorisation of a symmetric finite-element matrix, of which the lower triangle is read.
+/// CHOLMOD itself chooses between its simplicial and supernodal methods; frames of beams are so sparse that
+/// it takes the simplicial one. For large models see LargeFactor.
+class SymmetricSolver {
+ public:
+  explicit SymmetricSolver(const Eigen::SparseMatrix<double>& matrix);
+  ~SymmetricSolver();
+  SymmetricSolver(SymmetricSolver&&) noexcept;
+  bool ok() const;  ///< there are factors
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace mimbre::fe

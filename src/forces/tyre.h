@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "model/compiled.h"
 
 namespace mimbre {
@@ -17,6 +19,12 @@ void tyre_state(const TyreData& t, const RoadData& road, const Vec3<T>& centre, 
   const bool contact = state.penetration > T(0);
   state.force = contact ? t.stiffness * state.penetration : T(0);
   state.stiffness = contact ? T(t.stiffness) : T(0);
+}
+
+/// Its potential, J: of a wheel centre and a road at these heights.
+inline double tyre_potential(const TyreData& t, double wheel, double road) {
+  const double penetration = std::max(0.0, t.radius - (wheel - road));
+  return 0.5 * t.stiffness * penetration * penetration;
 }
 
 }  // namespace mimbre

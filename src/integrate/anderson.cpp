@@ -1,6 +1,6 @@
 #include "integrate/anderson.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,5 @@
 #include "integrate/dense.h"
+#include "math/decompositions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,11 +52,7 @@ bool DenseSystem::factor(StepStatus& status) {
   fR_.noalias() = f_ * R_;
   reduced_.noalias() = R_.transpose() * fR_;
   ldlt_.compute(reduced_);
-  order_.setLinSpaced(reduced_.rows(), 0, static_cast<double>(reduced_.rows()) - 1);
-  order_ = ldlt_.transpositionsP() * order_;
-  for (int k = 0; k < reduced_.rows(); ++k) {
-    const int place = static_cast<int>(order_[k]);
-    if (std::abs(ldlt_.vectorD()[k]) > 1e-14 * std::abs(reduced_(place, place))) continue;
+  if (const int place = ldlt_.singular_at(reduced_, 1e-14, order_); place >= 0) {
     status.coordinate = partition_.independent(place);
     return false;
   }
@@ -70,7 +67,7 @@ void DenseSystem::solve(const double* g, const double* b, double* delta, double*
   balance_ = force;
   balance_.noalias() -= f_ * out;
   right_.noalias() = R_.transpose() * balance_;
-  ldlt_.solveInPlace(right_);
+  ldlt_.solve_in_place(right_);
   out.noalias() += R_ * right_;
   balance_ = force;
   balance_.noalias() -= f_ * out;

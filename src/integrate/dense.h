@@ -1,8 +1,9 @@
 #pragma once
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "integrate/partition.h"
 #include "integrate/stepper.h"
+#include "math/decompositions.h"
 
 namespace mimbre {
 
@@ -29,7 +30,7 @@ class DenseSystem {
   System& system_;
   Partition partition_;
   Eigen::MatrixXd f_, jacobian_, R_, fR_, reduced_;
-  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
+  PivotedCholesky ldlt_;
   Eigen::VectorXd row_, row_weight_, column_weight_, order_, balance_, right_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate/newton.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
@@ -63,9 +64,9 @@ StepStatus IndexThree::step(State& s) {
   };
   motion_.predict(s);
 
-  double previous = 0, violation = 0;
-  bool converged = false;
-  bool refactor = true, settled = false, slow = false;
+  double violation = 0;
+  bool converged = false, settled = false;
+  NewtonProgress newton;
   mixing_.reset();
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     motion_.from_increment(s);
@@ -85,7 +86,7 @@ StepStatus IndexThree::step(State& s) {
       motion_.predict_velocities(s);
       continue;
     }
-    const bool fresh = refactor || system_.tangent_changed(q.data(), weights_);
+    const bool fresh = newton.refactor || system_.tangent_changed(q.data(), weights_);
     if (fresh) {
       mixing_.reset();
       const linalg::FactorStatus f = system_.factor(q.data(), weights_);
@@ -116,14 +117,11 @@ StepStatus IndexThree::step(State& s) {
       return fail(StepCode::not_finite);
     }
     system_.compose(x.data(), r_.data());
-    if (slow) mixing_.mix(x, lambda_, r_);
+    if (newton.slow) mixing_.mix(x, lambda_, r_);
 
-    // Error left: the last correction times the rate of contraction.
-    const double rate = iteration == 0 ? 1.0 : status.correction / std::max(previous, 1e-300);
-    previous = status.correction;
-    const double left = status.correction * (rate < 0.5 ? rate / (1 - rate) : 1.0);
+    const double left = newton.add(status.correction, fresh);
     converged = left <= options_.tolerance * scale * reference &&
-                violation * std::min(1.0, rate) <= options_.position_tolerance;
+                violation * std::min(1.0, newton.rate) <= options_.position_tolerance;
     if (converged) {
       motion_.from_increment(s);
       system_.kinematics(time, q.data(), v.data(), a.data());
@@ -131,12 +129,8 @@ StepStatus IndexThree::step(State& s) {
       if (status.position_violation <= 10 * options_.position_tolerance) break;
       // The rate promised too much.
       converged = false;
-      refactor = !slow;
-      continue;
+      newton.refactor = !newton.slow;
     }
-    // A new matrix where it helps; where even that contracts slowly, tangent terms are missing from it.
-    slow = slow || (iteration > 1 && fresh && rate > 0.2);
-    refactor = !slow && iteration > 0 && rate > 0.1;
   }
   if (!converged) return fail(StepCode::not_converged);
 

@@ -1,6 +1,7 @@
 #include "integrate/initial.h"
+#include "math/decompositions.h"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -24,14 +25,11 @@ VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const Ve
     extended << scaled, std::sqrt(damping) * MatrixXd::Identity(n, n);
     VectorXd right(m + n);
     right << b, VectorXd::Zero(n);
-    return weight.asDiagonal() * extended.householderQr().solve(right);
+    return weight.asDiagonal() * least_squares(extended, right);
   }
   // Round-off where nothing can change: the threshold below is relative.
   if (scaled.size() == 0 || scaled.cwiseAbs().maxCoeff() < 1e-13) return VectorXd::Zero(scaled.cols());
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod(scaled.rows(), scaled.cols());
-  cod.setThreshold(1e-9);
-  cod.compute(scaled);
-  return weight.asDiagonal() * cod.solve(b);
+  return weight.asDiagonal() * shortest_solution(scaled, b, 1e-9);
 }
 
 }  // namespace

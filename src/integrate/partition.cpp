@@ -1,4 +1,5 @@
 #include "integrate/partition.h"
+#include "math/decompositions.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 #include <chrono>
 
-#include "integrate/system.h"
+#include "dynamics/system.h"
 
 namespace mimbre {
 
@@ -51,6 +51,7 @@ class ProfiledSystem final : public System {
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override {
     return system_.tangent_changed(q, weights);
   }
+  std::span<double> tangent_marks() override { return system_.tangent_marks(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override {
     const Timer timer(seconds_.solution);
     system_.add_jacobian_transposed(y, weight, out);

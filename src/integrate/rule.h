@@ -5,6 +5,9 @@
 
 namespace mimbre {
 
+/// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
+constexpr double least_hht_rho = 0.5;
+
 /// Coefficients of the rules  x = h ż₀ + h² ((½ − β) w₀ + β w₁),  ż₁ = ż₀ + h ((1 − γ) w₀ + γ w₁),
 /// (1 − αm) w₁ + αm w₀ = (1 − αf) z̈₁ + αf z̈₀.
 struct RuleCoefficients {
@@ -23,8 +26,7 @@ inline RuleCoefficients rule_coefficients(const IntegratorOptions& options) {
       c.alpha_f = options.rho / (options.rho + 1);
       break;
     case IntegratorOptions::Rule::hht: {
-      // αf beyond 1/3 costs stability: ρ = 1/2 is as much damping as this rule can give.
-      const double rho = std::clamp(options.rho, 0.5, 1.0);
+      const double rho = std::clamp(options.rho, least_hht_rho, 1.0);
       c.alpha_f = (1 - rho) / (1 + rho);
       break;
     }

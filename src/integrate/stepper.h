@@ -2,21 +2,11 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "integrate/system.h"
+#include "dynamics/state.h"
+#include "dynamics/system.h"
 #include "mimbre/spec.h"
 
 namespace mimbre {
-
-/// What must be saved to go on: copying it and stepping gives the same bits.
-struct State {
-  double time = 0;
-  Eigen::VectorXd q;            ///< positions
-  Eigen::VectorXd v;            ///< velocities
-  Eigen::VectorXd a;            ///< accelerations
-  Eigen::VectorXd algorithmic;  ///< generalised-α's algorithmic accelerations; Newmark: equal to a
-  Eigen::VectorXd multipliers;  ///< λ, N or N m
-  bool started = false;  ///< the first step replaces a and algorithmic by what a step of its length sees
-};
 
 struct IntegratorOptions {
   using Rule = spec::Simulation::Integrator;

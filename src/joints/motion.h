@@ -4,8 +4,9 @@
 namespace mimbre {
 
 /// What a joint contributes to kinematics: the motion of its frame b relative to its frame a, in a's axes.
-/// Column j: angular velocity `angular.col(j)` and velocity of b's origin `linear.col(j)` per unit velocity
-/// coordinate j. The biases are Σ_j ċol_j v_j, the derivative taken in a's axes.
+/// Its motion subspace (Roberson and Wittenburg's joint Jacobian): column j is the angular velocity
+/// `angular.col(j)` and the velocity of b's origin `linear.col(j)` per unit velocity coordinate j. The
+/// biases, or velocity-product accelerations, are Σ_j ċol_j v_j, the derivative taken in a's axes.
 template <class T>
 struct JointMotion {
   Mat3<T> rotation;  ///< b's axes to a's axes

@@ -10,14 +10,14 @@
 #include "joints/revolute.h"
 #include "joints/spherical.h"
 #include "joints/universal.h"
-#include "mimbre/spec.h"
+#include "mimbre/joint_type.h"
 
 namespace mimbre {
 
-/// One scalar equation that closes a cut joint, between frames a and b.
+/// One scalar loop closure equation of a cut joint, between frames a and b.
 /// distance: a's axis `axis_a` · (origin of b − origin of a) = 0, in a's axes.
 /// angle: a's axis `axis_a` · b's axis `axis_b` = 0.
-struct ClosingEquation {
+struct LoopClosure {
   enum class Kind { distance, angle } kind;
   int axis_a;
   int axis_b;
@@ -33,28 +33,28 @@ struct JointInfo {
   int rotation;      ///< index of its three angular velocities among the velocities
   int equations;     ///< equations when cut
   unsigned lengths;  ///< bit k: velocity coordinate k is a translation (m), otherwise a rotation (rad)
-  std::array<ClosingEquation, 6> closing;
+  std::array<LoopClosure, 6> closure;
 };
 
-namespace closing {
-constexpr auto D = ClosingEquation::Kind::distance;
-constexpr auto A = ClosingEquation::Kind::angle;
-constexpr ClosingEquation dx{D, 0, 0}, dy{D, 1, 0}, dz{D, 2, 0};
-constexpr ClosingEquation xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
-}  // namespace closing
+namespace closure {
+constexpr auto D = LoopClosure::Kind::distance;
+constexpr auto A = LoopClosure::Kind::angle;
+constexpr LoopClosure dx{D, 0, 0}, dy{D, 1, 0}, dz{D, 2, 0};
+constexpr LoopClosure xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
+}  // namespace closure
 
 /// A new joint type is one file with its motion, a row here and a line in joint_motion and joint_coordinates
 /// below.
 // clang-format off
 constexpr std::array<JointInfo, 9> joint_table{{
-    {spec::JointType::fixed, "fixed", 0, 0, -1, 0, 6, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::bracket, "bracket", 0, 0, -1, 0, 6, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::revolute, "revolute", 1, 1, -1, 0, 5, 0b0, {closing::dx, closing::dy, closing::dz, closing::xz, closing::yz}},
-    {spec::JointType::prismatic, "prismatic", 1, 1, -1, 0, 5, 0b1, {closing::dx, closing::dy, closing::xy, closing::yz, closing::zx}},
-    {spec::JointType::cylindrical, "cylindrical", 2, 2, -1, 0, 4, 0b10, {closing::dx, closing::dy, closing::xz, closing::yz}},
-    {spec::JointType::universal, "universal", 2, 2, -1, 0, 4, 0b0, {closing::dx, closing::dy, closing::dz, closing::xy}},
-    {spec::JointType::spherical, "spherical", 3, 4, 0, 0, 3, 0b0, {closing::dx, closing::dy, closing::dz}},
-    {spec::JointType::planar, "planar", 3, 3, -1, 0, 3, 0b011, {closing::dz, closing::xz, closing::yz}},
+    {spec::JointType::fixed, "fixed", 0, 0, -1, 0, 6, 0b0, {closure::dx, closure::dy, closure::dz, closure::xy, closure::yz, closure::zx}},
+    {spec::JointType::bracket, "bracket", 0, 0, -1, 0, 6, 0b0, {closure::dx, closure::dy, closure::dz, closure::xy, closure::yz, closure::zx}},
+    {spec::JointType::revolute, "revolute", 1, 1, -1, 0, 5, 0b0, {closure::dx, closure::dy, closure::dz, closure::xz, closure::yz}},
+    {spec::JointType::prismatic, "prismatic", 1, 1, -1, 0, 5, 0b1, {closure::dx, closure::dy, closure::xy, closure::yz, closure::zx}},
+    {spec::JointType::cylindrical, "cylindrical", 2, 2, -1, 0, 4, 0b10, {closure::dx, closure::dy, closure::xz, closure::yz}},
+    {spec::JointType::universal, "universal", 2, 2, -1, 0, 4, 0b0, {closure::dx, closure::dy, closure::dz, closure::xy}},
+    {spec::JointType::spherical, "spherical", 3, 4, 0, 0, 3, 0b0, {closure::dx, closure::dy, closure::dz}},
+    {spec::JointType::planar, "planar", 3, 3, -1, 0, 3, 0b011, {closure::dz, closure::xz, closure::yz}},
     {spec::JointType::floating, "floating", 6, 7, 3, 3, 0, 0b000111, {}},
 }};
 // clang-format on

@@ -1,6 +1,7 @@
 #include "math/stress.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 namespace mimbre {
@@ -15,8 +16,7 @@ double stress_component(const Vector6& s, int component) {
   if (component == von_mises_component) return von_mises(s);
   const Eigen::Matrix3d tensor =
       (Eigen::Matrix3d() << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]).finished();
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d principal = eigenvalues3(tensor);
   return principal[component == 6 ? 2 : 0];
 }
 

@@ -1,119 +1,20 @@
 #include <fmt/format.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "math/decompositions.h"
 #include "mimbre/model.h"
+#include "mimbre/reduced_body.h"
 #include "model/compiled.h"
+#include "model/flexible_data.h"
 #include "model/topology.h"
 
 namespace mimbre {
 namespace {
-
-Rows padded(const Eigen::MatrixXd& m, int stride) {
-  Rows rows = Rows::Zero(m.rows(), stride);
-  rows.leftCols(m.cols()) = m;
-  return rows;
-}
-
-AncfElement ancf_element(const AncfBeam::Element& e) {
-  AncfElement out;
-  out.amplitudes = e.amplitudes;
-  const double L = out.length = e.length;
-  const auto point = [&](double x, double stiffness) {
-    AncfElement::Point p;
-    p.slope = {6 * (x * x - x) / L, 1 - 4 * x + 3 * x * x, 6 * (x - x * x) / L, 3 * x * x - 2 * x};
-    p.curvature = {(12 * x - 6) / (L * L), (6 * x - 4) / L, (6 - 12 * x) / (L * L), (6 * x - 2) / L};
-    p.stiffness = stiffness * L;
-    return p;
-  };
-  // As many strains as ways to deform: three points for stretching (Lobatto) and two for bending (Gauss) keep
-  // the cubic axis from resisting bending by stretching it (Gerstmayr, Irschik 2008).
-  const double third = std::sqrt(1.0 / 12);
-  out.axial = {point(0, e.axial / 6), point(0.5, e.axial * 4 / 6), point(1, e.axial / 6)};
-  out.bending = {point(0.5 - third, e.bending / 2), point(0.5 + third, e.bending / 2)};
-  return out;
-}
-
-/// Rigid motion nearest to each mode of the undeformed body: velocity of the origin and angular velocity.
-Eigen::MatrixXd mean_motion(const ReducedBody& body) {
-  Eigen::Matrix<double, 6, 6> rigid;
-  rigid.topLeftCorner<3, 3>() = body.mass * Mat3d::Identity();
-  rigid.topRightCorner<3, 3>() = -skew<double>(body.first_moment);
-  rigid.bottomLeftCorner<3, 3>() = skew<double>(body.first_moment);
-  rigid.bottomRightCorner<3, 3>() = body.second_moment.trace() * Mat3d::Identity() - body.second_moment;
-  Eigen::MatrixXd coupling(6, body.modes);
-  coupling.topRows<3>() = body.S;
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    coupling.row(3 + k) = body.S_position[i].row(j) - body.S_position[j].row(i);
-  }
-  // A body without inertia about its axis has no mean turn about it.
-  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(rigid).solve(coupling);
-}
-
-GeometricData geometric_data(const ReducedBody& reduced, int stride) {
-  const GeometricStiffness& body = *reduced.geometric;
-  const int modes = reduced.modes;
-  GeometricData g;
-  g.modes = modes;
-  g.loads = body.loads;
-  g.mean_motion = padded(mean_motion(reduced), stride);
-  g.stiffness = Rows::Zero(static_cast<Eigen::Index>(body.loads.size()) * modes, stride);
-  for (std::size_t k = 0; k < body.loads.size(); ++k)
-    g.stiffness.block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
-  g.boundary_loads = padded(body.boundary_loads, stride);
-  return g;
-}
-
-FlexibleData flexible_data(const ReducedBody& body) {
-  FlexibleData f;
-  // Blocks of amplitudes and products where there are products.
-  const auto& second = body.second_order;
-  f.amplitudes = body.modes;
-  if (second) f.products = second->products;
-  const auto& S = second ? second->S : body.S;
-  const auto& S_position = second ? second->S_position : body.S_position;
-  const auto& S_modes = second ? second->S_modes : body.S_modes;
-  const auto& mass = second ? second->mass_matrix : body.mass_matrix;
-  const auto& stiffness = second ? second->stiffness : body.stiffness;
-  const int n = f.modes = body.modes + static_cast<int>(f.products.size());
-  const int s = f.stride = pad(n);
-  f.S = padded(S, s);
-  f.S_position = Rows::Zero(9, s);
-  for (int i = 0; i < 3; ++i) f.S_position.middleRows(3 * i, 3).leftCols(n) = S_position[i];
-  f.S_modes = Rows::Zero(s, 9 * s);
-  f.coriolis = Rows::Zero(s, 3 * s);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) f.S_modes.block(0, (3 * i + j) * s, n, n) = S_modes[i][j];
-    const int b = (i + 1) % 3, c = (i + 2) % 3;
-    f.coriolis.block(0, i * s, n, n) = S_modes[b][c] - S_modes[c][b];
-  }
-  f.mass = Rows::Zero(s, s);
-  f.stiffness = Rows::Zero(s, s);
-  f.damping = Rows::Zero(s, s);
-  f.mass.topLeftCorner(n, n) = mass;
-  f.stiffness.topLeftCorner(n, n) = stiffness;
-  f.damping.topLeftCorner(body.modes, body.modes) = body.damping;
-  const auto diagonal = [](const Eigen::MatrixXd& m) {
-    const Eigen::MatrixXd off = m - Eigen::MatrixXd(m.diagonal().asDiagonal());
-    return off.cwiseAbs().maxCoeff() <= 1e-10 * std::max(1e-300, m.diagonal().cwiseAbs().maxCoeff());
-  };
-  if (n > 0) {
-    f.identity_mass = (mass - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9;
-    f.nonlinear_stiffness = !stiffness.rightCols(n - body.modes).isZero(0);
-    f.diagonal_stiffness = !body.ancf && diagonal(stiffness) && diagonal(body.damping);
-  }
-  if (body.geometric) f.geometric = geometric_data(body, s);
-  if (body.ancf) {
-    for (const AncfBeam::Element& e : body.ancf->elements) f.ancf.push_back(ancf_element(e));
-    f.ancf_damping = body.ancf->stiffness_damping;
-  }
-  return f;
-}
 
 /// Builds the flat arrays from the spec and its tree.
 class Compiler {
@@ -127,7 +28,7 @@ class Compiler {
     topology_ = find_topology(c_.spec);
     bodies();
     frames();
-    column_sets();
+    subspaces();
     forces();
     loops_and_drives();
     matrix();
@@ -214,8 +115,8 @@ class Compiler {
     for (int b = 0; b < nb; ++b) {
       BodyData& body = c_.bodies[b];
       const spec::Joint& j = c_.spec.joints[body.joint_spec];
-      body.parent_frame = c_.frame_of_spec[body.reversed ? j.frame_b : j.frame_a];
-      body.own_frame = c_.frame_of_spec[body.reversed ? j.frame_a : j.frame_b];
+      body.inboard_frame = c_.frame_of_spec[body.reversed ? j.frame_b : j.frame_a];
+      body.outboard_frame = c_.frame_of_spec[body.reversed ? j.frame_a : j.frame_b];
     }
   }
 
@@ -245,19 +146,19 @@ class Compiler {
     return f;
   }
 
-  int add_columns(int body, int frame) {
-    ColumnSet set{body, frame, c_.column_storage, pad(c_.bodies[body].size())};
-    c_.column_storage += 6 * set.stride;
-    c_.column_sets.push_back(set);
-    return static_cast<int>(c_.column_sets.size()) - 1;
+  int add_subspace(int body, int frame) {
+    MotionSubspace set{body, frame, c_.subspace_storage, pad(c_.bodies[body].size())};
+    c_.subspace_storage += 6 * set.stride;
+    c_.subspaces.push_back(set);
+    return static_cast<int>(c_.subspaces.size()) - 1;
   }
 
-  void column_sets() {
+  void subspaces() {
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
       BodyData& body = c_.bodies[b];
-      body.columns = add_columns(b, -1);  // of the body frame
+      body.subspace = add_subspace(b, -1);  // of the body frame
       for (int f = body.first_frame; f < body.last_frame; ++f)
-        c_.frames[f].columns = c_.frames[f].flexible < 0 ? body.columns : add_columns(b, f);
+        c_.frames[f].subspace = c_.frames[f].flexible < 0 ? body.subspace : add_subspace(b, f);
     }
   }
 
@@ -269,8 +170,8 @@ class Compiler {
         const int body = c_.frames[frame].body;
         PathEntry& e = entries[body];
         e.body = body;
-        (plus ? e.plus : e.minus) = c_.frames[frame].columns;
-        frame = c_.bodies[body].parent_frame;
+        (plus ? e.plus : e.minus) = c_.frames[frame].subspace;
+        frame = c_.bodies[body].inboard_frame;
       }
     };
     walk(frame_a, false);
@@ -336,7 +237,7 @@ class Compiler {
   /// Any frame that no coordinate moves: the parent side of a tree joint on the ground.
   int ground_frame() const {
     for (const BodyData& b : c_.bodies)
-      if (b.parent < 0) return b.parent_frame;
+      if (b.parent < 0) return b.inboard_frame;
     return 0;
   }
 
@@ -358,7 +259,7 @@ class Compiler {
       loop.frame_b = c_.frame_of_spec[j.frame_b];
       loop.first_equation = c_.equations;
       loop.count = joint_info(j.type).equations;
-      loop.closing = joint_info(j.type).closing;
+      loop.closure = joint_info(j.type).closure;
       loop.path = make_path(loop.frame_a, loop.frame_b);
       loop.jacobian = add_jacobian(loop.path, loop.count);
       c_.equations += loop.count;
@@ -396,10 +297,10 @@ class Compiler {
     c_.mass_places.resize(c_.bodies.size());
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
       c_.diagonal.push_back(c_.symbolic->place(b, b));
-      for (int frame = c_.bodies[b].parent_frame; c_.frames[frame].body >= 0;
-           frame = c_.bodies[c_.frames[frame].body].parent_frame) {
+      for (int frame = c_.bodies[b].inboard_frame; c_.frames[frame].body >= 0;
+           frame = c_.bodies[c_.frames[frame].body].inboard_frame) {
         const int a = c_.frames[frame].body;
-        c_.mass_places[b].push_back({a, c_.frames[frame].columns, c_.symbolic->place(a, b)});
+        c_.mass_places[b].push_back({a, c_.frames[frame].subspace, c_.symbolic->place(a, b)});
       }
     }
   }
@@ -419,7 +320,7 @@ class Compiler {
     const double angle = c_.length_scale * c_.length_scale;
     for (LoopData& l : c_.loops)
       for (int r = 0; r < l.count; ++r)
-        l.scale[r] = l.closing[r].kind == ClosingEquation::Kind::angle ? angle : 1.0;
+        l.scale[r] = l.closure[r].kind == LoopClosure::Kind::angle ? angle : 1.0;
     for (DriveData& d : c_.drives) {
       d.scale = is_angle(c_.bodies[d.body].joint, d.local) ? angle : 1.0;
     }

@@ -82,10 +82,10 @@ struct FrameData {
   bool turns = false;                  ///< modes turn the frame too
   FrameTurn turn = FrameTurn::exponential;
   Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
-  bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
-  Rows X, X_theta;   ///< 3 × stride
-  int columns = -1;  ///< its column set: velocity of the frame per coordinate of its body
-  int spec = -1;     ///< index into spec::Model::frames
+  bool full = true;   ///< the step needs axes and accelerations, not only position and velocity
+  Rows X, X_theta;    ///< 3 × stride
+  int subspace = -1;  ///< its motion subspace: velocity of the frame per coordinate of its body
+  int spec = -1;      ///< index into spec::Model::frames
 };
 
 struct BodyData {
@@ -93,11 +93,11 @@ struct BodyData {
   int parent = -1;
   int joint_spec = -1;
   spec::JointType joint = spec::JointType::fixed;
-  bool reversed = false;  ///< the body carries the joint's frame a, its parent frame b
-  int parent_frame = -1;  ///< the joint's frame on the parent
-  int own_frame = -1;     ///< the joint's frame on this body
-  int q = 0;              ///< first position coordinate: joint, then modal amplitudes
-  int v = 0;              ///< first velocity coordinate: joint, then modal amplitudes
+  bool reversed = false;    ///< the body carries the joint's frame a, its parent carries frame b
+  int inboard_frame = -1;   ///< the joint's frame on the parent
+  int outboard_frame = -1;  ///< the joint's frame on this body
+  int q = 0;                ///< first position coordinate: joint, then modal amplitudes
+  int v = 0;                ///< first velocity coordinate: joint, then modal amplitudes
   int joint_velocities = 0;
   int joint_positions = 0;
   int modes = 0;
@@ -107,24 +107,25 @@ struct BodyData {
   Vec3d first_moment = Vec3d::Zero();   ///< rigid body: ∫ r̄ dm
   Mat3d second_moment = Mat3d::Zero();  ///< rigid body: ∫ r̄ r̄ᵀ dm
   Mat3d inertia = Mat3d::Zero();        ///< rigid body: about the body's origin
-  int columns = -1;                     ///< column set of a rigid body
+  int subspace = -1;                    ///< motion subspace of a rigid body
 
   int size() const { return joint_velocities + modes; }
 };
 
-/// Columns 6 × size of one body's coordinates seen at one of its frames (or anywhere on a rigid body).
-struct ColumnSet {
+/// Motion subspace, 6 × size, of one body's coordinates (joint, modes) seen at one of its frames, or anywhere
+/// on a rigid body: velocity per unit velocity coordinate.
+struct MotionSubspace {
   int body = -1;
   int frame = -1;  ///< of a flexible body; -1 on a rigid one
-  int offset = 0;  ///< into the workspace's column storage
+  int offset = 0;  ///< into Workspace::subspaces
   int stride = 0;  ///< padded size
 };
 
-/// One body on the path of a scalar equation or force: which columns move its end B (plus) and its end A
-/// (minus).
+/// One body on the path of a scalar equation or force: which motion subspaces move its end B (plus) and its
+/// end A (minus).
 struct PathEntry {
   int body = -1;
-  int plus = -1;  ///< column set or -1
+  int plus = -1;  ///< motion subspace or -1
   int minus = -1;
   int offset = 0;  ///< into the Jacobian storage of one row
 };
@@ -143,7 +144,7 @@ struct LoopData {
   int frame_a = -1, frame_b = -1;
   int first_equation = 0;
   int count = 0;
-  std::array<ClosingEquation, 6> closing{};
+  std::array<LoopClosure, 6> closure{};
   double scale[6] = {1, 1, 1, 1, 1, 1};  ///< of the penalty: length² for angles
   Path path;
   int jacobian = 0;  ///< offset of its rows in the workspace
@@ -202,7 +203,7 @@ struct LoadData {
 /// Off-diagonal block (ancestor, body) of the mass matrix.
 struct MassPlace {
   int ancestor = -1;
-  int columns = -1;  ///< the ancestor's column set on the way to the body
+  int subspace = -1;  ///< the ancestor's motion subspace on the way to the body
   linalg::BlockPlace place;
 };
 
@@ -218,8 +219,8 @@ struct Compiled {
   std::vector<int> frame_of_spec;  ///< spec frame → frame
   int first_ground_frame = 0, last_ground_frame = 0;
   std::vector<FlexibleData> flexible;
-  std::vector<ColumnSet> column_sets;
-  int column_storage = 0;
+  std::vector<MotionSubspace> subspaces;
+  int subspace_storage = 0;
   int jacobian_storage = 0;
   std::vector<std::vector<MassPlace>> mass_places;  ///< by body: its ancestors, nearest first
   std::vector<linalg::BlockPlace> diagonal;         ///< by body
@@ -235,7 +236,6 @@ struct Compiled {
   std::shared_ptr<const linalg::BlockSymbolic> symbolic;
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
-  std::vector<std::string> warnings;
 };
 
 }  // namespace mimbre

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "joints/table.h"
+#include "mimbre/reduced_body.h"
 
 namespace mimbre {
 namespace {

@@ -1,14 +1,15 @@
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "fe/beam_element.h"
-#include "mimbre/fe.h"
-#include "reduction/gauss.h"
+#include "math/gauss.h"
+#include "mimbre/beam_reduction.h"
 #include "reduction/shape_integrals.h"
 
 namespace mimbre::fe {

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <set>
 
+#include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre {
@@ -47,7 +49,7 @@ double lowest_scaled_eigenvalue(const Eigen::MatrixXd& matrix) {
     scale[i] =
         matrix(i, i) > 0 ? 1 / std::sqrt(matrix(i, i)) : 1 / std::sqrt(std::max(largest(matrix), 1e-300));
   const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return symmetric_eigenvalues(scaled)[0];
 }
 
 /// Square, finite, in a full and compressed storage.
@@ -178,7 +180,7 @@ void check_geometry(const ReducedBody& body, Report& report) {
 void check_rigid_inertia(const ReducedBody& body, Report& report) {
   const Eigen::Vector3d centre = body.first_moment / body.mass;
   const Eigen::Matrix3d central = body.second_moment - body.mass * centre * centre.transpose();
-  const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(central).eigenvalues();
+  const Eigen::Vector3d values = eigenvalues3(central);
   const double limit = kRelative * std::max(body.second_moment.trace(), 0.0);
   report.require(
       values[0] >= -limit,

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -220,8 +221,7 @@ Basis craig_bampton(const Mesh& mesh, const Matrices& matrices, const ReductionO
     const Eigen::SparseMatrix<double> Kii = dofs.internal.transpose() * matrices.stiffness * dofs.internal;
     const Eigen::SparseMatrix<double> Mii = dofs.internal.transpose() * matrices.mass * dofs.internal;
     const SymmetricSolver factor(Kii);
-    if (factor.info() != Eigen::Success)
-      throw std::invalid_argument("the internal stiffness is singular to working precision");
+    if (!factor.ok()) throw std::invalid_argument("the internal stiffness is singular to working precision");
     if (statics > 0) {
       const Eigen::MatrixXd Kib = (dofs.internal.transpose() * matrices.stiffness * dofs.boundary).toDense();
       basis.shapes.leftCols(statics) -= dofs.internal * factor.solve(Kib).eval();

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mimbre/fe.h"
+#include "mimbre/beam_reduction.h"
 
 namespace mimbre::fe {
 

@@ -1,10 +1,11 @@
 #include "reduction/effective_mass.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "math/decompositions.h"
 #include "reduction/shapes.h"
 
 namespace mimbre::fe {
@@ -18,10 +19,8 @@ constexpr double kNone = 0.1;  // %: less effective mass is not worth a mode
 
 VectorXd eigenvalues(const MatrixXd& stiffness, const MatrixXd& mass) {
   const VectorXd unit = mass.diagonal().cwiseSqrt().cwiseInverse();  // metres and radians must not meet
-  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(unit.asDiagonal() * stiffness * unit.asDiagonal(),
-                                                            unit.asDiagonal() * mass * unit.asDiagonal(),
-                                                            Eigen::EigenvaluesOnly)
-      .eigenvalues();
+  return symmetric_eigenvalues(unit.asDiagonal() * stiffness * unit.asDiagonal(),
+                               unit.asDiagonal() * mass * unit.asDiagonal());
 }
 
 }  // namespace
@@ -30,7 +29,7 @@ MatrixXd effective_mass(const FeMatrices& matrices, const Interface& interface, 
                         const MatrixXd& modes) {
   MatrixXd axes = MatrixXd::Zero(6, 6);
   axes.topLeftCorner<3, 3>() = axes.bottomRightCorner<3, 3>() = interface.axes;
-  const MatrixXd rigid = R * rigid_points({interface}).partialPivLu().solve(axes);
+  const MatrixXd rigid = R * solve(rigid_points({interface}), axes);
   const MatrixXd momenta = symmetric_times(matrices.mass, rigid);
   const VectorXd whole = rigid.cwiseProduct(momenta).colwise().sum();
   return 100 * (whole.cwiseInverse().asDiagonal() * (momenta.transpose() * modes).cwiseAbs2());

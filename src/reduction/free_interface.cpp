@@ -1,8 +1,9 @@
 #include "reduction/free_interface.h"
+#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 
 namespace mimbre::fe {
@@ -30,7 +31,7 @@ class FreeFlexibility {
         rigid_z_.middleRows<3>(row) = interfaces[i].axes.transpose() * rigid_z_.middleRows<3>(row).eval();
     statics_ = static_shapes(tied, matrices, interfaces, 1).dofs;
     if (statics_.cols() > 0)
-      stiffness_.compute(statics_.transpose() * symmetric_times(matrices.stiffness, statics_));
+      stiffness_ = Cholesky(statics_.transpose() * symmetric_times(matrices.stiffness, statics_));
   }
 
   /// Loads on the dofs, and on the interfaces' coordinates.
@@ -54,9 +55,9 @@ class FreeFlexibility {
   const TiedModel& tied_;
   const MatrixXd& R_;
   MatrixXd MR_;
-  Eigen::LDLT<MatrixXd> inertia_;
+  PivotedCholesky inertia_;
   MatrixXd rigid_z_, statics_;
-  Eigen::LLT<MatrixXd> stiffness_;
+  Cholesky stiffness_;
 };
 
 /// Columns that are independent of those before them, by Cholesky's factors with pivots: gram has a unit

@@ -1,10 +1,11 @@
 #include "reduction/geometric_stiffness.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <stdexcept>
 
 #include "fe/beam_element.h"
+#include "math/decompositions.h"
 
 namespace mimbre::fe {
 namespace {
@@ -102,8 +103,8 @@ void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd&
 
 /// Displacements by a unit force against the displacement of each boundary dof, all others free.
 MatrixXd boundary_displacements(const Basis& basis, Eigen::Index count) {
-  const Eigen::LLT<MatrixXd> factor(basis.stiffness.topLeftCorner(count, count));
-  if (factor.info() != Eigen::Success)
+  const Cholesky factor(basis.stiffness.topLeftCorner(count, count));
+  if (!factor.ok())
     throw std::invalid_argument(
         "geometric stiffness: a part of the mesh is held by boundary dofs only, so that forces there have no "
         "static stress");

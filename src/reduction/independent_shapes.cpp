@@ -1,6 +1,7 @@
 #include "reduction/independent_shapes.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 
 namespace mimbre::fe {
@@ -17,7 +18,7 @@ void remove(const FeMatrices& matrices, const MatrixXd& dofs, const MatrixXd& po
   MatrixXd gram = dofs.transpose() * forces;
   const VectorXd unit = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   gram = (unit.asDiagonal() * gram * unit.asDiagonal()).eval();
-  const Eigen::LDLT<MatrixXd> factor(0.5 * (gram + gram.transpose()));
+  const PivotedCholesky factor(0.5 * (gram + gram.transpose()));
   for (int pass = 0; pass < 2; ++pass) {  // once leaves round-off of what was large
     const MatrixXd part =
         unit.asDiagonal() * factor.solve(unit.asDiagonal() * (forces.transpose() * shapes.dofs));

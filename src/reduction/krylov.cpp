@@ -1,6 +1,8 @@
 #include "reduction/krylov.h"
+#include "math/decompositions.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
@@ -18,14 +20,14 @@ MatrixXd weighted_motions(const FeMatrices& matrices, const MatrixXd& statics) {
   const MatrixXd mass = statics.transpose() * symmetric_times(matrices.mass, statics),
                  stiffness = statics.transpose() * symmetric_times(matrices.stiffness, statics);
   const VectorXd unit = mass.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> condensed(
-      unit.asDiagonal() * stiffness * unit.asDiagonal(), unit.asDiagonal() * mass * unit.asDiagonal());
+  const EigenPairs condensed = symmetric_eigen(unit.asDiagonal() * stiffness * unit.asDiagonal(),
+                                               unit.asDiagonal() * mass * unit.asDiagonal());
   VectorXd weight = VectorXd::Ones(mass.cols());
   if (mass.cols() > 6) {
-    const VectorXd& squares = condensed.eigenvalues();
+    const VectorXd& squares = condensed.values;
     weight = (squares.cwiseMax(0).array() / squares[6] + 1).inverse();
   }
-  return statics * (unit.asDiagonal() * condensed.eigenvectors() * weight.asDiagonal());
+  return statics * (unit.asDiagonal() * condensed.vectors * weight.asDiagonal());
 }
 
 /// (Txᵀ (K − shift M) Tx)⁻¹.
@@ -78,11 +80,11 @@ MatrixXd krylov_vectors(const SolidMesh& mesh, const TiedModel& tied, const FeMa
     const auto known = basis.leftCols(found);
     for (int pass = 0; pass < 2; ++pass) block -= known * (known.transpose() * stiffness(block));
     const MatrixXd gram = block.transpose() * stiffness(block);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> energies(0.5 * (gram + gram.transpose()));
-    const Index fresh = (energies.eigenvalues().array() > least * before).count();
+    const EigenPairs energies = symmetric_eigen(0.5 * (gram + gram.transpose()));
+    const Index fresh = (energies.values.array() > least * before).count();
     if (fresh == 0) break;
-    const VectorXd energy = energies.eigenvalues().tail(fresh).reverse();
-    block = (block * energies.eigenvectors().rightCols(fresh).rowwise().reverse()).eval();
+    const VectorXd energy = energies.values.tail(fresh).reverse();
+    block = (block * energies.vectors.rightCols(fresh).rowwise().reverse()).eval();
     const Index taken = std::min(fresh, basis.cols() - found);
     basis.middleCols(found, taken) =
         block.leftCols(taken) * energy.head(taken).cwiseSqrt().cwiseInverse().asDiagonal();

@@ -1,4 +1,5 @@
 #pragma once
+#include "mimbre/reduced_body.h"
 #include "reduction/shapes.h"
 
 namespace mimbre::fe {

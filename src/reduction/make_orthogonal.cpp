@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <stdexcept>
 
 #include "fe/lowest_modes.h"
+#include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre {
@@ -29,22 +30,21 @@ void make_orthogonal(ReducedBody& body) {
     body.eigenfrequencies.resize(0);
     return;
   }
-  const Eigen::LLT<Eigen::MatrixXd> factor(body.mass_matrix);
-  if (factor.info() != Eigen::Success)
+  if (!is_positive_definite(body.mass_matrix))
     throw std::invalid_argument(fmt::format(
         "reduced body '{}': the modes' mass matrix is not positive definite, the modes are dependent",
         body.name));
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(body.stiffness, body.mass_matrix);
-  if (solver.info() != Eigen::Success)
+  const EigenPairs pairs = symmetric_eigen(body.stiffness, body.mass_matrix);
+  if (!pairs.ok)
     throw std::invalid_argument(
         fmt::format("reduced body '{}': the eigenproblem of its matrices has no solution", body.name));
-  Eigen::MatrixXd Q = solver.eigenvectors();
+  Eigen::MatrixXd Q = pairs.vectors;
   fe::fix_signs(Q);
 
   // Exact by construction; computing them would only add round-off.
   body.mass_matrix.setIdentity();
-  body.stiffness = solver.eigenvalues().asDiagonal();
-  body.eigenfrequencies = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  body.stiffness = pairs.values.asDiagonal();
+  body.eigenfrequencies = pairs.values.cwiseMax(0).cwiseSqrt();
 
   rotate(body.damping, Q);
   make_symmetric(body.damping);

@@ -1,8 +1,9 @@
 #include "reduction/project_modes.h"
+#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <stdexcept>
 
 namespace mimbre {
@@ -47,7 +48,7 @@ ReducedBody project_modes(const ReducedBody& body, const MatrixXd& T) {
   b.eigenfrequencies.resize(0);
 
   project_symmetric(b.mass_matrix, T);
-  if (Eigen::LLT<MatrixXd>(b.mass_matrix).info() != Eigen::Success)
+  if (!is_positive_definite(b.mass_matrix))
     throw std::invalid_argument(
         fmt::format("reduced body '{}': the combinations of modes are dependent", body.name));
   project_symmetric(b.stiffness, T);

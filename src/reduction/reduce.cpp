@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fe/beam_element.h"
-#include "mimbre/fe.h"
+#include "mimbre/beam_reduction.h"
 #include "reduction/craig_bampton.h"
 #include "reduction/geometric_stiffness.h"
 #include "reduction/second_order.h"

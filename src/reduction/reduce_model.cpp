@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,8 +9,10 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "base/helper_threads.h"
 #include "fe/block_lanczos.h"
 #include "fe/surface.h"
+#include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/connected_parts.h"
 #include "reduction/effective_mass.h"
@@ -143,21 +146,19 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
   stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
   // Scaled, so that metres and radians do not meet.
   const VectorXd unit = mass.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> reduced(
-      unit.asDiagonal() * stiffness * unit.asDiagonal(), unit.asDiagonal() * mass * unit.asDiagonal());
+  const EigenPairs reduced = symmetric_eigen(unit.asDiagonal() * stiffness * unit.asDiagonal(),
+                                             unit.asDiagonal() * mass * unit.asDiagonal());
   const Index elastic = std::min<Index>(count, shapes.cols());
-  result.reduced_free_frequencies =
-      reduced.eigenvalues().segment(6, elastic).cwiseMax(0).cwiseSqrt() * kHertz;
-  const MatrixXd likeness =
-      full.vectors.transpose() * (momenta * (unit.asDiagonal() * reduced.eigenvectors()));
+  result.reduced_free_frequencies = reduced.values.segment(6, elastic).cwiseMax(0).cwiseSqrt() * kHertz;
+  const MatrixXd likeness = full.vectors.transpose() * (momenta * (unit.asDiagonal() * reduced.vectors));
   double worst_frequency = 0, worst_mac = 1;
   Index compared = 0;
   std::string rows;
   for (Index k = 0; k < elastic; ++k) {
     // Of frequencies that coincide the shapes may be any of their plane: the best of the neighbours together.
     double mac = 0;
-    for (Index j = 6; j < reduced.eigenvectors().cols(); ++j) {
-      const double f = std::sqrt(std::max(0.0, reduced.eigenvalues()[j])) * kHertz;
+    for (Index j = 6; j < reduced.vectors.cols(); ++j) {
+      const double f = std::sqrt(std::max(0.0, reduced.values[j])) * kHertz;
       if (std::abs(f / result.reduced_free_frequencies[k] - 1) < 0.02) mac += std::pow(likeness(6 + k, j), 2);
     }
     const double error = result.reduced_free_frequencies[k] / result.free_frequencies[k] - 1;
@@ -408,6 +409,7 @@ Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
 }
 
 ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options) {
+  const HelperThreads threads;  // kept from one factorisation to the next
   const auto tell = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "fe/beam_element.h"
-#include "reduction/gauss.h"
+#include "math/gauss.h"
 
 namespace mimbre::fe {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "mimbre/fe.h"
+#include "mimbre/beam_reduction.h"
 
 namespace mimbre::fe {
 

@@ -1,7 +1,7 @@
 #include "reduction/shape_integrals.h"
 
 #include "fe/beam_element.h"
-#include "reduction/gauss.h"
+#include "math/gauss.h"
 
 namespace mimbre::fe {
 

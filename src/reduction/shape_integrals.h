@@ -1,7 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "mimbre/fe.h"
+#include "mimbre/beam_reduction.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre::fe {

@@ -1,8 +1,10 @@
 #include "reduction/shapes.h"
+#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace mimbre::fe {
 
@@ -87,7 +89,7 @@ Shapes join(const Shapes& a, const Shapes& b) {
 
 void to_tangent(const std::vector<Interface>& interfaces, const MatrixXd& R, Shapes& shapes) {
   const MatrixXd motion = rigid_points(interfaces);
-  const MatrixXd part = motion.topRows<6>().partialPivLu().solve(shapes.points.topRows<6>());
+  const MatrixXd part = solve(motion.topRows<6>(), shapes.points.topRows<6>());
   shapes.dofs -= R * part;
   shapes.points -= motion * part;
   shapes.points.topRows<6>().setZero();
@@ -96,7 +98,7 @@ void to_tangent(const std::vector<Interface>& interfaces, const MatrixXd& R, Sha
 void to_centre_of_mass(const FeMatrices& matrices, const std::vector<Interface>& interfaces,
                        const MatrixXd& R, Shapes& shapes) {
   const MatrixXd moved = R.leftCols(3), momenta = symmetric_times(matrices.mass, moved);
-  const MatrixXd part = (moved.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
+  const MatrixXd part = PivotedCholesky(moved.transpose() * momenta).solve(momenta.transpose() * shapes.dofs);
   shapes.dofs -= moved * part;
   shapes.points -= rigid_points(interfaces).leftCols(3) * part;
 }
@@ -112,14 +114,14 @@ void to_mean_axes(const FeMatrices& matrices, const std::vector<Interface>& inte
                              .cwiseSqrt()
                              .cwiseInverse();
   const MatrixXd momenta = symmetric_times(matrices.mass, R);
-  const MatrixXd part = (R.transpose() * momenta).ldlt().solve(momenta.transpose() * shapes.dofs);
+  const MatrixXd part = PivotedCholesky(R.transpose() * momenta).solve(momenta.transpose() * shapes.dofs);
   shapes.dofs -= R * part;
   shapes.points -= rigid_points(interfaces) * part;
   const MatrixXd gram = shapes.dofs.transpose() * symmetric_times(matrices.mass, shapes.dofs);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * gram * scale.asDiagonal());
+  const EigenPairs pairs = symmetric_eigen(scale.asDiagonal() * gram * scale.asDiagonal());
   const Index kept = gram.cols() - 6;
-  const MatrixXd turn = scale.asDiagonal() * solver.eigenvectors().rightCols(kept) *
-                        solver.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  const MatrixXd turn = scale.asDiagonal() * pairs.vectors.rightCols(kept) *
+                        pairs.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   shapes.dofs = (shapes.dofs * turn).eval();
   shapes.points = (shapes.points * turn).eval();
   shapes.names.clear();

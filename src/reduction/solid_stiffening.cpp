@@ -1,9 +1,11 @@
 #include "reduction/solid_stiffening.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 
+#include "math/decompositions.h"
 #include "reduction/tied_model.h"
 
 namespace mimbre::fe {
@@ -47,8 +49,8 @@ GeometricStiffness solid_stiffening(const SolidMesh& mesh, const MatrixXd& respo
   displacements.leftCols(responses.cols()) = responses;
   if (statics > 0)
     displacements.rightCols(statics) =
-        shapes.leftCols(statics) *
-        stiffness.topLeftCorner(statics, statics).ldlt().solve(MatrixXd::Identity(statics, statics));
+        shapes.leftCols(statics) * PivotedCholesky(stiffness.topLeftCorner(statics, statics))
+                                       .solve(MatrixXd::Identity(statics, statics));
   std::vector<MatrixXd> projected;
   for (Index l = 0; l < displacements.cols(); ++l) {
     const Eigen::SparseMatrix<double> KG = geometric_stiffness(mesh, displacements.col(l));

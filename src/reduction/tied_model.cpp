@@ -1,8 +1,11 @@
 #include "reduction/tied_model.h"
+#include "base/helper_threads.h"
+#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -58,6 +61,7 @@ struct LargeFactor::Implementation {
 
 LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what, Definiteness matrix)
     : implementation_(std::make_unique<Implementation>()) {
+  const HelperThreads threads;
   Implementation& own = *implementation_;
   if (factorise(own.definite, lower)) {
 #ifdef MIMBRE_WITH_CHOLMOD
@@ -74,6 +78,7 @@ LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& w
 }
 LargeFactor::~LargeFactor() = default;
 MatrixXd LargeFactor::solve(const MatrixXd& b) const {
+  const HelperThreads threads;
   const Implementation& own = *implementation_;
   return own.indefinite ? MatrixXd(own.indefinite->solve(b)) : MatrixXd(own.definite.solve(b));
 }
@@ -141,9 +146,7 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
     const double length = motions.rightCols(3).cwiseAbs().maxCoeff();
     MatrixXd scaled = motions;
     if (length > 0) scaled.rightCols(3) /= length;
-    Eigen::ColPivHouseholderQR<MatrixXd> rank(scaled);
-    rank.setThreshold(1e-6);
-    if (own.empty() || rank.rank() < 6)
+    if (own.empty() || order_columns(scaled, 1e-6).rank < 6)
       throw std::invalid_argument(
           fmt::format("interface '{}' has no hold in all six directions: its {} node{} must not lie on one "
                       "line (or must have rotations) and must belong to the model",
@@ -165,22 +168,22 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
       R.row(static_cast<Index>(k)) =
           rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
     }
-    const MatrixXd W = (R.transpose() * R).ldlt().solve(R.transpose());
+    const MatrixXd W = PivotedCholesky(R.transpose() * R).solve(R.transpose());
     MatrixXd weighted = W;
     if (length > 0) weighted.bottomRows(3) *= length;
-    const Eigen::ColPivHouseholderQR<MatrixXd> pivots(weighted);  // six columns that hold best
+    const std::vector<int> best = order_columns(weighted).order;  // columns that hold best first
     Mean mean;
     mean.interface = static_cast<int>(i);
     Matrix6 at_pins;
     std::vector<char> pinned(translations.size(), 0);
     for (int p = 0; p < 6; ++p) {
-      const auto column = static_cast<std::size_t>(pivots.colsPermutation().indices()[p]);
+      const auto column = static_cast<std::size_t>(best[static_cast<std::size_t>(p)]);
       mean.pins[static_cast<std::size_t>(p)] = translations[column];
       at_pins.col(p) = W.col(static_cast<Index>(column));
       pinned[column] = 1;
       place[static_cast<std::size_t>(translations[column])] = -1;
     }
-    mean.from_z = at_pins.inverse();
+    mean.from_z = inverse(at_pins);
     mean.from_x.resize(6, static_cast<Index>(translations.size()) - 6);
     Index next = 0;
     for (std::size_t k = 0; k < translations.size(); ++k)
@@ -244,12 +247,12 @@ void TiedModel::prepare_means() {
     for (std::size_t j = 0; j < means_[m].others.size(); ++j)
       U_.block(means_[m].others[j], pins + static_cast<Index>(6 * m), 1, 6) =
           root * means_[m].from_x.col(static_cast<Index>(j)).transpose();
-  MatrixXd inverse = MatrixXd::Zero(2 * pins, 2 * pins);  // of S
-  inverse.topLeftCorner(pins, pins) = -Kpp / k;
-  inverse.topRightCorner(pins, pins).setIdentity();
-  inverse.bottomLeftCorner(pins, pins).setIdentity();
+  MatrixXd inverse_of_S = MatrixXd::Zero(2 * pins, 2 * pins);
+  inverse_of_S.topLeftCorner(pins, pins) = -Kpp / k;
+  inverse_of_S.topRightCorner(pins, pins).setIdentity();
+  inverse_of_S.bottomLeftCorner(pins, pins).setIdentity();
   solved_ = factor_->solve(U_);
-  small_ = (inverse + U_.transpose() * solved_).fullPivLu().inverse();
+  small_ = inverse(inverse_of_S + U_.transpose() * solved_);
 }
 
 void TiedModel::free_motions(const std::vector<Interface>& interfaces) {
@@ -266,8 +269,8 @@ void TiedModel::free_motions(const std::vector<Interface>& interfaces) {
   MatrixXd stiffness = shapes.transpose() * symmetric_times(matrices_.stiffness, shapes);
   stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
   const Eigen::VectorXd unit = stiffness.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<MatrixXd> factor(unit.asDiagonal() * stiffness * unit.asDiagonal());
-  if (!(factor.vectorD().minCoeff() > 1e-10))
+  const PivotedCholesky factor(unit.asDiagonal() * stiffness * unit.asDiagonal());
+  if (!(factor.least_pivot() > 1e-10))
     throw std::invalid_argument("so many motions are free that nothing holds the body: retain six at least");
   freed_inverse_ = unit.asDiagonal() * factor.solve(MatrixXd(unit.asDiagonal()));
   freed_shapes_ = shapes;

@@ -1,9 +1,9 @@
 #include "reduction/user_modes.h"
+#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -69,14 +69,14 @@ ExpandedModes expand_user_modes(const SolidMesh& mesh, const FeMatrices& matrice
   const VectorXd unit = stiffness.diagonal().cwiseSqrt().cwiseInverse();
   stiffness = (unit.asDiagonal() * stiffness * unit.asDiagonal()).eval();
   stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
-  if (Eigen::SelfAdjointEigenSolver<MatrixXd>(stiffness, Eigen::EigenvaluesOnly).eigenvalues()[0] < least)
+  if (symmetric_eigenvalues(stiffness)[0] < least)
     throw std::invalid_argument(
         "the user's modes say too little: displacements of at least three nodes that do not lie in a line "
         "are "
         "needed, in directions that no rigid motion leaves out");
   ExpandedModes expanded;
   expanded.z = unit.asDiagonal() *
-               Eigen::LDLT<MatrixXd>(stiffness).solve(unit.asDiagonal() * (statics.transpose() * forces));
+               PivotedCholesky(stiffness).solve(unit.asDiagonal() * (statics.transpose() * forces));
   expanded.u =
       tied.expand(tied.solve(tied.restrict(forces)), MatrixXd::Zero(tied.boundaries(), forces.cols())) +
       statics * expanded.z;
@@ -102,7 +102,7 @@ Shapes held_user_modes(const TiedModel& tied, const FeMatrices& matrices,
 Shapes free_user_modes(const FeMatrices& matrices, const std::vector<Interface>& interfaces,
                        const MatrixXd& R, const ExpandedModes& modes) {
   const MatrixXd momenta = symmetric_times(matrices.mass, R);
-  const MatrixXd part = (R.transpose() * momenta).ldlt().solve(momenta.transpose() * modes.u);
+  const MatrixXd part = PivotedCholesky(R.transpose() * momenta).solve(momenta.transpose() * modes.u);
   Shapes shapes{modes.u - R * part, point_rows(interfaces, modes.z) - rigid_points(interfaces) * part, {}};
   for (Index k = 0; k < modes.u.cols(); ++k) shapes.names.push_back(fmt::format("user {}", k + 1));
   return shapes;

@@ -1,4 +1,4 @@
-#include "analysis/mode_selection.h"
+#include "mimbre/mode_selection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

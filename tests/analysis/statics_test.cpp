@@ -1,4 +1,4 @@
-#include "analysis/statics.h"
+#include "mimbre/statics.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ double value(const StaticResult& r, const std::string& channel) {
   return std::nan("");
 }
 
-TEST(Statics, iltis_on_the_flat_road) {
+TEST(Statics, IltisOnTheFlatRoad) {
   const StaticResult r = static_equilibrium(
       example("iltis/vehicle.yaml",
               {{"arms", "rigid"}, {"links", "rigid"}, {"rods", "rigid"}, {"massless_links", "true"}}));
@@ -60,7 +60,7 @@ outputs:
 )";
 }
 
-TEST(Statics, cantilever_bends_as_a_beam) {
+TEST(Statics, CantileverBendsAsABeam) {
   const double E = 2.1e11, I = std::numbers::pi * std::pow(0.01, 4) / 4, A = std::numbers::pi * 0.01 * 0.01,
                L = 2;
   const StaticResult tip =
@@ -77,7 +77,7 @@ TEST(Statics, cantilever_bends_as_a_beam) {
   EXPECT_NEAR(value(own, "wall.my"), -weight * L * L / 2, 1e-6);
 }
 
-TEST(Statics, flexible_pendulum_hangs_straight_down) {
+TEST(Statics, FlexiblePendulumHangsStraightDown) {
   const StaticResult r = static_equilibrium(example("pendulum/flexible.yaml"));
   EXPECT_NEAR(std::remainder(value(r, "angle") - std::numbers::pi / 2, 2 * std::numbers::pi), 0, 1e-7);
   EXPECT_NEAR(value(r, "tip.z"), -1.5, 1e-7);
@@ -85,7 +85,7 @@ TEST(Statics, flexible_pendulum_hangs_straight_down) {
   EXPECT_NEAR(value(r, "hinge.fz"), 7850 * std::numbers::pi / 4 * 1e-4 * 1.5 * 9.81, 1e-6);
 }
 
-TEST(Statics, drive_holds_with_the_torque_of_the_weight) {
+TEST(Statics, DriveHoldsWithTheTorqueOfTheWeight) {
   const StaticResult r = static_equilibrium(model_of(R"(
 bodies:
   bar: {mass: 2, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
@@ -103,7 +103,7 @@ outputs:
 
 /// The cart rolls freely: it must neither move nor spoil the solution. The pendulum on it falls until it
 /// hangs.
-TEST(Statics, neutral_directions_stay_put) {
+TEST(Statics, NeutralDirectionsStayPut) {
   const StaticResult r = static_equilibrium(model_of(R"(
 bodies:
   cart: {mass: 3, com: [0, 0, 0], inertia: [1, 1, 1]}
@@ -123,7 +123,7 @@ outputs:
   EXPECT_NEAR(value(r, "yaw"), 0, 1e-9);
 }
 
-TEST(Statics, without_equilibrium_an_error) {
+TEST(Statics, WithoutEquilibriumAnError) {
   EXPECT_THROW(static_equilibrium(model_of(R"(
 bodies:
   stone: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
@@ -133,7 +133,7 @@ joints:
                std::runtime_error);
 }
 
-TEST(Statics, a_run_started_at_equilibrium_stays) {
+TEST(Statics, ARunStartedAtEquilibriumStays) {
   const auto model = model_of(cantilever("[0, 0, -9.81]", "") + "initial: equilibrium\n");
   Simulation s(model);
   const Simulation::Snapshot before = s.save();

@@ -1,4 +1,4 @@
-#include "analysis/stress_history.h"
+#include "mimbre/stress_history.h"
 
 #include <gtest/gtest.h>
 

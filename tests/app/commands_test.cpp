@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <regex>
 
 #include "app/program.h"
 #include "mimbre/report.h"
+#include "support/text.h"
 
 namespace mimbre::app_test {
 namespace {
@@ -22,11 +22,11 @@ class Commands : public ProgramTest {
 
 TEST_F(Commands, VersionIsTheProjects) {
   const std::string project = read_file(fs::path(MIMBRE_SOURCE_DIR) / "CMakeLists.txt");
-  std::smatch version;
-  ASSERT_TRUE(std::regex_search(project, version, std::regex("project\\(mimbre VERSION ([0-9.]+)")));
+  const auto version = test::matches(project, "project\\(mimbre VERSION ([0-9.]+)");
+  ASSERT_EQ(version.size(), 1u);
   const Outcome outcome = run({"--version"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_EQ(outcome.out, "mimbre " + version[1].str() + "\n");
+  EXPECT_EQ(outcome.out, "mimbre " + version[0][1] + "\n");
 }
 
 TEST_F(Commands, HelpGivesAnExample) {
@@ -71,7 +71,7 @@ outputs:
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = outcome.json();
   EXPECT_EQ(json.at("bodies"), 3);
-  EXPECT_NEAR(json.at("mass").get<double>(), 6, 1e-12);
+  EXPECT_NEAR(json.at("mass").number(), 6, 1e-12);
   EXPECT_EQ(json.at("coordinates"), 3);
   EXPECT_EQ(json.at("elastic_coordinates"), 0);
   EXPECT_EQ(json.at("constraints"), 5);
@@ -113,12 +113,12 @@ outputs:
   const auto json = outcome.json();
   EXPECT_EQ(json.at("elastic_coordinates"), 4);
   const double area = std::numbers::pi * 1e-4, inertia = std::numbers::pi * 1e-8 / 4;
-  EXPECT_NEAR(json.at("mass").get<double>(), 7850 * area * 2, 1e-6);
+  EXPECT_NEAR(json.at("mass").number(), 7850 * area * 2, 1e-6);
   const auto& body = json.at("body_list")[0];
-  EXPECT_TRUE(body.at("flexible").get<bool>());
+  EXPECT_TRUE(body.at("flexible").boolean());
   const double omega = std::pow(1.8751041, 2) * std::sqrt(2.1e11 * inertia / (7850 * area * std::pow(2, 4)));
   const double hertz = omega / (2 * std::numbers::pi);
-  EXPECT_NEAR(body.at("lowest_frequencies_hz")[0].get<double>(), hertz, 1e-3 * hertz);
+  EXPECT_NEAR(body.at("lowest_frequencies_hz")[0].number(), hertz, 1e-3 * hertz);
   const Outcome text = run({"check", "bar.yaml"});
   EXPECT_THAT(text.out, HasSubstr("flexible"));
 }
@@ -127,11 +127,11 @@ TEST_F(Commands, StaticHangsThePendulumDown) {
   const Outcome outcome = run({"static", "pendulum.yaml", "--json", "--set", "length=2"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = outcome.json();
-  EXPECT_NEAR(json.at("outputs").at("angle").get<double>(), std::numbers::pi / 2, 1e-6);
-  EXPECT_NEAR(json.at("outputs").at("bob.z").get<double>(), -2, 1e-9);
+  EXPECT_NEAR(json.at("outputs").at("angle").number(), std::numbers::pi / 2, 1e-6);
+  EXPECT_NEAR(json.at("outputs").at("bob.z").number(), -2, 1e-9);
   EXPECT_EQ(json.at("angle"), json.at("outputs").at("angle"));
   EXPECT_EQ(json.at("bob.z"), json.at("outputs").at("bob.z"));
-  EXPECT_GE(json.at("cpu_seconds"), 0);
+  EXPECT_GT(json.at("cpu_seconds"), 0);
   EXPECT_GE(json.at("iterations"), 1);
   const Outcome text = run({"static", "pendulum.yaml"});
   EXPECT_THAT(text.out, HasSubstr("-1.5  m"));
@@ -168,10 +168,10 @@ TEST_F(Commands, CompareFindsTheDifferencesOfTheTables) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto angle = outcome.json().at("channels").at("angle");
   EXPECT_EQ(angle.at("unit"), "rad");
-  EXPECT_DOUBLE_EQ(angle.at("max_difference").get<double>(), largest);
-  EXPECT_NEAR(angle.at("mean_difference").get<double>(), sum / static_cast<double>(a.size()), 1e-12);
-  EXPECT_DOUBLE_EQ(angle.at("at_time").get<double>(), at);
-  EXPECT_DOUBLE_EQ(angle.at("relative").get<double>(), largest / amplitude);
+  EXPECT_DOUBLE_EQ(angle.at("max_difference").number(), largest);
+  EXPECT_NEAR(angle.at("mean_difference").number(), sum / static_cast<double>(a.size()), 1e-12);
+  EXPECT_DOUBLE_EQ(angle.at("at_time").number(), at);
+  EXPECT_DOUBLE_EQ(angle.at("relative").number(), largest / amplitude);
   EXPECT_EQ(run({"compare", "a.h5", "a.h5", "--json"}).json().at("channels").at("angle").at("max_difference"),
             0);
   EXPECT_THAT(run({"compare", "a.h5", "b.h5"}).out, HasSubstr("largest difference"));
@@ -225,18 +225,21 @@ TEST_F(Commands, BenchGivesMedians) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto measured = outcome.json().at("models")[0];
   EXPECT_EQ(measured.at("steps"), 200);
-  std::vector<double> times = measured.at("cpu_seconds_of_runs");
+  std::vector<double> times = measured.at("cpu_seconds_of_runs").numbers();
   ASSERT_EQ(times.size(), 3u);
   std::sort(times.begin(), times.end());
   const double median = measured.at("cpu_seconds");
   EXPECT_EQ(median, times[1]);
-  EXPECT_NEAR(measured.at("microseconds_per_step").get<double>(), 1e6 * median / 200, 1e-6);
-  EXPECT_NEAR(measured.at("real_time_factor").get<double>(), 1 / median, 1e-6 / median);
+  EXPECT_NEAR(measured.at("microseconds_per_step").number(), 1e6 * median / 200, 1e-6);
+  EXPECT_NEAR(measured.at("real_time_factor").number(), 1 / median, 1e-6 / median);
   EXPECT_GE(measured.at("iterations_per_step"), 1);
-  EXPECT_GE(measured.at("factorisations_per_step"), 0);
+  EXPECT_GT(measured.at("factorisations_per_step"), 0);
+  EXPECT_LE(measured.at("factorisations_per_step"), measured.at("iterations_per_step").number());
   EXPECT_GT(measured.at("peak_memory_mb"), 1);
-  for (const auto& [phase, microseconds] : measured.at("phases_microseconds_per_step").items())
-    EXPECT_GE(microseconds.get<double>(), 0) << phase;
+  double phases = 0;
+  for (const test::Json& microseconds : measured.at("phases_microseconds_per_step"))
+    phases += microseconds.number();
+  EXPECT_GT(phases, 0);
   EXPECT_EQ(run({"bench", "pendulum.yaml", "--runs", "0"}).code, 2);
 }
 

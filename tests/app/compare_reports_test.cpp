@@ -27,8 +27,8 @@ class CompareReports : public ProgramTest {
     write_file(folder / "b.json", b.out);
   }
 
-  nlohmann::json page(const std::string& name) const {
-    return nlohmann::json::parse(data_text(read_file(folder / name)));
+  test::Json page(const std::string& name) const {
+    return test::Json::parse(data_text(read_file(folder / name)));
   }
 };
 
@@ -47,7 +47,7 @@ TEST_F(CompareReports, TwoRunsOnOnePage) {
   EXPECT_EQ(data.at("channels").size(), differences.size());
   for (const auto& channel : data.at("channels")) {
     const auto& deviation = channel.at("deviations")[0];
-    const auto& expected = differences.at(channel.at("name").get<std::string>());
+    const auto& expected = differences.at(channel.at("name").text());
     EXPECT_EQ(deviation.at("largest"), expected.at("max_difference"));
     EXPECT_EQ(deviation.at("mean"), expected.at("mean_difference"));
   }

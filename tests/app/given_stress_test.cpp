@@ -1,7 +1,8 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "app/program.h"
-#include "io/fe/npz_writer.h"
+#include "fe_files/npz_writer.h"
 #include "mimbre/fe_import.h"
 
 /// mimbre reduce --stress, and where mimbre convert leaves stress.

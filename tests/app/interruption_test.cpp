@@ -37,8 +37,8 @@ class Interruption : public ProgramTest {
     EXPECT_EQ(json.at("status"), "interrupted");
     const Results results = read_results((folder / "out.h5").string());
     ASSERT_GT(results.time.size(), 1);
-    EXPECT_LE(results.time[results.time.size() - 1], json.at("time").get<double>());
-    EXPECT_EQ(nlohmann::json::parse(results.summary_json).at("status"), "interrupted");
+    EXPECT_LE(results.time[results.time.size() - 1], json.at("time").number());
+    EXPECT_EQ(test::Json::parse(results.summary_json).at("status"), "interrupted");
     EXPECT_EQ(csv_rows(folder / "out.csv").size(), static_cast<std::size_t>(results.time.size()));
   }
 };

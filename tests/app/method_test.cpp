@@ -21,7 +21,7 @@ class Method : public ProgramTest {
     write_file(folder / "hht.yaml", damped);
   }
 
-  nlohmann::json summary(const char* model, Arguments options) const {
+  test::Json summary(const char* model, Arguments options) const {
     options.insert(options.begin(), {"run", model, "--until", "0.1", "--json"});
     const Outcome outcome = run(options);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -48,7 +48,7 @@ TEST_F(Method, TheParametersChooseTheirIntegrator) {
   const auto in_force = [&](const char* model, const Arguments& options) {
     const auto json = summary(model, options);
     const std::string name = json.at("integrator");
-    return std::pair(name, json.at(name == "newmark" ? "xi" : "rho").get<double>());
+    return std::pair(name, json.at(name == "newmark" ? "xi" : "rho").number());
   };
   EXPECT_EQ(in_force("hht.yaml", {}), std::pair(std::string("hht"), 0.8));
   EXPECT_EQ(in_force("hht.yaml", {"--rho", "0.6"}), std::pair(std::string("hht"), 0.6));
@@ -61,7 +61,7 @@ TEST_F(Method, TheParametersChooseTheirIntegrator) {
 
 TEST_F(Method, TheIntegratorsAreDifferentOnes) {
   const auto angle = [&](const Arguments& options) {
-    return summary("pendulum.yaml", options).at("outputs").at("angle").get<double>();
+    return summary("pendulum.yaml", options).at("outputs").at("angle").number();
   };
   const double preset = angle({"--integrator", "generalized_alpha"});
   EXPECT_EQ(preset, angle({}));
@@ -77,18 +77,18 @@ TEST_F(Method, TheResultsKeepWhatTheCommandLineChose) {
            "--formalism", "index3", "--integrator", "hht", "--rho", "0.7", "--output", "out.h5", "-q"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Results results = read_results((folder / "out.h5").string());
-  const auto options = nlohmann::json::parse(results.header.options_json);
+  const auto options = test::Json::parse(results.header.options_json);
   EXPECT_EQ(options.at("formulation"), "relative");
   EXPECT_EQ(options.at("inertia"), "projection");
   EXPECT_EQ(options.at("formalism"), "index3");
   EXPECT_EQ(options.at("integrator"), "hht");
   EXPECT_EQ(options.at("rho"), 0.7);
-  const auto kept = nlohmann::json::parse(results.summary_json);
+  const auto kept = test::Json::parse(results.summary_json);
   EXPECT_EQ(kept.at("integrator"), "hht");
   EXPECT_EQ(kept.at("rho"), 0.7);
   // What it did not choose stands in the model's text.
   ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "0.1", "--output", "out.h5", "-q"}).code, 0);
-  EXPECT_FALSE(nlohmann::json::parse(read_results((folder / "out.h5").string()).header.options_json)
+  EXPECT_FALSE(test::Json::parse(read_results((folder / "out.h5").string()).header.options_json)
                    .contains("formulation"));
 }
 

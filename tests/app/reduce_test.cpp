@@ -6,7 +6,7 @@
 namespace mimbre::app_test {
 namespace {
 
-using nlohmann::json;
+using json = test::Json;
 using testing::HasSubstr;
 
 const std::string data = MIMBRE_SOURCE_DIR "/tests/data/";
@@ -24,8 +24,8 @@ TEST_F(Reduce, TakesTheMatricesBesideTheInput) {
   EXPECT_EQ(summary.at("interfaces").size(), 2u);
   EXPECT_EQ(summary.at("frequencies_hz").size(), 5u);
   EXPECT_EQ(summary.at("free_frequencies_hz").size(), 10u);
-  EXPECT_NEAR(summary.at("mass").get<double>(), 2 * 7800, 0.02 * 15600);  // CalculiX's mass is a little off
-  EXPECT_GT(summary.at("seconds").get<double>(), 0);
+  EXPECT_NEAR(summary.at("mass").number(), 2 * 7800, 0.02 * 15600);  // CalculiX's mass is a little off
+  EXPECT_GT(summary.at("seconds").number(), 0);
   for (const json& check : summary.at("checks"))
     for (const char* key : {"name", "detail"}) EXPECT_TRUE(check.at(key).is_string());
   const Outcome text =
@@ -47,8 +47,7 @@ TEST_F(Reduce, ChoosesTheBasis) {
   ASSERT_EQ(all.at("effective_mass").size(), 5u);
   EXPECT_EQ(all.at("effective_mass")[0].size(), 6u);
   // The first three coincide.
-  const double limit =
-      0.5 * (all.at("frequencies_hz")[2].get<double>() + all.at("frequencies_hz")[3].get<double>());
+  const double limit = 0.5 * (all.at("frequencies_hz")[2].number() + all.at("frequencies_hz")[3].number());
   const json below = with({"--max-frequency", std::to_string(limit)}).json();
   EXPECT_EQ(below.at("frequencies_hz").size(), 3u);
   EXPECT_EQ(with({"--basis", "krylov", "--modes", "3"}).json().at("modes"), 6 + 3);

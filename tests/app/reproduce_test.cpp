@@ -9,7 +9,7 @@
 namespace mimbre::app_test {
 namespace {
 
-using nlohmann::json;
+using json = test::Json;
 using testing::HasSubstr;
 
 class Reproduce : public ProgramTest {
@@ -28,7 +28,7 @@ class Reproduce : public ProgramTest {
       for (const char* key : {"published", "ours", "ratio"})
         EXPECT_TRUE(row.at(key).is_number() || row.at(key).is_null()) << row;
       if (row.at("published").is_number() && row.at("ours").is_number())
-        EXPECT_DOUBLE_EQ(row.at("ratio"), row.at("ours").get<double>() / row.at("published").get<double>());
+        EXPECT_DOUBLE_EQ(row.at("ratio"), row.at("ours").number() / row.at("published").number());
       else
         EXPECT_TRUE(row.at("ratio").is_null()) << row;
       // A number of ours is missing only where a run failed, and then the note says why.
@@ -50,7 +50,7 @@ TEST_F(Reproduce, NamesItsTables) {
   std::set<std::string> names;
   for (const json& table : list) {
     names.insert(table.at("name"));
-    EXPECT_FALSE(table.at("title").get<std::string>().empty());
+    EXPECT_FALSE(table.at("title").text().empty());
   }
   EXPECT_EQ(names, (std::set<std::string>{"coordinates-double-four-bar", "coordinates-suspension",
                                           "coordinates-vehicle", "cpu-double-four-bar", "cpu-suspension",
@@ -63,12 +63,16 @@ TEST_F(Reproduce, NamesItsTables) {
 /// Against our own converged nonlinear beam; the published deviations are from another code's.
 TEST_F(Reproduce, ForeshorteningIsNoWorseThanPublished) {
   const json list = rows({"spin-up-foreshortening"});
+  int compared = 0;
   for (const json& row : list) {
     const std::string name = row.at("case");
     ASSERT_TRUE(row.at("ours").is_number()) << row;
     if (name.find("CPU") != std::string::npos) continue;
-    EXPECT_LT(row.at("ratio").get<double>(), 1.1) << row;
+    EXPECT_GT(row.at("ratio"), 0) << row;
+    EXPECT_LT(row.at("ratio"), 1.1) << row;
+    ++compared;
   }
+  EXPECT_GE(compared, 2);
 }
 
 TEST_F(Reproduce, RelativeCoordinatesAreThePublishedOnes) {
@@ -77,7 +81,7 @@ TEST_F(Reproduce, RelativeCoordinatesAreThePublishedOnes) {
   int relative = 0;
   for (const json& row : list) {
     EXPECT_TRUE(row.at("published").is_number());
-    if (!row.at("case").get<std::string>().starts_with("relative")) continue;
+    if (!row.at("case").text().starts_with("relative")) continue;
     ++relative;
     EXPECT_EQ(row.at("ours"), row.at("published")) << row;
     EXPECT_EQ(row.at("ratio"), 1);
@@ -102,11 +106,7 @@ TEST_F(Reproduce, EnergyLossesAreOfThePublishedSize) {
 TEST_F(Reproduce, TimesAreMeasuredAndCompared) {
   const json list = rows({"cpu-double-four-bar"});
   EXPECT_EQ(list.size(), 3u * 6);
-  for (const char* bars : {"0", "5"}) {
-    const double seconds = of(list, fmt::format("relative, {}", bars)).at("ours");
-    EXPECT_GT(seconds, 1e-5);
-    EXPECT_LT(seconds, 5);
-  }
+  for (const char* bars : {"0", "5"}) EXPECT_GT(of(list, fmt::format("relative, {}", bars)).at("ours"), 0);
   const json quotient = of(list, "natural over relative, 5");
   EXPECT_NEAR(quotient.at("published"), 15.22 / 20.92, 1e-12);
   EXPECT_EQ(quotient.at("unit"), "1");

@@ -32,14 +32,14 @@ TEST_F(RunCommand, SummarisesInATableOrAsJson) {
   EXPECT_EQ(json.at("status"), "ok");
   EXPECT_EQ(json.at("steps"), 100);
   EXPECT_EQ(json.at("step"), 0.01);
-  EXPECT_NEAR(json.at("time").get<double>(), 1, 1e-9);
+  EXPECT_NEAR(json.at("time").number(), 1, 1e-9);
   EXPECT_EQ(json.at("coordinates"), 1);
   EXPECT_GE(json.at("iterations"), 100);
-  EXPECT_DOUBLE_EQ(json.at("iterations_per_step").get<double>(), json.at("iterations").get<double>() / 100);
+  EXPECT_DOUBLE_EQ(json.at("iterations_per_step").number(), json.at("iterations").number() / 100);
   EXPECT_GE(json.at("factorisations"), 1);
   EXPECT_GT(json.at("cpu_seconds"), 0);
-  EXPECT_GE(json.at("initialisation_seconds"), 0);
-  EXPECT_NEAR(json.at("real_time_factor").get<double>() * json.at("cpu_seconds").get<double>(), 1, 1e-9);
+  EXPECT_GT(json.at("initialisation_seconds"), 0);
+  EXPECT_NEAR(json.at("real_time_factor").number() * json.at("cpu_seconds").number(), 1, 1e-9);
   EXPECT_EQ(json.at("max_position_violation"), 0);
   EXPECT_EQ(json.at("max_velocity_violation"), 0);
   EXPECT_TRUE(json.at("warnings").empty());
@@ -49,7 +49,7 @@ TEST_F(RunCommand, SummarisesInATableOrAsJson) {
     EXPECT_TRUE(json.at("energy").at(name).is_number()) << name;
   // The bob is where the hinge's angle puts it.
   const auto& outputs = json.at("outputs");
-  EXPECT_NEAR(outputs.at("bob.z").get<double>(), -1.5 * std::sin(outputs.at("angle").get<double>()), 1e-9);
+  EXPECT_NEAR(outputs.at("bob.z").number(), -1.5 * std::sin(outputs.at("angle").number()), 1e-9);
 }
 
 TEST_F(RunCommand, WritesTheOutputsAsColumns) {
@@ -73,7 +73,7 @@ TEST_F(RunCommand, WritesResultsWithTheCommandLineAndTheSummary) {
   const Results results = read_results((folder / "out.h5").string());
   EXPECT_EQ(results.header.title, "A pendulum");
   EXPECT_EQ(results.header.model_text, pendulum);
-  EXPECT_EQ(nlohmann::json::parse(results.header.options_json).at("set").at("length"), "2");
+  EXPECT_EQ(test::Json::parse(results.header.options_json).at("set").at("length"), "2");
   const auto rows = csv_rows(folder / "out.csv");
   ASSERT_EQ(results.time.size(), static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -84,9 +84,10 @@ TEST_F(RunCommand, WritesResultsWithTheCommandLineAndTheSummary) {
   }
   // The file's summary is the printed one without what differs from run to run.
   auto printed = outcome.json();
-  const auto kept = nlohmann::json::parse(results.summary_json);
-  for (const char* name : {"cpu_seconds", "initialisation_seconds", "real_time_factor", "peak_memory_mb"})
-    EXPECT_EQ(printed.erase(name), 1u) << name;
+  const auto kept = test::Json::parse(results.summary_json);
+  for (const char* name :
+       {"cpu_seconds", "initialisation_seconds", "real_time_factor", "peak_memory_mb", "build"})
+    printed = printed.without(name);
   EXPECT_EQ(printed, kept);
 }
 
@@ -103,7 +104,7 @@ TEST_F(RunCommand, StepAndEndOfTheCommandLineCount) {
       run({"run", "pendulum.yaml", "--until", "0.5", "--step", "0.005", "--csv", "out.csv", "--json"}).json();
   EXPECT_EQ(json.at("steps"), 100);
   EXPECT_EQ(json.at("step"), 0.005);
-  EXPECT_NEAR(json.at("time").get<double>(), 0.5, 1e-9);
+  EXPECT_NEAR(json.at("time").number(), 0.5, 1e-9);
   // The output interval of 0.01 s is two of these steps.
   EXPECT_EQ(csv_rows(folder / "out.csv").size(), 51u);
   EXPECT_EQ(run({"run", "pendulum.yaml", "--until", "0", "--json"}).json().at("steps"), 0);
@@ -113,7 +114,7 @@ TEST_F(RunCommand, SetReplacesAParameter) {
   const auto json =
       run({"run", "pendulum.yaml", "--set", "length=3", "--set", "interval=0.1", "--json"}).json();
   const auto& outputs = json.at("outputs");
-  EXPECT_NEAR(outputs.at("bob.z").get<double>(), -3 * std::sin(outputs.at("angle").get<double>()), 1e-9);
+  EXPECT_NEAR(outputs.at("bob.z").number(), -3 * std::sin(outputs.at("angle").number()), 1e-9);
 }
 
 TEST_F(RunCommand, IntegratorsOfTheCommandLineDamp) {
@@ -123,7 +124,7 @@ TEST_F(RunCommand, IntegratorsOfTheCommandLineDamp) {
                      {"run", "pendulum.yaml", "--step", "0.05", "--until", "10", "--json"});
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.json().at("energy").at("numerical").get<double>();
+    return outcome.json().at("energy").at("numerical").number();
   };
   const double trapezoidal = numerical({"--integrator-xi", "0"});
   EXPECT_LT(numerical({"--integrator-xi", "-0.3"}), trapezoidal - 0.1);
@@ -143,7 +144,7 @@ TEST_F(RunCommand, BadInputMakesNoFiles) {
   EXPECT_EQ(json.at("status"), "error");
   EXPECT_GE(json.at("errors").size(), 2u);
   EXPECT_EQ(json.at("errors")[0].at("file"), "bad.yaml");
-  EXPECT_TRUE(json.at("errors")[0].at("line").is_number_integer());
+  EXPECT_GE(json.at("errors")[0].at("line"), 1);
   EXPECT_TRUE(json.at("errors")[0].at("message").is_string());
   EXPECT_FALSE(fs::exists(folder / "out.h5"));
   EXPECT_FALSE(fs::exists(folder / "out.csv"));
@@ -216,12 +217,12 @@ TEST_F(RunCommand, AFailingStepSaysWhereAndKeepsTheResults) {
   EXPECT_THAT(outcome.err, HasSubstr("hinge"));
   const auto json = outcome.json();
   EXPECT_EQ(json.at("status"), "failed");
-  EXPECT_THAT(outcome.err, HasSubstr(json.at("message").get<std::string>()));
+  EXPECT_THAT(outcome.err, HasSubstr(json.at("message").text()));
   EXPECT_EQ(json.at("steps"), 50);
   const Results results = read_results((folder / "out.h5").string());
   EXPECT_EQ(results.time.size(), 51);
   EXPECT_TRUE(results.channels.allFinite());
-  EXPECT_EQ(nlohmann::json::parse(results.summary_json).at("status"), "failed");
+  EXPECT_EQ(test::Json::parse(results.summary_json).at("status"), "failed");
   EXPECT_EQ(csv_rows(folder / "out.csv").size(), 51u);
 }
 
@@ -233,7 +234,7 @@ TEST_F(RunCommand, WarningsOfTheModelAreToldOnce) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const auto warnings = outcome.json().at("warnings");
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0].get<std::string>(), HasSubstr("detour"));
+  EXPECT_THAT(warnings[0].text(), HasSubstr("detour"));
   EXPECT_THAT(outcome.err, HasSubstr(": warning: "));
   EXPECT_EQ(outcome.err.find("detour"), outcome.err.rfind("detour"));
 }

@@ -21,7 +21,7 @@ TEST_F(SelectCommand, MakesABodyOfFewerModes) {
   const Outcome outcome =
       run({"select", suspension, "--body", "front_left.arm", "--error", "1", "-o", "small.h5", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const nlohmann::json json = outcome.json();
+  const test::Json json = outcome.json();
   EXPECT_EQ(json["status"], "ok");
   EXPECT_EQ(json["candidates"], 20);
   EXPECT_LE(json["modes"], 3);

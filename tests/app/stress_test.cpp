@@ -8,7 +8,7 @@
 namespace mimbre::app_test {
 namespace {
 
-using nlohmann::json;
+using json = test::Json;
 using testing::HasSubstr;
 
 /// A bar of 1 × 0.1 × 0.05 m, clamped at one end, in gravity; `more` are further lines of its outputs.
@@ -91,8 +91,8 @@ TEST_F(StressOfARun, IsThatOfABarUnderItsOwnWeight) {
 
   const json spots = run({"stress", "bar-run.h5", "--json", "--spots", "3"}).json();
   const json& first = spots.at("bodies")[0].at("hot_spots")[0];
-  EXPECT_NEAR(first.at("von_mises").get<double>(), v[6], 1e-5 * v[6]);
-  EXPECT_NEAR(first.at("position")[0].get<double>(), 0, 0.06);
+  EXPECT_NEAR(first.at("von_mises").number(), v[6], 1e-5 * v[6]);
+  EXPECT_NEAR(first.at("position")[0].number(), 0, 0.06);
   EXPECT_THAT(run({"stress", "bar-run.h5"}).out, HasSubstr("bar: largest von Mises stress"));
 
   const Outcome drawn = run({"export", "bar-run.h5", "--vtk", "frames", "--instants", "3"});

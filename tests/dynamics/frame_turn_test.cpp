@@ -49,11 +49,11 @@ void follows_its_motion(FrameTurn turn) {
   }
 }
 
-TEST(FrameTurn, exponential_map) { follows_its_motion(FrameTurn::exponential); }
-TEST(FrameTurn, three_successive_rotations) { follows_its_motion(FrameTurn::successive); }
-TEST(FrameTurn, slope_of_a_planar_beam) { follows_its_motion(FrameTurn::slope); }
+TEST(FrameTurn, ExponentialMap) { follows_its_motion(FrameTurn::exponential); }
+TEST(FrameTurn, ThreeSuccessiveRotations) { follows_its_motion(FrameTurn::successive); }
+TEST(FrameTurn, SlopeOfAPlanarBeam) { follows_its_motion(FrameTurn::slope); }
 
-TEST(FrameTurn, slope_turns_past_half_a_turn) {
+TEST(FrameTurn, SlopeTurnsPastHalfATurn) {
   FrameData f;
   f.turn = FrameTurn::slope;
   f.along = Vec3d::UnitX();
@@ -65,7 +65,7 @@ TEST(FrameTurn, slope_turns_past_half_a_turn) {
 }
 
 /// All agree to the first order.
-TEST(FrameTurn, infinitesimal_is_the_first_order_of_the_others) {
+TEST(FrameTurn, InfinitesimalIsTheFirstOrderOfTheOthers) {
   const Vec3d theta = 1e-4 * Vec3d(0.3, -0.7, 0.5);
   FrameData f;
   f.turn = FrameTurn::infinitesimal;

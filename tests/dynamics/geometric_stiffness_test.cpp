@@ -1,14 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <complex>
 #include <numbers>
 
 #include "dynamics/natural/system.h"
 #include "integrate/initial.h"
+#include "math/decompositions.h"
 #include "mimbre/simulation.h"
+#include "support/dense.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 
@@ -23,11 +23,10 @@ std::vector<double> frequencies(const std::vector<double>& series, double interv
   MatrixXd hankel(n - width, width + 1);
   for (Eigen::Index r = 0; r < hankel.rows(); ++r)
     for (Eigen::Index c = 0; c <= width; ++c) hankel(r, c) = series[static_cast<std::size_t>(r + c)];
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(hankel.transpose() * hankel);
-  const MatrixXd V = solver.eigenvectors().rightCols(2 * count + 1);
-  const MatrixXd shift = V.topRows(width).householderQr().solve(V.bottomRows(width));
+  const MatrixXd V = symmetric_eigen(hankel.transpose() * hankel).vectors.rightCols(2 * count + 1);
+  const MatrixXd shift = least_squares(V.topRows(width), V.bottomRows(width));
   std::vector<double> found;
-  for (const std::complex<double>& z : shift.eigenvalues())
+  for (const std::complex<double>& z : eigenvalues(shift))
     if (std::arg(z) > 1e-6) found.push_back(std::arg(z) / interval);
   std::sort(found.begin(), found.end());
   return found;
@@ -217,8 +216,8 @@ VectorXd exact_accelerations(relative::RelativeSystem& system, const State& s) {
   const VectorXd rest = residual(VectorXd::Zero(n));
   MatrixXd mass(n, n);
   for (int k = 0; k < n; ++k) mass.col(k) = residual(VectorXd::Unit(n, k)) - rest;
-  VectorXd a = -mass.partialPivLu().solve(rest);
-  a -= mass.partialPivLu().solve(residual(a));
+  VectorXd a = -mimbre::solve(mass, rest);
+  a -= mimbre::solve(mass, residual(a));
   return a;
 }
 

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
-#include "analysis/energy.h"
 #include "dynamics/relative/residual.h"
+#include "fe/meshes.h"
+#include "math/decompositions.h"
 #include "mimbre/diagnostics.h"
+#include "simulation/energy.h"
 #include "support/brick_mesh.h"
 #include "support/probe.h"
 
@@ -195,7 +197,7 @@ void expect_dense(const Constants& c, const Dense& d, Random& random) {
   EXPECT_LT(relative_difference(all, wrench, 0), 1e-12);
 }
 
-TEST(Projection, is_the_product_of_matrices) {
+TEST(Projection, IsTheProductOfMatrices) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed + 40);
@@ -225,11 +227,11 @@ class Bricks : public testing::TestWithParam<unsigned> {
 
   void SetUp() override {
     ASSERT_EQ(check(body), std::vector<std::string>());
-    relative::deformed_integrals<double>(f, m.y.data(), integrals.data());
+    deformed_integrals<double>(f, m.y.data(), integrals.data());
   }
 };
 
-TEST_P(Bricks, relative_inertia_by_integrals_is_that_by_projection) {
+TEST_P(Bricks, RelativeInertiaByIntegralsIsThatByProjection) {
   projection::Work w;
   w.fit(c);
   VectorXd by_integrals = VectorXd::Zero(s), by_projection = by_integrals;
@@ -247,11 +249,10 @@ TEST_P(Bricks, relative_inertia_by_integrals_is_that_by_projection) {
   Mat3d second;
   projection::Rows rows(9, s);
   projection::rigid_mass(c, w, m.y.data(), first, second, rows.data());
-  EXPECT_LT(relative_difference(first, data.first_moment + relative::times(f.S, m.y.data()), 0), 1e-12);
+  EXPECT_LT(relative_difference(first, data.first_moment + times(f.S, m.y.data()), 0), 1e-12);
   EXPECT_LT(
       relative_difference(
-          second,
-          relative::deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data()), 0),
+          second, deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data()), 0),
       1e-12);
   EXPECT_LT(relative_difference(rows, integrals, 0), 1e-12);
   EXPECT_LT(relative_difference(c.S, f.S, 0), 1e-12);
@@ -260,12 +261,11 @@ TEST_P(Bricks, relative_inertia_by_integrals_is_that_by_projection) {
 }
 
 /// Lugrís 2008, 3.13–3.47, with accelerations of the base vectors and any AᵀȦ.
-TEST_P(Bricks, natural_inertia_by_integrals_is_that_by_projection) {
+TEST_P(Bricks, NaturalInertiaByIntegralsIsThatByProjection) {
   projection::Work w;
   w.fit(c);
-  const Vec3d first = data.first_moment + relative::times(f.S, m.y.data());
-  const Mat3d second =
-      relative::deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
+  const Vec3d first = data.first_moment + times(f.S, m.y.data());
+  const Mat3d second = deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
   const auto S = [&](int i) { return integrals.middleRows<3>(3 * i).leftCols(n); };
   const MatrixXd S0 = f.S.leftCols(n);
 
@@ -336,13 +336,13 @@ Differences beam_differences(int elements, double section_size, bool rotations) 
   Motion m = random_motion(random, body.modes, 0.1);
   // The same physical motion on every mesh.
   const auto modal = [&](VectorXd& y) {
-    y.head(body.modes) = body.user_from_modal.fullPivLu().solve(VectorXd(y.head(body.modes)));
+    y.head(body.modes) = mimbre::solve(body.user_from_modal, y.head(body.modes));
   };
   modal(m.y);
   modal(m.yd);
   modal(m.ydd);
   projection::Rows integrals(9, s), rows(9, s);
-  relative::deformed_integrals<double>(f, m.y.data(), integrals.data());
+  deformed_integrals<double>(f, m.y.data(), integrals.data());
   const Constants c = projection::constants(body, rotations);
   projection::Work w;
   w.fit(c);
@@ -358,16 +358,16 @@ Differences beam_differences(int elements, double section_size, bool rotations) 
   add_elasticity<double>(f, m.y.data(), m.yd.data(), elasticity.data());
   e -= elasticity;
   const Mat3d by_integrals =
-      relative::deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
+      deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
   const auto user = [&](const VectorXd& x) {  // generalised forces of the user's amplitudes
-    return VectorXd(body.user_from_modal.transpose().fullPivLu().solve(VectorXd(x.head(body.modes))));
+    return VectorXd(mimbre::solve(body.user_from_modal.transpose(), x.head(body.modes)));
   };
   return {relative_difference(second, by_integrals, 0), relative_difference(rows, integrals, 0),
           relative_difference(b.force, a.force, 0), relative_difference(b.moment, a.moment, 0),
           relative_difference(user(p), user(e), 0)};
 }
 
-TEST(Projection, of_beams_converges_to_the_integrals_with_the_square_of_the_element_length) {
+TEST(Projection, OfBeamsConvergesToTheIntegralsWithTheSquareOfTheElementLength) {
   for (const bool rotations : {true, false}) {
     SCOPED_TRACE(rotations);
     // Translations have no polar inertia of the sections: thin bars.
@@ -397,7 +397,7 @@ class ProjectedSystem : public testing::TestWithParam<unsigned> {
   }
 };
 
-TEST_P(ProjectedSystem, mass_matrix_is_that_of_the_residual_and_of_the_energy) {
+TEST_P(ProjectedSystem, MassMatrixIsThatOfTheResidualAndOfTheEnergy) {
   const RandomMechanism r = mechanism();
   for (const Inertia inertia : {Inertia::projection, Inertia::projection_translations}) {
     Probe p(r.compiled(), inertia);
@@ -420,7 +420,7 @@ TEST_P(ProjectedSystem, mass_matrix_is_that_of_the_residual_and_of_the_energy) {
 
 /// Translations alone are an exact Lagrangian system of mass points coupled by M*: d/dt ∂T/∂v − ∂T/∂z (see
 /// the test of the same name for shape integrals).
-TEST_P(ProjectedSystem, inertia_forces_of_translations_are_lagranges) {
+TEST_P(ProjectedSystem, InertiaForcesOfTranslationsAreLagranges) {
   RandomOptions options;
   options.gravity = false;
   const RandomMechanism r = mechanism(options);
@@ -453,7 +453,7 @@ TEST_P(ProjectedSystem, inertia_forces_of_translations_are_lagranges) {
 
 INSTANTIATE_TEST_SUITE_P(Random, ProjectedSystem, testing::Range(0u, 18u));
 
-TEST(Projection, without_a_mesh_is_refused) {
+TEST(Projection, WithoutAMeshIsRefused) {
   Random random(3);
   ReducedBody body = random_brick_body(random, random_bricks(random, 1, 1, 1), 3);
   body.mesh_inertia.reset();
@@ -467,7 +467,7 @@ TEST(Projection, without_a_mesh_is_refused) {
   }
 }
 
-TEST(Projection, of_mass_that_depends_on_the_direction_is_refused) {
+TEST(Projection, OfMassThatDependsOnTheDirectionIsRefused) {
   Random random(3);
   ReducedBody body = random_brick_body(random, random_bricks(random, 1, 1, 1), 3);
   body.mesh_inertia->mass.coeffRef(0, 0) *= 1.1;

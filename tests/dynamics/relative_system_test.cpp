@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
-#include "analysis/energy.h"
 #include "integrate/initial.h"
+#include "math/decompositions.h"
+#include "simulation/energy.h"
 #include "support/probe.h"
 
 /// Random mechanisms of rigid and flexible bodies, with every joint type forward, reversed and cut.
@@ -29,14 +30,14 @@ class RelativeSystem : public testing::TestWithParam<unsigned> {
   }
 };
 
-TEST_P(RelativeSystem, loops_made_closed_are_closed) {
+TEST_P(RelativeSystem, LoopsMadeClosedAreClosed) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   ASSERT_GT(p.equations, 0);
   EXPECT_LT(p.phi(r.q).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-TEST_P(RelativeSystem, jacobian_is_the_derivative_of_the_equations) {
+TEST_P(RelativeSystem, JacobianIsTheDerivativeOfTheEquations) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   const VectorXd q = p.moved(r.q, random_increment(p.m, random, 0.5));
@@ -49,7 +50,7 @@ TEST_P(RelativeSystem, jacobian_is_the_derivative_of_the_equations) {
   EXPECT_LT(relative_difference(out, VectorXd::Constant(p.n, 0.25) - 2 * J.transpose() * y), 1e-13);
 }
 
-TEST_P(RelativeSystem, rates_of_the_equations) {
+TEST_P(RelativeSystem, RatesOfTheEquations) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   const VectorXd q = p.moved(r.q, random_increment(p.m, random, 0.5)), v = random_increment(p.m, random, 2),
@@ -72,7 +73,7 @@ TEST_P(RelativeSystem, rates_of_the_equations) {
   EXPECT_LT(relative_difference(phi_dot, p.jacobian(q) * v + moving), 1e-12);
 }
 
-TEST_P(RelativeSystem, multipliers_act_through_the_transposed_jacobian) {
+TEST_P(RelativeSystem, MultipliersActThroughTheTransposedJacobian) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   const VectorXd q = p.moved(r.q, random_increment(p.m, random, 0.5)), v = random_increment(p.m, random, 2),
@@ -91,7 +92,7 @@ TEST_P(RelativeSystem, multipliers_act_through_the_transposed_jacobian) {
             1e-10);
 }
 
-TEST_P(RelativeSystem, mass_matrix_is_that_of_the_residual_and_of_the_bodies) {
+TEST_P(RelativeSystem, MassMatrixIsThatOfTheResidualAndOfTheBodies) {
   const RandomMechanism r = mechanism();
   Probe p(r.compiled());
   p.system.begin_step(r.q.data());
@@ -104,7 +105,7 @@ TEST_P(RelativeSystem, mass_matrix_is_that_of_the_residual_and_of_the_bodies) {
   EXPECT_LT(relative_difference(from_residual, projected), 1e-10);
 }
 
-TEST_P(RelativeSystem, kinetic_energy_is_that_of_the_mass_matrix) {
+TEST_P(RelativeSystem, KineticEnergyIsThatOfTheMassMatrix) {
   const RandomMechanism r = mechanism();
   Probe p(r.compiled());
   const VectorXd v = random_increment(p.m, random, 2);
@@ -117,7 +118,7 @@ TEST_P(RelativeSystem, kinetic_energy_is_that_of_the_mass_matrix) {
 
 /// d/dt ∂T/∂v − ∂T/∂z for every coordinate; rotations of quaternion joints by Boltzmann and Hamel's
 /// equations, where ω × ∂T/∂ω comes in because increments about moving axes do not commute.
-TEST_P(RelativeSystem, inertia_forces_are_lagranges) {
+TEST_P(RelativeSystem, InertiaForcesAreLagranges) {
   RandomOptions options;
   options.gravity = false;
   const RandomMechanism r = mechanism(options);
@@ -139,7 +140,7 @@ TEST_P(RelativeSystem, inertia_forces_are_lagranges) {
   EXPECT_LT(relative_difference(inertia, lagrange), 2e-8);
 }
 
-TEST_P(RelativeSystem, forces_at_rest_are_the_gradient_of_the_potential) {
+TEST_P(RelativeSystem, ForcesAtRestAreTheGradientOfThePotential) {
   RandomOptions options;
   options.springs = options.tyres = true;
   const RandomMechanism r = mechanism(options);
@@ -151,7 +152,7 @@ TEST_P(RelativeSystem, forces_at_rest_are_the_gradient_of_the_potential) {
   EXPECT_LT(relative_difference(p.residual(r.q, p.zero, p.zero), gradient), 1e-9);
 }
 
-TEST_P(RelativeSystem, power_balance) {
+TEST_P(RelativeSystem, PowerBalance) {
   RandomOptions options;
   options.springs = options.damping = options.tyres = options.loads = true;
   const RandomMechanism r = mechanism(options);
@@ -190,7 +191,7 @@ TEST_P(RelativeSystem, power_balance) {
 }
 
 /// Velocity and acceleration of frames, deformed ones among them, are the derivatives of their poses.
-TEST_P(RelativeSystem, motion_of_frames_is_the_derivative_of_their_pose) {
+TEST_P(RelativeSystem, MotionOfFramesIsTheDerivativeOfTheirPose) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   const VectorXd v = random_increment(p.m, random, 2), a = random_increment(p.m, random, 3);
@@ -202,31 +203,32 @@ TEST_P(RelativeSystem, motion_of_frames_is_the_derivative_of_their_pose) {
       out.segment<3>(3 * k) = f(relative::output_motion(p.system, k, q.data(), u.data(), w.data()), k);
     return out;
   };
-  using Motion = relative::Motion<double>;
-  const auto velocity = all(r.q, v, a, [](const Motion& x, int) { return x.velocity; });
+  using BodyMotion = Motion<double>;
+  const auto velocity = all(r.q, v, a, [](const BodyMotion& x, int) { return x.velocity; });
   const auto acceleration =
-      all(r.q, v, a, [&](const Motion& x, int) { return Vec3d(x.acceleration + p.m.gravity); });
-  const auto omega = all(r.q, v, a, [](const Motion& x, int) { return x.omega; });
-  const auto alpha = all(r.q, v, a, [](const Motion& x, int) { return x.alpha; });
+      all(r.q, v, a, [&](const BodyMotion& x, int) { return Vec3d(x.acceleration + p.m.gravity); });
+  const auto omega = all(r.q, v, a, [](const BodyMotion& x, int) { return x.omega; });
+  const auto alpha = all(r.q, v, a, [](const BodyMotion& x, int) { return x.alpha; });
   const auto rate_of = [&](auto&& f) {
     return p.rate(r.q, v, a,
                   [&](const VectorXd& q, const VectorXd& u, double) { return all(q, u, p.zero, f); });
   };
-  EXPECT_LT(relative_difference(velocity, rate_of([](const Motion& x, int) { return x.position; })), 1e-9);
-  EXPECT_LT(relative_difference(acceleration, rate_of([](const Motion& x, int) { return x.velocity; })),
+  EXPECT_LT(relative_difference(velocity, rate_of([](const BodyMotion& x, int) { return x.position; })),
             1e-9);
-  EXPECT_LT(relative_difference(alpha, rate_of([](const Motion& x, int) { return x.omega; })), 1e-9);
+  EXPECT_LT(relative_difference(acceleration, rate_of([](const BodyMotion& x, int) { return x.velocity; })),
+            1e-9);
+  EXPECT_LT(relative_difference(alpha, rate_of([](const BodyMotion& x, int) { return x.omega; })), 1e-9);
   for (int axis = 0; axis < 3; ++axis) {
     const auto turned =
-        all(r.q, v, a, [&](const Motion& x, int) { return Vec3d(x.omega.cross(x.rotation.col(axis))); });
-    EXPECT_LT(relative_difference(turned,
-                                  rate_of([&](const Motion& x, int) { return Vec3d(x.rotation.col(axis)); })),
+        all(r.q, v, a, [&](const BodyMotion& x, int) { return Vec3d(x.omega.cross(x.rotation.col(axis))); });
+    EXPECT_LT(relative_difference(
+                  turned, rate_of([&](const BodyMotion& x, int) { return Vec3d(x.rotation.col(axis)); })),
               1e-9);
   }
   EXPECT_TRUE(omega.allFinite());
 }
 
-TEST_P(RelativeSystem, tangents_of_forces) {
+TEST_P(RelativeSystem, TangentsOfForces) {
   RandomOptions options;
   options.springs = options.damping = options.tyres = true;
   const RandomMechanism r = mechanism(options);
@@ -272,7 +274,7 @@ TEST_P(RelativeSystem, tangents_of_forces) {
   EXPECT_LT(relative_difference(C, damping), 1e-8);
 }
 
-TEST_P(RelativeSystem, penalty_and_weights_enter_as_documented) {
+TEST_P(RelativeSystem, PenaltyAndWeightsEnterAsDocumented) {
   RandomOptions options;
   options.springs = options.damping = true;
   const RandomMechanism r = closed(options);
@@ -296,13 +298,13 @@ TEST_P(RelativeSystem, penalty_and_weights_enter_as_documented) {
   EXPECT_LT(relative_difference(A * x, b), 1e-7 * std::max(1.0, x.cwiseAbs().maxCoeff()));
 }
 
-TEST_P(RelativeSystem, solution_agrees_with_a_dense_one) {
+TEST_P(RelativeSystem, SolutionAgreesWithADenseOne) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());
   const MatrixWeights weights{0, 0.01, 20};
   const MatrixXd A = p.matrix(r.q, p.zero, weights);
-  const Eigen::LLT<MatrixXd> dense(A);
-  ASSERT_EQ(dense.info(), Eigen::Success);
+  const Cholesky dense(A);
+  ASSERT_TRUE(dense.ok());
   ASSERT_TRUE(p.system.factor(r.q.data(), weights).ok());
   const VectorXd b = random.values(p.n, 1);
   VectorXd x = b;
@@ -310,7 +312,7 @@ TEST_P(RelativeSystem, solution_agrees_with_a_dense_one) {
   EXPECT_LT(relative_difference(x, dense.solve(b)), 1e-8);
 }
 
-TEST_P(RelativeSystem, nothing_depends_on_the_common_point) {
+TEST_P(RelativeSystem, NothingDependsOnTheCommonPoint) {
   RandomOptions options;
   options.springs = options.damping = options.tyres = options.loads = true;
   const RandomMechanism r = closed(options);
@@ -327,7 +329,7 @@ TEST_P(RelativeSystem, nothing_depends_on_the_common_point) {
 }
 
 /// Accelerations of the coordinates are the same wherever and however the whole model stands.
-TEST_P(RelativeSystem, moving_the_whole_model_changes_nothing) {
+TEST_P(RelativeSystem, MovingTheWholeModelChangesNothing) {
   RandomOptions options;
   options.springs = options.damping = options.loads = true;
   options.loops = static_cast<int>(seed() % 3);
@@ -356,21 +358,28 @@ TEST_P(RelativeSystem, moving_the_whole_model_changes_nothing) {
   EXPECT_LT(relative_difference(s.a, u.a), 1e-7);
 }
 
-TEST_P(RelativeSystem, accelerations_fulfil_the_equations_of_motion) {
+TEST_P(RelativeSystem, AccelerationsFulfilTheEquationsOfMotion) {
   RandomOptions options;
   options.loads = true;
   const RandomMechanism r = closed(options);
   Probe p(r.compiled());
   State s{0, r.q, random_increment(p.m, random, 1), p.zero, p.zero, p.none};
-  ASSERT_LT(close_velocities(p.system, 0, s.q, VectorXd::Ones(p.n), s.v), 1e9);
+  const double gap = close_velocities(p.system, 0, s.q, VectorXd::Ones(p.n), s.v);
+  // Drives may contradict the loops; forces balance then as well.
+  if (seed() % 2 != 0) {
+    ASSERT_LT(gap, 1e-9);
+  }
   ASSERT_TRUE(solve_accelerations(p.system, s));
   const double scale = std::max(1.0, s.a.cwiseAbs().maxCoeff());
   EXPECT_LT(p.residual(s.q, s.v, s.a, 0, s.multipliers).cwiseAbs().maxCoeff(), 1e-6 * scale);
+  if (gap < 1e-9) {
+    EXPECT_LT(p.phi_ddot(s.q, s.v, s.a).cwiseAbs().maxCoeff(), 1e-6 * scale);
+  }
 }
 
 /// With every array overwritten by NaN, the next evaluation gives the same bits: it reads nothing that is
 /// left over.
-TEST_P(RelativeSystem, nothing_stale_is_read) {
+TEST_P(RelativeSystem, NothingStaleIsRead) {
   RandomOptions options;
   options.springs = options.damping = options.tyres = options.loads = true;
   const RandomMechanism r = closed(options);
@@ -398,7 +407,7 @@ TEST_P(RelativeSystem, nothing_stale_is_read) {
   EXPECT_EQ((first - again).cwiseAbs().maxCoeff(), 0);
 }
 
-TEST_P(RelativeSystem, increments_compose) {
+TEST_P(RelativeSystem, IncrementsCompose) {
   const RandomMechanism r = mechanism();
   Probe p(r.compiled());
   const VectorXd x = random_increment(p.m, random, 0.7), d = random_increment(p.m, random, 0.4);
@@ -417,7 +426,7 @@ TEST_P(RelativeSystem, increments_compose) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RelativeSystem, testing::Range(0u, 40u));
 
-TEST(RelativeSystem, tangent_of_a_straight_spring_is_the_derivative_of_the_force) {
+TEST(RelativeSystem, TangentOfAStraightSpringIsTheDerivativeOfTheForce) {
   // A mass that slides along the spring's own direction: no turning of the spring, so no other stiffness.
   spec::Model m;
   m.gravity.setZero();

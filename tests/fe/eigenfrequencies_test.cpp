@@ -1,12 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <functional>
 
 #include "fe/meshes.h"
-#include "mimbre/fe.h"
+#include "math/decompositions.h"
+#include "mimbre/beam_reduction.h"
 
 namespace mimbre::test {
 namespace {
@@ -122,10 +123,9 @@ TEST(Eigenfrequencies, OfAFreeFrameStartWithSixZerosAndAgreeWithADenseSolver) {
   add_bar(mesh, 2, 3, 12, round_bar(0.03));
   const Eigen::VectorXd omega = fe::eigenfrequencies(mesh, {}, 12);
   const fe::Matrices matrices = fe::assemble(mesh);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> dense{Eigen::MatrixXd(matrices.stiffness),
-                                                                        Eigen::MatrixXd(matrices.mass)};
+  const Eigen::VectorXd dense = symmetric_eigenvalues(matrices.stiffness, matrices.mass);
   EXPECT_TRUE(omega.head(6).isZero(0));
-  for (int k = 6; k < 12; ++k) EXPECT_NEAR(omega[k] / std::sqrt(dense.eigenvalues()[k]), 1, 1e-6);
+  for (int k = 6; k < 12; ++k) EXPECT_NEAR(omega[k] / std::sqrt(dense[k]), 1, 1e-6);
 }
 
 TEST(Eigenfrequencies, DoNotDependOnWhereTheMeshLies) {

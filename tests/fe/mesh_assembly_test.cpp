@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
+#include "math/decompositions.h"
 #include "mimbre/fe_mesh.h"
 
 namespace mimbre::test {
@@ -227,7 +229,7 @@ Eigen::VectorXd solve(const fe::FeMatrices& matrices, const std::vector<int>& fr
                       const Eigen::VectorXd& force) {
   const Eigen::MatrixXd K = full(matrices.stiffness);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(K.rows());
-  u(free) = Eigen::MatrixXd(K(free, free)).llt().solve(Eigen::VectorXd(force(free))).eval();
+  u(free) = Cholesky(K(free, free)).solve(force(free));
   return u;
 }
 

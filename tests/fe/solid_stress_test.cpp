@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
+#include "math/decompositions.h"
 
 namespace mimbre::test {
 namespace {
@@ -158,9 +160,7 @@ double buckling_factor(const fe::SolidMesh& mesh, double compression) {
   const Eigen::MatrixXd K = full(matrices.stiffness);
   const Eigen::MatrixXd KG = full(fe::geometric_stiffness(mesh, u));
   // −KG x = μ K x, λ = 1/μ
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver{
-      Eigen::MatrixXd(-KG(free, free)), Eigen::MatrixXd(K(free, free)), Eigen::EigenvaluesOnly};
-  return 1 / solver.eigenvalues().maxCoeff();
+  return 1 / symmetric_eigenvalues(-KG(free, free), K(free, free)).maxCoeff();
 }
 
 TEST(GeometricStiffness, ColumnBucklesAtEulersLoad) {

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(All, Formalisms, testing::Combine(testing::Range(0, 6),
                                   rule_names[std::get<1>(row.param)];
                          });
 
-TEST_P(Formalisms, rigid_double_four_bar_follows_the_closed_form) {
+TEST_P(Formalisms, RigidDoubleFourBarFollowsTheClosedForm) {
   const auto model = example("double-four-bar/mechanism.yaml");
   const State start = initial_state(model);
   const double duration = 0.6;  // the singular position comes at 0.71 s
@@ -101,7 +101,7 @@ TEST_P(Formalisms, rigid_double_four_bar_follows_the_closed_form) {
 }
 
 /// The bars' stiff vibrations are far from resolved by these steps; the formalisms agree all the same.
-TEST_P(Formalisms, flexible_double_four_bar_moves_alike) {
+TEST_P(Formalisms, FlexibleDoubleFourBarMovesAlike) {
   const auto model = example("double-four-bar/mechanism.yaml", {{"flexible_bars", "5"}});
   const State start = initial_state(model);
   double difference[2];
@@ -118,7 +118,7 @@ TEST_P(Formalisms, flexible_double_four_bar_moves_alike) {
 
 /// At the benchmark's step through both singular positions of each turn. Nothing may be wrong without saying
 /// so.
-TEST_P(Formalisms, through_singular_positions_or_a_clear_refusal) {
+TEST_P(Formalisms, ThroughSingularPositionsOrAClearRefusal) {
   for (const char* flexible : {"0", "3", "5"}) {
     const auto model = example("double-four-bar/mechanism.yaml", {{"flexible_bars", flexible}});
     const State start = initial_state(model);
@@ -141,7 +141,7 @@ TEST_P(Formalisms, through_singular_positions_or_a_clear_refusal) {
 }
 
 /// Revolutes all round leave three equations redundant; a ball in the last joint leaves one.
-TEST_P(Formalisms, redundant_equations_change_nothing) {
+TEST_P(Formalisms, RedundantEquationsChangeNothing) {
   const std::map<std::string, std::string> turning{{"crank", ", velocity: 6"}};
   const auto redundant = model_of(four_bar_text(turning)),
              ball = model_of(four_bar_text(turning, "spherical"));
@@ -156,7 +156,7 @@ TEST_P(Formalisms, redundant_equations_change_nothing) {
 
 /// A ring of six revolutes in space that moves against the count: which equation follows from the others is
 /// not to be seen from their form, and while the loop is a little open none does.
-TEST_P(Formalisms, bricards_mechanism) {
+TEST_P(Formalisms, BricardsMechanism) {
   const auto model = example("bricard/mechanism.yaml");
   const State start = initial_state(model);
   static const VectorXd reference =
@@ -185,7 +185,7 @@ State moving(const RandomMechanism& mechanism, unsigned seed, double speed) {
   return s;
 }
 
-TEST_P(Formalisms, random_loops_converge_to_the_same_motion) {
+TEST_P(Formalisms, RandomLoopsConvergeToTheSameMotion) {
   struct Reference {
     RandomMechanism mechanism;
     State start, end;
@@ -229,7 +229,7 @@ TEST_P(Formalisms, random_loops_converge_to_the_same_motion) {
 }
 
 /// Without equations all formalisms are the same equations of motion.
-TEST_P(Formalisms, open_trees_have_the_same_accelerations) {
+TEST_P(Formalisms, OpenTreesHaveTheSameAccelerations) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     RandomOptions o;
     o.bodies = 5;
@@ -256,7 +256,7 @@ bool same_bits(const State& a, const State& b) {
          same(a.algorithmic, b.algorithmic) && same(a.multipliers, b.multipliers);
 }
 
-TEST_P(Formalisms, failures_leave_the_state_and_say_what_they_are) {
+TEST_P(Formalisms, FailuresLeaveTheStateAndSayWhatTheyAre) {
   const auto model = model_of(four_bar_text({{"crank", ", velocity: 6"}}));
   const State start = initial_state(model);
   relative::RelativeSystem system(model->compiled());
@@ -273,7 +273,7 @@ TEST_P(Formalisms, failures_leave_the_state_and_say_what_they_are) {
   EXPECT_TRUE(same_bits(s, broken));
 }
 
-TEST_P(Formalisms, same_state_same_bits) {
+TEST_P(Formalisms, SameStateSameBits) {
   const auto model = example("slider-crank/slider-crank.yaml");
   const Compiled& m = model->compiled();
   const State start = initial_state(model);
@@ -292,7 +292,7 @@ TEST_P(Formalisms, same_state_same_bits) {
 }
 
 /// Without stabilisation the loops open with time; a step that finds them too far open fails.
-TEST(Index1, loops_that_drift_apart_are_noticed) {
+TEST(Index1, LoopsThatDriftApartAreNoticed) {
   const auto model = example("iltis/suspension.yaml");
   const State start = initial_state(model);
   IntegratorOptions options = options_of(Rule::generalized_alpha, 0.01);
@@ -306,7 +306,7 @@ TEST(Index1, loops_that_drift_apart_are_noticed) {
   EXPECT_TRUE(stabilised.ok());
 }
 
-TEST(Independent, closes_the_loops_to_round_off) {
+TEST(Independent, ClosesTheLoopsToRoundOff) {
   const auto model = example("iltis/suspension.yaml");
   const Course r = course(model->compiled(), Formalism::independent,
                           options_of(Rule::generalized_alpha, 0.01), 3, initial_state(model));
@@ -316,7 +316,7 @@ TEST(Independent, closes_the_loops_to_round_off) {
 }
 
 /// The multipliers that formalisms leave in the state balance the accelerations.
-TEST_P(Formalisms, multipliers_balance_the_motion) {
+TEST_P(Formalisms, MultipliersBalanceTheMotion) {
   const auto model = example("tutorial/four-bar.yaml");
   const Course r =
       course(model->compiled(), formalism(), options_of(rule(), 0.001), 0.5, initial_state(model));
@@ -332,7 +332,7 @@ TEST_P(Formalisms, multipliers_balance_the_motion) {
 }
 
 /// Points and unit vectors: many more equations, redundant ones among them.
-TEST_P(Formalisms, natural_coordinates_move_alike) {
+TEST_P(Formalisms, NaturalCoordinatesMoveAlike) {
   const auto model = example("iltis/suspension.yaml");
   const auto chassis = [&](spec::Simulation::Formulation formulation, Formalism with) {
     RunOptions o;
@@ -354,7 +354,7 @@ TEST_P(Formalisms, natural_coordinates_move_alike) {
               chassis(spec::Simulation::Formulation::relative, Formalism::index3), 2e-5);
 }
 
-TEST(DenseMatrix, is_the_assembled_matrix) {
+TEST(DenseMatrix, IsTheAssembledMatrix) {
   RandomOptions o;
   o.loops = 2;
   o.springs = o.damping = true;

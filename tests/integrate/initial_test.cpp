@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "math/decompositions.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
 #include "support/probe.h"
@@ -69,13 +70,13 @@ void expect_closed(const Angles& a, double crank, double crank_rate) {
               1e-7);
 }
 
-TEST(Initial, what_is_not_given_is_found) {
+TEST(Initial, WhatIsNotGivenIsFound) {
   expect_closed(start(four_bar_text()), 0, 0);
   expect_closed(start(four_bar_text({{"crank", ", position: 0.4, velocity: 3"}})), 0.4, 3);
   expect_closed(start(four_bar_text({{"crank", ", velocity: 3"}})), 0, 3);
 }
 
-TEST(Initial, given_at_the_other_end_of_the_loop) {
+TEST(Initial, GivenAtTheOtherEndOfTheLoop) {
   const double rocker = rocker_angle(0.3), h = 1e-5,
                slope = (rocker_angle(0.3 + h) - rocker_angle(0.3 - h)) / (2 * h);
   const Angles a = start(four_bar_text(
@@ -85,12 +86,12 @@ TEST(Initial, given_at_the_other_end_of_the_loop) {
   EXPECT_NEAR(gap(a.crank, a.rocker), 0, 1e-9);
 }
 
-TEST(Initial, drives_give_position_and_velocity) {
+TEST(Initial, DrivesGivePositionAndVelocity) {
   expect_closed(start(four_bar_text({{"crank", R"(, drive: {position: "0.2 + 1.5*t"})"}})), 0.2, 1.5);
 }
 
 /// Rates that nothing asks for stay zero: the mechanism starts to move as if its bars were rigid.
-TEST(Initial, flexible_bodies_start_without_vibrating) {
+TEST(Initial, FlexibleBodiesStartWithoutVibrating) {
   const auto model = example("double-four-bar/mechanism.yaml", {{"flexible_bars", "5"}});
   const Simulation::Snapshot s = Simulation(model).save();
   for (const BodyData& b : model->compiled().bodies) {
@@ -100,25 +101,25 @@ TEST(Initial, flexible_bodies_start_without_vibrating) {
   }
 }
 
-TEST(Initial, velocities_that_contradict_each_other) {
+TEST(Initial, VelocitiesThatContradictEachOther) {
   EXPECT_THAT(error_of(four_bar_text({{"crank", ", velocity: 1"}, {"rocker", ", velocity: 0"}})),
               AllOf(HasSubstr("test.yaml:"), HasSubstr("'rocker_pin'"), HasSubstr("velocities")));
   EXPECT_THAT(error_of(four_bar_text({{"crank", ", drive: {position: t}"}, {"rocker", ", velocity: 0"}})),
               AllOf(HasSubstr("'rocker_pin'"), HasSubstr("velocities")));
 }
 
-TEST(Initial, positions_that_contradict_each_other) {
+TEST(Initial, PositionsThatContradictEachOther) {
   EXPECT_THAT(error_of(four_bar_text({{"crank", ", position: 0.4"}, {"rocker", ", position: 0.4"}})),
               AllOf(HasSubstr("test.yaml:"), HasSubstr("'rocker_pin'"), HasSubstr("cannot be closed")));
 }
 
-TEST(Initial, loops_that_do_not_reach) {
+TEST(Initial, LoopsThatDoNotReach) {
   // The rocker lies towards the crank: the coupler is far too long.
   EXPECT_THAT(error_of(four_bar_text({{"rocker", ", position: -1.5"}})),
               AllOf(HasSubstr("test.yaml:"), HasSubstr("'rocker_pin'"), HasSubstr("cannot be closed")));
 }
 
-TEST(Initial, quaternion_joints_take_rotation_vectors) {
+TEST(Initial, QuaternionJointsTakeRotationVectors) {
   const auto model = model_of(R"(
 bodies:
   a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
@@ -130,7 +131,8 @@ joints:
   EXPECT_LT((s.v - Vec3d(1, 2, 3)).norm(), 1e-15);
 }
 
-TEST(Initial, positions_close_with_the_least_change) {
+TEST(Initial, PositionsCloseWithTheLeastChange) {
+  int compared = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
     RandomOptions options;
     options.loops = 1 + static_cast<int>(seed % 2);
@@ -139,7 +141,6 @@ TEST(Initial, positions_close_with_the_least_change) {
     Random random(seed);
     VectorXd q = p.moved(r.q, random_increment(p.m, random, 0.01));
     if (p.equations == 0 || p.phi(q).cwiseAbs().maxCoeff() < 1e-9) continue;
-    const VectorXd before = q;
     ASSERT_LT(close_positions(p.system, 0, VectorXd::Ones(p.n), q), 1e-10) << seed;
     EXPECT_LT(p.phi(q).cwiseAbs().maxCoeff(), 1e-10);
     VectorXd v = random_increment(p.m, random, 1);
@@ -148,10 +149,11 @@ TEST(Initial, positions_close_with_the_least_change) {
     EXPECT_LT(p.phi_dot(q, v).cwiseAbs().maxCoeff(), 1e-9);
     // The change has no part along motions that the constraints leave free.
     const MatrixXd J = p.jacobian(q);
-    const Eigen::FullPivLU<MatrixXd> lu(J);
-    const MatrixXd kernel = lu.kernel();
+    const MatrixXd kernel = null_space(J, 1e-12);
     EXPECT_LT((kernel.transpose() * (v - wanted)).norm(), 1e-6 * std::max(1.0, (v - wanted).norm())) << seed;
+    ++compared;
   }
+  EXPECT_GE(compared, 10);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ MatrixXd random_matrix(Random& random, int rows, int columns) {
   return Eigen::Map<const MatrixXd>(x.data(), rows, columns);
 }
 
-TEST(Partition, solves_equations_with_redundant_ones) {
+TEST(Partition, SolvesEquationsWithRedundantOnes) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Random random(seed);
     const int n = 4 + random.index(8), rank = 1 + random.index(3), m = rank + random.index(4);
@@ -41,7 +41,7 @@ TEST(Partition, solves_equations_with_redundant_ones) {
   }
 }
 
-TEST(Partition, coordinates_of_large_weight_become_dependent) {
+TEST(Partition, CoordinatesOfLargeWeightBecomeDependent) {
   const MatrixXd J = MatrixXd::Ones(1, 3);
   Partition partition(3, 1);
   ASSERT_TRUE(partition.choose(J, VectorXd::Ones(1), Eigen::Vector3d(1, 5, 2)));
@@ -49,7 +49,7 @@ TEST(Partition, coordinates_of_large_weight_become_dependent) {
 }
 
 /// Two bars in line: the determinant of the dependents changes sign where they are stretched out.
-TEST(Partition, notices_a_singular_position_that_was_passed) {
+TEST(Partition, NoticesASingularPositionThatWasPassed) {
   const auto jacobian = [](double angle) {
     MatrixXd J(2, 3);
     J << 1, std::cos(angle), 0.1 * std::sin(angle), 0, std::sin(angle), 0.1 * std::sin(angle);
@@ -67,7 +67,7 @@ TEST(Partition, notices_a_singular_position_that_was_passed) {
   EXPECT_FALSE(partition.choose(jacobian(0.0), rows, columns));
 }
 
-TEST(Partition, first_choice_at_a_singular_position_shows_when_it_is_left) {
+TEST(Partition, FirstChoiceAtASingularPositionShowsWhenItIsLeft) {
   MatrixXd J = MatrixXd::Identity(2, 3);
   J(1, 1) = 0;
   Partition partition(3, 2);

@@ -19,7 +19,7 @@ IntegratorOptions hht(double step, double rho) {
   return o;
 }
 
-TEST(Rule, coefficients_of_hilber_hughes_and_taylor) {
+TEST(Rule, CoefficientsOfHilberHughesAndTaylor) {
   for (const double rho : {0.5, 0.7, 1.0}) {
     const RuleCoefficients c = rule_coefficients(hht(0.01, rho));
     const double alpha = (1 - rho) / (1 + rho);
@@ -45,7 +45,7 @@ joints:
   slide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0], position: 1, spring: {stiffness: 1}}
 )";
 
-TEST(Rule, hht_is_of_second_order) {
+TEST(Rule, HhtIsOfSecondOrder) {
   const auto model = model_of(oscillator);
   double error[2];
   for (int k = 0; k < 2; ++k) {
@@ -57,7 +57,7 @@ TEST(Rule, hht_is_of_second_order) {
 
 /// Far above the step's frequency each step leaves the share ρ of an amplitude (in the long run: the root is
 /// a multiple one); at ρ = 1 all of it.
-TEST(Rule, hht_damps_high_frequencies_by_its_spectral_radius) {
+TEST(Rule, HhtDampsHighFrequenciesByItsSpectralRadius) {
   const auto model = model_of(oscillator);
   for (const double rho : {0.5, 0.7, 1.0}) {
     const double h = 1e4;

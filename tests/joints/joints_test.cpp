@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <ostream>
 
 #include "joints/table.h"
+#include "math/decompositions.h"
 #include "support/probe.h"
 
 /// Every row of the joint table goes through the same checks.
@@ -47,21 +48,21 @@ class Joints : public testing::TestWithParam<JointInfo> {
   }
 };
 
-TEST_P(Joints, table_is_in_order_and_consistent) {
+TEST_P(Joints, TableIsInOrderAndConsistent) {
   EXPECT_EQ(&joint_info(info.type) - joint_table.data(), static_cast<std::ptrdiff_t>(info.type));
   EXPECT_EQ(joint_info(info.type).type, info.type);
   EXPECT_EQ(info.velocities + info.equations, 6);
   EXPECT_EQ(info.positions, info.velocities + (info.quaternion >= 0 ? 1 : 0));
 }
 
-TEST_P(Joints, frames_coincide_at_zero) {
+TEST_P(Joints, FramesCoincideAtZero) {
   Coordinates q = Coordinates::Zero();
   if (info.quaternion >= 0) q[info.quaternion] = 1;
   EXPECT_EQ(motion(q).rotation, Mat3d::Identity().eval());
   EXPECT_EQ(motion(q).displacement, Vec3d::Zero().eval());
 }
 
-TEST_P(Joints, columns_are_the_derivative_of_the_pose) {
+TEST_P(Joints, ColumnsAreTheDerivativeOfThePose) {
   const double h = 1e-5;
   for (int repeat = 0; repeat < 10; ++repeat) {
     const Coordinates q = coordinates();
@@ -79,7 +80,7 @@ TEST_P(Joints, columns_are_the_derivative_of_the_pose) {
 }
 
 /// Σ ċol v: the derivative of columns · v with v held.
-TEST_P(Joints, bias_is_the_derivative_of_the_velocity) {
+TEST_P(Joints, BiasIsTheDerivativeOfTheVelocity) {
   const double h = 1e-5;
   for (int repeat = 0; repeat < 10; ++repeat) {
     const Coordinates q = coordinates();
@@ -93,7 +94,7 @@ TEST_P(Joints, bias_is_the_derivative_of_the_velocity) {
 }
 
 /// Angles within half a turn; quaternions of either sign mean the same.
-TEST_P(Joints, coordinates_follow_from_the_pose) {
+TEST_P(Joints, CoordinatesFollowFromThePose) {
   for (int repeat = 0; repeat < 20; ++repeat) {
     Coordinates q = coordinates();
     q.head(info.quaternion < 0 ? 7 : info.quaternion) *= 2.6;
@@ -159,7 +160,7 @@ struct Pair {
   }
 };
 
-TEST_P(ClosingJoints, closing_equations_vanish_for_every_coordinate) {
+TEST_P(ClosingJoints, LoopClosuresVanishForEveryCoordinate) {
   for (const bool reversed : {false, true}) {
     const Pair pair(info.type, random, reversed, true);
     const auto model = Model::compile(pair.model);
@@ -176,9 +177,9 @@ TEST_P(ClosingJoints, closing_equations_vanish_for_every_coordinate) {
   }
 }
 
-/// With the joint itself replaced by a free one, the closing equations leave as many motions as the joint
-/// has.
-TEST_P(ClosingJoints, closing_equations_are_independent) {
+/// With the joint itself replaced by a free one, the loop closure equations leave as many motions as the
+/// joint has.
+TEST_P(ClosingJoints, LoopClosuresAreIndependent) {
   Pair pair(info.type, random, false, true);
   pair.model.joints[1].type = spec::JointType::floating;
   const auto model = Model::compile(pair.model);
@@ -193,10 +194,7 @@ TEST_P(ClosingJoints, closing_equations_are_independent) {
     q.segment<4>(p.m.bodies[1].q + 3) = quaternion_of(at.rotation);
     EXPECT_LT(p.phi(q).cwiseAbs().maxCoeff(), 1e-14);
     const MatrixXd J = p.jacobian(q).middleCols(p.m.bodies[1].v, 6);
-    Eigen::ColPivHouseholderQR<MatrixXd> qr(J.rows(), J.cols());
-    qr.setThreshold(1e-6);
-    qr.compute(J);
-    EXPECT_EQ(qr.rank(), info.equations);
+    EXPECT_EQ(order_columns(J, 1e-6).rank, info.equations);
     // The joint's own motions, in the floating joint's coordinates, are what the equations leave free.
     MatrixXd motions(6, info.velocities);
     for (int k = 0; k < info.velocities; ++k)
@@ -206,7 +204,7 @@ TEST_P(ClosingJoints, closing_equations_are_independent) {
 }
 
 /// Listed from child to parent, the joint still describes frame b relative to frame a.
-TEST_P(Joints, reversed_joint_gives_the_same_relative_motion) {
+TEST_P(Joints, ReversedJointGivesTheSameRelativeMotion) {
   const Pair pair(info.type, random, true, false);
   const auto model = Model::compile(pair.model);
   Probe p(model->compiled());

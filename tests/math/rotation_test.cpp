@@ -25,7 +25,7 @@ void expect_relative(double value, long double exact, double tolerance, double x
   EXPECT_NEAR(value / static_cast<double>(exact), 1, tolerance) << "at φ² = " << x;
 }
 
-TEST(RotationSeries, agrees_with_closed_forms_on_both_sides_of_the_switch) {
+TEST(RotationSeries, AgreesWithClosedFormsOnBothSidesOfTheSwitch) {
   for (const double phi : {0.05, 0.1, 0.2, 0.25, 0.28, 0.2999, 0.3001, 0.32, 0.5, 1.0, 2.0, 3.1, 6.0}) {
     const double x = phi * phi;
     const RotationSeries<double> r = rotation_series<double>(x);
@@ -38,7 +38,7 @@ TEST(RotationSeries, agrees_with_closed_forms_on_both_sides_of_the_switch) {
   }
 }
 
-TEST(RotationSeries, limits_at_zero) {
+TEST(RotationSeries, LimitsAtZero) {
   const RotationSeries<double> r = rotation_series<double>(0);
   EXPECT_EQ(r.sinc, 1);
   EXPECT_EQ(r.a, 0.5);
@@ -48,7 +48,7 @@ TEST(RotationSeries, limits_at_zero) {
 }
 
 /// a1 = (da/dφ)/φ, b1 = (db/dφ)/φ.
-TEST(RotationSeries, last_two_are_derivatives) {
+TEST(RotationSeries, LastTwoAreDerivatives) {
   const double h = 1e-5;
   for (const double phi : {0.01, 0.1, 0.29, 0.31, 1.0, 2.5}) {
     const auto at = [&](double x) { return rotation_series<double>(x * x); };
@@ -58,7 +58,7 @@ TEST(RotationSeries, last_two_are_derivatives) {
   }
 }
 
-TEST(Rotation, exponential_is_the_rotation_about_the_axis) {
+TEST(Rotation, ExponentialIsTheRotationAboutTheAxis) {
   Random random(1);
   for (const double angle : {0.0, 1e-9, 1e-3, 0.29, 0.31, 1.0, 3.0, 5.0}) {
     const Vec3d axis = random.vector(1).normalized();
@@ -69,13 +69,13 @@ TEST(Rotation, exponential_is_the_rotation_about_the_axis) {
   }
 }
 
-TEST(Rotation, skew_is_the_cross_product) {
+TEST(Rotation, SkewIsTheCrossProduct) {
   Random random(2);
   const Vec3d a = random.vector(1), b = random.vector(1);
   EXPECT_LT((skew<double>(a) * b - a.cross(b)).norm(), 1e-15);
 }
 
-TEST(Rotation, logarithm_inverts_the_exponential_up_to_half_a_turn) {
+TEST(Rotation, LogarithmInvertsTheExponentialUpToHalfATurn) {
   Random random(3);
   for (const double angle : {0.0, 1e-12, 1e-10, 1e-8, 1e-4, 0.3, 1.0, 3.0, std::numbers::pi - 1e-7}) {
     const Vec3d theta = angle * random.vector(1).normalized();
@@ -90,7 +90,7 @@ TEST(Rotation, logarithm_inverts_the_exponential_up_to_half_a_turn) {
       1e-14);
 }
 
-TEST(Rotation, left_jacobian_is_the_derivative_of_the_exponential) {
+TEST(Rotation, LeftJacobianIsTheDerivativeOfTheExponential) {
   Random random(4);
   const double h = 1e-5;
   for (const double angle : {0.0, 0.01, 0.2999, 0.3001, 1.0, 2.5}) {
@@ -102,7 +102,7 @@ TEST(Rotation, left_jacobian_is_the_derivative_of_the_exponential) {
   }
 }
 
-TEST(Rotation, quaternion_product_is_the_product_of_rotations) {
+TEST(Rotation, QuaternionProductIsTheProductOfRotations) {
   Random random(5);
   for (int k = 0; k < 20; ++k) {
     const Quat<double> p = quaternion_of(random.rotation()), q = quaternion_of(random.rotation());
@@ -112,7 +112,7 @@ TEST(Rotation, quaternion_product_is_the_product_of_rotations) {
   EXPECT_EQ(quaternion_product<double>({0, 1, 0, 0}, {0, 0, 1, 0}), Quat<double>(0, 0, 0, 1));  // i j = k
 }
 
-TEST(Rotation, quaternion_of_a_matrix) {
+TEST(Rotation, QuaternionOfAMatrix) {
   Random random(6);
   for (int k = 0; k < 20; ++k) {
     const Mat3d R = random.rotation();

@@ -51,7 +51,7 @@ class Iltis : public testing::TestWithParam<Sizes> {
   }
 };
 
-TEST_P(Iltis, coordinates) {
+TEST_P(Iltis, Coordinates) {
   EXPECT_EQ(example("iltis/suspension.yaml", set())->coordinates(), GetParam().suspension);
   EXPECT_EQ(example("iltis/vehicle.yaml", set())->coordinates(), GetParam().vehicle);
 }
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(FlexibleSets, Iltis,
                                          Sizes{"LR", 20, 82}, Sizes{"ALR", 24, 98}),
                          [](const auto& row) { return std::string(row.param.flexible); });
 
-TEST(Topology, iltis_cuts_its_outer_ball_joints) {
+TEST(Topology, IltisCutsItsOuterBallJoints) {
   const auto model = example("iltis/suspension.yaml", {{"elements", "4"}});
   EXPECT_THAT(cut_joints(*model), ElementsAre("front_left.link_ball", "front_left.rod_ball"));
   EXPECT_EQ(model->constraints(), 6);
@@ -71,7 +71,7 @@ TEST(Topology, iltis_cuts_its_outer_ball_joints) {
   EXPECT_EQ(example("iltis/vehicle.yaml", {{"elements", "4"}})->constraints(), 24);
 }
 
-TEST(Topology, double_four_bar) {
+TEST(Topology, DoubleFourBar) {
   for (int flexible = 0; flexible <= 5; ++flexible) {
     const auto model =
         example("double-four-bar/mechanism.yaml", {{"flexible_bars", std::to_string(flexible)}});
@@ -81,14 +81,14 @@ TEST(Topology, double_four_bar) {
   }
 }
 
-TEST(Topology, of_equal_joints_the_last_far_from_the_ground_is_cut) {
+TEST(Topology, OfEqualJointsTheLastFarFromTheGroundIsCut) {
   const auto model = model_of(four_bar_text());
   EXPECT_THAT(cut_joints(*model), ElementsAre("rocker_pin"));
   EXPECT_EQ(model->coordinates(), 3);
   EXPECT_EQ(model->constraints(), 5);
 }
 
-TEST(Topology, the_joint_with_fewest_equations_is_cut) {
+TEST(Topology, TheJointWithFewestEquationsIsCut) {
   const auto model = model_of(four_bar_text({{"crank_pin", ""}}, "spherical"));
   EXPECT_THAT(cut_joints(*model), ElementsAre("rocker_pin"));
   EXPECT_EQ(model->constraints(), 3);
@@ -105,27 +105,27 @@ joints:
   EXPECT_THAT(cut_joints(*first), ElementsAre("ball"));
 }
 
-TEST(Topology, users_choice_wins) {
+TEST(Topology, UsersChoiceWins) {
   EXPECT_THAT(cut_joints(*model_of(four_bar_text({{"crank", ", cut: always"}}))), ElementsAre("crank"));
   EXPECT_THAT(cut_joints(*model_of(four_bar_text({{"rocker_pin", ", cut: never"}}))),
               ElementsAre("crank_pin"));
 }
 
-TEST(Topology, joints_with_drives_springs_and_initial_values_stay) {
+TEST(Topology, JointsWithDrivesSpringsAndInitialValuesStay) {
   for (const char* more :
        {", drive: {position: t}", ", spring: {stiffness: 5}", ", position: 0", ", velocity: 1"})
     EXPECT_THAT(cut_joints(*model_of(four_bar_text({{"rocker_pin", more}}))), ElementsAre("crank_pin"))
         << more;
 }
 
-TEST(Topology, a_loop_of_joints_that_must_stay_is_an_error) {
+TEST(Topology, ALoopOfJointsThatMustStayIsAnError) {
   const std::string never = ", cut: never";
   EXPECT_THAT(error_of(four_bar_text(
                   {{"crank", never}, {"crank_pin", never}, {"rocker", never}, {"rocker_pin", never}})),
               AllOf(HasSubstr("test.yaml:"), HasSubstr("rocker_pin"), HasSubstr("cut: always")));
 }
 
-TEST(Topology, tree_is_listed_from_parent_to_child) {
+TEST(Topology, TreeIsListedFromParentToChild) {
   const auto model = model_of(four_bar_text({{"rocker", ", cut: always"}}));
   const Compiled& m = model->compiled();
   for (std::size_t b = 0; b < m.bodies.size(); ++b) EXPECT_LT(m.bodies[b].parent, static_cast<int>(b));
@@ -133,7 +133,7 @@ TEST(Topology, tree_is_listed_from_parent_to_child) {
   EXPECT_EQ(m.bodies[2].parent, 1);
 }
 
-TEST(Topology, loose_bodies_float) {
+TEST(Topology, LooseBodiesFloat) {
   const auto model = model_of(R"(
 bodies:
   light: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
@@ -154,7 +154,7 @@ joints:
                           [](const BodyData& b) { return b.reversed; }));
 }
 
-TEST(Topology, flexible_bodies_hang_on_their_clamped_frames) {
+TEST(Topology, FlexibleBodiesHangOnTheirClampedFrames) {
   // From the ground the coupler could hang on either end; the clamped one costs least.
   for (const char* clamped : {"a", "b"}) {
     const auto model = model_of(std::string(R"(
@@ -179,7 +179,7 @@ joints:
   }
 }
 
-TEST(Compile, a_spring_without_length_is_an_error) {
+TEST(Compile, ASpringWithoutLengthIsAnError) {
   spec::Model m = parse_model(R"(
 mimbre: 1
 title: test

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,8 @@
 #include <numbers>
 
 #include "fe/solid_meshes.h"
-#include "io/fe/user_modes_file.h"
+#include "fe_files/user_modes_file.h"
+#include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/tied_model.h"
 
@@ -26,11 +27,6 @@ using fe::Interface;
 using fe::ModelReduction;
 using Basis = ModelReduction::Basis;
 using testing::HasSubstr;
-
-MatrixXd dense(const Eigen::SparseMatrix<double>& lower) {
-  const Eigen::SparseMatrix<double> full = lower.selfadjointView<Eigen::Lower>();
-  return full;
-}
 
 /// A bent arm with interfaces at its ends: one rigid, one mean.
 struct Part {
@@ -74,8 +70,8 @@ Full full_model(const Part& p) {
   z.rightCols(b).setIdentity();
   Full f;
   f.T = tied.expand(x, z);
-  f.K = f.T.transpose() * dense(p.matrices.stiffness) * f.T;
-  f.M = f.T.transpose() * dense(p.matrices.mass) * f.T;
+  f.K = f.T.transpose() * full(p.matrices.stiffness) * f.T;
+  f.M = f.T.transpose() * full(p.matrices.mass) * f.T;
   return f;
 }
 
@@ -86,7 +82,7 @@ VectorXd static_deflection(const Part& p, const VectorXd& force) {
   std::vector<Index> free;
   for (Index k = 0; k < f.K.rows(); ++k)
     if (k < f.K.rows() - 12 || k >= f.K.rows() - 6) free.push_back(k);
-  const VectorXd y = f.K(free, free).ldlt().solve((f.T.transpose() * force)(free));
+  const VectorXd y = PivotedCholesky(f.K(free, free)).solve(VectorXd(f.T.transpose() * force)(free));
   return f.T(Eigen::all, free) * y;
 }
 
@@ -100,7 +96,7 @@ double deflection_error(const Part& p, const ReducedBody& body, const VectorXd& 
   VectorXd generalised = VectorXd::Zero(body.modes);
   for (Index k = 0; k < body.nodes.cols(); ++k)
     generalised += body.node_shapes.middleRows<3>(3 * k).transpose() * force.segment<3>(3 * mesh_node(k));
-  const VectorXd y = body.stiffness.ldlt().solve(generalised);
+  const VectorXd y = PivotedCholesky(body.stiffness).solve(generalised);
   double worst = 0;
   for (Index k = 0; k < body.nodes.cols(); ++k)
     worst = std::max(worst,
@@ -188,9 +184,9 @@ struct FreeModes {
 };
 FreeModes free_modes(const Part& p, int count) {
   const Full f = full_model(p);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(f.K, f.M);
-  return {f.T * solver.eigenvectors().middleCols(6, count),
-          solver.eigenvalues().segment(6, count).cwiseSqrt() / (2 * std::numbers::pi)};
+  const EigenPairs solver = symmetric_eigen(f.K, f.M);
+  return {f.T * solver.vectors.middleCols(6, count),
+          solver.values.segment(6, count).cwiseSqrt() / (2 * std::numbers::pi)};
 }
 
 /// With every `every`-th node only.

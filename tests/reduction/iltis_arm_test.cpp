@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <chrono>
 
 #include "fe/meshes.h"
-#include "mimbre/fe.h"
+#include "mimbre/beam_reduction.h"
 
 // The A-arm of the Bombardier Iltis benchmark (Frik, Leister, Schwartz 1993; sections as in the example
 // model).
@@ -99,17 +98,13 @@ TEST(IltisArm, DeflectionsAreTheStaticAmplitudesAtBallAndShockAbsorber) {
   EXPECT_LT((body.frames[1].X.row(2) - body.user_from_modal.row(1)).norm(), 1e-9);
 }
 
-TEST(IltisArm, FineMeshIsReducedInWellUnderATenthOfASecond) {
+TEST(IltisArm, FineMeshHasTheFrequenciesOfACoarseOne) {
   const Arm arm = iltis_arm(100);
   const ReducedBody coarse = [] {
     const Arm few = iltis_arm(20);
     return fe::reduce(few.mesh, few.options, few.frames);
   }();
-  const auto start = std::chrono::steady_clock::now();
   const ReducedBody body = fe::reduce(arm.mesh, arm.options, arm.frames);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  RecordProperty("milliseconds", static_cast<int>(1000 * seconds));
-  EXPECT_LT(seconds, 2.0);  // generous: sanitizers and debug builds run this too
   EXPECT_LT((body.eigenfrequencies - coarse.eigenfrequencies).norm(), 1e-4 * coarse.eigenfrequencies.norm());
 }
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "fe/solid_meshes.h"
+#include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/tied_model.h"
@@ -29,11 +30,6 @@ using Basis = ModelReduction::Basis;
 
 const fe::Material steel{2.1e11, 0.3, 7850};
 constexpr double two_pi = 2 * std::numbers::pi;
-
-MatrixXd dense(const Eigen::SparseMatrix<double>& lower) {
-  const Eigen::SparseMatrix<double> full = lower.selfadjointView<Eigen::Lower>();
-  return full;
-}
 
 /// An arm that turns off, so that bending and torsion couple, with interfaces at its ends.
 struct Part {
@@ -71,7 +67,7 @@ Full full_model(const Part& p) {
   x.leftCols(n).setIdentity();
   z.rightCols(b).setIdentity();
   const MatrixXd T = tied.expand(x, z);
-  return {T.transpose() * dense(p.matrices.stiffness) * T, T.transpose() * dense(p.matrices.mass) * T};
+  return {T.transpose() * full(p.matrices.stiffness) * T, T.transpose() * full(p.matrices.mass) * T};
 }
 
 constexpr double loss = 0.02;  // of the stiffness, so that resonances are finite
@@ -81,7 +77,7 @@ MatrixXcd response(const Full& f, double hertz, double damping = loss) {
   const std::complex<double> one(1, damping);
   const MatrixXcd D = one * f.K.cast<std::complex<double>>() - std::pow(two_pi * hertz, 2) * f.M;
   const Eigen::Index n = f.K.rows();
-  return D.partialPivLu().solve(MatrixXcd::Identity(n, n).rightCols(12)).bottomRows(12);
+  return solve(D, MatrixXd::Identity(n, n).rightCols(12)).bottomRows(12);
 }
 
 /// The same of a reduced body, by nothing but what it stores.
@@ -111,13 +107,14 @@ MatrixXcd response(const ReducedBody& b, double hertz, double damping = loss) {
   }
   const std::complex<double> one(1, damping);
   const MatrixXcd D = one * K.cast<std::complex<double>>() - std::pow(two_pi * hertz, 2) * M;
-  return P * D.partialPivLu().solve(P.transpose().cast<std::complex<double>>());
+  const MatrixXcd x = solve(D, P.transpose());
+  MatrixXcd moved(12, 12);
+  moved.real() = P * x.real();
+  moved.imag() = P * x.imag();
+  return moved;
 }
 
-double first_free_frequency(const Full& f) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(f.K, f.M, Eigen::EigenvaluesOnly);
-  return std::sqrt(solver.eigenvalues()[6]) / two_pi;
-}
+double first_free_frequency(const Full& f) { return std::sqrt(symmetric_eigenvalues(f.K, f.M)[6]) / two_pi; }
 
 const char* name(Basis basis) {
   return basis == Basis::krylov          ? "krylov"
@@ -179,7 +176,7 @@ TEST(ModelBases, HaveTheSameMassAndStaticCompliance) {
   const auto compliance = [](const ReducedBody& b) {
     MatrixXd P(6, b.modes);
     P << b.frames[1].X, b.frames[1].X_theta;
-    return MatrixXd(P * b.stiffness.ldlt().solve(P.transpose()));
+    return MatrixXd(P * PivotedCholesky(b.stiffness).solve(P.transpose()));
   };
   for (const Basis basis : {Basis::free_interface, Basis::krylov}) {
     p.options.basis = basis;
@@ -215,13 +212,12 @@ TEST(ModelBases, AreTheSameSpaceInEitherFrame) {
 TEST(ModelBases, AreExactWhereTheyPromise) {
   Part p = arm();
   const Full full = full_model(p);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> exact(full.K, full.M, Eigen::EigenvaluesOnly);
+  const VectorXd exact = symmetric_eigenvalues(full.K, full.M);
   p.options.basis = Basis::free_interface;
   p.options.dynamic_modes = 6;
   p.options.frame = ModelReduction::Frame::mean_axis;
   const ReducedBody free = fe::reduce(p.mesh, p.matrices, p.options).body;
-  for (int k = 0; k < 6; ++k)
-    EXPECT_NEAR(free.eigenfrequencies[k] / std::sqrt(exact.eigenvalues()[6 + k]), 1, 1e-7) << k;
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(free.eigenfrequencies[k] / std::sqrt(exact[6 + k]), 1, 1e-7) << k;
 
   p.options.basis = Basis::krylov;
   p.options.dynamic_modes = 12;
@@ -238,12 +234,8 @@ TEST(ModelBases, TakeAllModesBelowAFrequency) {
   Part p = arm();
   const Full full = full_model(p);
   const Eigen::Index n = full.K.rows() - 12;
-  const VectorXd held = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(
-                            full.K.topLeftCorner(n, n), full.M.topLeftCorner(n, n), Eigen::EigenvaluesOnly)
-                            .eigenvalues(),
-                 free = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(full.K, full.M,
-                                                                           Eigen::EigenvaluesOnly)
-                            .eigenvalues();
+  const VectorXd held = symmetric_eigenvalues(full.K.topLeftCorner(n, n), full.M.topLeftCorner(n, n)),
+                 free = symmetric_eigenvalues(full.K, full.M);
   for (const double hertz : {1.0, 1000.0, 6000.0}) {
     p.options.max_frequency = hertz;
     p.options.basis = Basis::craig_bampton;
@@ -285,11 +277,11 @@ TEST(EffectiveMass, OfAClampedBarIsItsMass) {
   const VectorXd all = fe::reduce(p.mesh, p.matrices, p.options).effective_mass.rowwise().sum();
   const fe::TiedModel tied(p.mesh, p.matrices, p.options.interfaces);
   const Eigen::Index n = tied.internals();
-  const MatrixXd Tx = tied.expand(MatrixXd::Identity(n, n), MatrixXd::Zero(6, n)), M = dense(p.matrices.mass);
+  const MatrixXd Tx = tied.expand(MatrixXd::Identity(n, n), MatrixXd::Zero(6, n)), M = full(p.matrices.mass);
   MatrixXd R = fe::rigid_shapes(p.mesh, p.matrices);
   for (int k = 0; k < 3; ++k) R.col(3 + k) -= R.leftCols(3) * Vector3d(Vector3d::Unit(k)).cross(root.point);
   const MatrixXd L = Tx.transpose() * M * R;
-  const MatrixXd moved = L.transpose() * (Tx.transpose() * M * Tx).ldlt().solve(L),
+  const MatrixXd moved = L.transpose() * PivotedCholesky(Tx.transpose() * M * Tx).solve(L),
                  whole = R.transpose() * M * R;
   for (int k = 0; k < 6; ++k) {
     EXPECT_NEAR(all[k], 100 * moved(k, k) / whole(k, k), 1e-5) << k;

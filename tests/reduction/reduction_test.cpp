@@ -1,12 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <functional>
 #include <random>
 
 #include "fe/meshes.h"
-#include "mimbre/fe.h"
+#include "math/decompositions.h"
+#include "mimbre/beam_reduction.h"
 #include "mimbre/reduced_body.h"
 #include "reduction/craig_bampton.h"
 
@@ -44,7 +45,7 @@ Eigen::VectorXd random_vector(int size, int seed) {
 
 /// Amplitudes y for user amplitudes u.
 Eigen::VectorXd modal(const ReducedBody& body, const Eigen::VectorXd& user) {
-  return body.user_from_modal.fullPivLu().solve(user);
+  return mimbre::solve(body.user_from_modal, user);
 }
 
 std::string message_of(const std::function<void()>& call) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fe/meshes.h"
+#include "math/decompositions.h"
 #include "math/rotation.h"
 #include "support/models.h"
 #include "support/run.h"
@@ -81,7 +82,7 @@ TEST(Foreshortening, RefusesLoops) {
 TEST(NonlinearStiffness, HasTheEnergyOfStretchedSlopes) {
   const Eigen::Matrix3d axes = turned();
   const ReducedBody body = cantilever(axes, fe::Stiffening::nonlinear_stiffness_2, true);
-  const Eigen::VectorXd y = body.user_from_modal.fullPivLu().solve(Eigen::Vector2d(1, 1));
+  const Eigen::VectorXd y = mimbre::solve(body.user_from_modal, Eigen::Vector2d(1, 1));
   const auto& second = *body.second_order;
   Eigen::VectorXd eta(2 + second.products.size());
   eta.head(2) = y;

@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
+#include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 
 /// Stress of reduced bodies.
@@ -38,7 +39,7 @@ Index nearest(const ReducedBody& body, const Vector3d& at) {
 /// Amplitudes under a force and a moment at the tip, the root clamped.
 VectorXd under(const ReducedBody& body, const Vector3d& force, const Vector3d& moment) {
   const BodyFrame& tip = body.frames[1];
-  return body.stiffness.ldlt().solve(tip.X.transpose() * force + tip.X_theta.transpose() * moment);
+  return PivotedCholesky(body.stiffness).solve(tip.X.transpose() * force + tip.X_theta.transpose() * moment);
 }
 
 fe::SolidMesh shell_bar() {
@@ -106,7 +107,7 @@ TEST(StressModes, AreThoseOfTheFullModelUnderForcesAtTheInterfaces) {
   for (int r = 0; r < K.rows(); ++r)
     if (!given[static_cast<std::size_t>(r)]) inner.push_back(r);
   const VectorXd load = K * u;
-  u(inner) = -MatrixXd(K(inner, inner)).ldlt().solve(VectorXd(load(inner)));
+  u(inner) = -PivotedCholesky(K(inner, inner)).solve(load(inner));
   std::vector<fe::SurfacePoint> points;
   for (Index k = 0; k < body.nodes.cols(); ++k) {
     Index node = 0;

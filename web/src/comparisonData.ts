@@ -1,4 +1,4 @@
-// Several runs, as mimbre writes them into the page (src/io/comparison_report.cpp), and as the page uses them.
+// Several runs, as mimbre writes them into the page (src/results/comparison_report.cpp), and as the page uses them.
 import { decodeCurve, decodeScene, f32, f64, type ChannelName, type Curve, type PackedArray, type PackedScene, type Scene } from "./data";
 
 interface RunHead {

@@ -1,4 +1,4 @@
-// The data that mimbre writes into the page (src/io/report*.cpp), and as the page uses them.
+// The data that mimbre writes into the page (src/results/report*.cpp), and as the page uses them.
 
 export interface PackedArray {
   type: "f32" | "f64" | "u32";

@@ -1,4 +1,4 @@
-// A reduced body, as mimbre writes it into the page (src/io/modes_report.cpp), and as the page uses it.
+// A reduced body, as mimbre writes it into the page (src/results/modes_report.cpp), and as the page uses it.
 import { decodeBody, f32, type Body, type PackedArray, type PackedBody, type Scene } from "./data";
 
 export interface Check {

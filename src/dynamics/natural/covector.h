@@ -1,8 +1,8 @@
 #pragma once
 #include "dynamics/amplitudes.h"
+#include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
 #include "dynamics/natural/workspace.h"
-#include "dynamics/relative/flexible.h"
 
 /// Generalised forces of what acts on points and axes of bodies, by virtual work with δr0, δu, δv, δw, δy.
 namespace mimbre::natural {
@@ -23,7 +23,7 @@ void act_on_point(const FrameData& f, const FrameMotion<T>& frame, const Vec3<T>
   out.base->col(0) += g;
   for (int i = 0; i < 3; ++i) out.base->col(1 + i) += frame.place[i] * g;
   if (f.flexible >= 0)
-    relative::add_transposed<T>(f.X, out.body->position.template rightCols<3>().transpose() * g, out.modal);
+    add_transposed<T>(f.X, out.body->position.template rightCols<3>().transpose() * g, out.modal);
 }
 
 /// g on the tip of the frame's axis.
@@ -35,8 +35,8 @@ void act_on_axis(const FrameData& f, const FrameMotion<T>& frame, int axis, cons
   if (!f.turns) return;
   const Vec3<T> turning =
       frame.rotation.col(axis).cross(Vec3<T>(out.body->position.template rightCols<3>().transpose() * g));
-  const Vec3<T> theta = relative::times(f.X_theta, out.y);
-  relative::add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * turning, out.modal);
+  const Vec3<T> theta = times(f.X_theta, out.y);
+  add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * turning, out.modal);
 }
 
 /// Moment on the frame: ω = ½ Σ e × ė over its axes e.

@@ -1,5 +1,7 @@
 #pragma once
 #include "dynamics/natural/joint_rates.h"
+#include "forces/joint_spring.h"
+#include "forces/load.h"
 #include "forces/spring.h"
 #include "forces/tyre.h"
 
@@ -29,17 +31,11 @@ void forces(const Compiled& m, const Layout& l, Workspace<T>& w, double time, co
                     collector(m, l, w, l.tyres[k].body_b));
   }
   for (const LoadData& load : m.loads) {
-    const double scale = load.scale.value(time);
     const FrameMotion<T>& frame = w.frames[load.frame];
-    Vec3<T> force = (scale * load.force).template cast<T>(),
-            moment = (scale * load.moment).template cast<T>();
-    if (load.follower) {
-      force = frame.axes * force;
-      moment = frame.axes * moment;
-    }
+    const LoadWrench<T> wrench = load_wrench<T>(load, frame.axes, time);
     const Covector<T> on = collector(m, l, w, m.frames[load.frame].body);
-    act_on_point<T>(m.frames[load.frame], frame, -force, on);
-    act_by_moment<T>(m.frames[load.frame], frame, -moment, on);
+    act_on_point<T>(m.frames[load.frame], frame, -wrench.force, on);
+    act_by_moment<T>(m.frames[load.frame], frame, -wrench.moment, on);
   }
   for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
     const JointSpringData& s = m.joint_springs[k];
@@ -48,10 +44,8 @@ void forces(const Compiled& m, const Layout& l, Workspace<T>& w, double time, co
     const FrameMotion<T>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
     JointRates<T> rates;
     joint_rates<T>(body.joint, body.joint_velocities, A, B, q + c.q, rates);
-    const T x = q[c.q + s.local], v = rates.v[s.local];
-    w.joint_spring_stiffness[k] = s.elastic.derivative(x);
-    w.joint_spring_damping[k] = s.damping.derivative(v);
-    act_on_coordinate<T>(m, c, A, B, q + c.q, s.local, T(s.elastic.value(x) + s.damping.value(v)),
+    w.joint_springs[k] = joint_spring_state<T>(s, q[c.q + s.local], rates.v[s.local]);
+    act_on_coordinate<T>(m, c, A, B, q + c.q, s.local, w.joint_springs[k].force,
                          collector(m, l, w, l.joint_springs[k].body_a),
                          collector(m, l, w, l.joint_springs[k].body_b));
   }

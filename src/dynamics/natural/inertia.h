@@ -1,8 +1,8 @@
 #pragma once
 #include "dynamics/elasticity.h"
+#include "dynamics/flexible.h"
 #include "dynamics/geometric.h"
 #include "dynamics/natural/workspace.h"
-#include "dynamics/relative/flexible.h"
 
 /// Inertia of bodies in natural coordinates (Lugrís 2008, 3.13–3.47).
 namespace mimbre::natural {
@@ -12,12 +12,11 @@ template <class T>
 Eigen::Matrix<T, 4, 4> deformed_mass(const BodyData& b, const FlexibleData& f, const T* integrals,
                                      const T* y) {
   Eigen::Matrix<T, 4, 4> mass;
-  const Vec3<T> moment = b.first_moment.template cast<T>() + relative::times(f.S, y);
+  const Vec3<T> moment = b.first_moment.template cast<T>() + times(f.S, y);
   mass(0, 0) = T(b.mass);
   mass.template block<3, 1>(1, 0) = moment;
   mass.template block<1, 3>(0, 1) = moment.transpose();
-  mass.template bottomRightCorner<3, 3>() =
-      relative::deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  mass.template bottomRightCorner<3, 3>() = deformed_second_moment<T>(f, b.second_moment, integrals, y);
   return mass;
 }
 
@@ -78,22 +77,22 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
       continue;
     }
     T* integrals = w.integrals.data();
-    relative::deformed_integrals<T>(f, y, integrals);
+    deformed_integrals<T>(f, y, integrals);
     out.noalias() += second * deformed_mass<T>(data, f, integrals, y);
     const Mat3<T> A = w.bodies[i].position.template rightCols<3>(),
                   Ad = w.bodies[i].velocity.template rightCols<3>();
     Base<T> rate, accelerated;  // S ẏ and S'^i ẏ; likewise with ÿ
-    rate.col(0) = relative::times(f.S, yd);
-    accelerated.col(0) = relative::times(f.S, ydd);
+    rate.col(0) = times(f.S, yd);
+    accelerated.col(0) = times(f.S, ydd);
     for (int a = 0; a < 3; ++a)
       for (int c = 0; c < 3; ++c) {
-        rate(c, 1 + a) = relative::dot(integrals + (3 * a + c) * s, yd, s);
-        accelerated(c, 1 + a) = relative::dot(integrals + (3 * a + c) * s, ydd, s);
+        rate(c, 1 + a) = dot(integrals + (3 * a + c) * s, yd, s);
+        accelerated(c, 1 + a) = dot(integrals + (3 * a + c) * s, ydd, s);
       }
     out.noalias() += A * accelerated + T(2) * (Ad * rate);
 
     const Base<T> local = A.transpose() * second;
-    relative::add_transposed<T>(f.S, local.col(0), elastic);
+    add_transposed<T>(f.S, local.col(0), elastic);
     for (int r = 0; r < 9; ++r) {
       const T c = local(r % 3, 1 + r / 3);
       const T* row = integrals + r * s;

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynamics/amplitudes.h"
+#include "dynamics/deformation.h"
 #include "dynamics/natural/workspace.h"
-#include "dynamics/relative/kinematics.h"
 
 /// Motion of bodies and frames, linear in the variables.
 namespace mimbre::natural {
@@ -35,13 +35,13 @@ void frame_motion(const FrameData& f, const BaseMotion<T>& b, const T* y, const 
     return;
   }
   if (!all) {
-    out.place = f.position.template cast<T>() + relative::times(f.X, y);
+    out.place = f.position.template cast<T>() + times(f.X, y);
     out.position = b.position.col(0) + A * out.place;
-    out.velocity = b.velocity.col(0) + Ad * out.place + A * relative::times(f.X, yd);
+    out.velocity = b.velocity.col(0) + Ad * out.place + A * times(f.X, yd);
     return;
   }
-  relative::Deformation<T> d;
-  relative::deform(f, y, yd, ydd, d);
+  Deformation<T> d;
+  deform(f, y, yd, ydd, d);
   out.place = d.position;
   out.rotation = d.rotation;
   out.position = b.position.col(0) + A * d.position;

@@ -1,7 +1,7 @@
 #include "dynamics/natural/layout.h"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -116,10 +116,10 @@ class Builder {
     const JointInfo& info = joint_info(m_.spec.joints[joint].type);
     int distances = 0, angles = 0, angles_of[3] = {0, 0, 0};
     for (int k = 0; k < info.equations; ++k)
-      if (info.closing[k].kind == ClosingEquation::Kind::distance)
+      if (info.closure[k].kind == LoopClosure::Kind::distance)
         ++distances;
       else
-        ++angles, ++angles_of[info.closing[k].axis_b];
+        ++angles, ++angles_of[info.closure[k].axis_b];
     Coincidence c;
     c.point = distances == 3;
     // An axis of b at right angles to two of a is the third; three angles fix all axes.
@@ -403,11 +403,11 @@ class Builder {
       };
       int distances = 0;
       for (int k = 0; k < info.equations; ++k)
-        distances += info.closing[k].kind == ClosingEquation::Kind::distance;
+        distances += info.closure[k].kind == LoopClosure::Kind::distance;
       if (distances == 3 && !shared_point) equation({JointEquation::Kind::coincidence, 0, 0});
       for (int k = 0; k < info.equations; ++k) {
-        const ClosingEquation& e = info.closing[k];
-        if (e.kind == ClosingEquation::Kind::distance) {
+        const LoopClosure& e = info.closure[k];
+        if (e.kind == LoopClosure::Kind::distance) {
           if (distances < 3 && !shared_point) equation({JointEquation::Kind::distance, e.axis_a, 0});
         } else if (!shared_axis[e.axis_a] && !shared_axis[e.axis_b]) {
           equation({JointEquation::Kind::angle, e.axis_a, e.axis_b});

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynamics/natural/constraints.h"
 #include "dynamics/natural/inertia.h"
-#include "integrate/system.h"
+#include "dynamics/system.h"
 
 /// Assembly: every body, joint and force adds a small dense matrix over its stencil.
 namespace mimbre::natural {
@@ -58,7 +58,7 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
   if (w.projections.empty()) {
     T* integrals = coupling + 3 * s;
     std::copy(f.S.data(), f.S.data() + 3 * s, coupling);
-    relative::deformed_integrals<T>(f, y, integrals);
+    deformed_integrals<T>(f, y, integrals);
     const Eigen::Matrix<T, 4, 4> mass = deformed_mass<T>(data, f, integrals, y);
     for (int k = 0; k < b.unknown; ++k) {
       const Eigen::Matrix<T, 4, 1> column = mass * b.base.col(k).template cast<T>();

@@ -12,15 +12,6 @@
 #include "dynamics/natural/matrix.h"
 
 namespace mimbre::natural {
-namespace {
-
-/// A spring's share of the leading matrix, kg.
-double spring_tangent(const relative::Workspace<double>::SpringState& s, const MatrixWeights& weights) {
-  return weights.damping * s.damping + weights.stiffness * s.stiffness;
-}
-
-}  // namespace
-
 NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
       layout_(model),
@@ -28,9 +19,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       factor_(*layout_.symbolic),
       penalty_(layout_.equations),
       mu_(layout_.equations),
-      spring_weight_(model.springs.size()),
-      tyre_weight_(model.tyres.size()),
-      ancf_marks_(ancf::all_marks(model)) {
+      marks_(model) {
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
   for (const Body& b : layout_.bodies)
@@ -79,7 +68,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
   factor_.set_zero();
   double *values = factor_.values(), *local = work_.local.data();
   double weight[6];
-  double* marks = ancf_marks_.data();
+  double* marks = marks_.ancf();
   const auto clear = [&](const Stencil& s) {
     std::fill(local, local + static_cast<std::ptrdiff_t>(s.size()) * s.stride, 0.0);
   };
@@ -113,16 +102,16 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     add_link(layout_.drives[k], 1);
   }
   for (std::size_t k = 0; k < model_.springs.size(); ++k) {
-    weight[0] = spring_weight_[k] = spring_tangent(work_.springs[k], weights);
+    weight[0] = marks_.spring(k) = spring_tangent(work_.springs[k], weights);
     add_link(layout_.springs[k], 1);
   }
   for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
-    weight[0] = tyre_weight_[k] = weights.stiffness * work_.tyres[k].stiffness;
+    weight[0] = marks_.tyre(k) = tyre_tangent(work_.tyres[k], weights);
     if (weight[0] != 0) add_link(layout_.tyres[k], 1);
   }
   for (std::size_t k = 0; k < model_.joint_springs.size(); ++k) {
-    weight[0] =
-        weights.damping * work_.joint_spring_damping[k] + weights.stiffness * work_.joint_spring_stiffness[k];
+    weight[0] = weights.damping * work_.joint_springs[k].damping +
+                weights.stiffness * work_.joint_springs[k].stiffness;
     add_link(layout_.joint_springs[k], 1);
   }
 }
@@ -138,19 +127,8 @@ void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, 
 }
 
 bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
-  const double small = 0.02 * model_.mass_scale;
-  for (std::size_t k = 0; k < model_.springs.size(); ++k)
-    if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
-  for (std::size_t k = 0; k < model_.tyres.size(); ++k)
-    if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
-  const double* marks = ancf_marks_.data();
-  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
-    if (model_.bodies[i].modes == 0 || model_.flexible[model_.bodies[i].flexible].ancf.empty()) continue;
-    const FlexibleData& f = model_.flexible[model_.bodies[i].flexible];
-    if (ancf::marks_moved(f, q + layout_.bodies[i].q, marks, small / weights.stiffness)) return true;
-    marks += ancf::marks(f);
-  }
-  return false;
+  return marks_.changed(model_, work_.springs, work_.tyres, weights,
+                        [&](std::size_t i) { return q + layout_.bodies[i].q; });
 }
 
 void NaturalSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
@@ -227,8 +205,8 @@ void NaturalSystem::retract(const double* q, const double* x, double* out) const
       const int stride = model_.flexible[f.flexible].stride, modes = model_.bodies[f.body].modes;
       for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[layout_.bodies[f.body].q + k] : 0;
       extend(model_.flexible[f.flexible], y);
-      place += relative::times(f.X, y);
-      if (f.turns) rotation = turn_rotation<double>(f, relative::times(f.X_theta, y)) * f.rotation;
+      place += times(f.X, y);
+      if (f.turns) rotation = turn_rotation<double>(f, times(f.X_theta, y)) * f.rotation;
     }
     position = base.col(0) + base.rightCols<3>() * place;
     axes = base.rightCols<3>() * rotation;
@@ -288,7 +266,7 @@ void NaturalSystem::to_relative(const State& s, State& out) {
     out.multipliers[model_.drives[k].equation] = s.multipliers[layout_.first_drive + static_cast<int>(k)];
 }
 
-State NaturalSystem::from_relative(const State& s, const std::vector<relative::Motion<double>>& bodies,
+State NaturalSystem::from_relative(const State& s, const std::vector<Motion<double>>& bodies,
                                    const Vec3d& common_point) const {
   State out;
   out.time = s.time;
@@ -299,7 +277,7 @@ State NaturalSystem::from_relative(const State& s, const std::vector<relative::M
   out.multipliers.setZero(layout_.equations);
   for (int k = 0; k < layout_.unknown_variables; ++k) {
     const Variable& x = layout_.variables[k];
-    const relative::Motion<double>& b = bodies[x.body];
+    const Motion<double>& b = bodies[x.body];
     const Vec3d r = b.rotation * x.place, v = b.omega.cross(r);
     const Vec3d a = b.alpha.cross(r) + b.omega.cross(v);
     out.q.segment<3>(3 * k) = x.point ? Vec3d(b.position + common_point - layout_.origin + r) : r;

@@ -2,8 +2,9 @@
 #include <memory>
 
 #include "dynamics/natural/workspace.h"
-#include "integrate/stepper.h"
-#include "integrate/system.h"
+#include "dynamics/state.h"
+#include "dynamics/system.h"
+#include "dynamics/tangent_marks.h"
 
 namespace mimbre::natural {
 
@@ -32,6 +33,7 @@ class NaturalSystem final : public System {
   void solve(double* x) const override { factor_.solve(x); }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
+  std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   void temper_prediction(double h, double* x) const override;
@@ -42,7 +44,7 @@ class NaturalSystem final : public System {
   /// are carried along; others have no counterpart and are zero. `relative` must be sized.
   void to_relative(const State& natural, State& relative);
   /// From the bodies' motion in a relative formulation at that state.
-  State from_relative(const State& relative, const std::vector<relative::Motion<double>>& bodies,
+  State from_relative(const State& relative, const std::vector<Motion<double>>& bodies,
                       const Vec3d& common_point) const;
 
   /// Tree body of an unknown.
@@ -59,8 +61,7 @@ class NaturalSystem final : public System {
   mutable Workspace<double> work_;  // `poses` also in retract
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_;
-  std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
-  std::vector<double> ancf_marks_;                   ///< of its beams by absolute nodal coordinates, by body
+  TangentMarks marks_;
 };
 
 }  // namespace mimbre::natural

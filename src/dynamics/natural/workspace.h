@@ -2,9 +2,10 @@
 #include <limits>
 #include <vector>
 
+#include "dynamics/motion.h"
 #include "dynamics/natural/layout.h"
 #include "dynamics/projection.h"
-#include "dynamics/relative/workspace.h"
+#include "forces/joint_spring.h"
 
 /// Scratch of the formulation in natural coordinates, sized once. Global axes; points relative to
 /// Layout::origin.
@@ -34,24 +35,24 @@ struct Workspace {
 
   std::vector<Vec3<T>> values, rates, seconds;  ///< of the variables, constants behind
   std::vector<BaseMotion<T>> bodies;            ///< by kinematics
-  relative::AlignedVector<T> y, yd, ydd;        ///< padded modal amplitudes, by kinematics
+  AlignedVector<T> y, yd, ydd;                  ///< padded modal amplitudes, by kinematics
   std::vector<FrameMotion<T>> frames;           ///< those in use, by kinematics
   std::vector<Base<T>> forces;                  ///< residual's forces on the bodies' base vectors
-  relative::AlignedVector<T> modal;             ///< residual's forces on padded modal amplitudes
-  relative::AlignedVector<T> integrals;         ///< S'^i of one flexible body
-  std::vector<typename relative::Workspace<T>::SpringState> springs;
-  std::vector<typename relative::Workspace<T>::TyreState> tyres;
-  std::vector<T> joint_spring_stiffness, joint_spring_damping;
+  AlignedVector<T> modal;                       ///< residual's forces on padded modal amplitudes
+  AlignedVector<T> integrals;                   ///< S'^i of one flexible body
+  std::vector<SpringState<T>> springs;
+  std::vector<TyreState<T>> tyres;
+  std::vector<JointSpringState<T>> joint_springs;
   std::vector<T> phi, phi_dot, phi_ddot;
-  relative::AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
-  relative::AlignedVector<T> local;      ///< a stencil's dense matrix
-  relative::AlignedVector<T> row_modal;  ///< a row's part on the amplitudes of its two bodies; three rows
+  AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
+  AlignedVector<T> local;      ///< a stencil's dense matrix
+  AlignedVector<T> row_modal;  ///< a row's part on the amplitudes of its two bodies; three rows
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.
   std::vector<projection::Constants> projections;
   projection::Work projection;
-  relative::AlignedVector<T> folded;    ///< a matrix of extended amplitudes folded, by matrix
-  relative::AlignedVector<T> coupling;  ///< 12 rows of base vectors and amplitudes, by matrix
-  std::vector<Base<T>> poses;           ///< of the bodies, by joint_positions
+  AlignedVector<T> folded;     ///< a matrix of extended amplitudes folded, by matrix
+  AlignedVector<T> coupling;   ///< 12 rows of base vectors and amplitudes, by matrix
+  std::vector<Base<T>> poses;  ///< of the bodies, by joint_positions
 };
 
 template <class T>
@@ -81,8 +82,7 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) {
   integrals.assign(integral, nan);
   springs.assign(m.springs.size(), {nan, nan, nan, nan, nan, nan3});
   tyres.assign(m.tyres.size(), {nan, nan, nan, nan});
-  joint_spring_stiffness.assign(m.joint_springs.size(), nan);
-  joint_spring_damping.assign(m.joint_springs.size(), nan);
+  joint_springs.assign(m.joint_springs.size(), {nan, nan, nan});
   for (auto* v : {&phi, &phi_dot, &phi_ddot}) v->assign(l.equations, nan);
   jacobian.assign(l.jacobian_storage, nan);
   local.assign(static_cast<std::size_t>(l.widest) * l.widest, nan);

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynamics/relative/workspace.h"
 
-/// Closing equations of cut joints and driven coordinates.
+/// Loop closure of cut joints, and prescribed motion of driven coordinates.
 namespace mimbre::relative {
 
 /// Φ, Φ̇, Φ̈ of all equations from the frames' motion, and the covectors w of loop equations about the common
@@ -17,10 +17,10 @@ void constraints(const Compiled& m, Workspace<T>& w, double time, const T* q, co
     const Vec3<T> d1 = B.velocity - A.velocity - wd;
     const Vec3<T> d2 = B.acceleration - A.acceleration - A.alpha.cross(d) - A.omega.cross(wd + T(2) * d1);
     for (int r = 0; r < loop.count; ++r) {
-      const ClosingEquation& e = loop.closing[r];
+      const LoopClosure& e = loop.closure[r];
       const int k = loop.first_equation + r;
       const Vec3<T> x = A.rotation.col(e.axis_a);
-      if (e.kind == ClosingEquation::Kind::distance) {
+      if (e.kind == LoopClosure::Kind::distance) {
         w.phi[k] = x.dot(d);
         w.phi_dot[k] = x.dot(d1);
         w.phi_ddot[k] = x.dot(d2);
@@ -54,7 +54,7 @@ void apply_multipliers(const Compiled& m, Workspace<T>& w, const T* mu, T* gener
     Vec3<T> force = Vec3<T>::Zero(), moment = Vec3<T>::Zero();  // on a
     for (int r = 0; r < loop.count; ++r) {
       const int k = loop.first_equation + r;
-      if (loop.closing[r].kind == ClosingEquation::Kind::distance)
+      if (loop.closure[r].kind == LoopClosure::Kind::distance)
         force += mu[k] * w.covector_linear[k];
       else
         moment += mu[k] * w.covector_angular[k];

@@ -1,5 +1,7 @@
 #pragma once
 #include "dynamics/relative/workspace.h"
+#include "forces/joint_spring.h"
+#include "forces/load.h"
 #include "forces/spring.h"
 #include "forces/tyre.h"
 
@@ -32,21 +34,14 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
     w.wrenches[t.frame].force[2] += state.force;
   }
   for (const LoadData& l : m.loads) {
-    const double scale = l.scale.value(time);
-    Vec3<T> force = (scale * l.force).template cast<T>(), moment = (scale * l.moment).template cast<T>();
-    if (l.follower) {
-      force = w.frames[l.frame].rotation * force;
-      moment = w.frames[l.frame].rotation * moment;
-    }
-    w.wrenches[l.frame].force += force;
-    w.wrenches[l.frame].moment += moment;
+    const LoadWrench<T> load = load_wrench<T>(l, w.frames[l.frame].rotation, time);
+    w.wrenches[l.frame].force += load.force;
+    w.wrenches[l.frame].moment += load.moment;
   }
   for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
     const JointSpringData& s = m.joint_springs[k];
-    w.joint_spring_force[k] = s.elastic.value(q[s.q]) + s.damping.value(v[s.v]);
-    w.joint_spring_stiffness[k] = s.elastic.derivative(q[s.q]);
-    w.joint_spring_damping[k] = s.damping.derivative(v[s.v]);
-    generalised[s.v] += w.joint_spring_force[k];
+    w.joint_springs[k] = joint_spring_state<T>(s, q[s.q], v[s.v]);
+    generalised[s.v] += w.joint_springs[k].force;
   }
 }
 

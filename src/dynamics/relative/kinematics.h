@@ -1,38 +1,10 @@
 #pragma once
 #include "dynamics/amplitudes.h"
-#include "dynamics/frame_turn.h"
-#include "dynamics/relative/flexible.h"
+#include "dynamics/deformation.h"
 #include "dynamics/relative/workspace.h"
 
 /// Positions, velocities and accelerations from the root to the leaves.
 namespace mimbre::relative {
-
-/// Displacement and turn of a flexible frame in body axes, with rates.
-template <class T>
-struct Deformation {
-  Vec3<T> position;  ///< r̄u + X y
-  Vec3<T> velocity;  ///< X ẏ
-  Vec3<T> acceleration;
-  Mat3<T> rotation;  ///< R(θ) times the undeformed rotation: frame axes to body axes
-  Vec3<T> omega;     ///< relative to the body, body axes
-  Vec3<T> alpha;
-};
-
-template <class T>
-void deform(const FrameData& f, const T* y, const T* yd, const T* ydd, Deformation<T>& d) {
-  d.position = f.position.template cast<T>() + times(f.X, y);
-  d.velocity = times(f.X, yd);
-  d.acceleration = times(f.X, ydd);
-  if (!f.turns) {
-    d.rotation = f.rotation.template cast<T>();
-    d.omega.setZero();
-    d.alpha.setZero();
-    return;
-  }
-  const Vec3<T> theta = times(f.X_theta, y), rate = times(f.X_theta, yd), second = times(f.X_theta, ydd);
-  turn_motion(f, theta, rate, second, d.rotation, d.omega, d.alpha);
-  d.rotation = d.rotation * f.rotation.template cast<T>();
-}
 
 /// Motion of a frame from that of its body. y, ẏ, ÿ: the body's padded amplitudes.
 template <class T>
@@ -108,11 +80,12 @@ void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T
       frame.acceleration - out.alpha.cross(r) - out.omega.cross(wr + T(2) * v) - A * d.acceleration;
 }
 
-/// Motion of the joint's far frame from that of its near one, and the joint's columns about the common point.
-/// Forward: near is frame a, far is frame b; reversed: the other way round, with the columns' signs turned.
+/// Motion of the joint's outboard frame from that of its inboard one, and the joint's motion subspace about
+/// the common point. Forward: inboard is frame a, outboard is frame b; reversed: the other way round, with
+/// the signs of the motion subspace turned.
 template <class T>
-void joint_step(const BodyData& b, const Motion<T>& near, const T* q, const T* v, const T* a, Motion<T>& far,
-                Vec3<T>* angular, Vec3<T>* linear) {
+void joint_step(const BodyData& b, const Motion<T>& inboard, const T* q, const T* v, const T* a,
+                Motion<T>& outboard, Vec3<T>* angular, Vec3<T>* linear) {
   JointMotion<T> m;
   joint_motion<T>(b.joint, q, v, m);
   const int n = b.joint_velocities;
@@ -125,7 +98,7 @@ void joint_step(const BodyData& b, const Motion<T>& near, const T* q, const T* v
     ud += a[j] * m.linear.col(j);
   }
   // A: axes of frame a. r: from origin a to origin b.
-  const Mat3<T> A = b.reversed ? Mat3<T>(near.rotation * m.rotation.transpose()) : near.rotation;
+  const Mat3<T> A = b.reversed ? Mat3<T>(inboard.rotation * m.rotation.transpose()) : inboard.rotation;
   const Vec3<T> r = A * m.displacement;
   w = A * w;
   u = A * u;
@@ -133,23 +106,25 @@ void joint_step(const BodyData& b, const Motion<T>& near, const T* q, const T* v
   ud = A * ud;
   Vec3<T> position_b;
   if (!b.reversed) {
-    const Vec3<T> wr = near.omega.cross(r);
-    far.rotation = A * m.rotation;
-    far.position = near.position + r;
-    far.velocity = near.velocity + wr + u;
-    far.omega = near.omega + w;
-    far.acceleration = near.acceleration + near.alpha.cross(r) + near.omega.cross(wr + T(2) * u) + ud;
-    far.alpha = near.alpha + near.omega.cross(w) + wd;
-    position_b = far.position;
+    const Vec3<T> wr = inboard.omega.cross(r);
+    outboard.rotation = A * m.rotation;
+    outboard.position = inboard.position + r;
+    outboard.velocity = inboard.velocity + wr + u;
+    outboard.omega = inboard.omega + w;
+    outboard.acceleration =
+        inboard.acceleration + inboard.alpha.cross(r) + inboard.omega.cross(wr + T(2) * u) + ud;
+    outboard.alpha = inboard.alpha + inboard.omega.cross(w) + wd;
+    position_b = outboard.position;
   } else {
-    far.rotation = A;
-    far.position = near.position - r;
-    far.omega = near.omega - w;
-    far.alpha = near.alpha - far.omega.cross(w) - wd;
-    const Vec3<T> wr = far.omega.cross(r);
-    far.velocity = near.velocity - wr - u;
-    far.acceleration = near.acceleration - far.alpha.cross(r) - far.omega.cross(wr + T(2) * u) - ud;
-    position_b = near.position;
+    outboard.rotation = A;
+    outboard.position = inboard.position - r;
+    outboard.omega = inboard.omega - w;
+    outboard.alpha = inboard.alpha - outboard.omega.cross(w) - wd;
+    const Vec3<T> wr = outboard.omega.cross(r);
+    outboard.velocity = inboard.velocity - wr - u;
+    outboard.acceleration =
+        inboard.acceleration - outboard.alpha.cross(r) - outboard.omega.cross(wr + T(2) * u) - ud;
+    position_b = inboard.position;
   }
   const T sign = b.reversed ? T(-1) : T(1);
   for (int j = 0; j < n; ++j) {
@@ -195,10 +170,10 @@ void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, cons
       extend(flexible, y, yd);
       extend(flexible, y, yd, ydd);
     }
-    Motion<T> own;
-    joint_step<T>(b, w.frames[b.parent_frame], q + b.q, v + b.v, a + b.v, own, &w.joint_angular[b.v],
+    Motion<T> outboard;
+    joint_step<T>(b, w.frames[b.inboard_frame], q + b.q, v + b.v, a + b.v, outboard, &w.joint_angular[b.v],
                   &w.joint_linear[b.v]);
-    body_motion<T>(m.frames[b.own_frame], own, y, yd, ydd, w.bodies[i]);
+    body_motion<T>(m.frames[b.outboard_frame], outboard, y, yd, ydd, w.bodies[i]);
     for (int f = b.first_frame; f < b.last_frame; ++f) {
       if (m.frames[f].full)
         frame_motion<T>(m.frames[f], w.bodies[i], y, yd, ydd, w.frames[f]);

@@ -1,6 +1,6 @@
 #pragma once
+#include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
-#include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
 /// Mass matrix by composite inertias, Jacobian rows, and their assembly into the static sparse matrix.
@@ -31,13 +31,13 @@ void add_cross_rows(const Vec3<T>& p, const T* rows, int stride, T* out) {
     }
 }
 
-/// Columns of a body's coordinates at each of its frames: velocity of the point at the common point (rows
-/// 0..2) and angular velocity (rows 3..5) per unit velocity coordinate.
+/// Motion subspaces of a body's coordinates at each of its frames: velocity of the body's point at the common
+/// point (rows 0..2) and angular velocity (rows 3..5) per unit velocity coordinate.
 template <class T>
-void columns(const Compiled& m, Workspace<T>& w, const T* q) {
-  for (const ColumnSet& set : m.column_sets) {
+void motion_subspaces(const Compiled& m, Workspace<T>& w, const T* q) {
+  for (const MotionSubspace& set : m.subspaces) {
     const BodyData& b = m.bodies[set.body];
-    T* c = w.columns.data() + set.offset;
+    T* c = w.subspaces.data() + set.offset;
     const int s = set.stride;
     for (int k = 0; k < 6 * s; ++k) c[k] = T(0);
     for (int j = 0; j < b.joint_velocities; ++j)
@@ -67,8 +67,10 @@ void columns(const Compiled& m, Workspace<T>& w, const T* q) {
         }
     };
     if (set.frame >= 0) add_frame(m.frames[set.frame], w.frames[set.frame].position, T(1));
-    const FrameData& own = m.frames[b.own_frame];
-    if (own.flexible >= 0) {  // the body moves back when its joint frame moves forth
+    const FrameData& own = m.frames[b.outboard_frame];
+    if (own.flexible >= 0) {
+      // The inboard side holds the outboard frame: where modes move that frame in the body, the body moves
+      // the opposite way in space.
       Motion<T> at;
       T* y = w.scratch.data() + 8 * own.X.cols();  // behind add_frame's part
       for (int k = 0; k < 3 * own.X.cols(); ++k) y[k] = T(0);
@@ -122,7 +124,8 @@ void composite_times(const typename Workspace<T>::Composite& c, const T* columns
 }
 
 /// Adds the mass matrix (composite sums from the leaves, Lugrís 2008, 2.132–2.156) to the sparse values,
-/// after columns(). By shape integrals it needs w.integrals at the same amplitudes (residual writes them).
+/// after motion_subspaces(). By shape integrals it needs w.integrals at the same amplitudes (residual writes
+/// them).
 template <class T>
 void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
   for (auto& c : w.composites) {
@@ -135,7 +138,7 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     const BodyData& b = m.bodies[i];
     const Motion<T>& motion = w.bodies[i];
     const Mat3<T>& A = motion.rotation;
-    const ColumnSet& body_set = m.column_sets[b.columns];
+    const MotionSubspace& body_set = m.subspaces[b.subspace];
     const int s = body_set.stride;
     auto& composite = w.composites[i];
 
@@ -190,8 +193,8 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
         body_mass * p * p.transpose() + mixed + mixed.transpose() + A * second * A.transpose();
 
     // Force of each coordinate: composite inertia times the body's column, plus the elastic coupling.
-    const T* own = w.columns.data() + body_set.offset;
-    T* force = w.forces_of_columns.data();
+    const T* own = w.subspaces.data() + body_set.offset;
+    T* force = w.subspace_forces.data();
     composite_times<T>(composite, own, s, force);
     const linalg::BlockPlace& diagonal = m.diagonal[i];
     const int n = b.size();
@@ -209,9 +212,9 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     }
     add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
     for (const MassPlace& place : m.mass_places[i]) {
-      const ColumnSet& set = m.column_sets[place.columns];
-      add_product<T>(w.columns.data() + set.offset, set.stride, m.bodies[place.ancestor].size(), force, s, n,
-                     6, values, place.place);
+      const MotionSubspace& set = m.subspaces[place.subspace];
+      add_product<T>(w.subspaces.data() + set.offset, set.stride, m.bodies[place.ancestor].size(), force, s,
+                     n, 6, values, place.place);
     }
     if (b.parent < 0) continue;
 
@@ -221,17 +224,17 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     up.mass += composite.mass;
     up.moment += composite.moment;
     up.second += composite.second;
-    const FrameData& frame = m.frames[b.parent_frame];
+    const FrameData& frame = m.frames[b.inboard_frame];
     if (frame.flexible < 0) continue;
     const BodyData& parent = m.bodies[b.parent];
-    const ColumnSet& set = m.column_sets[frame.columns];
-    const ColumnSet& parent_set = m.column_sets[parent.columns];
+    const MotionSubspace& set = m.subspaces[frame.subspace];
+    const MotionSubspace& parent_set = m.subspaces[parent.subspace];
     const int ps = set.stride;
     // φ: what the modes add at the frame to the motion of the body frame.
     T* phi = w.scratch.data();
     T* phi_force = phi + 6 * ps;
-    const T* at_frame = w.columns.data() + set.offset;
-    const T* at_body = w.columns.data() + parent_set.offset;
+    const T* at_frame = w.subspaces.data() + set.offset;
+    const T* at_body = w.subspaces.data() + parent_set.offset;
     for (int k = 0; k < 6 * ps; ++k) phi[k] = at_frame[k] - at_body[k];
     composite_times<T>(composite, phi, ps, phi_force);
     T* parent_elastic = w.elastic_forces.data() + w.elastic_offset[b.parent];
@@ -240,17 +243,17 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
   }
 }
 
-/// One Jacobian row along a path: covector · (columns of the plus side − columns of the minus side).
+/// One Jacobian row along a path: covector · (motion subspace of the plus side − that of the minus side).
 template <class T>
 void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, const Vec3<T>& linear,
                   const Vec3<T>& angular, T* row) {
   for (const PathEntry& e : path.entries) {
-    const int s = m.column_sets[e.plus >= 0 ? e.plus : e.minus].stride;
+    const int s = m.subspaces[e.plus >= 0 ? e.plus : e.minus].stride;
     T* out = row + e.offset;
     for (int k = 0; k < s; k += 8)
       for (int j = k; j < k + 8; ++j) out[j] = T(0);
     const auto add = [&](int set, const T& sign) {
-      const T* c = w.columns.data() + m.column_sets[set].offset;
+      const T* c = w.subspaces.data() + m.subspaces[set].offset;
       const T l0 = sign * linear[0], l1 = sign * linear[1], l2 = sign * linear[2];
       const T a0 = sign * angular[0], a1 = sign * angular[1], a2 = sign * angular[2];
       for (int k = 0; k < s; k += 8)
@@ -263,7 +266,7 @@ void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, co
   }
 }
 
-/// Jacobian rows of loops, springs and tyres, after columns().
+/// Jacobian rows of loops, springs and tyres, after motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const LoopData& loop : m.loops)

@@ -1,9 +1,9 @@
 #pragma once
 #include "dynamics/amplitudes.h"
 #include "dynamics/elasticity.h"
+#include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
 #include "dynamics/geometric.h"
-#include "dynamics/relative/flexible.h"
 #include "dynamics/relative/workspace.h"
 
 /// Inverse dynamics: generalised forces that the motion needs minus those that act, leaves to root.
@@ -153,7 +153,7 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
     }
     // The subtree's wrench passes through the body's own joint: to the joint coordinates and to the parent's
     // frame.
-    const FrameData& own = m.frames[b.own_frame];
+    const FrameData& own = m.frames[b.outboard_frame];
     if (own.flexible >= 0) {
       // Its own modes move the body away from the joint.
       Motion<T> at;
@@ -167,9 +167,9 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
     if (b.modes > 0) fold(m.flexible[b.flexible], y, elastic);
     for (int k = 0; k < b.modes; ++k) out[b.v + b.joint_velocities + k] += elastic[k];
     w.transmitted[i] = {force, moment};
-    Wrench<T>& parent = w.wrenches[b.parent_frame];
+    Wrench<T>& parent = w.wrenches[b.inboard_frame];
     parent.force -= force;
-    parent.moment -= moment - w.frames[b.parent_frame].position.cross(force);
+    parent.moment -= moment - w.frames[b.inboard_frame].position.cross(force);
   }
 }
 

@@ -34,10 +34,8 @@ Workspace<T>::Workspace(const Compiled& m) {
   covector_angular.assign(m.equations, nan3);
   springs.assign(m.springs.size(), {nan, nan, nan, nan, nan, nan3});
   tyres.assign(m.tyres.size(), {nan, nan, nan, nan});
-  joint_spring_stiffness.assign(m.joint_springs.size(), nan);
-  joint_spring_damping.assign(m.joint_springs.size(), nan);
-  joint_spring_force.assign(m.joint_springs.size(), nan);
-  columns.assign(m.column_storage, nan);
+  joint_springs.assign(m.joint_springs.size(), {nan, nan, nan});
+  subspaces.assign(m.subspace_storage, nan);
   jacobian.assign(m.jacobian_storage, nan);
   weighted.assign(m.jacobian_storage, nan);
   composites.assign(m.bodies.size(), {nan, nan3, nan33});
@@ -52,7 +50,7 @@ Workspace<T>::Workspace(const Compiled& m) {
     elastic += 6 * pad(b.size());
     integral += 9 * m.flexible[b.flexible].stride;
   }
-  forces_of_columns.assign(6 * widest, nan);
+  subspace_forces.assign(6 * widest, nan);
   elastic_forces.assign(elastic, nan);
   integrals.assign(integral, nan);
   scratch.assign(24 * widest, nan);
@@ -61,11 +59,6 @@ Workspace<T>::Workspace(const Compiled& m) {
 
 template struct Workspace<double>;
 
-/// A spring's share of the leading matrix, kg.
-static double spring_tangent(const Workspace<double>::SpringState& s, const MatrixWeights& weights) {
-  return weights.damping * s.damping + weights.stiffness * s.stiffness;
-}
-
 RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
       work_(model),
@@ -73,9 +66,7 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       penalty_(model.equations),
       mu_(model.equations),
       weight_(8),
-      spring_weight_(model.springs.size()),
-      tyre_weight_(model.tyres.size()),
-      ancf_marks_(ancf::all_marks(model)) {
+      marks_(model) {
   for (const LoopData& loop : model.loops)
     for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
@@ -99,7 +90,7 @@ void RelativeSystem::begin_step(const double* q) {
   // it.
   if (model_.bodies.empty()) return;
   const BodyData& root = model_.bodies.front();
-  const FrameData& base = model_.frames[root.parent_frame];
+  const FrameData& base = model_.frames[root.inboard_frame];
   Vec3d at = Vec3d::Zero();
   if (root.joint == spec::JointType::floating && !root.reversed)
     at = Vec3d(q[root.q], q[root.q + 1], q[root.q + 2]);
@@ -122,12 +113,12 @@ void RelativeSystem::begin_step(const double* q) {
 }
 
 void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
-  columns<double>(model_, work_, q);
+  motion_subspaces<double>(model_, work_, q);
   relative::jacobian<double>(model_, work_);
   factor_.set_zero();
   double* values = factor_.values();
   mass<double>(model_, work_, q, values);
-  double* marks = ancf_marks_.data();
+  double* marks = marks_.ancf();
   for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
     const BodyData& b = model_.bodies[i];
     if (b.modes == 0) continue;
@@ -174,12 +165,12 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
   }
   for (std::size_t k = 0; k < model_.springs.size(); ++k) {
     const SpringData& s = model_.springs[k];
-    const double weight = spring_weight_[k] = spring_tangent(work_.springs[k], weights);
+    const double weight = marks_.spring(k) = spring_tangent(work_.springs[k], weights);
     add_squares<double>(model_, s.path, work_.jacobian.data() + s.jacobian, 1, &weight, work_.weighted.data(),
                         values);
   }
   for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
-    const double weight = tyre_weight_[k] = weights.stiffness * work_.tyres[k].stiffness;
+    const double weight = marks_.tyre(k) = tyre_tangent(work_.tyres[k], weights);
     if (weight != 0)
       add_squares<double>(model_, model_.tyres[k].path, work_.jacobian.data() + model_.tyres[k].jacobian, 1,
                           &weight, work_.weighted.data(), values);
@@ -188,7 +179,8 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
     const JointSpringData& s = model_.joint_springs[k];
     const linalg::BlockPlace& place = model_.diagonal[s.body];
     values[place.offset + s.local * (place.row_stride + place.col_stride)] +=
-        weights.damping * work_.joint_spring_damping[k] + weights.stiffness * work_.joint_spring_stiffness[k];
+        weights.damping * work_.joint_springs[k].damping +
+        weights.stiffness * work_.joint_springs[k].stiffness;
   }
   for (const LoopData& loop : model_.loops) {
     for (int r = 0; r < loop.count; ++r) weight_[r] = weights.penalty * penalty_[loop.first_equation + r];
@@ -213,19 +205,9 @@ void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights,
 }
 
 bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
-  const double small = 0.02 * model_.mass_scale;
-  for (std::size_t k = 0; k < model_.springs.size(); ++k)
-    if (std::abs(spring_tangent(work_.springs[k], weights) - spring_weight_[k]) > small) return true;
-  for (std::size_t k = 0; k < model_.tyres.size(); ++k)
-    if (std::abs(weights.stiffness * work_.tyres[k].stiffness - tyre_weight_[k]) > small) return true;
-  const double* marks = ancf_marks_.data();
-  for (const BodyData& b : model_.bodies) {
-    if (b.modes == 0 || model_.flexible[b.flexible].ancf.empty()) continue;
-    const FlexibleData& f = model_.flexible[b.flexible];
-    if (ancf::marks_moved(f, q + b.q + b.joint_positions, marks, small / weights.stiffness)) return true;
-    marks += ancf::marks(f);
-  }
-  return false;
+  return marks_.changed(model_, work_.springs, work_.tyres, weights, [&](std::size_t i) {
+    return q + model_.bodies[i].q + model_.bodies[i].joint_positions;
+  });
 }
 
 void RelativeSystem::multiply(const double* x, double* y) const {

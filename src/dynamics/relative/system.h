@@ -2,7 +2,8 @@
 #include <memory>
 
 #include "dynamics/relative/workspace.h"
-#include "integrate/system.h"
+#include "dynamics/system.h"
+#include "dynamics/tangent_marks.h"
 
 namespace mimbre::relative {
 
@@ -29,6 +30,7 @@ class RelativeSystem final : public System {
   void solve(double* x) const override { factor_.solve(x); }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
+  std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   void temper_prediction(double h, double* x) const override;
@@ -49,8 +51,7 @@ class RelativeSystem final : public System {
   Workspace<double> work_;
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_, weight_;
-  std::vector<double> spring_weight_, tyre_weight_;  ///< tangents in the factorised matrix, kg
-  std::vector<double> ancf_marks_;                   ///< of its beams by absolute nodal coordinates, by body
+  TangentMarks marks_;
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

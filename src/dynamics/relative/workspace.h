@@ -1,36 +1,15 @@
 #pragma once
 #include <vector>
 
+#include "dynamics/motion.h"
 #include "dynamics/projection.h"
 #include "dynamics/stress_motion.h"
-#include "linalg/block_sparse.h"
-#include "math/rotation.h"
+#include "forces/joint_spring.h"
 #include "model/compiled.h"
 
 /// Scratch of the relative formulation, sized once. Every array says who writes it. All vectors are in global
 /// axes, all points relative to the common point `origin`, unless a comment says otherwise.
 namespace mimbre::relative {
-
-/// Pose and motion of a body frame or a frame on a body.
-template <class T>
-struct Motion {
-  Mat3<T> rotation;      ///< its axes to global axes
-  Vec3<T> position;      ///< of its origin, relative to the common point
-  Vec3<T> velocity;      ///< of its origin
-  Vec3<T> omega;         ///< angular velocity
-  Vec3<T> acceleration;  ///< of its origin, minus gravity (the ground accelerates with −g)
-  Vec3<T> alpha;         ///< angular acceleration
-};
-
-/// Force on a frame's origin and moment, acting on the body.
-template <class T>
-struct Wrench {
-  Vec3<T> force;
-  Vec3<T> moment;
-};
-
-template <class T>
-using AlignedVector = std::vector<T, linalg::CacheAligned<T>>;
 
 template <class T>
 struct Workspace {
@@ -51,20 +30,12 @@ struct Workspace {
   std::vector<Vec3<T>> covector_linear;   ///< of loop equations about the common point, by constraints
   std::vector<Vec3<T>> covector_angular;
 
-  struct SpringState {
-    T length, rate, tension;
-    T stiffness, damping;  ///< ∂tension/∂length, ∂tension/∂rate
-    Vec3<T> direction;     ///< from end a to end b
-  };
-  std::vector<SpringState> springs;  ///< by forces
-  struct TyreState {
-    T force, penetration, road;
-    T stiffness;  ///< 0 without contact
-  };
-  std::vector<TyreState> tyres;                                                     ///< by forces
-  std::vector<T> joint_spring_stiffness, joint_spring_damping, joint_spring_force;  ///< by forces
+  std::vector<SpringState<T>> springs;             ///< by forces
+  std::vector<TyreState<T>> tyres;                 ///< by forces
+  std::vector<JointSpringState<T>> joint_springs;  ///< by forces
 
-  AlignedVector<T> columns;   ///< Compiled::column_sets, six rows each (linear 3, angular 3), by columns()
+  AlignedVector<T>
+      subspaces;  ///< Compiled::subspaces, six rows each (linear 3, angular 3), by motion_subspaces()
   AlignedVector<T> jacobian;  ///< rows of loops, springs, tyres along their paths, by jacobian()
 
   AlignedVector<T> weighted;  ///< weighted Jacobian rows; by add_squares
@@ -76,10 +47,11 @@ struct Workspace {
     Mat3<T> second;  ///< ∫ r rᵀ dm
   };
   std::vector<Composite> composites;
-  AlignedVector<T> forces_of_columns;  ///< six rows of the widest body: composite inertia times its columns
+  AlignedVector<T>
+      subspace_forces;  ///< six rows of the widest body: composite inertia times its motion subspace
   AlignedVector<T> elastic_forces;  ///< coupling of elastic coordinates with their subtree, six rows per body
   std::vector<int> elastic_offset;  ///< by body into elastic_forces
-  AlignedVector<T> integrals;       ///< per flexible body: S'^i rows (9 × stride), by kinematics
+  AlignedVector<T> integrals;       ///< per flexible body: S'^i rows (9 × stride), by residual
   std::vector<int> integral_offset;
   AlignedVector<T> folded;  ///< a matrix of extended amplitudes folded, by mass and assembly
   AlignedVector<T> scratch;
@@ -89,5 +61,22 @@ struct Workspace {
   std::vector<projection::Constants> projections;
   projection::Work projection;
 };
+
+/// What a flexible body's inertia does not change with the motion, by shape integrals or by projection.
+struct ConstantInertia {
+  double mass;
+  const Vec3d& first_moment;  ///< undeformed
+  const Rows& S;
+  const Rows& modal_mass;
+};
+template <class T>
+ConstantInertia constant_inertia(const Compiled& m, const Workspace<T>& w, const BodyData& b) {
+  if (w.projections.empty()) {
+    const FlexibleData& f = m.flexible[b.flexible];
+    return {b.mass, b.first_moment, f.S, f.mass};
+  }
+  const projection::Constants& c = w.projections[b.flexible];
+  return {c.total_mass, c.first_moment, c.S, c.mass};
+}
 
 }  // namespace mimbre::relative

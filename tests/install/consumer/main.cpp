@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "mimbre/beam_reduction.h"
 #include "mimbre/diagnostics.h"
-#include "mimbre/fe.h"
 #include "mimbre/function.h"
 #include "mimbre/model_file.h"
 #include "mimbre/results.h"

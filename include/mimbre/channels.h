@@ -1,0 +1,58 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mimbre/spec.h"
+
+/// What a run tells of itself: numbers by name, and what a picture needs.
+namespace mimbre {
+
+struct ChannelInfo {
+  std::string name;
+  std::string unit;     ///< "m", "rad", "N", "J", "1", …
+  std::string meaning;  ///< one line for people
+};
+
+/// How a body is drawn: points (body axes), mode shapes of the points, lines between points, solid shapes.
+struct BodyDrawing {
+  std::string name;
+  Eigen::Matrix3Xd points;
+  Eigen::MatrixXd point_shapes;  ///< 3·points × modes; no columns for a rigid body
+  std::vector<std::array<int, 2>> lines;
+  std::vector<std::array<int, 3>> triangles;  ///< of points: the surface, counterclockwise from outside
+  std::vector<std::int64_t> labels;           ///< of the points in the file of their mesh; none: unknown
+  Eigen::MatrixXd stress;                     ///< 6·points × modes, see ReducedBody::stress; empty: unknown
+  double line_radius = 0.01;
+  std::vector<spec::Shape> shapes;
+  int modes = 0;
+};
+
+struct RoadDrawing {
+  std::string name;
+  Eigen::Matrix2Xd profile;  ///< x, z
+};
+
+/// What describes a run, written before the first step.
+struct ResultsHeader {
+  std::string title;
+  std::string model_text;
+  std::string options_json;  ///< parameters and command-line overrides
+  double step = 0;
+  std::vector<ChannelInfo> channels;
+  std::vector<BodyDrawing> bodies;
+  std::vector<RoadDrawing> roads;
+};
+
+/// One output instant. Poses: 7 × bodies (position, quaternion w x y z); modes: all bodies' amplitudes one
+/// after another.
+struct ResultsRow {
+  double time = 0;
+  Eigen::VectorXd channels;
+  Eigen::Matrix<double, 7, Eigen::Dynamic> poses;
+  Eigen::VectorXd modes;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,45 @@
+#pragma once
+#include <optional>
+
+#include "mimbre/spec.h"
+
+/// How a model is computed: what a run was asked for, and what it took.
+namespace mimbre {
+
+/// Options of a run; fields left at their defaults are taken from the model file's simulation section.
+struct RunOptions {
+  double step = 0;  ///< s
+  std::optional<spec::Simulation::Formulation> formulation;
+  std::optional<spec::Simulation::Inertia> inertia;
+  std::optional<spec::Simulation::Formalism> formalism;
+  /// Where it is not given, `xi` asks for Newmark's rule, and `rho` for generalised-α in Newmark's place.
+  std::optional<spec::Simulation::Integrator> integrator;
+  double rho = -1;
+  double xi = 1;  ///< Newmark's ξ ≤ 0; 1: not given
+  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
+  /// lifts the mechanism by 0.25 mm), or when it does not converge. 1: never; 0: from the file, or 4 with
+  /// generalised-α, 1 with Newmark.
+  int substeps = 0;
+  bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
+};
+
+/// What a run takes: options, model file and the library's defaults, resolved.
+struct Method {
+  spec::Simulation::Formulation formulation = spec::Simulation::Formulation::relative;
+  spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals;
+  spec::Simulation::Formalism formalism = spec::Simulation::Formalism::index3;
+  spec::Simulation::Integrator integrator = spec::Simulation::Integrator::generalized_alpha;
+  double step = 0;         ///< s
+  double rho = 0;          ///< spectral radius at infinity of generalised-α and HHT
+  double xi = 0;           ///< of Newmark's rule
+  double tolerance = 0;    ///< see IntegratorOptions
+  double penalty = 0;      ///< likewise
+  int max_iterations = 0;  ///< of a step
+  int substeps = 1;        ///< parts in which an inaccurate step is repeated; 1: never
+  bool profile = false;
+};
+
+/// The only place where defaults are decided.
+Method resolve_method(const spec::Simulation& given, const RunOptions& options);
+
+}  // namespace mimbre

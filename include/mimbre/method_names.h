@@ -1,0 +1,34 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+#include "mimbre/spec.h"
+
+/// What the choices of spec::Simulation are called in model files and on the command line, in the order of
+/// its enumerations.
+namespace mimbre::method_names {
+
+inline constexpr std::array formulations{"relative", "natural"};
+inline constexpr std::array inertias{"integrals", "projection", "projection_translations"};
+inline constexpr std::array formalisms{"index3",  "index1",           "baumgarte",
+                                       "penalty", "index1_augmented", "independent"};
+inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht"};
+
+}  // namespace mimbre::method_names
+
+namespace mimbre {
+
+inline const char* name_of(spec::Simulation::Formulation f) {
+  return method_names::formulations[static_cast<std::size_t>(f)];
+}
+inline const char* name_of(spec::Simulation::Inertia i) {
+  return method_names::inertias[static_cast<std::size_t>(i)];
+}
+inline const char* name_of(spec::Simulation::Formalism f) {
+  return method_names::formalisms[static_cast<std::size_t>(f)];
+}
+inline const char* name_of(spec::Simulation::Integrator i) {
+  return method_names::integrators[static_cast<std::size_t>(i)];
+}
+
+}  // namespace mimbre

@@ -1,0 +1,23 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "mimbre/channels.h"
+#include "mimbre/method.h"
+#include "mimbre/model.h"
+
+namespace mimbre {
+
+/// Static equilibrium of a model: outputs by name and value. Throws std::runtime_error when it is not found.
+struct StaticResult {
+  std::vector<ChannelInfo> channels;
+  Eigen::VectorXd values;
+  int output_count = 0;
+  int iterations = 0;
+  double cpu_seconds = 0;
+  double residual = 0;
+};
+StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options = {});
+
+}  // namespace mimbre

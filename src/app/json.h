@@ -1,0 +1,14 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+/// A unit that makes or reads JSON includes <nlohmann/json.hpp> too; who only passes it on does not.
+namespace mimbre::app {
+
+/// Objects keep the order in which their keys were written.
+using Json = nlohmann::ordered_json;
+
+/// JSON text; numbers that are not finite become null, text that is not UTF-8 is replaced.
+std::string to_text(const Json& json, int indent = 2);
+
+}  // namespace mimbre::app

@@ -1,0 +1,67 @@
+#pragma once
+#include <span>
+
+#include "linalg/block_sparse.h"
+
+namespace mimbre {
+
+/// Weights of the leading matrix  M + damping·C + stiffness·K + penalty·Φzᵀ α Φz.
+struct MatrixWeights {
+  double damping = 0, stiffness = 0, penalty = 0;
+};
+
+/// A mechanism in some set of coordinates, as integrators and statics see it: they know no joints and no
+/// bodies. q: positions (unit quaternions among them), v, a: velocity coordinates and their rates, x:
+/// increments in the tangent space (size velocities). One virtual call per evaluation; nothing here
+/// allocates, throws or locks. One thread at a time.
+class System {
+ public:
+  virtual ~System() = default;
+
+  virtual int positions() const = 0;
+  virtual int velocities() const = 0;
+  virtual int equations() const = 0;
+  /// α of each equation (equations × 1): its share of MatrixWeights::penalty; kg or kg m².
+  virtual const double* penalty() const = 0;
+
+  /// Moves the common reference point to where the mechanism is at q. Between two calls results refer to one
+  /// point.
+  virtual void begin_step(const double* q) = 0;
+  /// r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q). Also evaluates the equations.
+  virtual void residual(double t, const double* q, const double* v, const double* a,
+                        const double* multipliers, double factor, double* r) = 0;
+  /// Evaluates positions, velocities, accelerations and the equations only.
+  virtual void kinematics(double t, const double* q, const double* v, const double* a) = 0;
+  /// Φ, Φ̇, Φ̈ of the last evaluation.
+  virtual const double* phi() const = 0;
+  virtual const double* phi_dot() const = 0;
+  virtual const double* phi_ddot() const = 0;
+
+  /// Assembles the leading matrix at the last residual's state (q as given there) and factorises it.
+  virtual linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) = 0;
+  virtual void solve(double* x) const = 0;
+  /// Assembles as factor() does, but only copies the matrix: velocities × velocities, both triangles,
+  /// column-major. For formalisms that are not made for speed; solve() must not follow, Jacobian products
+  /// may.
+  virtual void dense_matrix(const double* q, const MatrixWeights& weights, double* out) = 0;
+  /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
+  /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
+  virtual bool tangent_changed(const double* q, const MatrixWeights& weights) const = 0;
+  /// The tangents in the factorised matrix, which tangent_changed() compares with. The first iteration of a
+  /// step may ask for those of the step before, so that they belong to what must be saved to go on.
+  virtual std::span<double> tangent_marks() = 0;
+  /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
+  /// x.
+  virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;
+  virtual void jacobian_times(const double* x, double* out) const = 0;
+
+  /// Takes back the part of a predicted increment over a step h that should not be extrapolated: that of
+  /// modal amplitudes faster than the step.
+  virtual void temper_prediction(double h, double* x) const = 0;
+  /// out = q moved by the increment x; out may be q.
+  virtual void retract(const double* q, const double* x, double* out) const = 0;
+  /// x ← increment that does first x, then d.
+  virtual void compose(double* x, const double* d) const = 0;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,85 @@
+#include "fe_files/mesh_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fe_files/text.h"
+
+namespace mimbre::fe {
+
+namespace {
+
+/// Six times as many dofs still have int indices.
+constexpr std::size_t kMostNodes = 350'000'000;
+
+}  // namespace
+
+int NodeTable::add(std::int64_t label, const Eigen::Vector3d& position, const TextFile& file) {
+  const int index = size();
+  if (!by_label_.emplace(label, index).second) file.fail(fmt::format("node {} is there already", label));
+  if (labels_.size() >= kMostNodes) file.fail(fmt::format("has more than {} nodes", kMostNodes));
+  positions_.push_back(position);
+  labels_.push_back(label);
+  return index;
+}
+
+int NodeTable::find(std::int64_t label) const {
+  const auto found = by_label_.find(label);
+  return found == by_label_.end() ? -1 : found->second;
+}
+
+int NodeTable::at(std::int64_t label, const TextFile& file, const char* user, std::int64_t user_label) const {
+  const int index = find(label);
+  if (index < 0)
+    file.fail(fmt::format("node {} of {} {} is not there (nodes must stand before what uses them)", label,
+                          user, user_label));
+  return index;
+}
+
+void NodeTable::move_into(SolidMesh& mesh) {
+  mesh.nodes.resize(3, size());
+  for (int i = 0; i < size(); ++i) mesh.nodes.col(i) = positions_[static_cast<std::size_t>(i)];
+  mesh.labels = std::move(labels_);
+  positions_ = {};
+  by_label_ = {};
+}
+
+std::vector<int>& NodeSets::operator[](const std::string& name) {
+  const auto [place, is_new] = by_name_.emplace(lower(name), static_cast<int>(sets_.size()));
+  if (is_new) sets_.push_back({name, {}});
+  return sets_[static_cast<std::size_t>(place->second)].nodes;
+}
+
+const std::vector<int>* NodeSets::find(const std::string& name) const {
+  const auto found = by_name_.find(lower(name));
+  return found == by_name_.end() ? nullptr : &sets_[static_cast<std::size_t>(found->second)].nodes;
+}
+
+void NodeSets::move_into(SolidMesh& mesh) {
+  for (NodeSet& set : sets_) {
+    std::sort(set.nodes.begin(), set.nodes.end());
+    set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
+    set.nodes.shrink_to_fit();
+  }
+  mesh.node_sets = std::move(sets_);
+}
+
+void scale(SolidMesh& mesh, double length, double mass, double time) {
+  const double area = length * length;
+  const auto to_si = [&](Material& material) {
+    material.young *= mass / (length * time * time);
+    material.density *= mass / (area * length);
+  };
+  mesh.nodes *= length;
+  for (ElementGroup& group : mesh.groups) group.thickness *= length;
+  for (NamedMaterial& named : mesh.materials) to_si(named.material);
+  for (BeamElement& beam : mesh.beams) {
+    to_si(beam.material);
+    for (Eigen::Vector3d& offset : beam.offsets) offset *= length;
+    beam.section.area *= area;
+    for (double* moment : {&beam.section.Iy, &beam.section.Iz, &beam.section.J}) *moment *= area * area;
+  }
+}
+
+}  // namespace mimbre::fe

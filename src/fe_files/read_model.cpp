@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+#include "fe_files/inp_lines.h"
+#include "fe_files/text.h"
+#include "mimbre/fe_import.h"
+
+namespace mimbre::fe {
+namespace {
+
+namespace fs = std::filesystem;
+
+FeModel model_of(ImportedMatrices read) {
+  return {std::move(read.mesh), std::move(read.matrices), std::move(read.file_dofs),
+          std::move(read.warnings)};
+}
+
+void add_materials(SolidMesh& mesh, const std::vector<NamedMaterial>& materials) {
+  for (const NamedMaterial& material : materials) {
+    const int index = static_cast<int>(mesh.materials.size());
+    mesh.materials.push_back(material);
+    if (material.name.empty()) mesh.materials.back().name = "material";
+    bool used = false;
+    for (ElementGroup& group : mesh.groups)
+      if (material.name.empty() ? group.material < 0 : group.name == material.name) {
+        group.material = index;
+        used = true;
+      }
+    if (!used && !material.name.empty())
+      throw std::invalid_argument(
+          fmt::format("--material: no elements belong to a group '{}'", material.name));
+  }
+}
+
+FeModel assembled(const std::string& path, const FeCompanions& companions, const FileUnits& units) {
+  ImportedMesh read = read_mesh(path, units);
+  add_materials(read.mesh, companions.materials);
+  try {
+    FeMatrices matrices = assemble(read.mesh);
+    if (matrices.dofs.empty()) throw std::invalid_argument("has no elements");
+    return {std::move(read.mesh), std::move(matrices), {}, std::move(read.warnings)};
+  } catch (const std::invalid_argument& error) {
+    throw InputError(Mark{path}, error.what());
+  }
+}
+
+/// Those that CalculiX writes beside its input.
+std::vector<std::string> matrices_beside(const std::string& path) {
+  std::vector<std::string> files;
+  for (const char* ending : {".sti", ".mas", ".dof"})
+    files.push_back(fs::path(path).replace_extension(ending).string());
+  return files;
+}
+
+bool all_exist(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
+    if (!fs::exists(file)) return false;
+  return true;
+}
+
+}  // namespace
+
+FeModel read_model(const std::string& path, const FeCompanions& companions, const FileUnits& units) {
+  const std::string ending = lower(fs::path(path).extension().string());
+  if (ending == ".inp" && all_exist(matrices_beside(path)))
+    return model_of(read_calculix_matrices(path, units));
+  if (ending == ".msh" || ending == ".inp") return assembled(path, companions, units);
+  if (ending == ".mtx" || ending == ".npz") {
+    if (companions.mass.empty() || companions.nodes.empty())
+      throw std::invalid_argument("a stiffness matrix needs --mass FILE and --nodes FILE beside it");
+    return model_of(read_sparse_matrices(path, companions.mass, companions.nodes, companions.dofs, units));
+  }
+  if (ending == ".pch" || ending == ".dmig" || ending == ".bdf" || ending == ".dat")
+    return model_of(read_nastran_dmig(path, companions.nodes, "", "", units));
+  throw std::invalid_argument(fmt::format("'{}': the ending '{}' is not known", path, ending));
+}
+
+std::vector<std::string> files_beside(const std::string& inp_path) {
+  std::vector<std::string> files;
+  for (const std::string& file : matrices_beside(inp_path))
+    if (fs::exists(file)) files.push_back(file);
+  InpLines lines(std::make_unique<TextFile>(inp_path), fs::path(inp_path).parent_path().string(), true);
+  InpKeyword keyword;
+  while (lines.next_keyword(keyword)) {
+  }
+  files.insert(files.end(), lines.included().begin(), lines.included().end());
+  return files;
+}
+
+}  // namespace mimbre::fe

@@ -1,0 +1,86 @@
+#include "fe_files/text_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+namespace mimbre::fe {
+
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 20;
+/// No line of a text file is longer; a binary file may have no line end at all.
+constexpr std::size_t kLongestLine = std::size_t{16} << 20;
+
+}  // namespace
+
+TextFile::TextFile(const std::string& path)
+    : name_(path), file_(std::fopen(path.c_str(), "rb"), std::fclose), buffer_(kChunk) {
+  if (!file_) throw InputError({path, 0, 0}, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) throw InputError({path, 0, 0}, "is a folder, not a file");
+}
+
+TextFile::TextFile(std::string text, std::string name)
+    : name_(std::move(name)),
+      file_(nullptr, std::fclose),
+      buffer_(text.begin(), text.end()),
+      end_(text.size()) {}
+
+bool TextFile::refill() {
+  if (!file_) return false;
+  if (begin_ > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  if (end_ == buffer_.size()) {
+    if (buffer_.size() >= kLongestLine)
+      fail(fmt::format("has a line of more than {} MB: not a text file", kLongestLine >> 20));
+    buffer_.resize(buffer_.size() * 2);
+  }
+  const std::size_t count = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
+  if (count == 0 && std::ferror(file_.get())) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
+  end_ += count;
+  return count > 0;
+}
+
+bool TextFile::next(std::string_view& line) {
+  if (again_) {
+    again_ = false;
+    line = line_;
+    return true;
+  }
+  std::size_t searched = begin_;
+  const char* found = nullptr;
+  while (true) {
+    found = end_ > searched
+                ? static_cast<const char*>(std::memchr(buffer_.data() + searched, '\n', end_ - searched))
+                : nullptr;
+    if (found) break;
+    const std::size_t waiting = end_ - begin_;
+    if (!refill()) break;
+    searched = begin_ + waiting;
+  }
+  if (!found && begin_ == end_) return false;
+  const char* first = buffer_.data() + begin_;
+  const char* last = found ? found : buffer_.data() + end_;
+  begin_ = found ? static_cast<std::size_t>(found - buffer_.data()) + 1 : end_;
+  ++line_number_;
+  line_ = {first, static_cast<std::size_t>(last - first)};
+  if (line_.ends_with('\r')) line_.remove_suffix(1);
+  if (line_.find('\0') != std::string_view::npos) fail("holds zero bytes: not a text file");
+  line = line_;
+  return true;
+}
+
+std::string_view TextFile::expect(const char* what) {
+  std::string_view line;
+  if (!next(line)) fail(fmt::format("ends within {}", what));
+  return line;
+}
+
+}  // namespace mimbre::fe

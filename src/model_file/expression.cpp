@@ -1,0 +1,191 @@
+#include "model_file/expression.h"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "mimbre/diagnostics.h"
+
+namespace mimbre::model_file {
+namespace {
+
+constexpr std::array functions{"sin",  "cos",   "tan",   "asin",  "acos", "atan",  "atan2", "sinh", "cosh",
+                               "tanh", "asinh", "acosh", "atanh", "log2", "log10", "log",   "ln",   "exp",
+                               "sqrt", "sign",  "rint",  "abs",   "min",  "max",   "sum",   "avg"};
+
+/// Bounds the work on hostile texts.
+constexpr std::size_t longest = 2000;
+constexpr int deepest = 100;
+
+bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
+bool continues_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\n");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
+}
+
+/// End of the number that starts at `i`.
+std::size_t number_end(const std::string& text, std::size_t i) {
+  while (i < text.size() && (is_digit(text[i]) || text[i] == '.')) ++i;
+  if (i < text.size() && (text[i] == 'e' || text[i] == 'E')) {
+    std::size_t j = i + 1;
+    if (j < text.size() && (text[j] == '+' || text[j] == '-')) ++j;
+    if (j < text.size() && is_digit(text[j])) {
+      while (j < text.size() && is_digit(text[j])) ++j;
+      i = j;
+    }
+  }
+  return i;
+}
+
+std::string value_of_name(const std::string& name, const Scope& scope) {
+  if (const ParameterValue* value = scope.find(name)) {
+    if (const double* number = std::get_if<double>(value)) return fmt::format("({:.17g})", *number);
+    return fmt::format("({})", *scope.find_word(std::get<std::string>(*value)));
+  }
+  if (name == "true") return "1";
+  if (name == "false") return "0";
+  if (const int* word = scope.find_word(name)) return fmt::format("({})", *word);
+  auto known = scope.names();
+  known.insert(known.end(), functions.begin(), functions.end());
+  const std::string hint = did_you_mean(name, known);
+  if (name == "nan" || name == "inf" || name == "infinity") throw ExpressionError("is not a finite number");
+  throw ExpressionError(fmt::format("'{}' is not a parameter or function{}", name, hint));
+}
+
+}  // namespace
+
+const ParameterValue* Scope::find(const std::string& name) const {
+  for (const Scope* scope = this; scope; scope = scope->outer)
+    if (const auto it = scope->values.find(name); it != scope->values.end()) return &it->second;
+  return nullptr;
+}
+
+const int* Scope::find_word(const std::string& word) const {
+  for (const Scope* scope = this; scope; scope = scope->outer)
+    if (const auto it = scope->words.find(word); it != scope->words.end()) return &it->second;
+  return nullptr;
+}
+
+std::vector<std::string> Scope::names() const {
+  std::vector<std::string> result;
+  for (const Scope* scope = this; scope; scope = scope->outer)
+    for (const auto& [name, value] : scope->values) result.push_back(name);
+  return result;
+}
+
+bool is_function_name(const std::string& name) {
+  return std::find(functions.begin(), functions.end(), name) != functions.end();
+}
+
+std::string substitute_parameters(const std::string& text, const Scope& scope,
+                                  const std::vector<std::string>& variables) {
+  if (text.size() > longest) throw ExpressionError(fmt::format("is longer than {} characters", longest));
+  std::string result;
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '(' || c == '?') ++depth;
+    if (c == ')') --depth;
+    if (depth > deepest) throw ExpressionError(fmt::format("is nested deeper than {} levels", deepest));
+    if (starts_name(c)) {
+      std::size_t end = i;
+      while (end < text.size() && continues_name(text[end])) ++end;
+      const std::string name = text.substr(i, end - i);
+      const std::size_t next = text.find_first_not_of(" \t\n", end);
+      const bool called = next != std::string::npos && text[next] == '(';
+      if (called && !is_function_name(name))
+        throw ExpressionError(fmt::format("there is no function '{}'{}", name,
+                                          did_you_mean(name, {functions.begin(), functions.end()})));
+      if (called || name == "pi" || std::find(variables.begin(), variables.end(), name) != variables.end())
+        result += name;
+      else
+        result += value_of_name(name, scope);
+      i = end;
+    } else if (is_digit(c) || c == '.') {
+      const std::size_t end = number_end(text, i);
+      result += text.substr(i, end - i);
+      i = end;
+    } else if (c == '=') {
+      // muParser would take a lone '=' as an assignment.
+      const bool compares = (i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos) ||
+                            (i + 1 < text.size() && text[i + 1] == '=');
+      if (!compares) throw ExpressionError("'=' is no operator; compare with '=='");
+      result += c;
+      ++i;
+    } else if (std::string(" \t\n+-*/^()<>!&|?:,").find(c) != std::string::npos) {
+      result += c;
+      ++i;
+    } else {
+      throw ExpressionError(fmt::format("'{}' is no number or expression", text));
+    }
+  }
+  return result;
+}
+
+double evaluate(const std::string& given, const Scope& scope) {
+  const std::string text = !given.empty() && given[0] == '$' ? given.substr(1) : given;
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status == std::errc() && end == text.data() + text.size()) {
+    if (!std::isfinite(value)) throw ExpressionError(fmt::format("'{}' is not a finite number", given));
+    return value;
+  }
+  if (text == ".inf" || text == "-.inf" || text == "+.inf" || text == ".nan" || text == ".NaN" ||
+      text == ".Inf")
+    throw ExpressionError(fmt::format("'{}' is not a finite number", given));
+  const std::string expression = substitute_parameters(text, scope, {});
+  if (trimmed(expression).empty()) throw ExpressionError("is empty; a number is needed");
+  try {
+    mu::Parser parser;
+    parser.DefineConst("pi", std::numbers::pi);
+    parser.SetExpr(expression);
+    int count = 0;
+    const double* results = parser.Eval(count);
+    if (count != 1)
+      throw ExpressionError(fmt::format("'{}' is a list of {} numbers; one is needed", given, count));
+    value = results[0];
+  } catch (const mu::Parser::exception_type& error) {
+    throw ExpressionError(fmt::format("'{}' is no expression: {}", given, error.GetMsg()));
+  }
+  if (!std::isfinite(value))
+    throw ExpressionError(fmt::format("'{}' is not a finite number ({})", given, value));
+  return value;
+}
+
+std::string evaluate_word(const std::string& given, const Scope& scope) {
+  std::string text = trimmed(given);
+  if (text.size() > longest) throw ExpressionError(fmt::format("is longer than {} characters", longest));
+  for (auto question = text.find('?'); question != std::string::npos; question = text.find('?')) {
+    const auto colon = text.find(':', question);
+    if (colon == std::string::npos)
+      throw ExpressionError(fmt::format("'{}': a choice is written 'condition ? word : word'", given));
+    const bool holds = evaluate(text.substr(0, question), scope) != 0;
+    text = trimmed(holds ? text.substr(question + 1, colon - question - 1) : text.substr(colon + 1));
+  }
+  if (text.size() > 1 && text[0] == '$') {
+    const std::string name = text.substr(1);
+    const ParameterValue* value = scope.find(name);
+    if (!value)
+      throw ExpressionError(
+          fmt::format("there is no parameter '{}'{}", name, did_you_mean(name, scope.names())));
+    return to_text(*value);
+  }
+  return text;
+}
+
+std::string to_text(const ParameterValue& value) {
+  if (const double* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  return std::get<std::string>(value);
+}
+
+}  // namespace mimbre::model_file

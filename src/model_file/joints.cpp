@@ -1,0 +1,356 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <unordered_set>
+
+#include "joints/table.h"
+#include "model_file/builder.h"
+
+/// Joints, their drives, springs and initial values.
+namespace mimbre::model_file {
+namespace {
+
+using spec::JointType;
+
+/// Coordinates that are plain lengths or angles: those that drives, springs and outputs can name.
+int scalar_coordinates(JointType type) {
+  const JointInfo& info = joint_info(type);
+  return info.quaternion >= 0 ? 0 : info.velocities;
+}
+
+std::optional<JointType> read_type(const Fields& fields) {
+  const auto type = fields.need("type", "revolute");
+  if (!type) return {};
+  std::vector<std::string> names;
+  for (const JointInfo& info : joint_table) names.emplace_back(info.name);
+  const auto choice = type->choice(names);
+  if (!choice) return {};
+  return joint_table[static_cast<std::size_t>(*choice)].type;
+}
+
+bool needs_axis(JointType type) {
+  return type == JointType::revolute || type == JointType::prismatic || type == JointType::cylindrical ||
+         type == JointType::universal || type == JointType::planar;
+}
+
+/// Joint axes from the given axis (and universal's second), placed so that a mirrored joint's coordinates
+/// mean the same: rotation axes as pseudo-vectors, translation axes as vectors.
+std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Fields& fields, JointType type) {
+  const auto axis = fields.get("axis");
+  const auto first = axis ? axis->direction() : std::nullopt;
+  if (!first) return {};
+  if (type == JointType::universal) {
+    const auto second_value = fields.need("axis2", "[0, 1, 0]");
+    const auto second = second_value ? second_value->direction() : std::nullopt;
+    if (!second) return {};
+    if (std::abs(first->dot(*second)) > 1e-3) {
+      second_value->error(
+          fmt::format("axis and axis2 are not perpendicular: {} and {}", to_text(*first), to_text(*second)));
+      return {};
+    }
+    Eigen::Matrix3d axes;
+    axes.col(0) = part.place.pseudo_vector(*first);
+    const Eigen::Vector3d y = part.place.pseudo_vector(*second);
+    axes.col(1) = (y - axes.col(0) * axes.col(0).dot(y)).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    return axes;
+  }
+  if (type == JointType::prismatic) return axes_with_z(part.place.vector(*first));
+  if (type == JointType::planar) {
+    // The translations are mirrored as vectors, the rotation as a pseudo-vector.
+    const Eigen::Matrix3d axes = axes_with_z(*first);
+    Eigen::Matrix3d placed;
+    placed.col(0) = part.place.vector(axes.col(0));
+    placed.col(1) = part.place.vector(axes.col(1));
+    placed.col(2) = part.place.pseudo_vector(axes.col(2));
+    return placed;
+  }
+  return axes_with_z(part.place.pseudo_vector(*first));
+}
+
+/// A frame of a mirrored template turned over so that joint coordinates mean the same as in the template (see
+/// read_axes; the placed frame is M R M, these are R' M D).
+Eigen::Matrix3d unmirrored_axes(const Part& part, JointType type, const Eigen::Matrix3d& axes) {
+  const double det = part.place.determinant();
+  Eigen::Vector3d signs = Eigen::Vector3d::Constant(det);
+  if (type == JointType::prismatic) signs = {det, 1, 1};
+  if (type == JointType::planar) signs = {1, 1, det};
+  return axes * part.place.mirror.cwiseProduct(signs).asDiagonal();
+}
+
+/// The two frames; -1 where something is wrong.
+std::pair<int, int> read_between(Builder& builder, const Part& part, const Fields& fields,
+                                 const std::string& name, JointType type) {
+  const std::pair<int, int> none{-1, -1};
+  const auto between = fields.need("between", "[ground, arm]");
+  if (!between) return none;
+  const auto pair = between->list();
+  if (pair.size() != 2) {
+    if (between->is_list()) between->error("two bodies or frames are needed, for example [ground, arm]");
+    return none;
+  }
+  const auto a = resolve_attachment(builder, part, pair[0]), b = resolve_attachment(builder, part, pair[1]);
+  if (!a || !b) return none;
+  if (a->body == b->body) {
+    between->error(a->body == spec::ground
+                       ? "both sides are the ground; a joint needs a body"
+                       : fmt::format("both sides are on body '{}'; a joint needs two bodies",
+                                     builder.model.bodies[static_cast<std::size_t>(a->body)].name));
+    return none;
+  }
+  const auto at = fields.get("at"), axis = fields.get("axis");
+  const bool frames = a->frame >= 0 && b->frame >= 0;
+  if (at && (a->frame >= 0 || b->frame >= 0)) {
+    at->error("a frame has its place already; 'at' goes with the names of two bodies");
+    return none;
+  }
+  if (fields.has("axis2") && type != JointType::universal)
+    fields.get("axis2")->error("only a universal joint has a second axis");
+  if (axis && !needs_axis(type)) {
+    axis->error(fmt::format("a {} joint has no axis", joint_info(type).name));
+    return none;
+  }
+
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  const bool any_place =
+      type == JointType::floating || type == JointType::fixed || type == JointType::bracket;
+  const int frame = a->frame >= 0 ? a->frame : b->frame;
+  bool own_frame_b = false;  // the body's own frame, which moves with the tangent frame of a flexible body
+  if (at) {
+    const auto given = at->triple();
+    if (!given) return none;
+    place = part.place.point(*given);
+  } else if (frame >= 0) {
+    place = builder.global_pose(frame).position;
+  } else if (any_place) {
+    place = builder.body_pose(b->body).position;
+    own_frame_b = type == JointType::floating && b->body != spec::ground;
+  } else {
+    fields.error(
+        "'at' is missing; where two bodies are named the joint needs its place, for example at: [0, 0, 0]");
+    return none;
+  }
+
+  std::optional<Eigen::Matrix3d> axes;
+  if (axis) {
+    axes = read_axes(part, fields, type);
+    if (!axes) return none;
+  } else if (frame < 0 && needs_axis(type)) {
+    fields.error(fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]",
+                             joint_info(type).name));
+    return none;
+  } else if (frame < 0) {
+    axes = type == JointType::floating ? builder.body_pose(b->body).rotation
+                                       : Eigen::Matrix3d(part.place.determinant() * part.place.rotation *
+                                                         part.place.mirror.asDiagonal());
+  }
+
+  const bool mirrored = (part.place.mirror.array() < 0).any();
+  const auto side = [&](const Attachment& attachment, const char* letter, bool own) {
+    const bool reuse = attachment.frame >= 0 && !axes && !(mirrored && type != JointType::floating);
+    if (reuse) return attachment.frame;
+    if (own && !frames)
+      return builder.frame_names.index.at(
+          builder.model.bodies[static_cast<std::size_t>(attachment.body)].name);
+    const spec::Pose there = attachment.frame >= 0 ? builder.global_pose(attachment.frame)
+                             : frame >= 0          ? builder.global_pose(frame)
+                                                   : spec::Pose{place, Eigen::Matrix3d::Identity()};
+    const Eigen::Matrix3d rotation = axes       ? *axes
+                                     : mirrored ? unmirrored_axes(part, type, there.rotation)
+                                                : there.rotation;
+    const std::string frame_name = name + "." + letter;
+    const Value& where = at ? *at : pair[letter[0] == 'a' ? 0 : 1];
+    const int made = builder.add_frame_at(frame_name, attachment.body, there.position, rotation, where);
+    builder.claim(builder.frame_names, part, frame_name, where.mark(), made);
+    return made;
+  };
+  const int frame_a = side(*a, "a", false);
+  const int frame_b = side(*b, "b", own_frame_b);
+  return {frame_a, frame_b};
+}
+
+std::optional<int> read_coordinate(const Fields& fields, JointType type) {
+  const int count = scalar_coordinates(type);
+  if (count == 0) {
+    fields.error(fmt::format("a {} joint has no scalar coordinate to act on", joint_info(type).name));
+    return {};
+  }
+  if (const auto coordinate = fields.get("coordinate")) return coordinate->integer(0, count - 1);
+  if (count > 1) fields.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  return 0;
+}
+
+/// One map or a list of maps.
+std::vector<Value> one_or_many(const Value& value) {
+  if (value.is_list()) return value.list();
+  return {value};
+}
+
+void read_drives(const Value& value, spec::Joint& joint) {
+  std::unordered_set<int> driven;
+  for (const Value& item : one_or_many(value)) {
+    const Fields fields(item, {"position", "coordinate"});
+    if (!item.has_fields()) continue;
+    const auto coordinate = read_coordinate(fields, joint.type);
+    const auto position = fields.need("position", "\"0.5*sin(2*pi*t)\"");
+    if (!position || !coordinate) continue;
+    if (!driven.insert(*coordinate).second)
+      item.error(fmt::format("coordinate {} is driven twice", *coordinate));
+    if (auto function = read_law(*position, "t")) joint.drives.push_back({*coordinate, std::move(*function)});
+  }
+}
+
+void read_joint_springs(const Value& value, spec::Joint& joint) {
+  for (const Value& item : one_or_many(value)) {
+    const Fields fields(item, {"stiffness", "damping", "zero", "elastic", "coordinate"});
+    if (!item.has_fields()) continue;
+    const auto coordinate = read_coordinate(fields, joint.type);
+    spec::JointSpring spring;
+    spring.coordinate = coordinate.value_or(0);
+    const auto stiffness = fields.get("stiffness"), elastic = fields.get("elastic"),
+               damping = fields.get("damping");
+    if (!stiffness && !elastic && !damping)
+      item.error("says no force; for example {stiffness: 100, damping: 1, zero: 0}");
+    if (stiffness && elastic) item.error("has both 'stiffness' and 'elastic'; keep one");
+    if (!stiffness && fields.has("zero")) item.error("'zero' belongs to 'stiffness', which is missing");
+    if (stiffness)
+      spring.elastic = Function::linear(stiffness->not_negative().value_or(0), fields.number("zero", 0));
+    if (elastic) spring.elastic = read_elastic_law(*elastic).value_or(Function{});
+    if (damping) spring.damping = read_damping_law(*damping).value_or(Function{});
+    if (coordinate) joint.springs.push_back(std::move(spring));
+  }
+}
+
+/// One number or a list with nulls, one entry per velocity coordinate.
+std::vector<std::optional<double>> read_initial(const Value& value, JointType type) {
+  const int count = joint_info(type).velocities;
+  std::vector<std::optional<double>> result;
+  if (count == 0) {
+    value.error(fmt::format("a {} joint has no coordinates", joint_info(type).name));
+  } else if (value.is_list()) {
+    for (const Value& item : value.list()) result.push_back(item.is_null() ? std::nullopt : item.number());
+    if (static_cast<int>(result.size()) != count) {
+      value.error(
+          fmt::format("{} values are needed (null where it is free), these are {}", count, result.size()));
+      result.clear();
+    }
+  } else if (count == 1) {
+    result.push_back(value.number());
+  } else {
+    value.error(fmt::format("a list of {} values is needed (null where it is free)", count));
+  }
+  return result;
+}
+
+std::optional<Eigen::Vector3d> three(const std::vector<std::optional<double>>& values, std::size_t first) {
+  if (values.size() < first + 3 || !values[first] || !values[first + 1] || !values[first + 2]) return {};
+  return Eigen::Vector3d(*values[first], *values[first + 1], *values[first + 2]);
+}
+
+void put(const Eigen::Vector3d& v, std::vector<std::optional<double>>& values, std::size_t first) {
+  for (std::size_t k = 0; k < 3; ++k) values[first + k] = v[static_cast<Eigen::Index>(k)];
+}
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+/// A floating joint's velocities are given in global axes; the joint wants a's axes and b's axes. Its
+/// position is given in a's axes and is mirrored like the frames.
+void place_floating(const Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
+  if (const auto p = three(joint.initial_position, 0))
+    put(part.place.mirror.cwiseProduct(*p), joint.initial_position, 0);
+  if (const auto r = three(joint.initial_position, 3))
+    put(part.place.determinant() * part.place.mirror.cwiseProduct(*r), joint.initial_position, 3);
+  auto& velocity = joint.initial_velocity;
+  if (velocity.empty()) return;
+  const auto linear = three(velocity, 0), angular = three(velocity, 3);
+  const auto any = [&](std::size_t first) {
+    return velocity[first] || velocity[first + 1] || velocity[first + 2];
+  };
+  if ((!linear && any(0)) || (!angular && any(3)))
+    value.error(
+        "give all three components of a floating joint's linear velocity, and of its angular velocity, or "
+        "none");
+  const Eigen::Matrix3d a = builder.global_pose(joint.frame_a).rotation;
+  if (linear) put(a.transpose() * part.place.vector(*linear), velocity, 0);
+  if (angular) {
+    const Eigen::Matrix3d b =
+        a * rotation_of(three(joint.initial_position, 3).value_or(Eigen::Vector3d::Zero()));
+    put(b.transpose() * part.place.pseudo_vector(*angular), velocity, 3);
+  }
+}
+
+void read_joint(Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
+  const Fields fields(
+      value, {"type", "between", "at", "axis", "axis2", "cut", "position", "velocity", "drive", "spring"});
+  if (!value.has_fields()) return;
+  const auto type = read_type(fields);
+  if (!type) {
+    // Wrong names are worth saying all the same.
+    if (const auto between = fields.get("between"); between && between->is_list())
+      for (const Value& side : between->list()) resolve_attachment(builder, part, side);
+    return;
+  }
+  joint.type = *type;
+  std::tie(joint.frame_a, joint.frame_b) = read_between(builder, part, fields, joint.name, *type);
+  if (const auto cut = fields.get("cut"))
+    if (const auto choice = cut->choice({"automatic", "never", "always"}))
+      joint.cut = static_cast<spec::Joint::Cut>(*choice);
+  if (const auto drive = fields.get("drive")) read_drives(*drive, joint);
+  if (const auto spring = fields.get("spring")) read_joint_springs(*spring, joint);
+  if (const auto position = fields.get("position")) joint.initial_position = read_initial(*position, *type);
+  if (const auto velocity = fields.get("velocity")) joint.initial_velocity = read_initial(*velocity, *type);
+  if (joint.type == JointType::floating && joint.frame_a >= 0 && joint.frame_b >= 0)
+    place_floating(builder, part, value, joint);
+}
+
+}  // namespace
+
+void read_joints(Builder& builder, Part& part) {
+  const auto section = part.section("joints");
+  if (!section) return;
+  if (!section->is_map()) return section->error("names with their descriptions are needed");
+  for (const auto& entry : section->tree().entries) {
+    spec::Joint joint;
+    joint.name = part.full_name(entry.key);
+    joint.mark = entry.mark;
+    if (!builder.claim(builder.joint_names, part, joint.name, entry.mark,
+                       static_cast<int>(builder.model.joints.size())))
+      continue;
+    read_joint(builder, part, Value(part.reading, *entry.value, fmt::format("joint '{}'", joint.name)),
+               joint);
+    builder.model.joints.push_back(std::move(joint));
+  }
+}
+
+void add_floating_joints(Builder& builder) {
+  spec::Model& model = builder.model;
+  std::vector<bool> joined_bodies(model.bodies.size(), false);
+  for (const spec::Joint& joint : model.joints)
+    for (const int frame : {joint.frame_a, joint.frame_b})
+      if (frame >= 0 && model.frames[static_cast<std::size_t>(frame)].body >= 0)
+        joined_bodies[static_cast<std::size_t>(model.frames[static_cast<std::size_t>(frame)].body)] = true;
+  const Part& part = builder.parts.front();
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    if (joined_bodies[k]) continue;
+    const spec::Body& body = model.bodies[k];
+    spec::Joint joint;
+    joint.name = body.name + ".floating";
+    joint.mark = body.mark;
+    joint.type = JointType::floating;
+    spec::Frame frame;
+    frame.name = joint.name + ".a";
+    frame.mark = body.mark;
+    frame.pose = body.pose;
+    joint.frame_a = builder.add_frame(std::move(frame));
+    joint.frame_b = builder.frame_names.index.at(body.name);
+    builder.claim(builder.frame_names, part, joint.name + ".a", joint.mark, joint.frame_a);
+    builder.claim(builder.joint_names, part, joint.name, joint.mark, static_cast<int>(model.joints.size()));
+    model.joints.push_back(std::move(joint));
+  }
+}
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model_file/builder.h"
+
+/// Force laws: functions of one variable.
+namespace mimbre::model_file {
+namespace {
+
+std::optional<Function> linear_law(const Value& value) {
+  const Fields fields(value, {"stiffness", "zero"});
+  const auto stiffness = fields.need("stiffness", "1000");
+  const auto k = stiffness ? stiffness->not_negative() : std::nullopt;
+  const double zero = fields.number("zero", 0);
+  if (!k) return {};
+  return Function::linear(*k, zero);
+}
+
+std::optional<std::vector<double>> read_coefficients(const Value& value) { return value.numbers(1, 32); }
+
+std::optional<Function> pieces_law(const Value& value) {
+  std::vector<double> breaks;
+  std::vector<std::vector<double>> pieces;
+  bool good = true;
+  const auto list = value.list();
+  if (list.empty() && value.is_list()) value.error("there is no piece; for example [{polynomial: [0, 100]}]");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const Fields fields(list[k], {"until", "polynomial"});
+    const auto polynomial = fields.need("polynomial", "[0, 100]");
+    const auto coefficients = polynomial ? read_coefficients(*polynomial) : std::nullopt;
+    good = good && coefficients;
+    pieces.push_back(coefficients.value_or(std::vector<double>{0}));
+    const auto until = fields.get("until");
+    if (k + 1 == list.size()) {
+      if (until) until->error("the last piece goes on for ever and has no 'until'");
+      good = good && !until;
+      break;
+    }
+    if (!until) {
+      list[k].error("'until' is missing; every piece but the last says where it ends");
+      good = false;
+      continue;
+    }
+    const auto end = until->number();
+    if (end && !breaks.empty() && *end <= breaks.back()) {
+      until->error(fmt::format("the pieces do not ascend: {} comes after {}", *end, breaks.back()));
+      good = false;
+    }
+    good = good && end;
+    breaks.push_back(end.value_or(0));
+  }
+  if (!good || pieces.empty()) return {};
+  return Function::piecewise(std::move(breaks), std::move(pieces));
+}
+
+std::optional<Function> expression_law(const Value& value, const std::string& variable) {
+  try {
+    return Function::expression(substitute_parameters(value.tree().text, *value.reading().scope, {variable}),
+                                variable);
+  } catch (const ExpressionError& e) {
+    value.error(e.what());
+  } catch (const InputError& e) {
+    value.error(e.diagnostics().front().message);
+  } catch (const std::invalid_argument& e) {
+    value.error(e.what());
+  }
+  return {};
+}
+
+bool is_plain_number(const Value& value) {
+  if (!value.is_scalar()) return false;
+  try {
+    evaluate(value.tree().text, *value.reading().scope);
+    return true;
+  } catch (const ExpressionError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value,
+                                                                               bool jumps) {
+  std::vector<double> x, y;
+  bool good = true;
+  const auto rows = value.list();
+  if (value.is_list() && rows.size() < 2) {
+    value.error("at least two points [x, y] are needed");
+    return {};
+  }
+  for (const Value& row : rows) {
+    const auto pair = row.numbers(2, 2);
+    if (!pair) {
+      good = false;
+      continue;
+    }
+    const std::size_t n = x.size();
+    const double next = (*pair)[0];
+    if (n > 0 && next < x[n - 1]) {
+      row.error(fmt::format("the table does not ascend: {} comes after {}", next, x[n - 1]));
+      good = false;
+    } else if (n > 0 && next == x[n - 1] && (!jumps || (n > 1 && x[n - 2] == next))) {
+      row.error(fmt::format("{} is given {}", next, jumps ? "three times; a jump has two points" : "twice"));
+      good = false;
+    }
+    x.push_back(next);
+    y.push_back((*pair)[1]);
+  }
+  if (good && x.size() >= 2 && x.front() == x.back()) {
+    value.error("the table has only one abscissa");
+    good = false;
+  }
+  if (!good || x.size() < 2) return {};
+  return std::pair(std::move(x), std::move(y));
+}
+
+namespace {
+
+std::optional<Function> table_law(const Fields& fields, const Value& table) {
+  int cubic = 0;
+  if (const auto interpolation = fields.get("interpolation"))
+    cubic = interpolation->choice({"linear", "cubic"}).value_or(0);
+  auto points = read_points(table, cubic == 0);
+  if (!points) return {};
+  return Function::table(std::move(points->first), std::move(points->second),
+                         cubic ? Function::Interpolation::cubic : Function::Interpolation::linear);
+}
+
+}  // namespace
+
+std::optional<Function> read_law(const Value& value, const std::string& variable) {
+  if (value.is_scalar()) return expression_law(value, variable);
+  if (!value.is_map()) {
+    value.error(
+        "a law is needed: an expression, or {stiffness: 1000, zero: 0.1}, {polynomial: [..]}, {pieces: "
+        "[..]}, "
+        "{table: [[x, y], ..]}, {constant: 5}");
+    return {};
+  }
+  if (value.tree().find("stiffness")) return linear_law(value);
+  const Fields fields(value, {"stiffness", "zero", "coefficient", "constant", "polynomial", "pieces", "table",
+                              "interpolation"});
+  std::vector<std::string> given;
+  for (const char* key : {"coefficient", "constant", "polynomial", "pieces", "table"})
+    if (fields.has(key)) given.push_back(key);
+  if (given.size() != 1) {
+    value.error(given.empty()
+                    ? "says no law; one of stiffness, coefficient, constant, polynomial, pieces, table"
+                    : fmt::format("says several laws at once: {}", joined(given)));
+    return {};
+  }
+  const Value law = *fields.get(given[0]);
+  if (given[0] == "table") return table_law(fields, law);
+  if (given[0] == "pieces") return pieces_law(law);
+  if (given[0] == "polynomial") {
+    auto coefficients = read_coefficients(law);
+    if (!coefficients) return {};
+    return Function::polynomial(std::move(*coefficients));
+  }
+  const auto number = given[0] == "coefficient" ? law.not_negative() : law.number();
+  if (!number) return {};
+  return given[0] == "coefficient" ? Function::linear(*number) : Function::constant(*number);
+}
+
+std::optional<Function> read_elastic_law(const Value& value) {
+  if (!is_plain_number(value)) return read_law(value, "x");
+  value.error(
+      fmt::format("a plain number could be a stiffness or a force; write {{stiffness: {}, zero: ..}} or "
+                  "{{constant: {}}}",
+                  value.tree().text, value.tree().text));
+  return {};
+}
+
+std::optional<Function> read_damping_law(const Value& value) {
+  if (!is_plain_number(value)) return read_law(value, "x");
+  const auto coefficient = value.not_negative();
+  if (!coefficient) return {};
+  return Function::linear(*coefficient);
+}
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,280 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <unordered_map>
+
+#include "joints/table.h"
+#include "math/stress.h"
+#include "mimbre/reduced_body.h"
+#include "model_file/builder.h"
+
+/// Channels of the CSV file.
+namespace mimbre::model_file {
+namespace {
+
+using Kind = spec::Output::Kind;
+
+struct KindRow {
+  const char* key;
+  Kind kind;
+  enum class Of { frame, joint, body, spring, tyre } of;
+};
+
+constexpr std::array kinds{
+    KindRow{"position", Kind::position, KindRow::Of::frame},
+    KindRow{"velocity", Kind::velocity, KindRow::Of::frame},
+    KindRow{"acceleration", Kind::acceleration, KindRow::Of::frame},
+    KindRow{"roll", Kind::roll, KindRow::Of::frame},
+    KindRow{"pitch", Kind::pitch, KindRow::Of::frame},
+    KindRow{"yaw", Kind::yaw, KindRow::Of::frame},
+    KindRow{"deflection", Kind::deflection, KindRow::Of::frame},
+    KindRow{"displacement", Kind::displacement, KindRow::Of::frame},
+    KindRow{"joint", Kind::joint_position, KindRow::Of::joint},
+    KindRow{"joint_velocity", Kind::joint_velocity, KindRow::Of::joint},
+    KindRow{"joint_force", Kind::joint_force, KindRow::Of::joint},
+    KindRow{"modal_amplitude", Kind::modal_amplitude, KindRow::Of::body},
+    KindRow{"stress", Kind::stress, KindRow::Of::body},
+    KindRow{"strain", Kind::strain, KindRow::Of::body},
+    KindRow{"spring_force", Kind::spring_force, KindRow::Of::spring},
+    KindRow{"spring_length", Kind::spring_length, KindRow::Of::spring},
+    KindRow{"tyre_force", Kind::tyre_force, KindRow::Of::tyre},
+};
+
+std::string instance_name(std::string text, const std::string& instance) {
+  const std::string placeholder = "{instance}";
+  for (auto at = text.find(placeholder); at != std::string::npos;
+       at = text.find(placeholder, at + instance.size()))
+    text.replace(at, placeholder.size(), instance);
+  return text;
+}
+
+/// Commas and quotes would break the columns of a CSV file.
+bool check_output_name(const Value& value, const std::string& name) {
+  const bool good = !name.empty() && name.size() <= 100 && std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 && c != ',' && c != '"' && c != 0x7f;
+  });
+  if (!good)
+    value.error(fmt::format("'{}' is no name of a column; it has 1 to 100 characters, no comma and no quote",
+                            name.substr(0, 100)));
+  if (name == "t") value.error("'t' is the column of the time; choose another name");
+  return good && name != "t";
+}
+
+/// "x" or 0: an index among `words`.
+int read_component(const Fields& fields, const std::vector<std::string>& words) {
+  const auto component = fields.need("component", words.front());
+  if (!component) return 0;
+  if (component->is_scalar() && component->tree().text.find_first_not_of("0123456789") == std::string::npos)
+    return component->integer(0, static_cast<int>(words.size()) - 1).value_or(0);
+  return component->choice(words).value_or(0);
+}
+
+void read_joint_component(const Builder& builder, const Fields& fields, spec::Output& output) {
+  if (output.kind == Kind::joint_force) {
+    output.component = read_component(fields, {"fx", "fy", "fz", "mx", "my", "mz"});
+    return;
+  }
+  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
+  const bool velocity = output.kind == Kind::joint_velocity;
+  const int count = info.quaternion < 0 || velocity ? info.velocities : info.quaternion;
+  if (count == 0) {
+    fields.error(fmt::format("a {} joint has no scalar coordinate", info.name));
+    return;
+  }
+  if (const auto component = fields.get("component"))
+    output.component = component->integer(0, count - 1).value_or(0);
+  else if (count > 1)
+    fields.error(fmt::format("the joint has {} coordinates; say which: component: 0", count));
+}
+
+/// The frame from which a displacement is seen, and where that frame sees the undeformed place.
+void read_reference(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
+  const auto named = fields.need("relative_to", "hub");
+  if (!named) return;
+  if (named->is_scalar() && named->tree().text == "ground")
+    return named->error("the ground has no axes of its own here; name a frame of it, or use 'position'");
+  output.reference = attach(builder, part, *named, {}, fmt::format("{}.reference", output.name));
+  if (output.reference < 0) return;
+  const spec::Pose here = builder.global_pose(output.reference);
+  output.direction = Eigen::Vector3d::Unit(output.component);
+  output.offset = -output.direction.dot(here.rotation.transpose() *
+                                        (builder.global_pose(output.item).position - here.position));
+}
+
+/// The node of the body's surface at `at`, or of the number `node` in its mesh.
+void read_surface_node(const Builder& builder, const Part& part, const Fields& fields,
+                       const ReducedBody& body, spec::Output& output) {
+  if (const auto node = fields.get("node")) {
+    const auto label = node->integer(0, std::numeric_limits<int>::max());
+    const auto& labels = body.node_labels;
+    const auto found = std::find(labels.begin(), labels.end(), label.value_or(-1));
+    if (!label) return;
+    if (found == labels.end())
+      node->error(fmt::format("the body's surface has no node {}", *label));
+    else
+      output.node = static_cast<int>(found - labels.begin());
+    return;
+  }
+  const auto at = fields.get("at");
+  const auto point = at ? at->triple() : std::nullopt;
+  if (!point) return;
+  const spec::Pose pose = builder.body_pose(output.item);
+  const Eigen::Vector3d wanted = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
+  Eigen::Index nearest = 0;
+  const double distance = (body.nodes.colwise() - wanted).colwise().norm().minCoeff(&nearest);
+  const double size = (body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff()).norm();
+  if (distance > 0.02 * size)
+    at->error(fmt::format("the nearest node of the body's surface is {:.3g} m away", distance));
+  output.node = static_cast<int>(nearest);
+}
+
+/// Which stress or strain of a body, and where; without a place its extreme over the surface.
+void read_stress(const Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                 spec::Output& output) {
+  const bool stress = output.kind == Kind::stress;
+  std::vector<std::string> words(stress_components.begin(), stress_components.end());
+  if (!stress) words.pop_back();  // von Mises is a measure of stress
+  if (const auto along = fields.get("along")) {
+    if (stress) along->error("'along' belongs to 'strain' and 'deflection'");
+    if (fields.has("component")) along->error("give 'along' or 'component', not both");
+    const spec::Pose pose = builder.body_pose(output.item);
+    output.direction =
+        pose.rotation.transpose() * part.place.vector(along->direction().value_or(Eigen::Vector3d::UnitX()));
+  } else {
+    output.component = fields.has("component") ? read_component(fields, words)
+                       : stress                ? von_mises_component
+                                               : max_principal_component;
+  }
+  if (fields.has("node") && fields.has("at")) fields.error("give 'node' or 'at', not both");
+  const auto& body = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+  if (!body) {
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+    if (info.description)
+      named.error("bodies made of bars have no stress modes; a body that 'mimbre reduce' made has them");
+    return;  // rigid: no stress
+  }
+  if ((stress ? body->stress : body->strain).size() == 0)
+    return named.error("the body's file has no stress modes; reduce its model again, with its elements");
+  read_surface_node(builder, part, fields, *body, output);
+}
+
+void read_item(Builder& builder, const Part& part, const Fields& fields, const KindRow& row,
+               const Value& named, spec::Output& output) {
+  const auto at = fields.get("at");
+  const bool stress = row.kind == Kind::stress || row.kind == Kind::strain;
+  if (at && row.of != KindRow::Of::frame && !stress) at->error("only an output of a body has a place");
+  if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
+  if (row.of == KindRow::Of::frame) {
+    output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
+    if (output.item < 0) return;
+    const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
+    if (row.kind == Kind::position || row.kind == Kind::velocity || row.kind == Kind::acceleration ||
+        row.kind == Kind::displacement)
+      output.component = read_component(fields, {"x", "y", "z"});
+    if (row.kind == Kind::displacement) read_reference(builder, part, fields, output);
+    if (row.kind == Kind::deflection) {
+      const auto along = fields.need("along", "[0, 0, 1]");
+      const auto direction = along ? along->direction() : std::nullopt;
+      output.direction = builder.body_pose(body).rotation.transpose() *
+                         part.place.vector(direction.value_or(Eigen::Vector3d::UnitZ()));
+    }
+    return;
+  }
+  const auto name = named.word();
+  if (!name) return;
+  const Names& names = row.of == KindRow::Of::joint    ? builder.joint_names
+                       : row.of == KindRow::Of::body   ? builder.body_names
+                       : row.of == KindRow::Of::spring ? builder.spring_names
+                                                       : builder.tyre_names;
+  output.item = builder.resolve(names, part, *name, named);
+  if (output.item < 0) return;
+  if (row.of == KindRow::Of::joint) read_joint_component(builder, fields, output);
+  if (stress) return read_stress(builder, part, fields, named, output);
+  if (row.of == KindRow::Of::body) {
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+    const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+    const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
+    const auto component = fields.need("component", "0");
+    if (info.failed) return;
+    if (modes == 0)
+      named.error(fmt::format("body '{}' is rigid and has no modes", *name));
+    else if (component)
+      output.component = component->integer(0, modes - 1).value_or(0);
+  }
+}
+
+void read_output(Builder& builder, const Part& part, const Value& value) {
+  const Fields fields(
+      value,
+      {"name",         "at",           "component", "along",          "offset",        "position",
+       "velocity",     "acceleration", "roll",      "pitch",          "yaw",           "deflection",
+       "displacement", "relative_to",  "joint",     "joint_velocity", "joint_force",   "modal_amplitude",
+       "stress",       "strain",       "node",      "spring_force",   "spring_length", "tyre_force"});
+  if (!value.has_fields()) return;
+  const auto given_name = fields.need("name", "chassis.z");
+  const auto text = given_name ? given_name->text() : std::nullopt;
+  spec::Output output;
+  output.mark = value.mark();
+  if (text && text->size() <= 1000) output.name = instance_name(*text, part.instance);
+
+  std::vector<const KindRow*> given;
+  for (const KindRow& row : kinds)
+    if (fields.has(row.key)) given.push_back(&row);
+  if (given.size() != 1) {
+    std::vector<std::string> words;
+    for (const KindRow& row : kinds) words.emplace_back(row.key);
+    value.error(fmt::format("says {} of what it is; exactly one of {}",
+                            given.empty() ? "nothing" : "several things", joined(words)));
+    return;
+  }
+  const KindRow& row = *given.front();
+  if (!text || !check_output_name(*given_name, output.name)) return;
+  const bool component_used = row.of != KindRow::Of::spring && row.of != KindRow::Of::tyre &&
+                              row.kind != Kind::roll && row.kind != Kind::pitch && row.kind != Kind::yaw &&
+                              row.kind != Kind::deflection;
+  if (!component_used && fields.has("component")) fields.error(fmt::format("'{}' has no component", row.key));
+  if (row.kind != Kind::deflection && row.kind != Kind::stress && row.kind != Kind::strain &&
+      fields.has("along"))
+    fields.error("'along' belongs to 'deflection' and 'strain'");
+  if (row.kind != Kind::displacement && fields.has("relative_to"))
+    fields.error("'relative_to' belongs to 'displacement'");
+  if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");
+  output.kind = row.kind;
+  output.offset = fields.number("offset", 0);
+  read_item(builder, part, fields, row, *fields.get(row.key), output);
+  const int index = static_cast<int>(builder.model.outputs.size());
+  if (!builder.output_names.index.emplace(output.name, index).second)
+    given_name->error(fmt::format(
+        "there are two outputs called '{}'; in a template the name needs {{instance}}", output.name));
+  builder.model.outputs.push_back(std::move(output));
+}
+
+}  // namespace
+
+void read_outputs(Builder& builder) {
+  Part& model = builder.parts.front();
+  if (const auto section = model.section("outputs"))
+    for (const Value& value : section->list()) read_output(builder, model, value);
+
+  // A template's outputs: each for all of its instances before the next, as columns are compared.
+  std::vector<std::vector<const Part*>> groups;
+  std::unordered_map<const Tree*, std::size_t> group_of;
+  for (const Part& part : builder.parts) {
+    if (part.instance.empty() || !part.section("outputs")) continue;
+    const auto [place, first] = group_of.emplace(part.tree.get(), groups.size());
+    if (first) groups.emplace_back();
+    groups[place->second].push_back(&part);
+  }
+  for (const auto& parts : groups) {
+    const std::size_t count = parts.front()->section("outputs")->list().size();
+    for (std::size_t k = 0; k < count; ++k)
+      for (const Part* part : parts) {
+        const Value list = *part->section("outputs");
+        read_output(builder, *part, Value(part->reading, *list.tree().items[k], list.what()));
+      }
+  }
+}
+
+}  // namespace mimbre::model_file

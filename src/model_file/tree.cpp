@@ -1,0 +1,164 @@
+#include "model_file/tree.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include <sstream>
+#include <unordered_set>
+
+namespace mimbre::model_file {
+namespace {
+
+/// Builds the tree from yaml-cpp's events. The parser recurses once per nested value and calls this first, so
+/// that throwing here bounds its stack too.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(const std::string& file, const Limits& limits, std::vector<Diagnostic>& errors)
+      : file_(file), limits_(limits), errors_(errors) {}
+
+  std::shared_ptr<const Tree> root;
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    auto tree = make(Tree::Kind::null, mark);
+    // yaml-cpp places what is not there at the next thing; people look at the key.
+    if (!levels_.empty() && levels_.back().have_key) tree->mark = levels_.back().key_mark;
+    add(tree, anchor, mark);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (anchor >= anchors_.size() || !anchors_[anchor])
+      throw InputError(place(mark), "an alias cannot stand inside the value that it names");
+    add(anchors_[anchor], 0, mark);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                const std::string& value) override {
+    auto tree = make(Tree::Kind::scalar, mark);
+    tree->text = value;
+    add(tree, anchor, mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open(Tree::Kind::list, mark, anchor);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open(Tree::Kind::map, mark, anchor);
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Level {
+    std::shared_ptr<Tree> tree;
+    YAML::anchor_t anchor = 0;
+    std::string key;
+    Mark key_mark;
+    bool have_key = false;
+    std::unordered_set<std::string> keys;
+  };
+
+  Mark place(const YAML::Mark& mark) const { return {file_, mark.line + 1, mark.column + 1}; }
+
+  std::shared_ptr<Tree> make(Tree::Kind kind, const YAML::Mark& mark) const {
+    auto tree = std::make_shared<Tree>();
+    tree->kind = kind;
+    tree->mark = place(mark);
+    return tree;
+  }
+
+  void open(Tree::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (static_cast<int>(levels_.size()) >= limits_.depth)
+      throw InputError(place(mark), fmt::format("nested deeper than {} levels", limits_.depth));
+    levels_.push_back({});
+    levels_.back().tree = make(kind, mark);
+    levels_.back().anchor = anchor;
+  }
+
+  void close() {
+    Level level = std::move(levels_.back());
+    levels_.pop_back();
+    for (const auto& item : level.tree->items) level.tree->size += item->size;
+    for (const auto& entry : level.tree->entries) level.tree->size += entry.value->size;
+    const Mark mark = level.tree->mark;
+    add(level.tree, level.anchor, YAML::Mark::null_mark(), &mark);
+  }
+
+  void add(const std::shared_ptr<const Tree>& tree, YAML::anchor_t anchor, const YAML::Mark& yaml_mark,
+           const Mark* known = nullptr) {
+    const Mark mark = known ? *known : place(yaml_mark);
+    if (anchor) {
+      if (anchors_.size() <= anchor) anchors_.resize(anchor + 1);
+      anchors_[anchor] = tree;
+    }
+    // Counted where it is used, so that aliases of aliases cannot multiply unseen.
+    if (tree->size > limits_.nodes || (nodes_ += known ? 1 : tree->size) > limits_.nodes)
+      throw InputError(mark, fmt::format("more than {} values", limits_.nodes));
+    if (levels_.empty()) {
+      root = tree;
+      return;
+    }
+    Level& level = levels_.back();
+    if (level.tree->kind == Tree::Kind::list) {
+      level.tree->items.push_back(tree);
+    } else if (!level.have_key) {
+      if (tree->kind != Tree::Kind::scalar) throw InputError(mark, "a key must be a word");
+      level.key = tree->text;
+      level.key_mark = mark;
+      level.have_key = true;
+    } else {
+      level.have_key = false;
+      if (level.keys.insert(level.key).second) {
+        level.tree->entries.push_back({level.key, level.key_mark, tree});
+      } else if (errors_.size() < limits_.errors) {
+        const int first = level.tree->find(level.key)->mark.line;
+        errors_.push_back(
+            {level.key_mark,
+             fmt::format("'{}' is given twice (first in line {}); remove or rename one", level.key, first)});
+      }
+    }
+  }
+
+  const std::string& file_;
+  const Limits& limits_;
+  std::vector<Diagnostic>& errors_;
+  std::vector<Level> levels_;
+  std::vector<std::shared_ptr<const Tree>> anchors_;
+  std::size_t nodes_ = 0;
+};
+
+}  // namespace
+
+const Tree::Entry* Tree::find(const std::string& key) const {
+  for (const Entry& entry : entries)
+    if (entry.key == key) return &entry;
+  return nullptr;
+}
+
+std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::string& file, const Limits& limits,
+                                       std::vector<Diagnostic>& errors) {
+  if (text.size() > limits.bytes)
+    throw InputError({file, 1, 1}, fmt::format("the file is larger than {} MiB", limits.bytes >> 20));
+  TreeBuilder builder(file, limits, errors);
+  try {
+    // The end of the document is marked, or yaml-cpp would take a quote that is never closed for closed by
+    // the end.
+    std::istringstream stream(text + (text.ends_with('\n') ? "...\n" : "\n...\n"));
+    YAML::Parser parser(stream);
+    if (!parser.HandleNextDocument(builder) || !builder.root || builder.root->kind == Tree::Kind::null)
+      throw InputError({file, 1, 1}, "the file is empty; a model starts with 'mimbre: 1'");
+    const auto root = builder.root;
+    if (parser.HandleNextDocument(builder))
+      throw InputError(builder.root->mark, "a second YAML document; a model file has only one");
+    return root;
+  } catch (const YAML::Exception& error) {
+    throw InputError(
+        {file, std::max(error.mark.line, 0) + 1, std::max(error.mark.column, 0) + 1},
+        fmt::format("not valid YAML: {} (unbalanced brackets or quotes, or wrong indentation, here or just "
+                    "above)",
+                    error.msg));
+  }
+}
+
+}  // namespace mimbre::model_file

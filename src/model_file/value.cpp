@@ -1,0 +1,243 @@
+#include "model_file/value.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace mimbre::model_file {
+namespace {
+
+const char* kind_name(Tree::Kind kind) {
+  switch (kind) {
+    case Tree::Kind::null:
+      return "nothing";
+    case Tree::Kind::scalar:
+      return "a single value";
+    case Tree::Kind::list:
+      return "a list";
+    case Tree::Kind::map:
+      return "a map of keys";
+  }
+  return "";
+}
+
+}  // namespace
+
+void Errors::add(const Mark& mark, const std::string& message) {
+  list.push_back({mark, message});
+  if (list.size() >= limits_.errors) {
+    list.push_back({Mark{}, "too many errors; the rest is not shown"});
+    throw_if_any();
+  }
+}
+
+void Errors::throw_if_any() const {
+  if (list.empty()) return;
+  // File by file, by place, as one works through them.
+  std::map<std::string, int> files;
+  for (const Diagnostic& d : list) files.emplace(d.mark.file, static_cast<int>(files.size()));
+  auto sorted = list;
+  const auto place = [&](const Diagnostic& d) {
+    return std::tuple(d.mark.line == 0, files.at(d.mark.file), d.mark.line, d.mark.column);
+  };
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](const Diagnostic& a, const Diagnostic& b) { return place(a) < place(b); });
+  throw InputError(std::move(sorted));
+}
+
+void Value::error(const std::string& message) const {
+  reading_->errors->add(tree_->mark, fmt::format("{}: {}", what_, message));
+}
+
+std::optional<double> Value::number() const {
+  if (!is_scalar()) {
+    error(fmt::format("a number is needed, this is {}", kind_name(tree_->kind)));
+    return {};
+  }
+  try {
+    return evaluate(tree_->text, *reading_->scope);
+  } catch (const ExpressionError& e) {
+    error(e.what());
+    return {};
+  }
+}
+
+std::optional<double> Value::positive() const {
+  const auto value = number();
+  if (!value || *value > 0) return value;
+  error(fmt::format("{} is not positive", *value));
+  return {};
+}
+
+std::optional<double> Value::not_negative() const {
+  const auto value = number();
+  if (!value || *value >= 0) return value;
+  error(fmt::format("{} is negative; it must be 0 or more", *value));
+  return {};
+}
+
+std::optional<int> Value::integer(int smallest, int largest) const {
+  const auto value = number();
+  if (!value) return {};
+  if (*value != std::floor(*value) || *value < smallest || *value > largest) {
+    error(fmt::format("{} is not a whole number from {} to {}", *value, smallest, largest));
+    return {};
+  }
+  return static_cast<int>(*value);
+}
+
+std::optional<bool> Value::flag() const {
+  if (!is_scalar()) {
+    error(fmt::format("true or false is needed, this is {}", kind_name(tree_->kind)));
+    return {};
+  }
+  try {
+    return evaluate(tree_->text, *reading_->scope) != 0;
+  } catch (const ExpressionError&) {
+    error(fmt::format("'{}' is neither true nor false", tree_->text));
+    return {};
+  }
+}
+
+std::optional<std::string> Value::word() const {
+  if (!is_scalar()) {
+    error(fmt::format("a name or word is needed, this is {}", kind_name(tree_->kind)));
+    return {};
+  }
+  try {
+    return evaluate_word(tree_->text, *reading_->scope);
+  } catch (const ExpressionError& e) {
+    error(e.what());
+    return {};
+  }
+}
+
+std::optional<std::string> Value::text() const {
+  if (is_scalar() && !tree_->text.starts_with('$')) return tree_->text;
+  return word();
+}
+
+std::optional<int> Value::choice(const std::vector<std::string>& choices) const {
+  const auto text = word();
+  if (!text) return {};
+  const auto found = std::find(choices.begin(), choices.end(), *text);
+  if (found != choices.end()) return static_cast<int>(found - choices.begin());
+  error(fmt::format("'{}' is not one of {}{}", *text, joined(choices), did_you_mean(*text, choices)));
+  return {};
+}
+
+std::optional<Eigen::Vector3d> Value::triple() const {
+  const auto values = numbers(3, 3);
+  if (!values) return {};
+  return Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]);
+}
+
+std::optional<Eigen::Vector3d> Value::direction() const {
+  const auto value = triple();
+  if (!value) return {};
+  const double length = value->stableNorm();
+  if (!(length > 1e-12) || !std::isfinite(length)) {
+    error("the direction has no length; give a vector such as [0, 0, 1]");
+    return {};
+  }
+  return *value / length;
+}
+
+std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_t most) const {
+  if (!is_list() || tree_->items.size() < fewest || tree_->items.size() > most) {
+    const std::string count = fewest == most ? fmt::format("{}", fewest)
+                              : most > 1000  ? fmt::format("{} or more", fewest)
+                                             : fmt::format("{} to {}", fewest, most);
+    const std::string given =
+        is_list() ? fmt::format("{} values", tree_->items.size()) : std::string(kind_name(tree_->kind));
+    error(fmt::format("a list of {} numbers is needed, this is {}", count, given));
+    return {};
+  }
+  std::vector<double> result;
+  bool good = true;
+  for (const auto& item : tree_->items) {
+    const auto value = Value(*reading_, *item, what_).number();
+    good = good && value;
+    result.push_back(value.value_or(0));
+  }
+  if (!good) return {};
+  return result;
+}
+
+std::vector<Value> Value::list() const {
+  std::vector<Value> result;
+  if (!is_list()) {
+    error(fmt::format("a list is needed, this is {}", kind_name(tree_->kind)));
+    return result;
+  }
+  result.reserve(tree_->items.size());
+  for (const auto& item : tree_->items) result.emplace_back(*reading_, *item, what_);
+  return result;
+}
+
+Fields::Fields(const Value& value, std::initializer_list<const char*> known) : value_(value) {
+  std::vector<std::string> names(known.begin(), known.end());
+  if (value.is_null()) return;
+  if (!value.is_map()) {
+    value.error(
+        fmt::format("keys are needed here ({}), this is {}", joined(names), kind_name(value.tree().kind)));
+    return;
+  }
+  for (const auto& entry : value.tree().entries)
+    if (std::find(names.begin(), names.end(), entry.key) == names.end())
+      value.reading().errors->add(entry.mark,
+                                  fmt::format("{}: unknown key '{}'{}; known: {}", value.what(), entry.key,
+                                              did_you_mean(entry.key, names), joined(names)));
+}
+
+std::optional<Value> Fields::get(const std::string& key) const {
+  if (!value_.is_map()) return {};
+  const Tree::Entry* entry = value_.tree().find(key);
+  if (!entry || entry->value->kind == Tree::Kind::null) return {};
+  return Value(value_.reading(), *entry->value, fmt::format("{}: {}", value_.what(), key));
+}
+
+std::optional<Value> Fields::need(const std::string& key, const std::string& example) const {
+  auto found = get(key);
+  if (!found && (value_.is_map() || value_.is_null()))
+    value_.error(fmt::format("'{}' is missing; for example {}: {}", key, key, example));
+  return found;
+}
+
+double Fields::number(const std::string& key, double fallback) const {
+  const auto value = get(key);
+  return value ? value->number().value_or(fallback) : fallback;
+}
+
+bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind) {
+  const auto good = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || (c & 0x80);
+  };
+  if (!name.empty() && name.size() <= 100 && name[0] != '.' && name[0] != '-' &&
+      std::all_of(name.begin(), name.end(), good))
+    return true;
+  reading.errors->add(
+      mark, fmt::format("'{}' is no name for a {}; names have 1 to 100 letters, digits, '_', '-' or '.'",
+                        name.substr(0, 100), kind));
+  return false;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  constexpr std::size_t most = 30;
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i == most) return text + fmt::format(", … ({} in all)", words.size());
+    text += (i ? ", " : "") + words[i];
+  }
+  return text;
+}
+
+std::string to_text(const Eigen::Vector3d& v) {
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z());
+}
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,103 @@
+#pragma once
+#include <Eigen/Core>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mimbre/diagnostics.h"
+#include "model_file/expression.h"
+#include "model_file/limits.h"
+#include "model_file/tree.h"
+
+namespace mimbre::model_file {
+
+/// Collects mistakes while reading goes on. Throws InputError with all of them once there are
+/// `limits.errors`.
+class Errors {
+ public:
+  explicit Errors(const Limits& limits) : limits_(limits) {}
+  void add(const Mark& mark, const std::string& message);
+  void throw_if_any() const;
+  std::vector<Diagnostic> list;
+
+ private:
+  const Limits& limits_;
+};
+
+/// What reading a value needs beside the value: the parameters in sight and where mistakes go.
+struct Reading {
+  const Scope* scope = nullptr;
+  Errors* errors = nullptr;
+  const Limits* limits = nullptr;
+};
+
+/// A YAML value, and how messages call it ("body 'arm': mass"). A reader that fails records why and returns
+/// nothing.
+class Value {
+ public:
+  Value(const Reading& reading, const Tree& tree, std::string what)
+      : reading_(&reading), tree_(&tree), what_(std::move(what)) {}
+
+  const Tree& tree() const { return *tree_; }
+  const std::string& what() const { return what_; }
+  const Mark& mark() const { return tree_->mark; }
+  const Reading& reading() const { return *reading_; }
+  bool is_map() const { return tree_->kind == Tree::Kind::map; }
+  bool is_list() const { return tree_->kind == Tree::Kind::list; }
+  bool is_scalar() const { return tree_->kind == Tree::Kind::scalar; }
+  bool is_null() const { return tree_->kind == Tree::Kind::null; }
+  /// Fields can be read from it: nothing at all counts as no fields, so that what is missing is said.
+  bool has_fields() const { return is_map() || is_null(); }
+
+  void error(const std::string& message) const;
+
+  std::optional<double> number() const;
+  std::optional<double> positive() const;      ///< > 0
+  std::optional<double> not_negative() const;  ///< ≥ 0
+  std::optional<int> integer(int smallest, int largest) const;
+  std::optional<bool> flag() const;
+  /// A text with `$name` and `condition ? word : word` done.
+  std::optional<std::string> word() const;
+  /// A text for people, where only `$name` is replaced.
+  std::optional<std::string> text() const;
+  /// A word that is one of `choices`: its index.
+  std::optional<int> choice(const std::vector<std::string>& choices) const;
+  std::optional<Eigen::Vector3d> triple() const;
+  std::optional<Eigen::Vector3d> direction() const;  ///< a triple of length > 0, made a unit vector
+  std::optional<std::vector<double>> numbers(std::size_t fewest, std::size_t most) const;
+  std::vector<Value> list() const;  ///< empty, with an error, when it is no list
+
+ private:
+  const Reading* reading_;
+  const Tree* tree_;
+  std::string what_;
+};
+
+/// The entries of a map whose keys are known.
+class Fields {
+ public:
+  /// Records an error when `value` is no map, and one per unknown key.
+  Fields(const Value& value, std::initializer_list<const char*> known);
+
+  /// Nothing where the key is absent or its value empty.
+  std::optional<Value> get(const std::string& key) const;
+  /// Records an error where it is absent; `example` says what would be right.
+  std::optional<Value> need(const std::string& key, const std::string& example) const;
+  bool has(const std::string& key) const { return get(key).has_value(); }
+  const Value& value() const { return value_; }
+  void error(const std::string& message) const { value_.error(message); }
+
+  double number(const std::string& key, double fallback) const;
+
+ private:
+  Value value_;
+};
+
+/// True for names that things may have; records an error otherwise.
+bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind);
+
+std::string joined(const std::vector<std::string>& words);
+std::string to_text(const Eigen::Vector3d& v);
+
+}  // namespace mimbre::model_file

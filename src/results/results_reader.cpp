@@ -1,0 +1,335 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <new>
+
+#include "base/hdf5.h"
+#include "mimbre/diagnostics.h"
+#include "mimbre/results.h"
+#include "results/results_layout.h"
+
+namespace mimbre {
+
+namespace {
+
+using hdf5::Handle;
+
+/// Reads one results file; whatever is wrong with it becomes an InputError that names the file and the place.
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : path_(path) {}
+
+  Results read() {
+    open();
+    Results results;
+    const Handle root = group(file_.get(), "/");
+    check_format(root.get());
+    ResultsHeader& header = results.header;
+    header.title = text_attribute(root.get(), "/", "title");
+    header.step = number_attribute(root.get(), "/", "step");
+    header.model_text = text(file_.get(), "model");
+    header.options_json = text(file_.get(), "options");
+    if (exists(file_.get(), "summary")) results.summary_json = text(file_.get(), "summary");
+    const Handle bodies = group(file_.get(), "bodies");
+    for (int k = 0; exists(bodies.get(), std::to_string(k)); ++k)
+      header.bodies.push_back(body(bodies.get(), k));
+    const Handle roads = group(file_.get(), "roads");
+    for (int k = 0; exists(roads.get(), std::to_string(k)); ++k) header.roads.push_back(road(roads.get(), k));
+    read_rows(results, root.get());
+    return results;
+  }
+
+ private:
+  struct Array {
+    std::vector<hsize_t> shape;
+    std::vector<double> values;
+  };
+
+  [[noreturn]] void refuse(const std::string& why) const { throw InputError(Mark{path_, 0, 0}, why); }
+
+  void open() {
+    std::error_code error;
+    const auto status = std::filesystem::status(path_, error);
+    if (!std::filesystem::exists(status))
+      refuse(error && error != std::errc::no_such_file_or_directory ? "cannot be read: " + error.message()
+                                                                    : "no such file");
+    if (!std::filesystem::is_regular_file(status)) refuse("not a file");
+    file_bytes_ = static_cast<double>(std::filesystem::file_size(path_, error));
+    const htri_t is_hdf5 = H5Fis_hdf5(path_.c_str());
+    if (is_hdf5 < 0) refuse("cannot be read: " + hdf5::last_error());
+    if (is_hdf5 == 0) refuse("not a results file (it is not in HDF5 format)");
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+    // Without a lock a file can be looked at while the run still writes it.
+    H5Pset_file_locking(access.get(), false, true);
+    file_ = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.get()));
+    if (!file_.valid()) refuse("cannot be opened, it may be truncated: " + hdf5::last_error());
+  }
+
+  void check_format(hid_t root) const {
+    const std::string expected = results_layout::format, stem = results_layout::format_stem;
+    if (H5Aexists(root, "format") <= 0) refuse("not a results file (attribute 'format' is missing)");
+    const std::string found = text_attribute(root, "/", "format");
+    if (found == expected) return;
+    if (found.starts_with(stem))
+      refuse(fmt::format("has format '{}', this version reads '{}'", found, expected));
+    refuse(fmt::format("not a results file (its format is '{}')", found));
+  }
+
+  static bool exists(hid_t parent, const std::string& name) {
+    return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
+  }
+
+  Handle group(hid_t parent, const std::string& name) const {
+    Handle result(H5Gopen2(parent, name.c_str(), H5P_DEFAULT));
+    if (!result.valid()) refuse(fmt::format("group '{}' is missing", name));
+    return result;
+  }
+
+  Handle dataset(hid_t parent, const std::string& name) const {
+    Handle result(H5Dopen2(parent, name.c_str(), H5P_DEFAULT));
+    if (!result.valid()) refuse(fmt::format("dataset '{}' is missing or damaged", name));
+    return result;
+  }
+
+  /// Strings of either kind HDF5 has; `read` fills memory of the given type.
+  template <class Read>
+  std::vector<std::string> texts_of(const std::string& where, hid_t file_type, hid_t space,
+                                    Read&& read) const {
+    if (H5Tget_class(file_type) != H5T_STRING) refuse(fmt::format("{} is not text", where));
+    const hssize_t points = H5Sget_simple_extent_npoints(space);
+    if (points < 0 || points > most_texts) refuse(fmt::format("{} is damaged", where));
+    const auto count = static_cast<std::size_t>(points);
+    std::vector<std::string> result;
+    if (count == 0) return result;
+    if (H5Tis_variable_str(file_type) > 0) {
+      const Handle type(H5Tcopy(file_type));
+      std::vector<char*> pointers(count, nullptr);
+      if (read(type.get(), pointers.data()) < 0)
+        refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
+      for (const char* pointer : pointers) result.emplace_back(pointer ? pointer : "");
+      H5Dvlen_reclaim(type.get(), space, H5P_DEFAULT, pointers.data());
+      return result;
+    }
+    const std::size_t size = H5Tget_size(file_type);
+    if (size == 0 || size > most_text_bytes / count) refuse(fmt::format("{} is damaged", where));
+    const Handle type(H5Tcopy(file_type));
+    std::string all(size * count, '\0');
+    if (read(type.get(), all.data()) < 0)
+      refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string one = all.substr(i * size, size);
+      result.push_back(one.substr(0, one.find('\0')));
+    }
+    return result;
+  }
+
+  std::vector<std::string> text_attributes(hid_t object, const std::string& owner, const char* name) const {
+    const std::string where = fmt::format("attribute '{}' of '{}'", name, owner);
+    const Handle attribute(H5Aopen(object, name, H5P_DEFAULT));
+    if (!attribute.valid()) refuse(where + " is missing");
+    const Handle type(H5Aget_type(attribute.get())), space(H5Aget_space(attribute.get()));
+    return texts_of(where, type.get(), space.get(),
+                    [&](hid_t memory, void* to) { return H5Aread(attribute.get(), memory, to); });
+  }
+
+  std::string text_attribute(hid_t object, const std::string& owner, const char* name) const {
+    const std::vector<std::string> texts = text_attributes(object, owner, name);
+    if (texts.size() != 1) refuse(fmt::format("attribute '{}' of '{}' is not one text", name, owner));
+    return texts[0];
+  }
+
+  double number_attribute(hid_t object, const std::string& owner, const char* name) const {
+    const Handle attribute(H5Aopen(object, name, H5P_DEFAULT));
+    if (!attribute.valid()) refuse(fmt::format("attribute '{}' of '{}' is missing", name, owner));
+    const Handle space(H5Aget_space(attribute.get()));
+    double value = 0;
+    if (H5Sget_simple_extent_npoints(space.get()) != 1 ||
+        H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
+      refuse(fmt::format("attribute '{}' of '{}' is not one number", name, owner));
+    return value;
+  }
+
+  std::string text(hid_t parent, const std::string& name) const {
+    const std::string where = fmt::format("dataset '{}'", name);
+    const Handle data = dataset(parent, name);
+    const Handle type(H5Dget_type(data.get())), space(H5Dget_space(data.get()));
+    const std::vector<std::string> texts =
+        texts_of(where, type.get(), space.get(), [&](hid_t memory, void* to) {
+          return H5Dread(data.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
+        });
+    if (texts.size() != 1) refuse(where + " is not one text");
+    return texts[0];
+  }
+
+  /// `shape`: what is expected along each axis, or `any`. At most `most_rows` along the first are read.
+  Array array(hid_t parent, const std::string& owner, const std::string& name,
+              const std::vector<hsize_t>& shape, hsize_t most_rows = any) const {
+    const std::string where = fmt::format("dataset '{}{}'", owner, name);
+    const Handle data = dataset(parent, name);
+    const Handle space(H5Dget_space(data.get()));
+    const int rank = H5Sget_simple_extent_ndims(space.get());
+    if (rank != static_cast<int>(shape.size()))
+      refuse(fmt::format("{} has {} axes instead of {}", where, rank, shape.size()));
+    Array result;
+    result.shape.resize(shape.size());
+    H5Sget_simple_extent_dims(space.get(), result.shape.data(), nullptr);
+    result.shape[0] = std::min(result.shape[0], most_rows);
+    double count = 1;
+    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+      if (shape[axis] != any && result.shape[axis] != shape[axis])
+        refuse(fmt::format("{} has {} instead of {} along axis {}", where, result.shape[axis], shape[axis],
+                           axis + 1));
+      count *= static_cast<double>(result.shape[axis]);
+    }
+    // A damaged header can announce any size; data packed by other tools shrink a thousandfold at most.
+    if (count * 8 > 1100 * file_bytes_)
+      refuse(fmt::format("{} announces more data than the file can hold", where));
+    result.values.resize(static_cast<std::size_t>(count));
+    if (count == 0) return result;
+    const std::vector<hsize_t> start(shape.size(), 0);
+    const Handle memory_space(H5Screate_simple(rank, result.shape.data(), nullptr));
+    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, result.shape.data(), nullptr);
+    if (H5Dread(data.get(), H5T_NATIVE_DOUBLE, memory_space.get(), space.get(), H5P_DEFAULT,
+                result.values.data()) < 0)
+      refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
+    return result;
+  }
+
+  BodyDrawing body(hid_t bodies, int k) const {
+    const std::string owner = fmt::format("bodies/{}/", k);
+    const Handle place = group(bodies, std::to_string(k));
+    BodyDrawing result;
+    result.name = text_attribute(place.get(), owner, "name");
+    result.line_radius = number_attribute(place.get(), owner, "line_radius");
+    const double modes = number_attribute(place.get(), owner, "modes");
+    if (!(modes >= 0 && modes <= std::numeric_limits<int>::max()))
+      refuse(fmt::format("'{}' announces {} modes", owner, modes));
+    result.modes = static_cast<int>(modes);
+
+    const Array points = array(place.get(), owner, "points", {any, 3});
+    result.points = Eigen::Map<const Eigen::Matrix3Xd>(points.values.data(), 3, index(points.shape[0]));
+    const Array shapes = array(place.get(), owner, "point_shapes", {any, points.shape[0], 3});
+    result.point_shapes = Eigen::Map<const Eigen::MatrixXd>(shapes.values.data(), 3 * index(points.shape[0]),
+                                                            index(shapes.shape[0]));
+    result.lines = tuples<2>(place.get(), owner, "lines", points.shape[0]);
+    if (exists(place.get(), "triangles"))
+      result.triangles = tuples<3>(place.get(), owner, "triangles", points.shape[0]);
+    if (exists(place.get(), "labels"))
+      for (const double label : array(place.get(), owner, "labels", {points.shape[0]}).values)
+        result.labels.push_back(static_cast<std::int64_t>(label));
+    if (exists(place.get(), "stress")) {
+      const Array stress = array(place.get(), owner, "stress", {any, points.shape[0], 6});
+      result.stress = Eigen::Map<const Eigen::MatrixXd>(stress.values.data(), 6 * index(points.shape[0]),
+                                                        index(stress.shape[0]));
+      if (result.stress.cols() > result.modes)
+        refuse(fmt::format("'{}' has stress by {} modes, of {}", owner, result.stress.cols(), result.modes));
+    }
+    const Array solids = array(place.get(), owner, "shapes", {any, results_layout::numbers_per_shape});
+    for (hsize_t s = 0; s < solids.shape[0]; ++s)
+      result.shapes.push_back(shape(&solids.values[s * results_layout::numbers_per_shape], owner));
+    return result;
+  }
+
+  template <std::size_t Corners>
+  std::vector<std::array<int, Corners>> tuples(hid_t place, const std::string& owner, const char* name,
+                                               hsize_t points) const {
+    const Array read = array(place, owner, name, {any, Corners});
+    std::vector<std::array<int, Corners>> result(read.values.size() / Corners);
+    for (std::size_t i = 0; i < read.values.size(); ++i) {
+      const double point = read.values[i];
+      if (!(point >= 0 && point < static_cast<double>(points)))
+        refuse(fmt::format("one of the {} of '{}' ends at point {}, of {}", name, owner, point, points));
+      result[i / Corners][i % Corners] = static_cast<int>(point);
+    }
+    return result;
+  }
+
+  spec::Shape shape(const double* numbers, const std::string& owner) const {
+    const double kind = numbers[0];
+    if (kind != 0 && kind != 1 && kind != 2)
+      refuse(fmt::format("'{}' has a shape of unknown kind {}", owner, kind));
+    spec::Shape result;
+    result.kind = static_cast<spec::Shape::Kind>(static_cast<int>(kind));
+    result.size = Eigen::Map<const Eigen::Vector3d>(numbers + 1);
+    result.pose.position = Eigen::Map<const Eigen::Vector3d>(numbers + 4);
+    result.pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers + 7);
+    return result;
+  }
+
+  RoadDrawing road(hid_t roads, int k) const {
+    const std::string owner = fmt::format("roads/{}/", k);
+    const Handle place = group(roads, std::to_string(k));
+    RoadDrawing result;
+    result.name = text_attribute(place.get(), owner, "name");
+    const Array profile = array(place.get(), owner, "profile", {any, 2});
+    result.profile = Eigen::Map<const Eigen::Matrix2Xd>(profile.values.data(), 2, index(profile.shape[0]));
+    return result;
+  }
+
+  std::vector<ChannelInfo> channel_infos() const {
+    const Handle data = dataset(file_.get(), "channels");
+    const std::vector<std::string> names = text_attributes(data.get(), "channels", "names");
+    const std::vector<std::string> units = text_attributes(data.get(), "channels", "units");
+    const std::vector<std::string> meanings = text_attributes(data.get(), "channels", "meanings");
+    if (units.size() != names.size() || meanings.size() != names.size())
+      refuse(fmt::format("dataset 'channels' has {} names, {} units and {} meanings", names.size(),
+                         units.size(), meanings.size()));
+    std::vector<ChannelInfo> result;
+    for (std::size_t i = 0; i < names.size(); ++i) result.push_back({names[i], units[i], meanings[i]});
+    return result;
+  }
+
+  void read_rows(Results& results, hid_t root) const {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    ResultsHeader& header = results.header;
+    header.channels = channel_infos();
+    hsize_t mode_count = 0;
+    for (const BodyDrawing& one : header.bodies) mode_count += static_cast<hsize_t>(one.modes);
+    const hsize_t pose_numbers = 7 * header.bodies.size();
+
+    // A run that was killed while it wrote may have announced more rows than it counted.
+    const double counted = number_attribute(root, "/", "rows");
+    if (!(counted >= 0 && counted <= std::numeric_limits<int>::max()))
+      refuse(fmt::format("announces {} rows", counted));
+    const auto rows = static_cast<hsize_t>(counted);
+    const Array time = array(file_.get(), "", "time", {any}, rows);
+    const Array channels = array(file_.get(), "", "channels", {any, header.channels.size()}, rows);
+    const Array poses = array(file_.get(), "", "poses", {any, pose_numbers}, rows);
+    const Array modes = array(file_.get(), "", "modes", {any, mode_count}, rows);
+    for (const Array* one : {&time, &channels, &poses, &modes})
+      if (one->shape[0] != rows) refuse(fmt::format("holds {} rows where it counts {}", one->shape[0], rows));
+
+    results.time = Eigen::Map<const Eigen::VectorXd>(time.values.data(), index(rows));
+    results.channels =
+        Eigen::Map<const RowMajor>(channels.values.data(), index(rows), index(header.channels.size()));
+    results.modes = Eigen::Map<const RowMajor>(modes.values.data(), index(rows), index(mode_count));
+    for (hsize_t row = 0; row < rows; ++row)
+      results.poses.emplace_back(Eigen::Map<const Eigen::Matrix<double, 7, Eigen::Dynamic>>(
+          poses.values.data() + row * pose_numbers, 7, index(header.bodies.size())));
+  }
+
+  static Eigen::Index index(hsize_t count) { return static_cast<Eigen::Index>(count); }
+
+  static constexpr hsize_t any = std::numeric_limits<hsize_t>::max();
+  static constexpr hssize_t most_texts = 10'000'000;
+  static constexpr std::size_t most_text_bytes = 1'000'000'000;
+
+  std::string path_;
+  Handle file_;
+  double file_bytes_ = 0;
+};
+
+}  // namespace
+
+Results read_results(const std::string& path) {
+  const hdf5::Quiet quiet;
+  try {
+    return Reader(path).read();
+  } catch (const std::bad_alloc&) {
+    throw InputError(Mark{path, 0, 0}, "needs more memory than there is");
+  }
+}
+
+}  // namespace mimbre

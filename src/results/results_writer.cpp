@@ -1,0 +1,438 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+
+#include "base/hdf5.h"
+#include "mimbre/build.h"
+#include "mimbre/results.h"
+#include "results/results_layout.h"
+
+namespace mimbre {
+
+namespace {
+
+using hdf5::Handle;
+
+constexpr std::size_t rows_per_flush = 64;
+constexpr hsize_t chunk_bytes = 65536;  ///< about: few index nodes, and yet a small file for a short run
+/// What HDF5 may need besides the data itself: index nodes of all tables, headers.
+constexpr hsize_t metadata_block_bytes = 64 * 1024;
+constexpr hsize_t metadata_bytes = 1024 * 1024;
+
+/// Creation properties without time stamps: identical rows give identical bytes.
+Handle creation_properties(hid_t property_class) {
+  Handle properties(H5Pcreate(property_class));
+  H5Pset_obj_track_times(properties.get(), false);
+  return properties;
+}
+
+/// Every call that returns an identifier or a status passes here.
+hid_t checked(hid_t result) {
+  if (result < 0) throw std::runtime_error(hdf5::last_error());
+  return result;
+}
+void check(herr_t status) {
+  if (status < 0) throw std::runtime_error(hdf5::last_error());
+}
+
+void write_text_attribute(hid_t object, const char* name, std::span<const std::string> texts, bool scalar) {
+  const Handle type = hdf5::string_type();
+  const hsize_t count = texts.size();
+  const Handle space(checked(scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr)));
+  const Handle attribute(
+      checked(H5Acreate2(object, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT)));
+  std::vector<const char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(text.c_str());
+  if (!pointers.empty()) check(H5Awrite(attribute.get(), type.get(), pointers.data()));
+}
+
+void write_attribute(hid_t object, const char* name, const std::string& text) {
+  write_text_attribute(object, name, {&text, 1}, true);
+}
+
+void write_attribute(hid_t object, const char* name, double value) {
+  const Handle space(checked(H5Screate(H5S_SCALAR)));
+  const Handle attribute(
+      checked(H5Acreate2(object, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT)));
+  check(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, &value));
+}
+
+void write_attribute(hid_t object, const char* name, int value) {
+  const Handle space(checked(H5Screate(H5S_SCALAR)));
+  const Handle attribute(
+      checked(H5Acreate2(object, name, H5T_STD_I32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT)));
+  check(H5Awrite(attribute.get(), H5T_NATIVE_INT, &value));
+}
+
+void write_text(hid_t parent, const char* name, const std::string& text) {
+  const Handle type = hdf5::string_type();
+  const Handle space(checked(H5Screate(H5S_SCALAR)));
+  const Handle properties = creation_properties(H5P_DATASET_CREATE);
+  const Handle data(
+      checked(H5Dcreate2(parent, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
+  const char* pointer = text.c_str();
+  check(H5Dwrite(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &pointer));
+}
+
+void write_array(hid_t parent, const char* name, const std::vector<hsize_t>& shape, hid_t file_type,
+                 hid_t memory_type, const void* values) {
+  const Handle space(checked(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)));
+  const Handle properties = creation_properties(H5P_DATASET_CREATE);
+  const Handle data(
+      checked(H5Dcreate2(parent, name, file_type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
+  const bool empty = std::find(shape.begin(), shape.end(), 0u) != shape.end();
+  if (!empty) check(H5Dwrite(data.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+}
+
+void write_array(hid_t parent, const char* name, const std::vector<hsize_t>& shape, const double* values) {
+  write_array(parent, name, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values);
+}
+
+hsize_t size_of(Eigen::Index count) { return static_cast<hsize_t>(count); }
+
+Handle create_group(hid_t parent, const std::string& name) {
+  const Handle properties = creation_properties(H5P_GROUP_CREATE);
+  return Handle(checked(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
+}
+
+void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
+  if (body.point_shapes.cols() > 0 && body.point_shapes.rows() != 3 * body.points.cols())
+    throw std::invalid_argument(fmt::format("body '{}': {} points need mode shapes of {} rows, not {}",
+                                            body.name, body.points.cols(), 3 * body.points.cols(),
+                                            body.point_shapes.rows()));
+  if (body.stress.size() > 0 && body.stress.rows() != 6 * body.points.cols())
+    throw std::invalid_argument(fmt::format("body '{}': {} points need stress of {} rows, not {}", body.name,
+                                            body.points.cols(), 6 * body.points.cols(), body.stress.rows()));
+  const Handle group = create_group(bodies, key);
+  write_attribute(group.get(), "name", body.name);
+  write_attribute(group.get(), "modes", body.modes);
+  write_attribute(group.get(), "line_radius", body.line_radius);
+  // Eigen stores by columns, the file by rows: column k of the matrix is row k of the dataset.
+  write_array(group.get(), "points", {size_of(body.points.cols()), 3}, body.points.data());
+  write_array(group.get(), "point_shapes",
+              {size_of(body.point_shapes.cols()), size_of(body.points.cols()), 3}, body.point_shapes.data());
+  write_array(group.get(), "lines", {body.lines.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT, body.lines.data());
+  if (!body.triangles.empty())
+    write_array(group.get(), "triangles", {body.triangles.size(), 3}, H5T_STD_I32LE, H5T_NATIVE_INT,
+                body.triangles.data());
+  if (!body.labels.empty())
+    write_array(group.get(), "labels", {body.labels.size()}, H5T_STD_I64LE, H5T_NATIVE_INT64,
+                body.labels.data());
+  // Seven digits of stress are enough, and it is the largest of a file's arrays.
+  if (body.stress.size() > 0)
+    write_array(group.get(), "stress", {size_of(body.stress.cols()), size_of(body.points.cols()), 6},
+                H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, body.stress.data());
+
+  std::vector<double> shapes;
+  for (const spec::Shape& shape : body.shapes) {
+    shapes.push_back(static_cast<double>(shape.kind));
+    shapes.insert(shapes.end(), shape.size.begin(), shape.size.end());
+    shapes.insert(shapes.end(), shape.pose.position.begin(), shape.pose.position.end());
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) shapes.push_back(shape.pose.rotation(row, column));
+  }
+  write_array(group.get(), "shapes", {body.shapes.size(), results_layout::numbers_per_shape}, shapes.data());
+}
+
+void write_channel_info(hid_t channels, const std::vector<ChannelInfo>& infos) {
+  std::vector<std::string> names, units, meanings;
+  for (const ChannelInfo& info : infos) {
+    names.push_back(info.name);
+    units.push_back(info.unit);
+    meanings.push_back(info.meaning);
+  }
+  write_text_attribute(channels, "names", names, false);
+  write_text_attribute(channels, "units", units, false);
+  write_text_attribute(channels, "meanings", meanings, false);
+}
+
+/// Bytes that the header will take, generously.
+hsize_t header_bytes(const ResultsHeader& header) {
+  hsize_t bytes = header.title.size() + header.model_text.size() + header.options_json.size();
+  for (const ChannelInfo& channel : header.channels)
+    bytes += 3 * 64 + channel.name.size() + channel.unit.size() + channel.meaning.size();
+  for (const BodyDrawing& body : header.bodies)
+    bytes += 8192 + body.name.size() +
+             8 * (size_of(body.points.size()) + size_of(body.point_shapes.size()) + body.lines.size() +
+                  2 * body.triangles.size() + body.labels.size() + size_of(body.stress.size()) / 2 +
+                  results_layout::numbers_per_shape * body.shapes.size());
+  for (const RoadDrawing& road : header.roads)
+    bytes += 4096 + road.name.size() + 8 * size_of(road.profile.size());
+  return bytes + bytes / 4;
+}
+
+/// A dataset that grows by rows, with the rows that are not written yet.
+class Table {
+ public:
+  /// With one axis (time) or two; `columns` may be 0.
+  Table(hid_t file, const char* name, int axes, std::size_t columns) : axes_(axes), columns_(columns) {
+    const hsize_t row_bytes = 8 * std::max<hsize_t>(columns, 1);
+    rows_per_chunk_ = std::clamp<hsize_t>(chunk_bytes / row_bytes, 16, 1024);
+    const hsize_t now[2] = {0, columns};
+    // HDF5 wants chunks within a fixed size, and none is smaller than 1: no columns must be able to become
+    // one.
+    const hsize_t most[2] = {H5S_UNLIMITED, columns ? columns : H5S_UNLIMITED};
+    const hsize_t chunk[2] = {rows_per_chunk_, std::max<hsize_t>(columns, 1)};
+    const Handle space(checked(H5Screate_simple(axes, now, most)));
+    const Handle properties = creation_properties(H5P_DATASET_CREATE);
+    check(H5Pset_chunk(properties.get(), axes, chunk));
+    data_ = Handle(checked(
+        H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
+    buffer_.reserve(rows_per_flush * columns);
+  }
+
+  hid_t id() const { return data_.get(); }
+  void add(const double* values) { buffer_.insert(buffer_.end(), values, values + columns_); }
+
+  /// Room in the file that writing `rows` more can take.
+  hsize_t bytes_for(hsize_t rows) const {
+    return (rows / rows_per_chunk_ + 2) * rows_per_chunk_ * 8 * columns_;
+  }
+
+  void write(hsize_t rows) {
+    const hsize_t size[2] = {written_ + rows, columns_}, start[2] = {written_, 0},
+                  count[2] = {rows, columns_};
+    check(H5Dset_extent(data_.get(), size));
+    if (columns_ > 0) {
+      const Handle file_space(checked(H5Dget_space(data_.get())));
+      const Handle memory_space(checked(H5Screate_simple(axes_, count, nullptr)));
+      check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr));
+      check(H5Dwrite(data_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(), H5P_DEFAULT,
+                     buffer_.data()));
+    }
+    written_ += rows;
+    buffer_.clear();
+  }
+
+ private:
+  Handle data_;
+  int axes_;
+  hsize_t columns_;
+  hsize_t rows_per_chunk_ = 1;
+  hsize_t written_ = 0;
+  std::vector<double> buffer_;
+};
+
+}  // namespace
+
+/// The file grows in two steps: first the operating system reserves the room, then HDF5 writes into it. So a
+/// full disk is found before anything in the file has changed, and the file stays whole.
+struct ResultsWriter::Impl {
+  std::string path;
+  Handle file;
+  std::vector<Table> tables;  ///< time, channels, poses, modes
+  std::size_t channel_count = 0, body_count = 0, mode_count = 0;
+  std::size_t waiting = 0;  ///< rows in the buffers
+  int rows = 0;             ///< in the file
+  hsize_t reserved = 0;     ///< bytes of the file on disk
+  std::string failure;      ///< of the first error; nothing is written after it
+
+  Impl(std::string file_path, const ResultsHeader& header) : path(std::move(file_path)) {
+    const Handle creation = creation_properties(H5P_FILE_CREATE);
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+    // Neither format has an "open for writing" mark, which would make the file of a killed run unreadable.
+    // The older one has no checksums that half a write breaks, and takes large index nodes: with 1024 chunks
+    // in each, a process that is killed hardly ever is splitting one. But it takes no attribute beyond 64 kB,
+    // at 16 bytes a name.
+    if (header.channels.size() > 4000)
+      H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+    else
+      H5Pset_istore_k(creation.get(), 512);
+    // Index nodes lie in blocks that the file already covers, so that hardly a kill can leave one outside.
+    H5Pset_meta_block_size(access.get(), metadata_block_bytes);
+    // A running simulation's file may be looked at; and some network file systems cannot lock.
+    H5Pset_file_locking(access.get(), false, true);
+    file = Handle(checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get())));
+    try {
+      reserve(header_bytes(header));
+      write_header(header);
+      check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
+    } catch (...) {
+      close();
+      std::remove(path.c_str());
+      throw;
+    }
+  }
+
+  ~Impl() { close(); }
+
+  int descriptor() const {
+    void* handle = nullptr;
+    check(H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &handle));
+    return *static_cast<int*>(handle);
+  }
+
+  hsize_t bytes_in_use() const {
+    hsize_t bytes = 0;
+    check(H5Fget_filesize(file.get(), &bytes));
+    return bytes;
+  }
+
+  void reserve(hsize_t bytes) {
+    const hsize_t needed = bytes_in_use() + bytes + metadata_bytes;
+    if (needed <= reserved) return;
+    const hsize_t wanted = needed + needed / 8;  // seldom rather than often
+    int error = posix_fallocate(descriptor(), 0, static_cast<off_t>(wanted));
+    if (error == 0) {
+      reserved = wanted;
+      return;
+    }
+    error = posix_fallocate(descriptor(), 0, static_cast<off_t>(needed));
+    if (error != 0) throw std::runtime_error(std::strerror(error));
+    reserved = needed;
+  }
+
+  void write_header(const ResultsHeader& header) {
+    const Handle root(checked(H5Gopen2(file.get(), "/", H5P_DEFAULT)));
+    write_attribute(root.get(), "format", std::string(results_layout::format));
+    write_attribute(root.get(), "mimbre_version", build_info().version);
+    write_attribute(root.get(), "compiler", build_info().compiler);
+    write_attribute(root.get(), "instructions", build_info().instructions);
+    write_attribute(root.get(), "title", header.title);
+    write_attribute(root.get(), "step", header.step);
+    write_attribute(root.get(), "complete", 0);
+    write_attribute(root.get(), "rows", 0);
+    write_text(root.get(), "model", header.model_text);
+    write_text(root.get(), "options", header.options_json);
+
+    const Handle bodies = create_group(root.get(), "bodies");
+    for (std::size_t k = 0; k < header.bodies.size(); ++k) {
+      write_body(bodies.get(), std::to_string(k), header.bodies[k]);
+      mode_count += static_cast<std::size_t>(header.bodies[k].modes);
+    }
+    const Handle roads = create_group(root.get(), "roads");
+    for (std::size_t k = 0; k < header.roads.size(); ++k) {
+      const Handle road = create_group(roads.get(), std::to_string(k));
+      write_attribute(road.get(), "name", header.roads[k].name);
+      write_array(road.get(), "profile", {size_of(header.roads[k].profile.cols()), 2},
+                  header.roads[k].profile.data());
+    }
+
+    channel_count = header.channels.size();
+    body_count = header.bodies.size();
+    tables.reserve(4);
+    tables.emplace_back(root.get(), "time", 1, 1);
+    tables.emplace_back(root.get(), "channels", 2, channel_count);
+    tables.emplace_back(root.get(), "poses", 2, 7 * body_count);
+    tables.emplace_back(root.get(), "modes", 2, mode_count);
+    write_channel_info(tables[1].id(), header.channels);
+  }
+
+  void check_row(const ResultsRow& row) const {
+    const auto expect = [](const char* what, Eigen::Index given, std::size_t wanted) {
+      if (given != static_cast<Eigen::Index>(wanted))
+        throw std::invalid_argument(fmt::format("a results row has {} {}, not {}", wanted, what, given));
+    };
+    expect("channels", row.channels.size(), channel_count);
+    expect("poses", row.poses.cols(), body_count);
+    expect("modes", row.modes.size(), mode_count);
+  }
+
+  void flush() {
+    if (waiting == 0) return;
+    hsize_t bytes = 0;
+    for (const Table& table : tables) bytes += table.bytes_for(waiting);
+    reserve(bytes);
+    for (Table& table : tables) table.write(waiting);
+    rows += static_cast<int>(waiting);
+    waiting = 0;
+    check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
+    // Counted only once they are there: a process that is killed in between leaves rows that do not count.
+    set_attribute("rows", rows);
+    check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
+  }
+
+  void set_attribute(const char* name, int value) {
+    const Handle attribute(checked(H5Aopen_by_name(file.get(), "/", name, H5P_DEFAULT, H5P_DEFAULT)));
+    check(H5Awrite(attribute.get(), H5T_NATIVE_INT, &value));
+  }
+
+  void mark_complete(const std::string& summary) {
+    reserve(summary.size());
+    write_text(file.get(), "summary", summary);
+    set_attribute("complete", 1);
+    check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
+  }
+
+  /// Gives back reserved room and closes. True when all went well.
+  bool close() {
+    if (!file.valid()) return true;
+    tables.clear();
+    bool good = H5Fflush(file.get(), H5F_SCOPE_LOCAL) >= 0;
+    void* handle = nullptr;
+    hsize_t bytes = 0;
+    if (good && H5Fget_filesize(file.get(), &bytes) >= 0 &&
+        H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &handle) >= 0)
+      good = ftruncate(*static_cast<int*>(handle), static_cast<off_t>(bytes)) == 0;
+    file.reset();
+    return good;
+  }
+
+  std::string cannot_write(const std::string& why) const {
+    return fmt::format("cannot write results file '{}': {}", path, why);
+  }
+
+  /// Does one piece of work; when it fails, closes the file and says so, now and for every later call.
+  template <class Work>
+  void guarded(Work&& work) {
+    if (!failure.empty()) throw std::runtime_error(failure);
+    const hdf5::Quiet quiet;
+    try {
+      work();
+    } catch (const std::exception& error) {
+      failure = cannot_write(error.what());
+      close();
+      throw std::runtime_error(failure);
+    }
+  }
+};
+
+ResultsWriter::ResultsWriter(const std::string& path, const ResultsHeader& header) {
+  const hdf5::Quiet quiet;
+  try {
+    impl_ = std::make_unique<Impl>(path, header);
+  } catch (const std::invalid_argument&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("cannot write results file '{}': {}", path, error.what()));
+  }
+}
+
+ResultsWriter::~ResultsWriter() {
+  const hdf5::Quiet quiet;
+  try {
+    if (impl_->file.valid()) impl_->flush();
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was flushed before stays readable.
+  }
+  impl_.reset();
+}
+
+void ResultsWriter::add(const ResultsRow& row) {
+  if (!impl_->failure.empty()) throw std::runtime_error(impl_->failure);
+  if (!impl_->file.valid()) throw std::logic_error("a finished results file takes no more rows");
+  impl_->check_row(row);
+  impl_->tables[0].add(&row.time);
+  impl_->tables[1].add(row.channels.data());
+  impl_->tables[2].add(row.poses.data());
+  impl_->tables[3].add(row.modes.data());
+  if (++impl_->waiting >= rows_per_flush) impl_->guarded([&] { impl_->flush(); });
+}
+
+void ResultsWriter::finish(const std::string& summary_json) {
+  if (impl_->failure.empty() && !impl_->file.valid())
+    throw std::logic_error("a results file can be finished once only");
+  impl_->guarded([&] {
+    impl_->flush();
+    impl_->mark_complete(summary_json);
+    if (!impl_->close()) throw std::runtime_error("the file could not be closed");
+  });
+}
+
+}  // namespace mimbre

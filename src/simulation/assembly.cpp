@@ -1,0 +1,128 @@
+#include "simulation/assembly.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "integrate/initial.h"
+#include "joints/table.h"
+#include "mimbre/diagnostics.h"
+
+namespace mimbre {
+namespace {
+
+constexpr double close_enough = 1e-8;  ///< m, m/s
+
+/// Sets what the user gave of a joint's positions and velocities; weights 0 mark given ones.
+void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
+               Eigen::VectorXd& velocity_weight) {
+  for (const BodyData& b : m.bodies) {
+    const spec::Joint& joint = m.spec.joints[b.joint_spec];
+    const JointInfo& info = joint_info(joint.type);
+    // Modes start straight and at rest unless the loops need them.
+    position_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
+    velocity_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
+    if (info.quaternion >= 0) s.q[b.q + info.quaternion] = 1;
+    Vec3d turn = Vec3d::Zero();
+    for (int k = 0; k < static_cast<int>(joint.initial_position.size()); ++k) {
+      if (!joint.initial_position[k]) continue;
+      position_weight[b.v + k] = 0;
+      const bool rotation = info.quaternion >= 0 && k >= info.rotation;
+      if (rotation)
+        turn[k - info.rotation] = *joint.initial_position[k];
+      else
+        s.q[b.q + k] = *joint.initial_position[k];
+    }
+    if (info.quaternion >= 0) s.q.segment<4>(b.q + info.quaternion) = quaternion_exp<double>(turn);
+    for (int k = 0; k < static_cast<int>(joint.initial_velocity.size()); ++k) {
+      if (!joint.initial_velocity[k]) continue;
+      velocity_weight[b.v + k] = 0;
+      s.v[b.v + k] = *joint.initial_velocity[k];
+    }
+  }
+  for (const DriveData& d : m.drives) {
+    s.q[d.q] = d.position.value(0);
+    s.v[d.v] = d.position.derivative(0);
+  }
+}
+
+}  // namespace
+
+State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
+  State s;
+  s.q.setZero(m.positions);
+  s.v.setZero(m.velocities);
+  s.a.setZero(m.velocities);
+  s.algorithmic.setZero(m.velocities);
+  s.multipliers.setZero(m.equations);
+  Eigen::VectorXd position_weight = Eigen::VectorXd::Ones(m.velocities), velocity_weight = position_weight;
+  set_given(m, s, position_weight, velocity_weight);
+  system.begin_step(s.q.data());
+
+  const auto where = [&](double gap, const double* violation, const char* what, const char* unit) {
+    for (const LoopData& l : m.loops)
+      for (int r = 0; r < l.count; ++r)
+        if (std::abs(violation[l.first_equation + r]) >= 0.99 * gap) {
+          const spec::Joint& j = m.spec.joints[l.joint_spec];
+          return InputError(
+              j.mark, fmt::format("the loop through joint '{}' {}: {:.3g} {} is left; check the points "
+                                  "and axes of the joints in the loop and the initial values that are given",
+                                  j.name, what, gap, unit));
+        }
+    return InputError(
+        {}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap, unit));
+  };
+  double gap = close_positions(system, 0, position_weight, s.q);
+  if (gap > close_enough) {  // let the modes help
+    for (const BodyData& b : m.bodies) position_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
+    gap = close_positions(system, 0, position_weight, s.q);
+  }
+  if (!(gap <= close_enough)) throw where(gap, system.phi(), "cannot be closed", "m");
+  gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
+  if (gap > close_enough) {
+    for (const BodyData& b : m.bodies) velocity_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
+    gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
+  }
+  if (!(gap <= close_enough)) throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s");
+  return s;
+}
+
+std::unique_ptr<natural::NaturalSystem> make_natural(const Compiled& m, const Method& method) {
+  if (method.formulation != spec::Simulation::Formulation::natural) return nullptr;
+  return std::make_unique<natural::NaturalSystem>(m, method.inertia);
+}
+
+State natural_state(const natural::NaturalSystem& natural, relative::RelativeSystem& observer,
+                    const State& s) {
+  observer.begin_step(s.q.data());
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  return natural.from_relative(s, observer.workspace().bodies, observer.workspace().origin);
+}
+
+StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+  if (!natural) return find_equilibrium(observer, s);
+  State n = natural_state(*natural, observer, s);
+  const StaticsStatus status = find_equilibrium(*natural, n);
+  natural->to_relative(n, s);
+  observer.begin_step(s.q.data());
+  find_multipliers(observer, s);
+  return status;
+}
+
+void start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+  const Compiled& m = observer.model();
+  const Eigen::VectorXd velocities = s.v;
+  const StaticsStatus status = equilibrium(natural, observer, s);
+  if (!status.converged)
+    throw InputError(
+        {m.spec.file, 0, 0},
+        fmt::format("`initial: equilibrium`: no static equilibrium was found (unbalanced force {:.3g} "
+                    "after {} iterations); start from the assembled position instead",
+                    status.residual, status.iterations));
+  s.v = velocities;
+  const double gap = close_velocities(observer, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
+  if (!(gap < close_enough))
+    throw InputError({m.spec.file, 0, 0}, "the initial velocities contradict the constraints");
+}
+
+}  // namespace mimbre

@@ -1,0 +1,30 @@
+#pragma once
+#include <memory>
+
+#include "dynamics/natural/system.h"
+#include "dynamics/relative/system.h"
+#include "dynamics/state.h"
+#include "integrate/statics.h"
+#include "mimbre/method.h"
+
+/// Where a mechanism starts, whatever the formulation: everything begins in relative coordinates.
+namespace mimbre {
+
+/// Loops closed, velocities consistent, what the user gave kept; accelerations and multipliers zero. Throws
+/// InputError when the loops do not close or the given initial values contradict each other.
+State assembled_state(const Compiled& model, relative::RelativeSystem& system);
+
+/// The system of natural coordinates where the method asks for it, else nothing.
+std::unique_ptr<natural::NaturalSystem> make_natural(const Compiled& model, const Method& method);
+
+/// A state in relative coordinates by points and vectors.
+State natural_state(const natural::NaturalSystem& natural, relative::RelativeSystem& observer,
+                    const State& relative);
+
+/// Static equilibrium near s (relative coordinates), found in natural coordinates if there is such a system.
+StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s);
+
+/// Moves s to its static equilibrium and keeps its velocities. Throws InputError when there is none.
+void start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s);
+
+}  // namespace mimbre

@@ -1,0 +1,321 @@
+#include "simulation/channels.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "dynamics/amplitudes.h"
+#include "math/stress.h"
+#include "mimbre/reduced_body.h"
+
+namespace mimbre {
+namespace {
+
+using Kind = spec::Output::Kind;
+
+ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vector<int>& joint_body) {
+  static const char* const axes[] = {"x", "y", "z"};
+  const auto frame = [&] { return m.spec.frames[o.item].name; };
+  const auto joint = [&] { return m.spec.joints[o.item].name; };
+  const auto angle = [&] {
+    return joint_body[o.item] >= 0 && is_angle(m.bodies[joint_body[o.item]].joint, o.component);
+  };
+  switch (o.kind) {
+    case Kind::position:
+      return {o.name, "m", fmt::format("global {} of '{}'", axes[o.component], frame())};
+    case Kind::velocity:
+      return {o.name, "m/s", fmt::format("global {} velocity of '{}'", axes[o.component], frame())};
+    case Kind::acceleration:
+      return {o.name, "m/s²", fmt::format("global {} acceleration of '{}'", axes[o.component], frame())};
+    case Kind::roll:
+      return {o.name, "rad", fmt::format("roll of '{}'", frame())};
+    case Kind::pitch:
+      return {o.name, "rad", fmt::format("pitch of '{}' (nose down positive)", frame())};
+    case Kind::yaw:
+      return {o.name, "rad", fmt::format("yaw of '{}'", frame())};
+    case Kind::joint_position:
+      return {o.name, angle() ? "rad" : "m",
+              fmt::format("coordinate {} of joint '{}'", o.component, joint())};
+    case Kind::joint_velocity:
+      return {o.name, angle() ? "rad/s" : "m/s",
+              fmt::format("rate of coordinate {} of joint '{}'", o.component, joint())};
+    case Kind::joint_force:
+      return {o.name, o.component < 3 ? "N" : "N m",
+              fmt::format("reaction {} {} of joint '{}' on its second body",
+                          o.component < 3 ? "force" : "moment", axes[o.component % 3], joint())};
+    case Kind::deflection:
+      return {o.name, "m", fmt::format("deflection of '{}'", frame())};
+    case Kind::displacement:
+      return {
+          o.name, "m",
+          fmt::format("displacement of '{}' in the axes of '{}'", frame(), m.spec.frames[o.reference].name)};
+    case Kind::modal_amplitude:
+      return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec.bodies[o.item].name)};
+    case Kind::stress:
+    case Kind::strain: {
+      const bool stress = o.kind == Kind::stress;
+      const std::string what = o.direction.isZero(0) ? fmt::format("{} {}", stress ? "stress" : "strain",
+                                                                   stress_components[o.component])
+                                                     : "elongation";
+      const spec::Body& body = m.spec.bodies[o.item];
+      std::string place = "largest";
+      if (o.node >= 0 && body.flexible)
+        place = body.flexible->node_labels.empty()
+                    ? fmt::format("point {}", o.node)
+                    : fmt::format("node {}", body.flexible->node_labels[o.node]);
+      return {o.name, stress ? "Pa" : "1", fmt::format("{} of '{}', {}", what, body.name, place)};
+    }
+    case Kind::spring_force:
+      return {o.name, "N", fmt::format("tension of spring '{}'", m.spec.springs[o.item].name)};
+    case Kind::spring_length:
+      return {o.name, "m", fmt::format("length of spring '{}'", m.spec.springs[o.item].name)};
+    case Kind::tyre_force:
+      return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec.tyres[o.item].name)};
+  }
+  return {};
+}
+
+/// Of the smallest principal value the smallest, of all others the one of the largest magnitude.
+bool more_extreme(int component, double a, double b) {
+  if (component == 6) return a > b;
+  if (component == 7) return a < b;
+  return std::abs(a) > std::abs(b);
+}
+
+double stress_or_strain(const spec::Output& o, const ReducedBody& body,
+                        const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const bool stress = o.kind == Kind::stress;
+  const Eigen::MatrixXd& shapes = stress ? body.stress : body.strain;
+  const auto value = [&](const Vector6& here) {
+    if (!o.direction.isZero(0)) return elongation(here, o.direction);
+    return stress || o.component < 6 ? stress_component(here, o.component)
+                                     : stress_component(tensor_strain(here), o.component);
+  };
+  if (o.node >= 0) return value(shapes.middleRows<6>(6 * o.node) * y);
+  const Eigen::VectorXd field = shapes * y;
+  double extreme = value(field.head<6>());
+  for (Eigen::Index at = 6; at < field.size(); at += 6)
+    if (const double here = value(field.segment<6>(at)); more_extreme(o.component, here, extreme))
+      extreme = here;
+  return extreme;
+}
+
+}  // namespace
+
+Channels::Channels(const Compiled& m)
+    : model_(m), joint_body_(m.spec.joints.size(), -1), joint_loop_(m.spec.joints.size(), -1) {
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    joint_body_[m.bodies[b].joint_spec] = static_cast<int>(b);
+    if (m.bodies[b].modes > 0) modes_ += m.flexible[m.bodies[b].flexible].modes;
+  }
+  for (std::size_t l = 0; l < m.loops.size(); ++l) joint_loop_[m.loops[l].joint_spec] = static_cast<int>(l);
+  for (const spec::Output& o : m.spec.outputs) {
+    info_.push_back(output_info(m, o, joint_body_));
+    needs_residual_ = needs_residual_ || o.kind == Kind::joint_force;
+  }
+  output_count_ = static_cast<int>(info_.size());
+  for (const BodyData& b : m.bodies) {
+    const std::string& joint = m.spec.joints[b.joint_spec].name;
+    if (joint_info(b.joint).quaternion >= 0) continue;
+    for (int k = 0; k < b.joint_velocities; ++k) {
+      const std::string suffix = b.joint_velocities > 1 ? fmt::format(".{}", k) : "";
+      const bool angle = is_angle(b.joint, k);
+      info_.push_back({fmt::format("joint.{}.position{}", joint, suffix), angle ? "rad" : "m",
+                       fmt::format("coordinate {} of joint '{}'", k, joint)});
+      info_.push_back({fmt::format("joint.{}.velocity{}", joint, suffix), angle ? "rad/s" : "m/s",
+                       fmt::format("rate of coordinate {} of joint '{}'", k, joint)});
+    }
+  }
+  for (const spec::Spring& s : m.spec.springs) {
+    info_.push_back(
+        {fmt::format("spring.{}.force", s.name), "N", fmt::format("tension of spring '{}'", s.name)});
+    info_.push_back(
+        {fmt::format("spring.{}.length", s.name), "m", fmt::format("length of spring '{}'", s.name)});
+  }
+  for (const spec::Tyre& t : m.spec.tyres)
+    info_.push_back(
+        {fmt::format("tyre.{}.vertical", t.name), "N", fmt::format("vertical force of tyre '{}'", t.name)});
+  for (const EnergyTerm& term : energy_terms)
+    info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
+  info_.push_back({"solver.iterations", "1", "iterations of the last step"});
+  info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
+  info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
+}
+
+double Channels::output_value(const spec::Output& o, const relative::RelativeSystem& system,
+                              const State& s) const {
+  const Compiled& m = model_;
+  const auto& w = system.workspace();
+  const auto motion = [&] {
+    return relative::output_motion(system, m.frame_of_spec[o.item], s.q.data(), s.v.data(), s.a.data());
+  };
+  switch (o.kind) {
+    case Kind::position:
+      return motion().position[o.component] + w.origin[o.component];
+    case Kind::velocity:
+      return motion().velocity[o.component];
+    case Kind::acceleration:
+      return motion().acceleration[o.component] + m.gravity[o.component];
+    case Kind::roll: {
+      const Mat3d r = motion().rotation;
+      return std::atan2(r(2, 1), r(2, 2));
+    }
+    case Kind::pitch: {
+      const Mat3d r = motion().rotation;
+      return std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2)));
+    }
+    case Kind::yaw: {
+      const Mat3d r = motion().rotation;
+      return std::atan2(r(1, 0), r(0, 0));
+    }
+    case Kind::joint_position:
+      return joint_body_[o.item] < 0 ? NAN : s.q[m.bodies[joint_body_[o.item]].q + o.component] + o.offset;
+    case Kind::joint_velocity:
+      return joint_body_[o.item] < 0 ? NAN : s.v[m.bodies[joint_body_[o.item]].v + o.component];
+    case Kind::joint_force: {
+      Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();  // on b, moment about the common point
+      Vec3d at;
+      if (joint_body_[o.item] >= 0) {
+        const BodyData& b = m.bodies[joint_body_[o.item]];
+        const double sign = b.reversed ? -1 : 1;
+        force = sign * w.transmitted[joint_body_[o.item]].force;
+        moment = sign * w.transmitted[joint_body_[o.item]].moment;
+      } else {
+        const LoopData& l = m.loops[joint_loop_[o.item]];
+        for (int r = 0; r < l.count; ++r) {
+          force -= s.multipliers[l.first_equation + r] * w.covector_linear[l.first_equation + r];
+          moment -= s.multipliers[l.first_equation + r] * w.covector_angular[l.first_equation + r];
+        }
+      }
+      const int frame_b = m.frame_of_spec[m.spec.joints[o.item].frame_b];
+      at = relative::output_motion(system, frame_b, s.q.data(), s.v.data(), s.a.data()).position;
+      return o.component < 3 ? force[o.component] : (moment - at.cross(force))[o.component - 3];
+    }
+    case Kind::deflection: {
+      const FrameData& f = m.frames[m.frame_of_spec[o.item]];
+      if (f.flexible < 0) return 0;
+      const BodyData& b = m.bodies[f.body];
+      const FlexibleData& flexible = m.flexible[f.flexible];
+      Eigen::VectorXd y = Eigen::VectorXd::Zero(flexible.stride);
+      y.head(b.modes) = s.q.segment(b.q + b.joint_positions, b.modes);
+      extend(flexible, y.data());
+      return o.direction.dot(f.X * y);
+    }
+    case Kind::displacement: {
+      const auto reference =
+          relative::output_motion(system, m.frame_of_spec[o.reference], s.q.data(), s.v.data(), s.a.data());
+      return o.direction.dot(reference.rotation.transpose() * (motion().position - reference.position)) +
+             o.offset;
+    }
+    case Kind::modal_amplitude: {
+      const spec::Body& body = m.spec.bodies[o.item];
+      if (!body.flexible) return 0;
+      const BodyData& b = m.bodies[m.body_of_spec[o.item]];
+      return body.flexible->user_from_modal.row(o.component)
+          .dot(s.q.segment(b.q + b.joint_positions, b.modes));
+    }
+    case Kind::stress:
+    case Kind::strain: {
+      const spec::Body& body = m.spec.bodies[o.item];
+      if (!body.flexible) return 0;
+      const BodyData& b = m.bodies[m.body_of_spec[o.item]];
+      return stress_or_strain(o, *body.flexible, s.q.segment(b.q + b.joint_positions, b.modes));
+    }
+    case Kind::spring_force:
+      return w.springs[o.item].tension;
+    case Kind::spring_length:
+      return w.springs[o.item].length;
+    case Kind::tyre_force:
+      return w.tyres[o.item].force;
+  }
+  return 0;
+}
+
+void Channels::sample(const relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
+                      const Statistics& statistics, ResultsRow& row) const {
+  const Compiled& m = model_;
+  const auto& w = system.workspace();
+  row.time = s.time;
+  row.channels.resize(static_cast<Eigen::Index>(info_.size()));
+  Eigen::Index at = 0;
+  for (const spec::Output& o : m.spec.outputs) row.channels[at++] = output_value(o, system, s);
+  for (const BodyData& b : m.bodies) {
+    if (joint_info(b.joint).quaternion >= 0) continue;
+    for (int k = 0; k < b.joint_velocities; ++k) {
+      row.channels[at++] = s.q[b.q + k];
+      row.channels[at++] = s.v[b.v + k];
+    }
+  }
+  for (std::size_t k = 0; k < m.springs.size(); ++k) {
+    row.channels[at++] = w.springs[k].tension;
+    row.channels[at++] = w.springs[k].length;
+  }
+  for (std::size_t k = 0; k < m.tyres.size(); ++k) row.channels[at++] = w.tyres[k].force;
+  for (const EnergyTerm& term : energy_terms) row.channels[at++] = e.*term.value;
+  row.channels[at++] = statistics.iterations;
+  row.channels[at++] = statistics.position_violation;
+  row.channels[at++] = statistics.velocity_violation;
+
+  row.poses.resize(7, static_cast<Eigen::Index>(m.spec.bodies.size()));
+  row.modes.resize(modes_);
+  Eigen::Index mode = 0;
+  for (std::size_t k = 0; k < m.spec.bodies.size(); ++k) {
+    const BodyData& b = m.bodies[m.body_of_spec[k]];
+    const auto& motion = w.bodies[m.body_of_spec[k]];
+    row.poses.col(static_cast<Eigen::Index>(k)).head<3>() = motion.position + w.origin;
+    row.poses.col(static_cast<Eigen::Index>(k)).tail<4>() = quaternion_of(motion.rotation);
+    if (b.modes == 0) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    for (int i = 0; i < b.modes; ++i) row.modes[mode + i] = s.q[b.q + b.joint_positions + i];
+    extend(f, row.modes.data() + mode);
+    mode += f.modes;
+  }
+}
+
+std::vector<BodyDrawing> Channels::drawings() const {
+  std::vector<BodyDrawing> drawings;
+  for (const spec::Body& body : model_.spec.bodies) {
+    BodyDrawing d;
+    d.name = body.name;
+    d.shapes = body.shapes;
+    if (body.flexible) {
+      d.points = body.flexible->nodes;
+      const auto& second = body.flexible->second_order;
+      d.point_shapes = second ? second->node_shapes : body.flexible->node_shapes;
+      d.lines = body.flexible->lines;
+      d.triangles = body.flexible->triangles;
+      d.labels = body.flexible->node_labels;
+      d.stress = body.flexible->stress;
+      d.line_radius = body.flexible->line_radius;
+      d.modes = static_cast<int>(d.point_shapes.cols());
+    } else {
+      d.points.resize(3, static_cast<Eigen::Index>(2 * body.lines.size()));
+      d.point_shapes.resize(3 * d.points.cols(), 0);
+      for (std::size_t l = 0; l < body.lines.size(); ++l) {
+        const int first = static_cast<int>(2 * l);
+        d.points.col(first) = body.lines[l][0];
+        d.points.col(first + 1) = body.lines[l][1];
+        d.lines.push_back({first, first + 1});
+      }
+    }
+    drawings.push_back(std::move(d));
+  }
+  return drawings;
+}
+
+std::vector<RoadDrawing> Channels::roads() const {
+  std::vector<RoadDrawing> roads;
+  for (const spec::Road& road : model_.spec.roads) {
+    if (road.over != spec::Road::Over::distance) continue;
+    const int count = 2000;
+    RoadDrawing drawing{road.name, Eigen::Matrix2Xd(2, count + 1)};
+    for (int k = 0; k <= count; ++k) {
+      const double x = road.draw_from + (road.draw_to - road.draw_from) * k / count;
+      drawing.profile.col(k) << x, road.height.value(x);
+    }
+    roads.push_back(std::move(drawing));
+  }
+  return roads;
+}
+
+}  // namespace mimbre

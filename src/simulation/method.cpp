@@ -1,0 +1,43 @@
+#include "mimbre/method.h"
+
+#include <algorithm>
+
+#include "integrate/rule.h"
+
+namespace mimbre {
+namespace {
+
+constexpr double default_rho = 0.4;
+/// The default integrator repeats an inaccurate step in this many parts.
+constexpr int default_substeps = 4;
+
+}  // namespace
+
+Method resolve_method(const spec::Simulation& given, const RunOptions& options) {
+  using Rule = spec::Simulation::Integrator;
+  const IntegratorOptions defaults;
+  Method m;
+  m.formulation = options.formulation.value_or(given.formulation);
+  m.inertia = options.inertia.value_or(given.inertia);
+  m.formalism = options.formalism.value_or(given.formalism);
+  m.integrator = options.integrator.value_or(given.integrator);
+  if (options.xi <= 0) m.integrator = Rule::newmark;
+  if (options.rho >= 0 && m.integrator == Rule::newmark) m.integrator = Rule::generalized_alpha;
+  m.step = options.step > 0 ? options.step : given.step;
+  m.rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
+  if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
+  m.xi = options.xi <= 0 ? options.xi : given.xi;
+  m.tolerance = given.tolerance > 0 ? given.tolerance : defaults.tolerance;
+  m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
+  m.max_iterations = given.max_iterations > 0 ? given.max_iterations : defaults.max_iterations;
+  // Other formalisms and Newmark's rule are there to be seen as they are.
+  const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark;
+  m.substeps = options.substeps > 0 ? options.substeps
+               : given.substeps > 0 ? given.substeps
+               : repeats            ? default_substeps
+                                    : 1;
+  m.profile = options.profile;
+  return m;
+}
+
+}  // namespace mimbre

@@ -1,0 +1,45 @@
+#include "simulation/reactions.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mimbre {
+namespace {
+constexpr double penalty = 1e6;  // as for the accelerations at the start
+constexpr int rounds = 6;
+}  // namespace
+
+Reactions::Reactions(const System& system)
+    : residual_(system.velocities()), change_(system.velocities()), jacobian_change_(system.equations()) {}
+
+bool Reactions::find(System& system, State& s) {
+  const auto evaluate = [&] {
+    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+  };
+  s.multipliers.setZero();
+  evaluate();
+  if (system.equations() == 0) return true;
+  if (!system.factor(s.q.data(), {0, 0, penalty}).ok()) return false;
+  // Augmented Lagrangian: (M + α ΦqᵀΦq) x = −(r + Φqᵀ λ), λ ← λ + α Φq x. What remains of r is what the
+  // constraints cannot bear: the error of the accelerations.
+  double largest = 0;
+  for (int round = 0; round < rounds; ++round) {
+    change_ = -residual_;
+    system.solve(change_.data());
+    system.jacobian_times(change_.data(), jacobian_change_.data());
+    double correction = 0;
+    for (int k = 0; k < system.equations(); ++k) {
+      const double d = penalty * system.penalty()[k] * jacobian_change_[k];
+      s.multipliers[k] += d;
+      jacobian_change_[k] = d;
+      correction = std::max(correction, std::abs(d));
+    }
+    system.add_jacobian_transposed(jacobian_change_.data(), 1, residual_.data());
+    largest = std::max(largest, correction);
+    if (!(correction > 1e-6 * largest)) break;
+  }
+  evaluate();
+  return true;
+}
+
+}  // namespace mimbre

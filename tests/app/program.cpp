@@ -1,0 +1,76 @@
+#include "app/program.h"
+
+namespace mimbre::app_test {
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+void ProgramTest::SetUp() {
+  std::string name = (fs::temp_directory_path() / "mimbre-app-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  folder = name;
+  // Not the user's own cache.
+  setenv("MIMBRE_CACHE", (folder / "cache").c_str(), 1);
+}
+
+void ProgramTest::TearDown() {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+}
+
+pid_t ProgramTest::start(const std::vector<std::string>& arguments,
+                         const std::function<void()>& prepare) const {
+  std::vector<char*> argv{const_cast<char*>("mimbre")};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child != 0) return child;
+  if (chdir(folder.c_str()) != 0) _exit(126);
+  const int out = open("out.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int err = open("err.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  if (prepare) prepare();
+  execv(MIMBRE_PROGRAM, argv.data());
+  _exit(127);
+}
+
+Outcome ProgramTest::wait_for(pid_t child) const {
+  int status = 0;
+  waitpid(child, &status, 0);
+  Outcome outcome;
+  if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
+  outcome.out = read_file(folder / "out.txt");
+  outcome.err = read_file(folder / "err.txt");
+  return outcome;
+}
+
+Outcome ProgramTest::run(const std::vector<std::string>& arguments,
+                         const std::function<void()>& prepare) const {
+  return wait_for(start(arguments, prepare));
+}
+
+std::vector<std::vector<double>> csv_rows(const fs::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  std::vector<std::vector<double>> rows;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::vector<double> row;
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace mimbre::app_test

@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fe_files/fe_files.h"
+#include "fe_files/inp_model.h"
+
+namespace mimbre::fe {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+ImportedMesh parse(const std::string& text) {
+  return parse_inp(std::make_unique<TextFile>(text, "body.inp"), "", false);
+}
+
+const std::vector<int>& nodes_of(const SolidMesh& mesh, const std::string& name) {
+  for (const NodeSet& set : mesh.node_sets)
+    if (set.name == name) return set.nodes;
+  throw std::out_of_range(name);
+}
+
+const std::string kNodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n";
+const std::string kBrick = kNodes + "*ELEMENT, TYPE=C3D8, ELSET=brick\n10, 1,2,3,4,5,6,7,8\n";
+
+TEST(Inp, ReadsTheJobThatCalculixRan) {
+  const ImportedMesh read = read_inp(data_file("calculix/beam.inp"));
+  const SolidMesh& mesh = read.mesh;
+  EXPECT_EQ(mesh.nodes.cols(), 12);
+  ASSERT_EQ(mesh.groups.size(), 1u);
+  EXPECT_EQ(mesh.groups[0].type, ElementType::hex8);
+  EXPECT_EQ(mesh.groups[0].name, "Eall");
+  EXPECT_EQ(mesh.groups[0].material, 0);
+  EXPECT_THAT(mesh.groups[0].labels, ElementsAre(1, 2));
+  ASSERT_EQ(mesh.materials.size(), 1u);
+  EXPECT_EQ(mesh.materials[0].name, "STEEL");
+  EXPECT_EQ(mesh.materials[0].material.young, 210e9);
+  EXPECT_EQ(mesh.materials[0].material.poisson, 0.3);
+  EXPECT_EQ(mesh.materials[0].material.density, 7800);
+  EXPECT_THAT(nodes_of(mesh, "end"), ElementsAre(8, 9, 10, 11));
+  EXPECT_THAT(read.warnings, IsEmpty());
+}
+
+TEST(Inp, IgnoresCaseBlanksCommentsAndBrokenLines) {
+  const SolidMesh mesh =
+      parse(
+          "** comment\n*node , nset = All\n 1, 0., 0., 0.\n\n2,1,,\n 3, 0, 1.D0\n4, 0,0, 1E+0,\n"
+          "*Element, type=c3d4,\n elset=Body\n7, 1, 2,\n 3, 4\n"
+          "*NSET, nset=\"two words\"\n1,\n2\n*NSET, NSET=MORE, GENERATE\n2, 4, 2\n"
+          "*NSET, NSET=more\n all\n")
+          .mesh;
+  EXPECT_THAT(mesh.labels, ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(mesh.nodes.col(1), Eigen::Vector3d(1, 0, 0));
+  ASSERT_EQ(mesh.groups.size(), 1u);
+  EXPECT_EQ(mesh.groups[0].name, "Body");
+  EXPECT_THAT(mesh.groups[0].nodes, ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(nodes_of(mesh, "two words"), ElementsAre(0, 1));
+  EXPECT_THAT(nodes_of(mesh, "MORE"), ElementsAre(0, 1, 2, 3));
+}
+
+TEST(Inp, SectionsMakeGroupsWithMaterials) {
+  const ImportedMesh read = parse(
+      kNodes +
+      "*ELEMENT, TYPE=C3D4, ELSET=all\n1, 1,2,4,5\n2, 2,3,4,7\n*ELEMENT, TYPE=S4R, ELSET=plate\n3, 5,6,7,8\n"
+      "*ELSET, ELSET=soft\n2\n*MATERIAL, NAME=steel\n*ELASTIC\n2e11, 0.3\n*DENSITY\n7800\n"
+      "*MATERIAL, NAME=rubber\n*DENSITY\n1000\n*ELASTIC, TYPE=ISOTROPIC\n1e6, 0.45\n"
+      "*SOLID SECTION, ELSET=all, MATERIAL=Steel\n*SOLID SECTION, ELSET=soft, MATERIAL=rubber\n"
+      "*SHELL SECTION, ELSET=plate, MATERIAL=steel\n0.01, 5\n");
+  const SolidMesh& mesh = read.mesh;
+  ASSERT_EQ(mesh.groups.size(), 3u);
+  EXPECT_EQ(mesh.groups[0].name, "all");
+  EXPECT_EQ(mesh.groups[0].material, 0);
+  EXPECT_EQ(mesh.groups[1].name, "soft");
+  EXPECT_EQ(mesh.groups[1].material, 1);
+  EXPECT_THAT(mesh.groups[1].labels, ElementsAre(2));
+  EXPECT_EQ(mesh.groups[2].type, ElementType::quad4);
+  EXPECT_EQ(mesh.groups[2].thickness, 0.01);
+  EXPECT_THAT(nodes_of(mesh, "soft"), ElementsAre(1, 2, 3, 6));
+  EXPECT_THAT(read.warnings, IsEmpty());
+}
+
+TEST(Inp, ScalesMillimetresAndTonnes) {
+  Folder folder;
+  const std::string path = folder.write(
+      "mm.inp",
+      kBrick +
+          "*MATERIAL, NAME=steel\n*ELASTIC\n210000, 0.3\n*DENSITY\n7.8e-9\n"
+          "*ELEMENT, TYPE=S4, ELSET=skin\n11, 1,2,3,4\n*SHELL SECTION, ELSET=skin, MATERIAL=steel\n2\n"
+          "*SOLID SECTION, ELSET=brick, MATERIAL=steel\n");
+  const SolidMesh mesh = read_inp(path, {1e-3, 1e3, 1}).mesh;
+  EXPECT_NEAR(mesh.materials[0].material.young, 210e9, 1);
+  EXPECT_NEAR(mesh.materials[0].material.density, 7800, 1e-8);
+  EXPECT_NEAR(mesh.nodes.maxCoeff(), 1e-3, 1e-18);
+  EXPECT_NEAR(mesh.groups[1].thickness, 2e-3, 1e-15);
+}
+
+TEST(Inp, ReadsBeamsWithRectangles) {
+  const SolidMesh mesh =
+      parse(
+          "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT, TYPE=B31, ELSET=bar\n1,1,2\n*MATERIAL, NAME=m\n"
+          "*ELASTIC\n1e9,0.2\n*DENSITY\n1000\n"
+          "*BEAM SECTION, ELSET=bar, MATERIAL=m, SECTION=RECT\n0.1, 0.2\n0, 1, 0\n")
+          .mesh;
+  ASSERT_EQ(mesh.beams.size(), 1u);
+  const BeamElement& beam = mesh.beams[0];
+  EXPECT_EQ(beam.y_direction, Eigen::Vector3d::UnitY());
+  EXPECT_NEAR(beam.section.area, 0.02, 1e-15);
+  // 0.1 along the first axis (y): bending in the x–y plane is about the side 0.2.
+  EXPECT_NEAR(beam.section.Iz, 0.2 * 1e-3 / 12, 1e-15);
+  EXPECT_NEAR(beam.section.Iy, 0.1 * 8e-3 / 12, 1e-15);
+  EXPECT_EQ(beam.material.density, 1000);
+}
+
+TEST(Inp, SurfacesBecomeNodeSets) {
+  const SolidMesh mesh = parse(kBrick +
+                               "*SURFACE, NAME=left, TYPE=ELEMENT\nbrick, S6\n*SURFACE, NAME=top\n10, S2\n"
+                               "*SURFACE, TYPE=NODE, NAME=points\n3\n")
+                             .mesh;
+  for (const int node : nodes_of(mesh, "left")) EXPECT_EQ(mesh.nodes(0, node), 0);
+  EXPECT_EQ(nodes_of(mesh, "left").size(), 4u);
+  for (const int node : nodes_of(mesh, "top")) EXPECT_EQ(mesh.nodes(2, node), 1);
+  EXPECT_THAT(nodes_of(mesh, "points"), ElementsAre(2));
+}
+
+TEST(Inp, IncludesFilesBesideIt) {
+  Folder folder;
+  folder.write("nodes.txt", kNodes);
+  folder.write("elements.txt", "10, 1,2,3,4,5,6,7,8\n");
+  const std::string path = folder.write(
+      "body.inp", "*INCLUDE, INPUT=nodes.txt\n*ELEMENT, TYPE=C3D8, ELSET=b\n*INCLUDE, INPUT=elements.txt\n");
+  EXPECT_THAT(complaint([&] { read_inp(path); }), IsEmpty());
+  EXPECT_EQ(read_inp(path).mesh.nodes.cols(), 8);
+  folder.write("loop.inp", "*INCLUDE, INPUT=again.inp\n");
+  folder.write("again.inp", "*INCLUDE, INPUT=loop.inp\n");
+  EXPECT_THAT(complaint([&] { read_inp(folder.path("loop.inp")); }), HasSubstr("'loop.inp' includes itself"));
+  folder.write("missing.inp", "*INCLUDE, INPUT=nothing.inp\n");
+  EXPECT_THAT(complaint([&] { read_inp(folder.path("missing.inp")); }),
+              HasSubstr("is not there to be included"));
+}
+
+TEST(Inp, WarnsOfWhatItLeavesOut) {
+  const auto warnings = [](const std::string& text) {
+    std::string all;
+    for (const Diagnostic& warning : parse(text).warnings) all += to_string(warning) + "\n";
+    return all;
+  };
+  EXPECT_THAT(warnings(kBrick + "*BOUNDARY\n1,1,3\n*BOUNDARY\n2,1,3\n"),
+              testing::StrEq("body.inp:12:1: *BOUNDARY is left out\n"));
+  EXPECT_THAT(warnings(kBrick + "*ELEMENT, TYPE=MASS, ELSET=m\n99, 1\n"),
+              HasSubstr("elements MASS are left out"));
+  EXPECT_THAT(warnings(kBrick + "*ELEMENT, TYPE=CPS4, ELSET=face\n99, 1,2,3,4\n"),
+              HasSubstr("they only make node sets"));
+  EXPECT_THAT(warnings(kBrick + "*MATERIAL, NAME=a\n*ELASTIC\n1,0.3\n"),
+              HasSubstr("material a has no *DENSITY"));
+  EXPECT_EQ(warnings(kBrick + "*STEP\n*BOUNDARY\n1,1,3\n*CLOAD\n1,1,1\n*END STEP\n"), "");
+}
+
+TEST(Inp, SaysWhatIsWrong) {
+  const auto wrong = [](const std::string& text) { return complaint([&] { parse(text); }); };
+  EXPECT_EQ(wrong(kBrick), "");
+  EXPECT_THAT(wrong(""), HasSubstr("has no nodes"));
+  EXPECT_THAT(wrong("*NODE\n1,0,0,0\n1,0,0,0\n"), HasSubstr("body.inp:3:1: node 1 is there already"));
+  EXPECT_THAT(wrong("*NODE\n1,0,0,nan\n"), HasSubstr("'nan' is no coordinate of node 1"));
+  EXPECT_THAT(wrong("*NODE\nx,0,0,0\n"), HasSubstr("'x' is no node number"));
+  EXPECT_THAT(wrong("*NODE, SYSTEM=C\n1,0,0,0\n"), HasSubstr("cylindrical"));
+  EXPECT_THAT(wrong(kNodes + "*ELEMENT, TYPE=C3D8\n1, 1,2,3,4,5,6,7,9\n"),
+              HasSubstr("node 9 of element 1 is not there"));
+  EXPECT_THAT(wrong(kNodes + "*ELEMENT, TYPE=C3D8\n1, 1,2,3,4,5,6,7\n"),
+              HasSubstr("element 1 has 7 of the 8 nodes of C3D8"));
+  EXPECT_THAT(wrong(kNodes + "*ELEMENT, TYPE=C3D4\n1, 1,2,3,4,5\n"),
+              HasSubstr("more than the 4 nodes of C3D4"));
+  EXPECT_THAT(wrong(kBrick + "*ELEMENT, TYPE=C3D8\n10, 1,2,3,4,5,6,7,8\n"),
+              HasSubstr("element 10 is there already"));
+  for (const char* type : {"S8R", "S6", "B32", "C3D27", "C3D20T", "U1"})
+    EXPECT_THAT(wrong(kNodes + "*ELEMENT, TYPE=" + type + "\n1,1\n"),
+                HasSubstr(std::string("elements ") + type + " are not read; there are C3D4"));
+  EXPECT_THAT(wrong(kBrick + "*NSET, NSET=a\n99\n"), HasSubstr("node 99 of the set a is not there"));
+  EXPECT_THAT(wrong(kBrick + "*NSET, NSET=a, GENERATE\n1, 9000000000000000000, 1\n"),
+              HasSubstr("node 9 of the set a"));
+  EXPECT_THAT(wrong(kBrick + "*ELSET, ELSET=a, GENERATE\n1, 9000000000000000000, 1\n"), IsEmpty());
+  EXPECT_THAT(wrong(kBrick + "*SOLID SECTION, ELSET=brik, MATERIAL=m\n"),
+              HasSubstr("no element set 'brik' (did you mean 'brick'?)"));
+  EXPECT_THAT(wrong(kBrick + "*SOLID SECTION, ELSET=brick, MATERIAL=m\n"),
+              HasSubstr("body.inp:12:1: there is no material 'm'"));
+  EXPECT_THAT(wrong(kBrick + "*MATERIAL, NAME=m\n*SHELL SECTION, ELSET=brick, MATERIAL=m\n1\n"),
+              HasSubstr("element 10 of the set brick needs a *SOLID SECTION"));
+  EXPECT_THAT(wrong(kBrick + "*ELASTIC\n1,0.3\n"), HasSubstr("*ELASTIC stands before every *MATERIAL"));
+  EXPECT_THAT(wrong(kBrick + "*MATERIAL, NAME=m\n*ELASTIC, TYPE=ORTHO\n1,0.3\n"),
+              HasSubstr("materials are isotropic"));
+  EXPECT_THAT(wrong(kBrick + "*MATERIAL, NAME=m\n*ELASTIC\n1,0.5\n"), HasSubstr("Poisson's ratio 0.5"));
+  EXPECT_THAT(wrong(kBrick + "*NGEN\n1,2,1\n"), HasSubstr("write the finished mesh"));
+  EXPECT_THAT(wrong("*PART, NAME=a\n*END PART\n*PART, NAME=b\n"), HasSubstr("a second part"));
+  EXPECT_THAT(wrong("*INCLUDE, INPUT=/etc/passwd\n"), HasSubstr("*INCLUDE is not allowed here"));
+}
+
+}  // namespace
+}  // namespace mimbre::fe

@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// The step allocates nothing. All roads to the heap of this program are counted, except under sanitizers,
+/// which bring their own.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)
+#if !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer)
+#define MIMBRE_COUNT_ALLOCATIONS
+#endif
+#else
+#define MIMBRE_COUNT_ALLOCATIONS
+#endif
+#endif
+
+#ifdef MIMBRE_COUNT_ALLOCATIONS
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> allocations{0};
+void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* old, std::size_t size) {
+  count();
+  return __libc_realloc(old, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  *out = __libc_memalign(alignment, size);
+  return *out ? 0 : ENOMEM;
+}
+}
+
+namespace mimbre::test {
+namespace {
+
+long allocations_of(Simulation& s, int steps) {
+  bool ok = true;
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < steps; ++k) ok = s.step().ok() && ok;
+  counting = false;
+  EXPECT_TRUE(ok);
+  return allocations;
+}
+
+TEST(AllocationCount, IsCounted) {
+  counting = true;
+  allocations = 0;
+  const auto* number = new int(3);
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(*number, 1.0);
+  counting = false;
+  EXPECT_GE(allocations, 2);
+  EXPECT_EQ(x.size(), 3);
+  delete number;
+}
+
+class Allocation : public testing::TestWithParam<spec::Simulation::Formulation> {
+ protected:
+  RunOptions options() const {
+    RunOptions o;
+    o.formulation = GetParam();
+    return o;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Formulations, Allocation,
+                         testing::Values(spec::Simulation::Formulation::relative,
+                                         spec::Simulation::Formulation::natural),
+                         [](const auto& formulation) {
+                           return formulation.index == 0 ? "relative" : "natural";
+                         });
+
+TEST_P(Allocation, NoneInTheStepsOfTheFlexibleVehicle) {
+  Simulation s(example("iltis/vehicle.yaml"), options());
+  EXPECT_EQ(allocations_of(s, 1000), 0);
+}
+
+/// Drives, expressions of time, quaternion joints, flexible bodies and a singular position.
+TEST_P(Allocation, NoneInOtherMechanisms) {
+  for (const char* file :
+       {"slider-crank/slider-crank.yaml", "double-four-bar/mechanism.yaml", "pendulum/flexible.yaml"}) {
+    Simulation s(example(file), options());
+    EXPECT_EQ(allocations_of(s, 300), 0) << file;
+  }
+  Simulation beam(example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}}), options());
+  EXPECT_EQ(allocations_of(beam, 300), 0);
+  const auto model =
+      model_of(four_bar_text({{"crank", R"yaml(, drive: {position: "0.5*sin(4*t)"})yaml"}}) + R"yaml(
+springs:
+  law:
+    between: [ground, coupler]
+    at: [[0.3, 0, 0.8], [0.3, 0, 0.35]]
+    force: "20*(l - 0.4) + 3*v*l + sin(5*t)"
+loads:
+  push: {on: rocker, at: [0.6, 0, 0.3], force: [2, 0, 1], scale: "cos(3*t)", follower: true}
+)yaml");
+  Simulation s(model, options());
+  EXPECT_EQ(allocations_of(s, 200), 0);
+}
+
+}  // namespace
+}  // namespace mimbre::test
+
+#endif

@@ -1,0 +1,202 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+
+#include "math/decompositions.h"
+#include "mimbre/reduced_body.h"
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// The watch over what linear theory neglects, against closed forms of beams.
+namespace mimbre::test {
+namespace {
+
+using std::numbers::pi;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+// A round steel cantilever along x.
+constexpr double length = 1, diameter = 0.01, young = 2.1e11, density = 7850;
+constexpr double area = pi / 4 * diameter * diameter,
+                 inertia = pi / 64 * diameter * diameter * diameter * diameter;
+constexpr double bending = young * inertia;
+constexpr double buckling_load = pi * pi * bending / (4 * length * length);
+
+const std::string both_planes =
+    "static_modes: [{node: tip, along: [0, 1, 0]}, {node: tip, along: [0, 0, 1]}]\n      dynamic_modes: 4";
+const std::string one_plane =
+    "planar: [0, 1, 0]\n      static_modes: [{node: tip, along: [0, 0, 1]}]\n      dynamic_modes: 3";
+
+/// With the given joints and whatever else.
+std::shared_ptr<const Model> cantilever(const std::string& gravity, const std::string& more,
+                                        const std::string& modes = both_planes) {
+  return model_of("gravity: " + gravity + R"(
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {round: {type: round, diameter: 0.01}}
+bodies:
+  beam:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {bar: {from: root, to: tip, elements: 20}}
+      clamped: [root]
+      )" + modes + "\n" +
+                  more);
+}
+
+const std::string held = "joints: {root: {type: fixed, between: [ground, beam], at: [0, 0, 0]}}\n";
+
+std::string end_load(double x, double z) {
+  return held + "loads: {end: {on: beam.tip, force: [" + std::to_string(x) + ", 0, " + std::to_string(z) +
+         "]}}\n";
+}
+
+TEST(Validity, CompressionIsOverEulersLoad) {
+  const double force = 0.3 * buckling_load;
+  const Simulation pressed(cantilever("[0, 0, 0]", end_load(-force, 0)));
+  EXPECT_NEAR(pressed.validity().at(0).compression.value, 0.3, 0.003);
+  EXPECT_EQ(pressed.validity().at(0).tension.value, 0);
+  EXPECT_THAT(pressed.warnings(),
+              ElementsAre(AllOf(HasSubstr("'beam'"), HasSubstr("buckling load"), HasSubstr("foreshortening"),
+                                Not(HasSubstr("deflection")))));
+
+  const Simulation pulled(cantilever("[0, 0, 0]", end_load(force, 0)));
+  EXPECT_EQ(pulled.validity().at(0).compression.value, 0);
+  EXPECT_NEAR(pulled.validity().at(0).tension.value, 0.3, 0.003);
+}
+
+/// A column under its own weight buckles at a height with ρAgL³ = 7.837 EI (Greenhill 1881).
+TEST(Validity, AColumnsOwnWeightPresses) {
+  const Simulation s(cantilever("[-9.81, 0, 0]", held));
+  const double ratio = density * area * 9.81 * length * length * length / (7.837 * bending);
+  EXPECT_NEAR(s.validity().at(0).compression.value, ratio, 0.01 * ratio);
+}
+
+/// The joint's own force is seen where the body hangs on its free end, too.
+TEST(Validity, ForcesOfTheBodysOwnJointCount) {
+  const Simulation s(cantilever(
+      "[-9.81, 0, 0]", "joints: {top: {type: spherical, between: [ground, beam], at: [1, 0, 0]}}\n"));
+  const Validity v = s.validity().at(0);
+  // Held at x = 1 against a pull to −x: tension that grows towards the tip, at most the weight.
+  const double weight = density * area * length * 9.81;
+  EXPECT_EQ(v.compression.value, 0);
+  EXPECT_GT(v.tension.value, 0.3 * weight / buckling_load);
+  EXPECT_LT(v.tension.value, weight / buckling_load);
+}
+
+/// Rotation stiffens the first flapping mode: ω² = ω₁² + 1.193 Ω² (Southwell, Gough 1921; Wright et al.
+/// 1982). The shape that it stiffens most does so a little more. The blade hardly bends.
+TEST(Validity, AFastBladeIsStiffened) {
+  const double first = 3.5160 * std::sqrt(bending / (density * area)) / (length * length), spin = 0.8 * first;
+  Simulation s(cantilever("[0, 0, 0]",
+                          "joints: {hub: {type: revolute, between: [ground, beam], at: [0, 0, 0], axis: "
+                          "[0, 0, 1], drive: {position: \"" +
+                              std::to_string(spin) + "*t\"}}}\n"));
+  const Validity v = s.validity().at(0);
+  EXPECT_GT(v.tension.value, 0.999 * 1.193 * 0.64);
+  EXPECT_LT(v.tension.value, 1.05 * 1.193 * 0.64);
+  EXPECT_LT(v.deflection.value, 1e-6);
+  EXPECT_THAT(s.warnings(), ElementsAre(AllOf(HasSubstr("'beam'"), HasSubstr("rotation"))));
+}
+
+TEST(Validity, ALargeEndLoadBendsTooFar) {
+  const auto bent = [](double share) {
+    const double force = share * 3 * bending / (length * length);
+    return Simulation(cantilever("[0, 0, 0]", end_load(0, force) + "initial: equilibrium\n"));
+  };
+  const Simulation far = bent(0.2);
+  const Validity v = far.validity().at(0);
+  EXPECT_NEAR(v.deflection.value, 0.2, 1e-4);
+  EXPECT_NEAR(v.foreshortening.value, 0.6 * 0.04, 0.002 * 0.024);  // 6/10 δ²/L of a tip load
+  EXPECT_LT(v.axial, 1e-12);
+  EXPECT_THAT(far.warnings(),
+              ElementsAre(AllOf(HasSubstr("deflection"), HasSubstr("20 %"), HasSubstr("shortening"))));
+  EXPECT_THAT(bent(0.05).warnings(), IsEmpty());
+}
+
+/// States in which one of the user's modes moves alone: the last of three dynamic ones is a high one.
+TEST(Validity, EnergyInTheHighestModeOfASeries) {
+  const auto model = cantilever("[0, 0, 0]", held, one_plane);
+  const ReducedBody& body = *model->spec().bodies.at(0).flexible;
+  ASSERT_EQ(body.modes, 4);  // static, three dynamic
+  const Eigen::MatrixXd modal = mimbre::inverse(body.user_from_modal);
+  for (int mode = 0; mode < 4; ++mode) {
+    Simulation s(model);
+    Simulation::Snapshot state = s.save();
+    state.q = 1e-4 * modal.col(mode) / modal.col(mode).norm();
+    s.restore(state);
+    EXPECT_NEAR(s.validity().at(0).high_modes.value, mode == 3 ? 1 : 0, 1e-9) << mode;
+    EXPECT_EQ(s.warnings().size(), mode == 3 ? 1u : 0u);
+  }
+}
+
+/// With as many modes across as along, the higher of two is the first of its plane: nothing is said of it.
+TEST(Validity, TheFirstModeOfEachPlaneIsNotAHighOne) {
+  Simulation s(example("pendulum/flexible.yaml"));
+  for (int k = 0; k < 400; ++k) ASSERT_TRUE(s.step().ok());
+  EXPECT_EQ(s.validity().at(0).high_modes.value, 0);
+  EXPECT_THAT(s.warnings(), IsEmpty());
+}
+
+/// Kane's manoeuvre: the linear beam bends without bound. That is said while it still bends little.
+TEST(Validity, TheSpinUpWarnsBeforeItDiverges) {
+  Simulation s(example("spin-up-beam/beam-2d.yaml", {{"method", "linear"}}));
+  while (s.warnings().empty() && s.step().ok()) {
+  }
+  const double warned = s.time(), deflection = s.validity().at(0).deflection.value;
+  EXPECT_LT(deflection, 0.1);
+  EXPECT_THAT(s.warnings(), ElementsAre(HasSubstr("body 'beam'")));
+  while (s.time() < 20 && s.step().ok() && s.validity().at(0).deflection.value < 1) {
+  }
+  EXPECT_GT(s.validity().at(0).deflection.value, 1);
+  EXPECT_GT(s.time(), warned + 1);
+}
+
+/// The same with what linear theory neglects, and in pieces.
+TEST(Validity, WhatKnowsOfStiffeningDoesNotWarn) {
+  for (const char* method : {"foreshortening", "substructuring", "geometric_stiffness"}) {
+    Simulation s(example("spin-up-beam/beam-2d.yaml", {{"method", method}}));
+    while (s.time() < 16) ASSERT_TRUE(s.step().ok()) << method;
+    EXPECT_THAT(s.warnings(), IsEmpty()) << method;
+  }
+}
+
+/// Joint forces come from other multipliers in natural coordinates.
+TEST(Validity, FormulationsAgree) {
+  std::vector<Validity> seen[2];
+  for (int k = 0; k < 2; ++k) {
+    RunOptions o;
+    o.formulation = k == 0 ? spec::Simulation::Formulation::relative : spec::Simulation::Formulation::natural;
+    Simulation s(example("slider-crank/slider-crank.yaml"), o);
+    while (s.time() < 0.1) ASSERT_TRUE(s.step().ok());
+    EXPECT_THAT(s.warnings(), IsEmpty());
+    seen[k] = s.validity();
+  }
+  ASSERT_EQ(seen[0].size(), 1u);
+  const Validity &a = seen[0][0], &b = seen[1][0];
+  EXPECT_GT(a.compression.value, 0.05);
+  EXPECT_NEAR(a.compression.value, b.compression.value, 0.02 * a.compression.value);
+  EXPECT_NEAR(a.tension.value, b.tension.value, 0.02 * a.tension.value);
+  EXPECT_NEAR(a.deflection.value, b.deflection.value, 0.02 * a.deflection.value);
+}
+
+TEST(Validity, ARestoredStateStartsAfresh) {
+  Simulation s(example("pendulum/flexible.yaml"));
+  const Simulation::Snapshot start = s.save();
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(s.step().ok());
+  EXPECT_GT(s.validity().at(0).deflection.value, 1e-3);
+  s.restore(start);
+  EXPECT_EQ(s.validity().at(0).deflection.value, 0);
+  EXPECT_EQ(s.validity().at(0).body, "bar");
+}
+
+}  // namespace
+}  // namespace mimbre::test
