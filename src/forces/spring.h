@@ -1,4 +1,5 @@
 #pragma once
+#include "math/rotation.h"
 #include "model/compiled.h"
 
 namespace mimbre {

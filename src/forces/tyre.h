@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 
+#include "math/rotation.h"
 #include "model/compiled.h"
 
 namespace mimbre {

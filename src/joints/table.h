@@ -2,14 +2,6 @@
 #include <array>
 #include <string_view>
 
-#include "joints/cylindrical.h"
-#include "joints/fixed.h"
-#include "joints/floating.h"
-#include "joints/planar.h"
-#include "joints/prismatic.h"
-#include "joints/revolute.h"
-#include "joints/spherical.h"
-#include "joints/universal.h"
 #include "mimbre/joint_type.h"
 
 namespace mimbre {
@@ -44,7 +36,7 @@ constexpr LoopClosure xy{A, 0, 1}, yz{A, 1, 2}, zx{A, 2, 0}, xz{A, 0, 2};
 }  // namespace closure
 
 /// A new joint type is one file with its motion, a row here and a line in joint_motion and joint_coordinates
-/// below.
+/// (joints/kernels.h).
 // clang-format off
 constexpr std::array<JointInfo, 9> joint_table{{
     {spec::JointType::fixed, "fixed", 0, 0, -1, 0, 6, 0b0, {closure::dx, closure::dy, closure::dz, closure::xy, closure::yz, closure::zx}},
@@ -66,56 +58,6 @@ constexpr const JointInfo& joint_info(spec::JointType type) {
 /// Whether a velocity coordinate of a joint is an angle's.
 constexpr bool is_angle(spec::JointType type, int coordinate) {
   return (joint_info(type).lengths >> coordinate & 1u) == 0;
-}
-
-/// Motion of b relative to a at positions q with velocities v.
-template <class T>
-void joint_motion(spec::JointType type, const T* q, const T* v, JointMotion<T>& m) {
-  m.reset();
-  switch (type) {
-    case spec::JointType::fixed:
-    case spec::JointType::bracket:
-      return fixed_motion(q, v, m);
-    case spec::JointType::revolute:
-      return revolute_motion(q, v, m);
-    case spec::JointType::prismatic:
-      return prismatic_motion(q, v, m);
-    case spec::JointType::cylindrical:
-      return cylindrical_motion(q, v, m);
-    case spec::JointType::universal:
-      return universal_motion(q, v, m);
-    case spec::JointType::spherical:
-      return spherical_motion(q, v, m);
-    case spec::JointType::planar:
-      return planar_motion(q, v, m);
-    case spec::JointType::floating:
-      return floating_motion(q, v, m);
-  }
-}
-
-/// Inverse of joint_motion: positions q that give this rotation and displacement of b relative to a (as
-/// nearly as the joint can); angles within ±π, quaternions of either sign.
-template <class T>
-void joint_coordinates(spec::JointType type, const Mat3<T>& rotation, const Vec3<T>& displacement, T* q) {
-  switch (type) {
-    case spec::JointType::revolute:
-      return revolute_coordinates(rotation, displacement, q);
-    case spec::JointType::prismatic:
-      return prismatic_coordinates(rotation, displacement, q);
-    case spec::JointType::cylindrical:
-      return cylindrical_coordinates(rotation, displacement, q);
-    case spec::JointType::universal:
-      return universal_coordinates(rotation, displacement, q);
-    case spec::JointType::planar:
-      return planar_coordinates(rotation, displacement, q);
-    case spec::JointType::spherical:
-      return spherical_coordinates(rotation, displacement, q);
-    case spec::JointType::floating:
-      return floating_coordinates(rotation, displacement, q);
-    case spec::JointType::fixed:
-    case spec::JointType::bracket:
-      return;
-  }
 }
 
 }  // namespace mimbre

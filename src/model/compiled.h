@@ -7,7 +7,6 @@
 
 #include "joints/table.h"
 #include "linalg/block_sparse.h"
-#include "math/rotation.h"
 #include "mimbre/spec.h"
 
 /// What the step needs, made once by compile(): flat, constant, in tree order (parent before child), free of

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/decompositions.h"
+#include "math/rotation.h"
 
 namespace mimbre {
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <ostream>
 
+#include "joints/kernels.h"
 #include "joints/table.h"
 #include "math/decompositions.h"
 #include "support/probe.h"

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "fe/meshes.h"
+#include "joints/kernels.h"
 
 namespace mimbre::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "dynamics/natural/covector.h"
-#include "joints/table.h"
+#include "joints/kernels.h"
 
 /// Joint coordinates as functions of the two frames that a joint joins.
 namespace mimbre::natural {
