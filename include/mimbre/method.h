@@ -15,7 +15,8 @@ struct RunOptions {
   /// Where it is not given, `xi` asks for Newmark's rule, and `rho` for generalised-α in Newmark's place.
   std::optional<spec::Simulation::Integrator> integrator;
   double rho = -1;
-  double xi = 1;  ///< Newmark's ξ ≤ 0; 1: not given
+  double xi = 1;         ///< Newmark's ξ ≤ 0; 1: not given
+  double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: from the file
   /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
   /// lifts the mechanism by 0.25 mm), or when it does not converge. 1: never; 0: from the file, or 4 with
   /// generalised-α, 1 with Newmark.

@@ -82,6 +82,13 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       .type_name("R")
       .excludes(xi)
       .group("Method");
+  command
+      .add_option("--tolerance", arguments.tolerance,
+                  "Of the iterations of a step, relative to the accelerations at play,\n"
+                  "instead of the model's (1e-5 where it has none)")
+      .from(1e-15, 1)
+      .type_name("X")
+      .group("Method");
 }
 
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given) {
@@ -92,6 +99,7 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   options.integrator = integrator_asked_for(arguments, given);
   if (arguments.xi) options.xi = *arguments.xi;
   if (arguments.rho) options.rho = *arguments.rho;
+  if (arguments.tolerance) options.tolerance = *arguments.tolerance;
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
       options.rho < resolve_method(given, options).rho)
     throw UsageError(
@@ -110,6 +118,7 @@ Json to_json(const MethodArguments& arguments) {
   word("integrator", arguments.integrator);
   if (arguments.xi) json["integrator_xi"] = *arguments.xi;
   if (arguments.rho) json["rho"] = *arguments.rho;
+  if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
   return json;
 }
 
@@ -123,6 +132,7 @@ Json method_json(const Method& method) {
     json["xi"] = method.xi;
   else
     json["rho"] = method.rho;
+  json["tolerance"] = method.tolerance;
   return json;
 }
 

@@ -12,7 +12,7 @@ namespace mimbre::app {
 /// What the command line says; empty: as in the model file.
 struct MethodArguments {
   std::string formulation, inertia, formalism, integrator;
-  std::optional<double> rho, xi;
+  std::optional<double> rho, xi, tolerance;
 };
 
 /// Which of the options a command has.
@@ -21,7 +21,8 @@ struct MethodChoice {
   bool motion = true;  ///< formalism, integrator and its parameter: a command that takes steps
 };
 
-/// Adds --formulation, --inertia, --formalism, --integrator, --rho and --integrator-xi to a command.
+/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi and --tolerance to a
+/// command.
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
 /// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not

@@ -107,8 +107,8 @@ StepStatus IndexThree::step(State& s) {
     // Once the loops are closed the multipliers stay: near singular positions they would creep on for dozens
     // of iterations along directions that hardly act, while the motion does not change any more.
     settled = iteration > 2 && violation <= options_.position_tolerance;
-    if (!settled)
-      for (int k = 0; k < m; ++k) lambda_[k] += penalty_factor * alpha[k] * (system_.phi()[k] + impulse_[k]);
+    for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (system_.phi()[k] + impulse_[k]);
+    if (!settled) lambda_ += force_;
     int where = 0;
     status.correction = n > 0 ? r_.cwiseAbs().maxCoeff(&where) : 0;
     status.coordinate = where;
@@ -136,8 +136,8 @@ StepStatus IndexThree::step(State& s) {
 
   // Velocities and accelerations onto the constraints.
   if (m > 0) {
-    if (settled)
-      for (int k = 0; k < m; ++k) lambda_[k] += penalty_factor * alpha[k] * system_.phi()[k];
+    // Not the penalty's force of the violation that is left, which is round-off times a large number.
+    if (settled) lambda_ += force_;
     motion_.algorithmic -= a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
     // The factorised matrix belongs to an earlier iterate, so that a projection leaves a little, which the
     // next removes.

@@ -78,8 +78,8 @@ StepStatus PenaltyStepper::step(State& s) {
     const double violation = largest(sigma_.data(), m), enough = options_.tolerance * reference;
     // Near singular positions multipliers would creep on along directions that hardly act.
     settled = augmented_ && iteration > 2 && violation <= enough;
-    if (!settled)
-      for (int k = 0; k < m; ++k) lambda_[k] += g_[k] + penalty_ * alpha[k] * sigma_rate_ * change_[k];
+    for (int k = 0; k < m; ++k) g_[k] += penalty_ * alpha[k] * sigma_rate_ * change_[k];
+    if (!settled) lambda_ += g_;
 
     status.correction = n > 0 ? r_.cwiseAbs().maxCoeff(&status.coordinate) : 0;
     const int bad = find_not_finite(r_.data(), n);
@@ -94,6 +94,7 @@ StepStatus PenaltyStepper::step(State& s) {
         left <= enough * motion_.scale && (!augmented_ || violation * std::min(1.0, newton.rate) <= enough);
   }
   if (!converged) return fail(StepCode::not_converged);
+  if (settled) lambda_ += g_;
   motion_.from_increment(s);
   system_.kinematics(time, motion_.q.data(), motion_.v.data(), motion_.a.data());
   status.code = check_end(system_, motion_, options_.drift_limit, status);

@@ -27,7 +27,9 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
   if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
   m.xi = options.xi <= 0 ? options.xi : given.xi;
-  m.tolerance = given.tolerance > 0 ? given.tolerance : defaults.tolerance;
+  m.tolerance = options.tolerance > 0 ? options.tolerance
+                : given.tolerance > 0 ? given.tolerance
+                                      : defaults.tolerance;
   m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
   m.max_iterations = given.max_iterations > 0 ? given.max_iterations : defaults.max_iterations;
   // Other formalisms and Newmark's rule are there to be seen as they are.
