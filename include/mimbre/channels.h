@@ -14,6 +14,8 @@ struct ChannelInfo {
   std::string name;
   std::string unit;     ///< "m", "rad", "N", "J", "1", …
   std::string meaning;  ///< one line for people
+  /// Whether rigid-body mechanics determines it: reactions of redundant constraints it does not.
+  bool determined = true;
 };
 
 /// How a body is drawn: points (body axes), mode shapes of the points, lines between points, solid shapes.

@@ -13,10 +13,11 @@ struct EnergyBalance {
   double tyres = 0;
   double dissipated = 0;  ///< dampers and modal damping
   double drive_work = 0;  ///< by driven joints on the mechanism
-  double load_work = 0;  ///< by loads and by spring forces given as expressions, and what the changing stress
-                         ///< of bodies with geometric stiffness puts into ½ yᵀ K_G y
-  double road_work = 0;  ///< by the road's height changing under the tyres
-  double numerical = 0;  ///< what the numerics fed in: total − start − works + dissipated
+  double load_work = 0;   ///< by loads and by spring forces given as expressions (less what these owe to the
+                          ///< rate: a damper's), and what the changing stress of bodies with geometric
+                          ///< stiffness puts into ½ yᵀ K_G y
+  double road_work = 0;   ///< by the road's height changing under the tyres
+  double numerical = 0;   ///< what the numerics fed in: total − start − works + dissipated
 
   double total() const { return kinetic + gravitational + elastic + springs + tyres; }
 };

@@ -14,13 +14,21 @@ struct Material {
 };
 
 struct Section {
-  double area = 0;  ///< m²
-  double Iy = 0;    ///< m⁴, bending in the x–z plane of the element
-  double Iz = 0;    ///< m⁴, bending in the x–y plane
-  double J = 0;     ///< m⁴, torsion
+  double area = 0;                  ///< m²
+  double Iy = 0;                    ///< m⁴, bending in the x–z plane of the element
+  double Iz = 0;                    ///< m⁴, bending in the x–y plane
+  double J = 0;                     ///< m⁴, torsion
+  double shear_y = 0, shear_z = 0;  ///< m², shear areas kA along y and z: Timoshenko's theory needs them
 };
 
-/// 3D Euler–Bernoulli element between two nodes; the axis runs between node + offset, the offsets rigid.
+/// What a section does as a bar bends.
+enum class BeamTheory {
+  euler_bernoulli,  ///< it stays at right angles to the axis and turns without inertia
+  rayleigh,         ///< it stays at right angles and has rotary inertia
+  timoshenko        ///< it turns freely, against shear, and has rotary inertia
+};
+
+/// 3D element between two nodes; the axis runs between node + offset, the offsets rigid.
 struct BeamElement {
   std::array<int, 2> nodes{};
   std::array<Eigen::Vector3d, 2> offsets{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -28,6 +36,7 @@ struct BeamElement {
       Eigen::Vector3d::Zero();  ///< element y lies in the plane of axis and this; zero: any
   Section section;
   Material material;
+  BeamTheory theory = BeamTheory::euler_bernoulli;
 };
 
 struct Mesh {

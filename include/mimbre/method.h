@@ -17,9 +17,9 @@ struct RunOptions {
   double rho = -1;
   double xi = 1;         ///< Newmark's ξ ≤ 0; 1: not given
   double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: from the file
-  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than what
-  /// lifts the mechanism by 0.25 mm), or when it does not converge. 1: never; 0: from the file, or 4 with
-  /// generalised-α, 1 with Newmark.
+  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than
+  /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
+  /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
   int substeps = 0;
   bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
 };

@@ -12,7 +12,7 @@ inline constexpr std::array formulations{"relative", "natural"};
 inline constexpr std::array inertias{"integrals", "projection", "projection_translations"};
 inline constexpr std::array formalisms{"index3",  "index1",           "baumgarte",
                                        "penalty", "index1_augmented", "independent"};
-inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht"};
+inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve"};
 
 }  // namespace mimbre::method_names
 

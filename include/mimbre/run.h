@@ -7,32 +7,42 @@
 /// The stepping loop, timed.
 namespace mimbre {
 
-/// How many steps a run has, and how many of them lie between two outputs.
+/// The steps of a run: all of them equal but for the last, which ends at the end asked for.
 struct RunPlan {
+  double step = 0;             ///< s
+  double end = 0;              ///< s
+  double output_interval = 0;  ///< s; 0: a row at every step
   std::int64_t steps = 0;
-  std::int64_t stride = 1;
+  /// The step after which the next row is due, where `made` steps have been made: the first one at or after
+  /// the next multiple of the output interval, or the last one.
+  std::int64_t next_row(std::int64_t made) const;
 };
-/// Steps to `end` (s), and the multiple of the step nearest to `output_interval` (s; 0: every step). Throws
-/// InputError when there are too many.
+/// Steps to `end` (s). What is left of a step at the end is made as a shorter step, or, where it is less than
+/// a thousandth, added to the last. Throws InputError when the step is longer than the run, or there are too
+/// many. A run to 0 has no steps.
 RunPlan plan_run(double end, double output_interval, double step);
+
+/// Such a step: no run is made of less than one (but for a thousandth).
+bool longer_than_run(double step, double end);
 
 /// Sums over the steps made so far.
 struct RunTotals {
   std::int64_t steps = 0;
   std::int64_t iterations = 0;
   std::int64_t factorisations = 0;
-  double cpu_seconds = 0;  ///< of this thread, of the steps alone
+  std::int64_t repeated_steps = 0;  ///< steps that were made again in parts (RunOptions::substeps)
+  double cpu_seconds = 0;           ///< of this thread, of the steps alone
   double max_position_violation = 0;
   double max_velocity_violation = 0;
 };
 
-/// Simulated seconds per CPU second of stepping; larger than 1 is faster than real time. NaN when nothing was
-/// measured.
-double real_time_factor(const RunTotals& totals, double step);
+/// Simulated seconds (`simulated`) per CPU second of stepping; larger than 1 is faster than real time. NaN
+/// when nothing was measured.
+double real_time_factor(const RunTotals& totals, double simulated);
 
-/// Up to `count` steps; ends early when one fails or `stop` (where given, asked before each step) says so.
-/// The clock is read twice per call.
-StepReport advance(Simulation& simulation, std::int64_t count, RunTotals& totals,
+/// Steps on until `until` of them are made in all (`totals` counts them), or one fails, or `stop` (where
+/// given, asked before each step) says so. The clock is read twice per call.
+StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t until, RunTotals& totals,
                    const std::function<bool()>& stop = {});
 
 }  // namespace mimbre

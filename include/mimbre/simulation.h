@@ -29,6 +29,7 @@ struct StepReport {
 struct Validity {
   struct Peak {
     double value = 0, time = 0;
+    bool watched = false;  ///< otherwise 0 says nothing
   };
   std::string body;
   Peak deflection;      ///< largest displacement by the modes over the body's length
@@ -37,6 +38,17 @@ struct Validity {
   Peak compression;     ///< load over buckling load, held at the tangent frame
   Peak tension;         ///< geometric over elastic stiffness in the shape that it stiffens most
   Peak high_modes;      ///< largest energy of the highest third of the dynamic modes over the largest of all
+};
+
+/// Constraint equations that say again what others say, in the assembled position: of the reactions of the
+/// joints concerned rigid bodies determine only sums, and those given are the smallest ones.
+struct Redundancy {
+  int equations = 0;                ///< so many could be left out
+  std::vector<std::string> joints;  ///< whose reactions depend on it, in the order of the model
+  /// The same where equations are not redundant, but so nearly that reactions are arbitrary: axes that are
+  /// meant to be in line, or parallel, and are off by a little.
+  int nearly = 0;
+  std::vector<std::string> nearly_joints;
 };
 
 /// A compiled model in motion. One thread at a time; any number of simulations may share a Model.
@@ -50,6 +62,9 @@ class Simulation {
 
   /// One step. Allocates nothing, throws nothing, makes a bounded number of iterations.
   StepReport step();
+  /// The same, of the length that ends at `time` (later than now): for the rest of a run that is no whole
+  /// number of steps.
+  StepReport step_to(double time);
   double time() const;
   double step_size() const;
   /// What the run takes: formulation, integrator, tolerances, …
@@ -78,7 +93,8 @@ class Simulation {
     double time = 0;
     Eigen::VectorXd q, v, a, algorithmic, multipliers;
     bool started = false;
-    Eigen::VectorXd marks;  ///< the tangents in the factorised matrix: when it is made anew depends on them
+    Eigen::VectorXd marks;    ///< the tangents in the factorised matrix: when it is made anew depends on them
+    double energy_error = 0;  ///< J, that the integrator `conserve` has still to take back
   };
   Snapshot save() const;
   void restore(const Snapshot& snapshot);
@@ -100,6 +116,9 @@ class Simulation {
   std::vector<Validity> validity() const;
   /// Independent motions at the current position: coordinates less the rank of the constraints.
   int degrees_of_freedom();
+
+  /// Redundant constraints at the current position.
+  Redundancy redundancy();
 
   const Model& model() const;
 

@@ -182,7 +182,12 @@ struct Simulation {
     index1_augmented,  ///< penalty with iterated multipliers
     independent        ///< independent coordinates by a second velocity transformation
   } formalism = Formalism::index3;
-  enum class Integrator { generalized_alpha, newmark, hht } integrator = Integrator::generalized_alpha;
+  enum class Integrator {
+    generalized_alpha,
+    newmark,
+    hht,
+    conserve  ///< the trapezoidal rule, and after each step the energy that it fed in or took out taken back
+  } integrator = Integrator::generalized_alpha;
   double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); negative: the library's default
   double xi = 0;         ///< Newmark's ξ ≤ 0
   double tolerance = 0;  ///< 0: default

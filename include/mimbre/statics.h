@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "mimbre/channels.h"
@@ -17,6 +18,8 @@ struct StaticResult {
   int iterations = 0;
   double cpu_seconds = 0;
   double residual = 0;
+  bool stable = true;  ///< no small disturbance grows
+  std::vector<std::string> warnings;
 };
 StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options = {});
 

@@ -1,12 +1,14 @@
 #include "mimbre/statics.h"
 
-#include <fmt/format.h>
-
 #include <stdexcept>
 
 #include "base/cpu_time.h"
 #include "simulation/assembly.h"
 #include "simulation/channels.h"
+#include "simulation/drawn_open.h"
+#include "simulation/explain.h"
+#include "simulation/redundancy.h"
+#include "simulation/smallest_reactions.h"
 
 namespace mimbre {
 
@@ -17,19 +19,29 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   relative::RelativeSystem system(m, method.inertia);
   const auto natural = make_natural(m, method);
   State s = assembled_state(m, system);
-  const StaticsStatus status = equilibrium(natural.get(), system, s);
-  if (!status.converged)
-    throw std::runtime_error(
-        fmt::format("no static equilibrium was found: unbalanced force {:.3g}, constraints off by "
-                    "{:.3g} after {} iterations",
-                    status.residual, status.violation, status.iterations));
   StaticResult result;
+  const auto warn = [&](const std::string& text) {
+    if (!text.empty()) result.warnings.push_back(text);
+  };
+  warn(drawn_open(system, s));
+  const StaticsStatus status = equilibrium(natural.get(), system, s);
+  if (!status.converged) throw std::runtime_error(explain_imbalance(m, natural.get(), status));
+  result.stable = !(status.growth > 0);
+  warn(explain_instability(m, natural.get(), status));
   Channels channels(m);
   EnergyMeter meter(m);
   Eigen::VectorXd r(m.velocities);
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
   meter.start(system, s);
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+  if (m.equations > 0) {
+    const Redundancy redundancy = find_redundancy(system, s);
+    warn(explain_near_redundancy(redundancy));
+    channels.mark_undetermined(redundancy);
+    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+    if (redundancy.equations + redundancy.nearly > 0 && SmallestReactions(m).find(system, s, s.multipliers))
+      system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+  }
   ResultsRow row;
   channels.sample(system, s, meter.balance(), {}, row);
   result.channels = channels.info();

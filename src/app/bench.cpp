@@ -56,23 +56,23 @@ Measurement measure(const std::string& path, const Arguments& arguments) {
   result.model = path;
   result.method = method_json(resolve_method(model.spec().simulation, options));
   result.elastic_coordinates = model.elastic_coordinates();
+  const RunPlan plan = planned(model.spec().simulation, options, arguments.step, arguments.until);
+  result.step = plan.step;
   for (int k = 0; k < arguments.runs; ++k) {
     Simulation simulation(loaded.model, options);
-    result.step = simulation.step_size();
     result.coordinates = simulation.coordinates();
-    const RunPlan plan = plan_run(arguments.until.value_or(model.spec().simulation.end), 0, result.step);
     result.totals = {};
-    const StepReport report = advance(simulation, plan.steps, result.totals);
+    const StepReport report = advance(simulation, plan, plan.steps, result.totals);
     if (!report.ok()) throw Failure(fmt::format("{}: {}", path, simulation.explain(report)));
     result.cpu_seconds.push_back(result.totals.cpu_seconds);
     result.totals.cpu_seconds = median(result.cpu_seconds);
-    result.real_time_factor = real_time_factor(result.totals, result.step);
+    result.real_time_factor = real_time_factor(result.totals, simulation.time());
   }
   result.peak_memory_mb = peak_memory_mb();
   options.profile = true;
   Simulation profiled(loaded.model, options);
   RunTotals ignored;
-  advance(profiled, result.totals.steps, ignored);
+  advance(profiled, plan, plan.steps, ignored);
   result.phases = profiled.phases();
   return result;
 }

@@ -22,7 +22,7 @@ struct Arguments {
   std::string model;
   std::vector<std::string> settings;
   MethodArguments method;
-  bool json = false;
+  bool json = false, strict = false;
 };
 
 /// A body as the simulation sees it.
@@ -57,6 +57,7 @@ struct Description {
   double mass = 0;
   int loops = 0;
   int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
+  Redundancy redundancy;
   std::vector<std::string> warnings;
 };
 
@@ -74,6 +75,7 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.elastic_coordinates = model.elastic_coordinates();
   d.constraints = simulation.constraints();
   d.degrees_of_freedom = simulation.degrees_of_freedom();
+  d.redundancy = simulation.redundancy();
   d.warnings = loaded.warnings;
   for (const std::string& warning : simulation.warnings()) {
     print_warning(warning);
@@ -92,6 +94,10 @@ Json to_json(const Description& d, const std::string& title) {
   json["elastic_coordinates"] = d.elastic_coordinates;
   json["constraints"] = d.constraints;
   json["degrees_of_freedom"] = d.degrees_of_freedom;
+  json["redundant_equations"] = d.redundancy.equations;
+  json["redundant"] = d.redundancy.joints;
+  json["nearly_redundant_equations"] = d.redundancy.nearly;
+  json["nearly_redundant"] = d.redundancy.nearly_joints;
   json["loops"] = d.loops;
   json["joints"] = Json::array();
   for (const Model::JointLine& j : d.joints)
@@ -111,6 +117,19 @@ Json to_json(const Description& d, const std::string& title) {
                                  {"lowest_frequencies_hz", b.frequencies}});
   json["warnings"] = d.warnings;
   return json;
+}
+
+/// What redundant constraints mean for the joints concerned.
+std::string redundancy_note(const Redundancy& r) {
+  if (r.equations == 0) return {};
+  constexpr std::size_t named = 12;
+  const std::vector<std::string> some(r.joints.begin(), r.joints.begin() + std::min(r.joints.size(), named));
+  return fmt::format(
+      "\nIn this position {} of the equations {} what others say. That does not change the motion, but rigid "
+      "bodies do not\ndetermine how these joints share their loads; of all reactions the smallest are "
+      "given: {}{}\n",
+      r.equations, r.equations == 1 ? "repeats" : "repeat", fmt::join(some, ", "),
+      r.joints.size() > named ? fmt::format(" and {} more", r.joints.size() - named) : "");
 }
 
 std::string to_tables(const Description& d, const std::string& title) {
@@ -135,7 +154,9 @@ std::string to_tables(const Description& d, const std::string& title) {
   line("  of them elastic", d.elastic_coordinates);
   line("constraint equations", d.constraints);
   line("degrees of freedom", d.degrees_of_freedom);
-  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text();
+  if (d.redundancy.equations > 0) line("redundant equations", d.redundancy.equations);
+  if (d.redundancy.nearly > 0) line("nearly redundant equations", d.redundancy.nearly);
+  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text() + redundancy_note(d.redundancy);
 }
 
 int run(const Arguments& arguments) {
@@ -144,7 +165,7 @@ int run(const Arguments& arguments) {
       describe(loaded, run_options(arguments.method, loaded.model->spec().simulation));
   const std::string& title = loaded.model->spec().title;
   print_data(arguments.json ? to_text(to_json(description, title)) + '\n' : to_tables(description, title));
-  return done;
+  return done_with(!description.warnings.empty(), arguments.strict);
 }
 
 }  // namespace
@@ -155,6 +176,7 @@ Command add_check(CommandLine& program) {
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   parser.add_flag("--json", arguments->json, "The same as JSON");
+  add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method);
   parser.footer("Example:\n  mimbre check pendulum.yaml --set length=2");
   return {parser, [arguments] { return run(*arguments); }};

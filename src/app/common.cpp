@@ -28,6 +28,12 @@ void add_set_option(Parser& command, std::vector<std::string>& settings) {
       .repeated();
 }
 
+void add_strict_option(Parser& command, bool& strict) {
+  command.add_flag("--strict", strict, "Exit with 4 where there is any warning");
+}
+
+int done_with(bool warnings, bool strict) { return warnings && strict ? warned : done; }
+
 LoadedModel load(const std::string& path, const std::vector<std::string>& settings) {
   std::vector<Diagnostic> warnings;
   spec::Model spec = load_model(path, overrides(settings), &warnings);

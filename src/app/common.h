@@ -20,7 +20,8 @@ enum Exit : int {
   done = 0,
   bad_input = 1,  ///< the model or another input is bad
   bad_usage = 2,
-  failed = 3  ///< the simulation failed, or was interrupted
+  failed = 3,  ///< the simulation failed, or was interrupted
+  warned = 4   ///< done, but not without a warning, and --strict was given
 };
 
 /// A command of the program: its options, and what it does; `run` returns the exit code.
@@ -53,6 +54,11 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
 
 /// Adds the option --set to a command.
 void add_set_option(Parser& command, std::vector<std::string>& settings);
+
+/// Adds the option --strict to a command.
+void add_strict_option(Parser& command, bool& strict);
+/// The exit code of what was done, with or without warnings.
+int done_with(bool warnings, bool strict);
 
 /// A compiled model, and the loader's warnings as lines for people (already printed).
 struct LoadedModel {

@@ -75,7 +75,9 @@ int main_program(int argc, char** argv) {
   CommandLine program("mimbre", "Flexible multibody systems in real time", fmt::format("mimbre {}", version));
   program.footer(
       "Messages go to the standard error, data to the standard output.\n"
-      "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed.\n"
+      "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed, 4 done "
+      "with warnings\n"
+      "where --strict was given.\n"
       "'mimbre COMMAND --help' says more about a command.\n"
       "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
   const std::vector<Command> commands{add_run(program),      add_check(program),   add_static(program),

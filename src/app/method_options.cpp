@@ -28,12 +28,16 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
                                                const spec::Simulation& given) {
   const auto named_one = named<Integrator>(arguments.integrator, method_names::integrators);
   const bool of_newmark = named_one.value_or(given.integrator) == Integrator::newmark;
+  const bool of_conserve = named_one.value_or(given.integrator) == Integrator::conserve;
+  if ((arguments.rho || arguments.xi) && named_one && of_conserve)
+    throw UsageError(fmt::format("{} belongs to other integrators; conserve damps nothing",
+                                 arguments.rho ? "--rho" : "--integrator-xi"));
   if (arguments.rho && named_one && of_newmark)
     throw UsageError("--rho belongs to generalized_alpha and hht; newmark has --integrator-xi");
   if (arguments.xi && named_one && !of_newmark)
     throw UsageError(fmt::format("--integrator-xi belongs to newmark; {} has --rho", arguments.integrator));
   if (arguments.xi) return Integrator::newmark;
-  if (arguments.rho && of_newmark) return Integrator::generalized_alpha;
+  if (arguments.rho && (of_newmark || of_conserve)) return Integrator::generalized_alpha;
   return named_one;
 }
 
@@ -69,7 +73,8 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       "How steps are made:\n"
       "generalized_alpha: second order, damps what the step cannot resolve\n"
       "newmark: the trapezoidal rule, or with xi below 0 damped\n"
-      "hht: Hilber, Hughes, Taylor");
+      "hht: Hilber, Hughes, Taylor\n"
+      "conserve: the trapezoidal rule with its error of energy taken back");
   const Option xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
                         .from(-INFINITY, 0)
                         .type_name("XI")
@@ -107,6 +112,17 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   return options;
 }
 
+RunPlan planned(const spec::Simulation& given, const RunOptions& options, std::optional<double> step,
+                std::optional<double> until) {
+  const double end = until.value_or(given.end), length = resolve_method(given, options).step;
+  if ((step || until) && longer_than_run(length, end))
+    throw UsageError(
+        fmt::format("the step of {} s is longer than the run, which ends at {} s; give a shorter "
+                    "--step or a later --until",
+                    length, end));
+  return plan_run(end, given.output_interval, length);
+}
+
 Json to_json(const MethodArguments& arguments) {
   Json json = Json::object();
   const auto word = [&](const char* key, const std::string& value) {
@@ -130,7 +146,7 @@ Json method_json(const Method& method) {
   json["integrator"] = name_of(method.integrator);
   if (method.integrator == Integrator::newmark)
     json["xi"] = method.xi;
-  else
+  else if (method.integrator != Integrator::conserve)
     json["rho"] = method.rho;
   json["tolerance"] = method.tolerance;
   return json;

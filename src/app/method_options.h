@@ -4,7 +4,7 @@
 
 #include "app/json.h"
 #include "app/options.h"
-#include "mimbre/simulation.h"
+#include "mimbre/run.h"
 
 /// The options that choose how a model is computed; the same in every command that computes.
 namespace mimbre::app {
@@ -28,6 +28,12 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
 /// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not
 /// fit together.
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given);
+
+/// The steps of a run of a model whose file says `given`, with the --step and --until of the command line
+/// where given. Throws UsageError where one of these makes the step longer than the run, InputError where the
+/// file does.
+RunPlan planned(const spec::Simulation& given, const RunOptions& options, std::optional<double> step,
+                std::optional<double> until);
 
 /// What the command line chose, for the results file; what it did not is absent.
 Json to_json(const MethodArguments& arguments);

@@ -37,18 +37,22 @@ std::string key(const Case& c, int milliseconds) {
       o.rho, o.xi, o.substeps, milliseconds);
 }
 
-std::int64_t steps_of(const Simulation& simulation) {
-  return plan_run(simulation.model().spec().simulation.end, 0, simulation.step_size()).steps;
+/// Whole steps only: their errors are compared instant by instant.
+RunPlan plan_of(const Simulation& simulation) {
+  const double step = simulation.step_size();
+  return plan_run(step * std::round(simulation.model().spec().simulation.end / step), 0, step);
 }
+
+std::int64_t steps_of(const Simulation& simulation) { return plan_of(simulation).steps; }
 
 /// All steps of a run, `see` called after every `stride` of them. Throws when it fails.
 template <class See>
 RunTotals run_through(Simulation& simulation, std::int64_t stride, See&& see) {
   RunTotals totals;
-  const std::int64_t steps = steps_of(simulation);
-  while (totals.steps < steps) {
-    const StepReport report =
-        advance(simulation, std::min(stride, steps - totals.steps), totals, interrupted);
+  const RunPlan plan = plan_of(simulation);
+  while (totals.steps < plan.steps) {
+    const std::int64_t until = std::min(totals.steps + stride, plan.steps);
+    const StepReport report = advance(simulation, plan, until, totals, interrupted);
     if (interrupted()) throw Failure("interrupted");
     if (!report.ok()) throw std::runtime_error(simulation.explain(report));
     see();

@@ -25,7 +25,7 @@ struct Arguments {
   std::vector<std::string> settings;
   MethodArguments method;
   std::optional<double> step, until;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, strict = false;
 };
 
 /// What of the command line decides the results; kept in the results file.
@@ -98,22 +98,29 @@ class Recorder {
 /// are kept.
 Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder, Progress& progress,
                 RunTotals& totals) {
-  const double end = static_cast<double>(plan.steps) * simulation.step_size();
   // Without files the clock is read once, with a progress line a few hundred times.
-  const std::int64_t chunk = recorder.recording() ? plan.stride
-                             : progress.shown()   ? plan.steps / 500 + 1
-                                                  : plan.steps;
+  const std::int64_t chunk = progress.shown() ? plan.steps / 500 + 1 : plan.steps;
+  std::int64_t recorded = 0;
+  // Where a run stops is its last row, too.
+  const auto stopped = [&](Ending ending) {
+    if (recorded < totals.steps) recorder.record(simulation);
+    return ending;
+  };
   try {
     recorder.record(simulation);
     while (totals.steps < plan.steps) {
-      const StepReport report =
-          advance(simulation, std::min(chunk, plan.steps - totals.steps), totals, interrupted);
-      if (!report.ok()) return {"failed", simulation.explain(report)};
-      if (totals.steps % plan.stride == 0) recorder.record(simulation);
-      progress.update(simulation.time(), end, totals.cpu_seconds);
+      const std::int64_t until =
+          recorder.recording() ? plan.next_row(totals.steps) : std::min(totals.steps + chunk, plan.steps);
+      const StepReport report = advance(simulation, plan, until, totals, interrupted);
+      if (!report.ok()) return stopped({"failed", simulation.explain(report)});
+      if (totals.steps == until) {
+        recorder.record(simulation);
+        recorded = until;
+      }
+      progress.update(simulation.time(), plan.end, totals.cpu_seconds);
       if (interrupted() && totals.steps < plan.steps)
-        return {"interrupted",
-                fmt::format("interrupted at t = {:.6g} s of {:.6g} s", simulation.time(), end)};
+        return stopped({"interrupted",
+                        fmt::format("interrupted at t = {:.6g} s of {:.6g} s", simulation.time(), plan.end)});
     }
   } catch (const std::exception& error) {
     return {"failed", error.what()};
@@ -127,9 +134,8 @@ int run(const Arguments& arguments) {
   const spec::Simulation& given = loaded.model->spec().simulation;
   RunOptions options = run_options(arguments.method, given);
   options.step = arguments.step.value_or(0);
+  const RunPlan plan = planned(given, options, arguments.step, arguments.until);
   Simulation simulation(loaded.model, options);
-  const RunPlan plan =
-      plan_run(arguments.until.value_or(given.end), given.output_interval, simulation.step_size());
 
   catch_interrupts();
   Recorder recorder(arguments, simulation);
@@ -162,7 +168,7 @@ int run(const Arguments& arguments) {
   } else if (!arguments.quiet) {
     fmt::print(stderr, "{}", summary_table(simulation, totals));
   }
-  return ending.message.empty() ? done : failed;
+  return ending.message.empty() ? done_with(!warnings.empty(), arguments.strict) : failed;
 }
 
 }  // namespace
@@ -179,11 +185,15 @@ Command add_run(CommandLine& program) {
   parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
   parser.add_flag("--json", arguments->json, "The run's summary as JSON on the standard output");
   parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
+  add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method);
   parser.footer(
+      "The run ends at its end: the last step is shorter where the end is no whole number of steps. Rows are "
+      "written at the\n"
+      "start, at the end, and at the first step at or after every multiple of the model's output_interval.\n"
       "Exit codes: 0 done, 1 the model is bad, 2 wrong use, 3 a step failed, a file could not be written, or "
       "the run\n"
-      "was interrupted; the results up to then are kept.\n"
+      "was interrupted (the results up to then are kept), 4 done with warnings, where --strict was given.\n"
       "Example:\n  mimbre run pendulum.yaml --set length=2 --until 10 --output pendulum.h5 --csv "
       "pendulum.csv");
   return {parser, [arguments] { return run(*arguments); }};

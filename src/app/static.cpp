@@ -15,7 +15,7 @@ struct Arguments {
   std::string model;
   std::vector<std::string> settings;
   MethodArguments method;
-  bool json = false;
+  bool json = false, strict = false;
 };
 
 Json to_json(const StaticResult& result, const Json& method) {
@@ -27,6 +27,8 @@ Json to_json(const StaticResult& result, const Json& method) {
   for (int k = 0; k < result.output_count; ++k) json["outputs"][result.channels[k].name] = result.values[k];
   json["iterations"] = result.iterations;
   json["residual"] = result.residual;
+  json["stable"] = result.stable;
+  json["warnings"] = result.warnings;
   json["cpu_seconds"] = result.cpu_seconds;
   // For scripts each output stands at the top, too, unless its name is taken.
   const Json outputs = json["outputs"];
@@ -59,9 +61,10 @@ int run(const Arguments& arguments) {
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
   const StaticResult result = equilibrium(loaded, options);
+  for (const std::string& warning : result.warnings) print_warning(warning);
   const Json method = method_json(resolve_method(given, options));
   print_data(arguments.json ? to_text(to_json(result, method)) + '\n' : to_table(result));
-  return done;
+  return done_with(!loaded.warnings.empty(), arguments.strict);
 }
 
 }  // namespace
@@ -72,6 +75,7 @@ Command add_static(CommandLine& program) {
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   parser.add_flag("--json", arguments->json, "The same as JSON");
+  add_strict_option(parser, arguments->strict);
   // At rest it does not matter how constraints and steps are made.
   add_method_options(parser, arguments->method, {.formulation = true, .motion = false});
   parser.footer("Example:\n  mimbre static suspension.yaml --json");

@@ -31,6 +31,10 @@ Json validity(const Simulation& simulation) {
   for (const Validity& v : simulation.validity()) {
     Json body{{"body", v.body}};
     for (const auto& [name, peak] : named(v)) {
+      if (!peak.watched) {
+        body[name] = nullptr;
+        continue;
+      }
       body[name] = peak.value;
       body["time"][name] = peak.time;
     }
@@ -46,8 +50,16 @@ std::string worst(const std::vector<Validity>& bodies) {
   std::string text;
   for (std::size_t k = 0; k < 5; ++k) {
     double largest = 0;
-    for (const Validity& v : bodies) largest = std::max(largest, named(v)[k].second.value);
-    text += fmt::format("{}{} {:.2g} %", k == 0 ? "" : ", ", names[k], 100 * largest);
+    std::size_t watched = 0;
+    for (const Validity& v : bodies) {
+      const Validity::Peak peak = named(v)[k].second;
+      largest = std::max(largest, peak.value);
+      if (peak.watched) ++watched;
+    }
+    text += fmt::format("{}{} ", k == 0 ? "" : ", ", names[k]);
+    text += watched == 0 ? "not watched" : fmt::format("{:.2g} %", 100 * largest);
+    if (watched > 0 && watched < bodies.size())
+      text += fmt::format(" ({} of {} bodies)", watched, bodies.size());
   }
   return text;
 }
@@ -71,6 +83,7 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   summary["iterations"] = totals.iterations;
   summary["iterations_per_step"] = per_step(totals.iterations, totals);
   summary["factorisations"] = totals.factorisations;
+  summary["repeated_steps"] = totals.repeated_steps;
   summary["max_position_violation"] = totals.max_position_violation;
   summary["max_velocity_violation"] = totals.max_velocity_violation;
   for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
@@ -87,7 +100,7 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
 void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals) {
   summary["cpu_seconds"] = totals.cpu_seconds;
   summary["initialisation_seconds"] = simulation.initialisation_seconds();
-  summary["real_time_factor"] = real_time_factor(totals, simulation.step_size());
+  summary["real_time_factor"] = real_time_factor(totals, simulation.time());
   summary["peak_memory_mb"] = peak_memory_mb();
   const BuildInfo& build = build_info();
   summary["build"] = {
@@ -109,9 +122,12 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
                    name_of(simulation.method().formalism), name_of(simulation.method().integrator)));
   line("coordinates", fmt::format("{}", simulation.coordinates()));
   line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
+  if (totals.repeated_steps > 0)
+    line("steps repeated in parts", fmt::format("{}", totals.repeated_steps),
+         fmt::format("({} parts each)", simulation.method().substeps));
   line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
   line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");
-  line("real-time factor", fmt::format("{:.4g}", real_time_factor(totals, simulation.step_size())),
+  line("real-time factor", fmt::format("{:.4g}", real_time_factor(totals, simulation.time())),
        "(above 1: faster than real time)");
   line("largest position violation", fmt::format("{:.3g}", totals.max_position_violation), "m");
   line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");

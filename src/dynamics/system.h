@@ -1,6 +1,8 @@
 #pragma once
 #include <span>
+#include <vector>
 
+#include "dynamics/scales.h"
 #include "linalg/block_sparse.h"
 
 namespace mimbre {
@@ -8,6 +10,12 @@ namespace mimbre {
 /// Weights of the leading matrix  M + damping·C + stiffness·K + penalty·Φzᵀ α Φz.
 struct MatrixWeights {
   double damping = 0, stiffness = 0, penalty = 0;
+};
+
+/// ∂Φ(equation)/∂(velocity coordinate).
+struct JacobianEntry {
+  int equation = 0, coordinate = 0;
+  double value = 0;
 };
 
 /// A mechanism in some set of coordinates, as integrators and statics see it: they know no joints and no
@@ -23,6 +31,7 @@ class System {
   virtual int equations() const = 0;
   /// α of each equation (equations × 1): its share of MatrixWeights::penalty; kg or kg m².
   virtual const double* penalty() const = 0;
+  virtual const Scales& scales() const = 0;
 
   /// Moves the common reference point to where the mechanism is at q. Between two calls results refer to one
   /// point.
@@ -54,6 +63,8 @@ class System {
   /// x.
   virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;
   virtual void jacobian_times(const double* x, double* out) const = 0;
+  /// The same Jacobian's entries that may not vanish, each once; it allocates, so not in a step.
+  virtual std::vector<JacobianEntry> jacobian_entries() const = 0;
 
   /// Takes back the part of a predicted increment over a step h that should not be extrapolated: that of
   /// modal amplitudes faster than the step.

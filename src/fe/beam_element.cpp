@@ -29,7 +29,12 @@ void check_properties(const BeamElement& beam, int element) {
   require_positive(element, "section Iy", beam.section.Iy);
   require_positive(element, "section Iz", beam.section.Iz);
   require_positive(element, "section J", beam.section.J);
+  if (beam.theory != BeamTheory::timoshenko) return;
+  require_positive(element, "section shear area along y", beam.section.shear_y);
+  require_positive(element, "section shear area along z", beam.section.shear_z);
 }
+
+double shear_modulus(const Material& material) { return material.young / (2 * (1 + material.poisson)); }
 
 /// The body axis that is farthest from `x`, for elements whose y direction does not matter.
 Eigen::Vector3d any_direction_across(const Eigen::Vector3d& x) {
@@ -63,6 +68,51 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   return m;
 }
 
+/// Of a bending field by its dofs: deflection and slope at both ends.
+using Bending = Eigen::Vector4d;
+
+Bending deflection(double x, double length, double shear) {
+  const double x2 = x * x, x3 = x2 * x, half = 0.5 * shear * (x - x2);
+  return Bending{1 - 3 * x2 + 2 * x3 + shear * (1 - x), length * (x - 2 * x2 + x3 + half),
+                 3 * x2 - 2 * x3 + shear * x, length * (x3 - x2 - half)} /
+         (1 + shear);
+}
+
+/// The derivative of the deflection.
+Bending slope(double x, double length, double shear) {
+  const double half = 0.5 * shear * (1 - 2 * x);
+  return Bending{(6 * (x * x - x) - shear) / length, 1 - 4 * x + 3 * x * x + half,
+                 (6 * (x - x * x) + shear) / length, 3 * x * x - 2 * x - half} /
+         (1 + shear);
+}
+
+/// Of the section: the slope less the shear strain.
+Bending rotation(double x, double length, double shear) {
+  return Bending{6 * (x * x - x) / length, 1 - 4 * x + 3 * x * x + shear * (1 - x), 6 * (x - x * x) / length,
+                 3 * x * x - 2 * x + shear * x} /
+         (1 + shear);
+}
+
+Eigen::Matrix4d bending_stiffness(double EI, double length, double shear) {
+  const double L = length, same = (4 + shear) * L * L, other = (2 - shear) * L * L;
+  Eigen::Matrix4d k;
+  k << 12, 6 * L, -12, 6 * L,      //
+      6 * L, same, -6 * L, other,  //
+      -12, -6 * L, 12, -6 * L,     //
+      6 * L, other, -6 * L, same;
+  return EI * (k / (L * L * L)) / (1 + shear);
+}
+
+/// ∫ μ v² + j θ² ds: of the mass and of the rotary inertia per length.
+Eigen::Matrix4d bending_mass(double mass, double rotary, double length, double shear) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
+  for (const GaussPoint& g : gauss4) {
+    const Bending v = deflection(g.xi, length, shear), turn = rotation(g.xi, length, shear);
+    m += g.weight * length * (mass * v * v.transpose() + rotary * turn * turn.transpose());
+  }
+  return m;
+}
+
 }  // namespace
 
 ElementGeometry element_geometry(const Mesh& mesh, int element) {
@@ -93,25 +143,26 @@ ElementGeometry element_geometry(const Mesh& mesh, int element) {
 }
 
 Matrix12 element_stiffness(const BeamElement& element, double length) {
-  const double L = length;
   const double E = element.material.young;
-  const double G = E / (2 * (1 + element.material.poisson));
-  Eigen::Matrix4d bending;                  // of unit EI
-  bending << 12, 6 * L, -12, 6 * L,         //
-      6 * L, 4 * L * L, -6 * L, 2 * L * L,  //
-      -12, -6 * L, 12, -6 * L,              //
-      6 * L, 2 * L * L, -6 * L, 4 * L * L;
-  bending /= L * L * L;
-
+  const ShearRatio shear = shear_ratio(element, length);
   Matrix12 k = Matrix12::Zero();
-  const double axial = E * element.section.area / L;
-  const double torsion = G * element.section.J / L;
+  const double axial = E * element.section.area / length;
+  const double torsion = shear_modulus(element.material) * element.section.J / length;
   add_linear(k, 0, axial, -axial);
   add_linear(k, 3, torsion, -torsion);
-  add_bending(k, E * element.section.Iz * bending, kBendingXY, 1);
-  add_bending(k, E * element.section.Iy * bending, kBendingXZ, -1);
+  add_bending(k, bending_stiffness(E * element.section.Iz, length, shear.xy), kBendingXY, 1);
+  add_bending(k, bending_stiffness(E * element.section.Iy, length, shear.xz), kBendingXZ, -1);
   return k;
 }
+
+ShearRatio shear_ratio(const BeamElement& element, double length) {
+  if (element.theory != BeamTheory::timoshenko) return {};
+  const Section& s = element.section;
+  const double ratio = 12 * element.material.young / (shear_modulus(element.material) * length * length);
+  return {ratio * s.Iz / s.shear_y, ratio * s.Iy / s.shear_z};
+}
+
+bool has_rotary_inertia(const BeamElement& element) { return element.theory != BeamTheory::euler_bernoulli; }
 
 Matrix12 element_mass(const BeamElement& element, double length) {
   const double L = length;
@@ -127,6 +178,14 @@ Matrix12 element_mass(const BeamElement& element, double length) {
   const double polar = polar_inertia(element) * L;
   add_linear(m, 0, mass / 3, mass / 6);
   add_linear(m, 3, polar / 3, polar / 6);
+  if (has_rotary_inertia(element)) {
+    const double density = element.material.density;
+    const ShearRatio shear = shear_ratio(element, L);
+    const auto plane = [&](double I, double ratio) { return bending_mass(mass / L, density * I, L, ratio); };
+    add_bending(m, plane(element.section.Iz, shear.xy), kBendingXY, 1);
+    add_bending(m, plane(element.section.Iy, shear.xz), kBendingXZ, -1);
+    return m;
+  }
   add_bending(m, bending, kBendingXY, 1);
   add_bending(m, bending, kBendingXZ, -1);
   return m;
@@ -136,18 +195,20 @@ double polar_inertia(const BeamElement& element) {
   return element.material.density * (element.section.Iy + element.section.Iz);
 }
 
-Matrix12 element_geometric_stiffness(const AxialForce& force, double length) {
-  Eigen::Matrix4d bending = Eigen::Matrix4d::Zero();
-  for (const GaussPoint& g : gauss4) {
-    const double x = g.xi;
-    const Eigen::Vector4d slope{6 * (x * x - x) / length, 1 - 4 * x + 3 * x * x, 6 * (x - x * x) / length,
-                                3 * x * x - 2 * x};
-    const double tension = force[0] + x * (force[1] + x * force[2]);
-    bending += (g.weight * length * tension) * slope * slope.transpose();
-  }
+Matrix12 element_geometric_stiffness(const AxialForce& force, double length, const ShearRatio& shear) {
+  const auto plane = [&](double ratio) {
+    Eigen::Matrix4d bending = Eigen::Matrix4d::Zero();
+    for (const GaussPoint& g : gauss4) {
+      const double x = g.xi;
+      const Bending s = slope(x, length, ratio);
+      const double tension = force[0] + x * (force[1] + x * force[2]);
+      bending += (g.weight * length * tension) * s * s.transpose();
+    }
+    return bending;
+  };
   Matrix12 k = Matrix12::Zero();
-  add_bending(k, bending, kBendingXY, 1);
-  add_bending(k, bending, kBendingXZ, -1);
+  add_bending(k, plane(shear.xy), kBendingXY, 1);
+  add_bending(k, plane(shear.xz), kBendingXZ, -1);
   return k;
 }
 
@@ -163,18 +224,28 @@ Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3
   return transformation;
 }
 
-Eigen::Matrix<double, 3, 12> shape_functions(double xi, double length) {
-  const double xi2 = xi * xi;
-  const double xi3 = xi2 * xi;
-  const std::array<double, 4> hermite{1 - 3 * xi2 + 2 * xi3, length * (xi - 2 * xi2 + xi3), 3 * xi2 - 2 * xi3,
-                                      length * (xi3 - xi2)};
+Eigen::Matrix<double, 3, 12> shape_functions(double xi, double length, const ShearRatio& shear) {
+  const Bending v = deflection(xi, length, shear.xy), w = deflection(xi, length, shear.xz);
   Eigen::Matrix<double, 3, 12> n = Eigen::Matrix<double, 3, 12>::Zero();
   n(0, 0) = 1 - xi;
   n(0, 6) = xi;
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     const double slope_sign = i % 2 == 0 ? 1 : -1;
-    n(1, kBendingXY[i]) = hermite[i];
-    n(2, kBendingXZ[i]) = slope_sign * hermite[i];
+    n(1, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
+    n(2, kBendingXZ[i]) = slope_sign * w[static_cast<Eigen::Index>(i)];
+  }
+  return n;
+}
+
+Eigen::Matrix<double, 3, 12> rotation_functions(double xi, double length, const ShearRatio& shear) {
+  const Bending v = rotation(xi, length, shear.xy), w = rotation(xi, length, shear.xz);
+  Eigen::Matrix<double, 3, 12> n = Eigen::Matrix<double, 3, 12>::Zero();
+  n(0, 3) = 1 - xi;
+  n(0, 9) = xi;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double slope_sign = i % 2 == 0 ? 1 : -1;
+    n(2, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
+    n(1, kBendingXZ[i]) = -slope_sign * w[static_cast<Eigen::Index>(i)];  // θy = −w'
   }
   return n;
 }

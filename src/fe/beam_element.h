@@ -4,9 +4,11 @@
 
 #include "mimbre/fe.h"
 
-/// The Euler–Bernoulli beam element. Element dofs, per end: translations u, v, w along and rotations about
-/// the element's axes x (along the beam), y, z; the first end's six, then the second's. Axial displacement
-/// and twist are linear, bending is cubic (Hermite), with θz = v' and θy = −w'.
+/// The beam element. Element dofs, per end: translations u, v, w along and rotations about the element's axes
+/// x (along the beam), y, z; the first end's six, then the second's. Axial displacement and twist are linear,
+/// bending is cubic (Hermite), with θz = v' and θy = −w'. With shear (Timoshenko) the cubic deflection and
+/// the quadratic rotation of the section depend on one another by Φ such that they are those of an unloaded
+/// bar (Friedman, Kosmatka 1993): at its nodes the element is exact in statics, and it does not lock.
 namespace mimbre::fe {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
@@ -21,27 +23,40 @@ struct ElementGeometry {
 /// unsound.
 ElementGeometry element_geometry(const Mesh& mesh, int element);
 
-/// Stiffness in element dofs (Przemieniecki 1968, 5.116, without shear).
+/// Φ = 12 EI/(kGA L²) for bending in the element's x–y and x–z planes; zero without shear.
+struct ShearRatio {
+  double xy = 0, xz = 0;
+};
+ShearRatio shear_ratio(const BeamElement& element, double length);
+
+/// Stiffness in element dofs (Przemieniecki 1968, 5.116).
 Matrix12 element_stiffness(const BeamElement& element, double length);
 
-/// Consistent mass in element dofs (Przemieniecki 1968, 11.21, without shear and bending rotary inertia):
-/// bending and stretching at ρA, twisting at ρ(Iy + Iz).
+/// Consistent mass in element dofs: bending and stretching at ρA, twisting at ρ(Iy + Iz) (Przemieniecki 1968,
+/// 11.21, without shear and rotary inertia), and turning of the sections at ρIy and ρIz where the theory has
+/// it.
 Matrix12 element_mass(const BeamElement& element, double length);
 
 /// Polar mass inertia of the section per length, ρ(Iy + Iz).
 double polar_inertia(const BeamElement& element);
+
+/// Whether sections have inertia against turning with the bending.
+bool has_rotary_inertia(const BeamElement& element);
 
 /// An axial force (tension positive) along the element: N(ξ) = Σ coefficients[k] ξ^k, N.
 using AxialForce = std::array<double, 3>;
 
 /// ∫ N (v'² + w'²) ds in element dofs: the geometric stiffness of a tie with the cubic displacements
 /// (Przemieniecki 1968, 15.3, for constant N).
-Matrix12 element_geometric_stiffness(const AxialForce& force, double length);
+Matrix12 element_geometric_stiffness(const AxialForce& force, double length, const ShearRatio& shear = {});
 
 /// Element dofs = transformation · nodal dofs (body axes): the rigid offsets, then the element's axes.
 Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3d& axes);
 
 /// Displacement of the axis at `xi` in [0, 1] (element axes) = shape functions · element dofs.
-Eigen::Matrix<double, 3, 12> shape_functions(double xi, double length);
+Eigen::Matrix<double, 3, 12> shape_functions(double xi, double length, const ShearRatio& shear = {});
+
+/// Rotation vector of the section at `xi` (element axes) = rotation functions · element dofs.
+Eigen::Matrix<double, 3, 12> rotation_functions(double xi, double length, const ShearRatio& shear = {});
 
 }  // namespace mimbre::fe

@@ -77,7 +77,7 @@ void scale(SolidMesh& mesh, double length, double mass, double time) {
   for (BeamElement& beam : mesh.beams) {
     to_si(beam.material);
     for (Eigen::Vector3d& offset : beam.offsets) offset *= length;
-    beam.section.area *= area;
+    for (double* size : {&beam.section.area, &beam.section.shear_y, &beam.section.shear_z}) *size *= area;
     for (double* moment : {&beam.section.Iy, &beam.section.Iz, &beam.section.J}) *moment *= area * area;
   }
 }

@@ -33,7 +33,7 @@ inline double spring_potential(const SpringData& s, double length) {
 }
 
 /// The parts of the tension whose power is no potential's, N: of the damper, which dissipates, and of the
-/// general law, whose work counts as a load's.
+/// general law, whose work at rate 0 counts as a load's and the rest as a damper's.
 inline double spring_damping(const SpringData& s, double rate) { return s.damping.value(rate); }
 inline double spring_general(const SpringData& s, double length, double rate, double time) {
   return s.general.is_zero() ? 0 : s.general.value(length, rate, time);

@@ -83,10 +83,11 @@ StepStatus IndependentStepper::step(State& s) {
     for (int k = 0; k < m; ++k) violation_[k] = -system_.phi()[k];
     double violation = 0;
     for (int k = 0; k < partition.rank(); ++k)
-      violation = std::max(violation, std::abs(violation_[partition.equation(k)]));
+      violation = std::max(violation, std::abs(violation_[partition.equation(k)]) /
+                                          system_.scales().equations[partition.equation(k)]);
     r_ *= -motion_.scale;
     dense_.solve(r_.data(), violation_.data(), delta_.data(), change_.data());
-    status.correction = n > 0 ? delta_.cwiseAbs().maxCoeff(&status.coordinate) : 0;
+    status.correction = system_.scales().of_coordinates(delta_.data(), &status.coordinate);
     if (const int bad = find_not_finite(delta_.data(), n); bad >= 0) {
       status.coordinate = bad;
       return fail(StepCode::not_finite);
@@ -94,8 +95,9 @@ StepStatus IndependentStepper::step(State& s) {
     system_.compose(motion_.x.data(), delta_.data());
     if (newton.slow) mixing_.mix(motion_.x, none_, delta_);
     const double left = newton.add(status.correction, true);
-    converged = left <= options_.tolerance * motion_.scale * std::max(9.81, largest(motion_.a.data(), n)) &&
-                violation * std::min(1.0, newton.rate) <= options_.position_tolerance;
+    converged =
+        left <= options_.tolerance * motion_.scale * system_.scales().accelerations(motion_.a.data()) &&
+        violation * std::min(1.0, newton.rate) <= options_.position_tolerance;
   }
   if (!converged) return fail(StepCode::not_converged);
   if (const StepCode code = evaluate(s, status); code != StepCode::ok) return fail(code);

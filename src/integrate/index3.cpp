@@ -2,20 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "integrate/newton.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
+namespace {
+
+constexpr double noise = 1e-11;  // likewise, of corrections
+constexpr double share_of_prediction = 3e-5;
+// Near singular positions: when the projection changes velocities by much more than they violate the
+// constraints, and by that share of themselves; then with a penalty that much larger down to that violation.
+constexpr double singular_amplification = 100, singular_change = 1e-5;
+constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
+
+}  // namespace
 
 IndexThree::IndexThree(System& system, const IntegratorOptions& options)
     : Stepper(options),
       system_(system),
+      scales_(system.scales()),
       motion_(system, options),
       mixing_(system.velocities(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);
+  algorithmic_v_.setZero(n);
   for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_}) x->setZero(m);
 }
 
@@ -32,7 +45,7 @@ void IndexThree::project(double* target, const double* violation, double toleran
   const int n = system_.velocities(), m = system_.equations();
   const double* alpha = system_.penalty();
   std::copy(violation, violation + m, g_.data());
-  for (int round = 0; round < 6 && largest(g_.data(), m) > tolerance; ++round) {
+  for (int round = 0; round < 6 && scales_.of_equations(g_.data()) > tolerance; ++round) {
     for (int k = 0; k < m; ++k) impulse_[k] = alpha[k] * g_[k];
     r_.setZero();
     system_.add_jacobian_transposed(impulse_.data(), -weights_.penalty, r_.data());
@@ -47,9 +60,25 @@ void IndexThree::project(double* target, const double* violation, double toleran
 }
 
 StepStatus IndexThree::step(State& s) {
+  bool near_singular = false;
+  StepStatus status = attempt(s, false, near_singular);
+  if (system_.equations() == 0 || (!near_singular && status.code != StepCode::not_converged)) return status;
+  // Where the constraints hardly determine a direction, what is left of them decides on it, and on the branch
+  // that the mechanism takes.
+  const StepStatus first = status;
+  status = attempt(s, true, near_singular);
+  status.iterations += first.iterations;
+  status.factorisations += first.factorisations;
+  return status;
+}
+
+StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
   const int n = system_.velocities(), m = system_.equations();
   const double time = s.time + motion_.h;
-  const double scale = motion_.scale, penalty_factor = options_.penalty / scale;
+  const double penalty = options_.penalty * (precise ? precise_penalty : 1);
+  weights_.penalty = penalty;
+  const double scale = motion_.scale, penalty_factor = penalty / scale;
+  const double position_tolerance = precise ? precise_violation : options_.position_tolerance;
   const double* alpha = system_.penalty();
   Eigen::VectorXd &x = motion_.x, &v = motion_.v, &a = motion_.a;
   const Eigen::VectorXd& q = motion_.q;
@@ -64,7 +93,7 @@ StepStatus IndexThree::step(State& s) {
   };
   motion_.predict(s);
 
-  double violation = 0;
+  double violation = 0, reference = 0, predicted = 0;
   bool converged = false, settled = false;
   NewtonProgress newton;
   mixing_.reset();
@@ -72,9 +101,9 @@ StepStatus IndexThree::step(State& s) {
     motion_.from_increment(s);
     system_.residual(time, q.data(), v.data(), a.data(), lambda_.data(), 0, r_.data());
     ++status.iterations;
-    violation = largest(system_.phi(), m);
-    const double reference = std::max(9.81, largest(a.data(), n));
-    if (iteration == 0 && violation > 0.05 * largest(x.data(), n)) {
+    violation = scales_.of_equations(system_.phi());
+    reference = scales_.accelerations(a.data());
+    if (iteration == 0 && violation > 0.05 * scales_.of_coordinates(x.data())) {
       // The prediction tears the loops: velocities ring. Start from where the step starts instead.
       x.setZero();
       continue;
@@ -86,7 +115,7 @@ StepStatus IndexThree::step(State& s) {
       motion_.predict_velocities(s);
       continue;
     }
-    const bool fresh = newton.refactor || system_.tangent_changed(q.data(), weights_);
+    const bool fresh = precise || newton.refactor || system_.tangent_changed(q.data(), weights_);
     if (fresh) {
       mixing_.reset();
       const linalg::FactorStatus f = system_.factor(q.data(), weights_);
@@ -106,27 +135,34 @@ StepStatus IndexThree::step(State& s) {
     system_.jacobian_times(r_.data(), impulse_.data());
     // Once the loops are closed the multipliers stay: near singular positions they would creep on for dozens
     // of iterations along directions that hardly act, while the motion does not change any more.
-    settled = iteration > 2 && violation <= options_.position_tolerance;
+    settled = !precise && iteration > 2 && violation <= position_tolerance;
     for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (system_.phi()[k] + impulse_[k]);
     if (!settled) lambda_ += force_;
-    int where = 0;
-    status.correction = n > 0 ? r_.cwiseAbs().maxCoeff(&where) : 0;
-    status.coordinate = where;
-    if (!std::isfinite(status.correction)) {
-      status.coordinate = std::max(0, find_not_finite(r_.data(), n));
+    status.correction = scales_.of_coordinates(r_.data(), &status.coordinate);
+    if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
+      status.coordinate = bad;
       return fail(StepCode::not_finite);
     }
     system_.compose(x.data(), r_.data());
     if (newton.slow) mixing_.mix(x, lambda_, r_);
 
     const double left = newton.add(status.correction, fresh);
-    converged = left <= options_.tolerance * scale * reference &&
-                violation * std::min(1.0, newton.rate) <= options_.position_tolerance;
+    if (newton.corrections == 1) predicted = status.correction;
+    // In a short step the tolerance alone would allow errors that add up to more than those of the rule: what
+    // the prediction is off by falls with the step as they do. And positions are known to round-off only, of
+    // which directions that the constraints hardly determine take a multiple: there corrections stop getting
+    // smaller.
+    const bool stagnant = newton.corrections > 3 && newton.rate > 0.3 && violation <= scales_.round_off;
+    const double asked = options_.tolerance * scale * reference;
+    const double enough =
+        stagnant ? std::max(asked, noise) : std::min(asked, share_of_prediction * predicted);
+    converged = left <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
+                violation * std::min(1.0, newton.rate) <= position_tolerance;
     if (converged) {
       motion_.from_increment(s);
       system_.kinematics(time, q.data(), v.data(), a.data());
       status.position_violation = largest(system_.phi(), m);
-      if (status.position_violation <= 10 * options_.position_tolerance) break;
+      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
       // The rate promised too much.
       converged = false;
       newton.refactor = !newton.slow;
@@ -141,16 +177,30 @@ StepStatus IndexThree::step(State& s) {
     motion_.algorithmic -= a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
     // The factorised matrix belongs to an earlier iterate, so that a projection leaves a little, which the
     // next removes.
+    const double enough = options_.velocity_tolerance * scales_.rate(v.data());
+    const double before = scales_.of_equations(system_.phi_dot());
+    algorithmic_v_ = v;
     for (int round = 0; round < 5; ++round) {
       status.velocity_violation = largest(system_.phi_dot(), m);
-      if (status.velocity_violation <= (round == 0 ? 1 : 1e2) * options_.velocity_tolerance) break;
-      project(v.data(), system_.phi_dot(), options_.velocity_tolerance);
+      if (scales_.of_equations(system_.phi_dot()) <= (round == 0 && !precise ? 1 : 1e2) * enough) break;
+      project(v.data(), system_.phi_dot(), enough);
       system_.kinematics(time, q.data(), v.data(), a.data());
     }
+    algorithmic_v_ -= v;
+    const double change = scales_.of_coordinates(algorithmic_v_.data());
+    // Never accepted: velocities that violate the constraints.
+    const bool held = scales_.of_equations(system_.phi_dot()) <= 1e2 * enough;
+    near_singular = !held || (change > singular_amplification * before &&
+                              change > singular_change * scales_.of_coordinates(v.data()));
+    if (near_singular && !precise) return status;
+    if (!held) return fail(StepCode::not_converged);
     // The multipliers follow the accelerations, so that they balance the projected ones: M δ + Φzᵀ Δλ = 0.
-    force_.setZero();
-    project(a.data(), system_.phi_ddot(), 1e-6);
-    lambda_ += force_;
+    // Near singular positions this would amplify what is left of the velocities' error.
+    if (!precise) {
+      force_.setZero();
+      project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * reference);
+      lambda_ += force_;
+    }
     motion_.algorithmic += a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
   }
   const int bad = find_not_finite(v.data(), n);

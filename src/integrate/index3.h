@@ -17,13 +17,16 @@ class IndexThree final : public Stepper {
   void set_step(double step) override;
 
  private:
+  /// One step, or one near a singular position; on return whether it was near one.
+  StepStatus attempt(State& state, bool precise, bool& near_singular);
   void project(double* target, const double* violation, double tolerance);
 
   System& system_;
+  const Scales& scales_;
   StepMotion motion_;
   MatrixWeights weights_;
   Anderson mixing_;
-  Eigen::VectorXd lambda_, r_;
+  Eigen::VectorXd lambda_, r_, algorithmic_v_;
   Eigen::VectorXd g_, impulse_, force_;  // violation that is left; multipliers
 };
 

@@ -71,18 +71,19 @@ StepStatus LagrangeStepper::step(State& s) {
     stabilised(system_, options_.constraint_damping, frequency_, sigma_.data());
     double violation = 0;
     for (int k = 0; k < dense_.partition().rank(); ++k)
-      violation = std::max(violation, std::abs(sigma_[dense_.partition().equation(k)]));
+      violation = std::max(violation, std::abs(sigma_[dense_.partition().equation(k)]) /
+                                          system_.scales().equations[dense_.partition().equation(k)]);
     r_ *= -motion_.scale;
     sigma_ /= -sigma_rate_;
     dense_.solve(r_.data(), sigma_.data(), delta_.data(), change_.data());
     lambda_ += change_ / motion_.scale;
 
-    status.correction = n > 0 ? delta_.cwiseAbs().maxCoeff(&status.coordinate) : 0;
+    status.correction = system_.scales().of_coordinates(delta_.data(), &status.coordinate);
     if (const int bad = find_not_finite(delta_.data(), n); bad >= 0) {
       status.coordinate = bad;
       return fail(StepCode::not_finite);
     }
-    const double enough = options_.tolerance * std::max(9.81, largest(motion_.a.data(), n));
+    const double enough = options_.tolerance * system_.scales().accelerations(motion_.a.data());
     system_.compose(motion_.x.data(), delta_.data());
     if (newton.slow) mixing_.mix(motion_.x, lambda_, delta_);
     const double left = newton.add(status.correction, fresh);

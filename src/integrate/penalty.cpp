@@ -52,7 +52,8 @@ StepStatus PenaltyStepper::step(State& s) {
     system_.residual(time, motion_.q.data(), motion_.v.data(), motion_.a.data(), lambda_.data(), 0,
                      r_.data());
     ++status.iterations;
-    if (iteration == 0 && largest(system_.phi(), m) > 0.05 * largest(motion_.x.data(), n)) {
+    if (iteration == 0 && system_.scales().of_equations(system_.phi()) >
+                              0.05 * system_.scales().of_coordinates(motion_.x.data())) {
       motion_.x.setZero();
       continue;
     }
@@ -74,14 +75,15 @@ StepStatus PenaltyStepper::step(State& s) {
     r_ *= -motion_.scale;
     system_.solve(r_.data());
     system_.jacobian_times(r_.data(), change_.data());
-    const double reference = std::max(9.81, largest(motion_.a.data(), n));
-    const double violation = largest(sigma_.data(), m), enough = options_.tolerance * reference;
+    const double reference = system_.scales().accelerations(motion_.a.data());
+    const double violation = system_.scales().of_equations(sigma_.data()),
+                 enough = options_.tolerance * reference;
     // Near singular positions multipliers would creep on along directions that hardly act.
     settled = augmented_ && iteration > 2 && violation <= enough;
     for (int k = 0; k < m; ++k) g_[k] += penalty_ * alpha[k] * sigma_rate_ * change_[k];
     if (!settled) lambda_ += g_;
 
-    status.correction = n > 0 ? r_.cwiseAbs().maxCoeff(&status.coordinate) : 0;
+    status.correction = system_.scales().of_coordinates(r_.data(), &status.coordinate);
     const int bad = find_not_finite(r_.data(), n);
     if (bad >= 0) {
       status.coordinate = bad;

@@ -23,6 +23,7 @@ class ProfiledSystem final : public System {
   int velocities() const override { return system_.velocities(); }
   int equations() const override { return system_.equations(); }
   const double* penalty() const override { return system_.penalty(); }
+  const Scales& scales() const override { return system_.scales(); }
   void begin_step(const double* q) override { system_.begin_step(q); }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override {
@@ -60,6 +61,7 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.solution);
     system_.jacobian_times(x, out);
   }
+  std::vector<JacobianEntry> jacobian_entries() const override { return system_.jacobian_entries(); }
   void temper_prediction(double h, double* x) const override { system_.temper_prediction(h, x); }
   void retract(const double* q, const double* x, double* out) const override { system_.retract(q, x, out); }
   void compose(double* x, const double* d) const override { system_.compose(x, d); }

@@ -12,7 +12,29 @@ namespace mimbre {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-StaticsStatus find_equilibrium(System& system, State& s) {
+namespace {
+
+/// Growth of disturbances of an equilibrium with the tangent stiffness K along the motions N.
+void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N, double force,
+                     StaticsStatus& status) {
+  if (N.cols() == 0) return;
+  const MatrixXd stiffness = N.transpose() * K * N;
+  MatrixXd inertia = N.transpose() * mass * N;
+  const double largest = inertia.diagonal().cwiseAbs().maxCoeff();
+  inertia.diagonal().array() += 1e-12 * largest;
+  const EigenPairs pairs = symmetric_eigen((stiffness + stiffness.transpose()) / 2, inertia);
+  if (!pairs.ok || pairs.values.size() == 0) return;
+  // Differences of forces are not sharper than this, and what takes a quarter of an hour is neutral.
+  const VectorXd x = N * pairs.vectors.col(0);
+  const double sharp = 1e-7 * x.cwiseAbs().dot(K.cwiseAbs() * x.cwiseAbs()) + 1e-9 * force * x.squaredNorm();
+  if (-x.dot(K * x) <= sharp || pairs.values[0] >= -1e-6) return;
+  status.growth = std::sqrt(-pairs.values[0]);
+  x.cwiseAbs().maxCoeff(&status.growing);
+}
+
+}  // namespace
+
+StaticsStatus find_equilibrium(System& system, State& s, double length) {
   const int n = system.velocities(), m = system.equations();
   StaticsStatus status;
   s.v.setZero(n);
@@ -40,19 +62,20 @@ StaticsStatus find_equilibrium(System& system, State& s) {
   }
   // Typical force of a coordinate, to make residuals comparable.
   const double weight = std::max(1e-12, (mass.diagonal().cwiseAbs().maxCoeff() + 1e-6) * 9.81);
+  const double negligible = 1e-9 * length;
   double round_off = 0;  // of elastic forces
   double tau = 0.05, previous = r.norm();
   for (status.iterations = 0; status.iterations < 400; ++status.iterations) {
     // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
     // redundant, both are determined.
     if (m > 0) {
-      close_positions(system, s.time, VectorXd::Ones(n), s.q, 30);
-      find_multipliers(system, s);
+      close_positions(system, s.time, VectorXd::Ones(n), s.q, 30, negligible);
+      find_multipliers(system, s, negligible);
     }
     r = forces(s.q, zero);
     status.violation = violation();
     const double norm = r.norm();
-    status.residual = n == 0 ? 0 : r.cwiseAbs().maxCoeff();
+    status.residual = n == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
     if (!std::isfinite(norm)) return status;
     const bool balanced = status.residual < std::max(1e-8 * weight, round_off);
     if (status.iterations > 0)
@@ -75,7 +98,8 @@ StaticsStatus find_equilibrium(System& system, State& s) {
     // Along the motions that the constraints leave: x = N z, Φz N = 0.
     MatrixXd motions = MatrixXd::Identity(n, n);
     if (m > 0) {
-      motions = null_space(dense_jacobian(system, s.time, s.q), 1e-9);
+      const MatrixXd jacobian = dense_jacobian(system, s.time, s.q);
+      if (n > 0 && jacobian.cwiseAbs().maxCoeff() > negligible) motions = null_space(jacobian, 1e-9);
     }
     VectorXd step = zero;
     if (motions.cols() > 0)
@@ -84,6 +108,7 @@ StaticsStatus find_equilibrium(System& system, State& s) {
     const double largest = n == 0 ? 0 : step.cwiseAbs().maxCoeff();
     if (tau >= 1 && balanced && largest < 1e-10 && status.violation < 1e-10) {
       status.converged = true;
+      judge_stability(tangent - mass / (tau * tau), mass, motions, weight, status);
       break;
     }
     if (largest > 0.3) step *= 0.3 / largest;

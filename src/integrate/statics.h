@@ -7,13 +7,20 @@ struct StaticsStatus {
   bool converged = false;
   int iterations = 0;
   double residual = 0;   ///< largest generalised force that is not balanced, N or N m
+  int coordinate = -1;   ///< where
   double violation = 0;  ///< max |Φ|
+  /// 1/s: how fast the smallest disturbance grows without damping, 0 where the equilibrium is stable or
+  /// neutral: λ² of the least eigenvalue −λ² of the tangent stiffness along the motions that the constraints
+  /// leave, by their mass.
+  double growth = 0;
+  int growing = -1;  ///< the coordinate that then moves most
 };
 
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.
 /// Pseudo-transient continuation (Kelley, Keyes 1998): Newton with the tangent by central differences and
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
 /// that does not touch yet falls until it does. On return velocities and accelerations are zero.
-StaticsStatus find_equilibrium(System& system, State& state);
+/// Constraints that move by less than 1e-9 of `length`, the mechanism's scale, hold nothing.
+StaticsStatus find_equilibrium(System& system, State& state, double length = 1e-4);
 
 }  // namespace mimbre

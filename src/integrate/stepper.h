@@ -17,9 +17,11 @@ struct IntegratorOptions {
   Rule rule = Rule::generalized_alpha;
   double rho = 0.3;  ///< 0..1; HHT exists for 0.5..1 and takes the nearest of these
   double xi = 0;
-  double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or 9.81
-  double position_tolerance = 1e-9;  ///< of the equations, m (angles: times the length scale)
-  double velocity_tolerance = 1e-9;  ///< m/s
+  // In the mechanism's own units (Scales).
+  double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or gravity
+  double position_tolerance = 1e-9;      ///< of the equations
+  double velocity_tolerance = 1e-10;     ///< of their rates, by what is neither slow nor fast
+  double acceleration_tolerance = 1e-7;  ///< of their second derivatives, by the accelerations at play
   double penalty =
       1e7;  ///< κ: the penalty is κ times the mean body mass (index3: over β h²; penalty alone: 100 κ)
   int max_iterations = 30;

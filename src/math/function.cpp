@@ -18,6 +18,19 @@ namespace {
 /// Where expressions are tried: an expression that is finite nowhere here is taken for a mistake.
 constexpr std::array probes{0.0, 1.0, -1.0, 0.1, -0.1, 0.01, -0.01, 10.0, -10.0};
 
+/// A difference of an expression near `at`, with the branches of `?:` that are taken there: the other ones
+/// say nothing about it, and need not be finite. Where these are not finite beside `at`, all count.
+template <class Difference>
+double on_branch(const Expression& expression, std::span<const double, Expression::most_variables> at,
+                 Difference&& difference) {
+  using Values = std::span<const double, Expression::most_variables>;
+  const auto as_it_is = [&](Values values) { return expression.value(values); };
+  if (!expression.has_choices()) return difference(as_it_is);
+  const Choices choices = expression.choices(at);
+  const double result = difference([&](Values values) { return expression.value(values, choices); });
+  return std::isfinite(result) ? result : difference(as_it_is);
+}
+
 /// An expression of one variable.
 struct Formula {
   Formula(const std::string& text, const std::string& variable) : expression(text, {variable}) {
@@ -30,6 +43,16 @@ struct Formula {
                                          text, variable));
   }
   double value(double x) const { return expression.value(std::array{x, 0.0, 0.0}); }
+  double derivative(double x) const {
+    return on_branch(expression, std::array{x, 0.0, 0.0}, [&](const auto& f) {
+      return difference::first([&](double s) { return f(std::array{s, 0.0, 0.0}); }, x);
+    });
+  }
+  double second_derivative(double x) const {
+    return on_branch(expression, std::array{x, 0.0, 0.0}, [&](const auto& f) {
+      return difference::second([&](double s) { return f(std::array{s, 0.0, 0.0}); }, x);
+    });
+  }
 
   Expression expression;
   double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
@@ -96,15 +119,13 @@ double Function::value(double x) const {
 double Function::derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->derivative(x);
-  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
-  return difference::first([&](double s) { return formula.value(s); }, x);
+  return std::get_if<Formula>(&impl_->kind)->derivative(x);
 }
 
 double Function::second_derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->second_derivative(x);
-  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
-  return difference::second([&](double s) { return formula.value(s); }, x);
+  return std::get_if<Formula>(&impl_->kind)->second_derivative(x);
 }
 
 double Function::antiderivative(double x) const {
@@ -137,8 +158,19 @@ double Function3::value(double a, double b, double c) const {
 
 std::pair<double, double> Function3::derivatives(double a, double b, double c) const {
   if (!impl_) return {0, 0};
-  return {difference::first([&](double s) { return value(s, b, c); }, a),
-          difference::first([&](double s) { return value(a, s, c); }, b)};
+  const auto along = [&](std::size_t k) {
+    const std::array at{a, b, c};
+    return on_branch(impl_->expression, at, [&](const auto& f) {
+      return difference::first(
+          [&](double s) {
+            auto moved = at;
+            moved[k] = s;
+            return f(moved);
+          },
+          at[k]);
+    });
+  };
+  return {along(0), along(1)};
 }
 
 }  // namespace mimbre

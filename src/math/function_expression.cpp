@@ -11,6 +11,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "mimbre/diagnostics.h"
 
@@ -57,6 +58,46 @@ void check_text(const std::string& text) {
   }
 }
 
+/// What the conditions of the expression that this thread evaluates write to, or are overruled by.
+thread_local Choices* noted = nullptr;
+thread_local const Choices* held = nullptr;
+
+constexpr const char* choice_function = "choice__";
+
+double choose(double number, double condition) {
+  const auto k = static_cast<std::size_t>(number);
+  if (held && held->taken[k] != 0) return held->taken[k] - 1;
+  if (noted) noted->taken[k] = condition != 0 ? 2 : 1;
+  return condition;
+}
+
+/// The text with each condition of `?:` as the argument of the function above: "(t<1 ? a : b)" becomes
+/// "(choice__(0,(t<1 ))? a : b)". A condition reaches back to what it is enclosed by, or to the choice
+/// before.
+std::string with_numbered_choices(const std::string& text) {
+  std::vector<std::pair<std::size_t, std::string>> insertions;
+  std::vector<std::size_t> starts{0};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '?' && count < Choices::most) {
+      insertions.emplace_back(starts.back(), fmt::format("{}({},(", choice_function, count++));
+      insertions.emplace_back(i, "))");
+    }
+    if (c == '(') starts.push_back(i + 1);
+    if (c == ')' && starts.size() > 1) starts.pop_back();
+    if (c == '?' || c == ':' || c == ',') starts.back() = i + 1;
+  }
+  std::sort(insertions.begin(), insertions.end());
+  std::string result;
+  std::size_t at = 0;
+  for (const auto& [place, inserted] : insertions) {
+    result += text.substr(at, place - at) + inserted;
+    at = place;
+  }
+  return result + text.substr(at);
+}
+
 std::string message_of(const mu::Parser::exception_type& error, const mu::Parser& parser,
                        const std::vector<std::string>& variables) {
   const std::string token = error.GetToken();
@@ -85,6 +126,7 @@ struct Expression::Compiled {
   mu::Parser parser;
   std::array<double, most_variables> variables{};  ///< the parser reads them here
   std::size_t count = 0;
+  bool has_choices = false;
   std::atomic_flag busy;
 };
 
@@ -104,6 +146,12 @@ Expression::Expression(const std::string& text, std::vector<std::string> variabl
     parser.SetExpr(text);
     parser.Eval();  // compiles; later evaluations run the compiled form
     if (parser.GetNumResults() != 1) refuse(text, "has several values, separated by commas");
+    compiled_->has_choices = text.find('?') != std::string::npos;
+    if (compiled_->has_choices) {
+      parser.DefineFun(choice_function, choose, false);
+      parser.SetExpr(with_numbered_choices(text));
+      parser.Eval();
+    }
   } catch (const mu::Parser::exception_type& error) {
     refuse(text, message_of(error, parser, variables));
   }
@@ -111,7 +159,26 @@ Expression::Expression(const std::string& text, std::vector<std::string> variabl
 
 Expression::~Expression() = default;
 
-double Expression::value(std::span<const double, most_variables> values) const {
+bool Expression::has_choices() const { return compiled_->has_choices; }
+
+Choices Expression::choices(std::span<const double, most_variables> values) const {
+  Choices result;
+  noted = &result;
+  evaluate(values);
+  noted = nullptr;
+  return result;
+}
+
+double Expression::value(std::span<const double, most_variables> values, const Choices& choices) const {
+  held = &choices;
+  const double result = evaluate(values);
+  held = nullptr;
+  return result;
+}
+
+double Expression::value(std::span<const double, most_variables> values) const { return evaluate(values); }
+
+double Expression::evaluate(std::span<const double, most_variables> values) const {
   while (compiled_->busy.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
   std::copy_n(values.begin(), compiled_->count, compiled_->variables.begin());
   double result = std::numeric_limits<double>::quiet_NaN();

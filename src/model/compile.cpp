@@ -310,9 +310,13 @@ class Compiler {
     int with_mass = 0, with_length = 0;
     for (const BodyData& b : c_.bodies) {
       if (b.mass > 0) mass += b.mass, ++with_mass;
+      // From the centre of mass, so that it does not matter where the body's own frame lies.
+      const Vec3d centre = b.mass > 0 ? Vec3d(b.first_moment / b.mass) : Vec3d::Zero();
       double largest = 0;
       for (int f = b.first_frame; f < b.last_frame; ++f)
-        largest = std::max(largest, c_.frames[f].position.norm());
+        largest = std::max(largest, (c_.frames[f].position - centre).norm());
+      if (!(largest > 0) && b.mass > 0)  // held nowhere else: the radius of gyration
+        largest = std::sqrt(std::max(0.0, b.second_moment.trace() / b.mass - centre.squaredNorm()));
       if (largest > 0) length += largest, ++with_length;
     }
     if (with_mass > 0) c_.mass_scale = mass / with_mass;

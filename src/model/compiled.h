@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,8 +39,10 @@ struct AncfElement {
 struct GeometricData {
   int modes = 0;
   std::vector<int> loads;
+  int inertial = 0;     ///< of these the first: loads of inertia and gravity
   Rows stiffness;       ///< loads · modes × stride
-  Rows boundary_loads;  ///< count × stride
+  Rows boundary_loads;  ///< count × stride: R
+  Rows boundary_give;  ///< count × stride: row l is K⁻¹ R_l, the amplitudes that one unit of the load causes
   /// 6 × stride: acceleration of the origin and angular acceleration of the rigid motion that is nearest, by
   /// mass, to that of each mode, body axes.
   Rows mean_motion;
@@ -236,5 +239,12 @@ struct Compiled {
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
 };
+
+/// Size of a body's modal amplitudes that moves it by about the length scale. Orthonormal modes have ∫ φ² dm
+/// = 1.
+inline double amplitude_scale(const Compiled& m, const BodyData& body) {
+  const bool orthonormal = body.flexible >= 0 && m.flexible[body.flexible].identity_mass && body.mass > 0;
+  return orthonormal ? m.length_scale * std::sqrt(body.mass) : m.length_scale;
+}
 
 }  // namespace mimbre

@@ -62,7 +62,12 @@ GeometricData geometric_data(const ReducedBody& reduced, int stride) {
   g.stiffness = Rows::Zero(static_cast<Eigen::Index>(body.loads.size()) * modes, stride);
   for (std::size_t k = 0; k < body.loads.size(); ++k)
     g.stiffness.block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
+  g.inertial = static_cast<int>(std::count_if(body.loads.begin(), body.loads.end(),
+                                              [](int l) { return l < GeometricStiffness::boundary; }));
   g.boundary_loads = padded(body.boundary_loads, stride);
+  if (body.boundary_loads.rows() > 0)
+    g.boundary_give =
+        padded(shortest_solution(reduced.stiffness, body.boundary_loads.transpose()).transpose(), stride);
   return g;
 }
 

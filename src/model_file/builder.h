@@ -10,12 +10,20 @@
 #include <utility>
 #include <vector>
 
+#include "fe/shear_coefficient.h"
 #include "mimbre/beam_reduction.h"
 #include "mimbre/spec.h"
+#include "model_file/expression.h"
 #include "model_file/placement.h"
 #include "model_file/value.h"
 
 namespace mimbre::model_file {
+
+/// A section as it is named: where its shear areas are not given they follow from shape and material.
+struct NamedSection {
+  fe::Section section;
+  fe::ShearCoefficient shear;
+};
 
 /// The model itself or one instance of a template: its sections, parameters, names and place.
 struct Part {
@@ -25,7 +33,7 @@ struct Part {
   Placement place;
   Reading reading;
   std::map<std::string, fe::Material> materials;
-  std::map<std::string, fe::Section> sections;
+  std::map<std::string, NamedSection> sections;
 
   std::string full_name(const std::string& name) const {
     return instance.empty() ? name : instance + "." + name;
@@ -151,8 +159,8 @@ std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& p
 /// {at, x, y, z}: axes from one or two of the vectors, global, placed.
 spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector3d& default_position);
 
-/// A force law (docs/model-file.md) in `variable`.
-std::optional<Function> read_law(const Value& value, const std::string& variable);
+/// A law (docs/model-file.md) of what `law` says.
+std::optional<Function> read_law(const Value& value, LawOf law);
 /// The same for springs, where a plain number could mean a stiffness or a force and is refused.
 std::optional<Function> read_elastic_law(const Value& value);
 /// The same for dampers, where a plain number is the coefficient.

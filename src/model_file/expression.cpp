@@ -47,7 +47,25 @@ std::size_t number_end(const std::string& text, std::size_t i) {
   return i;
 }
 
-std::string value_of_name(const std::string& name, const Scope& scope) {
+/// "l (or x), v, t"
+std::string listed(const std::vector<Variable>& variables) {
+  std::string text;
+  for (const Variable& v : variables) {
+    text += (text.empty() ? "" : ", ") + v.names.front();
+    if (v.names.size() > 1) text += fmt::format(" (or {})", v.names[1]);
+  }
+  return text;
+}
+
+/// The name in the result of what the file calls `name`; null where that is no variable.
+const std::string* variable(const std::string& name, const std::vector<Variable>& variables) {
+  for (const Variable& v : variables)
+    if (std::find(v.names.begin(), v.names.end(), name) != v.names.end()) return &v.name;
+  return nullptr;
+}
+
+std::string value_of_name(const std::string& name, const Scope& scope,
+                          const std::vector<Variable>& variables) {
   if (const ParameterValue* value = scope.find(name)) {
     if (const double* number = std::get_if<double>(value)) return fmt::format("({:.17g})", *number);
     return fmt::format("({})", *scope.find_word(std::get<std::string>(*value)));
@@ -55,6 +73,11 @@ std::string value_of_name(const std::string& name, const Scope& scope) {
   if (name == "true") return "1";
   if (name == "false") return "0";
   if (const int* word = scope.find_word(name)) return fmt::format("({})", *word);
+  if (is_variable_name(name))
+    throw ExpressionError(
+        variables.empty()
+            ? fmt::format("'{}' is a variable of laws; there is none here", name)
+            : fmt::format("'{}' is no variable of this law; it depends on {}", name, listed(variables)));
   auto known = scope.names();
   known.insert(known.end(), functions.begin(), functions.end());
   const std::string hint = did_you_mean(name, known);
@@ -83,12 +106,30 @@ std::vector<std::string> Scope::names() const {
   return result;
 }
 
+const std::vector<Variable>& variables_of(LawOf law) {
+  static const std::vector<Variable> coordinate{{"x", {"l", "x"}}}, rate{{"x", {"v", "x"}}},
+      time{{"t", {"t"}}}, all{{"l", {"l", "x"}}, {"v", {"v"}}, {"t", {"t"}}};
+  switch (law) {
+    case LawOf::coordinate:
+      return coordinate;
+    case LawOf::rate:
+      return rate;
+    case LawOf::time:
+      return time;
+    case LawOf::all:
+      return all;
+  }
+  return all;
+}
+
+bool is_variable_name(const std::string& name) { return variable(name, variables_of(LawOf::all)); }
+
 bool is_function_name(const std::string& name) {
   return std::find(functions.begin(), functions.end(), name) != functions.end();
 }
 
 std::string substitute_parameters(const std::string& text, const Scope& scope,
-                                  const std::vector<std::string>& variables) {
+                                  const std::vector<Variable>& variables) {
   if (text.size() > longest) throw ExpressionError(fmt::format("is longer than {} characters", longest));
   std::string result;
   int depth = 0;
@@ -106,10 +147,13 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
       if (called && !is_function_name(name))
         throw ExpressionError(fmt::format("there is no function '{}'{}", name,
                                           did_you_mean(name, {functions.begin(), functions.end()})));
-      if (called || name == "pi" || std::find(variables.begin(), variables.end(), name) != variables.end())
+      const std::string* const as = called ? nullptr : variable(name, variables);
+      if (as)
+        result += *as;
+      else if (called || name == "pi")
         result += name;
       else
-        result += value_of_name(name, scope);
+        result += value_of_name(name, scope, variables);
       i = end;
     } else if (is_digit(c) || c == '.') {
       const std::size_t end = number_end(text, i);

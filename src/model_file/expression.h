@@ -29,10 +29,24 @@ struct ExpressionError : std::runtime_error {
 
 bool is_function_name(const std::string& name);
 
+/// What the expressions of laws call their variables, by what these are called in the result: a length is `l`
+/// or `x`.
+struct Variable {
+  std::string name;                ///< in the result
+  std::vector<std::string> names;  ///< in the file, the preferred one first
+};
+
+/// The variables of a law of a length or another coordinate, of a rate, of time, and of all three.
+enum class LawOf { coordinate, rate, time, all };
+const std::vector<Variable>& variables_of(LawOf law);
+
+/// Whether it is the name of a variable in any law.
+bool is_variable_name(const std::string& name);
+
 /// The expression with parameters replaced by their values, so that only `variables` and functions are left.
 /// Throws ExpressionError on unknown names and on what is no part of an expression.
 std::string substitute_parameters(const std::string& text, const Scope& scope,
-                                  const std::vector<std::string>& variables);
+                                  const std::vector<Variable>& variables);
 
 /// The finite value of an expression over parameters. Throws ExpressionError.
 double evaluate(const std::string& text, const Scope& scope);

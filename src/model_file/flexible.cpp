@@ -31,6 +31,7 @@ struct Reader {
   std::vector<std::pair<int, int>> bar_ends;
   std::vector<bool> used;
   std::vector<Eigen::Vector3d> positions;  ///< of the mesh's nodes, named ones first
+  int axial_modes = 0;
   bool good = true;
 
   void fail(const Value& at, const std::string& message) {
@@ -119,6 +120,25 @@ struct Reader {
     return nullptr;
   }
 
+  /// The bar's section, with its shear areas where the theory needs them.
+  void set_section(fe::BeamElement& element, const NamedSection& named, const Fields& bar,
+                   const Fields& body) {
+    element.section = named.section;
+    auto theory = bar.get("beam_theory");
+    if (!theory) theory = body.get("beam_theory");
+    if (!theory) return;
+    const auto kind = theory->choice({"euler_bernoulli", "rayleigh", "timoshenko"});
+    if (!kind) return void(good = false);
+    element.theory = static_cast<fe::BeamTheory>(*kind);
+    if (element.theory != fe::BeamTheory::timoshenko || element.section.shear_y > 0) return;
+    if (!named.shear.known())
+      return fail(bar.value(),
+                  "has a section without shear areas, which Timoshenko's theory needs; give the section "
+                  "shear_areas: [along y, along z]");
+    element.section.shear_y = element.section.shear_z =
+        named.shear.at(element.material.poisson) * element.section.area;
+  }
+
   void read_bars(const Value& bars, const Fields& body) {
     if (!bars.is_map())
       return fail(bars, "names with bars are needed, for example front: {from: pivot, to: tip}");
@@ -138,14 +158,14 @@ struct Reader {
   }
 
   void read_bar(const std::string& name, const Value& value_of_bar, const Fields& body) {
-    const Fields bar(value_of_bar, {"from", "to", "elements", "section", "material", "y"});
+    const Fields bar(value_of_bar, {"from", "to", "elements", "section", "material", "beam_theory", "y"});
     const auto from = bar.need("from", "pivot"), to = bar.need("to", "tip");
     const int a = from ? find_node(*from) : fail_quietly(), b = to ? find_node(*to) : fail_quietly();
     fe::BeamElement element;
     if (const auto* material = find_named(part.materials, "material", bar, body, "material"))
       element.material = *material;
     if (const auto* section = find_named(part.sections, "section", bar, body, "section"))
-      element.section = *section;
+      set_section(element, *section, bar, body);
     int elements = 10;
     if (const auto count = bar.get("elements")) {
       const auto n = count->integer(1, builder.limits.elements);
@@ -282,7 +302,8 @@ struct Reader {
       n = value_of_modes.integer(0, builder.limits.dynamic_modes);
     }
     good = good && n;
-    if (n.value_or(0) == 0 || !good) return;
+    axial_modes = n.value_or(0);
+    if (axial_modes == 0 || !good) return;
     const auto& held = result.options.clamped_nodes;
     const auto refuse = [&](const std::string& what) {
       fail(value_of_modes, "axial modes need one straight bar that is clamped at one of its ends; " + what);
@@ -299,6 +320,21 @@ struct Reader {
         {end, false, along.normalized(),
          fmt::format("{}.axial", info.node_names[static_cast<std::size_t>(end)])});
     result.options.axial_dynamic_modes = *n - 1;
+  }
+
+  /// One or two axial modes cannot follow the tension along a beam that turns.
+  void warn_of_few_axial_modes(const Fields& fields) {
+    const fe::Stiffening s = result.options.stiffening;
+    if (s != fe::Stiffening::nonlinear_stiffness_1 && s != fe::Stiffening::nonlinear_stiffness_2) return;
+    if (result.substructures.count > 1 || axial_modes > 2) return;
+    const auto at = axial_modes > 0 ? fields.get("axial_modes") : fields.get("stiffening");
+    builder.warnings.push_back(
+        {at->mark(),
+         fmt::format("{}: {} axial mode{} show{} poorly how the tension varies along a bar, so that the "
+                     "frequencies of a turning beam are wrong by some percent; axial_modes: 4 are enough for "
+                     "one straight bar",
+                     value.what(), axial_modes == 0 ? "no" : std::to_string(axial_modes),
+                     axial_modes == 1 ? "" : "s", axial_modes == 1 ? "s" : "")});
   }
 
   void read_substructures(const Value& pieces) {
@@ -365,7 +401,7 @@ struct Reader {
     const Fields fields(value,
                         {"material", "section", "nodes", "bars", "clamped", "static_modes", "dynamic_modes",
                          "stiffness_damping", "planar", "stiffening", "stiffening_force", "axial_modes",
-                         "substructures", "beam", "boundary_rotation"});
+                         "substructures", "beam", "beam_theory", "boundary_rotation"});
     result.mark = value.mark();
     result.what = value.what();
     result.line_radius = 0;
@@ -398,6 +434,7 @@ struct Reader {
     read_stiffening(fields);
     if (const auto modes = fields.get("axial_modes")) read_axial_modes(*modes);
     if (const auto pieces = fields.get("substructures")) read_substructures(*pieces);
+    warn_of_few_axial_modes(fields);
     if (const auto turning = fields.get("boundary_rotation"))
       if (const auto k = turning->choice({"exponential", "successive", "infinitesimal"}))
         result.options.boundary_rotation = static_cast<BoundaryRotation>(*k);
@@ -420,7 +457,7 @@ struct Reader {
 
 std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& part, const Value& value,
                                                  const spec::Pose& pose, BodyInfo& info) {
-  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, {}, true, {}};
+  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, {}, 0, true, {}};
   reader.read();
   if (!reader.good) return {};
   return std::move(reader.result);

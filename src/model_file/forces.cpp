@@ -63,12 +63,12 @@ void read_spring(Builder& builder, const Part& part, const Value& value, spec::S
   if (elastic) spring.elastic = read_elastic_law(*elastic).value_or(Function{});
   if (damping) spring.damping = read_damping_law(*damping).value_or(Function{});
   if (!force) return;
-  const auto text = force->word();
+  // Not as a word: '?:' chooses between forces here.
+  const auto text = force->text();
   if (!text) return;
-  const std::vector<std::string> variables{"l", "v", "t"};
   try {
-    spring.general =
-        Function3::expression(substitute_parameters(*text, *part.reading.scope, variables), variables);
+    spring.general = Function3::expression(
+        substitute_parameters(*text, *part.reading.scope, variables_of(LawOf::all)), {"l", "v", "t"});
   } catch (const ExpressionError& e) {
     force->error(e.what());
   } catch (const InputError& e) {
@@ -86,7 +86,7 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   if (force) load.force = part.place.vector(force->triple().value_or(Eigen::Vector3d::Zero()));
   if (moment) load.moment = part.place.pseudo_vector(moment->triple().value_or(Eigen::Vector3d::Zero()));
   load.scale = Function::constant(1);
-  if (const auto scale = fields.get("scale")) load.scale = read_law(*scale, "t").value_or(Function{});
+  if (const auto scale = fields.get("scale")) load.scale = read_law(*scale, LawOf::time).value_or(Function{});
   if (const auto follower = fields.get("follower")) load.follower = follower->flag().value_or(false);
   if (load.frame < 0) return;
   if (builder.model.frames[static_cast<std::size_t>(load.frame)].body == spec::ground)

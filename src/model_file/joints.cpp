@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <unordered_set>
 
 #include "joints/table.h"
@@ -18,11 +21,35 @@ int scalar_coordinates(JointType type) {
   return info.quaternion >= 0 ? 0 : info.velocities;
 }
 
+/// What other programs call the types of joints.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> other_names{
+    {{"hinge", "revolute"},
+     {"pin", "revolute"},
+     {"rotational", "revolute"},
+     {"weld", "fixed"},
+     {"rigid", "fixed"},
+     {"ball", "spherical"},
+     {"ball_joint", "spherical"},
+     {"slider", "prismatic"},
+     {"translational", "prismatic"},
+     {"cardan", "universal"},
+     {"hooke", "universal"},
+     {"free", "floating"},
+     {"plane", "planar"}}};
+
 std::optional<JointType> read_type(const Fields& fields) {
   const auto type = fields.need("type", "revolute");
   if (!type) return {};
   std::vector<std::string> names;
   for (const JointInfo& info : joint_table) names.emplace_back(info.name);
+  const auto word = type->word();
+  if (!word) return {};
+  const auto other = std::find_if(other_names.begin(), other_names.end(),
+                                  [&](const auto& pair) { return *word == pair.first; });
+  if (other != other_names.end()) {
+    type->error(fmt::format("'{}' is called '{}' here", *word, other->second));
+    return {};
+  }
   const auto choice = type->choice(names);
   if (!choice) return {};
   return joint_table[static_cast<std::size_t>(*choice)].type;
@@ -196,7 +223,8 @@ void read_drives(const Value& value, spec::Joint& joint) {
     if (!position || !coordinate) continue;
     if (!driven.insert(*coordinate).second)
       item.error(fmt::format("coordinate {} is driven twice", *coordinate));
-    if (auto function = read_law(*position, "t")) joint.drives.push_back({*coordinate, std::move(*function)});
+    if (auto function = read_law(*position, LawOf::time))
+      joint.drives.push_back({*coordinate, std::move(*function)});
   }
 }
 

@@ -55,10 +55,11 @@ std::optional<Function> pieces_law(const Value& value) {
   return Function::piecewise(std::move(breaks), std::move(pieces));
 }
 
-std::optional<Function> expression_law(const Value& value, const std::string& variable) {
+std::optional<Function> expression_law(const Value& value, LawOf law) {
+  const std::vector<Variable>& variables = variables_of(law);
   try {
-    return Function::expression(substitute_parameters(value.tree().text, *value.reading().scope, {variable}),
-                                variable);
+    return Function::expression(substitute_parameters(value.tree().text, *value.reading().scope, variables),
+                                variables.front().name);
   } catch (const ExpressionError& e) {
     value.error(e.what());
   } catch (const InputError& e) {
@@ -130,8 +131,8 @@ std::optional<Function> table_law(const Fields& fields, const Value& table) {
 
 }  // namespace
 
-std::optional<Function> read_law(const Value& value, const std::string& variable) {
-  if (value.is_scalar()) return expression_law(value, variable);
+std::optional<Function> read_law(const Value& value, LawOf law) {
+  if (value.is_scalar()) return expression_law(value, law);
   if (!value.is_map()) {
     value.error(
         "a law is needed: an expression, or {stiffness: 1000, zero: 0.1}, {polynomial: [..]}, {pieces: "
@@ -151,21 +152,21 @@ std::optional<Function> read_law(const Value& value, const std::string& variable
                     : fmt::format("says several laws at once: {}", joined(given)));
     return {};
   }
-  const Value law = *fields.get(given[0]);
-  if (given[0] == "table") return table_law(fields, law);
-  if (given[0] == "pieces") return pieces_law(law);
+  const Value description = *fields.get(given[0]);
+  if (given[0] == "table") return table_law(fields, description);
+  if (given[0] == "pieces") return pieces_law(description);
   if (given[0] == "polynomial") {
-    auto coefficients = read_coefficients(law);
+    auto coefficients = read_coefficients(description);
     if (!coefficients) return {};
     return Function::polynomial(std::move(*coefficients));
   }
-  const auto number = given[0] == "coefficient" ? law.not_negative() : law.number();
+  const auto number = given[0] == "coefficient" ? description.not_negative() : description.number();
   if (!number) return {};
   return given[0] == "coefficient" ? Function::linear(*number) : Function::constant(*number);
 }
 
 std::optional<Function> read_elastic_law(const Value& value) {
-  if (!is_plain_number(value)) return read_law(value, "x");
+  if (!is_plain_number(value)) return read_law(value, LawOf::coordinate);
   value.error(
       fmt::format("a plain number could be a stiffness or a force; write {{stiffness: {}, zero: ..}} or "
                   "{{constant: {}}}",
@@ -174,7 +175,7 @@ std::optional<Function> read_elastic_law(const Value& value) {
 }
 
 std::optional<Function> read_damping_law(const Value& value) {
-  if (!is_plain_number(value)) return read_law(value, "x");
+  if (!is_plain_number(value)) return read_law(value, LawOf::rate);
   const auto coefficient = value.not_negative();
   if (!coefficient) return {};
   return Function::linear(*coefficient);

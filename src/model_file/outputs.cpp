@@ -131,7 +131,7 @@ void read_surface_node(const Builder& builder, const Part& part, const Fields& f
 }
 
 /// Which stress or strain of a body, and where; without a place its extreme over the surface.
-void read_stress(const Builder& builder, const Part& part, const Fields& fields, const Value& named,
+void read_stress(Builder& builder, const Part& part, const Fields& fields, const Value& named,
                  spec::Output& output) {
   const bool stress = output.kind == Kind::stress;
   std::vector<std::string> words(stress_components.begin(), stress_components.end());
@@ -153,7 +153,12 @@ void read_stress(const Builder& builder, const Part& part, const Fields& fields,
     const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
     if (info.description)
       named.error("bodies made of bars have no stress modes; a body that 'mimbre reduce' made has them");
-    return;  // rigid: no stress
+    else
+      builder.warnings.push_back(
+          {named.mark(),
+           fmt::format("body '{}' is rigid: output '{}' is 0 always",
+                       builder.model.bodies[static_cast<std::size_t>(output.item)].name, output.name)});
+    return;
   }
   if ((stress ? body->stress : body->strain).size() == 0)
     return named.error("the body's file has no stress modes; reduce its model again, with its elements");

@@ -27,8 +27,9 @@ bool good_name(const std::string& name) {
 
 /// Names that expressions use themselves.
 bool reserved(const std::string& name) {
-  static const std::vector<std::string> names{"pi", "t", "x", "l", "v", "true", "false"};
-  return is_function_name(name) || std::find(names.begin(), names.end(), name) != names.end();
+  static const std::vector<std::string> names{"pi", "true", "false"};
+  return is_function_name(name) || is_variable_name(name) ||
+         std::find(names.begin(), names.end(), name) != names.end();
 }
 
 std::optional<Declaration> read_declaration(const Value& value) {

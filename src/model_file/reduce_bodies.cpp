@@ -21,10 +21,11 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
   for (std::size_t k = 0; k < a.mesh.elements.size(); ++k) {
     const auto &e = a.mesh.elements[k], &f = b.mesh.elements[k];
     const auto numbers = [](const fe::BeamElement& x) {
-      return std::array{x.section.area,   x.section.Iy,       x.section.Iz,      x.section.J,
+      return std::array{x.section.area,   x.section.Iy,       x.section.Iz,
+                        x.section.J,      x.section.shear_y,  x.section.shear_z,
                         x.material.young, x.material.poisson, x.material.density};
     };
-    if (e.nodes != f.nodes || !near(e.offsets[0], f.offsets[0], size) ||
+    if (e.nodes != f.nodes || e.theory != f.theory || !near(e.offsets[0], f.offsets[0], size) ||
         !near(e.offsets[1], f.offsets[1], size) || !near(e.y_direction, f.y_direction, 1) ||
         numbers(e) != numbers(f))
       return false;

@@ -44,31 +44,48 @@ fe::Material read_material(const Value& value) {
   return material;
 }
 
-fe::Section read_section(const Value& value) {
+/// Along the element's y and z; of the sections whose shape is not known, for Timoshenko's theory.
+void read_shear_areas(const Fields& fields, fe::Section& section) {
+  const auto areas = fields.get("shear_areas");
+  if (!areas) return;
+  const auto parts = areas->list();
+  if (parts.size() != 2)
+    return areas->error("two areas are needed, along the element's y and along its z: [8.5e-5, 8.5e-5]");
+  section.shear_y = parts[0].positive().value_or(1);
+  section.shear_z = parts[1].positive().value_or(1);
+}
+
+NamedSection read_section(const Value& value) {
   const bool general = value.is_map() && !value.tree().find("type");
+  NamedSection named;
   if (general) {
-    const Fields fields(value, {"area", "Iy", "Iz", "J"});
-    return {needed(fields, "area", "1e-4"), needed(fields, "Iy", "1e-9"), needed(fields, "Iz", "1e-9"),
-            needed(fields, "J", "2e-9")};
+    const Fields fields(value, {"area", "Iy", "Iz", "J", "shear_areas"});
+    named.section = {needed(fields, "area", "1e-4"), needed(fields, "Iy", "1e-9"),
+                     needed(fields, "Iz", "1e-9"), needed(fields, "J", "2e-9")};
+    read_shear_areas(fields, named.section);
+    return named;
   }
-  const Fields any(value, {"type", "diameter", "inner_diameter", "width", "height"});
+  const Fields any(value, {"type", "diameter", "inner_diameter", "width", "height", "shear_areas"});
   const auto type = any.need("type", "round");
   const auto choice = type ? type->choice({"round", "tube", "rectangle"}) : std::nullopt;
-  if (!choice) return {};
+  if (!choice) return named;
   if (*choice == 0) {
-    const Fields fields(value, {"type", "diameter"});
-    return ring(needed(fields, "diameter", "0.02"), 0);
-  }
-  if (*choice == 1) {
-    const Fields fields(value, {"type", "diameter", "inner_diameter"});
+    const Fields fields(value, {"type", "diameter", "shear_areas"});
+    named = {ring(needed(fields, "diameter", "0.02"), 0), fe::round_shear(0)};
+  } else if (*choice == 1) {
+    const Fields fields(value, {"type", "diameter", "inner_diameter", "shear_areas"});
     const double outer = needed(fields, "diameter", "0.03");
     const double inner = needed(fields, "inner_diameter", "0.024");
     if (inner >= outer && fields.has("diameter") && fields.has("inner_diameter"))
       fields.error(fmt::format("inner_diameter {} is not less than diameter {}", inner, outer));
-    return ring(outer, inner);
+    named = {ring(outer, inner), fe::round_shear(inner / outer)};
+  } else {
+    const Fields fields(value, {"type", "width", "height", "shear_areas"});
+    named = {rectangle(needed(fields, "width", "0.05"), needed(fields, "height", "0.002")),
+             fe::rectangle_shear()};
   }
-  const Fields fields(value, {"type", "width", "height"});
-  return rectangle(needed(fields, "width", "0.05"), needed(fields, "height", "0.002"));
+  read_shear_areas(any, named.section);
+  return named;
 }
 
 }  // namespace

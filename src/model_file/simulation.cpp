@@ -30,6 +30,8 @@ void read_integrator(const Value& value, spec::Simulation& simulation) {
     const double least = *integrator == Integrator::hht ? 0.5 : 0;
     if (*integrator == Integrator::newmark)
       rho->error("'rho' belongs to generalized_alpha and hht; newmark has xi");
+    else if (*integrator == Integrator::conserve)
+      rho->error("'rho' belongs to generalized_alpha and hht; conserve damps nothing");
     else if (r && !(*r >= least && *r <= 1))
       rho->error(fmt::format("{} is not between {} and 1{}", *r, least,
                              *integrator == Integrator::hht ? " (generalized_alpha takes 0 to 1)" : ""));
@@ -37,7 +39,9 @@ void read_integrator(const Value& value, spec::Simulation& simulation) {
   }
   if (const auto xi = fields.get("xi")) {
     const auto x = xi->number();
-    if (*integrator != Integrator::newmark)
+    if (*integrator == Integrator::conserve)
+      xi->error("'xi' belongs to newmark; conserve damps nothing");
+    else if (*integrator != Integrator::newmark)
       xi->error(fmt::format("'xi' belongs to newmark; {} has rho",
                             method_names::integrators[static_cast<std::size_t>(*integrator)]));
     else if (x && *x > 0)

@@ -4,6 +4,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <optional>
 #include <sstream>
 #include <unordered_set>
 
@@ -128,6 +129,20 @@ class TreeBuilder : public YAML::EventHandler {
   std::size_t nodes_ = 0;
 };
 
+/// Line and column of the first tab that stands before anything else in its line.
+std::optional<std::pair<int, int>> indenting_tab(const std::string& text) {
+  int line = 1;
+  for (std::size_t start = 0; start < text.size(); ++line) {
+    const std::size_t first = text.find_first_not_of(' ', start);
+    if (first == std::string::npos) break;
+    if (text[first] == '\t') return std::pair(line, static_cast<int>(first - start) + 1);
+    const std::size_t end = text.find('\n', start);
+    if (end == std::string::npos) break;
+    start = end + 1;
+  }
+  return {};
+}
+
 }  // namespace
 
 const Tree::Entry* Tree::find(const std::string& key) const {
@@ -153,6 +168,9 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
       throw InputError(builder.root->mark, "a second YAML document; a model file has only one");
     return root;
   } catch (const YAML::Exception& error) {
+    if (const auto tab = indenting_tab(text))
+      throw InputError({file, tab->first, tab->second},
+                       "not valid YAML: a tab in the indentation; indent with spaces");
     throw InputError(
         {file, std::max(error.mark.line, 0) + 1, std::max(error.mark.column, 0) + 1},
         fmt::format("not valid YAML: {} (unbalanced brackets or quotes, or wrong indentation, here or just "

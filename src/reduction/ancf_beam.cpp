@@ -36,6 +36,8 @@ Line line_of(const Mesh& mesh, const AncfOptions& options) {
   std::vector<std::vector<int>> at_node(static_cast<std::size_t>(mesh.nodes.cols()));
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
     element_geometry(mesh, e);  // refuses what is unsound
+    if (mesh.elements[e].theory != BeamTheory::euler_bernoulli)
+      refuse(fmt::format("element {} has shear or rotary inertia, for which it has no coordinates", e));
     if (!mesh.elements[e].offsets[0].isZero(0) || !mesh.elements[e].offsets[1].isZero(0))
       refuse(fmt::format("element {} has an offset", e));
     for (const int node : mesh.elements[e].nodes) at_node[static_cast<std::size_t>(node)].push_back(e);

@@ -208,6 +208,23 @@ Eigen::MatrixXd whole_mass_matrix(const ReducedBody& body) {
   return M.selfadjointView<Eigen::Upper>();
 }
 
+/// Every mode has a stiffness, and the frequencies that the file tells are those of its matrices.
+void check_frequencies(const ReducedBody& body, Report& report) {
+  report.require((body.stiffness.diagonal().array() > 0).all(),
+                 "stiffness must hold every mode: a diagonal entry is 0");
+  if (!report.sound() || body.eigenfrequencies.size() == 0) return;
+  const Eigen::VectorXd squares = symmetric_eigen(body.stiffness, body.mass_matrix).values;
+  const double top = squares[squares.size() - 1];
+  for (Eigen::Index k = 0; k < squares.size(); ++k) {
+    const double told = body.eigenfrequencies[k] * body.eigenfrequencies[k];
+    if (std::abs(squares[k] - told) <= 1e-4 * told + kRelative * top) continue;
+    report.require(false, fmt::format("eigenfrequency {} is {:g} rad/s, but stiffness and mass_matrix give "
+                                      "{:g}: one of them was changed",
+                                      k + 1, body.eigenfrequencies[k], std::sqrt(std::max(0.0, squares[k]))));
+    return;
+  }
+}
+
 void check_matrices(const ReducedBody& body, Report& report) {
   const auto symmetric = [&](const char* what, const Eigen::MatrixXd& matrix) {
     report.require(equal(matrix, matrix.transpose()), std::string(what) + " must be symmetric");
@@ -228,6 +245,9 @@ void check_matrices(const ReducedBody& body, Report& report) {
   report.require(lowest_scaled_eigenvalue(whole_mass_matrix(body)) > -kRelative,
                  "the mass matrix of rigid motion and modes together must not be indefinite");
   report.require(lowest_scaled_eigenvalue(body.stiffness) > -kRelative, "stiffness must not be indefinite");
+  report.require(lowest_scaled_eigenvalue(body.damping) > -kRelative,
+                 "damping must not be indefinite: it would feed energy in");
+  if (report.sound() && body.modes > 0 && !body.ancf) check_frequencies(body, report);
 }
 
 /// The mesh's matrices are symmetric and have the mass and the modes' mass matrix of the body.

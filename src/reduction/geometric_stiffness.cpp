@@ -87,11 +87,12 @@ void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd&
   const BeamElement& beam = mesh.elements[element];
   const ElementGeometry geometry = element_geometry(mesh, element);
   const Matrix12 transformation = element_transformation(beam, geometry.axes);
+  const ShearRatio shear = shear_ratio(beam, geometry.length);
   MatrixXd dofs(12, shapes.cols());
   for (int end = 0; end < 2; ++end) dofs.middleRows<6>(6 * end) = shapes.middleRows<6>(6 * beam.nodes[end]);
   dofs = (transformation * dofs).eval();
   const auto add = [&](const AxialForce& force, MatrixXd& sum) {
-    const MatrixXd forces = element_geometric_stiffness(force, geometry.length) * dofs;
+    const MatrixXd forces = element_geometric_stiffness(force, geometry.length, shear) * dofs;
     sum.noalias() += dofs.transpose() * forces;
   };
   add({1, 0, 0}, reference);
@@ -148,7 +149,10 @@ MatrixXd unit_inertia_forces(const Mesh& mesh) {
     const BeamElement& beam = mesh.elements[e];
     const ElementGeometry geometry = element_geometry(mesh, e);
     const Matrix12 transformation = element_transformation(beam, geometry.axes);
-    const Matrix12 mass = element_mass(beam, geometry.length);
+    // Along the axis only: couples of turning sections bend the bars and stretch them next to nothing.
+    BeamElement thin = beam;
+    thin.theory = BeamTheory::euler_bernoulli;
+    const Matrix12 mass = element_mass(thin, geometry.length);
     for (std::size_t l = 0; l < fields.size(); ++l) {
       const Vector12 force = -transformation.transpose() * (mass * element_field(geometry, fields[l]));
       for (int end = 0; end < 2; ++end)

@@ -27,8 +27,48 @@ double largest(const Eigen::SparseMatrix<double>& m) {
              : 0;
 }
 
+bool between(double low, double value, double high) { return low <= value && value <= high; }
+
+/// What is odd about a material in SI; empty when nothing is. From soft rubber to diamond, and from foam to
+/// tungsten.
+std::string oddity(const Material& m) {
+  std::string text;
+  const auto add = [&](const std::string& what, const std::string& likely) {
+    text +=
+        (text.empty() ? "" : ", ") + what + (likely.empty() ? "" : fmt::format(" (is it in {}?)", likely));
+  };
+  if (!between(1e5, m.young, 1.3e12))
+    add(fmt::format("Young's modulus {:.6g} Pa", m.young), between(1e9, 1e6 * m.young, 1.3e12)   ? "MPa"
+                                                           : between(1e9, 1e9 * m.young, 1.3e12) ? "GPa"
+                                                                                                 : "");
+  if (!between(5, m.density, 25000))
+    add(fmt::format("density {:.6g} kg/m³", m.density), between(500, 1e12 * m.density, 25000)  ? "t/mm³"
+                                                        : between(500, 1e3 * m.density, 25000) ? "g/cm³"
+                                                        : between(500, 1e9 * m.density, 25000) ? "kg/mm³"
+                                                                                               : "");
+  if (!between(0, m.poisson, 0.4999)) add(fmt::format("Poisson's ratio {:.4g}", m.poisson), "");
+  return text;
+}
+
+/// What is odd about the materials of a mesh.
+std::string oddities(const SolidMesh& mesh) {
+  std::string odd;
+  for (const NamedMaterial& named : mesh.materials)
+    if (const std::string what = oddity(named.material); !what.empty())
+      odd += fmt::format("{}'{}': {}", odd.empty() ? "" : "; ", named.name, what);
+  return odd;
+}
+
+/// Nothing where the model came as matrices.
+void add_materials_check(const SolidMesh& mesh, std::vector<Check>& checks) {
+  if (mesh.materials.empty()) return;
+  const std::string odd = oddities(mesh);
+  checks.push_back({"materials", odd.empty(), odd.empty() ? "in the range of what parts are made of" : odd});
+}
+
 /// Mass over the volume of the box around the model tells units that do not fit: real parts fill between a
-/// hundredth and all of it, at 100 to 25 000 kg/m³.
+/// hundredth and all of it, at 100 to 25 000 kg/m³. Where the material is in SI but the mesh in millimetres
+/// that is in order, and only the size tells: nobody moves parts of a thousand tonnes.
 Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass) {
   Vector3d low = Vector3d::Constant(INFINITY), high = -low;
   for (const Dof& dof : matrices.dofs) {
@@ -41,13 +81,20 @@ Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass
   const double density = mass / volume;
   std::string detail =
       fmt::format("{:.4g} m long, {:.4g} kg, {:.3g} kg per m³ of the box around it", longest, mass, density);
-  const bool sound = density > 0.5 && density < 30000 && longest > 1e-4 && longest < 300;
+  const bool filled = density > 0.5 && density < 30000,
+             sound = filled && longest > 1e-4 && longest < 300 && mass < 1e6;
   if (!sound) {
     // mm–t–s taken for SI: lengths 1e3 too large, masses 1e-3 of what they are.
     const double tonne_millimetre = density * 1e12;
-    detail += tonne_millimetre > 0.5 && tonne_millimetre < 30000
-                  ? "; in millimetres, tonnes and seconds it would be sound: --units mm"
-                  : "; are these metres, kilograms and seconds? See --units";
+    if (tonne_millimetre > 0.5 && tonne_millimetre < 30000)
+      detail +=
+          "; in millimetres, tonnes and seconds it would be sound: --units mm (a --material is in SI always)";
+    else if (filled && longest > 1)
+      detail += fmt::format(
+          "; is the mesh in millimetres? With --units mm it is {:.3g} m long and weighs {:.3g} kg",
+          1e-3 * longest, 1e-9 * mass);
+    else
+      detail += "; are these metres, kilograms and seconds? See --units";
   }
   return {"units", sound, detail};
 }
@@ -109,6 +156,7 @@ std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matri
            translation, rotation,
            translation < 1e-6 && rotation < 1e-6 ? "" : "; is the model held somewhere, or in other axes?")});
   if (mass > 0) checks.push_back(units_check(mesh, matrices, mass));
+  add_materials_check(mesh, checks);
 
   // The geometry's own mass, where it has one material and nothing but solids.
   const Skin outside = skin(mesh);

@@ -19,13 +19,14 @@ using Eigen::Vector3d;
 struct Piece {
   ElementGeometry geometry;
   const BeamElement* beam = nullptr;
+  ShearRatio shear;
   MatrixXd dofs;  ///< 12 × modes
 
   Vector3d axis() const { return geometry.axes.col(0); }
   /// dv/ds and dw/ds at xi (rows) by mode: of cubic displacements, by differences that are exact for them.
   MatrixXd slopes(double xi) const {
     const auto at = [&](double x) {
-      return MatrixXd(shape_functions(x, geometry.length).bottomRows<2>() * dofs);
+      return MatrixXd(shape_functions(x, geometry.length, shear).bottomRows<2>() * dofs);
     };
     return (8 * (at(xi + 0.25) - at(xi - 0.25)) - (at(xi + 0.5) - at(xi - 0.5))) / (3 * geometry.length);
   }
@@ -51,6 +52,7 @@ std::vector<Piece> pieces_of(const Mesh& mesh, const MatrixXd& shapes) {
     Piece piece;
     piece.beam = &mesh.elements[e];
     piece.geometry = element_geometry(mesh, e);
+    piece.shear = shear_ratio(*piece.beam, piece.geometry.length);
     MatrixXd nodal(12, shapes.cols());
     for (int end = 0; end < 2; ++end)
       nodal.middleRows<6>(6 * end) = shapes.middleRows<6>(6 * piece.beam->nodes[end]);
@@ -155,7 +157,8 @@ void extend_integrals(const std::vector<Piece>& pieces, const Shortening& s, con
     const double mass = piece.beam->material.density * piece.beam->section.area * piece.geometry.length;
     for (const GaussPoint& g : gauss6) {
       Matrix3Xd X(3, all);
-      X.leftCols(n) = piece.geometry.axes * shape_functions(g.xi, piece.geometry.length) * piece.dofs;
+      X.leftCols(n) =
+          piece.geometry.axes * shape_functions(g.xi, piece.geometry.length, piece.shear) * piece.dofs;
       X.rightCols(count) = s.starts[e];
       const double near = s.near[e];
       // From the beginning to xi, along the way that leads there.
@@ -169,10 +172,13 @@ void extend_integrals(const std::vector<Piece>& pieces, const Shortening& s, con
       }
     }
   }
-  // The modes' own blocks as they are, with the sections' polar inertia.
-  out.S.leftCols(n) = body.S;
-  for (int i = 0; i < 3; ++i) out.S_position[i].leftCols(n) = body.S_position[i];
   out.mass_matrix = out.S_modes[0][0] + out.S_modes[1][1] + out.S_modes[2][2];
+  // The modes' own blocks as they are, with the sections' inertia.
+  out.S.leftCols(n) = body.S;
+  for (int i = 0; i < 3; ++i) {
+    out.S_position[i].leftCols(n) = body.S_position[i];
+    for (int j = 0; j < 3; ++j) out.S_modes[i][j].topLeftCorner(n, n) = body.S_modes[i][j];
+  }
   out.mass_matrix.topLeftCorner(n, n) = body.mass_matrix;
 }
 

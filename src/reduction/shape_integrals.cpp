@@ -48,6 +48,31 @@ void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d&
   }
 }
 
+/// Inertia of a stiff section that turns by θ = `turn` · y about an axis point: with D = ∫d dᵀ over its
+/// points d, the second moment of exp(θ~) d to second order, (I + θ~ + ½θ~²) D (I + θ~ + ½θ~²)ᵀ, and the
+/// moment of momentum that goes with it.
+void add_turning_section(ReducedBody& body, const Eigen::Matrix3d& D, const Eigen::Matrix3Xd& turn) {
+  body.second_moment += D;
+  const Eigen::Matrix3Xd D_turn = D * turn;
+  std::array<Eigen::Matrix3Xd, 3> across;  // row i of θ~ by mode: coordinate i of θ × d is its product with d
+  for (int i = 0; i < 3; ++i) {
+    across[i].setZero(3, turn.cols());
+    across[i].row((i + 1) % 3) = -turn.row((i + 2) % 3);
+    across[i].row((i + 2) % 3) = turn.row((i + 1) % 3);
+  }
+  const auto outer = [](const auto& a, const auto& b) { return a.transpose() * b; };
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      body.S_position[i].row(j) += D.row(i) * across[j];
+      if (j < i) continue;
+      Eigen::MatrixXd& block = body.S_modes[i][j];
+      block.noalias() += across[i].transpose() * (D * across[j]);
+      block.noalias() += 0.25 * (outer(D_turn.row(j), turn.row(i)) + outer(turn.row(i), D_turn.row(j)) +
+                                 outer(turn.row(j), D_turn.row(i)) + outer(D_turn.row(i), turn.row(j)));
+      block.noalias() -= D(i, j) * (turn.transpose() * turn);
+    }
+}
+
 }  // namespace
 
 void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body) {
@@ -61,11 +86,20 @@ void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, Reduce
 
     const double mass = beam.material.density * beam.section.area * geometry.length;
     const Eigen::Vector3d axis = geometry.axes.col(0);
+    const ShearRatio shear = shear_ratio(beam, geometry.length);
+    const Eigen::Matrix3d section =
+        beam.material.density *
+        (geometry.axes * Eigen::Vector3d(0, beam.section.Iz, beam.section.Iy).asDiagonal() *
+         geometry.axes.transpose());
     for (const GaussPoint& point : gauss4) {
-      const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length) * dofs;
+      const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length, shear) * dofs;
       add_mass_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
+      if (has_rotary_inertia(beam))
+        add_turning_section(body, point.weight * geometry.length * section,
+                            geometry.axes * rotation_functions(point.xi, geometry.length, shear) * dofs);
     }
-    add_polar_inertia(body, polar_inertia(beam) * geometry.length, axis, 0.5 * (dofs.row(3) + dofs.row(9)));
+    if (!has_rotary_inertia(beam))
+      add_polar_inertia(body, polar_inertia(beam) * geometry.length, axis, 0.5 * (dofs.row(3) + dofs.row(9)));
   }
   complete_shape_integrals(body);
 }

@@ -17,6 +17,11 @@ namespace mimbre::fe {
 /// coupling of
 ///   angular velocity and modes only, not on the deformed second moment;
 /// - S_modes has no such term; that of the modes among themselves is in mass_matrix.
+/// Where the theory gives them rotary inertia, they turn with the modes as the stiff plates that they are, to
+/// second order, which gyroscopic moments need: with D = ∫ρ d dᵀ over the section and θ = X_theta y
+/// - second_moment contains ∫ D dx, S_position row j of i (D θ~ᵀ)_ij;
+/// - S_modes contains (θ~ D θ~ᵀ)_ij + ½ (θ~² D + D θ~²)_ij, the latter symmetric in the two modes. It acts on
+/// the deformed second moment; what it would add to the mass of the modes is left out of mass_matrix.
 void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body);
 
 /// The same point by point: zeros, then (3.6), (3.9)–(3.11) at each point with mass `dm`, undeformed

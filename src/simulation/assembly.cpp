@@ -7,6 +7,7 @@
 #include "integrate/initial.h"
 #include "joints/table.h"
 #include "mimbre/diagnostics.h"
+#include "simulation/explain.h"
 
 namespace mimbre {
 namespace {
@@ -100,29 +101,30 @@ State natural_state(const natural::NaturalSystem& natural, relative::RelativeSys
 }
 
 StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
-  if (!natural) return find_equilibrium(observer, s);
+  const double length = observer.model().length_scale;
+  if (!natural) return find_equilibrium(observer, s, length);
   State n = natural_state(*natural, observer, s);
-  const StaticsStatus status = find_equilibrium(*natural, n);
+  const StaticsStatus status = find_equilibrium(*natural, n, length);
   natural->to_relative(n, s);
   observer.begin_step(s.q.data());
-  find_multipliers(observer, s);
+  find_multipliers(observer, s, 1e-9 * length);
   return status;
 }
 
-void start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+std::string start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer,
+                                 State& s) {
   const Compiled& m = observer.model();
   const Eigen::VectorXd velocities = s.v;
   const StaticsStatus status = equilibrium(natural, observer, s);
   if (!status.converged)
-    throw InputError(
-        {m.spec.file, 0, 0},
-        fmt::format("`initial: equilibrium`: no static equilibrium was found (unbalanced force {:.3g} "
-                    "after {} iterations); start from the assembled position instead",
-                    status.residual, status.iterations));
+    throw InputError({m.spec.file, 0, 0},
+                     fmt::format("`initial: equilibrium`: {}; start from the assembled position instead",
+                                 explain_imbalance(m, natural, status)));
   s.v = velocities;
   const double gap = close_velocities(observer, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
   if (!(gap < close_enough))
     throw InputError({m.spec.file, 0, 0}, "the initial velocities contradict the constraints");
+  return explain_instability(m, natural, status);
 }
 
 }  // namespace mimbre

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <string>
 
 #include "dynamics/natural/system.h"
 #include "dynamics/relative/system.h"
@@ -24,7 +25,9 @@ State natural_state(const natural::NaturalSystem& natural, relative::RelativeSys
 /// Static equilibrium near s (relative coordinates), found in natural coordinates if there is such a system.
 StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s);
 
-/// Moves s to its static equilibrium and keeps its velocities. Throws InputError when there is none.
-void start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s);
+/// Moves s to its static equilibrium and keeps its velocities. Throws InputError when there is none. Returns
+/// a warning where it is unstable, else nothing.
+std::string start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer,
+                                 State& s);
 
 }  // namespace mimbre

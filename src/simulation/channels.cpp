@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "dynamics/amplitudes.h"
@@ -13,13 +14,11 @@ namespace {
 
 using Kind = spec::Output::Kind;
 
-ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vector<int>& joint_body) {
+ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
   static const char* const axes[] = {"x", "y", "z"};
   const auto frame = [&] { return m.spec.frames[o.item].name; };
   const auto joint = [&] { return m.spec.joints[o.item].name; };
-  const auto angle = [&] {
-    return joint_body[o.item] >= 0 && is_angle(m.bodies[joint_body[o.item]].joint, o.component);
-  };
+  const auto angle = [&] { return is_angle(m.spec.joints[o.item].type, o.component); };
   switch (o.kind) {
     case Kind::position:
       return {o.name, "m", fmt::format("global {} of '{}'", axes[o.component], frame())};
@@ -41,7 +40,7 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o, const std::vec
               fmt::format("rate of coordinate {} of joint '{}'", o.component, joint())};
     case Kind::joint_force:
       return {o.name, o.component < 3 ? "N" : "N m",
-              fmt::format("reaction {} {} of joint '{}' on its second body",
+              fmt::format("reaction {} {} of joint '{}' on its second body, global axes",
                           o.component < 3 ? "force" : "moment", axes[o.component % 3], joint())};
     case Kind::deflection:
       return {o.name, "m", fmt::format("deflection of '{}'", frame())};
@@ -102,30 +101,13 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
 
 }  // namespace
 
-Channels::Channels(const Compiled& m)
-    : model_(m), joint_body_(m.spec.joints.size(), -1), joint_loop_(m.spec.joints.size(), -1) {
-  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    joint_body_[m.bodies[b].joint_spec] = static_cast<int>(b);
-    if (m.bodies[b].modes > 0) modes_ += m.flexible[m.bodies[b].flexible].modes;
-  }
-  for (std::size_t l = 0; l < m.loops.size(); ++l) joint_loop_[m.loops[l].joint_spec] = static_cast<int>(l);
-  for (const spec::Output& o : m.spec.outputs) {
-    info_.push_back(output_info(m, o, joint_body_));
-    needs_residual_ = needs_residual_ || o.kind == Kind::joint_force;
-  }
+Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
+  for (const BodyData& b : m.bodies)
+    if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
+  for (const spec::Output& o : m.spec.outputs) info_.push_back(output_info(m, o));
   output_count_ = static_cast<int>(info_.size());
-  for (const BodyData& b : m.bodies) {
-    const std::string& joint = m.spec.joints[b.joint_spec].name;
-    if (joint_info(b.joint).quaternion >= 0) continue;
-    for (int k = 0; k < b.joint_velocities; ++k) {
-      const std::string suffix = b.joint_velocities > 1 ? fmt::format(".{}", k) : "";
-      const bool angle = is_angle(b.joint, k);
-      info_.push_back({fmt::format("joint.{}.position{}", joint, suffix), angle ? "rad" : "m",
-                       fmt::format("coordinate {} of joint '{}'", k, joint)});
-      info_.push_back({fmt::format("joint.{}.velocity{}", joint, suffix), angle ? "rad/s" : "m/s",
-                       fmt::format("rate of coordinate {} of joint '{}'", k, joint)});
-    }
-  }
+  joints_.add_info(info_);
+  joint_count_ = static_cast<int>(info_.size()) - output_count_;
   for (const spec::Spring& s : m.spec.springs) {
     info_.push_back(
         {fmt::format("spring.{}.force", s.name), "N", fmt::format("tension of spring '{}'", s.name)});
@@ -169,27 +151,12 @@ double Channels::output_value(const spec::Output& o, const relative::RelativeSys
       return std::atan2(r(1, 0), r(0, 0));
     }
     case Kind::joint_position:
-      return joint_body_[o.item] < 0 ? NAN : s.q[m.bodies[joint_body_[o.item]].q + o.component] + o.offset;
+      return joints_.coordinates(o.item, system, s).positions[o.component] + o.offset;
     case Kind::joint_velocity:
-      return joint_body_[o.item] < 0 ? NAN : s.v[m.bodies[joint_body_[o.item]].v + o.component];
+      return joints_.coordinates(o.item, system, s).rates[o.component];
     case Kind::joint_force: {
-      Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();  // on b, moment about the common point
-      Vec3d at;
-      if (joint_body_[o.item] >= 0) {
-        const BodyData& b = m.bodies[joint_body_[o.item]];
-        const double sign = b.reversed ? -1 : 1;
-        force = sign * w.transmitted[joint_body_[o.item]].force;
-        moment = sign * w.transmitted[joint_body_[o.item]].moment;
-      } else {
-        const LoopData& l = m.loops[joint_loop_[o.item]];
-        for (int r = 0; r < l.count; ++r) {
-          force -= s.multipliers[l.first_equation + r] * w.covector_linear[l.first_equation + r];
-          moment -= s.multipliers[l.first_equation + r] * w.covector_angular[l.first_equation + r];
-        }
-      }
-      const int frame_b = m.frame_of_spec[m.spec.joints[o.item].frame_b];
-      at = relative::output_motion(system, frame_b, s.q.data(), s.v.data(), s.a.data()).position;
-      return o.component < 3 ? force[o.component] : (moment - at.cross(force))[o.component - 3];
+      const JointReaction r = joints_.reaction(o.item, system, s);
+      return o.component < 3 ? r.force[o.component] : r.moment[o.component - 3];
     }
     case Kind::deflection: {
       const FrameData& f = m.frames[m.frame_of_spec[o.item]];
@@ -231,6 +198,26 @@ double Channels::output_value(const spec::Output& o, const relative::RelativeSys
   return 0;
 }
 
+void Channels::mark_undetermined(const Redundancy& redundancy) {
+  const auto among = [&](const std::vector<std::string>& joints, const std::string& name) {
+    return std::find(joints.begin(), joints.end(), name) != joints.end();
+  };
+  const auto mark = [](ChannelInfo& channel) {
+    channel.meaning += ", the smallest of those that redundant constraints leave open";
+    channel.determined = false;
+  };
+  const auto open = [&](const std::string& joint) {
+    return among(redundancy.joints, joint) || among(redundancy.nearly_joints, joint);
+  };
+  for (std::size_t k = 0; k < model_.spec.outputs.size(); ++k) {
+    const spec::Output& o = model_.spec.outputs[k];
+    if (o.kind == Kind::joint_force && open(model_.spec.joints[o.item].name)) mark(info_[k]);
+  }
+  joints_.for_reactions(info_.data() + output_count_, [&](const std::string& joint, ChannelInfo& channel) {
+    if (open(joint)) mark(channel);
+  });
+}
+
 void Channels::sample(const relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
                       const Statistics& statistics, ResultsRow& row) const {
   const Compiled& m = model_;
@@ -239,13 +226,8 @@ void Channels::sample(const relative::RelativeSystem& system, const State& s, co
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
   Eigen::Index at = 0;
   for (const spec::Output& o : m.spec.outputs) row.channels[at++] = output_value(o, system, s);
-  for (const BodyData& b : m.bodies) {
-    if (joint_info(b.joint).quaternion >= 0) continue;
-    for (int k = 0; k < b.joint_velocities; ++k) {
-      row.channels[at++] = s.q[b.q + k];
-      row.channels[at++] = s.v[b.v + k];
-    }
-  }
+  joints_.sample(system, s, row.channels.data() + at);
+  at += joint_count_;
   for (std::size_t k = 0; k < m.springs.size(); ++k) {
     row.channels[at++] = w.springs[k].tension;
     row.channels[at++] = w.springs[k].length;

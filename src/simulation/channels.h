@@ -2,12 +2,14 @@
 #include <vector>
 
 #include "mimbre/channels.h"
+#include "mimbre/simulation.h"
 #include "simulation/energy.h"
+#include "simulation/joint_channels.h"
 
 namespace mimbre {
 
-/// What a run records: the model's outputs, then the standard channels (joint coordinates, spring and tyre
-/// forces, energies, solver statistics), and the poses and amplitudes that a picture needs.
+/// What a run records: the model's outputs, then the standard channels (motion and reactions of all joints,
+/// spring and tyre forces, energies, solver statistics), and the poses and amplitudes that a picture needs.
 class Channels {
  public:
   explicit Channels(const Compiled& model);
@@ -17,11 +19,11 @@ class Channels {
   struct Statistics {
     double iterations = 0, position_violation = 0, velocity_violation = 0;
   };
-  /// The system's last evaluation must be of this state (a residual with its accelerations and multipliers
-  /// where needs_residual()).
+  /// The system's last evaluation must be a residual of this state with its accelerations and multipliers.
   void sample(const relative::RelativeSystem& system, const State& state, const EnergyBalance& energy,
               const Statistics& statistics, ResultsRow& row) const;
-  bool needs_residual() const { return needs_residual_; }
+  /// Says in the meaning of reactions which rigid bodies do not determine.
+  void mark_undetermined(const Redundancy& redundancy);
 
   std::vector<BodyDrawing> drawings() const;
   std::vector<RoadDrawing> roads() const;
@@ -34,8 +36,8 @@ class Channels {
   std::vector<ChannelInfo> info_;
   int output_count_ = 0;
   int modes_ = 0;
-  bool needs_residual_ = false;
-  std::vector<int> joint_body_, joint_loop_;  // spec joint → tree body or loop, -1
+  JointObserver joints_;
+  int joint_count_ = 0;  // their channels
 };
 
 }  // namespace mimbre

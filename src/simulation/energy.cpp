@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "dynamics/amplitudes.h"
 #include "dynamics/elasticity.h"
@@ -57,11 +58,9 @@ EnergyMeter::EnergyMeter(const Compiled& m)
     : model_(&m),
       springs_(m.springs.size()),
       joint_springs_(m.joint_springs.size()),
-      spring_energy_(m.springs.size() + m.joint_springs.size()),
       tyre_height_(m.tyres.size()),
       tyre_road_(m.tyres.size()),
       tyre_x_(m.tyres.size()),
-      tyre_energy_(m.tyres.size()),
       generalised_(m.velocities),
       drive_position_(m.drives.size()),
       drive_force_(m.drives.size()),
@@ -70,11 +69,20 @@ EnergyMeter::EnergyMeter(const Compiled& m)
       load_power_(m.loads.size()),
       damping_force_(Eigen::VectorXd::Zero(m.velocities)),
       modal_(Eigen::VectorXd::Zero(m.velocities)),
-      geometric_force_(Eigen::VectorXd::Zero(m.velocities)) {}
+      geometric_force_(Eigen::VectorXd::Zero(m.velocities)) {
+  const auto add = [&](Place::Kind kind, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) stores_.push_back({{kind, static_cast<int>(k)}});
+  };
+  add(Place::Kind::spring, m.springs.size());
+  add(Place::Kind::joint_spring, m.joint_springs.size());
+  add(Place::Kind::tyre, m.tyres.size());
+  add(Place::Kind::body, m.bodies.size());
+}
 
 void EnergyMeter::start(relative::RelativeSystem& system, const State& s) {
   balance_ = {};
   started_ = false;
+  for (Store& store : stores_) store = {store.place};
   observe(system, s);
   start_total_ = balance_.total();
   started_ = true;
@@ -88,13 +96,15 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
   last_input_ = balance_.numerical - before;
 }
 
-/// Energy ½ yᵀ K_G y at the present loads, and what their change put in since the last step: as the work of
-/// K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. `first`: the velocity coordinate
-/// of the first amplitude, `forces`: scratch.
+/// Energy ½ yᵀ K_G y at the present loads of inertia and gravity, and what their change put in since the last
+/// step: as the work of K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. Forces at
+/// the boundary have an energy of their own. `first`: the velocity coordinate of the first amplitude,
+/// `forces`: scratch.
 void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<double>& motion, int first,
                                     const double* y, double* forces) {
+  balance_.elastic += geometric::boundary_energy(g, y, forces);
   std::fill(forces, forces + g.stiffness.cols(), 0.0);
-  geometric::add_forces(g, motion, y, forces);
+  geometric::add_inertial_forces(g, motion, y, forces);
   for (int k = 0; k < g.modes; ++k) {
     balance_.elastic += 0.5 * forces[k] * y[k];
     if (started_)
@@ -103,19 +113,45 @@ void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<d
   }
 }
 
+void EnergyMeter::observe_store(std::size_t k, double energy) {
+  Store& store = stores_[k];
+  if (started_) {
+    const double change = energy - store.energy;
+    store.exchanged += std::abs(change);
+    store.unresolved += std::abs(change - store.change);
+    store.change = change;
+    store.highest = std::max(store.highest, energy);
+    store.lowest = std::min(store.lowest, energy);
+    if (std::abs(change) > most_exchanged_) {
+      most_exchanged_ = std::abs(change);
+      place_ = store.place;
+    }
+  } else {
+    store.highest = store.lowest = energy;
+  }
+  store.energy = energy;
+}
+
+EnergyMeter::Unresolved EnergyMeter::most_unresolved() const {
+  const Store* most = nullptr;
+  for (const Store& store : stores_)
+    if (store.unresolved > (most ? most->unresolved : 0)) most = &store;
+  if (!most) return {};
+  // The energy of a vibration varies as sin² ωt: its second differences are 2 sin ωh times the first.
+  const double angle = std::asin(std::min(1.0, 0.5 * most->unresolved / most->exchanged));
+  return {most->place, 2 * std::numbers::pi / angle, most->highest - most->lowest};
+}
+
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = *model_;
   auto& w = system.workspace();
   relative::forces<double>(m, w, s.time, s.q.data(), s.v.data(), generalised_.data());
   EnergyBalance& e = balance_;
   const double h = s.time - time_;
-  double most = 0;
-  jump_ = 0;
-  const auto exchanged = [&](double energy, Place::Kind kind, std::size_t index) {
-    if (std::abs(energy) <= most) return;
-    most = std::abs(energy);
-    place_ = {kind, static_cast<int>(index)};
-  };
+  jump_ = most_exchanged_ = 0;
+  place_ = {};
+  const std::size_t joint_store = m.springs.size(), tyre_store = joint_store + m.joint_springs.size(),
+                    body_store = tyre_store + m.tyres.size();
 
   e.kinetic = kinetic_energy(m, w, s.q.data(), s.v.data());
   e.gravitational = e.elastic = e.springs = e.tyres = 0;
@@ -124,6 +160,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     double mass = b.mass;
     Vec3d first = b.first_moment;
     if (b.modes > 0) {
+      const double elastic_of_others = e.elastic;
       const FlexibleData& f = m.flexible[b.flexible];
       const relative::ConstantInertia inertia = relative::constant_inertia(m, w, b);
       mass = inertia.mass;
@@ -170,6 +207,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
         modal_[at] = y[k];
       }
       e.dissipated += work;
+      observe_store(body_store + i, e.elastic - elastic_of_others);
     }
     e.gravitational -= m.gravity.dot(mass * (w.bodies[i].position + w.origin) + w.bodies[i].rotation * first);
   }
@@ -178,23 +216,27 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     const auto& state = w.springs[k];
     Flow& f = springs_[k];
     const double potential = spring_potential(d, state.length);
-    const double damping = spring_damping(d, state.rate),
-                 general = spring_general(d, state.length, state.rate, s.time);
+    // What an expression owes to the rate is a damper's. (It may be undefined at rest.)
+    const double whole = spring_general(d, state.length, state.rate, s.time),
+                 at_rest = spring_general(d, state.length, 0, s.time),
+                 general = std::isfinite(at_rest) ? at_rest : 0,
+                 damping = spring_damping(d, state.rate) + whole - general;
     e.springs += potential;
     if (started_) {
       const double dl = state.length - f.length;
       e.dissipated += 0.5 * (damping + f.damping) * dl;
       e.load_work -= 0.5 * (general + f.general) * dl;
-      exchanged(potential - spring_energy_[k], Place::Kind::spring, k);
     }
-    spring_energy_[k] = potential;
+    observe_store(k, potential);
     f = {state.length, state.tension, damping, general};
   }
   for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
     const JointSpringData& d = m.joint_springs[k];
     Flow& f = joint_springs_[k];
     const double x = s.q[d.q], damping = joint_spring_damping(d, s.v[d.v]);
-    e.springs += joint_spring_potential(d, x);
+    const double potential = joint_spring_potential(d, x);
+    e.springs += potential;
+    observe_store(joint_store + k, potential);
     if (started_) e.dissipated += 0.5 * (damping + f.damping) * (x - f.length);
     f = {x, 0, damping, 0};
   }
@@ -208,9 +250,8 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     e.tyres += potential;
     if (started_) {
       // The road moves under the wheel, half of it before and half after the wheel does: exact for jumps too.
-      e.road_work += 0.5 * (tyre_potential(t, tyre_height_[k], road) - tyre_energy_[k] + potential -
-                            tyre_potential(t, wheel, tyre_road_[k]));
-      exchanged(potential - tyre_energy_[k], Place::Kind::tyre, k);
+      e.road_work += 0.5 * (tyre_potential(t, tyre_height_[k], road) - stores_[tyre_store + k].energy +
+                            potential - tyre_potential(t, wheel, tyre_road_[k]));
       // What a jump of the road alone releases or stores.
       const double x0 = tyre_x_[k];
       const double smooth =
@@ -221,7 +262,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     tyre_x_[k] = x1;
     tyre_height_[k] = wheel;
     tyre_road_[k] = road;
-    tyre_energy_[k] = potential;
+    observe_store(tyre_store + k, potential);
   }
   for (std::size_t k = 0; k < m.drives.size(); ++k) {
     const DriveData& d = m.drives[k];

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "simulation/names.h"
 
 namespace mimbre {
@@ -38,6 +40,35 @@ std::string explain(const Compiled& model, const natural::NaturalSystem* natural
           t, where);
   }
   return {};
+}
+
+std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                              const StaticsStatus& status) {
+  return fmt::format(
+      "no static equilibrium was found: unbalanced force {:.3g}, the largest in {} (does anything hold it?), "
+      "constraints off by {:.3g} after {} iterations",
+      status.residual, coordinate_name(model, natural, status.coordinate), status.violation,
+      status.iterations);
+}
+
+std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
+                                const StaticsStatus& status) {
+  if (!(status.growth > 0)) return {};
+  return fmt::format(
+      "the static equilibrium is unstable: the smallest disturbance grows by e in {:.3g} s, most in {}",
+      1 / status.growth, coordinate_name(model, natural, status.growing));
+}
+
+std::string explain_near_redundancy(const Redundancy& r) {
+  if (r.nearly == 0) return {};
+  std::string joints;
+  for (std::size_t k = 0; k < std::min<std::size_t>(r.nearly_joints.size(), 8); ++k)
+    joints += fmt::format("{}'{}'", k > 0 ? ", " : "", r.nearly_joints[k]);
+  return fmt::format(
+      "constraints are nearly redundant: axes or points of joints {}{} are off by so little that the "
+      "mechanism "
+      "may lock, and their reactions are arbitrary; give them exactly, or free a coordinate of one of them",
+      joints, r.nearly_joints.size() > 8 ? ", …" : "");
 }
 
 }  // namespace mimbre

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "dynamics/natural/system.h"
+#include "integrate/statics.h"
 #include "mimbre/simulation.h"
 
 namespace mimbre {
@@ -10,5 +11,16 @@ namespace mimbre {
 /// where it made the step, else null.
 std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& report,
                     double t);
+
+/// Why a static equilibrium was not found: what is not balanced, and where.
+std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                              const StaticsStatus& status);
+
+/// A warning where an equilibrium does not last, else nothing.
+std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
+                                const StaticsStatus& status);
+
+/// A warning where constraints are nearly redundant, else nothing.
+std::string explain_near_redundancy(const Redundancy& redundancy);
 
 }  // namespace mimbre

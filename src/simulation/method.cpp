@@ -22,7 +22,8 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.formalism = options.formalism.value_or(given.formalism);
   m.integrator = options.integrator.value_or(given.integrator);
   if (options.xi <= 0) m.integrator = Rule::newmark;
-  if (options.rho >= 0 && m.integrator == Rule::newmark) m.integrator = Rule::generalized_alpha;
+  if (options.rho >= 0 && (m.integrator == Rule::newmark || m.integrator == Rule::conserve))
+    m.integrator = Rule::generalized_alpha;
   m.step = options.step > 0 ? options.step : given.step;
   m.rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
   if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
@@ -32,8 +33,10 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
                                       : defaults.tolerance;
   m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
   m.max_iterations = given.max_iterations > 0 ? given.max_iterations : defaults.max_iterations;
+  if (m.integrator == Rule::conserve) m.xi = 0;
   // Other formalisms and Newmark's rule are there to be seen as they are.
-  const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark;
+  const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark &&
+                       m.integrator != Rule::conserve;
   m.substeps = options.substeps > 0 ? options.substeps
                : given.substeps > 0 ? given.substeps
                : repeats            ? default_substeps

@@ -53,6 +53,11 @@ std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {
   switch (place.kind) {
     case EnergyMeter::Place::Kind::spring:
       return fmt::format("spring '{}'", m.spec.springs[m.springs[place.index].spec].name);
+    case EnergyMeter::Place::Kind::joint_spring:
+      return fmt::format("the spring of joint '{}'",
+                         m.spec.joints[m.joint_springs[place.index].joint_spec].name);
+    case EnergyMeter::Place::Kind::body:
+      return fmt::format("body '{}'", m.spec.bodies[m.bodies[place.index].spec].name);
     case EnergyMeter::Place::Kind::tyre:
       return fmt::format("tyre '{}'", m.spec.tyres[m.tyres[place.index].spec].name);
     case EnergyMeter::Place::Kind::none:

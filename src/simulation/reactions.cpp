@@ -12,7 +12,17 @@ constexpr int rounds = 6;
 Reactions::Reactions(const System& system)
     : residual_(system.velocities()), change_(system.velocities()), jacobian_change_(system.equations()) {}
 
-bool Reactions::find(System& system, State& s) {
+void Reactions::choose_smallest(const Compiled& model, bool always) {
+  always_ = always;
+  smallest_ = std::make_unique<SmallestReactions>(model);
+}
+
+void Reactions::reduce(relative::RelativeSystem& system, State& s) {
+  if (smallest_ && smallest_->find(system, s, s.multipliers))
+    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+}
+
+bool Reactions::find(relative::RelativeSystem& system, State& s) {
   const auto evaluate = [&] {
     system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
   };
@@ -22,12 +32,12 @@ bool Reactions::find(System& system, State& s) {
   if (!system.factor(s.q.data(), {0, 0, penalty}).ok()) return false;
   // Augmented Lagrangian: (M + α ΦqᵀΦq) x = −(r + Φqᵀ λ), λ ← λ + α Φq x. What remains of r is what the
   // constraints cannot bear: the error of the accelerations.
-  double largest = 0;
+  double largest = 0, correction = 0;
   for (int round = 0; round < rounds; ++round) {
     change_ = -residual_;
     system.solve(change_.data());
     system.jacobian_times(change_.data(), jacobian_change_.data());
-    double correction = 0;
+    correction = 0;
     for (int k = 0; k < system.equations(); ++k) {
       const double d = penalty * system.penalty()[k] * jacobian_change_[k];
       s.multipliers[k] += d;
@@ -39,6 +49,8 @@ bool Reactions::find(System& system, State& s) {
     if (!(correction > 1e-6 * largest)) break;
   }
   evaluate();
+  const bool settled = correction <= 1e-3 * largest;
+  if (always_ || !settled) reduce(system, s);
   return true;
 }
 

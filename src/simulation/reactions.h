@@ -1,20 +1,32 @@
 #pragma once
-#include "integrate/stepper.h"
+#include <memory>
+
+#include "dynamics/relative/system.h"
+#include "simulation/smallest_reactions.h"
 
 namespace mimbre {
 
-/// Multipliers of the constraints in a state whose accelerations are known, as find_multipliers() finds them,
-/// but in memory of its own and with the system's sparse factorisation: cheap enough for now and then during
-/// a run.
+/// Multipliers of the constraints in a state whose accelerations are known, in memory of its own and with the
+/// system's sparse factorisation: cheap enough for now and then during a run.
 class Reactions {
  public:
   explicit Reactions(const System& system);
+  /// From now on redundant constraints get the smallest reactions of all joints (SmallestReactions).
+  /// `always`: they are redundant; otherwise find() looks for them only where multipliers do not settle, at
+  /// singular positions.
+  void choose_smallest(const Compiled& model, bool always);
   /// Neither allocates nor throws. Changes the system's factorisation; its last residual is that of `state`
   /// with the multipliers found, and false is returned, with multipliers of zero, where the matrix is
   /// singular.
-  bool find(System& system, State& state);
+  bool find(relative::RelativeSystem& system, State& state);
+  /// After the system's residual at `state`, whose multipliers balance the forces: makes them the smallest
+  /// where constraints are redundant, and the last residual that with them.
+  void reduce(relative::RelativeSystem& system, State& state);
+  bool reduces() const { return always_; }
 
  private:
+  bool always_ = false;
+  std::unique_ptr<SmallestReactions> smallest_;
   Eigen::VectorXd residual_, change_, jacobian_change_;
 };
 

@@ -13,29 +13,53 @@ namespace mimbre {
 // Years of computing; a larger number is a mistake, and might not fit an integer.
 constexpr double most_steps = 1e13;
 
+// A rest of a step shorter than this part of it is no step of its own: steps as short as rounding leaves them
+// would be hard on the integrator for nothing.
+constexpr double least_part = 1e-3;
+
 RunPlan plan_run(double end, double output_interval, double step) {
-  const double steps = std::round(end / step);
-  if (!(steps <= most_steps))
+  const double whole = end / step;
+  if (!(whole <= most_steps))
     throw InputError(Mark{}, fmt::format("a run to {} s has too many steps of {} s", end, step));
-  const double stride = std::min(std::round(output_interval / step), most_steps);
-  return {static_cast<std::int64_t>(steps), std::max<std::int64_t>(1, static_cast<std::int64_t>(stride))};
+  if (longer_than_run(step, end))
+    throw InputError(Mark{},
+                     fmt::format("the step of {} s is longer than the run, which ends at {} s; give a "
+                                 "shorter step or a later end",
+                                 step, end));
+  // Of a run that is hardly shorter than one step, that step.
+  const double steps = end > 0 ? std::max(1.0, std::ceil(whole - least_part)) : 0;
+  return {step, end, output_interval, static_cast<std::int64_t>(steps)};
 }
 
-double real_time_factor(const RunTotals& totals, double step) {
+bool longer_than_run(double step, double end) { return end > 0 && end / step < 1 - least_part; }
+
+std::int64_t RunPlan::next_row(std::int64_t made) const {
+  if (made + 1 >= steps) return steps;
+  const double interval = output_interval / step;
+  if (!(interval > 1)) return made + 1;
+  // In steps; a step that falls on a multiple but for rounding is at it.
+  constexpr double rounding = 1e-6;
+  const double multiple = std::floor((static_cast<double>(made) + rounding) / interval) + 1;
+  const double next = std::ceil(multiple * interval - rounding);
+  return next < static_cast<double>(steps) ? static_cast<std::int64_t>(next) : steps;
+}
+
+double real_time_factor(const RunTotals& totals, double simulated) {
   if (totals.steps == 0 || !(totals.cpu_seconds > 0)) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(totals.steps) * step / totals.cpu_seconds;
+  return simulated / totals.cpu_seconds;
 }
 
-StepReport advance(Simulation& simulation, std::int64_t count, RunTotals& totals,
+StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t until, RunTotals& totals,
                    const std::function<bool()>& stop) {
   StepReport report;
   const double start = thread_cpu_seconds();
-  for (std::int64_t k = 0; k < count && !(stop && stop()); ++k) {
-    report = simulation.step();
+  while (totals.steps < until && !(stop && stop())) {
+    report = totals.steps + 1 < plan.steps ? simulation.step() : simulation.step_to(plan.end);
     totals.iterations += report.iterations;
     totals.factorisations += report.factorisations;
     if (!report.ok()) break;
     ++totals.steps;
+    if (report.substeps > 1) ++totals.repeated_steps;
     totals.max_position_violation = std::max(totals.max_position_violation, report.position_violation);
     totals.max_velocity_violation = std::max(totals.max_velocity_violation, report.velocity_violation);
   }

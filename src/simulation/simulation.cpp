@@ -7,12 +7,16 @@
 #include "base/helper_threads.h"
 #include "integrate/initial.h"
 #include "integrate/profiled_system.h"
-#include "math/decompositions.h"
 #include "simulation/assembly.h"
 #include "simulation/channels.h"
+#include "simulation/drawn_open.h"
+#include "simulation/drive_smoothness.h"
+#include "simulation/energy_keeper.h"
 #include "simulation/energy_monitor.h"
 #include "simulation/explain.h"
+#include "simulation/free_flight.h"
 #include "simulation/reactions.h"
+#include "simulation/redundancy.h"
 #include "simulation/validity.h"
 
 namespace mimbre {
@@ -21,7 +25,9 @@ namespace {
 IntegratorOptions integrator_options(const Method& method) {
   IntegratorOptions options;
   options.step = method.step;
-  options.rule = method.integrator;
+  // `conserve` is the trapezoidal rule with what EnergyKeeper does after its steps.
+  const bool conserve = method.integrator == IntegratorOptions::Rule::conserve;
+  options.rule = conserve ? IntegratorOptions::Rule::newmark : method.integrator;
   options.rho = method.rho;
   options.xi = method.xi;
   options.tolerance = method.tolerance;
@@ -30,9 +36,12 @@ IntegratorOptions integrator_options(const Method& method) {
   return options;
 }
 
-/// A step is repeated in parts when its energy is off by more than this per mass, J/kg: what lifts the
-/// mechanism by a quarter of a millimetre.
-constexpr double substep_energy = 2.5e-3;
+/// A step is repeated in parts when its energy is off by more than these shares of what moves or is stored,
+/// and of what would lift the mechanism by its length scale; without gravity of the former alone.
+constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_gravity = 4e-4;
+/// Of the energy that lifts the mechanism so, or without gravity moves it by its length scale in a second:
+/// round-off.
+constexpr double round_off_energy = 2.5e-7;
 
 using Clock = std::chrono::steady_clock;
 
@@ -56,17 +65,29 @@ struct Simulation::Impl {
         meter(compiled),
         channels(compiled),
         meter_before(compiled),
+        free_flight(compiled),
+        conserves(method.integrator == spec::Simulation::Integrator::conserve),
+        energy_keeper(compiled, free_flight.groups()),
         reactions(observer),
         validity(compiled),
         scratch(compiled.velocities) {
     double mass = 0;
     for (const BodyData& b : compiled.bodies) mass += b.mass;
-    energy_tolerance = mass * substep_energy;
+    const double extent = compiled.length_scale, weight = mass * compiled.gravity.norm();
+    lifting_energy = weight * extent;
+    resting_energy = round_off_energy * std::max(weight, mass * extent) * extent;
     const double start = thread_cpu_seconds();
     State assembled = assembled_state(compiled, observer);
+    warn(drawn_open(observer, assembled));
     if (compiled.spec.simulation.start_at_equilibrium)
-      start_at_equilibrium(natural.get(), observer, assembled);
+      warn(start_at_equilibrium(natural.get(), observer, assembled));
     seen = assembled;
+    if (compiled.equations > 0) {
+      redundancy = find_redundancy(observer, assembled);
+      warn(explain_near_redundancy(redundancy));
+      channels.mark_undetermined(redundancy);
+      reactions.choose_smallest(compiled, redundancy.equations + redundancy.nearly > 0);
+    }
     state = natural ? natural_state(*natural, observer, assembled) : assembled;
     if (!solve_accelerations(system, state))
       throw InputError(
@@ -84,8 +105,19 @@ struct Simulation::Impl {
 
   StepReport step();
 
+  void warn(const std::string& text) {
+    if (!text.empty()) start_warnings.push_back(text);
+  }
+
   /// One step of the integrator, with the energies after it.
   void advance(StepReport& report) {
+    const bool corrects = conserves || !free_flight.none();
+    if (corrects) {
+      if (!natural) observer.begin_step(state.q.data());
+      observe();
+      free_flight.begin(observer, view());
+      if (conserves) energy_keeper.begin(observer, view());
+    }
     last = integrator->step(state);
     report.code = static_cast<StepReport::Code>(last.code);
     report.iterations += last.iterations;
@@ -97,6 +129,14 @@ struct Simulation::Impl {
     if (!report.ok()) return;
     const auto start = method.profile ? Clock::now() : Clock::time_point();
     if (natural) observe();
+    if (corrects) {
+      free_flight.end(observer, natural.get(), view(), integrator->options().step, state);
+      observe();
+    }
+    if (conserves) {
+      energy_keeper.end(observer, natural.get(), view(), state);
+      observe();
+    }
     meter.update(observer, view());
     if (method.profile) energy_seconds += seconds_since(start);
   }
@@ -104,6 +144,14 @@ struct Simulation::Impl {
   /// How wrong the last step may be, J: energy that the numerics put in or took out, or that a jump of a road
   /// did.
   double step_error() const { return std::max(std::abs(meter.last_input()), meter.last_jump()); }
+
+  /// What it may be.
+  double step_tolerance() const {
+    const EnergyBalance& e = meter.balance();
+    const double play = e.kinetic + e.elastic + e.springs + e.tyres;
+    return lifting_energy > 0 ? substep_energy * play + substep_lifting * lifting_energy
+                              : substep_without_gravity * play;
+  }
 
   /// The state in relative coordinates, in which energies and outputs are evaluated whatever the formulation.
   const State& view() const { return natural ? seen : state; }
@@ -145,11 +193,20 @@ struct Simulation::Impl {
   State state_before;
   EnergyMeter meter_before;
   EnergyMonitor monitor;
-  double energy_tolerance = 0;
+  double lifting_energy = 0;  ///< of the whole mechanism by its length scale, J
+  double resting_energy = 0;  ///< what is round-off when nothing is at play, J
   double initialisation = 0;
+  FreeFlight free_flight;
+  const bool conserves;
+  EnergyKeeper energy_keeper;
+  double length = method.step;  ///< of the step that is made, s
   Reactions reactions;
   ValidityMonitor validity;
+  std::vector<std::string> drives;  ///< what was said of them, found when first asked for
+  double drives_until = 0;
   Eigen::VectorXd scratch;
+  std::vector<std::string> start_warnings;
+  Redundancy redundancy;  ///< at the start
 };
 
 Simulation::Simulation(std::shared_ptr<const Model> model, const RunOptions& options)
@@ -162,6 +219,19 @@ StepReport Simulation::step() {
   const auto start = Clock::now();
   const StepReport report = impl_->step();
   impl_->step_seconds += seconds_since(start);
+  return report;
+}
+
+StepReport Simulation::step_to(double time) {
+  Impl& s = *impl_;
+  // Times are sums of steps: a whole step but for rounding is a whole step.
+  const double rest = time - s.state.time;
+  const bool whole = std::abs(rest - s.method.step) < 1e-6 * s.method.step;
+  s.length = whole ? s.method.step : rest;
+  s.integrator->set_step(s.length);
+  const StepReport report = step();
+  s.integrator->set_step(s.method.step);
+  if (report.ok()) s.state.time = time;
   return report;
 }
 
@@ -183,13 +253,14 @@ StepReport Simulation::Impl::step() {
     s.state_before = s.state;
     s.meter_before = s.meter;
     s.advance(report);
-    if (!report.ok() || s.step_error() > s.energy_tolerance) {
+    if (!report.ok() || s.step_error() > s.step_tolerance()) {
       s.state = s.state_before;
       s.meter = s.meter_before;
       const double h = s.integrator->options().step;
       s.integrator->set_step(h / s.method.substeps);
       report.substeps = s.method.substeps;
       report.code = StepReport::Code::ok;
+      report.position_violation = report.velocity_violation = 0;  // of what is accepted
       for (int k = 0; k < s.method.substeps && report.ok(); ++k) s.advance(report);
       s.integrator->set_step(h);
       if (!report.ok()) {
@@ -215,7 +286,7 @@ int Simulation::constraints() const { return impl_->system.equations(); }
 
 std::string Simulation::explain(const StepReport& report) const {
   const Impl& s = *impl_;
-  return mimbre::explain(s.compiled, s.natural.get(), report, s.state.time + step_size());
+  return mimbre::explain(s.compiled, s.natural.get(), report, s.state.time + s.length);
 }
 
 double Simulation::initialisation_seconds() const { return impl_->initialisation; }
@@ -223,18 +294,16 @@ double Simulation::initialisation_seconds() const { return impl_->initialisation
 Simulation::Snapshot Simulation::save() const {
   const State& s = impl_->state;
   const std::span<const double> marks = impl_->system.tangent_marks();
-  return {s.time,
-          s.q,
-          s.v,
-          s.a,
-          s.algorithmic,
-          s.multipliers,
-          s.started,
-          Eigen::Map<const Eigen::VectorXd>(marks.data(), static_cast<Eigen::Index>(marks.size()))};
+  return {
+      s.time,        s.q,
+      s.v,           s.a,
+      s.algorithmic, s.multipliers,
+      s.started,     Eigen::Map<const Eigen::VectorXd>(marks.data(), static_cast<Eigen::Index>(marks.size())),
+      s.energy_error};
 }
 
 void Simulation::restore(const Snapshot& c) {
-  impl_->state = {c.time, c.q, c.v, c.a, c.algorithmic, c.multipliers, c.started};
+  impl_->state = {c.time, c.q, c.v, c.a, c.algorithmic, c.multipliers, c.energy_error, c.started};
   std::copy(c.marks.begin(), c.marks.end(), impl_->system.tangent_marks().begin());
   impl_->system.begin_step(c.q.data());
   impl_->observe();
@@ -250,14 +319,20 @@ int Simulation::output_count() const { return impl_->channels.output_count(); }
 void Simulation::sample(ResultsRow& row) {
   Impl& s = *impl_;
   s.observe();
-  if (s.channels.needs_residual()) {
-    if (s.natural) find_multipliers(s.observer, s.seen);
-    const State& v = s.view();
-    s.observer.residual(v.time, v.q.data(), v.v.data(), v.a.data(), v.multipliers.data(), 0,
-                        s.scratch.data());
+  const State* shown = &s.view();
+  if (s.natural) {
+    s.reactions.find(s.observer, s.seen);
+  } else {
+    s.observer.residual(shown->time, shown->q.data(), shown->v.data(), shown->a.data(),
+                        shown->multipliers.data(), 0, s.scratch.data());
+    if (s.reactions.reduces()) {
+      s.seen = s.state;  // the integrator goes on with its own multipliers
+      s.reactions.reduce(s.observer, s.seen);
+      shown = &s.seen;
+    }
   }
   s.channels.sample(
-      s.observer, s.view(), s.meter.balance(),
+      s.observer, *shown, s.meter.balance(),
       {static_cast<double>(s.last.iterations), s.last.position_violation, s.last.velocity_violation}, row);
 }
 
@@ -277,30 +352,37 @@ ResultsHeader Simulation::header(const std::string& options_json) const {
 const EnergyBalance& Simulation::energy() const { return impl_->meter.balance(); }
 
 std::vector<std::string> Simulation::warnings() const {
-  std::vector<std::string> all = impl_->validity.warnings();
+  std::vector<std::string> all = impl_->start_warnings;
+  for (const std::string& text : impl_->validity.warnings()) all.push_back(text);
   // At rest there is nothing at play but round-off.
-  if (const std::string text = impl_->monitor.warning(impl_->compiled, 1e-3 * impl_->energy_tolerance);
+  if (const std::string text = impl_->monitor.warning(impl_->compiled, impl_->meter, impl_->resting_energy);
       !text.empty())
     all.push_back(text);
+  if (const double end = std::max(impl_->compiled.spec.simulation.end, time()); end > impl_->drives_until) {
+    impl_->drives = drive_warnings(impl_->compiled, end);
+    impl_->drives_until = end;
+  }
+  all.insert(all.end(), impl_->drives.begin(), impl_->drives.end());
   return all;
 }
 
 std::vector<Validity> Simulation::validity() const { return impl_->validity.worst(); }
 
-int Simulation::degrees_of_freedom() {
+Redundancy Simulation::redundancy() {
   Impl& s = *impl_;
-  const int velocities = s.system.velocities();
-  if (s.system.equations() == 0) return velocities;
+  if (!s.state.started) return s.redundancy;
   // Looking factorises; the next step has to find the tangents it left.
-  const std::span<double> marks = s.system.tangent_marks();
+  const std::span<double> marks = s.observer.tangent_marks();
   const std::vector<double> before(marks.begin(), marks.end());
-  const Eigen::MatrixXd jacobian = dense_jacobian(s.system, s.state.time, s.state.q);
+  Redundancy redundancy = find_redundancy(s.observer, s.view());
   std::copy(before.begin(), before.end(), marks.begin());
-  const ColumnOrder columns = order_columns(jacobian, 1e-9);
   s.observe();
-  // Where all equations are redundant the largest pivot is round-off, too.
-  const bool determined = columns.largest > 1e-12 * s.compiled.length_scale;
-  return velocities - (determined ? columns.rank : 0);
+  return redundancy;
+}
+
+int Simulation::degrees_of_freedom() {
+  const Compiled& m = impl_->compiled;
+  return m.velocities - (m.equations - redundancy().equations);
 }
 
 const Model& Simulation::model() const { return *impl_->model; }

@@ -32,8 +32,20 @@ bool is_piece(const Compiled& m, int body) {
   return false;
 }
 
+/// Whether more than one joint holds the body, so that its deflections move other bodies, or are held by
+/// them.
+bool passes_motion_on(const Compiled& m, int body) {
+  int joints = 0;
+  for (const spec::Joint& joint : m.spec.joints)
+    for (const int frame : {joint.frame_a, joint.frame_b})
+      if (m.frames[m.frame_of_spec[frame]].body == body) ++joints;
+  return joints > 1;
+}
+
 void keep(Validity::Peak& peak, double value, double time) {
-  if (value > peak.value) peak = {value, time};
+  if (!(value > peak.value)) return;
+  peak.value = value;
+  peak.time = time;
 }
 
 void keep(Validity::Peak& peak, double value, double time, double limit, double& passed) {
@@ -52,7 +64,11 @@ BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
   first_amplitude_ = b.q + b.joint_positions;
   second_order_ = body.second_order.has_value();
   piece_ = is_piece(m, index);
-  if (second_order_) deflection_limit_ = validity_limit::deflection_of_second_order;
+  const bool link = !piece_ && passes_motion_on(m, index);
+  deflection_limit_ = second_order_
+                          ? (link ? validity_limit::deflection_of_second_order_link
+                                  : validity_limit::deflection_of_second_order)
+                          : (link ? validity_limit::deflection_of_link : validity_limit::deflection);
   functionals_.resize(0, modes_);
   add_points(body);
   add_energies(body);
@@ -62,6 +78,10 @@ BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
     if (body.geometric) leave_out_known_loads(*body.geometric);
   }
   values_.setZero(functionals_.rows());
+  worst_.deflection.watched = points_.last > points_.first;
+  worst_.high_modes.watched = high_energy_.last > high_energy_.first;
+  worst_.foreshortening.watched = shortening_.last > shortening_.first;
+  worst_.compression.watched = worst_.tension.watched = load_coefficients_.size() > 0;
 }
 
 BodyValidity::Range BodyValidity::add_rows(const MatrixXd& rows) {
@@ -77,15 +97,7 @@ void BodyValidity::add_points(const ReducedBody& body) {
   const Points points = points_of(body);
   length_ = extent(points.places);
   if (!(length_ > 0)) return;
-  // Where each mode is largest: a handful of points.
-  std::vector<Eigen::Index> chosen;
-  for (int mode = 0; mode < modes_; ++mode) {
-    Eigen::Index at = 0;
-    const auto column = points.shapes.col(mode).reshaped(3, points.places.cols());
-    if (column.colwise().squaredNorm().maxCoeff(&at) > 0) chosen.push_back(at);
-  }
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  const std::vector<Eigen::Index> chosen = telling_points(points, body.stiffness);
   MatrixXd rows(3 * chosen.size(), modes_);
   for (std::size_t k = 0; k < chosen.size(); ++k)
     rows.middleRows<3>(static_cast<Eigen::Index>(3 * k)) =
@@ -170,9 +182,10 @@ double BodyValidity::squares(Range range) const {
 }
 
 void BodyValidity::start() {
-  Validity fresh;
-  std::swap(fresh.body, worst_.body);
-  std::swap(worst_, fresh);
+  for (Validity::Peak* peak :
+       {&worst_.deflection, &worst_.foreshortening, &worst_.compression, &worst_.tension, &worst_.high_modes})
+    peak->value = peak->time = 0;
+  worst_.axial = 0;
   passed_ = {};
   most_energy_ = most_high_energy_ = 0;
 }

@@ -31,6 +31,72 @@ Eigen::Index farthest(const Eigen::Matrix3Xd& places, Eigen::Index from) {
 
 }  // namespace
 
+namespace {
+
+/// Points of a body whose displacements are watched in every step, at least.
+constexpr Eigen::Index most_points = 24;
+
+/// Each next one moves most for its elastic energy where the ones before it are held, until that leaves less
+/// than a twentieth of the largest motion.
+std::vector<Eigen::Index> points_that_move_most(const Points& points, const MatrixXd& stiffness) {
+  // Amplitudes of unit elastic energy; those without any are left out.
+  const EigenPairs pairs = symmetric_eigen(stiffness);
+  Eigen::Index free = 0;
+  while (free < pairs.values.size() && !(pairs.values[free] > 1e-12 * pairs.values[pairs.values.size() - 1]))
+    ++free;
+  const Eigen::Index count = pairs.values.size() - free;
+  MatrixXd left = points.shapes * pairs.vectors.rightCols(count) *
+                  pairs.values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
+  std::vector<Eigen::Index> chosen;
+  double largest = 0;
+  for (Eigen::Index round = 0; round < stiffness.rows(); ++round) {
+    Eigen::Index at = 0;
+    double most = 0;
+    for (Eigen::Index k = 0; k < points.places.cols(); ++k)
+      if (const double moves = left.middleRows<3>(3 * k).squaredNorm(); moves > most) {
+        most = moves;
+        at = k;
+      }
+    largest = std::max(largest, most);
+    if (!(most > 0.0025 * largest)) break;
+    chosen.push_back(at);
+    // Hold it: leave what is at right angles to its rows.
+    const MatrixXd rows = left.middleRows<3>(3 * at);
+    const EigenPairs held = symmetric_eigen(MatrixXd(rows * rows.transpose()));
+    for (int k = 0; k < 3; ++k) {
+      if (!(held.values[k] > 1e-12 * held.values[2])) continue;
+      const VectorXd direction = rows.transpose() * held.vectors.col(k) / std::sqrt(held.values[k]);
+      left -= (left * direction).eval() * direction.transpose();
+    }
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<Eigen::Index> telling_points(const Points& points, const MatrixXd& stiffness) {
+  const Eigen::Index count = points.places.cols(),
+                     most = std::max<Eigen::Index>(most_points, 2 * stiffness.rows());
+  std::vector<Eigen::Index> chosen;
+  if (count <= most) {
+    for (Eigen::Index k = 0; k < count; ++k)
+      if (!points.shapes.middleRows<3>(3 * k).isZero(0)) chosen.push_back(k);
+    return chosen;
+  }
+  chosen = points_that_move_most(points, stiffness);
+  // Between those, evenly: the farthest from all so far.
+  VectorXd distance = VectorXd::Constant(count, std::numeric_limits<double>::infinity());
+  std::size_t done = 0;
+  while (true) {
+    for (; done < chosen.size(); ++done)
+      distance = distance.cwiseMin(
+          (points.places.colwise() - points.places.col(chosen[done])).colwise().squaredNorm().transpose());
+    Eigen::Index at = 0;
+    if (static_cast<Eigen::Index>(chosen.size()) >= most || !(distance.maxCoeff(&at) > 0)) return chosen;
+    chosen.push_back(at);
+  }
+}
+
 double extent(const Eigen::Matrix3Xd& places) {
   if (places.cols() == 0) return 0;
   const Eigen::Index one = farthest(places, 0), other = farthest(places, one);

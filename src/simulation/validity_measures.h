@@ -19,6 +19,12 @@ struct Points {
 
 Points points_of(const ReducedBody& body);
 
+/// The points whose displacements are watched: all where there are few. Otherwise those that tell most (each
+/// next one moves most for its elastic energy where the ones before it are held, so that a joint that holds
+/// the body's end does not hide how its middle bends), and more between them: what is largest elsewhere is a
+/// few per cent larger at most.
+std::vector<Eigen::Index> telling_points(const Points& points, const MatrixXd& stiffness);
+
 /// Distance between two points that are far apart: the largest one for anything slender.
 double extent(const Eigen::Matrix3Xd& places);
 

@@ -186,6 +186,69 @@ TEST(VerifySeries, TheWorstAtTheFinestStepComesFirst) {
   EXPECT_NEAR(*a.ratio, std::hypot(0.01, 0.004) / std::hypot(0.001, 0.002), 0.05);
 }
 
+/// Both formulations alike, and their own change from the step to its half and to its quarter, over all
+/// instants.
+Agreement alike(double change, double next) {
+  const auto of = [](double apart) {
+    return differences(series({{"x", "m", [](double t) { return std::sin(t); }}}),
+                       series({{"x", "m", [=](double t) { return std::sin(t) + apart * std::sin(3 * t); }}}));
+  };
+  Comparison c;
+  c.whole = c.half = c.quarter = of(0);
+  c.step = {of(change), of(change)};
+  c.half_step = {of(next), of(next)};
+  return agreement(c);
+}
+
+TEST(VerifySeries, WhatAShorterStepChangesIsNotAgreedUpon) {
+  EXPECT_TRUE(alike(0.01, 0.01).agree);
+  EXPECT_TRUE(alike(0.2, 0.05).agree);
+  EXPECT_FALSE(alike(0.2, 0.19).agree);
+  // Another branch, on which only the longest step is.
+  EXPECT_FALSE(alike(1.5, 0.001).agree);
+  EXPECT_FALSE(alike(0.4, 0.001).agree);
+  EXPECT_THAT(verdict(alike(0.2, 0.19)), HasSubstr("half of it changes 'x'"));
+}
+
+TEST(VerifySeries, WhatIsConstantIsMeasuredByItsValueWhereZeroMeansSomething) {
+  const auto constant = [](double error) {
+    return series({{"energy.kinetic", "J", [=](double t) { return 7 + error * t; }},
+                   {"force", "N", [=](double) { return 500.0; }},
+                   {"idle", "N", [=](double t) { return error * std::sin(t); }},
+                   {"height", "m", [=](double t) { return 7 + error * t; }}});
+  };
+  const auto d = differences(constant(0), constant(4e-5));
+  EXPECT_LT(d[0].relative_difference, 1e-2);
+  EXPECT_LT(d[2].relative_difference, 1e-3);
+  EXPECT_NEAR(d[3].relative_difference, 1, 1e-9);
+  // A force that is off by a tenth of itself is off.
+  EXPECT_GT(differences(constant(0), constant(10))[2].relative_difference, 0.5);
+}
+
+TEST(VerifySeries, AtRestWhatTheIterationsLeaveIsNoDisagreement) {
+  const auto rest = [](double noise) {
+    Series s = series({{"v", "m/s", [=](double t) { return noise * std::sin(9 * t); }}});
+    s.step = 0.01;
+    return s;
+  };
+  EXPECT_TRUE(agreement(differences(rest(1e-8), rest(-1e-8)), {}).agree);
+  EXPECT_FALSE(agreement(differences(rest(1e-5), rest(-1e-5)), {}).agree);
+}
+
+TEST(VerifySeries, EachThatDisagreesIsNamed) {
+  const auto of = [](double x, double y) {
+    const auto zero = [](double t) { return std::sin(t); };
+    return differences(series({{"x", "m", zero}, {"y", "m", zero}, {"z", "m", zero}}),
+                       series({{"x", "m", [=](double t) { return std::sin(t) + x; }},
+                               {"y", "m", [=](double t) { return std::sin(t) + y; }},
+                               {"z", "m", zero}}));
+  };
+  const Agreement a = agreement(of(0.5, 0.3), of(0.5, 0.3));
+  EXPECT_THAT(verdict(a), HasSubstr("2 channels do not agree: 'x', 'y'."));
+  EXPECT_FALSE(a.channels[1].agrees());
+  EXPECT_TRUE(a.channels[2].agrees());
+}
+
 TEST(VerifySeries, NoChannelIsNoDisagreement) {
   const Agreement none = agreement({}, {});
   EXPECT_TRUE(none.agree);

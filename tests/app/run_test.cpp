@@ -110,6 +110,78 @@ TEST_F(RunCommand, StepAndEndOfTheCommandLineCount) {
   EXPECT_EQ(run({"run", "pendulum.yaml", "--until", "0", "--json"}).json().at("steps"), 0);
 }
 
+TEST_F(RunCommand, EndsAtItsEndWithTheRowOfItsSummary) {
+  const std::vector<std::pair<const char*, const char*>> runs{
+      {"0.3", "1"}, {"0.005", "0.025"}, {"0.004", "0.05"}, {"0.007", "0.02"}};
+  for (const auto& [step, until] : runs) {
+    const Outcome outcome = run({"run", "pendulum.yaml", "--step", step, "--until", until, "--csv", "out.csv",
+                                 "--output", "out.h5", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const double end = std::stod(until);
+    const auto rows = csv_rows(folder / "out.csv");
+    const Results results = read_results(folder / "out.h5");
+    EXPECT_EQ(outcome.json().at("time").number(), end);
+    EXPECT_EQ(rows.back()[0], end);
+    EXPECT_EQ(results.time[results.time.size() - 1], end);
+    EXPECT_EQ(static_cast<std::size_t>(results.time.size()), rows.size());
+    EXPECT_EQ(rows.back()[1], outcome.json().at("outputs").at("angle").number());
+  }
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--step", "0.004", "--until", "0.05", "--csv", "out.csv"}).code, 0);
+  const auto rows = csv_rows(folder / "out.csv");
+  const std::vector<double> times{0, 0.012, 0.02, 0.032, 0.04, 0.05};
+  ASSERT_EQ(rows.size(), times.size());
+  for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(rows[k][0], times[k], 1e-12);
+}
+
+TEST_F(RunCommand, AStepLongerThanTheRunIsRefused) {
+  for (const char* command : {"run", "verify", "bench"}) {
+    const Outcome outcome = run({command, "pendulum.yaml", "--step", "10", "--until", "1"});
+    EXPECT_EQ(outcome.code, 2) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("the step of 10 s is longer than the run"));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+/// A wall hit at 5 m/s: the steps of the impact are made again in parts, and counted.
+TEST_F(RunCommand, RepeatedStepsAreCounted) {
+  write_file(folder / "impact.yaml", R"(mimbre: 1
+gravity: [0, 0, 0]
+bodies:
+  ball: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+joints:
+  slide:
+    type: prismatic
+    between: [ground, ball]
+    at: [0, 0, 0]
+    axis: [1, 0, 0]
+    velocity: 5
+    spring: {elastic: {pieces: [{until: 1, polynomial: [0]}, {polynomial: [-1e6, 1e6]}]}}
+outputs:
+  - {name: x, joint: slide}
+simulation: {step: 0.01, end: 0.4}
+)");
+  const Outcome outcome = run({"run", "impact.yaml", "--output", "out.h5", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_GE(outcome.json().at("repeated_steps"), 1);
+  EXPECT_LE(outcome.json().at("repeated_steps"), 4);
+  EXPECT_THAT(read_results(folder / "out.h5").summary_json, HasSubstr("\"repeated_steps\""));
+  EXPECT_THAT(run({"run", "impact.yaml"}).err, HasSubstr("steps repeated in parts"));
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--json"}).json().at("repeated_steps"), 0);
+}
+
+/// A warning is an exit code with --strict, and only then.
+TEST_F(RunCommand, StrictlyAWarningIsAnExitCode) {
+  std::string model = pendulum;
+  model.erase(model.find("outputs:"), model.find("simulation:") - model.find("outputs:"));
+  write_file(folder / "silent.yaml", model);  // warned of: it has no outputs
+  for (const char* command : {"run", "check", "verify", "static"}) {
+    EXPECT_EQ(run({command, "silent.yaml"}).code, 0) << command;
+    EXPECT_EQ(run({command, "silent.yaml", "--strict"}).code, 4) << command;
+    EXPECT_EQ(run({command, "pendulum.yaml", "--strict"}).code, 0) << command;
+    EXPECT_EQ(run({command, "missing.yaml", "--strict"}).code, 1) << command;
+  }
+}
+
 TEST_F(RunCommand, SetReplacesAParameter) {
   const auto json =
       run({"run", "pendulum.yaml", "--set", "length=3", "--set", "interval=0.1", "--json"}).json();

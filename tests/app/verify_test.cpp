@@ -118,6 +118,77 @@ TEST_F(Verify, TheFormulationsAgreeToTheSquareOfTheStep) {
     }
 }
 
+TEST_F(Verify, SaysOfEachChannelWhetherItAgrees) {
+  const auto json = run({"verify", "pendulum.yaml", "--json"}).json();
+  for (const auto& channel : json.at("channels")) {
+    EXPECT_EQ(channel.at("agrees"), true) << channel;
+    EXPECT_LE(channel.at("difference"), 0.01) << channel;
+    EXPECT_TRUE(channel.contains("ratio"));
+    EXPECT_LT(channel.at("step_error").at("relative"), 0.01) << channel;
+  }
+  EXPECT_EQ(json.at("repeated_steps").at("natural"), 0);
+  EXPECT_EQ(json.at("without_repeats"), false);
+}
+
+TEST_F(Verify, NothingAgreesWhereNothingRan) {
+  const Outcome outcome = run({"verify", "pendulum.yaml", "--until", "0", "--json"});
+  EXPECT_EQ(outcome.json().at("agree"), false);
+  EXPECT_THAT(outcome.err, HasSubstr("nothing that could agree"));
+  EXPECT_EQ(run({"verify", "pendulum.yaml", "--until", "0", "--strict"}).code, 4);
+}
+
+/// Energy and momentum stay, so that their ranges are nothing but errors.
+TEST_F(Verify, WhatIsConstantIsMeasuredByItsSize) {
+  write_file(folder / "free.yaml", R"(mimbre: 1
+gravity: [0, 0, 0]
+bodies:
+  b: {mass: 5, com: [0, 0, 0], inertia: [1, 2, 3]}
+joints:
+  fly: {type: floating, between: [ground, b], at: [0, 0, 0], velocity: [1, 0.3, -0.2, 1, 0.5, 2]}
+outputs:
+  - {name: vx, velocity: b, component: x}
+simulation: {step: 0.01, end: 10, output_interval: 0.1}
+)");
+  const Outcome outcome = run({"verify", "free.yaml", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.json().at("agree"), true) << outcome.out;
+}
+
+/// N four-bars in a row pass positions in which the couplers may fold: at this step they do, in one run.
+TEST_F(Verify, AWrongBranchIsNoAgreement) {
+  std::string model = "mimbre: 1\ngravity: [0, -9.81, 0]\nbodies:\n";
+  const int loops = 4;
+  for (int k = 0; k <= loops; ++k) {
+    const std::string n = std::to_string(k);
+    model += "  u" + n + ": {mass: 1, com: [" + n + ", 0.5, 0], inertia: [1/12, 1e-4, 1/12]}\n";
+    if (k < loops)
+      model += "  c" + n + ": {mass: 1, com: [" + n + ".5, 1, 0], inertia: [1e-4, 1/12, 1/12]}\n";
+  }
+  model += "joints:\n";
+  for (int k = 0; k <= loops; ++k) {
+    const std::string n = std::to_string(k), next = std::to_string(k + 1);
+    model += "  A" + n + ": {type: revolute, between: [ground, u" + n + "], at: [" + n +
+             ", 0, 0], axis: [0, 0, 1]" + (k == 0 ? ", velocity: -1" : "") + "}\n";
+    if (k == loops) continue;
+    model += "  B" + n + ": {type: revolute, between: [u" + n + ", c" + n + "], at: [" + n +
+             ", 1, 0], axis: [0, 0, 1]}\n";
+    model += "  C" + n + ": {type: revolute, between: [c" + n + ", u" + next + "], at: [" + next +
+             ", 1, 0], axis: [0, 0, 1]}\n";
+  }
+  model += "outputs:\n  - {name: angle, joint: A0}\nsimulation: {step: 0.001, end: 10}\n";
+  write_file(folder / "loops.yaml", model);
+  for (const double step : {0.001, 0.00625}) {
+    const auto json = run({"verify", "loops.yaml", "--step", std::to_string(step), "--json"}).json();
+    // Whoever agrees moves as one loop does: the angle after 10 s of a run that is known to be right.
+    const auto one = run({"run", "loops.yaml", "--step", "0.001", "--json"}).json();
+    const auto seen = run({"run", "loops.yaml", "--step", std::to_string(step), "--json"});
+    const bool right = seen.code == 0 && std::abs(seen.json().at("outputs").at("angle").number() -
+                                                  one.at("outputs").at("angle").number()) < 0.1;
+    EXPECT_TRUE(right || json.at("agree") == false) << step;
+    EXPECT_TRUE(step > 0.001 || json.at("agree") == true);
+  }
+}
+
 /// Loops, a flexible body, springs, a drive.
 TEST_F(Verify, TheExamplesAgree) {
   const fs::path examples = fs::path(MIMBRE_SOURCE_DIR) / "examples";

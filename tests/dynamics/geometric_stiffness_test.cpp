@@ -4,10 +4,13 @@
 #include <complex>
 #include <numbers>
 
+#include "dynamics/geometric.h"
 #include "dynamics/natural/system.h"
+#include "fe/meshes.h"
 #include "integrate/initial.h"
 #include "math/decompositions.h"
 #include "mimbre/simulation.h"
+#include "model/flexible_data.h"
 #include "support/dense.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
@@ -263,6 +266,83 @@ TEST(GeometricStiffnessInMotion, FormulationsAgreeOnRandomMechanisms) {
               1e-8 * std::max(1.0, exact_natural.cwiseAbs().maxCoeff()))
         << seed;
   }
+}
+
+/// Forces at the boundary have an energy: they are its gradient, and the tangent is theirs.
+TEST(GeometricStiffnessInMotion, ForcesAtTheBoundaryHaveAnEnergy) {
+  fe::Mesh mesh = bent_frame();
+  fe::ReductionOptions options;
+  options.clamped_nodes = {0};
+  for (int k = 0; k < 3; ++k)
+    options.boundary.push_back({2, false, Vec3d::Unit(k), std::string(1, "xyz"[k])});
+  options.dynamic_modes = 4;
+  options.stiffening = fe::Stiffening::geometric_stiffness;
+  const FlexibleData f = flexible_data(fe::reduce(mesh, options, {}));
+  const GeometricData& g = f.geometric;
+  ASSERT_GT(g.boundary_loads.rows(), 1);
+  const int n = f.modes, s = f.stride;
+  AlignedVector<double> scratch((1 + g.loads.size()) * static_cast<std::size_t>(s));
+  const auto forces = [&](const VectorXd& y) {
+    VectorXd out = VectorXd::Zero(s);
+    geometric::add_boundary_forces(g, y.data(), scratch.data(), out.data());
+    return out;
+  };
+  Random random(5);
+  VectorXd y = VectorXd::Zero(s);
+  y.head(n) = random.values(n, 0.02).cwiseQuotient(f.stiffness.diagonal().head(n).cwiseSqrt() / 1000);
+  const VectorXd force = forces(y);
+  AlignedVector<double> tangent(static_cast<std::size_t>(n) * s);
+  geometric::stiffness<double>(g, {Vec3d::Zero(), Vec3d::Zero(), Vec3d::Zero()}, y.data(), tangent.data(),
+                               scratch.data());
+  for (int k = 0; k < n; ++k) {
+    const double step = 1e-4 * y.norm();
+    VectorXd up = y, down = y;
+    up[k] += step;
+    down[k] -= step;
+    const double slope = (geometric::boundary_energy(g, up.data(), scratch.data()) -
+                          geometric::boundary_energy(g, down.data(), scratch.data())) /
+                         (2 * step);
+    EXPECT_NEAR(slope, force[k], 1e-6 * force.norm()) << k;
+    const VectorXd column = (forces(up) - forces(down)) / (2 * step);
+    for (int r = 0; r < n; ++r) {
+      EXPECT_NEAR(tangent[static_cast<std::size_t>(r * s + k)], column[r], 1e-5 * column.norm()) << r << k;
+      EXPECT_NEAR(tangent[static_cast<std::size_t>(r * s + k)], tangent[static_cast<std::size_t>(k * s + r)],
+                  1e-9 * column.norm())
+          << "symmetric";
+    }
+  }
+}
+
+/// A rod in a fast slider-crank, which its static mode along it stiffens: vibrations along the rod must not
+/// feed its bending, however little the step damps them; and the shortening of the bent rod moves the slider.
+TEST(GeometricStiffnessInMotion, AFastSliderCrankStaysBoundedAsTheStepShrinks) {
+  const auto run = [](const char* method, double step, auto formulation) {
+    RunOptions options;
+    options.step = step;
+    options.formulation = formulation;
+    Simulation simulation(
+        Model::compile(
+            load_model(MIMBRE_SOURCE_DIR "/tests/data/hard/fast-slider-crank.yaml", {{"method", method}})),
+        options);
+    double bent = 0;
+    ResultsRow row;
+    while (simulation.time() < 0.08 - 1e-9) {
+      const StepReport report = simulation.step();
+      if (!report.ok()) {
+        ADD_FAILURE() << method << ' ' << step << ": " << simulation.explain(report);
+        break;
+      }
+      simulation.sample(row);
+      bent = std::max(bent, std::abs(row.channels[0]));
+    }
+    EXPECT_LT(std::abs(simulation.energy().numerical), 0.5) << method << ' ' << step;
+    return bent;
+  };
+  using Formulation = spec::Simulation::Formulation;
+  const double reference = run("foreshortening", 5e-5, Formulation::relative);
+  for (const double step : {1e-4, 2.5e-5, 1.25e-5})
+    EXPECT_NEAR(run("geometric_stiffness", step, Formulation::relative), reference, 0.02 * reference) << step;
+  EXPECT_NEAR(run("geometric_stiffness", 2.5e-5, Formulation::natural), reference, 0.02 * reference);
 }
 
 /// A soft beam that sags from a hub which spins up: what stress does is accounted for to the second order

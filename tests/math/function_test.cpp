@@ -416,5 +416,40 @@ TEST(Function3, MayHaveFewerVariables) {
   EXPECT_DOUBLE_EQ(f.value(3, 100, 100), 9);
 }
 
+/// The branch that is not taken counts for nothing: neither its value nor what it does beside x.
+TEST(FunctionExpression, OnlyTheBranchTakenCounts) {
+  const Function zero_ramp = Function::expression("t < 0 ? t^2/0 : 0.6*t", "t");
+  EXPECT_EQ(zero_ramp.value(0), 0);
+  EXPECT_NEAR(zero_ramp.derivative(0), 0.6, 1e-12);
+  EXPECT_NEAR(zero_ramp.second_derivative(0), 0, 1e-9);
+  EXPECT_NEAR(zero_ramp.antiderivative(2), 1.2, 1e-12);
+  // At a switch: the side that is taken there.
+  const Function kink =
+      Function::expression("2 + (x < 1 ? 3*x : x^2 > 4 ? 7 : 5*x)*max(1, x<0 ? 2 : 1)", "x");
+  EXPECT_NEAR(kink.derivative(1), 5, 1e-9);
+  EXPECT_NEAR(kink.derivative(1 - 1e-12), 3, 1e-9);
+  EXPECT_NEAR(kink.derivative(2), 5, 1e-9);
+  EXPECT_NEAR(kink.derivative(3), 0, 1e-9);
+  EXPECT_NEAR(kink.derivative(-1), 6, 1e-9);
+  // A choice within a condition, and a condition of several parts.
+  const Function nested = Function::expression("((x > 0 ? 1 : 0) && x < 2 ? x^3 : -x)", "x");
+  EXPECT_NEAR(nested.derivative(2 - 1e-9), 12, 1e-6);
+  EXPECT_NEAR(nested.derivative(2), -1, 1e-9);
+  // A branch that ends where it is taken: from inside.
+  EXPECT_TRUE(std::isfinite(Function::expression("x < 1 ? sqrt(1-x) : 0", "x").derivative(1 - 1e-6)));
+  // In several variables.
+  const Function3 f = Function3::expression("l > 1 ? 0/0*v : 4*l + (v < 0 ? 1/0 : 3*v)", {"l", "v", "t"});
+  EXPECT_NEAR(f.derivatives(1, 0, 0).first, 4, 1e-9);
+  EXPECT_NEAR(f.derivatives(1, 0, 0).second, 3, 1e-9);
+}
+
+TEST(FunctionExpression, ManyChoicesGoTheirWay) {
+  std::string text;
+  for (int k = 0; k < 90; ++k) text += "(x<" + std::to_string(k) + "?0:1)+";
+  const Function steps = Function::expression(text + "x", "x");
+  EXPECT_EQ(steps.value(49.5), 50 + 49.5);
+  EXPECT_NEAR(steps.derivative(49.5), 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace mimbre

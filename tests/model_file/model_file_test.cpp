@@ -553,5 +553,57 @@ TEST(Examples, PendulumAndSliderCrank) {
   expect_assembled(crank);
 }
 
+/// A length is `l` or `x`, a rate `v` or `x`, in every law; `?:` chooses in all of them.
+TEST(ModelFileLaws, OneTableOfVariables) {
+  const spec::Model model = parse(R"(parameters:
+  stiff: {value: yes_, choices: [yes_, no_]}
+bodies:
+  arm: {mass: 1, com: [0.5, 0, 0], inertia: [1, 1, 1]}
+joints:
+  hinge:
+    type: revolute
+    between: [ground, arm]
+    at: [0, 0, 0]
+    axis: [0, 1, 0]
+    spring: {elastic: "l > 1 ? 2*l : 3*x", damping: "v > 0 ? 4*v : 5*x"}
+springs:
+  split: {between: [ground, arm], at: [[1, 0, 1], [1, 0, 0]], elastic: "6*l", damping: "7*v"}
+  force: {between: [ground, arm], at: [[1, 0, 2], [1, 0, 0]], force: "l > 1 ? 10*x + v : t > 2 ? 1 : 0/0"}
+  word: {between: [ground, arm], at: [[1, 0, 2], [1, 0, 0]], force: "stiff == no_ ? 8*l : 9*l"}
+loads:
+  push: {on: arm, force: [1, 0, 0], scale: "t < 1 ? 0 : 2"}
+)");
+  const spec::JointSpring& hinge = by_name(model.joints, "hinge").springs.at(0);
+  EXPECT_EQ(hinge.elastic.value(2), 4);
+  EXPECT_EQ(hinge.elastic.value(1), 3);
+  EXPECT_EQ(hinge.damping.value(2), 8);
+  EXPECT_EQ(hinge.damping.value(-1), -5);
+  EXPECT_EQ(by_name(model.springs, "split").elastic.value(2), 12);
+  EXPECT_EQ(by_name(model.springs, "split").damping.value(2), 14);
+  const Function3& force = by_name(model.springs, "force").general;
+  EXPECT_EQ(force.value(2, 3, 0), 23);
+  EXPECT_EQ(force.value(0.5, 3, 3), 1);
+  EXPECT_NEAR(force.derivatives(2, 3, 0).first, 10, 1e-9);
+  EXPECT_EQ(by_name(model.springs, "word").general.value(2, 0, 0), 18);
+  EXPECT_EQ(by_name(model.loads, "push").scale.value(1), 2);
+}
+
+/// The start of a drive may lie where a branch that is not taken has no value.
+TEST(ModelFileLaws, ABranchThatIsNotTakenMayBeNoNumber) {
+  const spec::Model model = parse(R"(parameters: {ramp: 0, slope: "ramp > 0 ? 1/ramp : 0.6"}
+bodies: {arm: {mass: 1, com: [0.5, 0, 0], inertia: [1, 1, 1]}}
+joints:
+  A:
+    type: revolute
+    between: [ground, arm]
+    at: [0, 0, 0]
+    axis: [0, 0, 1]
+    drive: {position: "t < ramp ? t^2/ramp : slope*t"}
+)");
+  const Function& drive = by_name(model.joints, "A").drives.at(0).position;
+  EXPECT_NEAR(drive.derivative(0), 0.6, 1e-9);
+  EXPECT_NEAR(drive.second_derivative(0), 0, 1e-7);
+}
+
 }  // namespace
 }  // namespace mimbre

@@ -188,6 +188,31 @@ TEST(ReduceModel, CertificateSuspectsMillimetresAndTonnes) {
     }
 }
 
+/// A mesh in millimetres with a material in SI has a sound density, but is as heavy as no part.
+TEST(ReduceModel, CertificateSuspectsMillimetresAlone) {
+  const fe::SolidMesh mesh = block(fe::ElementType::hex8, {80, 20, 20}, {4, 1, 1}, {2.1e11, 0.3, 7850});
+  for (const Check& c : fe::check_matrices(mesh, fe::assemble(mesh)))
+    if (c.name == "units") {
+      EXPECT_FALSE(c.passed);
+      EXPECT_THAT(c.detail, testing::AllOf(testing::HasSubstr("--units mm"), testing::HasSubstr("0.08 m")));
+    }
+}
+
+TEST(ReduceModel, CertificateSuspectsOddMaterials) {
+  const auto said = [](const fe::Material& material) -> std::string {
+    const fe::SolidMesh mesh = block(fe::ElementType::hex8, {1, 0.1, 0.1}, {4, 1, 1}, material);
+    for (const Check& c : fe::check_matrices(mesh, fe::assemble(mesh)))
+      if (c.name == "materials") return c.passed ? std::string() : c.detail;
+    return "nothing";
+  };
+  EXPECT_EQ(said({2.1e11, 0.3, 7850}), "");
+  EXPECT_EQ(said({5e6, 0.49, 1100}), "");  // rubber
+  EXPECT_THAT(said({70000, 0.33, 2.7}),
+              testing::AllOf(testing::HasSubstr("MPa"), testing::HasSubstr("g/cm³")));
+  EXPECT_THAT(said({210, 0.3, 7850}), testing::HasSubstr("GPa"));
+  EXPECT_THAT(said({2.1e11, 0.3, 7.85e-9}), testing::HasSubstr("t/mm³"));
+}
+
 TEST(ReduceModel, SaysWhatIsWrong) {
   const fe::SolidMesh mesh = bar(fe::ElementType::hex8, {4, 2, 1});
   const fe::FeMatrices m = fe::assemble(mesh);

@@ -233,6 +233,21 @@ TEST_F(ReducedBodyFile, GivesTheSurfaceAndItsStressBack) {
   EXPECT_THAT(saving(body), HasSubstr("stress"));
 }
 
+/// What the rest of the file contradicts, or what no elastic body has.
+TEST_F(ReducedBodyFile, NamesChangedMatrices) {
+  const ReducedBody sound = some_body();
+  ASSERT_GT(sound.eigenfrequencies.size(), 0);
+  ReducedBody body = sound;
+  body.stiffness.setZero();
+  EXPECT_THAT(saving(body), HasSubstr("stiffness must hold every mode"));
+  body = sound;
+  body.stiffness *= 1.1;
+  EXPECT_THAT(saving(body), HasSubstr("eigenfrequency 1"));
+  body = sound;
+  body.damping = -1e-3 * sound.stiffness;
+  EXPECT_THAT(saving(body), HasSubstr("damping"));
+}
+
 TEST_F(ReducedBodyFile, MayHaveNoMeshInertiaOrNoNodalMass) {
   ReducedBody body = some_body();
   body.mesh_inertia->nodal_mass.resize(0, 0);

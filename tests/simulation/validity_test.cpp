@@ -188,6 +188,48 @@ TEST(Validity, FormulationsAgree) {
   EXPECT_NEAR(a.deflection.value, b.deflection.value, 0.02 * a.deflection.value);
 }
 
+/// A strut clamped at one end and guided at the other, bent by a force in its middle: what its free end would
+/// do says nothing. F L³/(192 EI) in the middle.
+TEST(Validity, TheMiddleIsWatchedWhereTheEndIsHeld) {
+  const auto strut =
+      [](double share, const std::string& stiffening) {
+        const double force = share * 192 * bending / (length * length);
+        return Simulation(model_of(R"(
+gravity: [0, 0, 0]
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {round: {type: round, diameter: 0.01}}
+bodies:
+  beam:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {root: [0, 0, 0], mid: [0.5, 0, 0], tip: [1, 0, 0]}
+      bars: {a: {from: root, to: mid, elements: 4}, b: {from: mid, to: tip, elements: 4}}
+      clamped: [root]
+      static_modes: [{node: mid, along: [0, 0, 1]}, {node: tip, all: true}]
+      dynamic_modes: 4
+      stiffening: )" + stiffening + R"(
+joints:
+  root: {type: fixed, between: [ground, beam], at: [0, 0, 0]}
+  guide: {type: cylindrical, between: [ground, beam], at: [1, 0, 0], axis: [1, 0, 0], cut: always}
+loads: {push: {on: beam.mid, force: [0, 0, )" +
+                                   std::to_string(force) + "]}}\ninitial: equilibrium\n"));
+      };
+  const Simulation little = strut(0.01, "linear"), far = strut(0.03, "linear");
+  EXPECT_NEAR(little.validity().at(0).deflection.value, 0.01, 1e-4);
+  EXPECT_THAT(little.warnings(), IsEmpty());
+  EXPECT_NEAR(far.validity().at(0).deflection.value, 0.03, 3e-4);
+  EXPECT_THAT(far.warnings(), ElementsAre(HasSubstr("deflection")));
+
+  // With foreshortening nothing tells of compression; that is no 0 %.
+  const Validity watched = far.validity().at(0), not_watched = strut(0.01, "foreshortening").validity().at(0);
+  EXPECT_TRUE(watched.compression.watched && watched.foreshortening.watched && watched.deflection.watched);
+  EXPECT_FALSE(not_watched.compression.watched || not_watched.tension.watched ||
+               not_watched.foreshortening.watched);
+  EXPECT_TRUE(not_watched.deflection.watched);
+}
+
 TEST(Validity, ARestoredStateStartsAfresh) {
   Simulation s(example("pendulum/flexible.yaml"));
   const Simulation::Snapshot start = s.save();

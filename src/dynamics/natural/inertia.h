@@ -68,8 +68,11 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
     const T *y = w.y.data() + b.amplitudes, *yd = w.yd.data() + b.amplitudes,
             *ydd = w.ydd.data() + b.amplitudes;
     T* elastic = w.modal.data() + b.amplitudes;
-    if (!f.geometric.empty())
-      geometric::add_forces(f.geometric, stress_motion(f.geometric, w.bodies[i], second, ydd), y, elastic);
+    if (!f.geometric.empty()) {
+      geometric::add_inertial_forces(f.geometric, stress_motion(f.geometric, w.bodies[i], second, ydd), y,
+                                     elastic);
+      geometric::add_boundary_forces(f.geometric, y, w.geometric_scratch.data(), elastic);
+    }
     if (!w.projections.empty()) {
       projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
                         elastic);

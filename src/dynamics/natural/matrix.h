@@ -126,7 +126,7 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
   T* geometric_stiffness = w.folded.data();
   geometric::stiffness(f.geometric,
                        stress_motion(f.geometric, w.bodies[index], second, w.ydd.data() + b.amplitudes), y,
-                       geometric_stiffness);
+                       geometric_stiffness, w.geometric_scratch.data());
   for (int i = 0; i < data.modes; ++i)
     for (int j = 0; j <= i; ++j)
       matrix[(n + i) * stride + n + j] += stiffness * geometric_stiffness[i * s + j];

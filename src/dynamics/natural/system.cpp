@@ -12,6 +12,33 @@
 #include "dynamics/natural/matrix.h"
 
 namespace mimbre::natural {
+namespace {
+
+Scales scales_of(const Compiled& m, const Layout& l) {
+  const double length = m.length_scale;
+  Scales s(static_cast<int>(m.bodies.size()));
+  s.coordinates.assign(l.unknowns, length);
+  s.equations.assign(l.equations, 1.0);
+  s.acceleration = m.gravity.norm() / length;
+
+  for (int k = 0; k < l.unknown_variables; ++k)
+    if (!l.variables[k].point) std::fill_n(s.coordinates.begin() + 3 * k, 3, 1.0);
+  for (std::size_t i = 0; i < l.bodies.size(); ++i)
+    std::fill_n(s.coordinates.begin() + l.bodies[i].q, m.bodies[i].modes, amplitude_scale(m, m.bodies[i]));
+  for (const Joint& j : l.joints) {
+    int row = j.first_equation;
+    for (const JointEquation& e : j.equations)
+      for (int k = 0; k < e.count(); ++k, ++row)
+        if (e.kind != JointEquation::Kind::angle) s.equations[row] = length;
+  }
+  for (std::size_t k = 0; k < m.drives.size(); ++k)
+    if (!is_angle(m.bodies[m.drives[k].body].joint, m.drives[k].local))
+      s.equations[l.first_drive + k] = length;
+  return s;
+}
+
+}  // namespace
+
 NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
       layout_(model),
@@ -19,6 +46,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       factor_(*layout_.symbolic),
       penalty_(layout_.equations),
       mu_(layout_.equations),
+      scales_(scales_of(model, layout_)),
       marks_(model) {
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
@@ -166,6 +194,23 @@ void NaturalSystem::jacobian_times(const double* x, double* out) const {
                layout_.first_drive + static_cast<int>(k), 1);
 }
 
+std::vector<JacobianEntry> NaturalSystem::jacobian_entries() const {
+  std::vector<JacobianEntry> entries;
+  const auto add_rows = [&](const Stencil& s, int columns, int offset, int first, int count) {
+    const double* row = work_.jacobian.data() + offset;
+    for (int e = 0; e < count; ++e, row += s.stride)
+      for (int c = 0; c < columns; ++c) entries.push_back({first + e, s.columns[c], row[c]});
+  };
+  for (const Body& b : layout_.bodies)
+    add_rows(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
+  for (const Joint& j : layout_.joints)
+    add_rows(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
+  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
+    add_rows(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
+             layout_.first_drive + static_cast<int>(k), 1);
+  return entries;
+}
+
 void NaturalSystem::temper_prediction(double h, double* x) const {
   for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
     const BodyData& b = model_.bodies[i];
@@ -297,6 +342,37 @@ State NaturalSystem::from_relative(const State& s, const std::vector<Motion<doub
   joint_positions(out.q.data());
   out.algorithmic = out.a;
   return out;
+}
+
+void NaturalSystem::shift(const std::vector<char>& of, RigidShift shift, const Vec3d& common_point,
+                          State& s) const {
+  shift.centre += common_point - layout_.origin;
+  shift.acceleration += model_.gravity;
+  for (int k = 0; k < layout_.unknown_variables; ++k) {
+    if (!of[layout_.variables[k].body]) continue;
+    Vec3d x = s.q.segment<3>(3 * k), v = s.v.segment<3>(3 * k), a = s.a.segment<3>(3 * k);
+    if (layout_.variables[k].point)
+      shift.point(x, v, a);
+    else
+      shift.vector(x, v, a);
+    s.algorithmic.segment<3>(3 * k) += a - s.a.segment<3>(3 * k);
+    s.q.segment<3>(3 * k) = x;
+    s.v.segment<3>(3 * k) = v;
+    s.a.segment<3>(3 * k) = a;
+  }
+  joint_positions(s.q.data());
+}
+
+void NaturalSystem::add_rigid_motion(const std::vector<char>& of, double times, const Vec3d& velocity,
+                                     const Vec3d& spin, const Vec3d& common_point, State& s) const {
+  for (int k = 0; k < layout_.unknown_variables; ++k) {
+    const Variable& variable = layout_.variables[k];
+    if (!of[variable.body]) continue;
+    const Vec3d x = s.q.segment<3>(3 * k);
+    s.v.segment<3>(3 * k) +=
+        times * (variable.point ? Vec3d(velocity + spin.cross(x + layout_.origin - common_point))
+                                : Vec3d(spin.cross(x)));
+  }
 }
 
 int NaturalSystem::body_of(int unknown) const {

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "dynamics/natural/workspace.h"
+#include "dynamics/rigid_shift.h"
 #include "dynamics/state.h"
 #include "dynamics/system.h"
 #include "dynamics/tangent_marks.h"
@@ -22,6 +23,7 @@ class NaturalSystem final : public System {
   int velocities() const override { return layout_.unknowns; }
   int equations() const override { return layout_.equations; }
   const double* penalty() const override { return penalty_.data(); }
+  const Scales& scales() const override { return scales_; }
   void begin_step(const double*) override {}
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
@@ -36,6 +38,7 @@ class NaturalSystem final : public System {
   std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
+  std::vector<JacobianEntry> jacobian_entries() const override;
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
   void compose(double* x, const double* d) const override;
@@ -46,6 +49,16 @@ class NaturalSystem final : public System {
   /// From the bodies' motion in a relative formulation at that state.
   State from_relative(const State& relative, const std::vector<Motion<double>>& bodies,
                       const Vec3d& common_point) const;
+
+  /// Moves the bodies `of` (by body) by a shift about a common point, without gravity in its c̈ as in a
+  /// relative formulation; the accelerations that the integrator remembers change as the true ones do. No
+  /// variable of theirs may be shared with other bodies.
+  void shift(const std::vector<char>& of, RigidShift shift, const Vec3d& common_point, State& s) const;
+
+  /// Adds `times` the velocities of a rigid motion, of the point at a common point and angular, to those of
+  /// the bodies' points and vectors.
+  void add_rigid_motion(const std::vector<char>& of, double times, const Vec3d& velocity, const Vec3d& spin,
+                        const Vec3d& common_point, State& s) const;
 
   /// Tree body of an unknown.
   int body_of(int unknown) const;
@@ -61,6 +74,7 @@ class NaturalSystem final : public System {
   mutable Workspace<double> work_;  // `poses` also in retract
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_;
+  Scales scales_;
   TangentMarks marks_;
 };
 

@@ -2,6 +2,7 @@
 #include <limits>
 #include <vector>
 
+#include "dynamics/geometric.h"
 #include "dynamics/motion.h"
 #include "dynamics/natural/layout.h"
 #include "dynamics/projection.h"
@@ -50,9 +51,10 @@ struct Workspace {
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.
   std::vector<projection::Constants> projections;
   projection::Work projection;
-  AlignedVector<T> folded;     ///< a matrix of extended amplitudes folded, by matrix
-  AlignedVector<T> coupling;   ///< 12 rows of base vectors and amplitudes, by matrix
-  std::vector<Base<T>> poses;  ///< of the bodies, by joint_positions
+  AlignedVector<T> folded;             ///< a matrix of extended amplitudes folded, by matrix
+  AlignedVector<T> geometric_scratch;  ///< of geometric stiffness, by inertia and matrix
+  AlignedVector<T> coupling;           ///< 12 rows of base vectors and amplitudes, by matrix
+  std::vector<Base<T>> poses;          ///< of the bodies, by joint_positions
 };
 
 template <class T>
@@ -89,6 +91,7 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) {
   row_modal.assign(4 * stride, nan);
   coupling.assign(12 * stride, nan);
   folded.assign(static_cast<std::size_t>(stride) * stride, nan);
+  geometric_scratch.assign(geometric::scratch(m), nan);
   poses.assign(m.bodies.size(), nan34);
 }
 

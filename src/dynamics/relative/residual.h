@@ -137,7 +137,8 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
       if (!g.empty()) {
         const T* ydd = y + 2 * m.flexible[b.flexible].stride;
         w.stress[i] = geometric::stress_motion<T>(g, omega, acc, alpha, ydd);
-        geometric::add_forces<T>(g, w.stress[i], y, elastic);
+        geometric::add_inertial_forces<T>(g, w.stress[i], y, elastic);
+        geometric::add_boundary_forces<T>(g, y, y + 4 * m.flexible[b.flexible].stride, elastic);
       }
     }
     // About the common point.

@@ -55,9 +55,33 @@ Workspace<T>::Workspace(const Compiled& m) {
   integrals.assign(integral, nan);
   scratch.assign(24 * widest, nan);
   folded.assign(static_cast<std::size_t>(widest) * widest, nan);
+  geometric_scratch.assign(geometric::scratch(m), nan);
 }
 
 template struct Workspace<double>;
+
+namespace {
+
+Scales scales_of(const Compiled& m) {
+  Scales s(static_cast<int>(m.bodies.size()));
+  s.coordinates.assign(m.velocities, 1.0);
+  s.equations.assign(m.equations, 1.0);
+  s.acceleration = m.gravity.norm() / m.length_scale;
+
+  for (const BodyData& b : m.bodies) {
+    for (int k = 0; k < b.joint_velocities; ++k)
+      if (!is_angle(b.joint, k)) s.coordinates[b.v + k] = m.length_scale;
+    for (int k = 0; k < b.modes; ++k) s.coordinates[b.v + b.joint_velocities + k] = amplitude_scale(m, b);
+  }
+  for (const LoopData& l : m.loops)
+    for (int r = 0; r < l.count; ++r)
+      if (l.closure[r].kind == LoopClosure::Kind::distance)
+        s.equations[l.first_equation + r] = m.length_scale;
+  for (const DriveData& d : m.drives) s.equations[d.equation] = s.coordinates[d.v];
+  return s;
+}
+
+}  // namespace
 
 RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
@@ -66,6 +90,7 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       penalty_(model.equations),
       mu_(model.equations),
       weight_(8),
+      scales_(scales_of(model)),
       marks_(model) {
   for (const LoopData& loop : model.loops)
     for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
@@ -129,7 +154,8 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
     if (!f.geometric.empty()) {
       double* y = work_.scratch.data();
       copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-      geometric::stiffness<double>(f.geometric, work_.stress[i], y, work_.folded.data());
+      geometric::stiffness<double>(f.geometric, work_.stress[i], y, work_.folded.data(),
+                                   work_.geometric_scratch.data());
       for (int c = 0; c < b.modes; ++c)
         for (int r = 0; r < b.modes; ++r)
           out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
@@ -229,6 +255,19 @@ void RelativeSystem::jacobian_times(const double* x, double* out) const {
       out[loop.first_equation + r] = row_times<double>(
           model_, loop.path, work_.jacobian.data() + loop.jacobian + r * loop.path.width, x);
   for (const DriveData& d : model_.drives) out[d.equation] = x[d.v];
+}
+
+std::vector<JacobianEntry> RelativeSystem::jacobian_entries() const {
+  std::vector<JacobianEntry> entries;
+  for (const LoopData& loop : model_.loops)
+    for (int r = 0; r < loop.count; ++r)
+      for (const PathEntry& e : loop.path.entries) {
+        const BodyData& b = model_.bodies[e.body];
+        const double* row = work_.jacobian.data() + loop.jacobian + r * loop.path.width + e.offset;
+        for (int k = 0; k < b.size(); ++k) entries.push_back({loop.first_equation + r, b.v + k, row[k]});
+      }
+  for (const DriveData& d : model_.drives) entries.push_back({d.equation, d.v, 1});
+  return entries;
 }
 
 void RelativeSystem::temper_prediction(double h, double* x) const {

@@ -19,6 +19,7 @@ class RelativeSystem final : public System {
   int velocities() const override { return model_.velocities; }
   int equations() const override { return model_.equations; }
   const double* penalty() const override { return penalty_.data(); }
+  const Scales& scales() const override { return scales_; }
   void begin_step(const double* q) override;
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
@@ -33,6 +34,7 @@ class RelativeSystem final : public System {
   std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
+  std::vector<JacobianEntry> jacobian_entries() const override;
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
   void compose(double* x, const double* d) const override;
@@ -51,6 +53,7 @@ class RelativeSystem final : public System {
   Workspace<double> work_;
   linalg::BlockFactor<double> factor_;
   std::vector<double> penalty_, mu_, weight_;
+  Scales scales_;
   TangentMarks marks_;
 };
 

@@ -53,7 +53,8 @@ struct Workspace {
   std::vector<int> elastic_offset;  ///< by body into elastic_forces
   AlignedVector<T> integrals;       ///< per flexible body: S'^i rows (9 × stride), by residual
   std::vector<int> integral_offset;
-  AlignedVector<T> folded;  ///< a matrix of extended amplitudes folded, by mass and assembly
+  AlignedVector<T> folded;             ///< a matrix of extended amplitudes folded, by mass and assembly
+  AlignedVector<T> geometric_scratch;  ///< of geometric stiffness's tangent, by assembly
   AlignedVector<T> scratch;
   std::vector<StressMotion<T>> stress;  ///< of bodies with geometric stiffness, by residual
 

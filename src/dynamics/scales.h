@@ -1,0 +1,49 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <vector>
+
+namespace mimbre {
+
+/// A mechanism's own units, so that similar mechanisms are judged alike whatever their size: what is neither
+/// small nor large of a coordinate (lengths: the length scale L, m; angles: 1 rad; modal amplitudes: what
+/// moves the body by about L) and of a constraint equation, and an acceleration that it may have at rest,
+/// |g|/L, 1/s².
+struct Scales {
+  std::vector<double> coordinates, equations;
+  double acceleration = 0;
+  double round_off = 0;  ///< what violations cannot be driven below
+
+  explicit Scales(int bodies = 1)
+      : round_off(64 * std::numeric_limits<double>::epsilon() * std::sqrt(std::max(1, bodies))) {}
+
+  /// max |x_k| / (scale of coordinate k): an increment by the mechanism's size, or rates and accelerations of
+  /// it.
+  double of_coordinates(const double* x, int* where = nullptr) const {
+    return largest(x, coordinates, where);
+  }
+  /// The same of equations, their rates or second derivatives.
+  double of_equations(const double* phi) const { return largest(phi, equations); }
+  /// Of accelerations at play, 1/s²: of the coordinates, and of gravity.
+  double accelerations(const double* a) const { return std::max(acceleration, of_coordinates(a)); }
+  /// How fast things go that are neither slow nor fast, 1/s: as a pendulum does, without gravity as v.
+  double rate(const double* v) const {
+    return acceleration > 0 ? std::sqrt(acceleration) : of_coordinates(v);
+  }
+
+ private:
+  static double largest(const double* x, const std::vector<double>& scale, int* where = nullptr) {
+    double most = 0;
+    for (std::size_t k = 0; k < scale.size(); ++k) {
+      const double value = std::abs(x[k]) / scale[k];
+      if (!(value > most)) continue;
+      most = value;
+      if (where) *where = static_cast<int>(k);
+    }
+    return most;
+  }
+};
+
+}  // namespace mimbre

@@ -1,0 +1,37 @@
+#pragma once
+#include "simulation/energy.h"
+#include "simulation/free_flight.h"
+
+namespace mimbre {
+
+/// Takes back what a step of the rule fed in or took out, so that the energy balance holds: the integrator
+/// `conserve`. What can change without breaking the laws of free flight is the size of the velocities (of
+/// free groups: relative to their mean motion, a rigid body's of the same momentum) and the attitude of free
+/// groups: a turn at constant angular momentum changes the energy of rotation. Both get a part by the energy
+/// that they have, so that a correction is as small as it can be against the motion that it corrects. Loops
+/// stay closed: the constraints on velocities are homogeneous; models with drives get turns only.
+/// Allocates only when made.
+class EnergyKeeper {
+ public:
+  EnergyKeeper(const Compiled& model, const std::vector<FreeGroup>& groups);
+  /// At the start of a step, after kinematics at the state.
+  void begin(relative::RelativeSystem& observer, const State& relative);
+  /// At its end, likewise; arguments as FreeFlight::end. What a correction of sensible size cannot take back,
+  /// at the turning points of a pendulum, is left to the next step (State::energy_error).
+  void end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& relative,
+           State& state);
+
+ private:
+  void scale(relative::RelativeSystem& observer, natural::NaturalSystem* natural, double by, State& state);
+  double gain(double share) const;
+  Mat3d turn_of(std::size_t group, double share) const;
+
+  const Compiled& model_;
+  const std::vector<FreeGroup>& groups_;
+  EnergyMeter meter_;
+  std::vector<relative::Momentum> momenta_;
+  std::vector<Rotation> rotations_;
+  double inner_ = 0;  ///< kinetic energy of what moves relative to the mean motion, J
+};
+
+}  // namespace mimbre

@@ -1,0 +1,136 @@
+#include "simulation/free_flight.h"
+
+#include "dynamics/relative/shift.h"
+
+namespace mimbre {
+namespace {
+
+/// Within this angle of steady rotation about a principal axis energy is stationary: round-off in it would
+/// tell more than the error of a step.
+constexpr double steady = 1e-4;
+
+/// The turn that brings the energy of rotation back to `energy`.
+Mat3d restoring_turn(const Mat3d& inertia, const Vec3d& angular, double energy) {
+  Mat3d turn = Mat3d::Identity();
+  for (int round = 0; round < 2; ++round) {
+    const Rotation r = rotation_of(turn * inertia * turn.transpose(), angular);
+    const double slope = r.gain.squaredNorm();
+    if (!(slope > steady * steady * r.energy * r.energy)) break;
+    const Vec3d theta = (energy - r.energy) / slope * r.gain;
+    if (!(theta.squaredNorm() < 0.01)) break;  // not the error of a step
+    turn = rotation_exp<double>(theta) * turn;
+  }
+  return turn;
+}
+
+}  // namespace
+
+std::vector<FreeGroup> free_groups(const Compiled& m) {
+  const int count = static_cast<int>(m.bodies.size());
+  std::vector<int> root(m.bodies.size());
+  std::vector<char> free(m.bodies.size(), 0);  // by root
+  for (int i = 0; i < count; ++i) {
+    const BodyData& b = m.bodies[i];
+    root[i] = b.parent < 0 ? i : root[b.parent];
+    if (b.parent < 0) free[i] = b.joint == spec::JointType::floating;
+  }
+  const auto tie = [&](int frame_a, int frame_b) {
+    const auto root_of = [&](int frame) {
+      return m.frames[frame].body < 0 ? -1 : root[m.frames[frame].body];
+    };
+    const int a = root_of(frame_a), b = root_of(frame_b);
+    if (a == b) return;
+    if (a >= 0) free[a] = 0;
+    if (b >= 0) free[b] = 0;
+  };
+  for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
+  for (const SpringData& s : m.springs) tie(s.frame_a, s.frame_b);
+  for (const TyreData& t : m.tyres) free[root[m.frames[t.frame].body]] = 0;
+  for (const DriveData& d : m.drives)
+    if (m.bodies[d.body].parent < 0) free[d.body] = 0;
+  for (const JointSpringData& s : m.joint_springs)
+    if (m.bodies[s.body].parent < 0) free[s.body] = 0;
+
+  std::vector<FreeGroup> groups;
+  for (int i = 0; i < count; ++i) {
+    if (root[i] != i || !free[i]) continue;
+    FreeGroup g;
+    g.root = i;
+    g.has.assign(m.bodies.size(), 0);
+    g.rigid = true;
+    double mass = 0;
+    for (int k = 0; k < count; ++k) {
+      if (root[k] != i) continue;
+      g.bodies.push_back(k);
+      g.has[k] = 1;
+      mass += m.bodies[k].mass;
+      g.rigid = g.rigid && m.bodies[k].modes == 0 && (k == i || m.bodies[k].joint_velocities == 0);
+    }
+    for (std::size_t k = 0; k < m.loads.size(); ++k) {
+      const int body = m.frames[m.loads[k].frame].body;
+      if (body >= 0 && root[body] == i) g.loads.push_back(static_cast<int>(k));
+    }
+    if (mass > 0) groups.push_back(std::move(g));
+  }
+  return groups;
+}
+
+FreeFlight::FreeFlight(const Compiled& model)
+    : model_(model), groups_(free_groups(model)), starts_(groups_.size()) {}
+
+bool FreeFlight::loaded(const FreeGroup& group, double time) const {
+  for (const int k : group.loads)
+    if (model_.loads[k].scale.value(time) != 0) return true;
+  return false;
+}
+
+void FreeFlight::begin(relative::RelativeSystem& observer, const State& s) {
+  origin_ = observer.workspace().origin;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    Start& start = starts_[k];
+    start.loaded = loaded(groups_[k], s.time);
+    if (start.loaded) continue;
+    const relative::Momentum p =
+        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
+    start.centre = p.centre;
+    start.velocity = p.velocity();
+    start.angular = p.angular;
+    if (groups_[k].rigid) start.rotation = rotation_of(p.inertia, p.angular).energy;
+  }
+}
+
+void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& s,
+                     double h, State& state) {
+  const Vec3d gained = h * model_.gravity;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const Start& start = starts_[k];
+    if (start.loaded || loaded(groups_[k], s.time)) continue;
+    const relative::Momentum p =
+        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
+    RigidShift shift;
+    shift.centre = p.centre;
+    shift.velocity = p.velocity();
+    shift.rate = start.velocity + gained - shift.velocity;
+    shift.move = start.centre - p.centre + (origin_ - observer.workspace().origin) +
+                 h * (start.velocity + 0.5 * gained);
+    if (groups_[k].rigid) shift.turn = restoring_turn(p.inertia, start.angular, start.rotation);
+    shift.spin = relative::mean_spin(shift.turn * p.inertia * shift.turn.transpose(),
+                                     start.angular - shift.turn * p.angular);
+    shift_group(observer, natural, groups_[k], shift, state);
+  }
+}
+
+Rotation rotation_of(const Mat3d& inertia, const Vec3d& angular) {
+  const Vec3d spin = relative::mean_spin(inertia, angular);
+  return {0.5 * angular.dot(spin), spin.cross(angular)};
+}
+
+void shift_group(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const FreeGroup& group,
+                 const RigidShift& shift, State& state) {
+  if (natural)
+    natural->shift(group.has, shift, observer.workspace().origin, state);
+  else
+    relative::shift_root(observer.model(), observer.workspace(), group.root, shift, state);
+}
+
+}  // namespace mimbre

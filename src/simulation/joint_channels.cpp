@@ -1,0 +1,137 @@
+#include "simulation/joint_channels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "joints/kernels.h"
+#include "joints/table.h"
+#include "math/rotation.h"
+
+namespace mimbre {
+namespace {
+
+/// Rotation and displacement of frame b in a's axes, and its angular and linear velocity as a sees them.
+struct RelativeMotion {
+  Mat3d rotation;
+  Vec3d displacement, omega, velocity;
+};
+
+RelativeMotion relative_motion(const Motion<double>& a, const Motion<double>& b) {
+  const Mat3d At = a.rotation.transpose();
+  const Vec3d d = b.position - a.position;
+  return {At * b.rotation, At * d, At * (b.omega - a.omega),
+          At * (b.velocity - a.velocity - a.omega.cross(d))};
+}
+
+}  // namespace
+
+JointObserver::JointObserver(const Compiled& m)
+    : model_(m), body_(m.spec.joints.size(), -1), loop_(m.spec.joints.size(), -1) {
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) body_[m.bodies[b].joint_spec] = static_cast<int>(b);
+  for (std::size_t l = 0; l < m.loops.size(); ++l) loop_[m.loops[l].joint_spec] = static_cast<int>(l);
+}
+
+JointCoordinates JointObserver::coordinates(int joint, const relative::RelativeSystem& system,
+                                            const State& s) const {
+  JointCoordinates out;
+  const spec::Joint& of = model_.spec.joints[joint];
+  const JointInfo& info = joint_info(of.type);
+  if (body_[joint] >= 0) {
+    const BodyData& b = model_.bodies[body_[joint]];
+    std::copy_n(s.q.data() + b.q, info.positions, out.positions.begin());
+    std::copy_n(s.v.data() + b.v, info.velocities, out.rates.begin());
+    return out;
+  }
+  const auto motion = [&](int frame) {
+    return relative::output_motion(system, model_.frame_of_spec[frame], s.q.data(), s.v.data(), s.a.data());
+  };
+  const RelativeMotion r = relative_motion(motion(of.frame_a), motion(of.frame_b));
+  joint_coordinates<double>(of.type, r.rotation, r.displacement, out.positions.data());
+  // The columns of the motion subspace are orthonormal.
+  const std::array<double, 6> rest{};
+  JointMotion<double> subspace;
+  joint_motion<double>(of.type, out.positions.data(), rest.data(), subspace);
+  for (int k = 0; k < info.velocities; ++k)
+    out.rates[k] = subspace.angular.col(k).dot(r.omega) + subspace.linear.col(k).dot(r.velocity);
+  return out;
+}
+
+JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem& system,
+                                      const State& s) const {
+  const auto& w = system.workspace();
+  Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();  // on b, the moment about the common point
+  if (body_[joint] >= 0) {
+    const double sign = model_.bodies[body_[joint]].reversed ? -1 : 1;
+    force = sign * w.transmitted[body_[joint]].force;
+    moment = sign * w.transmitted[body_[joint]].moment;
+  } else {
+    const LoopData& l = model_.loops[loop_[joint]];
+    for (int k = l.first_equation; k < l.first_equation + l.count; ++k) {
+      force -= s.multipliers[k] * w.covector_linear[k];
+      moment -= s.multipliers[k] * w.covector_angular[k];
+    }
+  }
+  const int frame = model_.frame_of_spec[model_.spec.joints[joint].frame_b];
+  const Motion<double> b = relative::output_motion(system, frame, s.q.data(), s.v.data(), s.a.data());
+  moment -= b.position.cross(force);
+  return {force, moment, b.rotation.transpose() * force, b.rotation.transpose() * moment};
+}
+
+void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
+  static const char* const axes[] = {"x", "y", "z"};
+  static const char* const quaternion[] = {"w", "x", "y", "z"};
+  for (const spec::Joint& joint : model_.spec.joints) {
+    const JointInfo& info = joint_info(joint.type);
+    const std::string prefix = fmt::format("joint.{}.", joint.name);
+    const auto numbered = [&](int k) { return info.velocities > 1 ? fmt::format(".{}", k) : std::string(); };
+    for (int k = 0, plain = 0; k < info.positions; ++k) {
+      const int q = info.quaternion < 0 ? -1 : k - info.quaternion;
+      if (q >= 0 && q < 4) {
+        channels.push_back({fmt::format("{}rotation.{}", prefix, quaternion[q]), "1",
+                            fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
+                                        quaternion[q], joint.name)});
+        continue;
+      }
+      channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)),
+                          is_angle(joint.type, plain) ? "rad" : "m",
+                          fmt::format("coordinate {} of joint '{}'", plain, joint.name)});
+      ++plain;
+    }
+    for (int k = 0; k < info.velocities; ++k)
+      channels.push_back({fmt::format("{}velocity{}", prefix, numbered(k)),
+                          is_angle(joint.type, k) ? "rad/s" : "m/s",
+                          fmt::format("rate of coordinate {} of joint '{}'", k, joint.name)});
+    for (const bool own : {false, true})
+      for (const bool moment : {false, true})
+        for (const char* axis : axes)
+          channels.push_back(
+              {fmt::format("{}{}{}.{}", prefix, moment ? "moment" : "force", own ? "_joint" : "", axis),
+               moment ? "N m" : "N",
+               fmt::format("reaction {} of joint '{}' on its second body, {} {}", moment ? "moment" : "force",
+                           joint.name, axis, own ? "of the joint's own axes there" : "of the global axes")});
+  }
+}
+
+void JointObserver::for_reactions(
+    ChannelInfo* channels, const std::function<void(const std::string& joint, ChannelInfo&)>& visit) const {
+  for (const spec::Joint& joint : model_.spec.joints) {
+    const JointInfo& info = joint_info(joint.type);
+    channels += info.positions + info.velocities;
+    for (int k = 0; k < 12; ++k) visit(joint.name, *channels++);
+  }
+}
+
+void JointObserver::sample(const relative::RelativeSystem& system, const State& s, double* values) const {
+  for (int j = 0; j < static_cast<int>(model_.spec.joints.size()); ++j) {
+    const JointInfo& info = joint_info(model_.spec.joints[j].type);
+    const JointCoordinates c = coordinates(j, system, s);
+    values = std::copy_n(c.positions.begin(), info.positions, values);
+    values = std::copy_n(c.rates.begin(), info.velocities, values);
+    const JointReaction r = reaction(j, system, s);
+    for (const Vec3d* v : {&r.force, &r.moment, &r.force_joint, &r.moment_joint})
+      values = std::copy_n(v->data(), 3, values);
+  }
+}
+
+}  // namespace mimbre

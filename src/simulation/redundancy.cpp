@@ -1,0 +1,137 @@
+#include "simulation/redundancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/sparse_qr.h"
+
+namespace mimbre {
+namespace {
+
+constexpr double redundant = 1e-9;         ///< what an equation adds to others, as a share of its length
+constexpr double nearly_redundant = 1e-5;  ///< the same: an angle, or a distance over L, that nobody meant
+
+/// The transposed Jacobian, velocity coordinates × equations, in one unit: angles by the model's length scale
+/// L, amplitudes by the largest motion that they give; equations of length 1.
+struct ScaledJacobian {
+  linalg::SparseMatrix transposed;
+  Eigen::VectorXd factor;  ///< what makes forces along the scaled equations multipliers
+};
+
+ScaledJacobian scaled_jacobian(relative::RelativeSystem& system, const State& s) {
+  const Compiled& m = system.model();
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities), none = Eigen::VectorXd::Zero(m.equations);
+  Eigen::VectorXd r(m.velocities);
+  system.residual(s.time, s.q.data(), rest.data(), rest.data(), none.data(), 0, r.data());
+  system.assemble(s.q.data(), {});
+  std::vector<JacobianEntry> entries = system.jacobian_entries();
+  ScaledJacobian out;
+  out.factor.setOnes(m.equations);
+  for (const LoopData& l : m.loops)
+    for (int k = 0; k < l.count; ++k)
+      if (l.closure[k].kind == LoopClosure::Kind::angle) out.factor[l.first_equation + k] = m.length_scale;
+  for (const DriveData& d : m.drives)
+    if (is_angle(m.bodies[d.body].joint, d.local)) out.factor[d.equation] = m.length_scale;
+  Eigen::VectorXd column = Eigen::VectorXd::Ones(m.velocities), largest = rest;
+  for (const JacobianEntry& e : entries)
+    largest[e.coordinate] = std::max(largest[e.coordinate], std::abs(e.value * out.factor[e.equation]));
+  for (const BodyData& b : m.bodies) {
+    for (int k = 0; k < b.joint_velocities; ++k)
+      if (is_angle(b.joint, k)) column[b.v + k] = 1 / m.length_scale;
+    for (int k = b.v + b.joint_velocities; k < b.v + b.size(); ++k)
+      if (largest[k] > 0) column[k] = 1 / largest[k];
+  }
+  Eigen::VectorXd squares = none;
+  for (JacobianEntry& e : entries) {
+    e.value *= column[e.coordinate];
+    squares[e.equation] += std::pow(e.value * out.factor[e.equation], 2);
+  }
+  // Equations in which hardly anything moves are left as short as they are.
+  for (int k = 0; k < m.equations; ++k)
+    if (squares[k] > 1e-6) out.factor[k] /= std::sqrt(squares[k]);
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const JacobianEntry& e : entries)
+    if (e.value != 0) triplets.emplace_back(e.coordinate, e.equation, e.value * out.factor[e.equation]);
+  out.transposed.resize(m.velocities, m.equations);
+  out.transposed.setFromTriplets(triplets.begin(), triplets.end());
+  return out;
+}
+
+/// How large a wrench each joint of the model bears, or its drive, moments over L at the joint.
+std::vector<double> borne(relative::RelativeSystem& system, const State& s,
+                          const Eigen::VectorXd& multipliers) {
+  const Compiled& m = system.model();
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities), none = Eigen::VectorXd::Zero(m.equations);
+  Eigen::VectorXd r(m.velocities);
+  std::vector<Vec3d> force(m.spec.joints.size(), Vec3d::Zero()), moment = force;
+  const auto add_transmitted = [&](const Eigen::VectorXd& forces, double sign) {
+    system.residual(s.time, s.q.data(), rest.data(), rest.data(), forces.data(), 0, r.data());
+    for (std::size_t i = 0; i < m.bodies.size(); ++i) {
+      const BodyData& b = m.bodies[i];
+      const Wrench<double>& w = system.workspace().transmitted[i];
+      force[b.joint_spec] += sign * w.force;
+      moment[b.joint_spec] +=
+          sign * (w.moment - system.workspace().frames[b.inboard_frame].position.cross(w.force));
+    }
+  };
+  add_transmitted(multipliers, 1);
+  add_transmitted(none, -1);
+  for (const LoopData& l : m.loops)
+    for (int k = l.first_equation; k < l.first_equation + l.count; ++k)
+      if (l.closure[k - l.first_equation].kind == LoopClosure::Kind::distance)
+        force[l.joint_spec] += multipliers[k] * system.workspace().covector_linear[k];
+      else
+        moment[l.joint_spec] += multipliers[k] * system.workspace().covector_angular[k];
+  std::vector<double> size;
+  for (std::size_t j = 0; j < force.size(); ++j)
+    size.push_back(force[j].norm() + moment[j].norm() / m.length_scale);
+  return size;
+}
+
+/// Joints that bear more than `negligible` of the largest wrench where forces go round that no load asks for.
+std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
+                            const linalg::SparseQr& qr, double negligible) {
+  std::vector<bool> marked(system.model().spec.joints.size(), false);
+  const auto count = static_cast<Eigen::Index>(qr.dependent().size());
+  if (count == 0) return marked;
+  for (const double seed : {0.0, 1.0}) {
+    // Of no rule, so that nothing cancels.
+    Eigen::VectorXd shares(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double x = std::sin(12.9898 * static_cast<double>(k + 1) + 78.233 * seed) * 43758.5453;
+      shares[k] = 0.5 + x - std::floor(x);
+    }
+    const Eigen::VectorXd forces = jacobian.factor.cwiseProduct(qr.null_vector(shares));
+    if (!forces.allFinite()) continue;
+    const std::vector<double> size = borne(system, s, forces);
+    const double largest = *std::max_element(size.begin(), size.end());
+    for (std::size_t j = 0; j < size.size(); ++j)
+      if (size[j] > negligible * largest) marked[j] = true;
+  }
+  return marked;
+}
+
+}  // namespace
+
+Redundancy find_redundancy(relative::RelativeSystem& system, const State& s) {
+  const Compiled& m = system.model();
+  Redundancy out;
+  if (m.equations == 0) return out;
+  const ScaledJacobian jacobian = scaled_jacobian(system, s);
+  const linalg::SparseQr sharp(jacobian.transposed, redundant);
+  out.equations = m.equations - sharp.rank();
+  const std::vector<bool> surely = concerned(system, s, jacobian, sharp, 1e-6);
+  std::vector<bool> nearly(surely.size(), false);
+  if (sharp.least_pivot() <= nearly_redundant) {
+    const linalg::SparseQr loose(jacobian.transposed, nearly_redundant);
+    out.nearly = sharp.rank() - loose.rank();
+    nearly = concerned(system, s, jacobian, loose, 1e-3);
+  }
+  for (std::size_t j = 0; j < surely.size(); ++j) {
+    if (surely[j]) out.joints.push_back(m.spec.joints[j].name);
+    if (nearly[j]) out.nearly_joints.push_back(m.spec.joints[j].name);
+  }
+  return out;
+}
+
+}  // namespace mimbre
