@@ -16,6 +16,9 @@ struct ChannelInfo {
   std::string meaning;  ///< one line for people
   /// Whether rigid-body mechanics determines it: reactions of redundant constraints it does not.
   bool determined = true;
+  /// What says the same as a value: nothing else, whole turns more or less (an angle of a cut joint), or its
+  /// negative (a quaternion).
+  enum class Alike { value, turns, sign } alike = Alike::value;
 };
 
 /// How a body is drawn: points (body axes), mode shapes of the points, lines between points, solid shapes.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <unordered_map>
 
 namespace mimbre {
@@ -29,9 +30,11 @@ constexpr double of_gravity = 9.81e-3;  ///< least scale at rest, of acceleratio
 constexpr std::size_t named_channels = 5;
 
 /// Two values that are both not a number, or the same infinity, agree.
-double distance(double a, double b) {
-  const bool same = a == b || (std::isnan(a) && std::isnan(b));
-  return same ? 0 : std::abs(a - b);
+double distance(double a, double b, ChannelInfo::Alike alike) {
+  if (a == b || (std::isnan(a) && std::isnan(b))) return 0;
+  if (alike == ChannelInfo::Alike::turns) return std::abs(std::remainder(a - b, 2 * std::numbers::pi));
+  if (alike == ChannelInfo::Alike::sign) return std::min(std::abs(a - b), std::abs(a + b));
+  return std::abs(a - b);
 }
 
 /// Orders what is not a number as the largest.
@@ -112,7 +115,7 @@ std::vector<Apart> differences(const Series& a, const Series& b) {
     double squares = 0;
     for (std::size_t k = 0; k < instants; ++k) {
       const double of_a = a.channels[k][in_a], of_b = b.channels[k][in_b->second];
-      const double apart = distance(of_a, of_b);
+      const double apart = distance(of_a, of_b, a.info[c].alike);
       sweep.add(of_a);
       sweep.add(of_b);
       squares += apart * apart;

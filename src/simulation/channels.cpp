@@ -104,7 +104,10 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
 Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   for (const BodyData& b : m.bodies)
     if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
-  for (const spec::Output& o : m.spec.outputs) info_.push_back(output_info(m, o));
+  for (const spec::Output& o : m.spec.outputs) {
+    info_.push_back(output_info(m, o));
+    if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
+  }
   output_count_ = static_cast<int>(info_.size());
   joints_.add_info(info_);
   joint_count_ = static_cast<int>(info_.size()) - output_count_;

@@ -14,8 +14,8 @@ std::string part(double energy, double at_play) {
 }
 
 std::string steps_a_period(const EnergyMeter::Unresolved& fastest) {
-  if (fastest.steps_per_period < 5) return "fewer than 5 steps a period";
-  return fmt::format("about {:.0f} steps a period", fastest.steps_per_period);
+  if (fastest.steps_per_period < 5) return "fewer than 5 steps or parts of repeated ones a period";
+  return fmt::format("about {:.0f} steps or parts of repeated ones a period", fastest.steps_per_period);
 }
 
 }  // namespace

@@ -78,10 +78,20 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
   return {force, moment, b.rotation.transpose() * force, b.rotation.transpose() * moment};
 }
 
+ChannelInfo::Alike JointObserver::alike(int joint, int position) const {
+  const spec::JointType type = model_.spec.joints[joint].type;
+  const JointInfo& info = joint_info(type);
+  if (info.quaternion >= 0 && position >= info.quaternion && position < info.quaternion + 4)
+    return ChannelInfo::Alike::sign;
+  return body_[joint] < 0 && is_angle(type, position) ? ChannelInfo::Alike::turns : ChannelInfo::Alike::value;
+}
+
 void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
   static const char* const axes[] = {"x", "y", "z"};
   static const char* const quaternion[] = {"w", "x", "y", "z"};
-  for (const spec::Joint& joint : model_.spec.joints) {
+  for (std::size_t j = 0; j < model_.spec.joints.size(); ++j) {
+    const spec::Joint& joint = model_.spec.joints[j];
+    const bool cut = body_[j] < 0;
     const JointInfo& info = joint_info(joint.type);
     const std::string prefix = fmt::format("joint.{}.", joint.name);
     const auto numbered = [&](int k) { return info.velocities > 1 ? fmt::format(".{}", k) : std::string(); };
@@ -91,11 +101,14 @@ void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
         channels.push_back({fmt::format("{}rotation.{}", prefix, quaternion[q]), "1",
                             fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
                                         quaternion[q], joint.name)});
+        channels.back().alike = alike(static_cast<int>(j), k);
         continue;
       }
-      channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)),
-                          is_angle(joint.type, plain) ? "rad" : "m",
-                          fmt::format("coordinate {} of joint '{}'", plain, joint.name)});
+      const bool angle = is_angle(joint.type, plain);
+      channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)), angle ? "rad" : "m",
+                          fmt::format("coordinate {} of joint '{}'{}", plain, joint.name,
+                                      cut && angle ? ", which is cut: within ±π" : "")});
+      channels.back().alike = alike(static_cast<int>(j), k);
       ++plain;
     }
     for (int k = 0; k < info.velocities; ++k)

@@ -35,6 +35,9 @@ class JointObserver {
   /// Likewise, after a residual with the state's accelerations and multipliers.
   JointReaction reaction(int joint, const relative::RelativeSystem& system, const State& state) const;
 
+  /// What says the same as a coordinate's value.
+  ChannelInfo::Alike alike(int joint, int position) const;
+
   /// The standard channels of all joints, and their values in the same order.
   void add_info(std::vector<ChannelInfo>& channels) const;
   void sample(const relative::RelativeSystem& system, const State& state, double* values) const;
