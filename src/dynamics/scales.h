@@ -1,8 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
 #include <vector>
 
 namespace mimbre {
@@ -15,9 +13,6 @@ struct Scales {
   std::vector<double> coordinates, equations;
   double acceleration = 0;
   double round_off = 0;  ///< what violations cannot be driven below
-
-  explicit Scales(int bodies = 1)
-      : round_off(64 * std::numeric_limits<double>::epsilon() * std::sqrt(std::max(1, bodies))) {}
 
   /// max |x_k| / (scale of coordinate k): an increment by the mechanism's size, or rates and accelerations of
   /// it.

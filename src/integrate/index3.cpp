@@ -10,7 +10,9 @@
 namespace mimbre {
 namespace {
 
-constexpr double noise = 1e-11;  // likewise, of corrections
+// Of corrections that do not get smaller: round-off in directions that are hardly determined.
+constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
+constexpr int most_idle = 4;
 constexpr double share_of_prediction = 3e-5;
 // Near singular positions: when the projection changes velocities by much more than they violate the
 // constraints, and by that share of themselves; then with a penalty that much larger down to that violation.
@@ -78,7 +80,8 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
   const double penalty = options_.penalty * (precise ? precise_penalty : 1);
   weights_.penalty = penalty;
   const double scale = motion_.scale, penalty_factor = penalty / scale;
-  const double position_tolerance = precise ? precise_violation : options_.position_tolerance;
+  const double position_tolerance =
+      precise ? std::max(precise_violation, scales_.round_off) : options_.position_tolerance;
   const double* alpha = system_.penalty();
   Eigen::VectorXd &x = motion_.x, &v = motion_.v, &a = motion_.a;
   const Eigen::VectorXd& q = motion_.q;
@@ -152,10 +155,10 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
     // the prediction is off by falls with the step as they do. And positions are known to round-off only, of
     // which directions that the constraints hardly determine take a multiple: there corrections stop getting
     // smaller.
-    const bool stagnant = newton.corrections > 3 && newton.rate > 0.3 && violation <= scales_.round_off;
+    const bool stagnant = newton.idle >= most_idle && violation <= scales_.round_off;
     const double asked = options_.tolerance * scale * reference;
-    const double enough =
-        stagnant ? std::max(asked, noise) : std::min(asked, share_of_prediction * predicted);
+    const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
+                                   : std::min(asked, share_of_prediction * predicted);
     converged = left <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
                 violation * std::min(1.0, newton.rate) <= position_tolerance;
     if (converged) {

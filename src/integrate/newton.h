@@ -10,6 +10,8 @@ struct NewtonProgress {
   bool refactor = true;  ///< a new matrix would help
   bool slow = false;     ///< even a new one contracts slowly: terms are missing from it
   int corrections = 0;
+  double least = 0;  ///< correction so far
+  int idle = 0;      ///< corrections since the least one halved: round-off, where they are many
 
   /// Takes the size of a correction by a matrix that was new or not; returns the estimate of the error left.
   double add(double correction, bool fresh) {
@@ -17,6 +19,12 @@ struct NewtonProgress {
     previous = correction;
     slow = slow || (corrections > 1 && fresh && rate > 0.2);
     refactor = !slow && corrections > 0 && rate > 0.1;
+    if (corrections == 0 || correction < 0.5 * least) {
+      least = correction;
+      idle = 0;
+    } else {
+      ++idle;
+    }
     ++corrections;
     return correction * (rate < 0.5 ? rate / (1 - rate) : 1.0);
   }

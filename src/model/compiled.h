@@ -1,7 +1,11 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+
 #include <array>
 #include <cmath>
+#include <limits>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -239,6 +243,16 @@ struct Compiled {
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
 };
+
+/// Round-off of positions, by the length scale: of a mechanism that is far wider than that, or of many
+/// bodies, more.
+inline double round_off_of_positions(const Compiled& m) {
+  double extent = 0;
+  for (int f = m.first_ground_frame; f < m.last_ground_frame; ++f)
+    extent = std::max(extent, (m.frames[f].position - m.frames[m.first_ground_frame].position).norm());
+  return 16 * std::numeric_limits<double>::epsilon() *
+         (1 + extent / m.length_scale + 4 * std::sqrt(static_cast<double>(m.bodies.size())));
+}
 
 /// Size of a body's modal amplitudes that moves it by about the length scale. Orthonormal modes have ∫ φ² dm
 /// = 1.

@@ -16,7 +16,8 @@ namespace {
 
 Scales scales_of(const Compiled& m, const Layout& l) {
   const double length = m.length_scale;
-  Scales s(static_cast<int>(m.bodies.size()));
+  Scales s;
+  s.round_off = round_off_of_positions(m);
   s.coordinates.assign(l.unknowns, length);
   s.equations.assign(l.equations, 1.0);
   s.acceleration = m.gravity.norm() / length;

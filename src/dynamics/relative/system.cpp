@@ -63,7 +63,8 @@ template struct Workspace<double>;
 namespace {
 
 Scales scales_of(const Compiled& m) {
-  Scales s(static_cast<int>(m.bodies.size()));
+  Scales s;
+  s.round_off = round_off_of_positions(m);
   s.coordinates.assign(m.velocities, 1.0);
   s.equations.assign(m.equations, 1.0);
   s.acceleration = m.gravity.norm() / m.length_scale;
