@@ -32,9 +32,8 @@ struct Scales {
   static double largest(const double* x, const std::vector<double>& scale, int* where = nullptr) {
     double most = 0;
     for (std::size_t k = 0; k < scale.size(); ++k) {
-      const double value = std::abs(x[k]) / scale[k];
-      if (!(value > most)) continue;
-      most = value;
+      if (!(std::abs(x[k]) > most * scale[k])) continue;
+      most = std::abs(x[k]) / scale[k];
       if (where) *where = static_cast<int>(k);
     }
     return most;

@@ -207,7 +207,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
         modal_[at] = y[k];
       }
       e.dissipated += work;
-      observe_store(body_store + i, e.elastic - elastic_of_others);
+      if (b.modes > 0) observe_store(body_store + i, e.elastic - elastic_of_others);
     }
     e.gravitational -= m.gravity.dot(mass * (w.bodies[i].position + w.origin) + w.bodies[i].rotation * first);
   }
