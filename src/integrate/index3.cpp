@@ -13,6 +13,7 @@ namespace {
 // Of corrections that do not get smaller: round-off in directions that are hardly determined.
 constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
 constexpr int most_idle = 4;
+// An iteration goes on to this share of its first correction.
 constexpr double share_of_prediction = 3e-5;
 // Near singular positions: when the projection changes velocities by much more than they violate the
 // constraints, and by that share of themselves; then with a penalty that much larger down to that violation.
@@ -30,7 +31,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);
-  algorithmic_v_.setZero(n);
+  unprojected_.setZero(n);
   for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_}) x->setZero(m);
 }
 
@@ -182,15 +183,16 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
     // next removes.
     const double enough = options_.velocity_tolerance * scales_.rate(v.data());
     const double before = scales_.of_equations(system_.phi_dot());
-    algorithmic_v_ = v;
+    unprojected_ = v;
     for (int round = 0; round < 5; ++round) {
-      status.velocity_violation = largest(system_.phi_dot(), m);
       if (scales_.of_equations(system_.phi_dot()) <= (round == 0 && !precise ? 1 : 1e2) * enough) break;
       project(v.data(), system_.phi_dot(), enough);
       system_.kinematics(time, q.data(), v.data(), a.data());
     }
-    algorithmic_v_ -= v;
-    const double change = scales_.of_coordinates(algorithmic_v_.data());
+    status.velocity_violation = largest(system_.phi_dot(), m);
+    unprojected_ -= v;
+
+    const double change = scales_.of_coordinates(unprojected_.data());
     // Never accepted: velocities that violate the constraints.
     const bool held = scales_.of_equations(system_.phi_dot()) <= 1e2 * enough;
     near_singular = !held || (change > singular_amplification * before &&

@@ -26,7 +26,7 @@ class IndexThree final : public Stepper {
   StepMotion motion_;
   MatrixWeights weights_;
   Anderson mixing_;
-  Eigen::VectorXd lambda_, r_, algorithmic_v_;
+  Eigen::VectorXd lambda_, r_, unprojected_;
   Eigen::VectorXd g_, impulse_, force_;  // violation that is left; multipliers
 };
 
