@@ -3,7 +3,7 @@
 //   node build.mjs --cpp FILE   also the page as a C++ source that defines mimbre::results::report_page()
 //   node build.mjs --tests      the tests instead, for node --test
 import { build } from "esbuild";
-import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { mkdir, readdir, readFile, writeFile } from "node:fs/promises";
 
 const placeholder = "%MIMBRE_DATA%";
 
@@ -67,7 +67,7 @@ std::string_view mimbre::results::report_page() { return {page, sizeof page - 1}
 const [mode, output] = process.argv.slice(2);
 if (mode === "--tests") {
   await build({
-    entryPoints: ["tests/page.test.ts", "tests/comparison.test.ts", "tests/surfaces.test.ts"],
+    entryPoints: (await readdir("tests")).filter((name) => name.endsWith(".test.ts")).map((name) => `tests/${name}`),
     bundle: true,
     outdir: "dist/tests",
     outExtension: { ".js": ".mjs" },

@@ -40,6 +40,25 @@ struct RoadDrawing {
   Eigen::Matrix2Xd profile;  ///< x, z
 };
 
+/// A point with axes on a body, or on the ground, at which a joint or a force acts.
+struct FrameDrawing {
+  std::string name;
+  int body = spec::ground;  ///< index into ResultsHeader::bodies
+  spec::Pose pose;          ///< undeformed, in body axes; of the ground: global
+  Eigen::MatrixXd
+      motion;  ///< 6 × the body's modes: displacement and small turn, body axes, per unit amplitude
+};
+
+/// What holds bodies together or acts on them.
+struct ElementDrawing {
+  std::string name;
+  std::string kind;  ///< a joint's type; "spring", "damper", "spring damper", "actuator"; "load"; "tyre",
+                     ///< or, where its road is a function of time, "tyre on rig"
+  int frame_a = -1,
+      frame_b = -1;  ///< indices into ResultsHeader::frames; loads and tyres have the first only
+  double size = 0;   ///< a tyre's radius, m
+};
+
 /// What describes a run, written before the first step.
 struct ResultsHeader {
   std::string title;
@@ -49,6 +68,8 @@ struct ResultsHeader {
   std::vector<ChannelInfo> channels;
   std::vector<BodyDrawing> bodies;
   std::vector<RoadDrawing> roads;
+  std::vector<FrameDrawing> frames;
+  std::vector<ElementDrawing> elements;
 };
 
 /// One output instant. Poses: 7 × bodies (position, quaternion w x y z); modes: all bodies' amplitudes one

@@ -41,9 +41,10 @@ struct ComparedRun {
 /// One page of at least two runs: every channel (same name, same unit) that two of them have, drawn over each
 /// other; what the others differ by from the first, on the instants of the coarser of both within the time
 /// that both have, linearly interpolated (as `compare`), as curves and as mean and largest deviation; a table
-/// of the runs; the animation of the first. Runs may have different time grids and ends. `max_samples` holds
-/// for each run, the names in `channels` are those of shared channels. Throws as `report_html`, and
-/// InputError for fewer than two runs, for runs without a shared channel, and for times that do not ascend.
+/// of the runs; the animations of all over each other. Angles count turns. Runs may have different time grids
+/// and ends. `max_samples` holds for each run, the names in `channels` are those of shared channels. Throws
+/// as `report_html`, and InputError for fewer than two runs, for runs without a shared channel, and for times
+/// that do not ascend.
 std::string comparison_html(const std::vector<ComparedRun>& runs, const ReportOptions& options = {});
 
 /// Writes `comparison_html` as `write_report` does.

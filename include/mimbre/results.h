@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,9 +10,11 @@
 namespace mimbre {
 
 /// Writes one HDF5 file (layout in docs/results-format.md), in chunks while running; what was flushed stays
-/// readable when the process is killed. Throws std::runtime_error with a clear message (disk full, no
-/// permission); after an error the rows flushed before remain readable. Data are identical bytes for
-/// identical rows (no time stamps).
+/// readable when the process is killed. Where an older file stands at `path` it is replaced by finish() only,
+/// and the new one grows beside it (NAME.part-PID.h5) until then. Throws std::runtime_error with a clear
+/// message (disk full, no permission, another program writes the file); after an error the rows flushed
+/// before remain readable where the message says. Data are identical bytes for identical rows (no time
+/// stamps). A writer that is destroyed before its end keeps its rows as keep() does.
 class ResultsWriter {
  public:
   ResultsWriter(const std::string& path, const ResultsHeader& header);
@@ -19,8 +22,16 @@ class ResultsWriter {
   ResultsWriter(const ResultsWriter&) = delete;
   ResultsWriter& operator=(const ResultsWriter&) = delete;
   void add(const ResultsRow& row);
-  /// Writes what is buffered, and the run's summary (JSON text, may be empty); closes the file.
+  /// Writes rows that have been waiting for half a second: to be called now and then where rows are seldom.
+  void flush_if_due();
+  /// Writes what is buffered, and the run's summary (JSON text, may be empty); closes the file, which takes
+  /// its place.
   void finish(const std::string& summary_json);
+  /// The same for a run that came to no good end: an older file stays. Returns the path of what was written:
+  /// the one asked for where nothing stood there.
+  std::string keep(const std::string& summary_json);
+  /// In the file so far.
+  std::int64_t rows() const;
 
  private:
   struct Impl;
@@ -38,16 +49,22 @@ struct Results {
 };
 Results read_results(const std::string& path);
 
-/// Time and the named channels as CSV, written next to its target and renamed when complete. All channels
-/// when `names` is empty.
+/// Time and the named columns as CSV. The file is written beside its target (NAME.part-PID.csv) and takes its
+/// place by finish(); `flush_if_due`, `keep`, `rows` and errors as with ResultsWriter. The first line has the
+/// names, with an apostrophe before those that a spreadsheet would take for formulas (= + - @); where `units`
+/// are given, one for each column, the second line has these.
 class CsvWriter {
  public:
-  CsvWriter(const std::string& path, std::vector<std::string> columns);
+  CsvWriter(const std::string& path, std::vector<std::string> columns,
+            const std::vector<std::string>& units = {});
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
   void add(double time, const Eigen::VectorXd& values);
+  void flush_if_due();
   void finish();
+  std::string keep();
+  std::int64_t rows() const;
 
  private:
   struct Impl;

@@ -61,7 +61,10 @@ struct Frame {
 
 struct Drive {
   int coordinate = 0;  ///< of the joint's velocity coordinates (scalar ones only)
-  Function position;   ///< of time, s → m or rad
+  /// Of time: the coordinate (s → m or rad), or its speed (s → m/s or rad/s), which starts from the joint's
+  /// initial position, or from 0 where none is given.
+  Function law;
+  enum class Of { position, speed } of = Of::position;
 };
 
 /// Spring and damper on one scalar joint coordinate: force on it = -(elastic(q) + damping(q̇)).
@@ -154,9 +157,16 @@ struct Output {
     strain,  ///< likewise `component`; where `direction` is not zero, elongation along it (body axes)
     spring_force,  ///< tension
     spring_length,
-    tyre_force
+    tyre_force,
+    angular_velocity,  ///< of a frame, component 0..2, global axes or (`own_axes`) the frame's own
+    centre_of_mass,    ///< of `bodies`, component 0..2 in global axes
+    linear_momentum,   ///< likewise, kg m/s
+    angular_momentum   ///< likewise, kg m²/s, about their centre of mass or about `about`
   } kind = Kind::position;
-  int item = -1;  ///< index of the frame, joint, body, spring or tyre
+  int item = -1;                         ///< index of the frame, joint, body, spring or tyre
+  std::vector<int> bodies;               ///< empty: all of the model
+  std::optional<Eigen::Vector3d> about;  ///< a fixed point, global
+  bool own_axes = false;
   int component = 0;
   int reference = -1;  ///< frame
   int node = -1;       ///< of ReducedBody::nodes
@@ -186,7 +196,7 @@ struct Simulation {
     generalized_alpha,
     newmark,
     hht,
-    conserve  ///< the trapezoidal rule, and after each step the energy that it fed in or took out taken back
+    conserve  ///< generalised-α, and after each step the energy that it fed in or took out taken back
   } integrator = Integrator::generalized_alpha;
   double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); negative: the library's default
   double xi = 0;         ///< Newmark's ξ ≤ 0

@@ -135,7 +135,9 @@ int run(const Arguments& arguments) {
     print_data(to_table(measurements) + '\n' + phase_table(measurements));
     return done;
   }
-  Json json{{"status", "ok"}, {"runs", arguments.runs}, {"models", Json::array()}};
+  Json json = answer("bench");
+  json["runs"] = arguments.runs;
+  json["models"] = Json::array();
   for (const Measurement& m : measurements) json["models"].push_back(to_json(m));
   print_data(to_text(json) + '\n');
   return done;

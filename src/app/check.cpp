@@ -5,12 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "app/busy.h"
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
 #include "app/table.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
+#include "mimbre/text.h"
 
 /// mimbre check: what a model is.
 namespace mimbre::app {
@@ -57,6 +59,7 @@ struct Description {
   double mass = 0;
   int loops = 0;
   int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
+  double step = 0, end = 0;
   Redundancy redundancy;
   std::vector<std::string> warnings;
 };
@@ -64,7 +67,11 @@ struct Description {
 Description describe(const LoadedModel& loaded, const RunOptions& options) {
   const Model& model = *loaded.model;
   // Sets the model up for its start, so that loops that do not close are told here and not by the run.
-  Simulation simulation(loaded.model, options);
+  const std::unique_ptr<Simulation> made = [&] {
+    const Busy busy("assembling the mechanism");
+    return std::make_unique<Simulation>(loaded.model, options);
+  }();
+  Simulation& simulation = *made;
   Description d;
   d.bodies = body_lines(model.spec());
   d.joints = model.joint_lines();
@@ -75,6 +82,8 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.elastic_coordinates = model.elastic_coordinates();
   d.constraints = simulation.constraints();
   d.degrees_of_freedom = simulation.degrees_of_freedom();
+  d.step = simulation.step_size();
+  d.end = model.spec().simulation.end;
   d.redundancy = simulation.redundancy();
   d.warnings = loaded.warnings;
   for (const std::string& warning : simulation.warnings()) {
@@ -85,10 +94,10 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
 }
 
 Json to_json(const Description& d, const std::string& title) {
-  Json json;
-  json["status"] = "ok";
+  Json json = answer("check");
   json["title"] = title;
-  json["bodies"] = d.bodies.size();
+  json["step"] = d.step;
+  json["end"] = d.end;
   json["mass"] = d.mass;
   json["coordinates"] = d.coordinates;
   json["elastic_coordinates"] = d.elastic_coordinates;
@@ -99,6 +108,13 @@ Json to_json(const Description& d, const std::string& title) {
   json["nearly_redundant_equations"] = d.redundancy.nearly;
   json["nearly_redundant"] = d.redundancy.nearly_joints;
   json["loops"] = d.loops;
+  json["bodies"] = Json::array();
+  for (const BodyLine& b : d.bodies)
+    json["bodies"].push_back({{"name", b.name},
+                              {"mass", b.mass},
+                              {"flexible", b.flexible},
+                              {"modes", b.modes},
+                              {"lowest_frequencies_hz", b.frequencies}});
   json["joints"] = Json::array();
   for (const Model::JointLine& j : d.joints)
     json["joints"].push_back({{"name", j.name},
@@ -108,13 +124,6 @@ Json to_json(const Description& d, const std::string& title) {
                               {"cut", j.cut},
                               {"coordinates", j.coordinates},
                               {"equations", j.equations}});
-  json["body_list"] = Json::array();
-  for (const BodyLine& b : d.bodies)
-    json["body_list"].push_back({{"name", b.name},
-                                 {"mass", b.mass},
-                                 {"flexible", b.flexible},
-                                 {"modes", b.modes},
-                                 {"lowest_frequencies_hz", b.frequencies}});
   json["warnings"] = d.warnings;
   return json;
 }
@@ -133,7 +142,7 @@ std::string redundancy_note(const Redundancy& r) {
 }
 
 std::string to_tables(const Description& d, const std::string& title) {
-  std::string text = title.empty() ? "" : title + "\n\n";
+  std::string text = title.empty() ? "" : printable(title) + "\n\n";
   Table bodies({"body", "kg", "", "modes", "lowest frequencies, Hz"});
   for (const BodyLine& b : d.bodies) {
     std::vector<std::string> hertz;
@@ -147,6 +156,7 @@ std::string to_tables(const Description& d, const std::string& title) {
                 fmt::format("{}", j.equations)});
   Table model({"model", "", ""});
   const auto line = [&](const char* what, int value) { model.add({what, fmt::format("{}", value), ""}); };
+  model.add({"simulated time", fmt::format("{:.6g}", d.end), "s"});
   model.add({"mass", fmt::format("{:.6g}", d.mass), "kg"});
   line("bodies", static_cast<int>(d.bodies.size()));
   line("loops", d.loops);

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <cstring>
 
+#include "app/busy.h"
 #include "mimbre/model_file.h"
+#include "mimbre/text.h"
 
 namespace mimbre::app {
 
@@ -34,15 +36,19 @@ void add_strict_option(Parser& command, bool& strict) {
 
 int done_with(bool warnings, bool strict) { return warnings && strict ? warned : done; }
 
-LoadedModel load(const std::string& path, const std::vector<std::string>& settings) {
+LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet) {
   std::vector<Diagnostic> warnings;
-  spec::Model spec = load_model(path, overrides(settings), &warnings);
   LoadedModel loaded;
+  {
+    Busy busy(fmt::format("reading {} and reducing its flexible bodies", path), !quiet);
+    spec::Model spec = load_model(path, overrides(settings), &warnings, &loaded.other_files);
+    busy.now(fmt::format("laying out the {} bodies", spec.bodies.size()));
+    loaded.model = Model::compile(std::move(spec));
+  }
   for (const Diagnostic& warning : warnings) {
     fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
     loaded.warnings.push_back(to_string(warning));
   }
-  loaded.model = Model::compile(std::move(spec));
   return loaded;
 }
 
@@ -50,11 +56,15 @@ std::string diagnostic_line(const Diagnostic& diagnostic, const std::string& sev
   const Mark& mark = diagnostic.mark;
   std::string place = mark.file;
   if (mark.line > 0) place += fmt::format(":{}:{}", mark.line, mark.column);
-  return fmt::format("{}: {}: {}", place.empty() ? "mimbre" : place, severity, diagnostic.message);
+  return printable(fmt::format("{}: {}: {}", place.empty() ? "mimbre" : place, severity, diagnostic.message));
 }
 
-void print_error(const std::string& message) { fmt::print(stderr, "mimbre: error: {}\n", message); }
-void print_warning(const std::string& message) { fmt::print(stderr, "mimbre: warning: {}\n", message); }
+void print_error(const std::string& message) {
+  fmt::print(stderr, "mimbre: error: {}\n", printable(message));
+}
+void print_warning(const std::string& message) {
+  fmt::print(stderr, "mimbre: warning: {}\n", printable(message));
+}
 
 void print_data(const std::string& text) {
   errno = 0;

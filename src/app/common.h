@@ -21,7 +21,7 @@ enum Exit : int {
   bad_input = 1,  ///< the model or another input is bad
   bad_usage = 2,
   failed = 3,  ///< the simulation failed, or was interrupted
-  warned = 4   ///< done, but not without a warning, and --strict was given
+  warned = 4   ///< done, but not without a warning, and --strict was given; a body's certificate has a NO
 };
 
 /// A command of the program: its options, and what it does; `run` returns the exit code.
@@ -64,10 +64,11 @@ int done_with(bool warnings, bool strict);
 struct LoadedModel {
   std::shared_ptr<const Model> model;
   std::vector<std::string> warnings;
+  std::vector<std::string> other_files;  ///< that were read with the model file: no output may replace them
 };
-/// Reads and compiles a model file, and prints the loader's warnings to stderr. Throws InputError,
-/// UsageError.
-LoadedModel load(const std::string& path, const std::vector<std::string>& settings);
+/// Reads and compiles a model file, and prints the loader's warnings to stderr; unless `quiet` it says on the
+/// terminal what takes long. Throws InputError, UsageError.
+LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet = false);
 
 /// "file:line:column: error: message", without the parts that are not known.
 std::string diagnostic_line(const Diagnostic& diagnostic, const std::string& severity);

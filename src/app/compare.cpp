@@ -38,15 +38,14 @@ int run(const Arguments& arguments) {
   const Results a = read_results(arguments.a), b = read_results(arguments.b);
   const std::vector<ChannelDifference> differences = compare(a, b);
   if (differences.empty())
-    throw std::runtime_error(
-        fmt::format("'{}' and '{}' have no channel in common", arguments.a, arguments.b));
+    throw InputError(Mark{},
+                     fmt::format("'{}' and '{}' have no channel in common", arguments.a, arguments.b));
   const std::vector<std::string> only_in_a = missing(a, b), only_in_b = missing(b, a);
   std::map<std::string, std::string> units;
   for (const ChannelInfo& channel : a.header.channels) units[channel.name] = channel.unit;
 
   if (arguments.json) {
-    Json json;
-    json["status"] = "ok";
+    Json json = answer("compare");
     for (const ChannelDifference& d : differences)
       json["channels"][d.name] = {{"unit", units[d.name]},
                                   {"max_difference", d.max_difference},

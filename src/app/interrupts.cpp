@@ -18,8 +18,12 @@ void catch_interrupts() {
   sigemptyset(&action.sa_mask);
   // Writes that are under way go on; a second signal finds the default action.
   action.sa_flags = SA_RESTART | SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(number, nullptr, &before);
+    // What the caller has ignored, as nohup does with hang-ups, stays ignored.
+    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
+  }
 }
 
 bool interrupted() { return stop_wanted.load(std::memory_order_relaxed); }

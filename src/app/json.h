@@ -8,7 +8,11 @@ namespace mimbre::app {
 /// Objects keep the order in which their keys were written.
 using Json = nlohmann::ordered_json;
 
-/// JSON text; numbers that are not finite become null, text that is not UTF-8 is replaced.
+/// The beginning of what a command answers with --json (schema/output.schema.json).
+Json answer(const std::string& command, const std::string& status = "ok");
+
+/// JSON text; numbers that are not finite become null, text that is not UTF-8 is replaced, control
+/// characters are escaped.
 std::string to_text(const Json& json, int indent = 2);
 
 }  // namespace mimbre::app

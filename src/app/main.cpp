@@ -7,6 +7,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "app/standard_streams.h"
 
 /// The command line `mimbre`: finds the command, and tells what goes wrong in it.
 namespace mimbre::app {
@@ -25,10 +26,11 @@ Json to_json(const Diagnostic& d) {
 }
 
 /// The errors to stderr, and for machines to stdout.
-int report_errors(const std::vector<Diagnostic>& errors, bool json, int code) {
+int report_errors(const std::vector<Diagnostic>& errors, const Command& command, int code) {
   for (const Diagnostic& error : errors) fmt::print(stderr, "{}\n", diagnostic_line(error, "error"));
-  if (json) {
-    Json object{{"status", "error"}, {"errors", Json::array()}};
+  if (command.parser.has("--json")) {
+    Json object = answer(command.parser.name(), "error");
+    object["errors"] = Json::array();
     for (const Diagnostic& error : errors) object["errors"].push_back(to_json(error));
     try {
       print_data(to_text(object) + '\n');
@@ -40,20 +42,22 @@ int report_errors(const std::vector<Diagnostic>& errors, bool json, int code) {
 }
 
 int run_guarded(const Command& command) {
-  const bool json = command.parser.has("--json");
   const auto one = [&](const std::string& message, int code) {
-    return report_errors({{Mark{}, one_line(message)}}, json, code);
+    return report_errors({{Mark{}, one_line(message)}}, command, code);
   };
   try {
     return command.run();
   } catch (const InputError& error) {
-    return report_errors(error.diagnostics(), json, bad_input);
+    return report_errors(error.diagnostics(), command, bad_input);
   } catch (const UsageError& error) {
     return one(error.what(), bad_usage);
   } catch (const Failure& error) {
     return one(error.what(), failed);
   } catch (const std::bad_alloc&) {
     return one("there is not enough memory", failed);
+  } catch (const std::runtime_error& error) {
+    // What the library throws where the input was good: a file cannot be written, an iteration goes nowhere.
+    return one(error.what(), failed);
   } catch (const std::exception& error) {
     return one(error.what(), bad_input);
   }
@@ -109,7 +113,10 @@ int main_program(int argc, char** argv) {
 }  // namespace mimbre::app
 
 int main(int argc, char** argv) {
+  mimbre::app::prepare_standard_streams();
   // A file that may not grow further is an error of writing like a full disk, not the end of the process.
   signal(SIGXFSZ, SIG_IGN);
+  // Nor is a pipe whose reader went away.
+  signal(SIGPIPE, SIG_IGN);
   return mimbre::app::main_program(argc, argv);
 }

@@ -30,7 +30,7 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
   const bool of_newmark = named_one.value_or(given.integrator) == Integrator::newmark;
   const bool of_conserve = named_one.value_or(given.integrator) == Integrator::conserve;
   if ((arguments.rho || arguments.xi) && named_one && of_conserve)
-    throw UsageError(fmt::format("{} belongs to other integrators; conserve damps nothing",
+    throw UsageError(fmt::format("{} belongs to other integrators; conserve has none",
                                  arguments.rho ? "--rho" : "--integrator-xi"));
   if (arguments.rho && named_one && of_newmark)
     throw UsageError("--rho belongs to generalized_alpha and hht; newmark has --integrator-xi");
@@ -74,7 +74,7 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       "generalized_alpha: second order, damps what the step cannot resolve\n"
       "newmark: the trapezoidal rule, or with xi below 0 damped\n"
       "hht: Hilber, Hughes, Taylor\n"
-      "conserve: the trapezoidal rule with its error of energy taken back");
+      "conserve: generalized-alpha with its error of energy taken back");
   const Option xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
                         .from(-INFINITY, 0)
                         .type_name("XI")

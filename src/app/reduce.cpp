@@ -247,13 +247,25 @@ std::string summary_text(const Json& summary) {
   return text + checks.text();
 }
 
+/// All files that are read, those that the input names included.
+std::vector<std::string> inputs_of(const Arguments& a) {
+  std::vector<std::string> inputs;
+  for (const std::string& given : {a.input, a.mass, a.nodes, a.dofs, a.user_modes, a.stress, a.stress_nodes})
+    if (!given.empty()) inputs.push_back(given);
+  for (const std::string& interface : a.interfaces.interfaces)
+    if (const auto file = interface.find("=nodes:"); file != std::string::npos)
+      inputs.push_back(interface.substr(file + std::string_view("=nodes:").size()));
+  if (a.input.ends_with(".inp"))
+    for (const std::string& beside : fe::files_beside(a.input)) inputs.push_back(beside);
+  return inputs;
+}
+
 int run(const Arguments& a, const Parser& command) {
   const auto start = std::chrono::steady_clock::now();
+  const std::vector<std::string> inputs = inputs_of(a);
   for (const std::string& made : {a.output, a.report}) {
     if (made.empty()) continue;
-    for (const std::string& input :
-         {a.input, a.mass, a.nodes, a.dofs, a.user_modes, a.stress, a.stress_nodes})
-      if (!input.empty()) require_different(input, made);
+    for (const std::string& input : inputs) require_different(input, made);
     require_writable(made);
   }
   if (!a.report.empty()) require_different(a.output, a.report);
@@ -271,13 +283,16 @@ int run(const Arguments& a, const Parser& command) {
   summary["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary["memory_mb"] = peak_memory_mb();
   if (a.json) {
-    print_data(to_text(summary) + '\n');
-    return done;
+    Json json = answer("reduce");
+    json.update(summary);
+    json["warnings"] = result.at("warnings");
+    print_data(to_text(json) + '\n');
+  } else {
+    print_data(summary_text(summary));
   }
-  print_data(summary_text(summary));
-  if (!summary.at("passed").get<bool>())
-    print_warning("not all checks are passed; see above before you trust this body");
-  return done;
+  if (summary.at("passed").get<bool>()) return done;
+  print_warning("not all checks are passed: the certificate says what to look at before you trust this body");
+  return warned;
 }
 
 }  // namespace

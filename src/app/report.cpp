@@ -41,6 +41,8 @@ std::string page_name(const Arguments& arguments) {
 /// What `mimbre run --json` printed, which has the times that a results file has not. Throws InputError for
 /// anything else, and for that of another run.
 std::string measured_summary(const std::string& path, const Results& results) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) throw InputError(Mark{path, 0, 0}, "is no file");
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto bad = [&](const std::string& what) { return InputError(Mark{path, 0, 0}, what); };

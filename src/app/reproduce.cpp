@@ -155,14 +155,15 @@ class StatusLine {
   bool terminal_ = isatty(STDERR_FILENO) == 1;
 };
 
-int list(bool json) {
-  Json names = Json::array();
+int list(bool as_json) {
+  Json json = answer("reproduce");
+  Json& names = json["tables"] = Json::array();
   Table table({"table", "what"});
   for (const PublishedTable& published : published_tables()) {
     names.push_back({{"name", published.name}, {"title", published.title}});
     table.add({published.name, published.title});
   }
-  print_data(json ? to_text(names) + '\n' : table.text());
+  print_data(as_json ? to_text(json) + '\n' : table.text());
   return done;
 }
 
@@ -171,7 +172,8 @@ int run(const Arguments& arguments) {
   const std::vector<const PublishedTable*> tables = selected(arguments.tables);
   catch_interrupts();
   Lab lab;
-  Json json = Json::array();
+  Json json = answer("reproduce");
+  json["rows"] = Json::array();
   bool first = true;
   for (const PublishedTable* table : tables) {
     StatusLine status;
@@ -180,7 +182,7 @@ int run(const Arguments& arguments) {
                         })};
     status.clear();
     if (arguments.json) {
-      for (const Json& row : to_json(result)) json.push_back(row);
+      for (const Json& row : to_json(result)) json["rows"].push_back(row);
     } else {
       // Table by table: the whole takes minutes.
       print_data((first ? "" : "\n") + text(result, arguments.markdown));
@@ -200,7 +202,7 @@ Command add_reproduce(CommandLine& program) {
       .type_name("NAME")
       .repeated();
   parser.add_flag("--list", arguments->list, "The tables' names");
-  const Option json = parser.add_flag("--json", arguments->json, "A list of rows as JSON");
+  const Option json = parser.add_flag("--json", arguments->json, "The rows as JSON");
   parser.add_flag("--markdown", arguments->markdown, "The tables in Markdown").excludes(json);
   parser.footer(
       "Reruns what the tables in chapters 2 and 3 of U. Lugris' doctoral thesis (2008) are of, with models "

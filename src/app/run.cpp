@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/busy.h"
 #include "app/common.h"
 #include "app/interrupts.h"
 #include "app/json.h"
@@ -25,7 +27,7 @@ struct Arguments {
   std::vector<std::string> settings;
   MethodArguments method;
   std::optional<double> step, until;
-  bool json = false, quiet = false, strict = false;
+  bool json = false, quiet = false, strict = false, csv_units = false;
 };
 
 /// What of the command line decides the results; kept in the results file.
@@ -38,10 +40,11 @@ std::string options_json(const Arguments& arguments) {
   return to_text(json);
 }
 
-void check_targets(const Arguments& arguments) {
+void check_targets(const Arguments& arguments, const LoadedModel& loaded) {
   for (const std::string& path : {arguments.output, arguments.csv}) {
     if (path.empty()) continue;
     require_different(arguments.model, path);
+    for (const std::string& input : loaded.other_files) require_different(input, path);
     require_no_body(path);
     require_writable(path);
   }
@@ -56,9 +59,12 @@ class Recorder {
       results_ =
           std::make_unique<ResultsWriter>(arguments.output, simulation.header(options_json(arguments)));
     if (!arguments.csv.empty()) {
-      std::vector<std::string> columns;
-      for (int k = 0; k < simulation.output_count(); ++k) columns.push_back(simulation.channels()[k].name);
-      csv_ = std::make_unique<CsvWriter>(arguments.csv, columns);
+      std::vector<std::string> columns, units;
+      for (int k = 0; k < simulation.output_count(); ++k) {
+        columns.push_back(simulation.channels()[k].name);
+        if (arguments.csv_units) units.push_back(simulation.channels()[k].unit);
+      }
+      csv_ = std::make_unique<CsvWriter>(arguments.csv, columns, units);
     }
   }
 
@@ -72,8 +78,17 @@ class Recorder {
     if (csv_) csv_->add(row_.time, outputs_);
   }
 
+  /// Writes what has been waiting for long.
+  void flush_if_due() {
+    if (results_) results_->flush_if_due();
+    if (csv_) csv_->flush_if_due();
+  }
+
   /// Closes both files, whatever happened to the other; the first thing that goes wrong is thrown afterwards.
-  void finish(const std::string& summary) {
+  /// What is `whole` takes the place of older files, what is not stays beside them. Returns what is kept
+  /// then.
+  std::vector<std::string> finish(const std::string& summary, bool whole) {
+    std::vector<std::string> kept;
     std::exception_ptr first;
     const auto keep_first = [&](auto&& work) {
       try {
@@ -82,9 +97,15 @@ class Recorder {
         if (!first) first = std::current_exception();
       }
     };
-    if (results_) keep_first([&] { results_->finish(summary); });
-    if (csv_) keep_first([&] { csv_->finish(); });
+    const auto close = [&](auto& writer, const auto&... text) {
+      if (whole) return writer.finish(text...);
+      const std::string path = writer.keep(text...);
+      kept.push_back(fmt::format("{} rows in '{}'", writer.rows(), path));
+    };
+    if (results_) keep_first([&] { close(*results_, summary); });
+    if (csv_) keep_first([&] { close(*csv_); });
     if (first) std::rethrow_exception(first);
+    return kept;
   }
 
  private:
@@ -101,6 +122,10 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder,
   // Without files the clock is read once, with a progress line a few hundred times.
   const std::int64_t chunk = progress.shown() ? plan.steps / 500 + 1 : plan.steps;
   std::int64_t recorded = 0;
+  const auto stop = [&] {
+    recorder.flush_if_due();
+    return interrupted();
+  };
   // Where a run stops is its last row, too.
   const auto stopped = [&](Ending ending) {
     if (recorded < totals.steps) recorder.record(simulation);
@@ -111,7 +136,7 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder,
     while (totals.steps < plan.steps) {
       const std::int64_t until =
           recorder.recording() ? plan.next_row(totals.steps) : std::min(totals.steps + chunk, plan.steps);
-      const StepReport report = advance(simulation, plan, until, totals, interrupted);
+      const StepReport report = advance(simulation, plan, until, totals, stop);
       if (!report.ok()) return stopped({"failed", simulation.explain(report)});
       if (totals.steps == until) {
         recorder.record(simulation);
@@ -129,13 +154,17 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder,
 }
 
 int run(const Arguments& arguments) {
-  const LoadedModel loaded = load(arguments.model, arguments.settings);
-  check_targets(arguments);
+  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet);
+  check_targets(arguments, loaded);
   const spec::Simulation& given = loaded.model->spec().simulation;
   RunOptions options = run_options(arguments.method, given);
   options.step = arguments.step.value_or(0);
   const RunPlan plan = planned(given, options, arguments.step, arguments.until);
-  Simulation simulation(loaded.model, options);
+  const std::unique_ptr<Simulation> made = [&] {
+    const Busy busy("assembling the mechanism", !arguments.quiet);
+    return std::make_unique<Simulation>(loaded.model, options);
+  }();
+  Simulation& simulation = *made;
 
   catch_interrupts();
   Recorder recorder(arguments, simulation);
@@ -149,24 +178,28 @@ int run(const Arguments& arguments) {
     print_warning(warning);
     warnings.push_back(warning);
   }
+  std::vector<std::string> kept;
   try {
-    recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)));
+    kept =
+        recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)), ending.message.empty());
   } catch (const std::exception& error) {
     if (ending.message.empty()) ending = {"failed", error.what()};
   }
 
   if (!ending.message.empty()) {
     print_error(ending.message);
-    if (recorder.recording())
-      fmt::print(stderr, "mimbre: the results up to then were kept ({} steps of {})\n", totals.steps,
-                 plan.steps);
+    if (!kept.empty())
+      fmt::print(stderr, "mimbre: what was computed until then is kept: {} ({} steps of {})\n",
+                 fmt::join(kept, ", "), totals.steps, plan.steps);
   }
   if (arguments.json) {
-    Json summary = run_summary(simulation, totals, ending, warnings);
+    Json summary = answer("run");
+    summary.update(run_summary(simulation, totals, ending, warnings));
+    summary["units"] = output_units(simulation);
     add_measurements(summary, simulation, totals);
     print_data(to_text(summary) + '\n');
   } else if (!arguments.quiet) {
-    fmt::print(stderr, "{}", summary_table(simulation, totals));
+    print_data(summary_table(simulation, totals));
   }
   return ending.message.empty() ? done_with(!warnings.empty(), arguments.strict) : failed;
 }
@@ -183,17 +216,21 @@ Command add_run(CommandLine& program) {
   parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
       .type_name("FILE.h5");
   parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
-  parser.add_flag("--json", arguments->json, "The run's summary as JSON on the standard output");
+  parser.add_flag("--csv-units", arguments->csv_units, "A second line in the table: the columns' units");
+  parser.add_flag("--json", arguments->json, "The summary as JSON");
   parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
   add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method);
   parser.footer(
+      "The summary goes to the standard output, as a table or with --json as JSON; warnings, errors and the "
+      "progress line\ngo to the standard error.\n"
       "The run ends at its end: the last step is shorter where the end is no whole number of steps. Rows are "
       "written at the\n"
       "start, at the end, and at the first step at or after every multiple of the model's output_interval.\n"
       "Exit codes: 0 done, 1 the model is bad, 2 wrong use, 3 a step failed, a file could not be written, or "
       "the run\n"
-      "was interrupted (the results up to then are kept), 4 done with warnings, where --strict was given.\n"
+      "was interrupted (the results up to then are kept, beside older files), 4 done with warnings, where "
+      "--strict was given.\n"
       "Example:\n  mimbre run pendulum.yaml --set length=2 --until 10 --output pendulum.h5 --csv "
       "pendulum.csv");
   return {parser, [arguments] { return run(*arguments); }};

@@ -98,6 +98,7 @@ int run(const Arguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   require_different(a.model, a.output);
   require_not_candidates(loaded.model->spec(), a);
+  for (const std::string& input : loaded.other_files) require_different(input, a.output);
   require_writable(a.output);
   Progress progress(!a.json);
   ModeSelection s = select(loaded, a, progress);
@@ -112,8 +113,7 @@ int run(const Arguments& a) {
   save(s.body, a.output);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (a.json) {
-    Json json;
-    json["status"] = "ok";
+    Json json = answer("select");
     json["output"] = a.output;
     json["modes"] = s.body.modes;
     json["candidates"] = s.candidates;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/busy.h"
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
@@ -18,22 +19,20 @@ struct Arguments {
   bool json = false, strict = false;
 };
 
-Json to_json(const StaticResult& result, const Json& method) {
-  Json json;
-  json["status"] = "ok";
+Json to_json(const StaticResult& result, const Json& method, const std::vector<std::string>& warnings) {
+  Json json = answer("static");
   json["formulation"] = method.at("formulation");
   json["inertia"] = method.at("inertia");
-  json["outputs"] = Json::object();
-  for (int k = 0; k < result.output_count; ++k) json["outputs"][result.channels[k].name] = result.values[k];
+  json["outputs"] = json["units"] = Json::object();
+  for (int k = 0; k < result.output_count; ++k) {
+    json["outputs"][result.channels[k].name] = result.values[k];
+    json["units"][result.channels[k].name] = result.channels[k].unit;
+  }
   json["iterations"] = result.iterations;
   json["residual"] = result.residual;
   json["stable"] = result.stable;
-  json["warnings"] = result.warnings;
+  json["warnings"] = warnings;
   json["cpu_seconds"] = result.cpu_seconds;
-  // For scripts each output stands at the top, too, unless its name is taken.
-  const Json outputs = json["outputs"];
-  for (const auto& [name, value] : outputs.items())
-    if (!json.contains(name)) json[name] = value;
   return json;
 }
 
@@ -47,6 +46,7 @@ std::string to_table(const StaticResult& result) {
 }
 
 StaticResult equilibrium(const LoadedModel& loaded, const RunOptions& options) {
+  const Busy busy("looking for the equilibrium");
   try {
     return static_equilibrium(loaded.model, options);
   } catch (const InputError&) {
@@ -61,10 +61,14 @@ int run(const Arguments& arguments) {
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
   const StaticResult result = equilibrium(loaded, options);
-  for (const std::string& warning : result.warnings) print_warning(warning);
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : result.warnings) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
   const Json method = method_json(resolve_method(given, options));
-  print_data(arguments.json ? to_text(to_json(result, method)) + '\n' : to_table(result));
-  return done_with(!loaded.warnings.empty(), arguments.strict);
+  print_data(arguments.json ? to_text(to_json(result, method, warnings)) + '\n' : to_table(result));
+  return done_with(!warnings.empty(), arguments.strict);
 }
 
 }  // namespace

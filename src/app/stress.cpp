@@ -41,8 +41,7 @@ int run(const Arguments& a) {
       throw UsageError(
           fmt::format("no body '{}' with stress in the results{}", name, did_you_mean(name, names)));
 
-  Json json;
-  json["status"] = "ok";
+  Json json = answer("stress");
   json["bodies"] = Json::array();
   std::string text;
   Eigen::Index first = 0;

@@ -97,6 +97,13 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   return summary;
 }
 
+Json output_units(const Simulation& simulation) {
+  Json units = Json::object();
+  for (int k = 0; k < simulation.output_count(); ++k)
+    units[simulation.channels()[k].name] = simulation.channels()[k].unit;
+  return units;
+}
+
 void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals) {
   summary["cpu_seconds"] = totals.cpu_seconds;
   summary["initialisation_seconds"] = simulation.initialisation_seconds();

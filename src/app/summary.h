@@ -18,6 +18,9 @@ struct Ending {
 Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& ending,
                  const std::vector<std::string>& warnings);
 
+/// The units of the outputs, by their names.
+Json output_units(const Simulation& simulation);
+
 /// Adds what differs from run to run: times of this machine, memory.
 void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals);
 

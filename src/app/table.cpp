@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
+
+#include "mimbre/text.h"
 
 namespace mimbre::app {
 namespace {
@@ -31,6 +34,11 @@ std::string escaped(const std::string& text) {
 }
 
 }  // namespace
+
+void Table::add(std::vector<std::string> row) {
+  for (std::string& cell : row) cell = printable(cell);
+  rows_.push_back(std::move(row));
+}
 
 std::vector<std::size_t> Table::widths() const {
   std::vector<std::size_t> result(rows_[0].size(), 0);

@@ -9,7 +9,8 @@ namespace mimbre::app {
 class Table {
  public:
   explicit Table(std::vector<std::string> heading) : rows_{std::move(heading)} {}
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  /// What of the cells is not fit for a terminal is made visible.
+  void add(std::vector<std::string> row);
   /// Columns padded with blanks, two blanks between them, one line per row.
   std::string text() const;
   /// The same as a Markdown table.

@@ -23,8 +23,10 @@ void require_writable(const std::string& path) {
   std::error_code unknown;
   if (fs::is_directory(path, unknown))
     throw std::runtime_error(fmt::format("cannot write '{}': it is a folder", path));
-  if (fs::exists(path, unknown)) need(path, W_OK);
-  const fs::path folder = fs::path(path).parent_path();
+  const bool exists = fs::exists(path, unknown);
+  if (exists) need(path, W_OK);
+  if (exists && !fs::is_regular_file(path, unknown)) return;                  // a device is written straight
+  const fs::path folder = fs::weakly_canonical(path, unknown).parent_path();  // where links lead
   need(folder.empty() ? fs::path(".") : folder, W_OK | X_OK);
 }
 

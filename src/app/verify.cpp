@@ -63,8 +63,7 @@ Json to_json(const std::array<std::optional<Apart>, 2>& changes) {
 }
 
 Json to_json(const Verification& v, const std::string& model, const std::vector<std::string>& warnings) {
-  Json json;
-  json["status"] = v.failures().empty() ? "ok" : "failed";
+  Json json = answer("verify", v.failures().empty() ? "ok" : "failed");
   json["model"] = model;
   json["until"] = v.end;
   Json method = method_json(v.method);

@@ -1,6 +1,8 @@
 #pragma once
 #include <hdf5.h>
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -63,12 +65,65 @@ inline std::string last_error() {
   return cause.empty() ? "unknown HDF5 error" : cause;
 }
 
-/// The type of a string of any length, UTF-8.
-inline Handle string_type() {
+/// Whether `parent` has the link `name`, of any kind.
+inline bool has_link(hid_t parent, const std::string& name) {
+  return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+/// A link to what lies in this file: others would pull in what the user of the file can read.
+inline bool is_own(hid_t parent, const std::string& name) {
+  H5L_info_t info{};
+  return H5Lget_info(parent, name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
+}
+
+/// A group of this file itself; not valid where there is none.
+inline Handle open_group(hid_t parent, const std::string& name) {
+  return is_own(parent, name) ? Handle(H5Gopen2(parent, name.c_str(), H5P_DEFAULT)) : Handle();
+}
+
+/// A dataset whose data lie in this file itself; not valid where there is none.
+inline Handle open_dataset(hid_t parent, const std::string& name) {
+  if (!is_own(parent, name)) return {};
+  Handle data(H5Dopen2(parent, name.c_str(), H5P_DEFAULT));
+  if (!data.valid()) return {};
+  const Handle properties(H5Dget_create_plist(data.get()));
+  if (!properties.valid() || H5Pget_external_count(properties.get()) != 0) return {};
+  const H5D_layout_t layout = H5Pget_layout(properties.get());
+  return layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED ? std::move(data)
+                                                                                    : Handle();
+}
+
+/// Whether a file of so many bytes can hold so many values of the dataset. A damaged header can announce any
+/// size; what other tools pack shrinks a thousandfold at most.
+inline bool can_hold(double file_bytes, hid_t dataset, double values) {
+  const Handle properties(H5Dget_create_plist(dataset)), type(H5Dget_type(dataset));
+  const double ratio = H5Pget_nfilters(properties.get()) > 0 ? 1100 : 1;
+  return values * static_cast<double>(H5Tget_size(type.get())) <= ratio * file_bytes;
+}
+
+/// The type of UTF-8 text of fixed length, filled up with zeros. Texts of any length would lie in a heap with
+/// pointers into it, which damaged files turn against the reader.
+inline Handle text_type(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1));
-  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_size(type.get(), std::max<std::size_t>(bytes, 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
   return type;
+}
+
+/// Texts one after another, each filled up with zeros to the longest one.
+struct PackedTexts {
+  std::size_t length = 1;  ///< bytes of each
+  std::string bytes;
+};
+inline PackedTexts packed(std::span<const std::string> texts) {
+  PackedTexts result;
+  for (const std::string& text : texts) result.length = std::max(result.length, text.size());
+  for (const std::string& text : texts) {
+    result.bytes += text;
+    result.bytes.append(result.length - text.size(), '\0');
+  }
+  return result;
 }
 
 }  // namespace mimbre::hdf5

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/output_place.h"
 #include "base/sha256.h"
 
 namespace mimbre {
@@ -45,6 +46,7 @@ std::optional<Unpacked> unpacked(std::string_view bytes) {
 
 std::optional<std::string> read(const fs::path& path) {
   std::error_code failed;
+  if (!fs::is_regular_file(path, failed)) return {};
   const std::uintmax_t size = fs::file_size(path, failed);
   if (failed) return {};
   std::string bytes(size, '\0');
@@ -119,10 +121,11 @@ std::optional<std::string> ResultCache::fetch(const std::string& key, const std:
   const auto bytes = read(entry(key));
   const auto found = bytes ? unpacked(*bytes) : std::nullopt;
   if (!found) return {};
-  std::error_code unknown;
-  const fs::path target = fs::weakly_canonical(output, unknown);  // not the link, but what it leads to
-  if (!write(unknown ? fs::path(output) : target, found->file))
-    throw std::runtime_error(fmt::format("cannot write '{}'", output));
+  try {
+    write_whole(output, found->file);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("cannot write '{}': {}", output, error.what()));
+  }
   std::error_code ignored;
   fs::last_write_time(entry(key), fs::file_time_type::clock::now(), ignored);
   return std::string(found->text);

@@ -11,7 +11,7 @@ struct State {
   Eigen::VectorXd a;            ///< accelerations
   Eigen::VectorXd algorithmic;  ///< generalised-α's algorithmic accelerations; Newmark: equal to a
   Eigen::VectorXd multipliers;  ///< λ, N or N m
-  double energy_error = 0;      ///< J, that the integrator `conserve` has still to take back
+  double energy_error = 0;      ///< J, fed in so far, that the integrator `conserve` has still to take back
   bool started = false;  ///< the first step replaces a and algorithmic by what a step of its length sees
 };
 

@@ -93,6 +93,12 @@ Bending rotation(double x, double length, double shear) {
          (1 + shear);
 }
 
+/// The derivative of the rotation.
+Bending curvature(double x, double length, double shear) {
+  return Bending{6 * (2 * x - 1) / length, 6 * x - 4 - shear, 6 * (1 - 2 * x) / length, 6 * x - 2 + shear} /
+         (length * (1 + shear));
+}
+
 Eigen::Matrix4d bending_stiffness(double EI, double length, double shear) {
   const double L = length, same = (4 + shear) * L * L, other = (2 - shear) * L * L;
   Eigen::Matrix4d k;
@@ -111,6 +117,39 @@ Eigen::Matrix4d bending_mass(double mass, double rotary, double length, double s
     m += g.weight * length * (mass * v * v.transpose() + rotary * turn * turn.transpose());
   }
   return m;
+}
+
+using Rows12 = Eigen::Matrix<double, 3, 12>;
+
+/// Rows of a displacement that are linear along the element by `first` and `second` per end's dof, bent by v
+/// and w.
+Rows12 displacement_rows(double first, double second, const Bending& v, const Bending& w) {
+  Rows12 n = Rows12::Zero();
+  n(0, 0) = first;
+  n(0, 6) = second;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double slope_sign = i % 2 == 0 ? 1 : -1;
+    n(1, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
+    n(2, kBendingXZ[i]) = slope_sign * w[static_cast<Eigen::Index>(i)];
+  }
+  return n;
+}
+
+/// The same of a rotation: θy = −w'.
+Rows12 rotation_rows(double first, double second, const Bending& v, const Bending& w) {
+  Rows12 n = Rows12::Zero();
+  n(0, 3) = first;
+  n(0, 9) = second;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double slope_sign = i % 2 == 0 ? 1 : -1;
+    n(2, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
+    n(1, kBendingXZ[i]) = -slope_sign * w[static_cast<Eigen::Index>(i)];
+  }
+  return n;
+}
+
+double value(const SectionForces::Polynomial& p, double x) {
+  return p[0] + x * (p[1] + x * (p[2] + x * p[3]));
 }
 
 }  // namespace
@@ -195,21 +234,36 @@ double polar_inertia(const BeamElement& element) {
   return element.material.density * (element.section.Iy + element.section.Iz);
 }
 
-Matrix12 element_geometric_stiffness(const AxialForce& force, double length, const ShearRatio& shear) {
-  const auto plane = [&](double ratio) {
-    Eigen::Matrix4d bending = Eigen::Matrix4d::Zero();
-    for (const GaussPoint& g : gauss4) {
-      const double x = g.xi;
-      const Bending s = slope(x, length, ratio);
-      const double tension = force[0] + x * (force[1] + x * force[2]);
-      bending += (g.weight * length * tension) * s * s.transpose();
-    }
-    return bending;
-  };
-  Matrix12 k = Matrix12::Zero();
-  add_bending(k, plane(shear.xy), kBendingXY, 1);
-  add_bending(k, plane(shear.xz), kBendingXZ, -1);
-  return k;
+// With the rotation matrix R(θ) of the section and the axis x + u, the strains Γ = Rᵀ (x + u)' − x and
+// κ~ = Rᵀ R' have the second-order parts
+//   Γ₂ = −θ × u' + ½ θ × (θ × x),   κ₂ = −½ θ × θ'
+// where θ is the rotation vector. That settles how moments turn with the nodes: to this order components of
+// the rotation vector are Argyris' semitangential rotations (Argyris, Dunne, Scharpf, Comput. Meth. Appl.
+// Mech. Eng. 14 (1978) 401–451): −½ M·(θ × θ') is what makes the matrix symmetric, and bars that meet at an
+// angle, or hang on frames that turn by exp(θ~), share their θ. With slopes as rotations the moments at an
+// element's ends would be quasitangential, and right in straight beams alone.
+// As shear strains γ are by Γ₂ in the work of the tension with −½ N γ² (Haringx), ½ N γ² is put back: the
+// tension works on ½ v'² + ½ w'² (Engesser).
+Matrix12 element_geometric_stiffness(const SectionForces& forces, double length, const ShearRatio& shear) {
+  const Eigen::Matrix3d along = cross_matrix(Eigen::Vector3d::UnitX());
+  Matrix12 half = Matrix12::Zero();  // the matrix is this and its transpose
+  for (const GaussPoint& g : gauss4) {
+    const double x = g.xi;
+    const Eigen::Vector3d F(value(forces.axial, x), value(forces.shear_y, x), value(forces.shear_z, x)),
+        M(value(forces.torque, x), value(forces.moment_y, x), value(forces.moment_z, x));
+    const Rows12 gradient = displacement_rows(-1 / length, 1 / length, slope(x, length, shear.xy),
+                                              slope(x, length, shear.xz)),
+                 turn = rotation_functions(x, length, shear),
+                 bend = rotation_rows(-1 / length, 1 / length, curvature(x, length, shear.xy),
+                                      curvature(x, length, shear.xz)),
+                 strain = gradient + along * turn;
+    const Rows12 by_force = 0.5 * (F * turn.row(0) - F[0] * turn);
+    Matrix12 work = turn.transpose() * by_force - gradient.transpose() * (cross_matrix(F) * turn) -
+                    0.5 * bend.transpose() * (cross_matrix(M) * turn);
+    work += 0.5 * F[0] * strain.bottomRows<2>().transpose() * strain.bottomRows<2>();
+    half += g.weight * length * work;
+  }
+  return half + half.transpose();
 }
 
 Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3d& axes) {
@@ -225,29 +279,11 @@ Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3
 }
 
 Eigen::Matrix<double, 3, 12> shape_functions(double xi, double length, const ShearRatio& shear) {
-  const Bending v = deflection(xi, length, shear.xy), w = deflection(xi, length, shear.xz);
-  Eigen::Matrix<double, 3, 12> n = Eigen::Matrix<double, 3, 12>::Zero();
-  n(0, 0) = 1 - xi;
-  n(0, 6) = xi;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double slope_sign = i % 2 == 0 ? 1 : -1;
-    n(1, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
-    n(2, kBendingXZ[i]) = slope_sign * w[static_cast<Eigen::Index>(i)];
-  }
-  return n;
+  return displacement_rows(1 - xi, xi, deflection(xi, length, shear.xy), deflection(xi, length, shear.xz));
 }
 
 Eigen::Matrix<double, 3, 12> rotation_functions(double xi, double length, const ShearRatio& shear) {
-  const Bending v = rotation(xi, length, shear.xy), w = rotation(xi, length, shear.xz);
-  Eigen::Matrix<double, 3, 12> n = Eigen::Matrix<double, 3, 12>::Zero();
-  n(0, 3) = 1 - xi;
-  n(0, 9) = xi;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double slope_sign = i % 2 == 0 ? 1 : -1;
-    n(2, kBendingXY[i]) = v[static_cast<Eigen::Index>(i)];
-    n(1, kBendingXZ[i]) = -slope_sign * w[static_cast<Eigen::Index>(i)];  // θy = −w'
-  }
-  return n;
+  return rotation_rows(1 - xi, xi, rotation(xi, length, shear.xy), rotation(xi, length, shear.xz));
 }
 
 }  // namespace mimbre::fe

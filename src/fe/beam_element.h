@@ -43,12 +43,24 @@ double polar_inertia(const BeamElement& element);
 /// Whether sections have inertia against turning with the bending.
 bool has_rotary_inertia(const BeamElement& element);
 
-/// An axial force (tension positive) along the element: N(ξ) = Σ coefficients[k] ξ^k, N.
-using AxialForce = std::array<double, 3>;
+/// Stress resultants along the element, element axes, on the section whose outer normal is x: a polynomial
+/// Σ coefficients[k] ξ^k each, N and N m.
+struct SectionForces {
+  using Polynomial = std::array<double, 4>;
+  Polynomial axial{};                 ///< tension positive
+  Polynomial shear_y{}, shear_z{};    ///< their lines of action through the axis
+  Polynomial torque{};                ///< about x
+  Polynomial moment_y{}, moment_z{};  ///< EI θy', EI θz'
+};
 
-/// ∫ N (v'² + w'²) ds in element dofs: the geometric stiffness of a tie with the cubic displacements
-/// (Przemieniecki 1968, 15.3, for constant N).
-Matrix12 element_geometric_stiffness(const AxialForce& force, double length, const ShearRatio& shear = {});
+/// What the stress of the section forces adds to the stiffness, in element dofs whose rotations are the
+/// nodes' rotation vectors (symmetric): the second variation of ∫ F·Γ + M·κ ds at constant forces F and
+/// moments M, Γ and κ the strains of the geometrically exact beam (Reissner 1981; Simo, Vu-Quoc 1986) with
+/// the element's displacements. It couples bending and twist. Only tension does work on the whole slope,
+/// shear included (Engesser). Sections are taken as symmetric, and what a tension does as it untwists them is
+/// left out.
+Matrix12 element_geometric_stiffness(const SectionForces& forces, double length,
+                                     const ShearRatio& shear = {});
 
 /// Element dofs = transformation · nodal dofs (body axes): the rigid offsets, then the element's axes.
 Matrix12 element_transformation(const BeamElement& element, const Eigen::Matrix3d& axes);

@@ -27,23 +27,42 @@ MatrixXd start_block(Index rows, Index columns) {
   return block;
 }
 
-/// block = out · triangle with out M-orthonormal; columns that depend on the others are dropped.
+constexpr double kNotOrthogonal = 1e-4;  // far above round-off
+constexpr double kNegative = 1e-6;       // of |v| |M v|; vᵀ M v of less than its negative is not round-off
+
+/// 1/√(vᵀ M v) of each column; 0 where a column has no mass.
+VectorXd inverse_lengths(const MatrixXd& block, const MatrixXd& image, const VectorXd& squares) {
+  const VectorXd sizes = block.colwise().norm().cwiseProduct(image.colwise().norm()).transpose();
+  if ((squares.array() < -kNegative * sizes.array()).any())
+    throw std::invalid_argument(
+        "the mass matrix of the finite-element model is not positive: some motion has a "
+        "negative kinetic energy");
+  return (squares.array() > 1e-300).select(squares.cwiseMax(1e-300).cwiseSqrt().cwiseInverse(), 0.0);
+}
+
+/// block = out · triangle with out M-orthonormal; columns that depend on the others, or have no mass, are
+/// dropped.
 struct Orthonormal {
   MatrixXd block, factor;
 };
 Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
   MatrixXd out = block, factor = MatrixXd::Identity(block.cols(), block.cols());
-  for (int pass = 0; pass < 2; ++pass) {
-    const MatrixXd gram = out.transpose() * pencil.mass(out);
-    const VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const MatrixXd scaled = scale.cwiseInverse().asDiagonal() * gram * scale.cwiseInverse().asDiagonal();
+  for (int pass = 0; pass < 2 && out.cols() > 0; ++pass) {
+    const MatrixXd image = pencil.mass(out), gram = out.transpose() * image;
+    if (!out.allFinite() || !gram.allFinite())
+      throw std::invalid_argument(
+          "the finite-element model is singular, or its masses and stiffnesses are beyond what "
+          "double precision can hold: check units, density and elastic moduli");
+    const VectorXd inverse = inverse_lengths(out, image, gram.diagonal());
+    const MatrixXd scaled = inverse.asDiagonal() * gram * inverse.asDiagonal();
     const EigenPairs pairs = symmetric_eigen(0.5 * (scaled + scaled.transpose()));
     const VectorXd& values = pairs.values;
-    const Index kept = (values.array() > 1e-13 * values.maxCoeff()).count();
+    const Index kept = (values.array() > 1e-13 * std::max(values.maxCoeff(), 0.0)).count();
     const MatrixXd vectors = pairs.vectors.rightCols(kept);
     const VectorXd roots = values.tail(kept).cwiseSqrt();
-    factor = roots.asDiagonal() * vectors.transpose() * scale.asDiagonal() * factor;
-    out = out * (scale.cwiseInverse().asDiagonal() * vectors * roots.cwiseInverse().asDiagonal());
+    const VectorXd lengths = (inverse.array() > 0).select(inverse.cwiseInverse(), 0.0);
+    factor = roots.asDiagonal() * vectors.transpose() * lengths.asDiagonal() * factor;
+    out = out * (inverse.asDiagonal() * vectors * roots.cwiseInverse().asDiagonal());
   }
   return {out, factor};
 }
@@ -56,6 +75,10 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
   const Index width = std::min<Index>(kWidth, pencil.size);
   MatrixXd basis(rows, 0), projected(0, 0);
   Orthonormal next = orthonormal(pencil, pencil.solve(pencil.mass(start_block(rows, width))));
+  if (next.block.cols() == 0)
+    throw std::invalid_argument(
+        "no part of the finite-element model that can move has a mass that counts beside its "
+        "stiffness: check units, density and elastic moduli");
   Index columns = 0;
   while (true) {
     const Index fresh = std::min(next.block.cols(), pencil.size - columns);
@@ -104,8 +127,15 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
 Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress) {
   if (count == 0) return {VectorXd(0), MatrixXd(pencil.rows > 0 ? pencil.rows : pencil.size, 0)};
   if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
-  return iterate(
+  Modes modes = iterate(
       pencil, [count](const VectorXd&) { return Index{count}; }, progress);
+  // Of a mass of low rank the iteration ends early, or goes on with round-off and finds modes twice.
+  const MatrixXd gram = modes.vectors.transpose() * pencil.mass(modes.vectors);
+  if (gram.cols() < count || !gram.isIdentity(kNotOrthogonal))
+    throw std::invalid_argument(
+        "the finite-element model has fewer modes of finite frequency than asked for: too few of its nodes "
+        "have mass");
+  return modes;
 }
 
 Modes block_lanczos_below(const Pencil& pencil, double limit, const std::function<void(double)>& progress) {

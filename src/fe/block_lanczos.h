@@ -17,8 +17,9 @@ struct Pencil {
 
 /// The `count` lowest solutions of K v = λ M v by block Lanczos iteration with full orthogonalisation
 /// (Golub, Underwood 1977; shift and invert, Grimes, Lewis, Simon 1994). `progress` (optional) is called with
-/// 0 to 1. Vectors are M-normalised, their largest entry positive. Throws std::runtime_error when it does not
-/// converge.
+/// 0 to 1. Vectors are M-normalised, their largest entry positive. M may be semidefinite. Throws
+/// std::runtime_error when it does not converge, std::invalid_argument when M is indefinite, there are fewer
+/// solutions of finite λ than asked for, or numbers overflow.
 Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress = {});
 
 /// All solutions with λ ≤ limit. Throws std::invalid_argument when they are more than a thousand.

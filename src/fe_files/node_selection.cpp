@@ -5,12 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "fe_files/text_file.h"
 #include "mimbre/fe_import.h"
 
 namespace mimbre::fe {
@@ -67,13 +67,13 @@ std::vector<int> from_set(const std::string& name, const SolidMesh& mesh) {
 }
 
 std::vector<int> from_file(const std::string& path, const SolidMesh& mesh) {
-  std::ifstream file(path);
-  if (!file) throw std::invalid_argument(fmt::format("cannot read '{}'", path));
+  TextFile file(path);
   std::unordered_map<std::int64_t, int> index;
   for (std::size_t k = 0; k < mesh.labels.size(); ++k) index[mesh.labels[k]] = static_cast<int>(k);
   std::vector<int> nodes;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
+  for (std::string_view text; file.next(text);) {
+    const int number = file.line_number();
+    std::string line(text);
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream words(line);
     std::string word;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/output_place.h"
 #include "fe_files/text_file.h"
 #include "mimbre/fe_import.h"
 
@@ -30,9 +31,10 @@ class OutputFile {
   void finish();
 
  private:
-  [[noreturn]] void fail() const;
+  [[noreturn]] void fail(const std::string& why) const;
 
-  std::string path_, part_;
+  std::string path_;
+  OutputPlace place_;
   std::FILE* file_;
 };
 

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "fe_files/matrix_files.h"
 #include "fe_files/node_table.h"
@@ -63,9 +61,7 @@ Matrix read_matrix(const std::string& path, const std::string& dofs_path, const 
   }
   if (kind != ".npz")
     throw InputError(mark, "is no sparse matrix by its name: .mtx (Matrix Market) or .npz (SciPy) is needed");
-  TextFile(path).name();  // says why it cannot be opened
-  std::ifstream stream(path, std::ios::binary);
-  SparseFile file = parse_npz({std::istreambuf_iterator<char>(stream), {}}, path);
+  SparseFile file = parse_npz(read_bytes(path), path);
   need(file.rows);
   for (std::size_t i = 0; i < file.value.size(); ++i) {
     triangles.note(file.row[i], file.column[i]);

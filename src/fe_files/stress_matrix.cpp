@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <unordered_map>
 #include <unordered_set>
@@ -95,10 +93,7 @@ StressMatrix read_stress_matrix(const std::string& path, const std::string& node
     TextFile table(nodes_path);
     nodes = parse_stress_nodes(table, mesh);
   }
-  TextFile(path).name();  // says why it cannot be opened
-  std::ifstream stream(path, std::ios::binary);
-  return parse_stress_matrix({std::istreambuf_iterator<char>(stream), {}}, path, std::move(nodes), mesh,
-                             matrices, columns, units);
+  return parse_stress_matrix(read_bytes(path), path, std::move(nodes), mesh, matrices, columns, units);
 }
 
 }  // namespace mimbre::fe

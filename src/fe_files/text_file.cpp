@@ -15,14 +15,24 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 /// No line of a text file is longer; a binary file may have no line end at all.
 constexpr std::size_t kLongestLine = std::size_t{16} << 20;
 
+/// Opened, when it is a plain file. Others are not even opened: a pipe would wait for its writer, a device
+/// may have no end.
+std::FILE* open_plain(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  if (fs::is_directory(status)) throw InputError({path, 0, 0}, "is a folder, not a file");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw InputError({path, 0, 0}, "is a pipe or a device; a plain file is needed");
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (!file) throw InputError({path, 0, 0}, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  return file;
+}
+
 }  // namespace
 
 TextFile::TextFile(const std::string& path)
-    : name_(path), file_(std::fopen(path.c_str(), "rb"), std::fclose), buffer_(kChunk) {
-  if (!file_) throw InputError({path, 0, 0}, fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw InputError({path, 0, 0}, "is a folder, not a file");
-}
+    : name_(path), file_(open_plain(path), std::fclose), buffer_(kChunk) {}
 
 TextFile::TextFile(std::string text, std::string name)
     : name_(std::move(name)),
@@ -81,6 +91,16 @@ std::string_view TextFile::expect(const char* what) {
   std::string_view line;
   if (!next(line)) fail(fmt::format("ends within {}", what));
   return line;
+}
+
+std::string read_bytes(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_plain(path), std::fclose);
+  std::string bytes, chunk(kChunk, '\0');
+  while (const std::size_t count = std::fread(chunk.data(), 1, chunk.size(), file.get()))
+    bytes.append(chunk, 0, count);
+  if (std::ferror(file.get()))
+    throw InputError({path, 0, 0}, fmt::format("cannot be read: {}", std::strerror(errno)));
+  return bytes;
 }
 
 }  // namespace mimbre::fe

@@ -42,4 +42,7 @@ class TextFile {
   bool again_ = false;
 };
 
+/// All of a plain file. Throws InputError when it is none or cannot be read.
+std::string read_bytes(const std::string& path);
+
 }  // namespace mimbre::fe

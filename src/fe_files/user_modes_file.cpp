@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -125,10 +123,10 @@ UserModes parse_user_modes_npz(std::string bytes, const std::string& path, const
 namespace {
 
 UserModes read(const std::string& path, const SolidMesh& mesh) {
-  TextFile file(path);  // says why it cannot be opened
-  if (lower(std::filesystem::path(path).extension().string()) != ".npz") return parse_user_modes(file, mesh);
-  std::ifstream stream(path, std::ios::binary);
-  return parse_user_modes_npz({std::istreambuf_iterator<char>(stream), {}}, path, mesh);
+  if (lower(std::filesystem::path(path).extension().string()) == ".npz")
+    return parse_user_modes_npz(read_bytes(path), path, mesh);
+  TextFile file(path);
+  return parse_user_modes(file, mesh);
 }
 
 }  // namespace

@@ -35,8 +35,12 @@ void DenseSystem::assemble(const double* q, const MatrixWeights& weights) {
 
 bool DenseSystem::choose(StepStatus& status) {
   const int n = system_.velocities();
-  const double largest = n > 0 ? f_.diagonal().maxCoeff() : 0;
-  for (int k = 0; k < n; ++k) column_weight_[k] = 1 / std::sqrt(std::max(f_(k, k), 1e-12 * largest));
+  // By what moves a coordinate through its scale, so that lengths and angles compare.
+  const std::vector<double>& scale = system_.scales().coordinates;
+  double largest = 0;
+  for (int k = 0; k < n; ++k) largest = std::max(largest, f_(k, k) * scale[k] * scale[k]);
+  for (int k = 0; k < n; ++k)
+    column_weight_[k] = scale[k] / std::sqrt(std::max(f_(k, k) * scale[k] * scale[k], 1e-12 * largest));
   const bool sound = partition_.choose(jacobian_, row_weight_, column_weight_);
   if (!sound) status.equation = partition_.weakest();
   return sound;

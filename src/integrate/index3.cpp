@@ -32,7 +32,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);
   unprojected_.setZero(n);
-  for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_}) x->setZero(m);
+  for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_, &rates_}) x->setZero(m);
 }
 
 void IndexThree::set_step(double step) {
@@ -97,7 +97,8 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
   };
   motion_.predict(s);
 
-  double violation = 0, reference = 0, predicted = 0;
+  double violation = 0, reference = 0, predicted = 0, before = 0, enough_velocity = 0;
+  bool foreseen = false;
   bool converged = false, settled = false;
   NewtonProgress newton;
   mixing_.reset();
@@ -164,6 +165,18 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
                 violation * std::min(1.0, newton.rate) <= position_tolerance;
     if (converged) {
       motion_.from_increment(s);
+      // Not the penalty's force of the violation that is left, which is round-off times a large number.
+      if (settled) lambda_ += force_;
+      enough_velocity = options_.velocity_tolerance * scales_.rate(v.data());
+      unprojected_ = v;
+      // What the last correction, which is small, makes of the rates is known before they are evaluated.
+      foreseen = m > 0 && !precise && !newton.slow;
+      if (foreseen) {
+        for (int k = 0; k < m; ++k) rates_[k] = system_.phi_dot()[k] + motion_.rate * impulse_[k];
+        before = scales_.of_equations(rates_.data());
+        foreseen = before > enough_velocity;
+        if (foreseen) project(v.data(), rates_.data(), enough_velocity);
+      }
       system_.kinematics(time, q.data(), v.data(), a.data());
       status.position_violation = largest(system_.phi(), m);
       if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
@@ -176,16 +189,14 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
 
   // Velocities and accelerations onto the constraints.
   if (m > 0) {
-    // Not the penalty's force of the violation that is left, which is round-off times a large number.
-    if (settled) lambda_ += force_;
     motion_.algorithmic -= a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
     // The factorised matrix belongs to an earlier iterate, so that a projection leaves a little, which the
     // next removes.
-    const double enough = options_.velocity_tolerance * scales_.rate(v.data());
-    const double before = scales_.of_equations(system_.phi_dot());
-    unprojected_ = v;
+    const double enough = enough_velocity;
+    if (!foreseen) before = scales_.of_equations(system_.phi_dot());
     for (int round = 0; round < 5; ++round) {
-      if (scales_.of_equations(system_.phi_dot()) <= (round == 0 && !precise ? 1 : 1e2) * enough) break;
+      if (scales_.of_equations(system_.phi_dot()) <= (round == 0 && !precise && !foreseen ? 1 : 1e2) * enough)
+        break;
       project(v.data(), system_.phi_dot(), enough);
       system_.kinematics(time, q.data(), v.data(), a.data());
     }

@@ -27,7 +27,7 @@ class IndexThree final : public Stepper {
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_, unprojected_;
-  Eigen::VectorXd g_, impulse_, force_;  // violation that is left; multipliers
+  Eigen::VectorXd g_, impulse_, force_, rates_;  // violation that is left; multipliers; rates foreseen
 };
 
 }  // namespace mimbre

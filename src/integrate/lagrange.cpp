@@ -12,7 +12,7 @@ LagrangeStepper::LagrangeStepper(System& system, const IntegratorOptions& option
       system_(system),
       motion_(system, options),
       dense_(system),
-      frequency_(baumgarte ? options.constraint_frequency : 0),
+      stabilises_(baumgarte),
       mixing_(system.velocities(), system.equations()) {
   set_step(options.step);
   for (Eigen::VectorXd* y : {&r_, &delta_}) y->setZero(system.velocities());
@@ -22,7 +22,6 @@ LagrangeStepper::LagrangeStepper(System& system, const IntegratorOptions& option
 void LagrangeStepper::set_step(double step) {
   options_.step = step;
   motion_.set_step(step);
-  sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, frequency_);
   weights_ = {motion_.rate * motion_.scale, motion_.scale, 0};
 }
 
@@ -40,6 +39,8 @@ StepStatus LagrangeStepper::step(State& s) {
                      r_.data());
   };
 
+  frequency_ = stabilises_ ? options_.constraint_frequency * system_.scales().rate(s.v.data()) : 0;
+  sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, frequency_);
   system_.begin_step(s.q.data());
   motion_.begin(s);
   lambda_ = s.multipliers;

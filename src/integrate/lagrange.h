@@ -20,7 +20,8 @@ class LagrangeStepper final : public Stepper {
   System& system_;
   StepMotion motion_;
   DenseSystem dense_;
-  const double frequency_;
+  const bool stabilises_;
+  double frequency_ = 0;   // ω
   double sigma_rate_ = 0;  // ∂σ/∂x = sigma_rate Φz
   MatrixWeights weights_;
   Anderson mixing_;

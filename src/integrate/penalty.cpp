@@ -26,8 +26,6 @@ PenaltyStepper::PenaltyStepper(System& system, const IntegratorOptions& options,
 void PenaltyStepper::set_step(double step) {
   options_.step = step;
   motion_.set_step(step);
-  sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, options_.constraint_frequency);
-  weights_ = {motion_.rate * motion_.scale, motion_.scale, penalty_ * sigma_rate_ * motion_.scale};
 }
 
 StepStatus PenaltyStepper::step(State& s) {
@@ -40,6 +38,9 @@ StepStatus PenaltyStepper::step(State& s) {
     return status;
   };
 
+  frequency_ = options_.constraint_frequency * system_.scales().rate(s.v.data());
+  sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, frequency_);
+  weights_ = {motion_.rate * motion_.scale, motion_.scale, penalty_ * sigma_rate_ * motion_.scale};
   system_.begin_step(s.q.data());
   motion_.begin(s);
   motion_.predict(s);
@@ -69,7 +70,7 @@ StepStatus PenaltyStepper::step(State& s) {
     }
     // λ holds the constraint forces as they were known before this evaluation, so that what is added here
     // with the Jacobian of the factorised matrix vanishes in the end.
-    stabilised(system_, options_.constraint_damping, options_.constraint_frequency, sigma_.data());
+    stabilised(system_, options_.constraint_damping, frequency_, sigma_.data());
     for (int k = 0; k < m; ++k) g_[k] = penalty_ * alpha[k] * sigma_[k] - (augmented_ ? 0 : lambda_[k]);
     system_.add_jacobian_transposed(g_.data(), 1, r_.data());
     r_ *= -motion_.scale;

@@ -20,6 +20,7 @@ class PenaltyStepper final : public Stepper {
   StepMotion motion_;
   const bool augmented_;
   const double penalty_;   // κ
+  double frequency_ = 0;   // ω
   double sigma_rate_ = 0;  // ∂σ/∂x = sigma_rate Φz
   MatrixWeights weights_;
   Anderson mixing_;

@@ -8,6 +8,10 @@ namespace mimbre {
 /// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
 constexpr double least_hht_rho = 0.5;
 
+/// The spectral radius of `conserve`: enough that vibrations faster than the step do not take up energy,
+/// while of those with twenty steps a period next to nothing is damped.
+constexpr double conserving_rho = 0.6;
+
 /// Coefficients of the rules  x = h ż₀ + h² ((½ − β) w₀ + β w₁),  ż₁ = ż₀ + h ((1 − γ) w₀ + γ w₁),
 /// (1 − αm) w₁ + αm w₀ = (1 − αf) z̈₁ + αf z̈₀.
 struct RuleCoefficients {
@@ -17,16 +21,17 @@ struct RuleCoefficients {
 inline RuleCoefficients rule_coefficients(const IntegratorOptions& options) {
   RuleCoefficients c;
   switch (options.rule) {
-    case IntegratorOptions::Rule::conserve:
-      return c;
     case IntegratorOptions::Rule::newmark:
       c.beta = (1 - options.xi) * (1 - options.xi) / 4;
       c.gamma = (1 - 2 * options.xi) / 2;
       return c;
     case IntegratorOptions::Rule::generalized_alpha:
-      c.alpha_m = (2 * options.rho - 1) / (options.rho + 1);
-      c.alpha_f = options.rho / (options.rho + 1);
+    case IntegratorOptions::Rule::conserve: {
+      const double rho = options.rule == IntegratorOptions::Rule::conserve ? conserving_rho : options.rho;
+      c.alpha_m = (2 * rho - 1) / (rho + 1);
+      c.alpha_f = rho / (rho + 1);
       break;
+    }
     case IntegratorOptions::Rule::hht: {
       const double rho = std::clamp(options.rho, least_hht_rho, 1.0);
       c.alpha_f = (1 - rho) / (1 + rho);

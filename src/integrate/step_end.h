@@ -4,7 +4,8 @@
 
 namespace mimbre {
 
-/// Violations at the end of a step, from the system's last evaluation, and whether the end can be accepted.
+/// Violations at the end of a step, from the system's last evaluation, and whether the end can be accepted:
+/// |Φ| within `drift_limit` in the mechanism's own units (Scales).
 inline StepCode check_end(const System& system, const StepMotion& motion, double drift_limit,
                           StepStatus& status) {
   const int n = system.velocities(), m = system.equations();
@@ -16,7 +17,7 @@ inline StepCode check_end(const System& system, const StepMotion& motion, double
   status.position_violation = largest(system.phi(), m);
   status.velocity_violation = largest(system.phi_dot(), m);
   for (int k = 0; k < m; ++k)
-    if (!(std::abs(system.phi()[k]) <= drift_limit)) {
+    if (!(std::abs(system.phi()[k]) <= drift_limit * system.scales().equations[k])) {
       status.equation = k;
       return StepCode::drifted;
     }

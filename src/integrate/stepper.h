@@ -25,11 +25,12 @@ struct IntegratorOptions {
   double penalty =
       1e7;  ///< κ: the penalty is κ times the mean body mass (index3: over β h²; penalty alone: 100 κ)
   int max_iterations = 30;
-  // Formalisms that impose Φ̈ + 2ζω Φ̇ + ω² Φ = 0 instead of Φ = 0 (Lugrís 2008, 2.159). The usual ω of 10
-  // is what explicit integrators bear; the rules here take any, and a larger one holds the loops better.
-  double constraint_frequency = 100;  ///< ω, rad/s
-  double constraint_damping = 1;      ///< ζ: critical damping
-  double drift_limit = 0.01;          ///< a step that ends with a larger |Φ| fails, m
+  // Formalisms that impose Φ̈ + 2ζω Φ̇ + ω² Φ = 0 instead of Φ = 0 (Lugrís 2008, 2.159). The usual ω of
+  // 10 rad/s is what explicit integrators bear; the rules here take any, and a larger one holds the loops
+  // better.
+  double constraint_frequency = 20;  ///< ω by the mechanism's own pace (Scales::rate)
+  double constraint_damping = 1;     ///< ζ: critical damping
+  double drift_limit = 0.02;  ///< a step that ends with a larger |Φ| fails, in the mechanism's own units
 };
 
 /// drifted: the loops have come apart by more than the formalism should be trusted with.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -14,12 +15,12 @@ int rounded_up(int n, int unit = kLanes) { return (n + unit - 1) / unit * unit; 
 /// Columns of L that make one panel. `below` holds the blocks of the other rows.
 struct Supernode {
   std::vector<int> blocks;
-  std::set<int> below;
+  std::vector<int> below;  ///< ascending
   int columns = 0;
   int rows_below = 0;
 };
 
-int total(const std::set<int>& blocks, const std::vector<int>& sizes) {
+int total(const std::vector<int>& blocks, const std::vector<int>& sizes) {
   int sum = 0;
   for (int block : blocks) sum += sizes[block];
   return sum;
@@ -27,10 +28,10 @@ int total(const std::set<int>& blocks, const std::vector<int>& sizes) {
 
 /// Eliminates the blocks that are not empty, always one with the least degree (unknowns it is coupled with);
 /// of equals the last. Returns them in order, each with the later blocks it is coupled with by then (fill
-/// included).
-std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std::set<int>> neighbours) {
+/// included). `neighbours`: ascending.
+std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std::vector<int>> neighbours) {
   std::set<std::pair<int, int>> queue;  // (degree, -block)
-  std::vector<int> degree(sizes.size());
+  std::vector<int> degree(sizes.size()), seen_by(sizes.size(), -1), merged;
   for (int block = 0; block < static_cast<int>(sizes.size()); ++block) {
     degree[block] = total(neighbours[block], sizes);
     if (sizes[block] > 0) queue.emplace(degree[block], -block);
@@ -39,16 +40,27 @@ std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std:
   while (!queue.empty()) {
     const int block = -queue.begin()->second;
     queue.erase(queue.begin());
-    const std::set<int> below = std::move(neighbours[block]);
-    for (int other : below) {
-      neighbours[other].insert(below.begin(), below.end());
-      neighbours[other].erase(other);
-      neighbours[other].erase(block);
+    std::vector<int> below = std::move(neighbours[block]);
+    for (const int other : below) seen_by[other] = block;
+    for (const int other : below) {
+      std::vector<int>& its = neighbours[other];
+      its.erase(std::lower_bound(its.begin(), its.end(), block));
+      int now = degree[other] - sizes[block];
+      // In a long chain all blocks are coupled with all: mostly there is nothing to merge.
+      const auto known = std::count_if(its.begin(), its.end(), [&](int i) { return seen_by[i] == block; });
+      if (known + 1 < std::ssize(below)) {
+        merged.clear();
+        std::set_union(its.begin(), its.end(), below.begin(), below.end(), std::back_inserter(merged));
+        merged.erase(std::lower_bound(merged.begin(), merged.end(), other));
+        its = merged;
+        now = total(its, sizes);
+      }
       queue.erase({degree[other], -other});
-      degree[other] = total(neighbours[other], sizes);
-      queue.emplace(degree[other], -other);
+      degree[other] = now;
+      queue.emplace(now, -other);
     }
-    result.push_back({{block}, below, sizes[block], total(below, sizes)});
+    const int rows = total(below, sizes);
+    result.push_back({{block}, std::move(below), sizes[block], rows});
   }
   return result;
 }
@@ -111,7 +123,7 @@ BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
     if (size < 0) throw std::invalid_argument("a block has the negative size " + std::to_string(size));
     start_.push_back(start_.back() + size);
   }
-  std::vector<std::set<int>> neighbours(count);
+  std::vector<std::vector<int>> neighbours(count);
   for (int i = 0; i < count; ++i) couplings_.emplace_back(i, i);
   for (const auto& [i, j] : pattern.couplings) {
     if (std::min(i, j) < 0 || std::max(i, j) >= count)
@@ -119,8 +131,12 @@ BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
                                   " among " + std::to_string(count) + " blocks");
     couplings_.emplace_back(std::max(i, j), std::min(i, j));
     if (i == j || pattern.sizes[i] == 0 || pattern.sizes[j] == 0) continue;
-    neighbours[i].insert(j);
-    neighbours[j].insert(i);
+    neighbours[i].push_back(j);
+    neighbours[j].push_back(i);
+  }
+  for (std::vector<int>& its : neighbours) {
+    std::sort(its.begin(), its.end());
+    its.erase(std::unique(its.begin(), its.end()), its.end());
   }
   std::sort(couplings_.begin(), couplings_.end());
   couplings_.erase(std::unique(couplings_.begin(), couplings_.end()), couplings_.end());

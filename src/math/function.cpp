@@ -8,6 +8,7 @@
 
 #include "math/function_difference.h"
 #include "math/function_expression.h"
+#include "math/function_integral.h"
 #include "math/function_pieces.h"
 #include "mimbre/diagnostics.h"
 
@@ -58,13 +59,29 @@ struct Formula {
   double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
 };
 
+/// start + ∫ f from 0 to x.
+struct Integral {
+  Integral(const Function& of, double value_at_0, double end)
+      : f(of), start(value_at_0), table([&](double x) { return of.value(x); }, end) {}
+  Integral(const Function& of, double value_at_0) : f(of), start(value_at_0), exact(true) {}
+  double value(double x) const {
+    return start + (exact ? f.antiderivative(x) : table.value([&](double s) { return f.value(s); }, x));
+  }
+
+  Function f;
+  double start = 0;
+  bool exact = false;  ///< f knows its antiderivative
+  IntegralTable table;
+};
+
 }  // namespace
 
 struct Function::Impl {
   explicit Impl(Pieces pieces) : kind(std::move(pieces)) {}
   Impl(const std::string& text, const std::string& variable)
       : kind(std::in_place_type<Formula>, text, variable) {}
-  std::variant<Pieces, Formula> kind;
+  explicit Impl(Integral integral) : kind(std::move(integral)) {}
+  std::variant<Pieces, Formula, Integral> kind;
 };
 
 Function Function::constant(double value) { return polynomial({value}); }
@@ -110,27 +127,40 @@ Function Function::repeated(double start, double period) const {
   return result;
 }
 
+Function Function::integral(double start, double end) const {
+  if (!impl_) return constant(start);
+  Function result;
+  result.impl_ = std::make_shared<Impl>(
+      std::holds_alternative<Pieces>(impl_->kind) ? Integral(*this, start) : Integral(*this, start, end));
+  return result;
+}
+
 double Function::value(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->value(x);
+  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->value(x);
   return std::get_if<Formula>(&impl_->kind)->value(x);
 }
 
 double Function::derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->derivative(x);
+  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.value(x);
   return std::get_if<Formula>(&impl_->kind)->derivative(x);
 }
 
 double Function::second_derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->second_derivative(x);
+  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.derivative(x);
   return std::get_if<Formula>(&impl_->kind)->second_derivative(x);
 }
 
 double Function::antiderivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->antiderivative(x);
+  if (const Integral* integral = std::get_if<Integral>(&impl_->kind))
+    return difference::integral([&](double s) { return integral->value(s); }, 0, x);
   const Formula& formula = *std::get_if<Formula>(&impl_->kind);
   return difference::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
 }

@@ -268,7 +268,16 @@ class Compiler {
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b)
       for (const spec::Drive& d : c_.spec.joints[c_.bodies[b].joint_spec].drives)
         c_.drives.push_back({c_.bodies[b].joint_spec, b, c_.bodies[b].q + d.coordinate,
-                             c_.bodies[b].v + d.coordinate, c_.equations++, d.coordinate, d.position, 1.0});
+                             c_.bodies[b].v + d.coordinate, c_.equations++, d.coordinate,
+                             driven_position(c_.spec.joints[c_.bodies[b].joint_spec], d), 1.0});
+  }
+
+  /// A run may be longer than the file says: what is prepared reaches over four times that.
+  Function driven_position(const spec::Joint& joint, const spec::Drive& d) const {
+    if (d.of == spec::Drive::Of::position) return d.law;
+    const auto k = static_cast<std::size_t>(d.coordinate);
+    const double start = k < joint.initial_position.size() ? joint.initial_position[k].value_or(0) : 0;
+    return d.law.integral(start, 4 * c_.spec.simulation.end);
   }
 
   void matrix() {

@@ -30,7 +30,7 @@ std::optional<Eigen::Matrix3d> read_inertia(const Value& value) {
     value.error("three numbers Ixx Iyy Izz or six with Ixy Ixz Iyz are needed");
     return {};
   }
-  const auto n = value.numbers(3, 6);
+  const auto n = value.numbers(3, 6, quantity::inertia);
   if (!n) return {};
   Eigen::Matrix3d J = Eigen::Vector3d((*n)[0], (*n)[1], (*n)[2]).asDiagonal();
   if (n->size() == 6) {
@@ -61,7 +61,7 @@ void check_inertia(const Value& value, double mass, const Eigen::Matrix3d& J) {
 
 void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d* com, spec::Body& body) {
   const auto mass = fields.need("mass", "1.5");
-  const auto kilograms = mass ? mass->not_negative() : std::nullopt;
+  const auto kilograms = mass ? mass->not_negative(quantity::mass) : std::nullopt;
   body.mass = kilograms.value_or(0);
   if (com) body.com = local.point(*com);
   const auto inertia = fields.get("inertia");
@@ -86,9 +86,9 @@ void read_shapes(const Value& value, const Local& local, spec::Body& body) {
       continue;
     }
     std::vector<double> size;
-    if (box) size = box->numbers(3, 3).value_or(std::vector<double>{1, 1, 1});
-    if (cylinder) size = cylinder->numbers(2, 2).value_or(std::vector<double>{1, 1});
-    if (sphere) size = {sphere->number().value_or(1)};
+    if (box) size = box->numbers(3, 3, quantity::length).value_or(std::vector<double>{1, 1, 1});
+    if (cylinder) size = cylinder->numbers(2, 2, quantity::length).value_or(std::vector<double>{1, 1});
+    if (sphere) size = {sphere->number(quantity::length).value_or(1)};
     for (std::size_t k = 0; k < size.size(); ++k) {
       if (!(size[k] > 0)) item.error(fmt::format("size {} is not positive", size[k]));
       shape.size[static_cast<Eigen::Index>(k)] = size[k];
@@ -100,7 +100,7 @@ void read_shapes(const Value& value, const Local& local, spec::Body& body) {
     at = part.place.mirror.cwiseProduct(at);
     spec::Pose global;
     if (cylinder) {
-      if (const auto given = fields.get("at")) at = given->triple().value_or(at);
+      if (const auto given = fields.get("at")) at = given->triple(quantity::length).value_or(at);
       const auto axis = fields.get("axis");
       global.position = part.place.point(at);
       global.rotation =
@@ -124,7 +124,7 @@ void read_lines(const Value& value, const Local& local, spec::Body& body) {
     }
     std::optional<Eigen::Vector3d> last;
     for (const Value& point : item.list()) {
-      const auto p = point.triple();
+      const auto p = point.triple(quantity::length);
       if (!p) return;
       const Eigen::Vector3d here = local.point(*p);
       if (last) body.lines.push_back({*last, here});
@@ -147,9 +147,11 @@ std::shared_ptr<const ReducedBody> read_reduced(Builder& builder, const Part& pa
   };
   try {
     auto& original = image(Eigen::Vector3d::Ones());
-    if (!original)
-      original = std::make_shared<const ReducedBody>(
-          load_reduced_body((std::filesystem::path(builder.directory) / *path).string()));
+    if (!original) {
+      const std::string file = (std::filesystem::path(builder.directory) / *path).string();
+      builder.other_files.push_back(file);
+      original = std::make_shared<const ReducedBody>(load_reduced_body(file));
+    }
     auto& placed = image(part.place.mirror);
     if (!placed) placed = std::make_shared<const ReducedBody>(mirrored(*original, part.place.mirror));
     return placed;
@@ -216,7 +218,7 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
   const auto rigid_part = fields.get("rigid");
   const Fields rigid = rigid_part ? Fields(*rigid_part, {"mass", "com", "inertia"}) : fields;
   std::optional<Eigen::Vector3d> com;
-  if (const auto given = rigid.get("com")) com = given->triple();
+  if (const auto given = rigid.get("com")) com = given->triple(quantity::length);
 
   if (const auto frame = fields.get("frame")) {
     const Fields frame_fields(*frame, {"at", "x", "y", "z"});
@@ -272,7 +274,7 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
 spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector3d& default_position) {
   spec::Pose pose;
   Eigen::Vector3d position = default_position;
-  if (const auto at = fields.get("at")) position = at->triple().value_or(default_position);
+  if (const auto at = fields.get("at")) position = at->triple(quantity::length).value_or(default_position);
   std::vector<std::pair<int, Eigen::Vector3d>> given;
   const char* names[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k)

@@ -168,7 +168,7 @@ int attach(Builder& builder, const Part& part, const Value& value, const std::op
     return builder.frame_names.index.at(builder.model.bodies[static_cast<std::size_t>(found->body)].name);
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   if (at) {
-    const auto given = at->triple();
+    const auto given = at->triple(quantity::length);
     if (!given) return -1;
     position = part.place.point(*given);
   } else {
@@ -197,6 +197,7 @@ std::optional<std::string> read_file(Builder& builder, const Value& value, const
     value.error(fmt::format("'{}' is larger than {} MiB", full.string(), builder.limits.bytes >> 20));
     return {};
   }
+  builder.other_files.push_back(full.string());
   std::ifstream file(full, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();

@@ -97,7 +97,8 @@ struct Builder {
   Errors errors;
   std::vector<Diagnostic> warnings;
   std::string directory;
-  std::deque<Part> parts;  ///< the model first, then the instances in file order
+  std::vector<std::string> other_files;  ///< that were read
+  std::deque<Part> parts;                ///< the model first, then the instances in file order
   spec::Model model;
   std::vector<BodyInfo> bodies;
   Names body_names{"body", {}}, frame_names{"frame", {}}, joint_names{"joint", {}},
@@ -142,6 +143,8 @@ void read_springs(Builder& builder, Part& part);
 void read_loads(Builder& builder, Part& part);
 void read_roads(Builder& builder, Part& part);
 void read_tyres(Builder& builder, Part& part);
+/// Warns of forces on nodes of flexible bodies that have no static mode.
+void warn_of_loaded_nodes(Builder& builder);
 void read_outputs(Builder& builder);
 void read_simulation(Builder& builder, Part& part);
 void read_instances(Builder& builder);
@@ -159,15 +162,16 @@ std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& p
 /// {at, x, y, z}: axes from one or two of the vectors, global, placed.
 spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector3d& default_position);
 
-/// A law (docs/model-file.md) of what `law` says.
-std::optional<Function> read_law(const Value& value, LawOf law);
+/// A law (docs/model-file.md) of what `law` says, whose numbers may have the units.
+std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& units);
 /// The same for springs, where a plain number could mean a stiffness or a force and is refused.
-std::optional<Function> read_elastic_law(const Value& value);
+std::optional<Function> read_elastic_law(const Value& value, const LawUnits& units);
 /// The same for dampers, where a plain number is the coefficient.
-std::optional<Function> read_damping_law(const Value& value);
+std::optional<Function> read_damping_law(const Value& value, const LawUnits& units);
 /// [[x, y], ..] with ascending x; with `jumps` an x may come twice.
-std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value,
-                                                                               bool jumps);
+std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value, bool jumps,
+                                                                               const Quantity& x,
+                                                                               const Quantity& y);
 
 /// Text of a file under the builder's directory; nothing, and an error at `value`, when it cannot be read.
 std::optional<std::string> read_file(Builder& builder, const Value& value, const std::string& path);

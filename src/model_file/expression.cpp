@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "mimbre/diagnostics.h"
+#include "model_file/dimensions.h"
+#include "model_file/scanning.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -23,28 +24,10 @@ constexpr std::array functions{"sin",  "cos",   "tan",   "asin",  "acos", "atan"
 constexpr std::size_t longest = 2000;
 constexpr int deepest = 100;
 
-bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
-bool continues_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
-
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
-}
-
-/// End of the number that starts at `i`.
-std::size_t number_end(const std::string& text, std::size_t i) {
-  while (i < text.size() && (is_digit(text[i]) || text[i] == '.')) ++i;
-  if (i < text.size() && (text[i] == 'e' || text[i] == 'E')) {
-    std::size_t j = i + 1;
-    if (j < text.size() && (text[j] == '+' || text[j] == '-')) ++j;
-    if (j < text.size() && is_digit(text[j])) {
-      while (j < text.size() && is_digit(text[j])) ++j;
-      i = j;
-    }
-  }
-  return i;
 }
 
 /// "l (or x), v, t"
@@ -55,13 +38,6 @@ std::string listed(const std::vector<Variable>& variables) {
     if (v.names.size() > 1) text += fmt::format(" (or {})", v.names[1]);
   }
   return text;
-}
-
-/// The name in the result of what the file calls `name`; null where that is no variable.
-const std::string* variable(const std::string& name, const std::vector<Variable>& variables) {
-  for (const Variable& v : variables)
-    if (std::find(v.names.begin(), v.names.end(), name) != v.names.end()) return &v.name;
-  return nullptr;
 }
 
 std::string value_of_name(const std::string& name, const Scope& scope,
@@ -106,30 +82,28 @@ std::vector<std::string> Scope::names() const {
   return result;
 }
 
-const std::vector<Variable>& variables_of(LawOf law) {
-  static const std::vector<Variable> coordinate{{"x", {"l", "x"}}}, rate{{"x", {"v", "x"}}},
-      time{{"t", {"t"}}}, all{{"l", {"l", "x"}}, {"v", {"v"}}, {"t", {"t"}}};
+std::vector<Variable> variables_of(LawOf law, const Quantity& x) {
   switch (law) {
     case LawOf::coordinate:
-      return coordinate;
+      return {{"x", {"l", "x"}, x}};
     case LawOf::rate:
-      return rate;
+      return {{"x", {"v", "x"}, x}};
     case LawOf::time:
-      return time;
+      return {{"t", {"t"}, quantity::time}};
     case LawOf::all:
-      return all;
+      break;
   }
-  return all;
+  return {{"l", {"l", "x"}, quantity::length}, {"v", {"v"}, quantity::speed}, {"t", {"t"}, quantity::time}};
 }
 
-bool is_variable_name(const std::string& name) { return variable(name, variables_of(LawOf::all)); }
+bool is_variable_name(const std::string& name) { return find_variable(name, variables_of(LawOf::all)); }
 
 bool is_function_name(const std::string& name) {
   return std::find(functions.begin(), functions.end(), name) != functions.end();
 }
 
 std::string substitute_parameters(const std::string& text, const Scope& scope,
-                                  const std::vector<Variable>& variables) {
+                                  const std::vector<Variable>& variables, const Quantity& wanted) {
   if (text.size() > longest) throw ExpressionError(fmt::format("is longer than {} characters", longest));
   std::string result;
   int depth = 0;
@@ -139,17 +113,16 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
     if (c == ')') --depth;
     if (depth > deepest) throw ExpressionError(fmt::format("is nested deeper than {} levels", deepest));
     if (starts_name(c)) {
-      std::size_t end = i;
-      while (end < text.size() && continues_name(text[end])) ++end;
+      const std::size_t end = name_end(text, i);
       const std::string name = text.substr(i, end - i);
       const std::size_t next = text.find_first_not_of(" \t\n", end);
       const bool called = next != std::string::npos && text[next] == '(';
       if (called && !is_function_name(name))
         throw ExpressionError(fmt::format("there is no function '{}'{}", name,
                                           did_you_mean(name, {functions.begin(), functions.end()})));
-      const std::string* const as = called ? nullptr : variable(name, variables);
+      const Variable* const as = called ? nullptr : find_variable(name, variables);
       if (as)
-        result += *as;
+        result += as->name;
       else if (called || name == "pi")
         result += name;
       else
@@ -157,8 +130,11 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
       i = end;
     } else if (is_digit(c) || c == '.') {
       const std::size_t end = number_end(text, i);
-      result += text.substr(i, end - i);
-      i = end;
+      const auto unit = unit_behind(text, end, scope, variables);
+      const std::string digits = text.substr(i, end - i);
+      result +=
+          unit ? fmt::format("({}*{:.17g}/{:.17g})", digits, unit->numerator, unit->denominator) : digits;
+      i = unit ? unit->end : end;
     } else if (c == '=') {
       // muParser would take a lone '=' as an assignment.
       const bool compares = (i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos) ||
@@ -173,10 +149,11 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
       throw ExpressionError(fmt::format("'{}' is no number or expression", text));
     }
   }
+  check_dimensions(text, scope, variables, wanted);
   return result;
 }
 
-double evaluate(const std::string& given, const Scope& scope) {
+double evaluate(const std::string& given, const Scope& scope, const Quantity& wanted) {
   const std::string text = !given.empty() && given[0] == '$' ? given.substr(1) : given;
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -187,7 +164,7 @@ double evaluate(const std::string& given, const Scope& scope) {
   if (text == ".inf" || text == "-.inf" || text == "+.inf" || text == ".nan" || text == ".NaN" ||
       text == ".Inf")
     throw ExpressionError(fmt::format("'{}' is not a finite number", given));
-  const std::string expression = substitute_parameters(text, scope, {});
+  const std::string expression = substitute_parameters(text, scope, {}, wanted);
   if (trimmed(expression).empty()) throw ExpressionError("is empty; a number is needed");
   try {
     mu::Parser parser;

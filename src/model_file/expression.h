@@ -5,6 +5,8 @@
 #include <variant>
 #include <vector>
 
+#include "model_file/units.h"
+
 namespace mimbre::model_file {
 
 /// The value of a parameter: a number (booleans are 1 and 0) or a word.
@@ -34,22 +36,25 @@ bool is_function_name(const std::string& name);
 struct Variable {
   std::string name;                ///< in the result
   std::vector<std::string> names;  ///< in the file, the preferred one first
+  Quantity quantity = quantity::any;
 };
 
 /// The variables of a law of a length or another coordinate, of a rate, of time, and of all three.
 enum class LawOf { coordinate, rate, time, all };
-const std::vector<Variable>& variables_of(LawOf law);
+/// `x`: what the law's one variable measures.
+std::vector<Variable> variables_of(LawOf law, const Quantity& x = quantity::any);
 
 /// Whether it is the name of a variable in any law.
 bool is_variable_name(const std::string& name);
 
-/// The expression with parameters replaced by their values, so that only `variables` and functions are left.
-/// Throws ExpressionError on unknown names and on what is no part of an expression.
+/// The expression with parameters replaced by their values and numbers with units by SI ones, so that only
+/// `variables` and functions are left. Throws ExpressionError on unknown names, on units that do not fit what
+/// is `wanted`, and on what is no part of an expression.
 std::string substitute_parameters(const std::string& text, const Scope& scope,
-                                  const std::vector<Variable>& variables);
+                                  const std::vector<Variable>& variables, const Quantity& wanted);
 
-/// The finite value of an expression over parameters. Throws ExpressionError.
-double evaluate(const std::string& text, const Scope& scope);
+/// The finite value in SI of an expression over parameters. Throws ExpressionError.
+double evaluate(const std::string& text, const Scope& scope, const Quantity& wanted = quantity::number);
 
 /// A text value: `$name` is the parameter's value, `condition ? word : word` one of the words, anything else
 /// itself.

@@ -28,6 +28,7 @@ struct Reader {
   BodyInfo& info;
   FlexibleDescription result;
   std::vector<OnBar> on_bars;
+  std::vector<OnBar> other_names;  ///< of bars' ends; their node is found with the bar, -1 until then
   std::vector<std::pair<int, int>> bar_ends;
   std::vector<bool> used;
   std::vector<Eigen::Vector3d> positions;  ///< of the mesh's nodes, named ones first
@@ -44,7 +45,16 @@ struct Reader {
     const auto name = named.word();
     if (!name) return fail_quietly();
     const auto found = std::find(info.node_names.begin(), info.node_names.end(), *name);
-    if (found != info.node_names.end()) return static_cast<int>(found - info.node_names.begin());
+    if (found != info.node_names.end()) {
+      const auto k = static_cast<std::size_t>(found - info.node_names.begin());
+      if (k < used.size()) return static_cast<int>(k);
+      const OnBar& end = other_names[k - used.size()];
+      if (end.node < 0)
+        fail(named,
+             fmt::format("node '{}' is an end of bar '{}', which comes further down; put that bar first",
+                         *name, end.bar));
+      return end.node;
+    }
     fail(named, fmt::format("there is no node '{}'{}; there are: {}", *name,
                             did_you_mean(*name, info.node_names), joined(info.node_names)));
     return -1;
@@ -54,22 +64,53 @@ struct Reader {
     return -1;
   }
 
+  /// Another name of the node at a bar's end: {on: [front, 1]}.
+  bool is_bar_end(const Tree& node) {
+    const Tree::Entry* on = node.kind == Tree::Kind::map ? node.find("on") : nullptr;
+    if (!on || on->value->kind != Tree::Kind::list || on->value->items.size() != 2) return false;
+    const Value fraction(value.reading(), *on->value->items[1], value.what());
+    if (!fraction.is_scalar()) return false;
+    try {
+      const double x = evaluate(fraction.tree().text, *value.reading().scope);
+      return x == 0 || x == 1;
+    } catch (const ExpressionError&) {
+      return false;  // said where it is read
+    }
+  }
+
+  void read_bar_end(const std::string& name, const Value& node) {
+    const Fields fields(node, {"at", "on"});
+    const auto on = fields.get("on")->list();
+    const auto bar = on[0].word();
+    const auto fraction = on[1].number();
+    if (const auto at = fields.get("at"))
+      fail(*at, "the end of a bar has its place already; leave it out, or put the node on a bar of its own");
+    if (!bar || !fraction) return void(good = false);
+    other_names.push_back({*bar, *fraction, -1, on[0].mark()});
+    info.node_names.push_back(name);
+  }
+
   void read_nodes(const Value& nodes) {
     if (!nodes.is_map()) return fail(nodes, "names with places are needed, for example tip: [1, 0, 0]");
+    std::vector<std::pair<std::string, Value>> ends;
     for (const auto& entry : nodes.tree().entries) {
       if (!check_name(part.reading, entry.key, entry.mark, "node")) {
         good = false;
         continue;
       }
       const Value node(value.reading(), *entry.value, fmt::format("{} '{}'", nodes.what(), entry.key));
+      if (is_bar_end(*entry.value)) {
+        ends.emplace_back(entry.key, node);
+        continue;
+      }
       std::optional<Eigen::Vector3d> place;
       if (node.is_list()) {
-        place = node.triple();
+        place = node.triple(quantity::length);
         good = good && place;
       } else {
         const Fields fields(node, {"at", "on"});
         if (const auto at = fields.get("at")) {
-          place = at->triple();
+          place = at->triple(quantity::length);
           good = good && place;
         }
         if (const auto on = fields.get("on"))
@@ -83,6 +124,7 @@ struct Reader {
                           (part.place.point(place.value_or(Eigen::Vector3d::Zero())) - pose.position));
     }
     used.assign(positions.size(), false);
+    for (const auto& [name, node] : ends) read_bar_end(name, node);
     if (positions.empty()) fail(nodes, "there is no node");
   }
   std::vector<int> unplaced;  ///< nodes that lie where their bar says
@@ -94,9 +136,8 @@ struct Reader {
     const auto bar = parts[0].word();
     const auto fraction = parts[1].number();
     if (!bar || !fraction) return void(good = false);
-    if (*fraction <= 0 || *fraction >= 1)
-      return fail(parts[1],
-                  fmt::format("{} is not between 0 and 1; at a bar's end use the node there", *fraction));
+    if (*fraction < 0 || *fraction > 1)
+      return fail(parts[1], fmt::format("{} is not between 0 and 1, the ends of the bar", *fraction));
     on_bars.push_back({*bar, *fraction, static_cast<int>(info.node_names.size()), on.mark()});
   }
 
@@ -148,12 +189,13 @@ struct Reader {
       const Value bar(value.reading(), *entry.value, fmt::format("{} '{}'", bars.what(), entry.key));
       read_bar(entry.key, bar, body);
     }
-    for (const OnBar& on : on_bars)
-      if (std::find(names.begin(), names.end(), on.bar) == names.end()) {
-        good = false;
-        builder.errors.add(on.mark, fmt::format("{}: there is no bar '{}'{}; there are: {}", value.what(),
-                                                on.bar, did_you_mean(on.bar, names), joined(names)));
-      }
+    for (const auto* nodes : {&on_bars, &other_names})
+      for (const OnBar& on : *nodes)
+        if (std::find(names.begin(), names.end(), on.bar) == names.end()) {
+          good = false;
+          builder.errors.add(on.mark, fmt::format("{}: there is no bar '{}'{}; there are: {}", value.what(),
+                                                  on.bar, did_you_mean(on.bar, names), joined(names)));
+        }
     if (names.empty()) fail(bars, "there is no bar");
   }
 
@@ -179,6 +221,8 @@ struct Reader {
     }
     if (a < 0 || b < 0) return;
     bar_ends.emplace_back(a, b);
+    for (OnBar& end : other_names)
+      if (end.bar == name) end.node = end.fraction == 0 ? a : b;
     for (const int node : {a, b})
       if (std::find(unplaced.begin(), unplaced.end(), node) != unplaced.end())
         return fail(value_of_bar,
@@ -249,7 +293,12 @@ struct Reader {
   }
 
   void read_static_mode(const Value& item) {
-    const Fields fields(item, {"node", "along", "about", "all", "name"});
+    const Fields fields(item, {"node", "along", "about", "all", "name", "when"});
+    if (const auto when = fields.get("when")) {
+      const auto wanted = when->flag();
+      if (!wanted) return void(good = false);
+      if (!*wanted) return;
+    }
     const auto named = fields.need("node", "tip");
     const int node = named ? find_node(*named) : fail_quietly();
     const auto along = fields.get("along"), about = fields.get("about"), all = fields.get("all");
@@ -426,7 +475,7 @@ struct Reader {
       result.options.dynamic_modes = n.value_or(0);
     }
     if (const auto damping = fields.get("stiffness_damping")) {
-      const auto c = damping->not_negative();
+      const auto c = damping->not_negative(quantity::time);
       good = good && c;
       result.options.stiffness_damping = c.value_or(0);
     }
@@ -447,8 +496,10 @@ struct Reader {
     for (std::size_t k = 0; k < positions.size(); ++k)
       result.mesh.nodes.col(static_cast<Eigen::Index>(k)) = positions[k];
     for (std::size_t k = 0; k < info.node_names.size(); ++k) {
-      info.node_positions.push_back(positions[k]);
-      result.frames.push_back({info.node_names[k], static_cast<int>(k), Eigen::Matrix3d::Identity()});
+      const int node = k < used.size() ? static_cast<int>(k) : std::max(0, other_names[k - used.size()].node);
+      info.node_positions.push_back(positions.empty() ? Eigen::Vector3d::Zero()
+                                                      : positions[static_cast<std::size_t>(node)]);
+      result.frames.push_back({info.node_names[k], node, Eigen::Matrix3d::Identity()});
     }
   }
 };
@@ -457,7 +508,7 @@ struct Reader {
 
 std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& part, const Value& value,
                                                  const spec::Pose& pose, BodyInfo& info) {
-  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, {}, 0, true, {}};
+  Reader reader{builder, part, value, pose, info, {}, {}, {}, {}, {}, {}, 0, true, {}};
   reader.read();
   if (!reader.good) return {};
   return std::move(reader.result);

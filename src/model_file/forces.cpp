@@ -60,15 +60,16 @@ void read_spring(Builder& builder, const Part& part, const Value& value, spec::S
   const auto elastic = fields.get("elastic"), damping = fields.get("damping"), force = fields.get("force");
   if (!elastic && !damping && !force)
     value.error("says no force; for example elastic: {stiffness: 1000, zero: 0.5}");
-  if (elastic) spring.elastic = read_elastic_law(*elastic).value_or(Function{});
-  if (damping) spring.damping = read_damping_law(*damping).value_or(Function{});
+  if (elastic) spring.elastic = read_elastic_law(*elastic, units_of_length.elastic()).value_or(Function{});
+  if (damping) spring.damping = read_damping_law(*damping, units_of_length.damper()).value_or(Function{});
   if (!force) return;
   // Not as a word: '?:' chooses between forces here.
   const auto text = force->text();
   if (!text) return;
   try {
     spring.general = Function3::expression(
-        substitute_parameters(*text, *part.reading.scope, variables_of(LawOf::all)), {"l", "v", "t"});
+        substitute_parameters(*text, *part.reading.scope, variables_of(LawOf::all), quantity::force),
+        {"l", "v", "t"});
   } catch (const ExpressionError& e) {
     force->error(e.what());
   } catch (const InputError& e) {
@@ -83,10 +84,14 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   if (on) load.frame = attach(builder, part, *on, fields.get("at"), load.name + ".frame");
   const auto force = fields.get("force"), moment = fields.get("moment");
   if (!force && !moment) value.error("has no force and no moment; for example force: [0, 0, -10]");
-  if (force) load.force = part.place.vector(force->triple().value_or(Eigen::Vector3d::Zero()));
-  if (moment) load.moment = part.place.pseudo_vector(moment->triple().value_or(Eigen::Vector3d::Zero()));
+  if (force) load.force = part.place.vector(force->triple(quantity::force).value_or(Eigen::Vector3d::Zero()));
+  if (moment)
+    load.moment =
+        part.place.pseudo_vector(moment->triple(quantity::moment).value_or(Eigen::Vector3d::Zero()));
   load.scale = Function::constant(1);
-  if (const auto scale = fields.get("scale")) load.scale = read_law(*scale, LawOf::time).value_or(Function{});
+  if (const auto scale = fields.get("scale"))
+    load.scale = read_law(*scale, LawOf::time, {quantity::time, quantity::number, quantity::number})
+                     .value_or(Function{});
   if (const auto follower = fields.get("follower")) load.follower = follower->flag().value_or(false);
   if (load.frame < 0) return;
   if (builder.model.frames[static_cast<std::size_t>(load.frame)].body == spec::ground)
@@ -105,7 +110,8 @@ void read_road(const Value& value, spec::Road& road) {
   if (const auto over = fields.need("over", "distance"))
     road.over = static_cast<spec::Road::Over>(over->choice({"distance", "time"}).value_or(0));
   const auto points = fields.need("points", "[[0, 0], [10, 0]]");
-  auto table = points ? read_points(*points, true) : std::nullopt;
+  const Quantity& along = road.over == spec::Road::Over::time ? quantity::time : quantity::length;
+  auto table = points ? read_points(*points, true, along, quantity::length) : std::nullopt;
   if (!table) return;
   road.draw_from = table->first.front();
   road.draw_to = table->first.back();
@@ -113,7 +119,7 @@ void read_road(const Value& value, spec::Road& road) {
   road.height =
       Function::table(std::move(table->first), std::move(table->second), Function::Interpolation::linear);
   if (const auto repeat = fields.get("repeat")) {
-    const auto period = repeat->positive();
+    const auto period = repeat->positive(along);
     if (!period) return;
     if (*period < length * (1 - 1e-12))
       return repeat->error(fmt::format("{} is shorter than the points reach ({})", *period, length));
@@ -128,8 +134,9 @@ void read_tyre(Builder& builder, const Part& part, const Value& value, spec::Tyr
     tyre.frame = attach(builder, part, *on, fields.get("at"), tyre.name + ".frame");
   if (const auto road = fields.need("road", "track"))
     if (const auto name = road->word()) tyre.road = builder.resolve(builder.road_names, part, *name, *road);
-  if (const auto k = fields.need("stiffness", "4.6e5")) tyre.stiffness = k->positive().value_or(1);
-  if (const auto r = fields.need("radius", "0.36")) tyre.radius = r->positive().value_or(1);
+  if (const auto k = fields.need("stiffness", "4.6e5"))
+    tyre.stiffness = k->positive(quantity::stiffness).value_or(1);
+  if (const auto r = fields.need("radius", "0.36")) tyre.radius = r->positive(quantity::length).value_or(1);
 }
 
 template <class Thing>

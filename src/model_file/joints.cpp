@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <unordered_set>
 
@@ -19,6 +20,10 @@ using spec::JointType;
 int scalar_coordinates(JointType type) {
   const JointInfo& info = joint_info(type);
   return info.quaternion >= 0 ? 0 : info.velocities;
+}
+
+const CoordinateUnits& units_of(JointType type, int coordinate) {
+  return is_angle(type, coordinate) ? units_of_angle : units_of_length;
 }
 
 /// What other programs call the types of joints.
@@ -144,7 +149,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
   const int frame = a->frame >= 0 ? a->frame : b->frame;
   bool own_frame_b = false;  // the body's own frame, which moves with the tangent frame of a flexible body
   if (at) {
-    const auto given = at->triple();
+    const auto given = at->triple(quantity::length);
     if (!given) return none;
     place = part.place.point(*given);
   } else if (frame >= 0) {
@@ -216,15 +221,38 @@ std::vector<Value> one_or_many(const Value& value) {
 void read_drives(const Value& value, spec::Joint& joint) {
   std::unordered_set<int> driven;
   for (const Value& item : one_or_many(value)) {
-    const Fields fields(item, {"position", "coordinate"});
+    const Fields fields(item, {"position", "speed", "coordinate"});
     if (!item.has_fields()) continue;
     const auto coordinate = read_coordinate(fields, joint.type);
-    const auto position = fields.need("position", "\"0.5*sin(2*pi*t)\"");
-    if (!position || !coordinate) continue;
+    const auto position = fields.get("position"), speed = fields.get("speed");
+    if (position.has_value() == speed.has_value())
+      item.error(position ? "has both 'position' and 'speed'; keep one"
+                          : "'position' or 'speed' is missing, for example position: \"0.5*sin(2*pi*t)\"");
+    if (position.has_value() == speed.has_value() || !coordinate) continue;
     if (!driven.insert(*coordinate).second)
       item.error(fmt::format("coordinate {} is driven twice", *coordinate));
-    if (auto function = read_law(*position, LawOf::time))
-      joint.drives.push_back({*coordinate, std::move(*function)});
+    const CoordinateUnits& units = units_of(joint.type, *coordinate);
+    if (auto function = read_law(position ? *position : *speed, LawOf::time,
+                                 position ? units.drive() : units.speed_drive()))
+      joint.drives.push_back(
+          {*coordinate, std::move(*function), position ? spec::Drive::Of::position : spec::Drive::Of::speed});
+  }
+}
+
+/// What a drive prescribes needs no initial value, and one that is something else would be ignored.
+void check_driven(const Fields& fields, const spec::Joint& joint) {
+  const auto check = [&](const char* key, const std::vector<std::optional<double>>& given,
+                         const spec::Drive& drive, double driven) {
+    const auto k = static_cast<std::size_t>(drive.coordinate);
+    if (k >= given.size() || !given[k] || !(std::abs(*given[k] - driven) > 1e-9 * (1 + std::abs(driven))))
+      return;
+    fields.get(key)->error(fmt::format("{} contradicts the drive, which starts with {:.6g}; leave it out{}",
+                                       *given[k], driven, given.size() > 1 ? " (null)" : ""));
+  };
+  for (const spec::Drive& drive : joint.drives) {
+    const bool position = drive.of == spec::Drive::Of::position;
+    if (position) check("position", joint.initial_position, drive, drive.law.value(0));
+    check("velocity", joint.initial_velocity, drive, position ? drive.law.derivative(0) : drive.law.value(0));
   }
 }
 
@@ -235,6 +263,7 @@ void read_joint_springs(const Value& value, spec::Joint& joint) {
     const auto coordinate = read_coordinate(fields, joint.type);
     spec::JointSpring spring;
     spring.coordinate = coordinate.value_or(0);
+    const CoordinateUnits& units = units_of(joint.type, spring.coordinate);
     const auto stiffness = fields.get("stiffness"), elastic = fields.get("elastic"),
                damping = fields.get("damping");
     if (!stiffness && !elastic && !damping)
@@ -242,28 +271,33 @@ void read_joint_springs(const Value& value, spec::Joint& joint) {
     if (stiffness && elastic) item.error("has both 'stiffness' and 'elastic'; keep one");
     if (!stiffness && fields.has("zero")) item.error("'zero' belongs to 'stiffness', which is missing");
     if (stiffness)
-      spring.elastic = Function::linear(stiffness->not_negative().value_or(0), fields.number("zero", 0));
-    if (elastic) spring.elastic = read_elastic_law(*elastic).value_or(Function{});
-    if (damping) spring.damping = read_damping_law(*damping).value_or(Function{});
+      spring.elastic = Function::linear(stiffness->not_negative(units.stiffness).value_or(0),
+                                        fields.number("zero", 0, units.position));
+    if (elastic) spring.elastic = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
+    if (damping) spring.damping = read_damping_law(*damping, units.damper()).value_or(Function{});
     if (coordinate) joint.springs.push_back(std::move(spring));
   }
 }
 
 /// One number or a list with nulls, one entry per velocity coordinate.
-std::vector<std::optional<double>> read_initial(const Value& value, JointType type) {
+std::vector<std::optional<double>> read_initial(const Value& value, JointType type,
+                                                const Quantity CoordinateUnits::*of) {
   const int count = joint_info(type).velocities;
   std::vector<std::optional<double>> result;
   if (count == 0) {
     value.error(fmt::format("a {} joint has no coordinates", joint_info(type).name));
   } else if (value.is_list()) {
-    for (const Value& item : value.list()) result.push_back(item.is_null() ? std::nullopt : item.number());
+    for (const Value& item : value.list()) {
+      const int k = std::min(static_cast<int>(result.size()), count - 1);
+      result.push_back(item.is_null() ? std::nullopt : item.number(units_of(type, k).*of));
+    }
     if (static_cast<int>(result.size()) != count) {
       value.error(
           fmt::format("{} values are needed (null where it is free), these are {}", count, result.size()));
       result.clear();
     }
   } else if (count == 1) {
-    result.push_back(value.number());
+    result.push_back(value.number(units_of(type, 0).*of));
   } else {
     value.error(fmt::format("a list of {} values is needed (null where it is free)", count));
   }
@@ -329,8 +363,11 @@ void read_joint(Builder& builder, const Part& part, const Value& value, spec::Jo
       joint.cut = static_cast<spec::Joint::Cut>(*choice);
   if (const auto drive = fields.get("drive")) read_drives(*drive, joint);
   if (const auto spring = fields.get("spring")) read_joint_springs(*spring, joint);
-  if (const auto position = fields.get("position")) joint.initial_position = read_initial(*position, *type);
-  if (const auto velocity = fields.get("velocity")) joint.initial_velocity = read_initial(*velocity, *type);
+  if (const auto position = fields.get("position"))
+    joint.initial_position = read_initial(*position, *type, &CoordinateUnits::position);
+  if (const auto velocity = fields.get("velocity"))
+    joint.initial_velocity = read_initial(*velocity, *type, &CoordinateUnits::velocity);
+  check_driven(fields, joint);
   if (joint.type == JointType::floating && joint.frame_a >= 0 && joint.frame_b >= 0)
     place_floating(builder, part, value, joint);
 }

@@ -9,18 +9,18 @@
 namespace mimbre::model_file {
 namespace {
 
-std::optional<Function> linear_law(const Value& value) {
+std::optional<Function> linear_law(const Value& value, const LawUnits& units) {
   const Fields fields(value, {"stiffness", "zero"});
   const auto stiffness = fields.need("stiffness", "1000");
-  const auto k = stiffness ? stiffness->not_negative() : std::nullopt;
-  const double zero = fields.number("zero", 0);
+  const auto k = stiffness ? stiffness->not_negative(units.slope) : std::nullopt;
+  const double zero = fields.number("zero", 0, units.x);
   if (!k) return {};
   return Function::linear(*k, zero);
 }
 
 std::optional<std::vector<double>> read_coefficients(const Value& value) { return value.numbers(1, 32); }
 
-std::optional<Function> pieces_law(const Value& value) {
+std::optional<Function> pieces_law(const Value& value, const Quantity& x) {
   std::vector<double> breaks;
   std::vector<std::vector<double>> pieces;
   bool good = true;
@@ -43,7 +43,7 @@ std::optional<Function> pieces_law(const Value& value) {
       good = false;
       continue;
     }
-    const auto end = until->number();
+    const auto end = until->number(x);
     if (end && !breaks.empty() && *end <= breaks.back()) {
       until->error(fmt::format("the pieces do not ascend: {} comes after {}", *end, breaks.back()));
       good = false;
@@ -55,11 +55,12 @@ std::optional<Function> pieces_law(const Value& value) {
   return Function::piecewise(std::move(breaks), std::move(pieces));
 }
 
-std::optional<Function> expression_law(const Value& value, LawOf law) {
-  const std::vector<Variable>& variables = variables_of(law);
+std::optional<Function> expression_law(const Value& value, LawOf law, const LawUnits& units) {
+  const std::vector<Variable> variables = variables_of(law, units.x);
   try {
-    return Function::expression(substitute_parameters(value.tree().text, *value.reading().scope, variables),
-                                variables.front().name);
+    return Function::expression(
+        substitute_parameters(value.tree().text, *value.reading().scope, variables, units.y),
+        variables.front().name);
   } catch (const ExpressionError& e) {
     value.error(e.what());
   } catch (const InputError& e) {
@@ -73,7 +74,7 @@ std::optional<Function> expression_law(const Value& value, LawOf law) {
 bool is_plain_number(const Value& value) {
   if (!value.is_scalar()) return false;
   try {
-    evaluate(value.tree().text, *value.reading().scope);
+    evaluate(value.tree().text, *value.reading().scope, quantity::any);
     return true;
   } catch (const ExpressionError&) {
     return false;
@@ -82,8 +83,9 @@ bool is_plain_number(const Value& value) {
 
 }  // namespace
 
-std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value,
-                                                                               bool jumps) {
+std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value, bool jumps,
+                                                                               const Quantity& of_x,
+                                                                               const Quantity& of_y) {
   std::vector<double> x, y;
   bool good = true;
   const auto rows = value.list();
@@ -92,13 +94,16 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(c
     return {};
   }
   for (const Value& row : rows) {
-    const auto pair = row.numbers(2, 2);
-    if (!pair) {
+    const auto pair = row.is_list() && row.tree().items.size() == 2 ? row.list() : std::vector<Value>{};
+    if (pair.empty()) row.numbers(2, 2);
+    const auto at = pair.empty() ? std::nullopt : pair[0].number(of_x);
+    const auto height = pair.empty() ? std::nullopt : pair[1].number(of_y);
+    if (!at || !height) {
       good = false;
       continue;
     }
     const std::size_t n = x.size();
-    const double next = (*pair)[0];
+    const double next = *at;
     if (n > 0 && next < x[n - 1]) {
       row.error(fmt::format("the table does not ascend: {} comes after {}", next, x[n - 1]));
       good = false;
@@ -107,7 +112,7 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(c
       good = false;
     }
     x.push_back(next);
-    y.push_back((*pair)[1]);
+    y.push_back(*height);
   }
   if (good && x.size() >= 2 && x.front() == x.back()) {
     value.error("the table has only one abscissa");
@@ -119,11 +124,11 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(c
 
 namespace {
 
-std::optional<Function> table_law(const Fields& fields, const Value& table) {
+std::optional<Function> table_law(const Fields& fields, const Value& table, const LawUnits& units) {
   int cubic = 0;
   if (const auto interpolation = fields.get("interpolation"))
     cubic = interpolation->choice({"linear", "cubic"}).value_or(0);
-  auto points = read_points(table, cubic == 0);
+  auto points = read_points(table, cubic == 0, units.x, units.y);
   if (!points) return {};
   return Function::table(std::move(points->first), std::move(points->second),
                          cubic ? Function::Interpolation::cubic : Function::Interpolation::linear);
@@ -131,8 +136,8 @@ std::optional<Function> table_law(const Fields& fields, const Value& table) {
 
 }  // namespace
 
-std::optional<Function> read_law(const Value& value, LawOf law) {
-  if (value.is_scalar()) return expression_law(value, law);
+std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& units) {
+  if (value.is_scalar()) return expression_law(value, law, units);
   if (!value.is_map()) {
     value.error(
         "a law is needed: an expression, or {stiffness: 1000, zero: 0.1}, {polynomial: [..]}, {pieces: "
@@ -140,7 +145,7 @@ std::optional<Function> read_law(const Value& value, LawOf law) {
         "{table: [[x, y], ..]}, {constant: 5}");
     return {};
   }
-  if (value.tree().find("stiffness")) return linear_law(value);
+  if (value.tree().find("stiffness")) return linear_law(value, units);
   const Fields fields(value, {"stiffness", "zero", "coefficient", "constant", "polynomial", "pieces", "table",
                               "interpolation"});
   std::vector<std::string> given;
@@ -153,20 +158,21 @@ std::optional<Function> read_law(const Value& value, LawOf law) {
     return {};
   }
   const Value description = *fields.get(given[0]);
-  if (given[0] == "table") return table_law(fields, description);
-  if (given[0] == "pieces") return pieces_law(description);
+  if (given[0] == "table") return table_law(fields, description, units);
+  if (given[0] == "pieces") return pieces_law(description, units.x);
   if (given[0] == "polynomial") {
     auto coefficients = read_coefficients(description);
     if (!coefficients) return {};
     return Function::polynomial(std::move(*coefficients));
   }
-  const auto number = given[0] == "coefficient" ? description.not_negative() : description.number();
+  const auto number =
+      given[0] == "coefficient" ? description.not_negative(units.slope) : description.number(units.y);
   if (!number) return {};
   return given[0] == "coefficient" ? Function::linear(*number) : Function::constant(*number);
 }
 
-std::optional<Function> read_elastic_law(const Value& value) {
-  if (!is_plain_number(value)) return read_law(value, LawOf::coordinate);
+std::optional<Function> read_elastic_law(const Value& value, const LawUnits& units) {
+  if (!is_plain_number(value)) return read_law(value, LawOf::coordinate, units);
   value.error(
       fmt::format("a plain number could be a stiffness or a force; write {{stiffness: {}, zero: ..}} or "
                   "{{constant: {}}}",
@@ -174,9 +180,9 @@ std::optional<Function> read_elastic_law(const Value& value) {
   return {};
 }
 
-std::optional<Function> read_damping_law(const Value& value) {
-  if (!is_plain_number(value)) return read_law(value, LawOf::rate);
-  const auto coefficient = value.not_negative();
+std::optional<Function> read_damping_law(const Value& value, const LawUnits& units) {
+  if (!is_plain_number(value)) return read_law(value, LawOf::rate, units);
+  const auto coefficient = value.not_negative(units.slope);
   if (!coefficient) return {};
   return Function::linear(*coefficient);
 }

@@ -9,7 +9,7 @@
 namespace mimbre {
 
 spec::Model load_model(const std::string& path, const std::map<std::string, std::string>& overrides,
-                       std::vector<Diagnostic>* warnings) {
+                       std::vector<Diagnostic>* warnings, std::vector<std::string>* other_files) {
   namespace fs = std::filesystem;
   std::error_code status;
   if (!fs::exists(path, status)) throw InputError({path, 0, 0}, "there is no such file");
@@ -21,13 +21,13 @@ spec::Model load_model(const std::string& path, const std::map<std::string, std:
   text << file.rdbuf();
   if (!file) throw InputError({path, 0, 0}, "cannot be read");
   const std::string directory = fs::path(path).parent_path().string();
-  return parse_model(text.str(), path, directory.empty() ? "." : directory, overrides, warnings);
+  return parse_model(text.str(), path, directory.empty() ? "." : directory, overrides, warnings, other_files);
 }
 
 spec::Model parse_model(const std::string& text, const std::string& name, const std::string& directory,
                         const std::map<std::string, std::string>& overrides,
-                        std::vector<Diagnostic>* warnings) {
-  return model_file::parse(text, name, directory, overrides, warnings, {});
+                        std::vector<Diagnostic>* warnings, std::vector<std::string>* other_files) {
+  return model_file::parse(text, name, directory, overrides, warnings, {}, other_files);
 }
 
 }  // namespace mimbre

@@ -19,13 +19,14 @@ using Kind = spec::Output::Kind;
 struct KindRow {
   const char* key;
   Kind kind;
-  enum class Of { frame, joint, body, spring, tyre } of;
+  enum class Of { frame, joint, body, bodies, spring, tyre } of;
 };
 
 constexpr std::array kinds{
     KindRow{"position", Kind::position, KindRow::Of::frame},
     KindRow{"velocity", Kind::velocity, KindRow::Of::frame},
     KindRow{"acceleration", Kind::acceleration, KindRow::Of::frame},
+    KindRow{"angular_velocity", Kind::angular_velocity, KindRow::Of::frame},
     KindRow{"roll", Kind::roll, KindRow::Of::frame},
     KindRow{"pitch", Kind::pitch, KindRow::Of::frame},
     KindRow{"yaw", Kind::yaw, KindRow::Of::frame},
@@ -37,6 +38,9 @@ constexpr std::array kinds{
     KindRow{"modal_amplitude", Kind::modal_amplitude, KindRow::Of::body},
     KindRow{"stress", Kind::stress, KindRow::Of::body},
     KindRow{"strain", Kind::strain, KindRow::Of::body},
+    KindRow{"centre_of_mass", Kind::centre_of_mass, KindRow::Of::bodies},
+    KindRow{"linear_momentum", Kind::linear_momentum, KindRow::Of::bodies},
+    KindRow{"angular_momentum", Kind::angular_momentum, KindRow::Of::bodies},
     KindRow{"spring_force", Kind::spring_force, KindRow::Of::spring},
     KindRow{"spring_length", Kind::spring_length, KindRow::Of::spring},
     KindRow{"tyre_force", Kind::tyre_force, KindRow::Of::tyre},
@@ -87,6 +91,8 @@ void read_joint_component(const Builder& builder, const Fields& fields, spec::Ou
     output.component = component->integer(0, count - 1).value_or(0);
   else if (count > 1)
     fields.error(fmt::format("the joint has {} coordinates; say which: component: 0", count));
+  const bool angle = info.quaternion >= 0 || is_angle(info.type, output.component);
+  if (!velocity) output.offset = fields.number("offset", 0, angle ? quantity::angle : quantity::length);
 }
 
 /// The frame from which a displacement is seen, and where that frame sees the undeformed place.
@@ -118,7 +124,7 @@ void read_surface_node(const Builder& builder, const Part& part, const Fields& f
     return;
   }
   const auto at = fields.get("at");
-  const auto point = at ? at->triple() : std::nullopt;
+  const auto point = at ? at->triple(quantity::length) : std::nullopt;
   if (!point) return;
   const spec::Pose pose = builder.body_pose(output.item);
   const Eigen::Vector3d wanted = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
@@ -165,19 +171,56 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
   read_surface_node(builder, part, fields, *body, output);
 }
 
+/// A body, a list of bodies, or `all` of the model.
+void read_several_bodies(Builder& builder, const Part& part, const Value& named, spec::Output& output) {
+  const bool is_list = named.is_list();
+  if (!is_list && named.is_scalar() && named.tree().text == "all" &&
+      !builder.body_names.index.contains(part.full_name("all")) && !builder.body_names.index.contains("all"))
+    return;
+  const std::vector<Value> values = is_list ? named.list() : std::vector{named};
+  if (values.empty()) return named.error("names no body; a body, a list of bodies, or all");
+  bool with_mass = false;
+  for (const Value& value : values) {
+    const auto name = value.word();
+    const int body = name ? builder.resolve(builder.body_names, part, *name, value) : -1;
+    if (body < 0) return;
+    if (std::find(output.bodies.begin(), output.bodies.end(), body) != output.bodies.end())
+      return value.error(fmt::format("body '{}' is named twice", *name));
+    output.bodies.push_back(body);
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
+    with_mass = with_mass || info.failed || info.flexible ||
+                builder.model.bodies[static_cast<std::size_t>(body)].mass > 0;
+  }
+  if (!with_mass) named.error("has no mass, and so neither a centre of mass nor momentum");
+}
+
+/// What is of the motion of a body's mass: along which axis, and angular momentum about what.
+void read_motion_of_mass(Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                         spec::Output& output) {
+  output.component = read_component(fields, {"x", "y", "z"});
+  read_several_bodies(builder, part, named, output);
+  const auto about = fields.get("about");
+  if (!about) return;
+  if (output.kind != Kind::angular_momentum) return about->error("only 'angular_momentum' is about a point");
+  if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
+}
+
 void read_item(Builder& builder, const Part& part, const Fields& fields, const KindRow& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
   const bool stress = row.kind == Kind::stress || row.kind == Kind::strain;
   if (at && row.of != KindRow::Of::frame && !stress) at->error("only an output of a body has a place");
+  if (row.of == KindRow::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
   if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
   if (row.of == KindRow::Of::frame) {
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
     if (output.item < 0) return;
     const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
     if (row.kind == Kind::position || row.kind == Kind::velocity || row.kind == Kind::acceleration ||
-        row.kind == Kind::displacement)
+        row.kind == Kind::angular_velocity || row.kind == Kind::displacement)
       output.component = read_component(fields, {"x", "y", "z"});
+    if (const auto axes = fields.get("axes"); axes && row.kind == Kind::angular_velocity)
+      output.own_axes = axes->choice({"global", "own"}).value_or(0) == 1;
     if (row.kind == Kind::displacement) read_reference(builder, part, fields, output);
     if (row.kind == Kind::deflection) {
       const auto along = fields.need("along", "[0, 0, 1]");
@@ -211,12 +254,36 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
 }
 
 void read_output(Builder& builder, const Part& part, const Value& value) {
-  const Fields fields(
-      value,
-      {"name",         "at",           "component", "along",          "offset",        "position",
-       "velocity",     "acceleration", "roll",      "pitch",          "yaw",           "deflection",
-       "displacement", "relative_to",  "joint",     "joint_velocity", "joint_force",   "modal_amplitude",
-       "stress",       "strain",       "node",      "spring_force",   "spring_length", "tyre_force"});
+  const Fields fields(value, {"name",
+                              "at",
+                              "component",
+                              "along",
+                              "offset",
+                              "position",
+                              "velocity",
+                              "acceleration",
+                              "roll",
+                              "pitch",
+                              "yaw",
+                              "deflection",
+                              "displacement",
+                              "relative_to",
+                              "joint",
+                              "joint_velocity",
+                              "joint_force",
+                              "modal_amplitude",
+                              "stress",
+                              "strain",
+                              "node",
+                              "spring_force",
+                              "spring_length",
+                              "tyre_force",
+                              "axes",
+                              "angular_velocity",
+                              "centre_of_mass",
+                              "linear_momentum",
+                              "angular_momentum",
+                              "about"});
   if (!value.has_fields()) return;
   const auto given_name = fields.need("name", "chassis.z");
   const auto text = given_name ? given_name->text() : std::nullopt;
@@ -246,8 +313,11 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   if (row.kind != Kind::displacement && fields.has("relative_to"))
     fields.error("'relative_to' belongs to 'displacement'");
   if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");
+  if (row.kind != Kind::angular_velocity && fields.has("axes"))
+    fields.error("'axes' belongs to 'angular_velocity'");
+  if (row.of != KindRow::Of::bodies && fields.has("about"))
+    fields.error("'about' belongs to 'angular_momentum'");
   output.kind = row.kind;
-  output.offset = fields.number("offset", 0);
   read_item(builder, part, fields, row, *fields.get(row.key), output);
   const int index = static_cast<int>(builder.model.outputs.size());
   if (!builder.output_names.index.emplace(output.name, index).second)

@@ -63,8 +63,8 @@ std::optional<Declaration> read_declaration(const Value& value) {
       choices->error("words have no min, max or integer");
     if (result.choices.empty()) return {};
   }
-  result.min = fields.number("min", -INFINITY);
-  result.max = fields.number("max", INFINITY);
+  result.min = fields.number("min", -INFINITY, quantity::any);
+  result.max = fields.number("max", INFINITY, quantity::any);
   if (const auto integer = fields.get("integer")) result.integer = integer->flag().value_or(false);
   return result;
 }
@@ -87,7 +87,7 @@ ParameterValue value_from_text(const Declaration& d, const std::string& text, co
           fmt::format("'{}' is not one of {}{}", word, joined(d.choices), did_you_mean(word, d.choices)));
     return word;
   }
-  const double number = evaluate(text, scope);
+  const double number = evaluate(text, scope, quantity::any);
   if (number < d.min || number > d.max || (d.integer && number != std::floor(number)))
     throw ExpressionError(fmt::format("{} is not {}", number, range_text(d)));
   return number;
@@ -180,7 +180,7 @@ std::map<std::string, std::string> read_given(const Value& section) {
     }
     if (!scope.find_word(word)) {
       try {
-        word = fmt::format("{:.17g}", evaluate(value.tree().text, scope));
+        word = fmt::format("{:.17g}", evaluate(value.tree().text, scope, quantity::any));
       } catch (const ExpressionError&) {
         // Left to who takes it, who knows what is needed.
       }
@@ -196,7 +196,7 @@ void read_requirements(const Value& section) {
     const auto that = fields.need("that", "\"stairs >= 0\"");
     const auto message = fields.need("message", "stairs go down");
     if (!that || !message) continue;
-    const auto holds = that->number();
+    const auto holds = that->number(quantity::any);
     const auto text = message->text();
     if (holds && text && *holds == 0) item.error(*text);
   }

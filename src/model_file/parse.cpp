@@ -5,6 +5,7 @@
 #include <set>
 
 #include "model_file/builder.h"
+#include "model_file/degrees.h"
 #include "model_file/parameters.h"
 
 namespace mimbre::model_file {
@@ -45,7 +46,7 @@ void warn_unused(Builder& builder) {
 
 spec::Model parse(const std::string& text, const std::string& name, const std::string& directory,
                   const std::map<std::string, std::string>& overrides, std::vector<Diagnostic>* warnings,
-                  const Limits& limits) {
+                  const Limits& limits, std::vector<std::string>* other_files) {
   Builder builder(limits);
   builder.directory = directory;
   builder.model.file = name;
@@ -67,7 +68,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   if (const auto require = model.section("require")) read_requirements(*require);
   if (const auto title = fields.get("title")) builder.model.title = title->text().value_or("");
   if (const auto gravity = fields.get("gravity"))
-    builder.model.gravity = gravity->triple().value_or(builder.model.gravity);
+    builder.model.gravity = gravity->triple(quantity::acceleration).value_or(builder.model.gravity);
 
   read_roads(builder, model);
   read_instances(builder);
@@ -85,12 +86,15 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
     builder.errors.add(model.tree->mark, "the model has no body; add one under 'bodies'");
   builder.errors.throw_if_any();
 
+  warn_of_loaded_nodes(builder);
+  warn_of_degrees(builder);
   split_bodies(builder);
   builder.errors.throw_if_any();
   reduce_bodies(builder);
   builder.errors.throw_if_any();
   warn_unused(builder);
   if (warnings) warnings->insert(warnings->end(), builder.warnings.begin(), builder.warnings.end());
+  if (other_files) *other_files = std::move(builder.other_files);
   return std::move(builder.model);
 }
 

@@ -24,16 +24,16 @@ fe::Section rectangle(double width, double height) {
   return {width * height, width * std::pow(height, 3) / 12, height * std::pow(width, 3) / 12, J};
 }
 
-double needed(const Fields& fields, const std::string& key, const std::string& example) {
+double needed(const Fields& fields, const std::string& key, const std::string& example, const Quantity& of) {
   const auto value = fields.need(key, example);
-  return value ? value->positive().value_or(1) : 1;
+  return value ? value->positive(of).value_or(1) : 1;
 }
 
 fe::Material read_material(const Value& value) {
   const Fields fields(value, {"young", "poisson", "density"});
   fe::Material material;
-  material.young = needed(fields, "young", "2.1e11");
-  material.density = needed(fields, "density", "7850");
+  material.young = needed(fields, "young", "2.1e11", quantity::pressure);
+  material.density = needed(fields, "density", "7850", quantity::density);
   material.poisson = 0.3;
   if (const auto poisson = fields.need("poisson", "0.3")) {
     const auto number = poisson->number();
@@ -51,8 +51,8 @@ void read_shear_areas(const Fields& fields, fe::Section& section) {
   const auto parts = areas->list();
   if (parts.size() != 2)
     return areas->error("two areas are needed, along the element's y and along its z: [8.5e-5, 8.5e-5]");
-  section.shear_y = parts[0].positive().value_or(1);
-  section.shear_z = parts[1].positive().value_or(1);
+  section.shear_y = parts[0].positive(quantity::area).value_or(1);
+  section.shear_z = parts[1].positive(quantity::area).value_or(1);
 }
 
 NamedSection read_section(const Value& value) {
@@ -60,8 +60,10 @@ NamedSection read_section(const Value& value) {
   NamedSection named;
   if (general) {
     const Fields fields(value, {"area", "Iy", "Iz", "J", "shear_areas"});
-    named.section = {needed(fields, "area", "1e-4"), needed(fields, "Iy", "1e-9"),
-                     needed(fields, "Iz", "1e-9"), needed(fields, "J", "2e-9")};
+    named.section = {needed(fields, "area", "1e-4", quantity::area),
+                     needed(fields, "Iy", "1e-9", quantity::second_moment),
+                     needed(fields, "Iz", "1e-9", quantity::second_moment),
+                     needed(fields, "J", "2e-9", quantity::second_moment)};
     read_shear_areas(fields, named.section);
     return named;
   }
@@ -71,17 +73,18 @@ NamedSection read_section(const Value& value) {
   if (!choice) return named;
   if (*choice == 0) {
     const Fields fields(value, {"type", "diameter", "shear_areas"});
-    named = {ring(needed(fields, "diameter", "0.02"), 0), fe::round_shear(0)};
+    named = {ring(needed(fields, "diameter", "0.02", quantity::length), 0), fe::round_shear(0)};
   } else if (*choice == 1) {
     const Fields fields(value, {"type", "diameter", "inner_diameter", "shear_areas"});
-    const double outer = needed(fields, "diameter", "0.03");
-    const double inner = needed(fields, "inner_diameter", "0.024");
+    const double outer = needed(fields, "diameter", "0.03", quantity::length);
+    const double inner = needed(fields, "inner_diameter", "0.024", quantity::length);
     if (inner >= outer && fields.has("diameter") && fields.has("inner_diameter"))
       fields.error(fmt::format("inner_diameter {} is not less than diameter {}", inner, outer));
     named = {ring(outer, inner), fe::round_shear(inner / outer)};
   } else {
     const Fields fields(value, {"type", "width", "height", "shear_areas"});
-    named = {rectangle(needed(fields, "width", "0.05"), needed(fields, "height", "0.002")),
+    named = {rectangle(needed(fields, "width", "0.05", quantity::length),
+                       needed(fields, "height", "0.002", quantity::length)),
              fe::rectangle_shear()};
   }
   read_shear_areas(any, named.section);

@@ -31,7 +31,7 @@ void read_integrator(const Value& value, spec::Simulation& simulation) {
     if (*integrator == Integrator::newmark)
       rho->error("'rho' belongs to generalized_alpha and hht; newmark has xi");
     else if (*integrator == Integrator::conserve)
-      rho->error("'rho' belongs to generalized_alpha and hht; conserve damps nothing");
+      rho->error("'rho' belongs to generalized_alpha and hht; conserve has none");
     else if (r && !(*r >= least && *r <= 1))
       rho->error(fmt::format("{} is not between {} and 1{}", *r, least,
                              *integrator == Integrator::hht ? " (generalized_alpha takes 0 to 1)" : ""));
@@ -40,7 +40,7 @@ void read_integrator(const Value& value, spec::Simulation& simulation) {
   if (const auto xi = fields.get("xi")) {
     const auto x = xi->number();
     if (*integrator == Integrator::conserve)
-      xi->error("'xi' belongs to newmark; conserve damps nothing");
+      xi->error("'xi' belongs to newmark; conserve has none");
     else if (*integrator != Integrator::newmark)
       xi->error(fmt::format("'xi' belongs to newmark; {} has rho",
                             method_names::integrators[static_cast<std::size_t>(*integrator)]));
@@ -60,12 +60,12 @@ void read_simulation(Builder& builder, Part& part) {
   if (!section) return;
   const Fields fields(*section, {"step", "end", "output_interval", "integrator", "formulation", "inertia",
                                  "formalism", "tolerance", "penalty", "max_iterations", "substeps"});
-  const auto positive = [&](const char* key, double& target) {
-    if (const auto value = fields.get(key)) target = value->positive().value_or(target);
+  const auto positive = [&](const char* key, double& target, const Quantity& of = quantity::number) {
+    if (const auto value = fields.get(key)) target = value->positive(of).value_or(target);
   };
-  positive("step", simulation.step);
-  positive("end", simulation.end);
-  positive("output_interval", simulation.output_interval);
+  positive("step", simulation.step, quantity::time);
+  positive("end", simulation.end, quantity::time);
+  positive("output_interval", simulation.output_interval, quantity::time);
   positive("tolerance", simulation.tolerance);
   positive("penalty", simulation.penalty);
   if (const auto count = fields.get("max_iterations"))

@@ -249,7 +249,8 @@ void move_frames(Builder& builder, int body, int frames, const FlexibleDescripti
   }
 }
 
-/// Amplitudes count through the pieces; what deflects beyond the first piece is seen from the whole's frame.
+/// The mass is that of all pieces; amplitudes count through the pieces; what deflects beyond the first piece
+/// is seen from the whole's frame.
 void move_outputs(Builder& builder, int body, int outputs_frame, const std::vector<Piece>& pieces,
                   const std::vector<int>& indices) {
   for (spec::Output& output : builder.model.outputs) {
@@ -259,6 +260,8 @@ void move_outputs(Builder& builder, int body, int outputs_frame, const std::vect
       output.item = indices[p];
       output.component -= pieces[p].first_mode;
     }
+    if (std::find(output.bodies.begin(), output.bodies.end(), body) != output.bodies.end())
+      output.bodies.insert(output.bodies.end(), indices.begin() + 1, indices.end());
     if (output.kind != spec::Output::Kind::deflection || output.item < 0) continue;
     const spec::Frame& frame = builder.model.frames[static_cast<std::size_t>(output.item)];
     const auto piece = std::find(indices.begin() + 1, indices.end(), frame.body);

@@ -49,11 +49,12 @@ std::optional<Placement> read_placement(const Fields& fields) {
     }
   }
   if (const auto rotate = fields.get("rotate")) {
-    const Eigen::Vector3d vector = rotate->triple().value_or(Eigen::Vector3d::Zero());
+    const Eigen::Vector3d vector = rotate->triple(quantity::angle).value_or(Eigen::Vector3d::Zero());
     const double angle = vector.stableNorm();
     if (angle > 0) place.rotation = Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
   }
-  if (const auto at = fields.get("at")) place.translation = at->triple().value_or(Eigen::Vector3d::Zero());
+  if (const auto at = fields.get("at"))
+    place.translation = at->triple(quantity::length).value_or(Eigen::Vector3d::Zero());
   return place;
 }
 
@@ -102,6 +103,7 @@ void read_instances(Builder& builder) {
                        fmt::format("the instances have more than {} values together", builder.limits.nodes));
     Part& part = builder.parts.emplace_back();
     part.instance = entry.key;
+    builder.errors.instances.push_back(entry.key);
     part.tree = found->second;
     part.place = *place;
     part.scope.outer = &model.scope;

@@ -4,9 +4,12 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <unordered_set>
+
+#include "mimbre/text.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -129,6 +132,14 @@ class TreeBuilder : public YAML::EventHandler {
   std::size_t nodes_ = 0;
 };
 
+/// Line and column of a byte, from 1.
+Mark place_of(const std::string& text, std::size_t at, const std::string& file) {
+  const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  const std::size_t before = at == 0 ? std::string::npos : text.rfind('\n', at - 1);
+  const std::size_t start = before == std::string::npos ? 0 : before + 1;
+  return {file, static_cast<int>(line) + 1, static_cast<int>(at - start) + 1};
+}
+
 /// Line and column of the first tab that stands before anything else in its line.
 std::optional<std::pair<int, int>> indenting_tab(const std::string& text) {
   int line = 1;
@@ -155,6 +166,16 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
                                        std::vector<Diagnostic>& errors) {
   if (text.size() > limits.bytes)
     throw InputError({file, 1, 1}, fmt::format("the file is larger than {} MiB", limits.bytes >> 20));
+  const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  if (const std::size_t bad = first_not_utf8(text); bad != std::string::npos && !utf16)
+    throw InputError(place_of(text, bad, file),
+                     fmt::format("the byte 0x{:02X} is no UTF-8; save the file as UTF-8",
+                                 static_cast<unsigned char>(text[bad])));
+  // Every value in brackets has one of these before it. yaml-cpp holds all of a bracket's words in memory, a
+  // hundredfold, before it hands out the first.
+  const auto opens_value = [](char c) { return c == '[' || c == '{' || c == ','; };
+  if (static_cast<std::size_t>(std::count_if(text.begin(), text.end(), opens_value)) > limits.nodes)
+    throw InputError({file, 1, 1}, fmt::format("more than {} brackets and commas", limits.nodes));
   TreeBuilder builder(file, limits, errors);
   try {
     // The end of the document is marked, or yaml-cpp would take a quote that is never closed for closed by

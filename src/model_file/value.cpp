@@ -27,7 +27,40 @@ const char* kind_name(Tree::Kind kind) {
 
 }  // namespace
 
+bool Errors::merged(const Mark& mark, const std::string& message) {
+  const std::string* instance = nullptr;
+  for (const std::string& name : instances)
+    if ((message.find("'" + name + ".") != std::string::npos || message.starts_with(name + ": ")) &&
+        (!instance || name.size() > instance->size()))
+      instance = &name;
+  if (!instance) return false;
+  // Lists of what there is name the other instances' things.
+  std::string words = message.substr(0, message.find("; there are: "));
+  if (words.starts_with(*instance + ": ")) words.erase(0, instance->size());
+  const std::string quoted = "'" + *instance + ".";
+  for (auto at = words.find(quoted); at != std::string::npos; at = words.find(quoted, at + 1))
+    words.erase(at + 1, instance->size());
+  for (InTemplate& known : in_templates_) {
+    Diagnostic& first = list[known.index];
+    if (known.words != words || first.mark.line != mark.line || first.mark.column != mark.column ||
+        first.mark.file != mark.file)
+      continue;
+    if (std::find(known.where.begin(), known.where.end(), *instance) != known.where.end()) return true;
+    if (known.where.size() > 1) first.message.erase(first.message.rfind(" (likewise in "));
+    known.where.push_back(*instance);
+    first.message += fmt::format(" (likewise in {})", joined({known.where.begin() + 1, known.where.end()}));
+    return true;
+  }
+  in_templates_.push_back({list.size(), std::move(words), {*instance}});
+  return false;
+}
+
 void Errors::add(const Mark& mark, const std::string& message) {
+  const auto said = [&](const Diagnostic& d) {
+    return d.message == message && d.mark.line == mark.line && d.mark.column == mark.column &&
+           d.mark.file == mark.file && mark.line > 0;
+  };
+  if (merged(mark, message) || std::any_of(list.begin(), list.end(), said)) return;
   list.push_back({mark, message});
   if (list.size() >= limits_.errors) {
     list.push_back({Mark{}, "too many errors; the rest is not shown"});
@@ -53,28 +86,28 @@ void Value::error(const std::string& message) const {
   reading_->errors->add(tree_->mark, fmt::format("{}: {}", what_, message));
 }
 
-std::optional<double> Value::number() const {
+std::optional<double> Value::number(const Quantity& of) const {
   if (!is_scalar()) {
     error(fmt::format("a number is needed, this is {}", kind_name(tree_->kind)));
     return {};
   }
   try {
-    return evaluate(tree_->text, *reading_->scope);
+    return evaluate(tree_->text, *reading_->scope, of);
   } catch (const ExpressionError& e) {
     error(e.what());
     return {};
   }
 }
 
-std::optional<double> Value::positive() const {
-  const auto value = number();
+std::optional<double> Value::positive(const Quantity& of) const {
+  const auto value = number(of);
   if (!value || *value > 0) return value;
   error(fmt::format("{} is not positive", *value));
   return {};
 }
 
-std::optional<double> Value::not_negative() const {
-  const auto value = number();
+std::optional<double> Value::not_negative(const Quantity& of) const {
+  const auto value = number(of);
   if (!value || *value >= 0) return value;
   error(fmt::format("{} is negative; it must be 0 or more", *value));
   return {};
@@ -130,8 +163,8 @@ std::optional<int> Value::choice(const std::vector<std::string>& choices) const 
   return {};
 }
 
-std::optional<Eigen::Vector3d> Value::triple() const {
-  const auto values = numbers(3, 3);
+std::optional<Eigen::Vector3d> Value::triple(const Quantity& of) const {
+  const auto values = numbers(3, 3, of);
   if (!values) return {};
   return Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]);
 }
@@ -147,7 +180,8 @@ std::optional<Eigen::Vector3d> Value::direction() const {
   return *value / length;
 }
 
-std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_t most) const {
+std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_t most,
+                                                  const Quantity& of) const {
   if (!is_list() || tree_->items.size() < fewest || tree_->items.size() > most) {
     const std::string count = fewest == most ? fmt::format("{}", fewest)
                               : most > 1000  ? fmt::format("{} or more", fewest)
@@ -160,7 +194,7 @@ std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_
   std::vector<double> result;
   bool good = true;
   for (const auto& item : tree_->items) {
-    const auto value = Value(*reading_, *item, what_).number();
+    const auto value = Value(*reading_, *item, what_).number(of);
     good = good && value;
     result.push_back(value.value_or(0));
   }
@@ -208,9 +242,9 @@ std::optional<Value> Fields::need(const std::string& key, const std::string& exa
   return found;
 }
 
-double Fields::number(const std::string& key, double fallback) const {
+double Fields::number(const std::string& key, double fallback, const Quantity& of) const {
   const auto value = get(key);
-  return value ? value->number().value_or(fallback) : fallback;
+  return value ? value->number(of).value_or(fallback) : fallback;
 }
 
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind) {

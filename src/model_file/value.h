@@ -13,16 +13,26 @@
 namespace mimbre::model_file {
 
 /// Collects mistakes while reading goes on. Throws InputError with all of them once there are
-/// `limits.errors`.
+/// `limits.errors`. What is wrong in a template is said once, with the instances where it is.
 class Errors {
  public:
   explicit Errors(const Limits& limits) : limits_(limits) {}
   void add(const Mark& mark, const std::string& message);
   void throw_if_any() const;
   std::vector<Diagnostic> list;
+  std::vector<std::string> instances;  ///< names of the instances known so far
 
  private:
+  /// A mistake in a template: its place in `list`, its words without the instance's name, where it is.
+  struct InTemplate {
+    std::size_t index;
+    std::string words;
+    std::vector<std::string> where;
+  };
+  bool merged(const Mark& mark, const std::string& message);
+
   const Limits& limits_;
+  std::vector<InTemplate> in_templates_;
 };
 
 /// What reading a value needs beside the value: the parameters in sight and where mistakes go.
@@ -52,9 +62,10 @@ class Value {
 
   void error(const std::string& message) const;
 
-  std::optional<double> number() const;
-  std::optional<double> positive() const;      ///< > 0
-  std::optional<double> not_negative() const;  ///< ≥ 0
+  // Numbers are SI; where they may have a unit, it is one of `of`.
+  std::optional<double> number(const Quantity& of = quantity::number) const;
+  std::optional<double> positive(const Quantity& of = quantity::number) const;      ///< > 0
+  std::optional<double> not_negative(const Quantity& of = quantity::number) const;  ///< ≥ 0
   std::optional<int> integer(int smallest, int largest) const;
   std::optional<bool> flag() const;
   /// A text with `$name` and `condition ? word : word` done.
@@ -63,9 +74,10 @@ class Value {
   std::optional<std::string> text() const;
   /// A word that is one of `choices`: its index.
   std::optional<int> choice(const std::vector<std::string>& choices) const;
-  std::optional<Eigen::Vector3d> triple() const;
+  std::optional<Eigen::Vector3d> triple(const Quantity& of = quantity::number) const;
   std::optional<Eigen::Vector3d> direction() const;  ///< a triple of length > 0, made a unit vector
-  std::optional<std::vector<double>> numbers(std::size_t fewest, std::size_t most) const;
+  std::optional<std::vector<double>> numbers(std::size_t fewest, std::size_t most,
+                                             const Quantity& of = quantity::number) const;
   std::vector<Value> list() const;  ///< empty, with an error, when it is no list
 
  private:
@@ -88,7 +100,7 @@ class Fields {
   const Value& value() const { return value_; }
   void error(const std::string& message) const { value_.error(message); }
 
-  double number(const std::string& key, double fallback) const;
+  double number(const std::string& key, double fallback, const Quantity& of = quantity::number) const;
 
  private:
   Value value_;

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <charconv>
 #include <cmath>
 #include <set>
+#include <string_view>
 
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
@@ -277,6 +279,20 @@ void check_mesh_inertia(const ReducedBody& body, Report& report) {
                  "mesh inertia: mass and shapes do not give mass_matrix");
 }
 
+/// The certificate begins its line of the mass with it: six digits.
+void check_certified_mass(const ReducedBody& body, Report& report) {
+  for (const Check& line : body.checks) {
+    if (line.name != "mass") continue;
+    double told = 0;
+    const auto [end, error] =
+        std::from_chars(line.detail.data(), line.detail.data() + line.detail.size(), told);
+    if (error != std::errc{} || !std::string_view(end).starts_with(" kg")) continue;
+    report.require(
+        std::abs(body.mass - told) <= 1e-5 * std::abs(told),
+        fmt::format("mass is {:.6g} kg, but the certificate says {:.6g}: it was changed", body.mass, told));
+  }
+}
+
 }  // namespace
 
 int ReducedBody::find_frame(const std::string& frame_name) const {
@@ -291,6 +307,7 @@ std::vector<std::string> check(const ReducedBody& body) {
   if (report.sound()) check_sizes(body, report);
   if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
   if (report.sound()) {
+    check_certified_mass(body, report);
     check_geometry(body, report);
     check_rigid_inertia(body, report);
     check_matrices(body, report);

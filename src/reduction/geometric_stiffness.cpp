@@ -57,27 +57,63 @@ Vector12 element_field(const ElementGeometry& g, const Field& field) {
   return dofs;
 }
 
+/// Without couples of turning sections, which bend the bars and stress them next to nothing.
+Matrix12 thin_mass(BeamElement beam, double length) {
+  beam.theory = BeamTheory::euler_bernoulli;
+  return element_mass(beam, length);
+}
+
 Vector12 nodal_values(const BeamElement& beam, const VectorXd& displacement) {
   Vector12 values;
   for (int end = 0; end < 2; ++end) values.segment<6>(6 * end) = displacement.segment<6>(6 * beam.nodes[end]);
   return values;
 }
 
-/// Axial force of a beam: the mean by its stretch, which consistent forces make exact; along it as the
-/// inertia force of the field, −ρA times its axial component, changes it.
-AxialForce axial_force(const BeamElement& beam, double length, const Vector12& dofs, const Vector12& field) {
-  const double mean = beam.material.young * beam.section.area * (dofs[6] - dofs[0]) / length;
-  const double mass = beam.material.density * beam.section.area * length;
-  const double first = mass * field[0], second = 0.5 * mass * (field[6] - field[0]);
-  return {mean - first / 2 - second / 3, first, second};
+/// start + factor ∫ p dξ of a p of the second degree.
+SectionForces::Polynomial integrated(double start, double factor, const SectionForces::Polynomial& p) {
+  return {start, factor * p[0], factor * p[1] / 2, factor * p[2] / 3};
 }
 
-/// Loads as the beams see them: displacements by which they stretch the beams, and the acceleration fields
+/// Of a beam by its displacements and an acceleration field: at its start those of its ends, which consistent
+/// forces make exact; along it as the inertia forces of the field, −ρA times its value, and M' = −x × F
+/// change them.
+SectionForces section_forces(const BeamElement& beam, double length, const Vector12& dofs,
+                             const Vector12& field) {
+  const Vector12 ends = element_stiffness(beam, length) * dofs + thin_mass(beam, length) * field;
+  const double mass = beam.material.density * beam.section.area * length;
+  const auto force = [&](int k) { return integrated(-ends[k], mass, {field[k], field[6 + k] - field[k]}); };
+  SectionForces out;
+  out.axial = force(0);
+  out.shear_y = force(1);
+  out.shear_z = force(2);
+  out.torque = integrated(-ends[3], polar_inertia(beam) * length, {field[3]});
+  out.moment_y = integrated(-ends[4], length, out.shear_z);
+  out.moment_z = integrated(-ends[5], -length, out.shear_y);
+  return out;
+}
+
+/// Rigid offsets o turn with the nodes: by θ × o and ½ θ × (θ × o), on which the forces at the ends work.
+void add_offsets(const BeamElement& beam, const Matrix3d& axes, const SectionForces& forces,
+                 Matrix12& stiffness) {
+  for (std::size_t end = 0; end < 2; ++end) {
+    if (beam.offsets[end].isZero(0)) continue;
+    const auto at_end = [&](const SectionForces::Polynomial& p) {
+      return end == 0 ? -p[0] : p[0] + p[1] + p[2] + p[3];
+    };
+    const Vector3d f(at_end(forces.axial), at_end(forces.shear_y), at_end(forces.shear_z)),
+        o = axes.transpose() * beam.offsets[end];
+    const Eigen::Index turn = 6 * static_cast<Eigen::Index>(end) + 3;
+    stiffness.block<3, 3>(turn, turn) +=
+        0.5 * (f * o.transpose() + o * f.transpose()) - f.dot(o) * Matrix3d::Identity();
+  }
+}
+
+/// Loads as the beams see them: displacements by which they deform the beams, and the acceleration fields
 /// that go with them (none for forces at the boundary).
 struct Loads {
   MatrixXd displacements;  ///< 6·nodes × loads
   std::vector<Field> fields;
-  VectorXd sizes;  ///< the largest axial force that each could cause, about
+  VectorXd sizes;  ///< the largest force that each could cause, about
 };
 
 /// Adds the geometric stiffness of one beam, in the basis, for every load; to `reference` that of unit
@@ -91,14 +127,16 @@ void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd&
   MatrixXd dofs(12, shapes.cols());
   for (int end = 0; end < 2; ++end) dofs.middleRows<6>(6 * end) = shapes.middleRows<6>(6 * beam.nodes[end]);
   dofs = (transformation * dofs).eval();
-  const auto add = [&](const AxialForce& force, MatrixXd& sum) {
-    const MatrixXd forces = element_geometric_stiffness(force, geometry.length, shear) * dofs;
+  const auto add = [&](const SectionForces& section, MatrixXd& sum) {
+    Matrix12 k = element_geometric_stiffness(section, geometry.length, shear);
+    add_offsets(beam, geometry.axes, section, k);
+    const MatrixXd forces = k * dofs;
     sum.noalias() += dofs.transpose() * forces;
   };
-  add({1, 0, 0}, reference);
+  add({.axial = {1}}, reference);
   for (Eigen::Index l = 0; l < loads.displacements.cols(); ++l)
-    add(axial_force(beam, geometry.length, transformation * nodal_values(beam, loads.displacements.col(l)),
-                    element_field(geometry, loads.fields[static_cast<std::size_t>(l)])),
+    add(section_forces(beam, geometry.length, transformation * nodal_values(beam, loads.displacements.col(l)),
+                       element_field(geometry, loads.fields[static_cast<std::size_t>(l)])),
         stiffness[static_cast<std::size_t>(l)]);
 }
 
@@ -149,10 +187,7 @@ MatrixXd unit_inertia_forces(const Mesh& mesh) {
     const BeamElement& beam = mesh.elements[e];
     const ElementGeometry geometry = element_geometry(mesh, e);
     const Matrix12 transformation = element_transformation(beam, geometry.axes);
-    // Along the axis only: couples of turning sections bend the bars and stretch them next to nothing.
-    BeamElement thin = beam;
-    thin.theory = BeamTheory::euler_bernoulli;
-    const Matrix12 mass = element_mass(thin, geometry.length);
+    const Matrix12 mass = thin_mass(beam, geometry.length);
     for (std::size_t l = 0; l < fields.size(); ++l) {
       const Vector12 force = -transformation.transpose() * (mass * element_field(geometry, fields[l]));
       for (int end = 0; end < 2; ++end)

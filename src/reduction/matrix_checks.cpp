@@ -37,7 +37,9 @@ std::string oddity(const Material& m) {
     text +=
         (text.empty() ? "" : ", ") + what + (likely.empty() ? "" : fmt::format(" (is it in {}?)", likely));
   };
-  if (!between(1e5, m.young, 1.3e12))
+  // What is as soft as rubber is as light: steel in MPa is not.
+  const double softest = between(5, m.density, 2200) ? 1e5 : 1e9;
+  if (!between(softest, m.young, 1.3e12))
     add(fmt::format("Young's modulus {:.6g} Pa", m.young), between(1e9, 1e6 * m.young, 1.3e12)   ? "MPa"
                                                            : between(1e9, 1e9 * m.young, 1.3e12) ? "GPa"
                                                                                                  : "");
@@ -86,7 +88,12 @@ Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass
   if (!sound) {
     // mm–t–s taken for SI: lengths 1e3 too large, masses 1e-3 of what they are.
     const double tonne_millimetre = density * 1e12;
-    if (tonne_millimetre > 0.5 && tonne_millimetre < 30000)
+    if (tonne_millimetre > 0.5 && tonne_millimetre < 30000 && longest < 2)
+      detail +=
+          "; the size is that of a part, the mass is not: is the density in kg/m³, and Young's modulus in "
+          "Pa? "
+          "A --material is in SI whatever the file's units are";
+    else if (tonne_millimetre > 0.5 && tonne_millimetre < 30000)
       detail +=
           "; in millimetres, tonnes and seconds it would be sound: --units mm (a --material is in SI always)";
     else if (filled && longest > 1)

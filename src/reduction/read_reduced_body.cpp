@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/file_format.h"
+#include "base/rehearsal.h"
 #include "reduction/reduced_body_file.h"
 
 namespace mimbre {
@@ -19,6 +20,12 @@ constexpr std::uint64_t max_elements = std::uint64_t{1} << 27;
 
 std::string to_string(const Shape& shape) { return fmt::format("{}", fmt::join(shape, " x ")); }
 
+double file_bytes(hid_t object) {
+  const Handle file(H5Iget_file_id(object));
+  hsize_t bytes = 0;
+  return H5Fget_filesize(file.get(), &bytes) >= 0 ? static_cast<double>(bytes) : 0;
+}
+
 /// The dataset's shape, after a check that it is one and of a size that can be read.
 Shape shape_of(hid_t set, const std::string& name) {
   const Handle space = opened(H5Dget_space(set), fmt::format("'{}' has no shape", name));
@@ -31,11 +38,21 @@ Shape shape_of(hid_t set, const std::string& name) {
     if (extent > max_elements || (count *= extent) > max_elements)
       throw FileProblem(fmt::format("'{}' is too large: {}", name, to_string(shape)));
   }
+  if (!hdf5::can_hold(file_bytes(set), set, static_cast<double>(count)))
+    throw FileProblem(fmt::format("'{}' announces more than the file can hold: {}", name, to_string(shape)));
   return shape;
 }
 
+Handle open_group(hid_t place, const std::string& name) {
+  Handle group = hdf5::open_group(place, name);
+  if (!group.valid()) throw FileProblem(fmt::format("group '{}' is missing", name));
+  return group;
+}
+
 Handle open_dataset(hid_t place, const std::string& name) {
-  return opened(H5Dopen2(place, name.c_str(), H5P_DEFAULT), fmt::format("dataset '{}' is missing", name));
+  Handle set = hdf5::open_dataset(place, name);
+  if (!set.valid()) throw FileProblem(fmt::format("dataset '{}' is missing, or lies in another file", name));
+  return set;
 }
 
 constexpr hsize_t any_extent = std::numeric_limits<hsize_t>::max();
@@ -156,8 +173,8 @@ std::vector<Check> read_checks(hid_t place) {
 }
 
 BodyFrame read_frame(hid_t place, const std::string& name, hsize_t modes) {
-  const Handle group =
-      opened(H5Gopen2(place, name.c_str(), H5P_DEFAULT), fmt::format("group 'frames/{}' is missing", name));
+  const Handle group = hdf5::open_group(place, name);
+  if (!group.valid()) throw FileProblem(fmt::format("group 'frames/{}' is missing", name));
   try {
     BodyFrame frame;
     frame.name = read_text_attribute(group.get(), "name");
@@ -172,7 +189,7 @@ BodyFrame read_frame(hid_t place, const std::string& name, hsize_t modes) {
 }
 
 std::vector<BodyFrame> read_frames(hid_t file, hsize_t modes) {
-  const Handle group = opened(H5Gopen2(file, "frames", H5P_DEFAULT), "group 'frames' is missing");
+  const Handle group = open_group(file, "frames");
   H5G_info_t info{};
   checked(H5Gget_info(group.get(), &info), "group 'frames' cannot be read");
   std::vector<BodyFrame> frames;
@@ -187,14 +204,6 @@ std::vector<std::array<int, Corners>> read_tuples(hid_t file, const std::string&
   std::vector<std::array<int, Corners>> tuples(shape[0]);
   for (std::size_t i = 0; i < data.size(); ++i) tuples[i / Corners][i % Corners] = data[i];
   return tuples;
-}
-
-bool has_link(hid_t place, const std::string& name) {
-  return H5Lexists(place, name.c_str(), H5P_DEFAULT) > 0;
-}
-
-Handle open_group(hid_t place, const std::string& name) {
-  return opened(H5Gopen2(place, name.c_str(), H5P_DEFAULT), fmt::format("group '{}' is missing", name));
 }
 
 Eigen::SparseMatrix<double> read_sparse(hid_t place, const std::string& name, Eigen::Index size) {
@@ -225,7 +234,8 @@ MeshInertia read_mesh(hid_t file, Eigen::Index nodes, Eigen::Index modes) {
       throw FileProblem(fmt::format("attribute 'dofs_per_node' must be 3 or 6, is {}", mesh.dofs_per_node));
     const Eigen::Index dofs = mesh.dofs_per_node * nodes;
     mesh.mass = read_sparse(group.get(), "mass", dofs);
-    if (has_link(group.get(), "nodal_mass")) mesh.nodal_mass = read_sparse(group.get(), "nodal_mass", nodes);
+    if (hdf5::has_link(group.get(), "nodal_mass"))
+      mesh.nodal_mass = read_sparse(group.get(), "nodal_mass", nodes);
     mesh.shapes = read_matrix(group.get(), "shapes", static_cast<hsize_t>(modes), static_cast<hsize_t>(dofs))
                       .transpose();
     return mesh;
@@ -321,8 +331,8 @@ ReducedBody read_body(hid_t file) {
   const auto modes = static_cast<hsize_t>(body.modes);
   const Eigen::Index n = body.modes;
   body.mode_names = read_texts(file, "mode_names", modes);
-  if (has_link(file, "checks")) body.checks = read_checks(file);
-  if (has_link(file, "boundary_rotation")) body.boundary_rotation = read_rotation(file);
+  if (hdf5::has_link(file, "checks")) body.checks = read_checks(file);
+  if (hdf5::has_link(file, "boundary_rotation")) body.boundary_rotation = read_rotation(file);
   body.first_moment = Eigen::Vector3d(read_doubles(file, "first_moment", {3}).data());
   body.second_moment = read_matrix(file, "second_moment", 3, 3);
   read_integrals(file, n, body);
@@ -338,34 +348,44 @@ ReducedBody read_body(hid_t file) {
   body.nodes = from_rows(nodes.data(), points, 3).transpose();
   body.node_shapes = read_node_field(file, "node_shapes", n, points, 3);
   body.lines = read_tuples<2>(file, "lines");
-  if (has_link(file, "triangles")) body.triangles = read_tuples<3>(file, "triangles");
-  if (has_link(file, "node_labels"))
+  if (hdf5::has_link(file, "triangles")) body.triangles = read_tuples<3>(file, "triangles");
+  if (hdf5::has_link(file, "node_labels"))
     body.node_labels = read_numbers<std::int64_t>(file, "node_labels", {any_extent}, H5T_NATIVE_INT64).first;
-  if (has_link(file, "stress")) body.stress = read_node_field(file, "stress", n, points, 6);
-  if (has_link(file, "strain")) body.strain = read_node_field(file, "strain", n, points, 6);
+  if (hdf5::has_link(file, "stress")) body.stress = read_node_field(file, "stress", n, points, 6);
+  if (hdf5::has_link(file, "strain")) body.strain = read_node_field(file, "strain", n, points, 6);
   body.frames = read_frames(file, modes);
-  if (has_link(file, "mesh_inertia")) body.mesh_inertia = read_mesh(file, points, n);
-  if (has_link(file, "geometric_stiffness")) body.geometric = read_geometric_stiffness(file, n);
-  if (has_link(file, "second_order")) body.second_order = read_second_order(file, body);
+  if (hdf5::has_link(file, "mesh_inertia")) body.mesh_inertia = read_mesh(file, points, n);
+  if (hdf5::has_link(file, "geometric_stiffness")) body.geometric = read_geometric_stiffness(file, n);
+  if (hdf5::has_link(file, "second_order")) body.second_order = read_second_order(file, body);
   return body;
+}
+
+std::string prefix(const std::string& path) { return fmt::format("cannot load reduced body '{}': ", path); }
+
+ReducedBody read_file(const std::string& path) {
+  try {
+    if (!hdf5::is_hdf5(path)) throw FileProblem("no such file, or not a complete HDF5 file");
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+    // Some network file systems cannot lock.
+    H5Pset_file_locking(access.get(), false, true);
+    const Handle file = opened(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()),
+                               "no such file, or not a complete HDF5 file");
+    return read_body(file.get());
+  } catch (const FileProblem& problem) {
+    throw InputError(Mark{}, prefix(path) + problem.what());
+  } catch (const std::bad_alloc&) {
+    throw InputError(Mark{}, prefix(path) + "it is too large for the memory");
+  }
 }
 
 }  // namespace
 
 ReducedBody load_reduced_body(const std::string& path) {
   const hdf5::Quiet silent;
-  const std::string prefix = fmt::format("cannot load reduced body '{}': ", path);
-  try {
-    const Handle file = opened(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
-                               "no such file, or not a complete HDF5 file");
-    ReducedBody body = read_body(file.get());
-    throw_if_unsound(body, prefix);
-    return body;
-  } catch (const FileProblem& problem) {
-    throw InputError(Mark{}, prefix + problem.what());
-  } catch (const std::bad_alloc&) {
-    throw InputError(Mark{}, prefix + "it is too large for the memory");
-  }
+  if (hdf5::is_hdf5(path)) rehearse(path, [&] { read_file(path); });
+  ReducedBody body = read_file(path);
+  throw_if_unsound(body, prefix(path));
+  return body;
 }
 
 bool is_reduced_body(const std::string& path) {

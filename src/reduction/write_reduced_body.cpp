@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/output_place.h"
 #include "reduction/reduced_body_file.h"
 
 namespace mimbre {
@@ -65,29 +66,16 @@ void write_attribute(hid_t place, const std::string& name, hid_t file_type, hid_
   checked(H5Awrite(attribute.get(), memory_type, data), problem);
 }
 
-/// UTF-8 text of fixed length, filled up with zeros: variable-length text would put its bytes into a shared
-/// heap.
-Handle text_type(std::size_t size) {
-  const hid_t type = checked(H5Tcopy(H5T_C_S1), "cannot create a text type");
-  H5Tset_size(type, std::max<std::size_t>(size, 1));
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return opened(type, {});
-}
-
 void write_text_attribute(hid_t place, const std::string& name, std::string text) {
-  const Handle type = text_type(text.size());
+  const Handle type = hdf5::text_type(text.size());
   text.resize(std::max<std::size_t>(text.size(), 1));
   write_attribute(place, name, type.get(), type.get(), text.data());
 }
 
 void write_texts(hid_t place, const std::string& name, const std::vector<std::string>& texts) {
-  std::size_t size = 1;
-  for (const std::string& text : texts) size = std::max(size, text.size());
-  std::string buffer;
-  for (const std::string& text : texts) buffer += text + std::string(size - text.size(), '\0');
-  const Handle type = text_type(size);
-  write_data(place, name, {texts.size()}, type.get(), type.get(), buffer.data());
+  const hdf5::PackedTexts packed = hdf5::packed(texts);
+  const Handle type = hdf5::text_type(packed.length);
+  write_data(place, name, {texts.size()}, type.get(), type.get(), packed.bytes.data());
 }
 
 Handle create_group(hid_t place, const std::string& name) {
@@ -243,6 +231,15 @@ void write_body(hid_t file, const ReducedBody& body) {
   if (body.second_order) write_second_order(file, *body.second_order);
 }
 
+void write_file(const ReducedBody& body, const std::string& path) {
+  const Handle creation = without_times(H5P_FILE_CREATE);
+  const Handle file = opened(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), H5P_DEFAULT),
+                             "the file cannot be created");
+  write_body(file.get(), body);
+  if (H5Fflush(file.get(), H5F_SCOPE_LOCAL) < 0)
+    throw FileProblem("the file cannot be written: " + hdf5::last_error());
+}
+
 }  // namespace
 
 void save(const ReducedBody& body, const std::string& path) {
@@ -253,12 +250,11 @@ void save(const ReducedBody& body, const std::string& path) {
                                      path));
   const hdf5::Quiet silent;
   try {
-    const Handle creation = without_times(H5P_FILE_CREATE);
-    const Handle file = opened(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), H5P_DEFAULT),
-                               "the file cannot be created");
-    write_body(file.get(), body);
-    checked(H5Fflush(file.get(), H5F_SCOPE_LOCAL), "the file cannot be written");
-  } catch (const FileProblem& problem) {
+    OutputPlace place(path);
+    if (!place.plain()) throw FileProblem("it is not a plain file");
+    write_file(body, place.path());
+    place.commit();
+  } catch (const std::runtime_error& problem) {
     throw InputError(Mark{}, fmt::format("cannot save reduced body '{}': {}", path, problem.what()));
   }
 }

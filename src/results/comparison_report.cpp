@@ -127,7 +127,16 @@ Json data_json(const std::vector<ComparedRun>& runs, const ReportOptions& option
             {"runs", run_list},
             {"channels", channels},
             {"shown", results::shown_channels(infos, options)}};
-  data.update(results::scene_json(runs.front().results, options.max_frames));
+  const Json first = results::scene_json(runs.front().results, options.max_frames);
+  data.update(first);
+  data["ghosts"] = Json::array();
+  for (std::size_t r = 1; r < runs.size(); ++r) {
+    Json scene = results::scene_json(runs[r].results, options.max_frames);
+    for (const char* part : {"bodies", "frames", "elements"})
+      if (scene[part] == first[part]) scene.erase(part);
+    scene.erase("roads");
+    data["ghosts"].push_back(std::move(scene));
+  }
   return data;
 }
 
@@ -135,8 +144,12 @@ Json data_json(const std::vector<ComparedRun>& runs, const ReportOptions& option
 
 std::string comparison_html(const std::vector<ComparedRun>& runs, const ReportOptions& options) {
   if (runs.size() < 2) throw InputError(Mark{}, "a comparison needs at least two runs");
-  for (const ComparedRun& run : runs) results::check_sizes(run.results);
-  return results::page_with(data_json(runs, options));
+  std::vector<ComparedRun> continuous = runs;
+  for (ComparedRun& run : continuous) {
+    results::check_sizes(run.results);
+    run.results.channels = results::continuous_channels(run.results);
+  }
+  return results::page_with(data_json(continuous, options));
 }
 
 void write_comparison(const std::vector<ComparedRun>& runs, const std::string& path,

@@ -5,16 +5,24 @@
 #include <cstring>
 #include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
+#include "base/flush_clock.h"
+#include "base/output_place.h"
 #include "mimbre/results.h"
+#include "mimbre/text.h"
 
 namespace mimbre {
 
 namespace {
 
-/// A name with a comma, a quote or a line break stands in quotes (RFC 4180).
-std::string cell(const std::string& name) {
+/// A name with a comma, a quote or a line break stands in quotes (RFC 4180). One that spreadsheets would run
+/// as a formula gets an apostrophe in front, which makes it a text to them; what is no text becomes one.
+std::string cell(const std::string& given) {
+  const std::string name =
+      (!given.empty() && std::string_view("=+-@\t\r").find(given[0]) != std::string_view::npos ? "'" : "") +
+      printable(given);
   if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
   std::string quoted = "\"";
   for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -23,70 +31,110 @@ std::string cell(const std::string& name) {
 
 }  // namespace
 
-/// Rows go to PATH.part, which takes the target's place when the file is finished or given up.
 struct CsvWriter::Impl {
-  std::string path, part, failure;
+  std::string path, failure;
+  std::unique_ptr<OutputPlace> place;
   std::size_t columns = 0;
+  std::int64_t rows = 0;
   std::FILE* file = nullptr;
   fmt::memory_buffer line;
+  FlushClock clock;
 
-  [[noreturn]] void fail(int error) {
-    failure = fmt::format("cannot write CSV file '{}': {}", path, std::strerror(error));
-    if (file) std::fclose(file);
-    file = nullptr;
+  [[noreturn]] void fail(const std::string& why) {
+    if (file) std::fclose(std::exchange(file, nullptr));
+    failure = fmt::format("cannot write CSV file '{}': {}", path, why);
+    if (rows > 0) failure += fmt::format("; the rows written before are kept in '{}'", place->keep());
     throw std::runtime_error(failure);
+  }
+
+  void open() {
+    try {
+      place = std::make_unique<OutputPlace>(path);
+    } catch (const std::runtime_error& error) {
+      fail(error.what());
+    }
+    file = std::fopen(place->path().c_str(), "w");
+    if (!file) fail(std::strerror(errno));
   }
 
   void write_line() {
     line.push_back('\n');
-    if (std::fwrite(line.data(), 1, line.size(), file) != line.size()) fail(errno);
+    if (std::fwrite(line.data(), 1, line.size(), file) != line.size()) fail(std::strerror(errno));
     line.clear();
   }
 
+  void flush() {
+    if (std::fflush(file) != 0) fail(std::strerror(errno));
+    clock.reset();
+  }
+
+  /// Closing writes the last of it, and may find the disk full.
   void close() {
-    // Closing writes the last of it, and may find the disk full.
-    const bool good = std::fclose(std::exchange(file, nullptr)) == 0;
-    if (!good) fail(errno);
-    if (std::rename(part.c_str(), path.c_str()) != 0) fail(errno);
+    if (std::fclose(std::exchange(file, nullptr)) != 0) fail(std::strerror(errno));
+  }
+
+  void require_open(const char* otherwise) const {
+    if (!failure.empty()) throw std::runtime_error(failure);
+    if (!file) throw std::logic_error(otherwise);
   }
 };
 
-CsvWriter::CsvWriter(const std::string& path, std::vector<std::string> columns)
+CsvWriter::CsvWriter(const std::string& path, std::vector<std::string> columns,
+                     const std::vector<std::string>& units)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->part = path + ".part";
   impl_->columns = columns.size();
-  impl_->file = std::fopen(impl_->part.c_str(), "w");
-  if (!impl_->file) impl_->fail(errno);
+  impl_->open();
   fmt::format_to(std::back_inserter(impl_->line), "t");
   for (const std::string& column : columns)
     fmt::format_to(std::back_inserter(impl_->line), ",{}", cell(column));
+  impl_->write_line();
+  if (units.empty()) return;
+  fmt::format_to(std::back_inserter(impl_->line), "s");
+  for (const std::string& unit : units) fmt::format_to(std::back_inserter(impl_->line), ",{}", cell(unit));
   impl_->write_line();
 }
 
 CsvWriter::~CsvWriter() {
   try {
-    if (impl_->file) impl_->close();
+    if (impl_->file) keep();
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; PATH.part keeps what there was room for.
+    // A destructor has nobody to tell; what there was room for is kept.
   }
 }
 
 void CsvWriter::add(double time, const Eigen::VectorXd& values) {
-  if (!impl_->failure.empty()) throw std::runtime_error(impl_->failure);
-  if (!impl_->file) throw std::logic_error("a finished CSV file takes no more rows");
+  impl_->require_open("a finished CSV file takes no more rows");
   if (values.size() != static_cast<Eigen::Index>(impl_->columns))
     throw std::invalid_argument(
         fmt::format("a CSV row has {} values, not {}", impl_->columns, values.size()));
   fmt::format_to(std::back_inserter(impl_->line), "{}", time);
   for (const double value : values) fmt::format_to(std::back_inserter(impl_->line), ",{}", value);
   impl_->write_line();
+  ++impl_->rows;
+  flush_if_due();
+}
+
+void CsvWriter::flush_if_due() {
+  if (impl_->file && impl_->clock.due()) impl_->flush();
 }
 
 void CsvWriter::finish() {
-  if (!impl_->failure.empty()) throw std::runtime_error(impl_->failure);
-  if (!impl_->file) throw std::logic_error("a CSV file can be finished once only");
+  impl_->require_open("a CSV file can be finished once only");
   impl_->close();
+  try {
+    impl_->place->commit();
+  } catch (const std::runtime_error& error) {
+    impl_->fail(error.what());
+  }
 }
+
+std::string CsvWriter::keep() {
+  impl_->require_open("a CSV file can be finished once only");
+  impl_->close();
+  return impl_->place->keep();
+}
+
+std::int64_t CsvWriter::rows() const { return impl_->rows; }
 
 }  // namespace mimbre

@@ -2,14 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "base/output_place.h"
 #include "results/report_json.h"
 #include "results/report_page.h"
 
@@ -24,11 +20,12 @@ constexpr std::string_view kPlaceholder = "%MIMBRE_DATA%";
 Json data_json(const Results& results, const ReportOptions& options) {
   const auto& header = results.header;
   const results::Samples samples = results::sampling(results.time.size(), options.max_samples);
+  const Eigen::MatrixXd continuous = results::continuous_channels(results);
   Json channels = Json::array();
   std::vector<float> values;
   values.reserve(header.channels.size() * static_cast<std::size_t>(samples.count));
   for (std::size_t k = 0; k < header.channels.size(); ++k) {
-    const auto column = results.channels.col(static_cast<Index>(k));
+    const auto column = continuous.col(static_cast<Index>(k));
     const double offset = results::typical(column);
     results::append_samples(column, offset, samples, values);
     channels.push_back({{"name", header.channels[k].name},
@@ -81,16 +78,10 @@ std::string results::page_with(const Json& data) {
 }
 
 void results::write_page(const std::string& html, const std::string& path) {
-  const std::string temporary = path + ".part";
-  std::ofstream file(temporary, std::ios::binary);
-  file.write(html.data(), static_cast<std::streamsize>(html.size()));
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(temporary, path, error);
-  if (!file || error) {
-    const std::string reason = error ? error.message() : std::strerror(errno);
-    std::remove(temporary.c_str());
-    throw std::runtime_error(fmt::format("cannot write '{}': {}", path, reason));
+  try {
+    write_whole(path, html);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("cannot write '{}': {}", path, error.what()));
   }
 }
 

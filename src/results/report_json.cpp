@@ -190,6 +190,29 @@ void append_samples(const Eigen::Ref<const Eigen::VectorXd>& values, double offs
   }
 }
 
+namespace {
+
+/// Turns are counted where a value within ±π jumps by more than half a turn.
+void count_turns(Eigen::Ref<Eigen::VectorXd> angle) {
+  const double pi = EIGEN_PI, turn = 2 * pi;
+  if (!(angle.array().abs() <= pi * (1 + 1e-9)).all()) return;
+  double turns = 0;
+  for (Index i = 1; i < angle.size(); ++i) {
+    const double before = angle(i - 1) - turns * turn, jump = angle(i) - before;
+    turns -= std::round(jump / turn);
+    angle(i) += turns * turn;
+  }
+}
+
+}  // namespace
+
+Eigen::MatrixXd continuous_channels(const Results& results) {
+  Eigen::MatrixXd channels = results.channels;
+  for (Index k = 0; k < channels.cols(); ++k)
+    if (results.header.channels[static_cast<std::size_t>(k)].unit == "rad") count_turns(channels.col(k));
+  return channels;
+}
+
 double typical(const Eigen::Ref<const Eigen::VectorXd>& values) {
   std::vector<double> finite;
   for (const double value : values)
@@ -222,6 +245,22 @@ void check_drawing(const BodyDrawing& body) {
   for (const auto& triangle : body.triangles) inside(triangle, "triangle");
 }
 
+void check_elements(const ResultsHeader& header) {
+  const auto inside = [](int index, std::size_t count, const char* what, const std::string& of) {
+    if (index < -1 || index >= static_cast<int>(count))
+      bad(fmt::format("results: '{}' is on {} {} of {}", of, what, index, count));
+  };
+  for (const FrameDrawing& frame : header.frames) {
+    inside(frame.body, header.bodies.size(), "body", frame.name);
+    const int modes = frame.body < 0 ? 0 : header.bodies[static_cast<std::size_t>(frame.body)].modes;
+    same(frame.motion.cols(), modes, "modes of a frame");
+    if (modes > 0) same(frame.motion.rows(), 6, "rows of a frame's motion");
+  }
+  for (const ElementDrawing& element : header.elements)
+    for (const int end : {element.frame_a, element.frame_b})
+      inside(end, header.frames.size(), "frame", element.name);
+}
+
 void check_sizes(const Results& results) {
   const Index instants = results.time.size();
   const auto& header = results.header;
@@ -237,6 +276,7 @@ void check_sizes(const Results& results) {
     check_drawing(body);
   }
   same(results.modes.cols(), modes, "modes");
+  check_elements(header);
 }
 
 Json scene_json(const Results& results, int max_frames) {
@@ -248,7 +288,34 @@ Json scene_json(const Results& results, int max_frames) {
     for (const double value : road.profile.reshaped()) profile.push_back(value);
     roads.push_back({{"name", road.name}, {"profile", array_of(profile)}});
   }
-  return {{"bodies", bodies}, {"roads", roads}, {"animation", animation_json(results, max_frames)}};
+  Json scene{{"bodies", bodies}, {"roads", roads}, {"animation", animation_json(results, max_frames)}};
+  scene.update(elements_json(results.header));
+  return scene;
+}
+
+Json elements_json(const ResultsHeader& header) {
+  Json frames = Json::array(), elements = Json::array();
+  for (const FrameDrawing& frame : header.frames) {
+    Json position = Json::array(), rotation = Json::array();
+    for (int i = 0; i < 3; ++i) {
+      position.push_back(frame.pose.position(i));
+      for (int j = 0; j < 3; ++j) rotation.push_back(frame.pose.rotation(i, j));
+    }
+    std::vector<float> motion;
+    for (const double value : frame.motion.reshaped()) motion.push_back(static_cast<float>(value));
+    frames.push_back({{"name", frame.name},
+                      {"body", frame.body},
+                      {"position", position},
+                      {"rotation", rotation},
+                      {"motion", array_of(motion)}});
+  }
+  for (const ElementDrawing& element : header.elements)
+    elements.push_back({{"name", element.name},
+                        {"kind", element.kind},
+                        {"a", element.frame_a},
+                        {"b", element.frame_b},
+                        {"size", element.size}});
+  return {{"frames", frames}, {"elements", elements}};
 }
 
 Json parsed(const std::string& text) {

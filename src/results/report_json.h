@@ -36,6 +36,9 @@ double typical(const Eigen::Ref<const Eigen::VectorXd>& values);
 /// Throws InputError when the parts of the results contradict each other.
 void check_sizes(const Results& results);
 
+/// Throws InputError when frames or elements are on what is not there.
+void check_elements(const ResultsHeader& header);
+
 /// Throws InputError when the parts of the drawing contradict each other.
 void check_drawing(const BodyDrawing& body);
 
@@ -47,6 +50,12 @@ int drawn_points(const std::vector<BodyDrawing>& bodies);
 
 /// What is animated: bodies, roads, and the motion of at most `max_frames` instants.
 Json scene_json(const Results& results, int max_frames);
+
+/// Joints, springs, loads and tyres, and the frames that they are at.
+Json elements_json(const ResultsHeader& header);
+
+/// The channels with angles that jump between −π and π made continuous; other columns as they are.
+Eigen::MatrixXd continuous_channels(const Results& results);
 
 /// JSON text as JSON, keys in their order; what cannot be read is shown as it is, no text is null.
 Json parsed(const std::string& text);

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "base/hdf5.h"
+#include "base/rehearsal.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/results.h"
 #include "results/results_layout.h"
@@ -24,7 +25,8 @@ class Reader {
   Results read() {
     open();
     Results results;
-    const Handle root = group(file_.get(), "/");
+    const Handle root(H5Gopen2(file_.get(), "/", H5P_DEFAULT));
+    if (!root.valid()) refuse("is damaged: it has no root group");
     check_format(root.get());
     ResultsHeader& header = results.header;
     header.title = text_attribute(root.get(), "/", "title");
@@ -37,6 +39,9 @@ class Reader {
       header.bodies.push_back(body(bodies.get(), k));
     const Handle roads = group(file_.get(), "roads");
     for (int k = 0; exists(roads.get(), std::to_string(k)); ++k) header.roads.push_back(road(roads.get(), k));
+    // For pictures only; results are whole without them.
+    if (exists(file_.get(), "frames")) read_frames(header);
+    if (exists(file_.get(), "elements")) read_elements(header);
     read_rows(results, root.get());
     return results;
   }
@@ -51,12 +56,8 @@ class Reader {
 
   void open() {
     std::error_code error;
-    const auto status = std::filesystem::status(path_, error);
-    if (!std::filesystem::exists(status))
-      refuse(error && error != std::errc::no_such_file_or_directory ? "cannot be read: " + error.message()
-                                                                    : "no such file");
-    if (!std::filesystem::is_regular_file(status)) refuse("not a file");
     file_bytes_ = static_cast<double>(std::filesystem::file_size(path_, error));
+    if (error) refuse("cannot be read: " + error.message());
     const htri_t is_hdf5 = H5Fis_hdf5(path_.c_str());
     if (is_hdf5 < 0) refuse("cannot be read: " + hdf5::last_error());
     if (is_hdf5 == 0) refuse("not a results file (it is not in HDF5 format)");
@@ -77,67 +78,43 @@ class Reader {
     refuse(fmt::format("not a results file (its format is '{}')", found));
   }
 
-  static bool exists(hid_t parent, const std::string& name) {
-    return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
-  }
+  static bool exists(hid_t parent, const std::string& name) { return hdf5::has_link(parent, name); }
 
   Handle group(hid_t parent, const std::string& name) const {
-    Handle result(H5Gopen2(parent, name.c_str(), H5P_DEFAULT));
+    Handle result = hdf5::open_group(parent, name);
     if (!result.valid()) refuse(fmt::format("group '{}' is missing", name));
     return result;
   }
 
   Handle dataset(hid_t parent, const std::string& name) const {
-    Handle result(H5Dopen2(parent, name.c_str(), H5P_DEFAULT));
-    if (!result.valid()) refuse(fmt::format("dataset '{}' is missing or damaged", name));
+    Handle result = hdf5::open_dataset(parent, name);
+    if (!result.valid())
+      refuse(fmt::format("dataset '{}' is missing or damaged, or lies in another file", name));
     return result;
   }
 
-  /// Strings of either kind HDF5 has; `read` fills memory of the given type.
-  template <class Read>
-  std::vector<std::string> texts_of(const std::string& where, hid_t file_type, hid_t space,
-                                    Read&& read) const {
-    if (H5Tget_class(file_type) != H5T_STRING) refuse(fmt::format("{} is not text", where));
-    const hssize_t points = H5Sget_simple_extent_npoints(space);
-    if (points < 0 || points > most_texts) refuse(fmt::format("{} is damaged", where));
-    const auto count = static_cast<std::size_t>(points);
-    std::vector<std::string> result;
-    if (count == 0) return result;
-    if (H5Tis_variable_str(file_type) > 0) {
-      const Handle type(H5Tcopy(file_type));
-      std::vector<char*> pointers(count, nullptr);
-      if (read(type.get(), pointers.data()) < 0)
-        refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
-      for (const char* pointer : pointers) result.emplace_back(pointer ? pointer : "");
-      H5Dvlen_reclaim(type.get(), space, H5P_DEFAULT, pointers.data());
-      return result;
-    }
-    const std::size_t size = H5Tget_size(file_type);
-    if (size == 0 || size > most_text_bytes / count) refuse(fmt::format("{} is damaged", where));
-    const Handle type(H5Tcopy(file_type));
-    std::string all(size * count, '\0');
-    if (read(type.get(), all.data()) < 0)
-      refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string one = all.substr(i * size, size);
-      result.push_back(one.substr(0, one.find('\0')));
-    }
-    return result;
+  void require_text(const std::string& where, hid_t type) const {
+    if (H5Tget_class(type) != H5T_STRING) refuse(fmt::format("{} is not text", where));
+    if (H5Tis_variable_str(type) != 0)
+      refuse(
+          fmt::format("{} is text of variable length, as in files of version 1: this version reads '{}'; "
+                      "run the model once more",
+                      where, results_layout::format));
   }
 
-  std::vector<std::string> text_attributes(hid_t object, const std::string& owner, const char* name) const {
+  std::string text_attribute(hid_t object, const std::string& owner, const char* name) const {
     const std::string where = fmt::format("attribute '{}' of '{}'", name, owner);
     const Handle attribute(H5Aopen(object, name, H5P_DEFAULT));
     if (!attribute.valid()) refuse(where + " is missing");
     const Handle type(H5Aget_type(attribute.get())), space(H5Aget_space(attribute.get()));
-    return texts_of(where, type.get(), space.get(),
-                    [&](hid_t memory, void* to) { return H5Aread(attribute.get(), memory, to); });
-  }
-
-  std::string text_attribute(hid_t object, const std::string& owner, const char* name) const {
-    const std::vector<std::string> texts = text_attributes(object, owner, name);
-    if (texts.size() != 1) refuse(fmt::format("attribute '{}' of '{}' is not one text", name, owner));
-    return texts[0];
+    require_text(where, type.get());
+    const std::size_t size = H5Tget_size(type.get());
+    if (H5Sget_simple_extent_npoints(space.get()) != 1 || size == 0 || size > longest_attribute)
+      refuse(where + " is not one text");
+    std::string text(size, '\0');
+    if (H5Aread(attribute.get(), type.get(), text.data()) < 0)
+      refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
+    return text.substr(0, text.find('\0'));
   }
 
   double number_attribute(hid_t object, const std::string& owner, const char* name) const {
@@ -151,16 +128,32 @@ class Reader {
     return value;
   }
 
-  std::string text(hid_t parent, const std::string& name) const {
+  /// Of a dataset with one axis or none.
+  std::vector<std::string> texts(hid_t parent, const std::string& name) const {
     const std::string where = fmt::format("dataset '{}'", name);
     const Handle data = dataset(parent, name);
     const Handle type(H5Dget_type(data.get())), space(H5Dget_space(data.get()));
-    const std::vector<std::string> texts =
-        texts_of(where, type.get(), space.get(), [&](hid_t memory, void* to) {
-          return H5Dread(data.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
-        });
-    if (texts.size() != 1) refuse(where + " is not one text");
-    return texts[0];
+    require_text(where, type.get());
+    const hssize_t points = H5Sget_simple_extent_npoints(space.get());
+    const std::size_t size = H5Tget_size(type.get());
+    if (points < 0 || size == 0 || !hdf5::can_hold(file_bytes_, data.get(), static_cast<double>(points)))
+      refuse(fmt::format("{} is damaged", where));
+    const auto count = static_cast<std::size_t>(points);
+    std::string all(size * count, '\0');
+    if (count > 0 && H5Dread(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+      refuse(fmt::format("{} cannot be read: {}", where, hdf5::last_error()));
+    std::vector<std::string> result;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string_view one = std::string_view(all).substr(i * size, size);
+      result.emplace_back(one.substr(0, one.find('\0')));
+    }
+    return result;
+  }
+
+  std::string text(hid_t parent, const std::string& name) const {
+    std::vector<std::string> all = texts(parent, name);
+    if (all.size() != 1) refuse(fmt::format("dataset '{}' is not one text", name));
+    return std::move(all[0]);
   }
 
   /// `shape`: what is expected along each axis, or `any`. At most `most_rows` along the first are read.
@@ -183,8 +176,7 @@ class Reader {
                            axis + 1));
       count *= static_cast<double>(result.shape[axis]);
     }
-    // A damaged header can announce any size; data packed by other tools shrink a thousandfold at most.
-    if (count * 8 > 1100 * file_bytes_)
+    if (!hdf5::can_hold(file_bytes_, data.get(), count))
       refuse(fmt::format("{} announces more data than the file can hold", where));
     result.values.resize(static_cast<std::size_t>(count));
     if (count == 0) return result;
@@ -268,14 +260,59 @@ class Reader {
     return result;
   }
 
+  void read_frames(ResultsHeader& header) const {
+    const std::string owner = "frames/";
+    const Handle place = group(file_.get(), "frames");
+    const std::vector<std::string> names = texts(place.get(), "names");
+    const Array bodies = array(place.get(), owner, "body", {names.size()});
+    const Array poses = array(place.get(), owner, "pose", {names.size(), results_layout::numbers_per_pose});
+    const Array motions = array(place.get(), owner, "motion", {any, 6});
+    const auto body_count = static_cast<double>(header.bodies.size());
+    hsize_t at = 0;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const double body = bodies.values[k];
+      if (!(body >= spec::ground && body < body_count))
+        refuse(fmt::format("frame {} is on body {}, of {}", k, body, body_count));
+      const double* const pose = &poses.values[k * results_layout::numbers_per_pose];
+      FrameDrawing frame{names[k], static_cast<int>(body), {}, {}};
+      frame.pose.position = Eigen::Map<const Eigen::Vector3d>(pose);
+      frame.pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose + 3);
+      const int modes = frame.body < 0 ? 0 : header.bodies[static_cast<std::size_t>(frame.body)].modes;
+      if (static_cast<hsize_t>(modes) > motions.shape[0] - at)
+        refuse(
+            fmt::format("dataset 'frames/motion' has {} modes, which end at frame {}", motions.shape[0], k));
+      frame.motion = Eigen::Map<const Eigen::MatrixXd>(motions.values.data() + 6 * at, 6, modes);
+      at += static_cast<hsize_t>(modes);
+      header.frames.push_back(std::move(frame));
+    }
+  }
+
+  void read_elements(ResultsHeader& header) const {
+    const std::string owner = "elements/";
+    const Handle place = group(file_.get(), "elements");
+    const std::vector<std::string> names = texts(place.get(), "names");
+    const std::vector<std::string> kinds = texts(place.get(), "kinds");
+    if (kinds.size() != names.size())
+      refuse(fmt::format("group 'elements' has {} names and {} kinds", names.size(), kinds.size()));
+    const Array ends = array(place.get(), owner, "frames", {names.size(), 2});
+    const Array sizes = array(place.get(), owner, "size", {names.size()});
+    const auto frame = [&](double end) {
+      if (!(end >= -1 && end < static_cast<double>(header.frames.size())))
+        refuse(fmt::format("an element is at frame {}, of {}", end, header.frames.size()));
+      return static_cast<int>(end);
+    };
+    for (std::size_t k = 0; k < names.size(); ++k)
+      header.elements.push_back(
+          {names[k], kinds[k], frame(ends.values[2 * k]), frame(ends.values[2 * k + 1]), sizes.values[k]});
+  }
+
   std::vector<ChannelInfo> channel_infos() const {
-    const Handle data = dataset(file_.get(), "channels");
-    const std::vector<std::string> names = text_attributes(data.get(), "channels", "names");
-    const std::vector<std::string> units = text_attributes(data.get(), "channels", "units");
-    const std::vector<std::string> meanings = text_attributes(data.get(), "channels", "meanings");
+    const std::vector<std::string> names = texts(file_.get(), "channel_names");
+    const std::vector<std::string> units = texts(file_.get(), "channel_units");
+    const std::vector<std::string> meanings = texts(file_.get(), "channel_meanings");
     if (units.size() != names.size() || meanings.size() != names.size())
-      refuse(fmt::format("dataset 'channels' has {} names, {} units and {} meanings", names.size(),
-                         units.size(), meanings.size()));
+      refuse(fmt::format("has {} names of channels, {} units and {} meanings", names.size(), units.size(),
+                         meanings.size()));
     std::vector<ChannelInfo> result;
     for (std::size_t i = 0; i < names.size(); ++i) result.push_back({names[i], units[i], meanings[i]});
     return result;
@@ -313,19 +350,31 @@ class Reader {
   static Eigen::Index index(hsize_t count) { return static_cast<Eigen::Index>(count); }
 
   static constexpr hsize_t any = std::numeric_limits<hsize_t>::max();
-  static constexpr hssize_t most_texts = 10'000'000;
-  static constexpr std::size_t most_text_bytes = 1'000'000'000;
+  static constexpr std::size_t longest_attribute = 65'536;
 
   std::string path_;
   Handle file_;
   double file_bytes_ = 0;
 };
 
+/// Before anything opens it: a pipe would wait for ever.
+void require_plain_file(const std::string& path) {
+  const auto refuse = [&](const std::string& why) { throw InputError(Mark{path, 0, 0}, why); };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    refuse(error && error != std::errc::no_such_file_or_directory ? "cannot be read: " + error.message()
+                                                                  : "no such file");
+  if (!std::filesystem::is_regular_file(status)) refuse("not a file");
+}
+
 }  // namespace
 
 Results read_results(const std::string& path) {
   const hdf5::Quiet quiet;
   try {
+    require_plain_file(path);
+    rehearse(path, [&] { Reader(path).read(); });
     return Reader(path).read();
   } catch (const std::bad_alloc&) {
     throw InputError(Mark{path, 0, 0}, "needs more memory than there is");

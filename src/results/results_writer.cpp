@@ -3,12 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <span>
 #include <stdexcept>
 
+#include "base/flush_clock.h"
 #include "base/hdf5.h"
+#include "base/output_place.h"
 #include "mimbre/build.h"
 #include "mimbre/results.h"
 #include "results/results_layout.h"
@@ -41,19 +42,16 @@ void check(herr_t status) {
   if (status < 0) throw std::runtime_error(hdf5::last_error());
 }
 
-void write_text_attribute(hid_t object, const char* name, std::span<const std::string> texts, bool scalar) {
-  const Handle type = hdf5::string_type();
-  const hsize_t count = texts.size();
-  const Handle space(checked(scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr)));
-  const Handle attribute(
-      checked(H5Acreate2(object, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT)));
-  std::vector<const char*> pointers;
-  for (const std::string& text : texts) pointers.push_back(text.c_str());
-  if (!pointers.empty()) check(H5Awrite(attribute.get(), type.get(), pointers.data()));
-}
+/// HDF5 has no room for more in an attribute; no name is that long.
+constexpr std::size_t longest_attribute = 60'000;
 
 void write_attribute(hid_t object, const char* name, const std::string& text) {
-  write_text_attribute(object, name, {&text, 1}, true);
+  std::string fitting = text.substr(0, longest_attribute);
+  if (fitting.empty()) fitting.resize(1);
+  const Handle type = hdf5::text_type(fitting.size()), space(checked(H5Screate(H5S_SCALAR)));
+  const Handle attribute(
+      checked(H5Acreate2(object, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT)));
+  check(H5Awrite(attribute.get(), type.get(), fitting.data()));
 }
 
 void write_attribute(hid_t object, const char* name, double value) {
@@ -70,24 +68,27 @@ void write_attribute(hid_t object, const char* name, int value) {
   check(H5Awrite(attribute.get(), H5T_NATIVE_INT, &value));
 }
 
-void write_text(hid_t parent, const char* name, const std::string& text) {
-  const Handle type = hdf5::string_type();
-  const Handle space(checked(H5Screate(H5S_SCALAR)));
-  const Handle properties = creation_properties(H5P_DATASET_CREATE);
-  const Handle data(
-      checked(H5Dcreate2(parent, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
-  const char* pointer = text.c_str();
-  check(H5Dwrite(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &pointer));
-}
-
 void write_array(hid_t parent, const char* name, const std::vector<hsize_t>& shape, hid_t file_type,
                  hid_t memory_type, const void* values) {
-  const Handle space(checked(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)));
+  const Handle space(checked(shape.empty()
+                                 ? H5Screate(H5S_SCALAR)
+                                 : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)));
   const Handle properties = creation_properties(H5P_DATASET_CREATE);
   const Handle data(
       checked(H5Dcreate2(parent, name, file_type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
   const bool empty = std::find(shape.begin(), shape.end(), 0u) != shape.end();
   if (!empty) check(H5Dwrite(data.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+}
+
+void write_texts(hid_t parent, const char* name, const std::vector<hsize_t>& shape,
+                 std::span<const std::string> texts) {
+  const hdf5::PackedTexts packed = hdf5::packed(texts);
+  const Handle type = hdf5::text_type(packed.length);
+  write_array(parent, name, shape, type.get(), type.get(), packed.bytes.data());
+}
+
+void write_text(hid_t parent, const char* name, const std::string& text) {
+  write_texts(parent, name, {}, {&text, 1});
 }
 
 void write_array(hid_t parent, const char* name, const std::vector<hsize_t>& shape, const double* values) {
@@ -140,23 +141,62 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
   write_array(group.get(), "shapes", {body.shapes.size(), results_layout::numbers_per_shape}, shapes.data());
 }
 
-void write_channel_info(hid_t channels, const std::vector<ChannelInfo>& infos) {
+/// Frames and elements as one table each: a mechanism has hundreds, and a group is a kilobyte.
+void write_elements(hid_t root, const ResultsHeader& header) {
+  std::vector<std::string> names, kinds;
+  std::vector<int> bodies, ends;
+  std::vector<double> poses, motions, sizes;
+  for (const FrameDrawing& frame : header.frames) {
+    names.push_back(frame.name);
+    bodies.push_back(frame.body);
+    poses.insert(poses.end(), frame.pose.position.begin(), frame.pose.position.end());
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) poses.push_back(frame.pose.rotation(row, column));
+    const auto motion = frame.motion.reshaped();
+    motions.insert(motions.end(), motion.begin(), motion.end());
+  }
+  const Handle frames = create_group(root, "frames");
+  write_texts(frames.get(), "names", {names.size()}, names);
+  write_array(frames.get(), "body", {bodies.size()}, H5T_STD_I32LE, H5T_NATIVE_INT, bodies.data());
+  write_array(frames.get(), "pose", {bodies.size(), results_layout::numbers_per_pose}, poses.data());
+  write_array(frames.get(), "motion", {motions.size() / 6, 6}, motions.data());
+
+  names.clear();
+  for (const ElementDrawing& element : header.elements) {
+    names.push_back(element.name);
+    kinds.push_back(element.kind);
+    ends.insert(ends.end(), {element.frame_a, element.frame_b});
+    sizes.push_back(element.size);
+  }
+  const Handle elements = create_group(root, "elements");
+  write_texts(elements.get(), "names", {names.size()}, names);
+  write_texts(elements.get(), "kinds", {kinds.size()}, kinds);
+  write_array(elements.get(), "frames", {names.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT, ends.data());
+  write_array(elements.get(), "size", {names.size()}, sizes.data());
+}
+
+void write_channel_info(hid_t root, const std::vector<ChannelInfo>& infos) {
   std::vector<std::string> names, units, meanings;
   for (const ChannelInfo& info : infos) {
     names.push_back(info.name);
     units.push_back(info.unit);
     meanings.push_back(info.meaning);
   }
-  write_text_attribute(channels, "names", names, false);
-  write_text_attribute(channels, "units", units, false);
-  write_text_attribute(channels, "meanings", meanings, false);
+  write_texts(root, "channel_names", {names.size()}, names);
+  write_texts(root, "channel_units", {units.size()}, units);
+  write_texts(root, "channel_meanings", {meanings.size()}, meanings);
 }
 
 /// Bytes that the header will take, generously.
 hsize_t header_bytes(const ResultsHeader& header) {
   hsize_t bytes = header.title.size() + header.model_text.size() + header.options_json.size();
-  for (const ChannelInfo& channel : header.channels)
-    bytes += 3 * 64 + channel.name.size() + channel.unit.size() + channel.meaning.size();
+  std::size_t name = 1, unit = 1, meaning = 1;
+  for (const ChannelInfo& channel : header.channels) {
+    name = std::max(name, channel.name.size());
+    unit = std::max(unit, channel.unit.size());
+    meaning = std::max(meaning, channel.meaning.size());
+  }
+  bytes += header.channels.size() * (name + unit + meaning);
   for (const BodyDrawing& body : header.bodies)
     bytes += 8192 + body.name.size() +
              8 * (size_of(body.points.size()) + size_of(body.point_shapes.size()) + body.lines.size() +
@@ -164,6 +204,17 @@ hsize_t header_bytes(const ResultsHeader& header) {
                   results_layout::numbers_per_shape * body.shapes.size());
   for (const RoadDrawing& road : header.roads)
     bytes += 4096 + road.name.size() + 8 * size_of(road.profile.size());
+  std::size_t frame_name = 1, element_name = 1, kind = 1;
+  for (const FrameDrawing& frame : header.frames) {
+    frame_name = std::max(frame_name, frame.name.size());
+    bytes += 8 * (13 + size_of(frame.motion.size()));
+  }
+  for (const ElementDrawing& element : header.elements) {
+    element_name = std::max(element_name, element.name.size());
+    kind = std::max(kind, element.kind.size());
+  }
+  bytes += header.frames.size() * frame_name + header.elements.size() * (16 + element_name + kind);
+  bytes += 16384;
   return bytes + bytes / 4;
 }
 
@@ -182,6 +233,8 @@ class Table {
     const Handle space(checked(H5Screate_simple(axes, now, most)));
     const Handle properties = creation_properties(H5P_DATASET_CREATE);
     check(H5Pset_chunk(properties.get(), axes, chunk));
+    check(H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY));
+    check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
     data_ = Handle(checked(
         H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
     buffer_.reserve(rows_per_flush * columns);
@@ -195,10 +248,15 @@ class Table {
     return (rows / rows_per_chunk_ + 2) * rows_per_chunk_ * 8 * columns_;
   }
 
-  void write(hsize_t rows) {
-    const hsize_t size[2] = {written_ + rows, columns_}, start[2] = {written_, 0},
-                  count[2] = {rows, columns_};
+  /// Room for rows up to `rows`, allocated at once; or no more than them.
+  void resize(hsize_t rows) {
+    const hsize_t size[2] = {rows, columns_};
     check(H5Dset_extent(data_.get(), size));
+  }
+
+  /// What was added, into room that there is.
+  void write(hsize_t rows) {
+    const hsize_t start[2] = {written_, 0}, count[2] = {rows, columns_};
     if (columns_ > 0) {
       const Handle file_space(checked(H5Dget_space(data_.get())));
       const Handle memory_space(checked(H5Screate_simple(axes_, count, nullptr)));
@@ -225,37 +283,37 @@ class Table {
 /// full disk is found before anything in the file has changed, and the file stays whole.
 struct ResultsWriter::Impl {
   std::string path;
+  OutputPlace place;
   Handle file;
   std::vector<Table> tables;  ///< time, channels, poses, modes
   std::size_t channel_count = 0, body_count = 0, mode_count = 0;
   std::size_t waiting = 0;  ///< rows in the buffers
   int rows = 0;             ///< in the file
+  std::size_t room = 0;     ///< rows that the tables have, whole blocks
+  FlushClock clock;         ///< since they were last written
   hsize_t reserved = 0;     ///< bytes of the file on disk
   std::string failure;      ///< of the first error; nothing is written after it
 
-  Impl(std::string file_path, const ResultsHeader& header) : path(std::move(file_path)) {
+  Impl(const std::string& file_path, const ResultsHeader& header)
+      : path(file_path), place(file_path, OutputPlace::Kind::growing) {
+    if (!place.plain()) throw std::runtime_error("it is not a plain file");
     const Handle creation = creation_properties(H5P_FILE_CREATE);
     const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-    // Neither format has an "open for writing" mark, which would make the file of a killed run unreadable.
-    // The older one has no checksums that half a write breaks, and takes large index nodes: with 1024 chunks
-    // in each, a process that is killed hardly ever is splitting one. But it takes no attribute beyond 64 kB,
-    // at 16 bytes a name.
-    if (header.channels.size() > 4000)
-      H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
-    else
-      H5Pset_istore_k(creation.get(), 512);
+    // The oldest format, which is the default, has no "open for writing" mark, which would make the file of a
+    // killed run unreadable, and no checksums that half a write breaks. It takes large index nodes: with 1024
+    // chunks in each, a process that is killed hardly ever is splitting one.
+    H5Pset_istore_k(creation.get(), 512);
     // Index nodes lie in blocks that the file already covers, so that hardly a kill can leave one outside.
     H5Pset_meta_block_size(access.get(), metadata_block_bytes);
     // A running simulation's file may be looked at; and some network file systems cannot lock.
     H5Pset_file_locking(access.get(), false, true);
-    file = Handle(checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get())));
+    file = Handle(checked(H5Fcreate(place.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get())));
     try {
       reserve(header_bytes(header));
       write_header(header);
       check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
     } catch (...) {
       close();
-      std::remove(path.c_str());
       throw;
     }
   }
@@ -314,6 +372,8 @@ struct ResultsWriter::Impl {
                   header.roads[k].profile.data());
     }
 
+    write_elements(root.get(), header);
+
     channel_count = header.channels.size();
     body_count = header.bodies.size();
     tables.reserve(4);
@@ -321,7 +381,7 @@ struct ResultsWriter::Impl {
     tables.emplace_back(root.get(), "channels", 2, channel_count);
     tables.emplace_back(root.get(), "poses", 2, 7 * body_count);
     tables.emplace_back(root.get(), "modes", 2, mode_count);
-    write_channel_info(tables[1].id(), header.channels);
+    write_channel_info(root.get(), header.channels);
   }
 
   void check_row(const ResultsRow& row) const {
@@ -334,11 +394,12 @@ struct ResultsWriter::Impl {
     expect("modes", row.modes.size(), mode_count);
   }
 
+  /// Rows are written when a block of them is there, or have waited for long. Where they lie in the file must
+  /// not depend on the clock: room is made for whole blocks.
   void flush() {
+    clock.reset();
     if (waiting == 0) return;
-    hsize_t bytes = 0;
-    for (const Table& table : tables) bytes += table.bytes_for(waiting);
-    reserve(bytes);
+    if (static_cast<std::size_t>(rows) + waiting > room) make_room();
     for (Table& table : tables) table.write(waiting);
     rows += static_cast<int>(waiting);
     waiting = 0;
@@ -348,9 +409,23 @@ struct ResultsWriter::Impl {
     check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
   }
 
+  void make_room() {
+    hsize_t bytes = 0;
+    for (const Table& table : tables) bytes += table.bytes_for(rows_per_flush);
+    reserve(bytes);
+    room += rows_per_flush;
+    for (Table& table : tables) table.resize(room);
+  }
+
+  bool block_is_full() const { return (static_cast<std::size_t>(rows) + waiting) % rows_per_flush == 0; }
+
   void set_attribute(const char* name, int value) {
     const Handle attribute(checked(H5Aopen_by_name(file.get(), "/", name, H5P_DEFAULT, H5P_DEFAULT)));
     check(H5Awrite(attribute.get(), H5T_NATIVE_INT, &value));
+  }
+
+  void trim() {
+    for (Table& table : tables) table.resize(static_cast<hsize_t>(rows));
   }
 
   void mark_complete(const std::string& summary) {
@@ -386,8 +461,30 @@ struct ResultsWriter::Impl {
     try {
       work();
     } catch (const std::exception& error) {
-      failure = cannot_write(error.what());
       close();
+      failure = fmt::format("{}; the first {} rows are kept in '{}'", cannot_write(error.what()), rows,
+                            place.keep());
+      throw std::runtime_error(failure);
+    }
+  }
+
+  /// Writes what waits, does the last piece of work, and closes.
+  template <class Work>
+  void end(Work&& work) {
+    if (failure.empty() && !file.valid()) throw std::logic_error("a results file can be finished once only");
+    guarded([&] {
+      flush();
+      trim();
+      work();
+      if (!close()) throw std::runtime_error("the file could not be closed");
+    });
+  }
+
+  void commit() {
+    try {
+      place.commit();
+    } catch (const std::runtime_error& error) {
+      failure = cannot_write(error.what());
       throw std::runtime_error(failure);
     }
   }
@@ -405,13 +502,13 @@ ResultsWriter::ResultsWriter(const std::string& path, const ResultsHeader& heade
 }
 
 ResultsWriter::~ResultsWriter() {
-  const hdf5::Quiet quiet;
   try {
-    if (impl_->file.valid()) impl_->flush();
+    if (!impl_->file.valid()) return;
+    impl_->end([] {});
+    impl_->place.keep();
   } catch (const std::exception&) {
     // A destructor has nobody to tell; what was flushed before stays readable.
   }
-  impl_.reset();
 }
 
 void ResultsWriter::add(const ResultsRow& row) {
@@ -422,17 +519,25 @@ void ResultsWriter::add(const ResultsRow& row) {
   impl_->tables[1].add(row.channels.data());
   impl_->tables[2].add(row.poses.data());
   impl_->tables[3].add(row.modes.data());
-  if (++impl_->waiting >= rows_per_flush) impl_->guarded([&] { impl_->flush(); });
+  ++impl_->waiting;
+  if (impl_->block_is_full() || impl_->clock.due()) impl_->guarded([&] { impl_->flush(); });
+}
+
+void ResultsWriter::flush_if_due() {
+  if (impl_->waiting > 0 && impl_->file.valid() && impl_->clock.due())
+    impl_->guarded([&] { impl_->flush(); });
 }
 
 void ResultsWriter::finish(const std::string& summary_json) {
-  if (impl_->failure.empty() && !impl_->file.valid())
-    throw std::logic_error("a results file can be finished once only");
-  impl_->guarded([&] {
-    impl_->flush();
-    impl_->mark_complete(summary_json);
-    if (!impl_->close()) throw std::runtime_error("the file could not be closed");
-  });
+  impl_->end([&] { impl_->mark_complete(summary_json); });
+  impl_->commit();
 }
+
+std::string ResultsWriter::keep(const std::string& summary_json) {
+  impl_->end([&] { impl_->mark_complete(summary_json); });
+  return impl_->place.keep();
+}
+
+std::int64_t ResultsWriter::rows() const { return impl_->rows; }
 
 }  // namespace mimbre

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
+#include "base/output_place.h"
 #include "mimbre/stress_history.h"
 #include "results/base64.h"
 
@@ -133,10 +133,11 @@ std::string escaped(const std::string& text) {
 }
 
 void write_file(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(fmt::format("cannot write '{}'", path.string()));
+  try {
+    write_whole(path.string(), text);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("cannot write '{}': {}", path.string(), error.what()));
+  }
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "dynamics/amplitudes.h"
+#include "dynamics/relative/momentum.h"
+#include "forces/load.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 
@@ -13,6 +15,42 @@ namespace mimbre {
 namespace {
 
 using Kind = spec::Output::Kind;
+
+/// 'a', 'b' of the bodies, for people.
+std::string names(const Compiled& m, const spec::Output& o) {
+  if (o.bodies.empty()) return "all bodies";
+  std::string text;
+  for (const int b : o.bodies)
+    text += fmt::format("{}'{}'", text.empty() ? "" : ", ", m.spec.bodies[static_cast<std::size_t>(b)].name);
+  return text;
+}
+
+/// Bodies whose motion of mass an output shows: indices of compiled bodies; none for other outputs.
+std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
+  std::vector<int> bodies;
+  if (o.kind != Kind::centre_of_mass && o.kind != Kind::linear_momentum && o.kind != Kind::angular_momentum)
+    return bodies;
+  for (const int b : o.bodies) bodies.push_back(m.body_of_spec[static_cast<std::size_t>(b)]);
+  if (o.bodies.empty())
+    for (int b = 0; b < static_cast<int>(m.bodies.size()); ++b) bodies.push_back(b);
+  return bodies;
+}
+
+double motion_of_mass(const spec::Output& o, const relative::Momentum& of, const Vec3d& origin) {
+  if (o.kind == Kind::linear_momentum) return of.linear[o.component];
+  const Vec3d centre = of.centre + origin;
+  if (o.kind == Kind::centre_of_mass) return centre[o.component];
+  if (!o.about) return of.angular[o.component];
+  const Vec3d arm = centre - *o.about;
+  return (of.angular + arm.cross(of.linear))[o.component];
+}
+
+/// What a reader of reactions may not know of the joint.
+const char* joint_note(spec::JointType type) {
+  return type == spec::JointType::bracket
+             ? " (a bracket: fixed, and a flexible body gets static modes for it)"
+             : "";
+}
 
 ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
   static const char* const axes[] = {"x", "y", "z"};
@@ -39,9 +77,12 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       return {o.name, angle() ? "rad/s" : "m/s",
               fmt::format("rate of coordinate {} of joint '{}'", o.component, joint())};
     case Kind::joint_force:
-      return {o.name, o.component < 3 ? "N" : "N m",
-              fmt::format("reaction {} {} of joint '{}' on its second body, global axes",
-                          o.component < 3 ? "force" : "moment", axes[o.component % 3], joint())};
+      return {
+          o.name, o.component < 3 ? "N" : "N m",
+          fmt::format("reaction {} of joint '{}' on its second body, at the joint's point there, {} of the "
+                      "global axes{}",
+                      o.component < 3 ? "force" : "moment", joint(), axes[o.component % 3],
+                      joint_note(m.spec.joints[o.item].type))};
     case Kind::deflection:
       return {o.name, "m", fmt::format("deflection of '{}'", frame())};
     case Kind::displacement:
@@ -70,9 +111,27 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       return {o.name, "m", fmt::format("length of spring '{}'", m.spec.springs[o.item].name)};
     case Kind::tyre_force:
       return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec.tyres[o.item].name)};
+    case Kind::angular_velocity:
+      return {o.name, "rad/s",
+              fmt::format("angular velocity of '{}' about {} of {} axes", frame(), axes[o.component],
+                          o.own_axes ? "its own" : "the global")};
+    case Kind::centre_of_mass:
+      return {o.name, "m",
+              fmt::format("global {} of the centre of mass of {}", axes[o.component], names(m, o))};
+    case Kind::linear_momentum:
+      return {o.name, "kg m/s", fmt::format("global {} momentum of {}", axes[o.component], names(m, o))};
+    case Kind::angular_momentum:
+      return {
+          o.name, "kg m²/s",
+          fmt::format("global {} angular momentum of {} about {}", axes[o.component], names(m, o),
+                      o.about ? fmt::format("[{:g}, {:g}, {:g}]", (*o.about)[0], (*o.about)[1], (*o.about)[2])
+                              : std::string("their centre of mass"))};
   }
   return {};
 }
+
+/// What a load exerts at all: each has channels only where it is not nothing.
+const Vec3d& given(const LoadData& load, bool moment) { return moment ? load.moment : load.force; }
 
 /// Of the smallest principal value the smallest, of all others the one of the largest magnitude.
 bool more_extreme(int component, double a, double b) {
@@ -106,6 +165,7 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
     if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
   for (const spec::Output& o : m.spec.outputs) {
     info_.push_back(output_info(m, o));
+    mass_of_output_.push_back(bodies_of(m, o));
     if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
   }
   output_count_ = static_cast<int>(info_.size());
@@ -120,6 +180,17 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   for (const spec::Tyre& t : m.spec.tyres)
     info_.push_back(
         {fmt::format("tyre.{}.vertical", t.name), "N", fmt::format("vertical force of tyre '{}'", t.name)});
+  for (const spec::Tyre& t : m.spec.tyres)
+    info_.push_back({fmt::format("tyre.{}.road", t.name), "m",
+                     fmt::format("global z of the road under tyre '{}'", t.name)});
+  for (const LoadData& l : m.loads)
+    for (const bool moment : {false, true})
+      for (int axis = 0; axis < 3 && !given(l, moment).isZero(0); ++axis) {
+        const std::string& name = m.spec.loads[l.spec].name;
+        const char* const what = moment ? "moment" : "force";
+        info_.push_back({fmt::format("load.{}.{}.{}", name, what, "xyz"[axis]), moment ? "N m" : "N",
+                         fmt::format("{} of load '{}', {} of the global axes", what, name, "xyz"[axis])});
+      }
   for (const EnergyTerm& term : energy_terms)
     info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
   info_.push_back({"solver.iterations", "1", "iterations of the last step"});
@@ -127,10 +198,10 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
 }
 
-double Channels::output_value(const spec::Output& o, const relative::RelativeSystem& system,
-                              const State& s) const {
+double Channels::output_value(std::size_t output, relative::RelativeSystem& system, const State& s) const {
   const Compiled& m = model_;
-  const auto& w = system.workspace();
+  const spec::Output& o = m.spec.outputs[output];
+  auto& w = system.workspace();
   const auto motion = [&] {
     return relative::output_motion(system, m.frame_of_spec[o.item], s.q.data(), s.v.data(), s.a.data());
   };
@@ -141,6 +212,15 @@ double Channels::output_value(const spec::Output& o, const relative::RelativeSys
       return motion().velocity[o.component];
     case Kind::acceleration:
       return motion().acceleration[o.component] + m.gravity[o.component];
+    case Kind::angular_velocity: {
+      const auto here = motion();
+      return (o.own_axes ? Vec3d(here.rotation.transpose() * here.omega) : here.omega)[o.component];
+    }
+    case Kind::centre_of_mass:
+    case Kind::linear_momentum:
+    case Kind::angular_momentum:
+      return motion_of_mass(o, relative::momentum(m, w, mass_of_output_[output], s.q.data(), s.v.data()),
+                            w.origin);
     case Kind::roll: {
       const Mat3d r = motion().rotation;
       return std::atan2(r(2, 1), r(2, 2));
@@ -221,14 +301,14 @@ void Channels::mark_undetermined(const Redundancy& redundancy) {
   });
 }
 
-void Channels::sample(const relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
+void Channels::sample(relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
                       const Statistics& statistics, ResultsRow& row) const {
   const Compiled& m = model_;
   const auto& w = system.workspace();
   row.time = s.time;
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
   Eigen::Index at = 0;
-  for (const spec::Output& o : m.spec.outputs) row.channels[at++] = output_value(o, system, s);
+  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k) row.channels[at++] = output_value(k, system, s);
   joints_.sample(system, s, row.channels.data() + at);
   at += joint_count_;
   for (std::size_t k = 0; k < m.springs.size(); ++k) {
@@ -236,6 +316,18 @@ void Channels::sample(const relative::RelativeSystem& system, const State& s, co
     row.channels[at++] = w.springs[k].length;
   }
   for (std::size_t k = 0; k < m.tyres.size(); ++k) row.channels[at++] = w.tyres[k].force;
+  for (std::size_t k = 0; k < m.tyres.size(); ++k) row.channels[at++] = w.tyres[k].road;
+  for (const LoadData& l : m.loads) {
+    const Mat3d axes =
+        l.follower ? relative::output_motion(system, l.frame, s.q.data(), s.v.data(), s.a.data()).rotation
+                   : Mat3d::Identity();
+    const LoadWrench<double> wrench = load_wrench(l, axes, s.time);
+    for (const bool moment : {false, true}) {
+      if (given(l, moment).isZero(0)) continue;
+      row.channels.segment<3>(at) = moment ? wrench.moment : wrench.force;
+      at += 3;
+    }
+  }
   for (const EnergyTerm& term : energy_terms) row.channels[at++] = e.*term.value;
   row.channels[at++] = statistics.iterations;
   row.channels[at++] = statistics.position_violation;

@@ -19,8 +19,9 @@ class Channels {
   struct Statistics {
     double iterations = 0, position_violation = 0, velocity_violation = 0;
   };
-  /// The system's last evaluation must be a residual of this state with its accelerations and multipliers.
-  void sample(const relative::RelativeSystem& system, const State& state, const EnergyBalance& energy,
+  /// The system's last evaluation must be a residual of this state with its accelerations and multipliers;
+  /// its scratch is used.
+  void sample(relative::RelativeSystem& system, const State& state, const EnergyBalance& energy,
               const Statistics& statistics, ResultsRow& row) const;
   /// Says in the meaning of reactions which rigid bodies do not determine.
   void mark_undetermined(const Redundancy& redundancy);
@@ -29,11 +30,11 @@ class Channels {
   std::vector<RoadDrawing> roads() const;
 
  private:
-  double output_value(const spec::Output& output, const relative::RelativeSystem& system,
-                      const State& state) const;
+  double output_value(std::size_t output, relative::RelativeSystem& system, const State& state) const;
 
   const Compiled& model_;
   std::vector<ChannelInfo> info_;
+  std::vector<std::vector<int>> mass_of_output_;  ///< by output: compiled bodies
   int output_count_ = 0;
   int modes_ = 0;
   JointObserver joints_;

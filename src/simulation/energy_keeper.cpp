@@ -58,7 +58,6 @@ void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSyste
   if (slope > 1e-14 * kinetic)
     for (int round = 0; round < 3; ++round)
       share = std::clamp(share + (excess + gain(share)) / slope, -largest_share, largest_share);
-  state.energy_error = excess + gain(share);
   if (inner_ > 0) scale(observer, natural, -0.5 * share, state);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     if (groups_[k].rigid) continue;

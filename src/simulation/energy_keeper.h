@@ -5,19 +5,21 @@
 namespace mimbre {
 
 /// Takes back what a step of the rule fed in or took out, so that the energy balance holds: the integrator
-/// `conserve`. What can change without breaking the laws of free flight is the size of the velocities (of
-/// free groups: relative to their mean motion, a rigid body's of the same momentum) and the attitude of free
-/// groups: a turn at constant angular momentum changes the energy of rotation. Both get a part by the energy
-/// that they have, so that a correction is as small as it can be against the motion that it corrects. Loops
-/// stay closed: the constraints on velocities are homogeneous; models with drives get turns only.
-/// Allocates only when made.
+/// `conserve`. The rule damps vibrations that the step does not resolve (conserving_rho): what they lose goes
+/// to the motion as a whole. What can change without breaking the laws of free flight is the size of the
+/// velocities (of free groups: relative to their mean motion, a rigid body's of the same momentum) and the
+/// attitude of free groups: a turn at constant angular momentum changes the energy of rotation. Both get a
+/// part by the energy that they have, so that a correction is as small as it can be against the motion that
+/// it corrects. Loops stay closed: the constraints on velocities are homogeneous; models with drives get
+/// turns only. Allocates only when made.
 class EnergyKeeper {
  public:
   EnergyKeeper(const Compiled& model, const std::vector<FreeGroup>& groups);
   /// At the start of a step, after kinematics at the state.
   void begin(relative::RelativeSystem& observer, const State& relative);
-  /// At its end, likewise; arguments as FreeFlight::end. What a correction of sensible size cannot take back,
-  /// at the turning points of a pendulum, is left to the next step (State::energy_error).
+  /// At its end, likewise; arguments as FreeFlight::end. Takes back State::energy_error, too: what
+  /// corrections before left, because more than a correction of sensible size was asked for (a pendulum at
+  /// its turning point), or because they moved the places of loads.
   void end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& relative,
            State& state);
 

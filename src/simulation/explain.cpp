@@ -3,10 +3,59 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "simulation/names.h"
 
 namespace mimbre {
+namespace {
+
+/// Bodies that no mass moves with: neither they nor what they carry have any.
+std::vector<std::string> moved_without_mass(const Compiled& m) {
+  std::vector<double> carried;
+  for (const BodyData& b : m.bodies) carried.push_back(b.mass);
+  for (std::size_t k = m.bodies.size(); k-- > 0;)  // parents come before children
+    if (m.bodies[k].parent >= 0) carried[static_cast<std::size_t>(m.bodies[k].parent)] += carried[k];
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < m.bodies.size(); ++k)
+    if (carried[k] == 0 && m.bodies[k].size() > 0) names.push_back(m.spec.bodies[m.bodies[k].spec].name);
+  return names;
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), most); ++k)
+    text += fmt::format("{}'{}'", k > 0 ? ", " : "", names[k]);
+  return names.size() > most ? text + ", …" : text;
+}
+
+/// The body that a velocity coordinate moves, where that floats freely; null elsewhere.
+const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+    const BodyData& b = m.bodies[k];
+    const bool here = natural ? coordinate >= 0 && natural->body_of(coordinate) == static_cast<int>(k)
+                              : coordinate >= b.v && coordinate < b.v + b.joint_velocities;
+    if (here && b.joint == spec::JointType::floating && b.parent < 0) return &b;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string explain_undetermined_start(const Compiled& m) {
+  const std::vector<std::string> names = moved_without_mass(m);
+  if (names.empty())
+    return "the accelerations at the start are not determined: some motion moves neither mass nor inertia; "
+           "give every body that turns about an axis through its centre of mass an inertia";
+  return fmt::format(
+      "the accelerations at the start are not determined: {} {} move{} without any mass, of {} own or of "
+      "what "
+      "{} carr{}; give mass and inertia, or fix {} to another body",
+      names.size() > 1 ? "bodies" : "body", quoted(names), names.size() > 1 ? "" : "s",
+      names.size() > 1 ? "their" : "its", names.size() > 1 ? "they" : "it", names.size() > 1 ? "y" : "ies",
+      names.size() > 1 ? "them" : "it");
+}
 
 std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& r,
                     double t) {
@@ -44,6 +93,12 @@ std::string explain(const Compiled& model, const natural::NaturalSystem* natural
 
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
                               const StaticsStatus& status) {
+  if (const BodyData* body = free_body(model, natural, status.coordinate))
+    return fmt::format(
+        "no static equilibrium was found: body '{}' floats freely, and nothing holds it against a force or "
+        "moment "
+        "of {:.3g} (N or Nm); join it to the ground or to a body that is, or carry it by springs",
+        model.spec.bodies[body->spec].name, status.residual);
   return fmt::format(
       "no static equilibrium was found: unbalanced force {:.3g}, the largest in {} (does anything hold it?), "
       "constraints off by {:.3g} after {} iterations",
@@ -61,14 +116,11 @@ std::string explain_instability(const Compiled& model, const natural::NaturalSys
 
 std::string explain_near_redundancy(const Redundancy& r) {
   if (r.nearly == 0) return {};
-  std::string joints;
-  for (std::size_t k = 0; k < std::min<std::size_t>(r.nearly_joints.size(), 8); ++k)
-    joints += fmt::format("{}'{}'", k > 0 ? ", " : "", r.nearly_joints[k]);
   return fmt::format(
-      "constraints are nearly redundant: axes or points of joints {}{} are off by so little that the "
+      "constraints are nearly redundant: axes or points of joints {} are off by so little that the "
       "mechanism "
       "may lock, and their reactions are arbitrary; give them exactly, or free a coordinate of one of them",
-      joints, r.nearly_joints.size() > 8 ? ", …" : "");
+      quoted(r.nearly_joints));
 }
 
 }  // namespace mimbre

@@ -12,6 +12,9 @@ namespace mimbre {
 std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& report,
                     double t);
 
+/// Why the accelerations at the start are not determined: the bodies that move without mass, and what to do.
+std::string explain_undetermined_start(const Compiled& model);
+
 /// Why a static equilibrium was not found: what is not balanced, and where.
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
                               const StaticsStatus& status);

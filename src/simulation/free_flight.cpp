@@ -1,6 +1,9 @@
 #include "simulation/free_flight.h"
 
+#include <cmath>
+
 #include "dynamics/relative/shift.h"
+#include "joints/table.h"
 
 namespace mimbre {
 namespace {
@@ -76,7 +79,12 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
 }
 
 FreeFlight::FreeFlight(const Compiled& model)
-    : model_(model), groups_(free_groups(model)), starts_(groups_.size()) {}
+    : model_(model), groups_(free_groups(model)), starts_(groups_.size()) {
+  for (const FreeGroup& g : groups_) changes_shape_ = changes_shape_ || !g.rigid;
+  if (!changes_shape_) return;
+  start_q_.setZero(model.positions);
+  rates_.setZero(model.velocities);
+}
 
 bool FreeFlight::loaded(const FreeGroup& group, double time) const {
   for (const int k : group.loads)
@@ -95,13 +103,15 @@ void FreeFlight::begin(relative::RelativeSystem& observer, const State& s) {
     start.centre = p.centre;
     start.velocity = p.velocity();
     start.angular = p.angular;
-    if (groups_[k].rigid) start.rotation = rotation_of(p.inertia, p.angular).energy;
+    start.rotation = rotation_of(p.inertia, p.angular).energy;
   }
+  if (changes_shape_) start_q_ = s.q;
 }
 
 void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& s,
                      double h, State& state) {
   const Vec3d gained = h * model_.gravity;
+  if (changes_shape_) find_gains(observer, s, h);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Start& start = starts_[k];
     if (start.loaded || loaded(groups_[k], s.time)) continue;
@@ -113,10 +123,57 @@ void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem*
     shift.rate = start.velocity + gained - shift.velocity;
     shift.move = start.centre - p.centre + (origin_ - observer.workspace().origin) +
                  h * (start.velocity + 0.5 * gained);
-    if (groups_[k].rigid) shift.turn = restoring_turn(p.inertia, start.angular, start.rotation);
+    shift.turn = restoring_turn(p.inertia, start.angular, start.rotation + start.gain);
     shift.spin = relative::mean_spin(shift.turn * p.inertia * shift.turn.transpose(),
                                      start.angular - shift.turn * p.angular);
     shift_group(observer, natural, groups_[k], shift, state);
+  }
+}
+
+/// What the energies of rotation gain over the step by the change of shape that the step made: the power of
+/// the rates that make it, the mean of that at both ends. So nothing is left over when a shape returns, as it
+/// were if the velocities were taken, which are those of the positions but for the rule's error.
+void FreeFlight::find_gains(relative::RelativeSystem& observer, const State& s, double h) {
+  set_rates(s, h);
+  for (Start& start : starts_) start.gain = 0;
+  const auto add_at = [&](double time, const double* q) {
+    observer.kinematics(time, q, rates_.data(), s.a.data());
+    for (std::size_t k = 0; k < groups_.size(); ++k)
+      if (!groups_[k].rigid && !starts_[k].loaded)
+        starts_[k].gain +=
+            0.5 * h *
+            relative::centrifugal_power(
+                relative::momentum(model_, observer.workspace(), groups_[k].bodies, q, rates_.data()),
+                starts_[k].angular);
+  };
+  add_at(s.time - h, start_q_.data());
+  add_at(s.time, s.q.data());
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+}
+
+/// Constant rates of the coordinates by which the step came to s.q; the roots', which no shape depends on,
+/// are their velocities.
+void FreeFlight::set_rates(const State& s, double h) {
+  rates_ = s.v;
+  for (const BodyData& b : model_.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    const double *from = start_q_.data() + b.q, *to = s.q.data() + b.q;
+    double* out = rates_.data() + b.v;
+    if (b.parent >= 0) {
+      const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
+      for (int k = 0; k < plain; ++k) out[k] = (to[k] - from[k]) / h;
+      if (info.quaternion >= 0) {
+        const double *p = from + info.quaternion, *r = to + info.quaternion;
+        const Quat<double> turn = quaternion_product<double>(Quat<double>(p[0], -p[1], -p[2], -p[3]),
+                                                             Quat<double>(r[0], r[1], r[2], r[3]));
+        const Vec3d axis = turn.tail<3>();
+        const double sine = axis.norm();
+        Eigen::Map<Vec3d>(out + info.rotation) =
+            (sine > 0 ? 2 * std::atan2(sine, turn[0]) / sine : 2.0) / h * axis;
+      }
+    }
+    for (int k = 0; k < b.modes; ++k)
+      out[info.velocities + k] = (to[info.positions + k] - from[info.positions + k]) / h;
   }
 }
 

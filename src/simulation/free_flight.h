@@ -40,20 +40,25 @@ class FreeFlight {
 
  private:
   bool loaded(const FreeGroup& group, double time) const;
+  void find_gains(relative::RelativeSystem& observer, const State& relative, double h);
+  void set_rates(const State& relative, double h);
 
   struct Start {
     bool loaded = false;
     Vec3d centre = Vec3d::Zero();  ///< relative to the common point at the start
     Vec3d velocity = Vec3d::Zero(), angular = Vec3d::Zero();
     double rotation = 0;  ///< energy of it, J
+    double gain = 0;      ///< of it over the step, by the change of shape, J
   };
   const Compiled& model_;
   std::vector<FreeGroup> groups_;
   std::vector<Start> starts_;
   Vec3d origin_ = Vec3d::Zero();
+  bool changes_shape_ = false;       ///< any of the groups
+  Eigen::VectorXd start_q_, rates_;  ///< coordinates at the start, and their rates over the step
 };
 
-/// Energy of rotation ½ Lᵀ J⁻¹ L by which a group that is turned by θ at constant momentum gains θ · gain.
+/// Energy of rotation ½ Lᵀ J⁻¹ L, of which a group that is turned by θ at constant momentum gains θ · gain.
 struct Rotation {
   double energy = 0;
   Vec3d gain = Vec3d::Zero();

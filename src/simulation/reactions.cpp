@@ -49,8 +49,8 @@ bool Reactions::find(relative::RelativeSystem& system, State& s) {
     if (!(correction > 1e-6 * largest)) break;
   }
   evaluate();
-  const bool settled = correction <= 1e-3 * largest;
-  if (always_ || !settled) reduce(system, s);
+  settled_ = correction <= 1e-3 * largest;
+  if (!determined()) reduce(system, s);
   return true;
 }
 

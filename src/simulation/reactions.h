@@ -22,10 +22,11 @@ class Reactions {
   /// After the system's residual at `state`, whose multipliers balance the forces: makes them the smallest
   /// where constraints are redundant, and the last residual that with them.
   void reduce(relative::RelativeSystem& system, State& state);
-  bool reduces() const { return always_; }
+  /// Whether the multipliers of the last find() are the only ones that balance the state.
+  bool determined() const { return settled_ && !always_; }
 
  private:
-  bool always_ = false;
+  bool always_ = false, settled_ = true;
   std::unique_ptr<SmallestReactions> smallest_;
   Eigen::VectorXd residual_, change_, jacobian_change_;
 };

@@ -11,8 +11,8 @@ namespace {
 constexpr double redundant = 1e-9;         ///< what an equation adds to others, as a share of its length
 constexpr double nearly_redundant = 1e-5;  ///< the same: an angle, or a distance over L, that nobody meant
 
-/// The transposed Jacobian, velocity coordinates × equations, in one unit: angles by the model's length scale
-/// L, amplitudes by the largest motion that they give; equations of length 1.
+/// The transposed Jacobian, velocity coordinates × equations, in the mechanism's own units; equations of
+/// length 1.
 struct ScaledJacobian {
   linalg::SparseMatrix transposed;
   Eigen::VectorXd factor;  ///< what makes forces along the scaled equations multipliers
@@ -20,38 +20,27 @@ struct ScaledJacobian {
 
 ScaledJacobian scaled_jacobian(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = system.model();
+  const Scales& scales = system.scales();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities), none = Eigen::VectorXd::Zero(m.equations);
   Eigen::VectorXd r(m.velocities);
   system.residual(s.time, s.q.data(), rest.data(), rest.data(), none.data(), 0, r.data());
   system.assemble(s.q.data(), {});
   std::vector<JacobianEntry> entries = system.jacobian_entries();
-  ScaledJacobian out;
-  out.factor.setOnes(m.equations);
-  for (const LoopData& l : m.loops)
-    for (int k = 0; k < l.count; ++k)
-      if (l.closure[k].kind == LoopClosure::Kind::angle) out.factor[l.first_equation + k] = m.length_scale;
-  for (const DriveData& d : m.drives)
-    if (is_angle(m.bodies[d.body].joint, d.local)) out.factor[d.equation] = m.length_scale;
-  Eigen::VectorXd column = Eigen::VectorXd::Ones(m.velocities), largest = rest;
-  for (const JacobianEntry& e : entries)
-    largest[e.coordinate] = std::max(largest[e.coordinate], std::abs(e.value * out.factor[e.equation]));
-  for (const BodyData& b : m.bodies) {
-    for (int k = 0; k < b.joint_velocities; ++k)
-      if (is_angle(b.joint, k)) column[b.v + k] = 1 / m.length_scale;
-    for (int k = b.v + b.joint_velocities; k < b.v + b.size(); ++k)
-      if (largest[k] > 0) column[k] = 1 / largest[k];
-  }
   Eigen::VectorXd squares = none;
   for (JacobianEntry& e : entries) {
-    e.value *= column[e.coordinate];
-    squares[e.equation] += std::pow(e.value * out.factor[e.equation], 2);
+    e.value *= scales.coordinates[e.coordinate] / scales.equations[e.equation];
+    squares[e.equation] += e.value * e.value;
   }
+  ScaledJacobian out;
+  out.factor.resize(m.equations);
   // Equations in which hardly anything moves are left as short as they are.
   for (int k = 0; k < m.equations; ++k)
-    if (squares[k] > 1e-6) out.factor[k] /= std::sqrt(squares[k]);
+    out.factor[k] = 1 / (scales.equations[k] * (squares[k] > 1e-6 ? std::sqrt(squares[k]) : 1));
   std::vector<Eigen::Triplet<double>> triplets;
   for (const JacobianEntry& e : entries)
-    if (e.value != 0) triplets.emplace_back(e.coordinate, e.equation, e.value * out.factor[e.equation]);
+    if (e.value != 0)
+      triplets.emplace_back(e.coordinate, e.equation,
+                            e.value * scales.equations[e.equation] * out.factor[e.equation]);
   out.transposed.resize(m.velocities, m.equations);
   out.transposed.setFromTriplets(triplets.begin(), triplets.end());
   return out;

@@ -1,5 +1,7 @@
 #include "mimbre/simulation.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
 
@@ -11,12 +13,14 @@
 #include "simulation/channels.h"
 #include "simulation/drawn_open.h"
 #include "simulation/drive_smoothness.h"
+#include "simulation/element_drawings.h"
 #include "simulation/energy_keeper.h"
 #include "simulation/energy_monitor.h"
 #include "simulation/explain.h"
 #include "simulation/free_flight.h"
 #include "simulation/reactions.h"
 #include "simulation/redundancy.h"
+#include "simulation/start_branches.h"
 #include "simulation/validity.h"
 
 namespace mimbre {
@@ -25,9 +29,7 @@ namespace {
 IntegratorOptions integrator_options(const Method& method) {
   IntegratorOptions options;
   options.step = method.step;
-  // `conserve` is the trapezoidal rule with what EnergyKeeper does after its steps.
-  const bool conserve = method.integrator == IntegratorOptions::Rule::conserve;
-  options.rule = conserve ? IntegratorOptions::Rule::newmark : method.integrator;
+  options.rule = method.integrator;
   options.rho = method.rho;
   options.xi = method.xi;
   options.tolerance = method.tolerance;
@@ -69,6 +71,9 @@ struct Simulation::Impl {
         conserves(method.integrator == spec::Simulation::Integrator::conserve),
         energy_keeper(compiled, free_flight.groups()),
         reactions(observer),
+        eyes(!natural && compiled.equations > 0
+                 ? std::make_unique<relative::RelativeSystem>(compiled, method.inertia)
+                 : nullptr),
         validity(compiled),
         scratch(compiled.velocities) {
     double mass = 0;
@@ -90,11 +95,14 @@ struct Simulation::Impl {
     }
     state = natural ? natural_state(*natural, observer, assembled) : assembled;
     if (!solve_accelerations(system, state))
-      throw InputError(
-          {compiled.spec.file, 0, 0},
-          "the accelerations at the start are not determined: a body without mass (or inertia) is not held "
-          "by any joint; give it a mass");
+      throw InputError({compiled.spec.file, 0, 0}, explain_undetermined_start(compiled));
+    if (conserves && !compiled.drives.empty())
+      warn(fmt::format(
+          "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "
+          "numerics feed in; look at energy.numerical, or take a smaller step",
+          free_flight.none() ? "nothing is left" : "only turns of what flies freely are left"));
     observe();
+    warn(explain_branches(observer, view()));
     meter.start(observer, view());
     monitor.start(meter);
     watch_validity();
@@ -138,6 +146,7 @@ struct Simulation::Impl {
       observe();
     }
     meter.update(observer, view());
+    if (conserves) state.energy_error += meter.last_input();
     if (method.profile) energy_seconds += seconds_since(start);
   }
 
@@ -169,12 +178,32 @@ struct Simulation::Impl {
   void watch_validity() {
     validity.watch(view());
     if (!validity.loads_due()) return;
-    const State& s = view();
-    if (natural)
+    validity.watch_loads(find_reactions().workspace(), view().time);
+  }
+
+  /// The reactions to show: in `seen`, but for open chains, which have none but what balances them. The
+  /// system returned has them in its last residual. Where the constraints determine them, they are the
+  /// integrator's own (natural coordinates: what balances its accelerations); elsewhere, also at singular
+  /// positions on the way, the smallest ones. The integrator, and what it keeps from step to step, is left
+  /// alone.
+  relative::RelativeSystem& find_reactions() {
+    relative::RelativeSystem& system_seen = eyes ? *eyes : observer;
+    const auto evaluate = [&](const State& s) {
+      system_seen.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0,
+                           scratch.data());
+    };
+    if (natural) {
       reactions.find(observer, seen);
-    else
-      observer.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, scratch.data());
-    validity.watch_loads(observer.workspace(), s.time);
+      return observer;
+    }
+    if (eyes) {
+      seen = state;
+      eyes->begin_step(seen.q.data());
+      if (reactions.find(*eyes, seen) && !reactions.determined()) return *eyes;
+      seen.multipliers = state.multipliers;
+    }
+    evaluate(state);
+    return system_seen;
   }
 
   std::shared_ptr<const Model> model;
@@ -201,6 +230,7 @@ struct Simulation::Impl {
   EnergyKeeper energy_keeper;
   double length = method.step;  ///< of the step that is made, s
   Reactions reactions;
+  std::unique_ptr<relative::RelativeSystem> eyes;  ///< for reactions of loops in relative coordinates
   ValidityMonitor validity;
   std::vector<std::string> drives;  ///< what was said of them, found when first asked for
   double drives_until = 0;
@@ -319,20 +349,9 @@ int Simulation::output_count() const { return impl_->channels.output_count(); }
 void Simulation::sample(ResultsRow& row) {
   Impl& s = *impl_;
   s.observe();
-  const State* shown = &s.view();
-  if (s.natural) {
-    s.reactions.find(s.observer, s.seen);
-  } else {
-    s.observer.residual(shown->time, shown->q.data(), shown->v.data(), shown->a.data(),
-                        shown->multipliers.data(), 0, s.scratch.data());
-    if (s.reactions.reduces()) {
-      s.seen = s.state;  // the integrator goes on with its own multipliers
-      s.reactions.reduce(s.observer, s.seen);
-      shown = &s.seen;
-    }
-  }
+  relative::RelativeSystem& system = s.find_reactions();
   s.channels.sample(
-      s.observer, *shown, s.meter.balance(),
+      system, s.natural || s.eyes ? s.seen : s.state, s.meter.balance(),
       {static_cast<double>(s.last.iterations), s.last.position_violation, s.last.velocity_violation}, row);
 }
 
@@ -346,6 +365,9 @@ ResultsHeader Simulation::header(const std::string& options_json) const {
   h.channels = s.channels.info();
   h.bodies = s.channels.drawings();
   h.roads = s.channels.roads();
+  ElementDrawings drawn = element_drawings(s.compiled, h.bodies);
+  h.frames = std::move(drawn.frames);
+  h.elements = std::move(drawn.elements);
   return h;
 }
 

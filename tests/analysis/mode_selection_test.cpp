@@ -1,7 +1,9 @@
 #include "mimbre/mode_selection.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <filesystem>
@@ -70,7 +72,7 @@ spec::Model solid_pendulum() {
   options.dynamic_modes = 20;
   options.free_modes = 0;
   options.stiffness_damping = 1e-4;
-  const std::string folder = testing::TempDir() + "/mimbre-mode-selection";
+  const std::string folder = fmt::format("{}/mimbre-mode-selection-{}", testing::TempDir(), getpid());
   std::filesystem::create_directories(folder);
   save(fe::reduce(mesh, fe::assemble(mesh), options).body, folder + "/arm.h5");
   const spec::Model model = parse_model(R"(mimbre: 1

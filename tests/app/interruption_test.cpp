@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <sys/stat.h>
+
 #include "app/program.h"
 #include "mimbre/results.h"
 
@@ -16,9 +18,19 @@ class Interruption : public ProgramTest {
     write_file(folder / "pendulum.yaml", pendulum);
   }
 
-  bool appears(const char* name) const {
+  /// The files in the folder whose names begin and end so.
+  std::vector<fs::path> files(const std::string& begin, const std::string& end) const {
+    std::vector<fs::path> result;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with(begin) && name.ends_with(end)) result.push_back(entry.path());
+    }
+    return result;
+  }
+
+  bool appears(const std::string& begin, const std::string& end) const {
     for (int k = 0; k < 2000; ++k) {
-      if (fs::exists(folder / name)) return true;
+      if (!files(begin, end).empty()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
@@ -27,12 +39,15 @@ class Interruption : public ProgramTest {
   void stops_cleanly_on(int signal) {
     const pid_t child = start({"run", "pendulum.yaml", "--until", "1e8", "--set", "interval=1", "--output",
                                "out.h5", "--csv", "out.csv", "--json"});
-    ASSERT_TRUE(appears("out.csv.part"));
+    ASSERT_TRUE(appears("out.part-", ".csv"));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     kill(child, signal);
     const Outcome outcome = wait_for(child);
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(outcome.err, HasSubstr("interrupted at t = "));
+    const auto rows = read_results((folder / "out.h5").string()).time.size();
+    EXPECT_THAT(outcome.err, HasSubstr("is kept: " + std::to_string(rows) + " rows in 'out.h5', " +
+                                       std::to_string(rows) + " rows in 'out.csv' ("));
     const auto json = outcome.json();
     EXPECT_EQ(json.at("status"), "interrupted");
     const Results results = read_results((folder / "out.h5").string());
@@ -47,10 +62,152 @@ TEST_F(Interruption, AnInterruptKeepsWhatIsThere) { stops_cleanly_on(SIGINT); }
 
 TEST_F(Interruption, ATerminationKeepsWhatIsThere) { stops_cleanly_on(SIGTERM); }
 
+TEST_F(Interruption, AHangUpKeepsWhatIsThere) { stops_cleanly_on(SIGHUP); }
+
+TEST_F(Interruption, AnInterruptedRunLeavesOlderFilesAlone) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "out.h5", "--csv", "out.csv"}).code, 0);
+  const std::string h5 = read_file(folder / "out.h5"), csv = read_file(folder / "out.csv");
+  const pid_t child =
+      start({"run", "pendulum.yaml", "--until", "1e8", "--output", "out.h5", "--csv", "out.csv"});
+  ASSERT_TRUE(appears("out.part-", ".csv"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGTERM);
+  const Outcome outcome = wait_for(child);
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_TRUE(read_file(folder / "out.h5") == h5);
+  EXPECT_TRUE(read_file(folder / "out.csv") == csv);
+  const auto kept = files("out.part-", ".h5");
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_THAT(outcome.err, HasSubstr(kept[0].filename().string()));
+  EXPECT_GT(read_results(kept[0].string()).time.size(), 1);
+}
+
+/// Of runs with rows far apart as with rows close together. MIMBRE_KILLS: how many (scripts/kill-runs).
+TEST_F(Interruption, OfAKilledRunNoMoreThanASecondIsLost) {
+  const char* const given = std::getenv("MIMBRE_KILLS");
+  const int kills = given ? std::atoi(given) : 4;
+  const int signals[] = {SIGKILL, SIGKILL, SIGTERM, SIGHUP};
+  std::uint64_t state = 12345;
+  for (int k = 0; k < kills; ++k) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const auto pause = std::chrono::milliseconds(100 + static_cast<int>((state >> 33) % 1100));
+    const int signal = signals[k % 4];
+    fs::remove(folder / "out.h5");
+    const pid_t child = start({"run", "pendulum.yaml", "--until", "1e8", "--set",
+                               k % 2 ? "interval=0.01" : "interval=200", "--output", "out.h5", "--quiet"});
+    ASSERT_TRUE(appears("out", ".h5"));
+    std::this_thread::sleep_for(pause);
+    kill(child, signal);
+    const auto killed = fs::file_time_type::clock::now();
+    EXPECT_EQ(wait_for(child).signal, signal == SIGKILL ? SIGKILL : 0);
+    const Results results = read_results((folder / "out.h5").string());
+    EXPECT_EQ(results.summary_json.empty(), signal == SIGKILL);
+    // All that waits is written whenever the file is.
+    EXPECT_LT(std::chrono::duration<double>(killed - fs::last_write_time(folder / "out.h5")).count(), 1);
+    for (Eigen::Index i = 1; i < results.time.size(); ++i) ASSERT_GT(results.time[i], results.time[i - 1]);
+  }
+}
+
+TEST_F(Interruption, OfTwoRacingRunsOneWinsWhole) {
+  const auto begin = [&] {
+    return start({"run", "pendulum.yaml", "--until", "300", "-o", "out.h5", "--csv", "out.csv", "--quiet"});
+  };
+  const pid_t children[] = {begin(), begin()};
+  int won = 0;
+  for (const pid_t child : children) {
+    const int code = wait_for(child).code;
+    won += code == 0;
+    EXPECT_TRUE(code == 0 || code == 3 || code == 1) << code;
+  }
+  EXPECT_GE(won, 1);
+  const Results results = read_results((folder / "out.h5").string());
+  EXPECT_EQ(results.time.size(), 30001);
+  EXPECT_EQ(test::Json::parse(results.summary_json).at("status"), "ok");
+  EXPECT_EQ(csv_rows(folder / "out.csv").size(), 30001u);
+}
+
+TEST_F(Interruption, AFailureLeavesOlderFilesWhole) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "out.h5", "--csv", "out.csv"}).code, 0);
+  const std::string h5 = read_file(folder / "out.h5"), csv = read_file(folder / "out.csv");
+  const Outcome full =
+      run({"run", "pendulum.yaml", "--until", "400", "-o", "out.h5", "--csv", "out.csv"}, [] {
+        const rlimit limit{2'000'000, 2'000'000};
+        setrlimit(RLIMIT_FSIZE, &limit);
+      });
+  EXPECT_EQ(full.code, 3);
+  EXPECT_THAT(full.err, HasSubstr("File too large"));
+  EXPECT_THAT(full.err, HasSubstr("rows are kept in 'out.part-"));
+  EXPECT_TRUE(read_file(folder / "out.h5") == h5);
+  EXPECT_TRUE(read_file(folder / "out.csv") == csv);
+}
+
+TEST_F(Interruption, AStandardErrorThatTakesNothingChangesNothingElse) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  const auto full = [] { dup2(open("/dev/full", O_WRONLY), STDERR_FILENO); };
+  const auto closed = [] {
+    close(STDIN_FILENO);
+    close(STDERR_FILENO);
+  };
+  EXPECT_EQ(run({"check", "nope.yaml"}, full).code, 1);
+  EXPECT_EQ(run({"check", "nope.yaml"}, closed).code, 1);
+  EXPECT_EQ(run({"nonsense"}, closed).code, 2);
+  for (const auto& prepare : {std::function<void()>(full), std::function<void()>(closed)}) {
+    fs::remove(folder / "out.h5");
+    // With a warning on the way.
+    write_file(folder / "warned.yaml",
+               pendulum + "roads:\n  lane: {over: distance, points: [[0, 0], [1, 0]]}\n");
+    ASSERT_EQ(run({"run", "warned.yaml", "-o", "out.h5"}, prepare).code, 0);
+    EXPECT_EQ(read_results((folder / "out.h5").string()).time.size(), 101);
+  }
+  // The numbers of closed descriptors are not given to files.
+  const Outcome none =
+      run({"run", "pendulum.yaml", "--csv", "out.csv", "--json"}, [] { close(STDOUT_FILENO); });
+  EXPECT_EQ(none.code, 3);
+  EXPECT_EQ(csv_rows(folder / "out.csv").size(), 101u);
+  EXPECT_EQ(read_file(folder / "out.csv").find("status"), std::string::npos);
+}
+
+TEST_F(Interruption, NoOutputReplacesAnInput) {
+  write_file(folder / "bob.yaml",
+             "bodies:\n  bob: {mass: 2, com: [1, 0, 0], inertia: [0.1, 0.1, 0.1]}\njoints:\n"
+             "  hinge: {type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 1, 0]}\n");
+  write_file(folder / "two.csv.part",
+             "mimbre: 1\nsubsystems:\n  arm: {file: bob.yaml}\ninstances:\n  left: {of: arm}\n"
+             "simulation: {step: 0.01, end: 0.1}\n");
+  const std::string part = read_file(folder / "bob.yaml"), model = read_file(folder / "two.csv.part");
+  EXPECT_EQ(run({"run", "two.csv.part", "--csv", "two.csv"}).code, 0);
+  EXPECT_EQ(read_file(folder / "two.csv.part"), model);
+  for (const char* option : {"--csv", "-o"}) {
+    const Outcome outcome = run({"run", "two.csv.part", option, "bob.yaml"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("'./bob.yaml' would be overwritten"));
+    EXPECT_EQ(read_file(folder / "bob.yaml"), part);
+  }
+}
+
+TEST_F(Interruption, PipesAndDevicesAreNotRead) {
+  ASSERT_EQ(mkfifo((folder / "pipe.h5").c_str(), 0600), 0);
+  const Outcome report = run({"report", "pipe.h5"});
+  EXPECT_EQ(report.code, 1);
+  EXPECT_THAT(report.err, HasSubstr("pipe.h5: error: not a file"));
+  const std::string element = MIMBRE_SOURCE_DIR "/tests/data/calculix/elements/C3D4.inp";
+  const Outcome endless = run({"reduce", element, "--interface", "a=nodes:/dev/zero", "-o", "a.h5"});
+  EXPECT_NE(endless.code, 0);
+  EXPECT_THAT(endless.err, HasSubstr("/dev/zero"));
+  EXPECT_THAT(endless.err, HasSubstr("a plain file is needed"));
+  write_file(folder / "deep.yaml", std::string(4'000'000, '['));
+  const Outcome deep = run({"check", "deep.yaml"}, [] {
+    const rlimit limit{600'000'000, 600'000'000};
+    setrlimit(RLIMIT_AS, &limit);
+  });
+  EXPECT_EQ(deep.code, 1);
+  EXPECT_THAT(deep.err, HasSubstr("deep.yaml:1:1: error: more than 500000 brackets"));
+}
+
 TEST_F(Interruption, AKilledRunLeavesAReadableFile) {
   const pid_t child = start(
       {"run", "pendulum.yaml", "--until", "1e8", "--set", "interval=1", "--output", "out.h5", "--quiet"});
-  ASSERT_TRUE(appears("out.h5"));
+  ASSERT_TRUE(appears("out", ".h5"));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   kill(child, SIGKILL);
   EXPECT_EQ(wait_for(child).signal, SIGKILL);
@@ -83,7 +240,7 @@ TEST_F(Interruption, AFullDiskIsAnErrorThatNamesTheFile) {
   EXPECT_EQ(csv_full.json().at("status"), "failed");
 
   // No room even for the beginning.
-  EXPECT_EQ(run({"run", "pendulum.yaml", "--output", "none.h5"}, disk_of(10'000)).code, 1);
+  EXPECT_EQ(run({"run", "pendulum.yaml", "--output", "none.h5"}, disk_of(10'000)).code, 3);
   EXPECT_FALSE(fs::exists(folder / "none.h5"));
 }
 

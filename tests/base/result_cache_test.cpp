@@ -123,8 +123,8 @@ class CachedReduction : public ProgramTest {
         "reduce", "bar.inp", "--interface", "root=nodes:root.txt", "--modes", "3", "-o", output, "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.code == 0 && outcome.json().at("cached").boolean();
+    EXPECT_EQ(outcome.code, 4) << outcome.err;  // done, but three modes are too few for the certificate
+    return outcome.code == 4 && outcome.json().at("cached").boolean();
   }
   std::string body() const { return read_file(folder / "out.h5"); }
 
@@ -137,11 +137,11 @@ TEST_F(CachedReduction, IsTheSameTheSecondTime) {
                                            "-o",      "out.h5"};
   const auto after_first_line = [](const std::string& text) { return text.substr(text.find('\n')); };
   const Outcome first = run(arguments);
-  ASSERT_EQ(first.code, 0) << first.err;
+  ASSERT_EQ(first.code, 4) << first.err;  // done, but three modes are too few for the certificate
   const std::string made = body();
   fs::remove(folder / "out.h5");
   const Outcome second = run(arguments);
-  ASSERT_EQ(second.code, 0) << second.err;
+  ASSERT_EQ(second.code, 4) << second.err;
   EXPECT_EQ(body(), made);
   EXPECT_EQ(after_first_line(second.out), after_first_line(first.out));
   EXPECT_EQ(second.err, first.err);
@@ -201,18 +201,13 @@ TEST_F(CachedReduction, IsNotThatOfAnotherSetWhereFilesHaveTheNamesOfSets) {
   EXPECT_FALSE(cached({"--interface", "end=set:RIGHT"}));
 }
 
-TEST_F(CachedReduction, IsMadeAnewWhereNodesComeThroughAPipe) {
+/// What comes through it may be endless, and is gone when it has been read once.
+TEST_F(CachedReduction, NodesThroughAPipeAreRefused) {
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  for (int k = 0; k < 2; ++k) {
-    std::thread writer([&] { write_file(folder / "pipe", "1 4 5 8\n"); });
-    const Outcome outcome = run(
-        {"reduce", "bar.inp", "--interface", "root=nodes:pipe", "--modes", "3", "-o", "out.h5", "--json"});
-    const int reader = open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);  // where the program was none
-    writer.join();
-    close(reader);
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_FALSE(outcome.json().at("cached").boolean());
-  }
+  const Outcome outcome =
+      run({"reduce", "bar.inp", "--interface", "root=nodes:pipe", "--modes", "3", "-o", "out.h5", "--json"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("pipe: error: is a pipe or a device; a plain file is needed"));
 }
 
 TEST_F(CachedReduction, GoesWhereALinkLeads) {

@@ -200,6 +200,86 @@ TEST(GeometricStiffnessInMotion, AColumnSoftensUnderItsLoad) {
   }
 }
 
+/// A strip on edge under a dead load P at its tip, EI = GJ = ρA = L = 1 sideways, ρ(Iy + Iz) = 4.004e-3.
+std::string strip_on_edge(double load) {
+  return R"(
+gravity: [0, 0, 0]
+materials: {unit: {young: 2.5e5, poisson: 0.3, density: 1}}
+sections: {unit: {area: 1, Iy: 4e-3, Iz: 4e-6, J: 1.04e-5}}
+bodies:
+  beam:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: unit
+      section: unit
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {beam: {from: root, to: tip, elements: 20, y: [0, 1, 0]}}
+      clamped: [root]
+      static_modes:
+        - {node: tip, along: [0, 0, 1]}
+      dynamic_modes: 20
+      stiffening: geometric_stiffness
+joints:
+  base: {type: fixed, between: [ground, beam], at: [0, 0, 0]}
+loads:
+  push: {on: beam.tip, force: [0, 1e-5, 0], scale: "t < 0.2 ? sin(pi*t/0.2)^2 : 0"}
+  weight: {on: beam.tip, force: [0, 0, )" +
+         std::to_string(-load) + R"(], scale: "t < 0.2 ? t/0.2 : 1"}
+outputs:
+  - {name: sideways, displacement: beam.tip, relative_to: beam, component: y}
+  - {name: down, displacement: beam.tip, relative_to: beam, component: z}
+)";
+}
+
+/// Its lowest frequency sideways: with the moment M = P (1 − x) and B = v'' + M φ, B'' = ω² v and
+/// φ'' = M v'' − ρI ω² φ, v = v' = φ = 0 at the root, B = B' = φ' = 0 at the tip, by shooting.
+double sideways_frequency_under(double load) {
+  using State6 = Eigen::Matrix<double, 6, 3>;  // v, v', B, B', φ, φ' by their three values at the root
+  const auto determinant = [load](double omega) {
+    const auto rate = [&](double x, const State6& y) {
+      const double moment = load * (1 - x);
+      State6 d;
+      d.row(0) = y.row(1);
+      d.row(1) = y.row(2) - moment * y.row(4);
+      d.row(2) = y.row(3);
+      d.row(3) = omega * omega * y.row(0);
+      d.row(4) = y.row(5);
+      d.row(5) = moment * d.row(1) - 4.004e-3 * omega * omega * y.row(4);
+      return d;
+    };
+    State6 y = State6::Zero();
+    y(2, 0) = y(3, 1) = y(5, 2) = 1;
+    const double h = 0.01;
+    for (int k = 0; k < 100; ++k) {  // Runge, Kutta
+      const double x = k * h;
+      const State6 a = rate(x, y), b = rate(x + h / 2, y + h / 2 * a), c = rate(x + h / 2, y + h / 2 * b),
+                   d = rate(x + h, y + h * c);
+      y += h / 6 * (a + 2 * b + 2 * c + d);
+    }
+    Eigen::Matrix3d tip;
+    tip << y.row(2), y.row(3), y.row(5);
+    return tip.determinant();
+  };
+  double low = 1e-3, high = 0.05;
+  while (determinant(low) * determinant(high) > 0) high += 0.05;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (determinant(low) * determinant(middle) > 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+TEST(GeometricStiffnessInMotion, AStripOnEdgeSoftensSidewaysUnderItsLoad) {
+  const double critical = 4.0126;
+  EXPECT_NEAR(sideways_frequency_under(0), 3.5160, 1e-3);
+  EXPECT_LT(sideways_frequency_under(0.99999 * critical), 0.05);
+  for (const double part : {0.4, 0.8}) {
+    const double expected = sideways_frequency_under(part * critical);
+    EXPECT_LT(expected, 3.5160 * (part < 0.5 ? 0.95 : 0.7));
+    EXPECT_NEAR(lowest_of(strip_on_edge(part * critical)).lag, expected, 5e-3 * expected) << part;
+  }
+}
+
 /// Gravity alone, q L³ = 7.837 EI being the load under which a standing beam buckles.
 TEST(GeometricStiffnessInMotion, AHangingBeamStiffensAndAStandingOneSoftens) {
   for (const double height : {1., -1.}) {

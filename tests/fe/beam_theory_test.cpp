@@ -168,7 +168,8 @@ TEST(BeamTheory, ShearLowersTheBucklingLoad) {
   MatrixXd KG = MatrixXd::Zero(6 * mesh.nodes.cols(), 6 * mesh.nodes.cols());
   for (const fe::BeamElement& e : mesh.elements) {
     const double length = bar.length / elements;
-    const fe::Matrix12 k = fe::element_geometric_stiffness({1, 0, 0}, length, fe::shear_ratio(e, length));
+    const fe::Matrix12 k =
+        fe::element_geometric_stiffness({.axial = {1}}, length, fe::shear_ratio(e, length));
     for (int a = 0; a < 2; ++a)
       for (int b = 0; b < 2; ++b)
         KG.block<6, 6>(6 * e.nodes[a], 6 * e.nodes[b]) += k.block<6, 6>(6 * a, 6 * b);

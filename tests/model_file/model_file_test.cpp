@@ -155,7 +155,8 @@ TEST(ModelFile, InitialValuesDrivesAndSpringsOfJoints) {
   EXPECT_FALSE(joint.initial_position.at(0));
   EXPECT_EQ(joint.initial_position.at(1), 0.5);
   EXPECT_EQ(joint.cut, spec::Joint::Cut::always);
-  EXPECT_NEAR(joint.drives.at(0).position.value(0.2), std::sin(0.6), 1e-14);
+  EXPECT_NEAR(joint.drives.at(0).law.value(0.2), std::sin(0.6), 1e-14);
+  EXPECT_EQ(joint.drives.at(0).of, spec::Drive::Of::position);
   EXPECT_EQ(joint.springs.at(0).coordinate, 1);
   EXPECT_NEAR(joint.springs[0].elastic.value(0.3), 20, 1e-12);
   EXPECT_NEAR(joint.springs[0].damping.value(0.5), 1, 1e-12);
@@ -286,6 +287,37 @@ TEST(ModelFile, FlexibleBodies) {
   const int tip = model.frames[static_cast<std::size_t>(output.item)].flexible_frame;
   const Eigen::VectorXd y = mimbre::solve(a.user_from_modal, Eigen::VectorXd::Unit(a.modes, 0));
   EXPECT_NEAR(output.direction.dot(a.frames[static_cast<std::size_t>(tip)].X * y), 1, 1e-8);
+}
+
+/// Other names of the nodes at a bar's ends; modes that a parameter leaves out.
+TEST(ModelFile, EndsOfBarsAndModesUnderAConditionOfFlexibleBodies) {
+  std::string text = bent;
+  const auto put = [&](const std::string& before, const std::string& added) {
+    text.insert(text.find(before), added);
+  };
+  put("root: [0, 0, 0], knee", "eye: {on: [lower, 1]}, foot: {on: [upper, 0]}, ");
+  put("            - {node: seat", "            - {node: eye, along: [1, 0, 0], when: wide}\n");
+  text +=
+      "instances: {a: {of: side}}\noutputs: [{name: eye, position: a.bar.eye, component: x}]\nparameters: "
+      "{wide: "
+      "true}\n";
+  const auto model = parse(text), narrow = parse(text, {{"wide", "false"}});
+  const auto &wide_body = *model.bodies[0].flexible, &body = *narrow.bodies[0].flexible;
+  EXPECT_EQ(wide_body.modes, 11);
+  EXPECT_EQ(body.modes, 10);
+  ASSERT_EQ(body.frames.size(), 6u);
+  EXPECT_EQ(body.nodes.cols(), 4 + 1 + 1 + 2);
+  const auto frame = [&](const char* name) {
+    return body.frames[static_cast<std::size_t>(body.find_frame(name))];
+  };
+  EXPECT_EQ(frame("eye").position, frame("tip").position);
+  EXPECT_EQ(frame("eye").X, frame("tip").X);
+  EXPECT_EQ(frame("foot").position, frame("root").position);
+  EXPECT_TRUE(frame("foot").X.isZero(0));
+  const int eye = by_name(model.outputs, "eye").item;
+  const spec::Frame& seen = model.frames[static_cast<std::size_t>(eye)];
+  EXPECT_EQ(wide_body.frames[static_cast<std::size_t>(seen.flexible_frame)].name, "eye");
+  expect_near(global(model, eye).position, Vector3d(1.5, 1, 0.5));
 }
 
 /// A bent chain of two bars with a seat beside the first, in a turned body frame away from the origin.
@@ -549,7 +581,7 @@ TEST(Examples, PendulumAndSliderCrank) {
   const auto crank = example("slider-crank/slider-crank.yaml");
   EXPECT_EQ(modes(crank), (std::vector<int>{0, 4, 0}));
   EXPECT_EQ(crank.joints.size(), 4u);
-  EXPECT_NEAR(by_name(crank.joints, "main").drives.at(0).position.value(0.5), 15, 1e-12);
+  EXPECT_NEAR(by_name(crank.joints, "main").drives.at(0).law.value(0.5), 15, 1e-12);
   expect_assembled(crank);
 }
 
@@ -600,7 +632,7 @@ joints:
     axis: [0, 0, 1]
     drive: {position: "t < ramp ? t^2/ramp : slope*t"}
 )");
-  const Function& drive = by_name(model.joints, "A").drives.at(0).position;
+  const Function& drive = by_name(model.joints, "A").drives.at(0).law;
   EXPECT_NEAR(drive.derivative(0), 0.6, 1e-9);
   EXPECT_NEAR(drive.second_derivative(0), 0, 1e-7);
 }

@@ -6,10 +6,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "fe/beam_element.h"
 #include "fe/meshes.h"
 #include "math/decompositions.h"
+#include "math/gauss.h"
 #include "math/rotation.h"
 
 namespace mimbre {
@@ -88,7 +91,7 @@ TEST(ElementGeometricStiffness, IsThatOfATie) {
       -36, -3 * L, 36, -3 * L,           //
       3 * L, -L * L, -3 * L, 4 * L * L;
   expected *= N / (30 * L);
-  const fe::Matrix12 k = fe::element_geometric_stiffness({N, 0, 0}, L);
+  const fe::Matrix12 k = fe::element_geometric_stiffness({.axial = {N}}, L);
   const std::array xy{1, 5, 7, 11}, xz{2, 4, 8, 10};
   const std::array<double, 4> sign{1, -1, 1, -1};
   for (std::size_t i = 0; i < 4; ++i)
@@ -103,7 +106,7 @@ TEST(ElementGeometricStiffness, IsThatOfATie) {
 // ∫ N w'² ds for the rigid turn w = θ s is θ² ∫ N ds.
 TEST(ElementGeometricStiffness, TakesForcesThatVaryAlongIt) {
   const double L = 0.8;
-  fe::Matrix12 k = fe::element_geometric_stiffness({2, -3, 5}, L);
+  fe::Matrix12 k = fe::element_geometric_stiffness({.axial = {2, -3, 5}}, L);
   Eigen::Matrix<double, 12, 1> turn = Eigen::Matrix<double, 12, 1>::Zero();
   turn[5] = turn[11] = 1;
   turn[7] = L;
@@ -165,24 +168,102 @@ TEST(GeometricStiffness, StiffensATurningCantilever) {
     }
 }
 
-/// A frame of bars in space that form a tree: its axial forces follow from equilibrium alone, and what they
-/// do as bending shortens the bars is the same by another way.
-TEST(GeometricStiffness, IsWhatForeshorteningDoesToATree) {
-  const auto reduced = [](fe::Stiffening stiffening) {
-    fe::Mesh mesh = test::with_nodes({Vector3d(0.2, -0.1, 0.3), Vector3d(0.9, 0.3, 0.1),
-                                      Vector3d(1.1, 1.2, 0.4), Vector3d(1.4, -0.5, -0.3)});
+/// A frame of bars in space that form a tree; all of its nodes are frames.
+struct Tree {
+  fe::Mesh mesh = test::with_nodes({Vector3d(0.2, -0.1, 0.3), Vector3d(0.9, 0.3, 0.1),
+                                    Vector3d(1.1, 1.2, 0.4), Vector3d(1.4, -0.5, -0.3)});
+  Tree() {
     const Vector3d y(0.1, 0.3, 1);
     test::add_bar(mesh, 0, 1, 3, test::rectangle(width, height), y);
     test::add_bar(mesh, 1, 2, 2, test::rectangle(width, height), y);
     test::add_bar(mesh, 1, 3, 3, test::rectangle(width, height), y);
+  }
+
+  ReducedBody reduce(fe::Stiffening stiffening) const {
     fe::ReductionOptions options;
     options.clamped_nodes = {0};
     options.dynamic_modes = 7;
     options.stiffening = stiffening;
-    return fe::reduce(mesh, options, {});
-  };
-  const ReducedBody stressed = reduced(fe::Stiffening::geometric_stiffness),
-                    shortened = reduced(fe::Stiffening::foreshortening);
+    std::vector<fe::NodeFrame> frames;
+    for (int node = 0; node < mesh.nodes.cols(); ++node)
+      frames.push_back({std::to_string(node), node, Matrix3d::Identity()});
+    return fe::reduce(mesh, options, frames);
+  }
+
+  /// The element and all that hangs on its end.
+  std::vector<int> from(int element) const {
+    std::vector<int> beyond{element};
+    for (std::size_t k = 0; k < beyond.size(); ++k)
+      for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e)
+        if (mesh.elements[e].nodes[0] == mesh.elements[beyond[k]].nodes[1]) beyond.push_back(e);
+    return beyond;
+  }
+
+  /// Force and moment (body axes) at ξ of an element: the inertia forces of all beyond it.
+  Eigen::Matrix<double, 6, 1> resultant(int element, double xi, const Vector3d& constant,
+                                        const Matrix3d& gradient) const {
+    const auto point = [&](const fe::ElementGeometry& g, double x) -> Vector3d {
+      return g.start + x * g.length * g.axes.col(0);
+    };
+    const Vector3d turn = 0.5 * Vector3d(gradient(2, 1) - gradient(1, 2), gradient(0, 2) - gradient(2, 0),
+                                         gradient(1, 0) - gradient(0, 1));
+    const Vector3d at = point(fe::element_geometry(mesh, element), xi);
+    Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+    for (const int e : from(element)) {
+      const fe::ElementGeometry g = fe::element_geometry(mesh, e);
+      const fe::BeamElement& beam = mesh.elements[e];
+      const double first = e == element ? xi : 0;
+      for (const fe::GaussPoint& p : fe::gauss4) {
+        const Vector3d r = point(g, first + (1 - first) * p.xi), x = g.axes.col(0);
+        const double part = p.weight * (1 - first) * g.length;
+        const Vector3d f = -part * beam.material.density * beam.section.area * (constant + gradient * r);
+        sum.head<3>() += f;
+        sum.tail<3>() += (r - at).cross(f) - part * fe::polar_inertia(beam) * x.dot(turn) * x;
+      }
+    }
+    return sum;
+  }
+
+  /// What shear forces and moments add to the stiffness, by equilibrium with the inertia forces.
+  MatrixXd by_moments(const ReducedBody& body, const Vector3d& constant, const Matrix3d& gradient) const {
+    MatrixXd K = MatrixXd::Zero(body.modes, body.modes);
+    for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+      const fe::ElementGeometry g = fe::element_geometry(mesh, e);
+      Eigen::Matrix4d powers;
+      Eigen::Matrix<double, 4, 6> values;
+      for (int k = 0; k < 4; ++k) {
+        const double xi = k / 3.;
+        powers.row(k) << 1, xi, xi * xi, xi * xi * xi;
+        const Eigen::Matrix<double, 6, 1> f = resultant(e, xi, constant, gradient);
+        values.row(k) << f.head<3>().transpose() * g.axes, f.tail<3>().transpose() * g.axes;
+      }
+      const MatrixXd c = solve(MatrixXd(powers), MatrixXd(values));
+      const auto polynomial = [&](int k) {
+        return fe::SectionForces::Polynomial{c(0, k), c(1, k), c(2, k), c(3, k)};
+      };
+      const fe::SectionForces forces{.shear_y = polynomial(1),
+                                     .shear_z = polynomial(2),
+                                     .torque = polynomial(3),
+                                     .moment_y = polynomial(4),
+                                     .moment_z = polynomial(5)};
+      MatrixXd dofs(12, body.modes);
+      for (int end = 0; end < 2; ++end) {
+        const BodyFrame& frame = body.frames[static_cast<std::size_t>(mesh.elements[e].nodes[end])];
+        dofs.middleRows<3>(6 * end) = g.axes.transpose() * frame.X;
+        dofs.middleRows<3>(6 * end + 3) = g.axes.transpose() * frame.X_theta;
+      }
+      K += dofs.transpose() * fe::element_geometric_stiffness(forces, g.length) * dofs;
+    }
+    return K;
+  }
+};
+
+/// The forces of a tree follow from equilibrium alone, and what its axial forces do as bending shortens the
+/// bars is the same by another way.
+TEST(GeometricStiffness, OfATreeIsWhatForeshorteningDoesAndMoments) {
+  const Tree tree;
+  const ReducedBody stressed = tree.reduce(fe::Stiffening::geometric_stiffness),
+                    shortened = tree.reduce(fe::Stiffening::foreshortening);
   const SecondOrder& second = *shortened.second_order;
   ASSERT_LT((stressed.node_shapes - shortened.node_shapes).norm(), 1e-9 * shortened.node_shapes.norm());
   const auto expected = [&](const Vector3d& constant, const Matrix3d& gradient) {
@@ -194,10 +275,12 @@ TEST(GeometricStiffness, IsWhatForeshorteningDoesToATree) {
       K(a, b) += force[stressed.modes + static_cast<Eigen::Index>(p)];
       K(b, a) += force[stressed.modes + static_cast<Eigen::Index>(p)];
     }
-    return K;
+    EXPECT_GT(K.norm(), 0.01);
+    const MatrixXd moments = tree.by_moments(stressed, constant, gradient);
+    EXPECT_GT(moments.norm(), 0.01 * K.norm());
+    return MatrixXd(K + moments);
   };
   const auto compare = [&](int load, const MatrixXd& K) {
-    EXPECT_GT(K.norm(), 0.01) << load;
     EXPECT_LT((matrix_of(stressed, load) - K).norm(), 1e-7 * K.norm()) << load;
   };
   for (int k = 0; k < 3; ++k) {
@@ -232,13 +315,17 @@ TEST(GeometricStiffness, CountsStressOnce) {
   EXPECT_GT(std::abs(critical_load(with.stiffness, -held) - once), 0.1 * once);
 }
 
-/// Loads that stress no bar of a straight beam have no matrix.
+/// Loads that stress no bar of a straight beam have no matrix: ωx², and ωyωz, whose forces vanish on the
+/// axis.
 TEST(GeometricStiffness, LeavesOutWhatStressesNoBar) {
   Cantilever beam;
   beam.axes.setIdentity();
   beam.root.setZero();
   const ReducedBody body = beam.reduce();
-  EXPECT_EQ(body.geometric->loads, (std::vector<int>{1, 2, Loads::acceleration}));
+  EXPECT_EQ(body.geometric->loads,
+            (std::vector<int>{1, 2, Loads::acceleration, Loads::angular_acceleration}));
+  beam.modes = 16;
+  EXPECT_EQ(beam.reduce().geometric->loads, (std::vector<int>{1, 2, 3, 5, 6, 7, 8, 9, 10, 11}));
   EXPECT_EQ(body.geometric->boundary_loads.rows(), 0);
 }
 

@@ -210,7 +210,48 @@ TEST(ReduceModel, CertificateSuspectsOddMaterials) {
   EXPECT_THAT(said({70000, 0.33, 2.7}),
               testing::AllOf(testing::HasSubstr("MPa"), testing::HasSubstr("g/cm³")));
   EXPECT_THAT(said({210, 0.3, 7850}), testing::HasSubstr("GPa"));
+  EXPECT_THAT(said({2.1e5, 0.3, 7850}), testing::HasSubstr("MPa"));  // too soft to be so dense
   EXPECT_THAT(said({2.1e11, 0.3, 7.85e-9}), testing::HasSubstr("t/mm³"));
+}
+
+/// A mesh that was brought to metres, but its material in MPa and t/mm³: the mesh is not to blame.
+TEST(ReduceModel, CertificateSuspectsTheMaterialOfAPartOfGoodSize) {
+  const fe::SolidMesh mesh =
+      block(fe::ElementType::hex8, {0.08, 0.02, 0.02}, {4, 1, 1}, {2.1e5, 0.3, 7.85e-9});
+  int told = 0;
+  for (const Check& c : fe::check_matrices(mesh, fe::assemble(mesh))) {
+    if (c.name == "materials") {
+      EXPECT_FALSE(c.passed);
+      EXPECT_THAT(c.detail, testing::AllOf(testing::HasSubstr("MPa"), testing::HasSubstr("t/mm³")));
+      ++told;
+    }
+    if (c.name == "units") {
+      EXPECT_FALSE(c.passed);
+      EXPECT_THAT(c.detail, testing::AllOf(testing::HasSubstr("is the density in kg/m³"),
+                                           testing::Not(testing::HasSubstr("--units mm"))));
+      ++told;
+    }
+  }
+  EXPECT_EQ(told, 2);
+}
+
+/// With few modes the upper free frequencies are off; the certificate draws the line where they begin to be.
+TEST(ReduceModel, CertificateSaysUpToWhichFrequency) {
+  const fe::SolidMesh mesh = bar(fe::ElementType::tet10, {8, 2, 1});
+  ModelReduction o = both_ends(mesh, Interface::Tie::mean, 1);
+  o.free_modes = 10;
+  const fe::ReductionResult r = fe::reduce(mesh, fe::assemble(mesh), o);
+  double trusted = 0, off = 0;
+  for (int k = 0; k < r.reduced_free_frequencies.size() && off == 0; ++k)
+    (std::abs(r.reduced_free_frequencies[k] / r.free_frequencies[k] - 1) < 0.1 ? trusted : off) =
+        r.free_frequencies[k];
+  ASSERT_GT(off, 0);
+  const std::string said = find(r.body, "free frequencies").detail;
+  ASSERT_THAT(said, testing::StartsWith("to be trusted up to "));
+  const double line = std::stod(said.substr(std::string("to be trusted up to ").size()));
+  EXPECT_LE(line, trusted * (1 + 1e-4));  // its shape may be off before its frequency is
+  EXPECT_GE(line, r.free_frequencies[0] * (1 - 1e-4));
+  EXPECT_LT(line, off);
 }
 
 TEST(ReduceModel, SaysWhatIsWrong) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -246,6 +247,15 @@ TEST_F(ReducedBodyFile, NamesChangedMatrices) {
   body = sound;
   body.damping = -1e-3 * sound.stiffness;
   EXPECT_THAT(saving(body), HasSubstr("damping"));
+  body = sound;
+  body.mass *= 1.1;  // against the mass matrix of its mesh
+  EXPECT_THAT(saving(body), HasSubstr("mass"));
+  body = sound;
+  body.mesh_inertia.reset();
+  body.checks = {{"mass", true, fmt::format("{:.6g} kg, the same in all directions to 1e-12", sound.mass)}};
+  EXPECT_EQ(saving(body), "no error");
+  body.mass *= 1.1;
+  EXPECT_THAT(saving(body), HasSubstr("but the certificate says"));
 }
 
 TEST_F(ReducedBodyFile, MayHaveNoMeshInertiaOrNoNodalMass) {
@@ -365,7 +375,7 @@ TEST_F(ReducedBodyFile, CannotBeSavedWhereThereIsNoFolderNorFromAnUnsoundBody) {
     return "no error";
   };
   EXPECT_THAT(error(some_body(), path("none/body.h5")),
-              AllOf(HasSubstr("none/body.h5"), HasSubstr("cannot be created")));
+              AllOf(HasSubstr("none/body.h5"), HasSubstr("No such file or directory")));
   ReducedBody unsound = some_body();
   unsound.node_shapes.resize(3, 1);
   EXPECT_THAT(error(unsound, path()),

@@ -170,13 +170,18 @@ TEST_F(ComparisonReport, NumbersThatAreNoneAreNull) {
   EXPECT_TRUE(std::isnan(curve(data, "curves", 0, 1, "values")[1]));
 }
 
-TEST_F(ComparisonReport, TheAnimationIsTheFirstRuns) {
+TEST_F(ComparisonReport, TheAnimationIsTheFirstRunsWithTheOthersBehind) {
   Results other = small_results(5);
   other.header.bodies[0].name = "stone";
   const Json data = data_of({{small_results(), "a.h5", ""}, {other, "b.h5", ""}});
   EXPECT_EQ(data.at("bodies").at(0).at("name"), "ball");
   EXPECT_EQ(data.at("animation").at("time").at("size"), 3);
   EXPECT_EQ(data.at("roads").at(0).at("name"), "track");
+  const Json& ghost = data.at("ghosts").at(0);
+  EXPECT_EQ(ghost.at("bodies").at(0).at("name"), "stone");
+  EXPECT_EQ(ghost.at("animation").at("time").at("size"), 5);
+  const Json alike = data_of({{small_results(), "a.h5", ""}, {small_results(5), "b.h5", ""}});
+  EXPECT_FALSE(alike.at("ghosts").at(0).contains("bodies"));
 }
 
 TEST_F(ComparisonReport, ARunComparedWithItselfDiffersByNothing) {

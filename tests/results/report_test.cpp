@@ -79,6 +79,42 @@ TEST_F(Report, ChannelsKeepSevenDigitsOfTheirRange) {
   EXPECT_EQ(data.at("channels").at(1).at("unit"), "rad");
 }
 
+/// 0.3 turns an instant, written within ±π; what leaves ±π counts turns by itself and stays as it is.
+TEST_F(Report, AnglesGoOnWhereTheyWouldJump) {
+  Results results = small_results(50);
+  results.header.channels[0].unit = "rad";
+  for (int i = 0; i < 50; ++i) {
+    const double angle = -0.6 * EIGEN_PI * i;
+    results.channels(i, 0) = std::remainder(angle, 2 * EIGEN_PI);
+    results.channels(i, 1) = 4 * i;
+  }
+  const Json data = data_of(results);
+  const auto values = decoded<float>(data.at("values"));
+  const double first = data.at("channels").at(0).at("offset"),
+               second = data.at("channels").at(1).at("offset");
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_NEAR(values[static_cast<std::size_t>(i)] + first, -0.6 * EIGEN_PI * i, 1e-4);
+    EXPECT_NEAR(values[static_cast<std::size_t>(50 + i)] + second, 4 * i, 1e-4);
+  }
+}
+
+TEST_F(Report, ElementsAndFramesAreCarriedAndChecked) {
+  Results results = small_results();
+  results.header.frames = {{"pin", spec::ground, {}, Eigen::MatrixXd(6, 0)},
+                           {"eye", 1, {}, Eigen::MatrixXd::Ones(6, 1)}};
+  results.header.elements = {{"hinge", "revolute", 0, 1, 0}};
+  const Json data = data_of(results);
+  EXPECT_EQ(data.at("elements").at(0).at("kind"), "revolute");
+  EXPECT_EQ(data.at("elements").at(0).at("b"), 1);
+  EXPECT_EQ(data.at("frames").at(0).at("body"), -1);
+  EXPECT_THAT(decoded<float>(data.at("frames").at(1).at("motion")), ElementsAre(1, 1, 1, 1, 1, 1));
+  results.header.elements[0].frame_b = 2;
+  EXPECT_THROW(report_html(results), InputError);
+  results.header.elements.clear();
+  results.header.frames[1].body = 2;
+  EXPECT_THROW(report_html(results), InputError);
+}
+
 TEST_F(Report, SummaryOptionsAndModelAreCarried) {
   Results results = small_results();
   const Json data = data_of(results);

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -29,6 +31,14 @@ class Files : public testing::Test {
   }
   ~Files() override { std::filesystem::remove_all(folder); }
   std::string at(const std::string& name) const { return (folder / name).string(); }
+  /// Of all files in the folder.
+  std::vector<std::string> names() const {
+    std::vector<std::string> result;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      result.push_back(entry.path().filename().string());
+    std::sort(result.begin(), result.end());
+    return result;
+  }
   std::filesystem::path folder;
 };
 using ResultsFile = Files;
@@ -71,6 +81,10 @@ ResultsHeader sample_header() {
   road.name = "track";
   road.profile = Eigen::Matrix2Xd::Random(2, 5);
   header.roads = {road};
+  FrameDrawing pin{"pin", spec::ground, {{4, 5, 6}, box.pose.rotation}, Eigen::MatrixXd(6, 0)};
+  FrameDrawing eye{"arm.eye", 1, {}, Eigen::MatrixXd::Random(6, 2)};
+  header.frames = {pin, eye};
+  header.elements = {{"hinge", "revolute", 0, 1, 0}, {"wheel", "tyre", 1, -1, 0.3}};
   return header;
 }
 
@@ -111,6 +125,15 @@ std::string reading_error(const std::string& path) {
     return error.what();
   }
   return "read";
+}
+
+std::string writing_error(const std::string& path) {
+  try {
+    ResultsWriter writer(path, sample_header());
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "written";
 }
 
 /// Runs `work` in a child process, which must end by itself (or by the signal); returns its wait status.
@@ -168,7 +191,40 @@ TEST_F(ResultsFile, ComesBackAsWritten) {
   ASSERT_EQ(results.header.roads.size(), 1u);
   EXPECT_EQ(results.header.roads[0].name, "track");
   EXPECT_EQ(results.header.roads[0].profile, header.roads[0].profile);
+  ASSERT_EQ(results.header.frames.size(), 2u);
+  for (int k = 0; k < 2; ++k) {
+    const FrameDrawing &frame = results.header.frames[k], &written = header.frames[k];
+    EXPECT_EQ(frame.name, written.name);
+    EXPECT_EQ(frame.body, written.body);
+    EXPECT_EQ(frame.pose.position, written.pose.position);
+    EXPECT_EQ(frame.pose.rotation, written.pose.rotation);
+    EXPECT_EQ(frame.motion, written.motion);
+  }
+  ASSERT_EQ(results.header.elements.size(), 2u);
+  const ElementDrawing &hinge = results.header.elements[0], &wheel = results.header.elements[1];
+  EXPECT_EQ(hinge.name, "hinge");
+  EXPECT_EQ(hinge.kind, "revolute");
+  EXPECT_EQ(hinge.frame_b, 1);
+  EXPECT_EQ(wheel.frame_b, -1);
+  EXPECT_EQ(wheel.size, 0.3);
   expect_sample_rows(results, 3000);
+}
+
+/// Files of earlier versions; a part that is on what is not there is refused.
+TEST_F(ResultsFile, WorksWithoutElementsAndChecksThem) {
+  const auto remove = [&](const char* name) {
+    const hid_t file = H5Fopen(at("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Ldelete(file, name, H5P_DEFAULT);
+    H5Fclose(file);
+  };
+  write_sample(at("a.h5"), 10);
+  remove("frames");
+  EXPECT_THAT(reading_error(at("a.h5")), testing::HasSubstr("an element is at frame 0, of 0"));
+  remove("elements");
+  EXPECT_EQ(read_results(at("a.h5")).time.size(), 10);
+  write_sample(at("a.h5"), 10);
+  remove("bodies/1");
+  EXPECT_THAT(reading_error(at("a.h5")), testing::HasSubstr("frame 1 is on body 1, of 1"));
 }
 
 TEST_F(ResultsFile, OfNothingIsStillAFile) {
@@ -213,6 +269,9 @@ TEST_F(ResultsFile, HasTheDocumentedLayout) {
   EXPECT_THAT(shape("/bodies/1/lines"), ElementsAre(3, 2));
   EXPECT_THAT(shape("/bodies/0/shapes"), ElementsAre(1, 16));
   EXPECT_THAT(shape("/roads/0/profile"), ElementsAre(5, 2));
+  EXPECT_THAT(shape("/frames/pose"), ElementsAre(2, 12));
+  EXPECT_THAT(shape("/frames/motion"), ElementsAre(2, 6));
+  EXPECT_THAT(shape("/elements/frames"), ElementsAre(2, 2));
   for (const char* name :
        {"format", "mimbre_version", "compiler", "instructions", "title", "step", "complete", "rows"})
     EXPECT_GT(H5Aexists(file, name), 0) << name;
@@ -242,14 +301,17 @@ TEST_F(ResultsFile, HoldsThousandsOfChannels) {
 
 TEST_F(ResultsFile, IsTheSameBytesForTheSameRows) {
   const ResultsHeader header = sample_header();
-  const auto write = [&](const std::string& path) {
+  const auto write = [&](const std::string& path, int pause_at) {
     ResultsWriter writer(path, header);
-    for (int i = 0; i < 500; ++i) writer.add(sample_row(i));
+    for (int i = 0; i < 500; ++i) {
+      if (i == pause_at) std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+      writer.add(sample_row(i));
+    }
     writer.finish("{}");
   };
-  write(at("a.h5"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // time stamps count seconds
-  write(at("b.h5"));
+  // Time stamps count seconds; and after a pause the rows are written by the clock.
+  write(at("a.h5"), -1);
+  write(at("b.h5"), 101);
   EXPECT_TRUE(bytes_of(at("a.h5")) == bytes_of(at("b.h5")));  // too long to be printed
 }
 
@@ -293,6 +355,7 @@ TEST_F(ResultsFile, CanBeReadWhileThisProcessWritesIt) {
 
 TEST_F(ResultsFile, OfAKilledRunIsReadable) {
   for (int trial = 0; trial < 20; ++trial) {
+    std::filesystem::remove(at("a.h5"));
     const pid_t child = fork();
     if (child == 0) {
       ResultsWriter writer(at("a.h5"), sample_header());
@@ -357,18 +420,95 @@ TEST_F(ResultsFile, OnAFullDiskKeepsWhatWasWritten) {
   EXPECT_GT(with_rows, 5);
 }
 
-TEST_F(ResultsFile, ThatCannotBeWrittenSaysWhy) {
-  const auto message = [&](const std::string& path) -> std::string {
-    try {
-      ResultsWriter writer(path, sample_header());
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "written";
+TEST_F(ResultsFile, RowsAreInTheFileAfterASecondHoweverFewTheyAre) {
+  ResultsWriter writer(at("a.h5"), sample_header());
+  writer.add(sample_row(0));
+  writer.add(sample_row(1));
+  EXPECT_EQ(writer.rows(), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  writer.flush_if_due();
+  EXPECT_EQ(writer.rows(), 2);
+  expect_sample_rows(read_results(at("a.h5")), 2);
+}
+
+TEST_F(ResultsFile, AnOlderOneStandsUntilTheNewOneIsWhole) {
+  write_sample(at("a.h5"), 3);
+  {
+    ResultsWriter writer(at("a.h5"), sample_header());
+    for (int i = 0; i < 200; ++i) writer.add(sample_row(i));
+    expect_sample_rows(read_results(at("a.h5")), 3);
+    const std::string kept = writer.keep("{}");
+    EXPECT_NE(kept, at("a.h5"));
+    EXPECT_TRUE(kept.ends_with(".h5"));
+    expect_sample_rows(read_results(kept), 200);
+    std::filesystem::remove(kept);
+  }
+  expect_sample_rows(read_results(at("a.h5")), 3);
+  write_sample(at("a.h5"), 5);
+  expect_sample_rows(read_results(at("a.h5")), 5);
+  EXPECT_THAT(names(), testing::ElementsAre("a.h5"));
+}
+
+TEST_F(ResultsFile, HasOneWriter) {
+  ResultsWriter first(at("a.h5"), sample_header());
+  EXPECT_THAT(writing_error(at("a.h5")), HasSubstr("another program is writing it"));
+  first.add(sample_row(0));
+  first.finish("");
+  expect_sample_rows(read_results(at("a.h5")), 1);
+}
+
+/// What a file may not have: it is refused by name, whatever the rest is.
+TEST_F(ResultsFile, PullsNothingFromOtherFiles) {
+  std::ofstream(at("secret.txt")) << std::string(8000, 's');
+  const auto changed = [&](const auto& change) {
+    write_sample(at("a.h5"), 10);
+    const hid_t file = H5Fopen(at("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Ldelete(file, "model", H5P_DEFAULT);
+    change(file);
+    H5Fclose(file);
+    return reading_error(at("a.h5"));
   };
-  EXPECT_EQ(message(at("no/such/folder/a.h5")),
+  const hsize_t one = 1;
+  const hid_t text = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, &one, nullptr);
+  H5Tset_size(text, 100);
+  EXPECT_THAT(changed([&](hid_t file) {
+                const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+                H5Pset_external(properties, at("secret.txt").c_str(), 0, 100);
+                H5Dclose(H5Dcreate2(file, "model", text, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+              }),
+              HasSubstr("'model' is missing or damaged, or lies in another file"));
+  write_sample(at("b.h5"), 10);
+  EXPECT_THAT(changed([&](hid_t file) {
+                H5Lcreate_external(at("b.h5").c_str(), "/model", file, "model", H5P_DEFAULT, H5P_DEFAULT);
+              }),
+              HasSubstr("'model' is missing or damaged, or lies in another file"));
+  EXPECT_THAT(changed([&](hid_t file) {
+                H5Tset_size(text, H5T_VARIABLE);
+                H5Dclose(H5Dcreate2(file, "model", text, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+              }),
+              HasSubstr("'model' is text of variable length"));
+}
+
+TEST_F(ResultsFile, AnnouncesNoMoreThanItHolds) {
+  write_sample(at("a.h5"), 10);
+  const hid_t file = H5Fopen(at("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Ldelete(file, "bodies/1/points", H5P_DEFAULT);
+  const hsize_t many[2] = {hsize_t{1} << 33, 3};
+  const hid_t space = H5Screate_simple(2, many, nullptr);
+  H5Dclose(H5Dcreate2(file, "bodies/1/points", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Fclose(file);
+  EXPECT_THAT(reading_error(at("a.h5")), HasSubstr("announces more data than the file can hold"));
+}
+
+TEST_F(ResultsFile, OfAPipeIsRefusedAtOnce) {
+  ASSERT_EQ(mkfifo(at("pipe.h5").c_str(), 0600), 0);
+  EXPECT_THAT(reading_error(at("pipe.h5")), HasSubstr("not a file"));
+}
+
+TEST_F(ResultsFile, ThatCannotBeWrittenSaysWhy) {
+  EXPECT_EQ(writing_error(at("no/such/folder/a.h5")),
             "cannot write results file '" + at("no/such/folder/a.h5") + "': No such file or directory");
-  EXPECT_THAT(message(folder.string()), HasSubstr("Is a directory"));
+  EXPECT_THAT(writing_error(folder.string()), HasSubstr("Is a directory"));
 }
 
 TEST_F(ResultsFile, WriterRefusesMisuse) {
@@ -399,7 +539,7 @@ TEST_F(ResultsFile, BadOnesAreNamed) {
 TEST_F(ResultsFile, OfAnotherFormatVersionIsNamed) {
   write_sample(at("a.h5"), 3);
   std::string bytes = bytes_of(at("a.h5"));
-  const auto place = bytes.find("mimbre-results-1");
+  const auto place = bytes.find("mimbre-results-2");
   ASSERT_NE(place, std::string::npos);
   bytes.replace(place, 16, "mimbre-results-7");
   std::ofstream(at("b.h5"), std::ios::binary) << bytes;
@@ -425,8 +565,24 @@ TEST_F(CsvFile, HasAHeaderAndShortestRoundTripNumbers) {
     EXPECT_THROW(writer.add(1, Eigen::Vector2d(0, 0)), std::logic_error);
     EXPECT_THROW(writer.finish(), std::logic_error);
   }
-  EXPECT_FALSE(std::filesystem::exists(at("a.csv.part")));
+  EXPECT_THAT(names(), testing::ElementsAre("a.csv"));
   EXPECT_EQ(bytes_of(at("a.csv")), "t,arm.z,\"a \"\"b\"\", c\"\n0,0.1,-1\n0.01,1e-300,nan\n");
+}
+
+/// Spreadsheets run a cell that begins like a formula; terminals obey escape sequences.
+TEST_F(CsvFile, NamesAreHarmless) {
+  CsvWriter writer(at("a.csv"), {"=cmd|' /C calc'!A0", "+x", "-x", "@x", "a-b=c", "\x1b[31mred", "L\xE4nge"});
+  writer.finish();
+  EXPECT_EQ(bytes_of(at("a.csv")), "t,'=cmd|' /C calc'!A0,'+x,'-x,'@x,a-b=c,\\x1b[31mred,L\xEF\xBF\xBDnge\n");
+}
+
+TEST_F(CsvFile, MayHaveALineOfUnits) {
+  {
+    CsvWriter writer(at("a.csv"), {"angle", "fz"}, {"rad", "N"});
+    writer.add(0, Eigen::Vector2d(1, 2));
+    writer.finish();
+  }
+  EXPECT_EQ(bytes_of(at("a.csv")), "t,angle,fz\ns,rad,N\n0,1,2\n");
 }
 
 TEST_F(CsvFile, NumbersComeBackExactly) {
@@ -469,8 +625,7 @@ TEST_F(CsvFile, SaysWhyItCannotBeWritten) {
 }
 
 TEST_F(CsvFile, OnAFullDiskFailsClearly) {
-  // What is written through the .part goes to a device without room.
-  std::filesystem::create_symlink("/dev/full", at("a.csv.part"));
+  std::filesystem::create_symlink("/dev/full", at("a.csv"));
   CsvWriter writer(at("a.csv"), {"x"});
   std::string message;
   try {
@@ -480,7 +635,7 @@ TEST_F(CsvFile, OnAFullDiskFailsClearly) {
     message = error.what();
   }
   EXPECT_THAT(message, HasSubstr("No space left on device"));
-  EXPECT_FALSE(std::filesystem::exists(at("a.csv")));
+  EXPECT_TRUE(std::filesystem::is_symlink(at("a.csv")));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "dynamics/natural/system.h"
+#include "dynamics/relative/momentum.h"
 #include "dynamics/relative/system.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/simulation.h"
@@ -196,6 +197,45 @@ TEST(FreeFlight, RandomMechanismsKeepTheirMomentum) {
   EXPECT_GE(flexible, 4);
 }
 
+/// What centrifugal forces take from the energy of rotation, against differences of it at constant momentum.
+TEST(FreeFlight, PowerOfTheChangeOfShape) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    RandomOptions o;
+    o.bodies = 4;
+    o.flexible_share = 0.5;
+    o.floating = false;
+    const RandomMechanism mechanism = random_mechanism(seed, o);
+    const Compiled& m = mechanism.compiled();
+    relative::RelativeSystem system(m);
+    system.begin_step(mechanism.q.data());
+    std::vector<int> bodies;
+    for (std::size_t k = 0; k < m.bodies.size(); ++k) bodies.push_back(static_cast<int>(k));
+    Random random(seed + 5);
+    const VectorXd v = random_increment(m, random, 0.5), rest = VectorXd::Zero(m.velocities);
+    const auto at = [&](double t) {
+      VectorXd q(m.positions);
+      system.retract(mechanism.q.data(), VectorXd(t * v).data(), q.data());
+      system.kinematics(0, q.data(), v.data(), rest.data());
+      return relative::momentum(m, system.workspace(), bodies, q.data(), v.data());
+    };
+    const relative::Momentum now = at(0);
+    const Vec3d other(0.3, -0.2, 0.5);
+    const auto rotation = [&](double t, const Vec3d& angular) {
+      return 0.5 * angular.dot(relative::mean_spin(at(t).inertia, angular));
+    };
+    const double h = 1e-5;
+    const double own = (rotation(h, now.angular) - rotation(-h, now.angular)) / (2 * h);
+    EXPECT_NEAR(relative::centrifugal_power(now, now.angular), own, 1e-6 * (1 + std::abs(own))) << seed;
+    // As seen by who turns with what is added to the motion to give it `other`.
+    const Vec3d added = relative::mean_spin(now.inertia, other - now.angular);
+    const double with_added = (rotation(h, rotation_exp<double>(Vec3d(-h * added)) * other) -
+                               rotation(-h, rotation_exp<double>(Vec3d(h * added)) * other)) /
+                              (2 * h);
+    EXPECT_NEAR(relative::centrifugal_power(now, other), with_added, 1e-6 * (1 + std::abs(with_added)))
+        << seed;
+  }
+}
+
 // --- One body ---------------------------------------------------------------------------------------------
 
 std::string tumbling(const std::string& between = "[ground, b]") {
@@ -352,6 +392,76 @@ TEST(FreeFlight, FlexibleDumbBellKeepsItsMomentumForLong) {
   }
 }
 
+/// Bars round two corners, in free flight: a shape that returns takes nothing from the rotation. What the
+/// default damps are the vibrations at the start, and of natural coordinates, in which bodies turn by their
+/// unit vectors, a little more.
+TEST(FreeFlight, BentFrameKeepsItsEnergyWithoutTrend) {
+  const auto model = model_of(R"(
+gravity: [0, 0, 0]
+materials: {m: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {r: {type: round, diameter: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: m
+      section: r
+      nodes: {a: [0, 0, 0], b: [1, 0, 0], c: [1, 0.7, 0], d: [1, 0.7, 0.5]}
+      bars:
+        ab: {from: a, to: b, elements: 4}
+        bc: {from: b, to: c, elements: 4}
+        cd: {from: c, to: d, elements: 4}
+      clamped: [a]
+      static_modes: [{node: d, all: true}]
+      dynamic_modes: 4
+      stiffening: linear
+joints:
+  fly: {type: floating, between: [ground, bar], at: [0, 0, 0], velocity: [0.1, 0.2, 0, 0.5, 0.7, 3]}
+simulation: {step: 0.01, end: 1000}
+)");
+  for (const Way& way : ways) {
+    Simulation s(model, options(way, 0.01));
+    advance(s, 20);
+    Balance balance(*model);
+    const Totals start = balance.of(s);
+    const double energy = s.energy().total();
+    double elastic = 0;
+    for (int k = 0; k < 20; ++k) {
+      advance(s, 23 + 3 * k);
+      elastic = std::max(elastic, s.energy().elastic);
+    }
+    expect_laws(balance, s, start, s.time() - 20, name(way));
+    const double drift = (s.energy().total() - energy) / energy / (s.time() - 20);  // 1/s
+    const bool conserves = way.integrator == Integrator::conserve;
+    EXPECT_LT(std::abs(drift), conserves                                  ? 1e-12
+                               : way.formulation == Formulation::relative ? 1e-9
+                                                                          : 1.5e-7)
+        << name(way);
+    // What the rotation bends it by, and no more: fast modes take up no energy.
+    EXPECT_LT(elastic, 1.8e-3) << name(way);
+  }
+}
+
+/// A thruster that turns with the body, and one that does not: their work and the energy balance.
+TEST(Conserve, KeepsTheBalanceWithTheWorkOfLoads) {
+  for (const char* const load : {"force: [0, 0.02, 0.01]", "force: [0, 0.02, 0.01], follower: true"}) {
+    std::string text = dumb_bell(0);
+    const std::string kick = "force: [0, 3, 1.5], scale: \"t < 0.1 ? 1 : 0\"";
+    text.replace(text.find(kick), kick.size(), load);
+    const auto model = model_of(text);
+    for (const Formulation formulation : {Formulation::relative, Formulation::natural}) {
+      Simulation s(model, options({formulation, Integrator::conserve}, 0.01));
+      double off = 0;  // of what a step leaves for the next, once the start's vibrations are gone
+      for (int k = 0; k < 1500; ++k) {
+        ASSERT_TRUE(s.step().ok());
+        if (s.time() > 1) off = std::max(off, std::abs(s.energy().numerical));
+      }
+      EXPECT_GT(std::abs(s.energy().load_work), 1e-4) << load;
+      EXPECT_LT(off, 1e-8 * s.energy().total()) << load;
+    }
+  }
+}
+
 // --- Energy of what is not free ---------------------------------------------------------------------------
 
 TEST(Conserve, FourBarKeepsItsEnergyAndConverges) {
@@ -374,6 +484,19 @@ TEST(Conserve, FourBarKeepsItsEnergyAndConverges) {
     EXPECT_NEAR((at[0] - at[1]).norm() / (at[1] - at[2]).norm(), 4, 0.6)
         << (at[0] - at[1]).norm() << " then " << (at[1] - at[2]).norm();
   }
+}
+
+TEST(Conserve, SaysWhereDrivesLeaveNothingToCorrect) {
+  const auto driven = model_of(four_bar_text({{"crank", ", drive: {position: \"2*t\"}"}}));
+  const auto said = [](const std::shared_ptr<const Model>& model, Integrator integrator) {
+    const Simulation s(model, options({Formulation::relative, integrator}, 0.01));
+    for (const std::string& text : s.warnings())
+      if (text.find("drives prescribe velocities, so that nothing is left") != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_TRUE(said(driven, Integrator::conserve));
+  EXPECT_FALSE(said(driven, Integrator::generalized_alpha));
+  EXPECT_FALSE(said(model_of(four_bar_text()), Integrator::conserve));
 }
 
 TEST(Conserve, DampersKeepTheirWork) {

@@ -5,6 +5,7 @@
 
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
+#include "support/models.h"
 
 /// Joint forces, which are what a tolerance is felt in first: those of light bodies between heavy ones.
 namespace mimbre::test {
@@ -60,6 +61,42 @@ TEST(JointForces, OfLightBodiesBesideHeavyOnes) {
       EXPECT_LT(difference(course(model, options, duration), course(model, tight, duration), force), 1e-3)
           << step << " s";
     }
+}
+
+/// Rigid double four-bar: between bars 4 and 5, which stand at θ and lie level, bar 5 needs, with
+/// accelerations r̈ = θ̈ u⊥ − θ̇² u of bar 4,
+///   fy = −½ (ÿ + g),   fx sin θ = fy cos θ − ½ g cos θ − ⅓ θ̈ → −g/36 where the bars align:
+/// a pole, so that there any error of θ is felt; the forces are right for the motion as it is.
+TEST(JointForces, OfTheDoubleFourBarFollowItsMotionUpToThePole) {
+  const auto model = example("double-four-bar/mechanism.yaml");
+  for (const auto formulation :
+       {spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural}) {
+    RunOptions options;
+    options.step = 0.01;
+    options.formulation = formulation;
+    Simulation s(model, options);
+    const auto channel = [&](const std::string& name) {
+      const auto& info = s.channels();
+      return std::find_if(info.begin(), info.end(), [&](const auto& c) { return c.name == name; }) -
+             info.begin();
+    };
+    const auto fx = channel("joint.E.force.x"), fy = channel("joint.E.force.y"),
+               rate = channel("joint.A.velocity");
+    ResultsRow row;
+    double near_pole = 0;
+    for (int k = 0; k < 500; ++k) {
+      ASSERT_TRUE(s.step().ok());
+      s.sample(row);
+      const double theta = row.channels[0], omega = row.channels[rate], g = 9.81, sine = std::sin(theta),
+                   cosine = std::cos(theta), alpha = -3.5 * g * cosine / 3;
+      const double up = -0.5 * (alpha * cosine - omega * omega * sine + g);
+      const double along = (up * cosine - 0.5 * g * cosine - alpha / 3) / sine;
+      EXPECT_NEAR(row.channels[fy], up, 1e-3 * 60) << s.time();
+      EXPECT_NEAR(row.channels[fx], along, 1e-3 * 40 * std::max(1.0, 0.01 / (sine * sine))) << s.time();
+      near_pole = std::max(near_pole, 1 / std::abs(sine));
+    }
+    EXPECT_GT(near_pole, 50);
+  }
 }
 
 }  // namespace

@@ -124,6 +124,34 @@ TEST_P(RedundantReactions, StayFiniteWhereALinkageLiesFlat) {
     EXPECT_LE(r.cwiseAbs().maxCoeff(), 300);
 }
 
+/// A parallelogram that turns evenly, without gravity, from 0.1 rad through where it lies flat: its cranks'
+/// forces are finite on both sides, and there undetermined.
+TEST_P(RedundantReactions, StayFiniteWhereALinkagePassesFlat) {
+  const double x = std::cos(0.1), z = std::sin(0.1);
+  const auto body = [&](const char* name, double at_x, double at_z) {
+    return std::string("  ") + name + ": {mass: 1, com: [" + number(at_x) + ", 0, " + number(at_z) +
+           "], inertia: [0.1, 0.1, 0.1]}\n";
+  };
+  const auto pin = [&](const char* name, const char* between, double at_x, double at_z) {
+    return std::string("  ") + name + ": {type: revolute, between: [" + between + "], at: [" + number(at_x) +
+           ", 0, " + number(at_z) + "], axis: [0, 1, 0]" + (*name == 'a' ? ", velocity: 1" : "") + "}\n";
+  };
+  const std::string text = "gravity: [0, 0, 0]\nbodies:\n" + body("c", 0.5 * x, 0.5 * z) +
+                           body("k", x + 1, z) + body("r", 2 + 0.5 * x, 0.5 * z) + "joints:\n" +
+                           pin("a", "ground, c", 0, 0) + pin("b", "c, k", x, z) +
+                           pin("d", "ground, r", 2, 0) + pin("e", "k, r", 2 + x, z) +
+                           "outputs:\n  - {name: ax, joint_force: a, component: fx}\n"
+                           "  - {name: dx, joint_force: d, component: fx}\n  - {name: angle, joint: a}\n";
+  const auto rows = outputs(model_of(text), GetParam(), 20);
+  ASSERT_EQ(rows.size(), 21U);
+  EXPECT_NEAR(rows.back()[2], 0.2, 1e-5);
+  for (const Eigen::VectorXd& r : rows) {
+    // Of both cranks and half of the coupler each, ω = 1 rad/s.
+    EXPECT_NEAR(r[0] + r[1], -2 * std::cos(r[2] - 0.1), 1e-2);
+    EXPECT_LE(std::abs(r[0] - r[1]), 0.2) << r[2];
+  }
+}
+
 TEST(Redundancy, NamesTheJoints) {
   const auto redundancy = [](const std::string& text) { return Simulation(model_of(text)).redundancy(); };
   using Names = std::vector<std::string>;

@@ -25,6 +25,21 @@ function gradientMaterial(): THREE.MeshStandardMaterial {
   return material;
 }
 
+/** Two opposite quarters of a disc are darker, so that a wheel is seen to turn. */
+function marked(geometry: THREE.BufferGeometry): THREE.BufferGeometry {
+  const apart = geometry.toNonIndexed();
+  const position = apart.getAttribute("position");
+  const colors = new Float32Array(3 * position.count);
+  for (let triangle = 0; triangle < position.count; triangle += 3) {
+    const mean = (get: (k: number) => number) => get(triangle) + get(triangle + 1) + get(triangle + 2);
+    const dark = mean((k) => position.getX(k)) * mean((k) => position.getY(k)) > 0;
+    colors.fill(dark ? 0.55 : 1, 3 * triangle, 3 * triangle + 9);
+  }
+  return apart.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+}
+
+const isDisc = ({ kind, size }: Solid) => kind === "cylinder" && size[0] > 0.5 * size[1];
+
 function solidGeometry(solid: Solid): THREE.BufferGeometry {
   const [a, b, c] = solid.size;
   if (solid.kind === "box") return new THREE.BoxGeometry(a, b, c);
@@ -47,6 +62,8 @@ export class BodyView {
   private u: Float32Array;
   private points: Float32Array;
   private computed = new Map<Quantity, PointValues>();
+  private least = 0; // radius of a line
+  private faded = false;
   private used: number[]; // points at the ends of lines
 
   constructor(
@@ -137,6 +154,12 @@ export class BodyView {
     this.undeformed.visible = on;
   }
 
+  /** Lines of long slender bars are drawn thick enough to be seen. */
+  thicken(radius: number): void {
+    this.least = radius;
+    if (this.tubes) this.place();
+  }
+
   seeThrough(on: boolean): void {
     for (const material of this.solids) {
       material.transparent = on;
@@ -146,7 +169,21 @@ export class BodyView {
     }
   }
 
+  /** Another run's body, drawn through the first run's. */
+  fade(): void {
+    this.faded = true;
+    if (this.balls) this.balls.visible = false; // where they overlap tubes they would show as beads
+    this.edges.color.copy(this.color);
+    this.edges.opacity = 1;
+    this.group.traverse((object) => {
+      if (!(object instanceof THREE.Mesh)) return;
+      object.castShadow = object.receiveShadow = false;
+      Object.assign(object.material as THREE.Material, { transparent: true, opacity: 0.28, depthWrite: false });
+    });
+  }
+
   theme(edge: string): void {
+    if (this.faded) return;
     this.edges.color.set(edge);
   }
 
@@ -182,13 +219,15 @@ export class BodyView {
     const geometry = solidGeometry(solid);
     const material = new THREE.MeshStandardMaterial({
       color,
-      roughness: 0.7,
+      vertexColors: isDisc(solid),
+      roughness: 0.55,
+      metalness: 0.05,
       polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
     });
     this.solids.push(material);
-    const mesh = new THREE.Mesh(geometry, material);
+    const mesh = new THREE.Mesh(isDisc(solid) ? marked(geometry) : geometry, material);
     const [a, b, c, d, e, f, g, h, i] = solid.rotation;
     const [x, y, z] = solid.position;
     mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
@@ -201,7 +240,8 @@ export class BodyView {
   }
 
   private place(): void {
-    const { lines, lineRadius } = this.body;
+    const { lines } = this.body;
+    const lineRadius = Math.max(this.body.lineRadius, this.least);
     const a = new THREE.Vector3();
     const b = new THREE.Vector3();
     const along = new THREE.Vector3();

@@ -41,6 +41,11 @@ export class ChannelList {
     for (const refresher of this.refreshers) refresher();
   }
 
+  /** There are more channels than before. */
+  redraw(): void {
+    this.draw();
+  }
+
   private draw(): void {
     this.refreshers = [];
     const groups = grouped(this.channels, this.grouping.value as Grouping, this.search.value);

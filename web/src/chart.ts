@@ -1,64 +1,90 @@
-// One chart over time; it shares its cursor with all others, and a marker stands at the animation's time.
+// One chart over time or frequency. Charts over time share their cursor with all others, and a marker stands at the
+// animation's time.
 import uPlot from "uplot";
 import type { Clock } from "./clock";
 import { element, themeColor } from "./dom";
-import { formatNumber } from "./format";
+import { tickLabels } from "./engineering";
+import type { Range } from "./trace";
 
-export interface Range {
-  min: number;
-  max: number;
+export interface ChartLine {
+  color: string;
+  /** On the axis at the right, dashed. */
+  second?: boolean;
 }
 
 export interface ChartOptions {
   width: number;
   height: number;
-  time: Range;
-  /** Times, then one list of values per colour; null is a gap, undefined an instant of another curve. */
+  range: Range;
+  /** Of the horizontal axis. */
+  unit: string;
+  /** Times or frequencies, then one list of values per line; null is a gap, undefined an instant of another curve. */
   data: uPlot.AlignedData;
-  colors: string[];
+  lines: ChartLine[];
+  /** Of the vertical axis, and of the second, where a line is on it. */
+  units: [string, string?];
+  /** Equal steps are equal factors. */
+  logarithmic?: boolean;
   /** Of the vertical axis, where it is not simply that of the values in sight. */
   vertical?: (chart: uPlot) => [number | null, number | null];
+  /** Charts with one key share their cursor. */
+  key: string;
+  /** The animation's time is marked, and set by a click. */
+  clock?: Clock;
   /** The cursor has moved, perhaps away. */
-  pointed: () => void;
-  /** Another part of the time is shown. */
-  zoomed: (range: Range) => void;
+  pointed?: () => void;
+  /** Another part is shown. */
+  zoomed?: (range: Range) => void;
 }
 
-export class TimeChart {
+export function axisStyle(): uPlot.Axis {
+  const grid = { stroke: themeColor("grid"), width: 1 };
+  return { stroke: themeColor("muted"), grid, ticks: grid, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18 };
+}
+
+/** As wide as the longest label needs. */
+export const axisWidth = (_: uPlot, labels: string[] | null) => 19 + 7.2 * Math.max(2, ...(labels ?? []).map((label) => (label ?? "").length));
+
+export class Chart {
   readonly uplot: uPlot;
   private marker = element("div", { class: "marker" });
   private built = false; // the hooks may be called before the chart is there
 
   constructor(
     holder: HTMLElement,
-    private clock: Clock,
-    options: ChartOptions,
+    private options: ChartOptions,
   ) {
-    const grid = { stroke: themeColor("grid"), width: 1 };
-    const axis: uPlot.Axis = { stroke: themeColor("muted"), grid, ticks: grid, font: "12px system-ui, sans-serif" };
-    const { vertical } = options;
+    const axis = axisStyle();
+    const { vertical, clock, lines, units, logarithmic } = options;
+    const vertically: uPlot.Axis = { ...axis, size: axisWidth as uPlot.Axis.Size };
+    if (!logarithmic) vertically.values = (_, splits) => tickLabels(splits);
+    const scale: uPlot.Scale = { ...(logarithmic ? { distr: 3 } : {}), ...(vertical ? { range: (u: uPlot) => vertical(u) as uPlot.Range.MinMax } : {}) };
     this.uplot = new uPlot(
       {
         width: options.width,
         height: options.height,
         legend: { show: false },
-        scales: { x: { time: false, ...options.time }, ...(vertical ? { y: { range: (u) => vertical(u) as uPlot.Range.MinMax } } : {}) },
+        scales: { x: { time: false, ...options.range }, y: scale, second: logarithmic ? { distr: 3 } : {} },
         cursor: {
-          sync: { key: "time" },
+          sync: { key: options.key },
           drag: { x: true, y: false, dist: 5 },
           points: { size: 6 },
         },
-        series: [{}, ...options.colors.map((stroke) => ({ stroke, width: 1.5, points: { show: false } }))],
+        series: [
+          {},
+          ...lines.map(({ color, second }) => ({ stroke: color, width: 1.5, points: { show: false }, scale: second ? "second" : "y", ...(second ? { dash: [7, 4] } : {}) })),
+        ],
         axes: [
-          { ...axis, size: 30, values: (_, splits) => splits.map((split) => `${formatNumber(split)} s`) },
-          { ...axis, size: 64, values: (_, splits) => splits.map((split) => formatNumber(split)) },
+          { ...axis, size: 30, values: (_, splits) => tickLabels(splits).map((label) => `${label} ${options.unit}`) },
+          { ...vertically, label: units[0] },
+          ...(lines.some(({ second }) => second) ? [{ ...vertically, scale: "second", side: 1, label: units[1], grid: { show: false } } as uPlot.Axis] : []),
         ],
         hooks: {
-          setCursor: [() => this.built && options.pointed()],
+          setCursor: [() => this.built && options.pointed?.()],
           setScale: [
             (u, key) => {
               if (key !== "x") return;
-              options.zoomed({ min: u.scales.x.min!, max: u.scales.x.max! });
+              options.zoomed?.({ min: u.scales.x.min!, max: u.scales.x.max! });
               if (this.built) this.place();
             },
           ],
@@ -68,6 +94,7 @@ export class TimeChart {
       holder,
     );
     this.built = true;
+    if (!clock) return;
     const { uplot } = this;
     uplot.over.append(this.marker);
     // A click, not the end of a drag, sets the animation's time.
@@ -75,14 +102,16 @@ export class TimeChart {
     uplot.over.addEventListener("mousedown", (event) => (pressed = event.clientX));
     uplot.over.addEventListener("click", (event) => {
       const left = event.clientX - uplot.over.getBoundingClientRect().left;
-      if (Math.abs(event.clientX - pressed) < 5) this.clock.set(uplot.posToVal(left, "x"));
+      if (Math.abs(event.clientX - pressed) < 5) clock.set(uplot.posToVal(left, "x"));
     });
   }
 
   /** The marker goes to the animation's time. */
   place(): void {
+    const { clock } = this.options;
+    if (!clock) return;
     const { min, max } = this.uplot.scales.x;
-    const { time } = this.clock;
+    const { time } = clock;
     this.marker.hidden = min == null || max == null || time < min || time > max;
     if (!this.marker.hidden) this.marker.style.transform = `translateX(${this.uplot.valToPos(time, "x")}px)`;
   }

@@ -1,18 +1,21 @@
 // The page of several runs.
-import { ChannelList } from "./channelList";
+import { channelCard } from "./channelViews";
 import { Clock } from "./clock";
 import type { Comparison, Run } from "./comparisonData";
 import { element } from "./dom";
 import { flatten, formatNumber } from "./format";
+import { formulaChannel } from "./formulas";
 import { firstSelection, unitLabel } from "./groups";
 import { Overlays, runColor } from "./overlays";
-import { table } from "./panels";
+import { table, warningList } from "./panels";
 import { Player } from "./player";
 import { isSound, remarks, runTable } from "./runFacts";
+import { warningsOf } from "./summaryLines";
+import type { Trace } from "./trace";
 
 function swatch(run: number): HTMLElement {
   const made = element("span", { class: "swatch" });
-  made.style.background = runColor(run);
+  made.style.setProperty("--line", runColor(run));
   return made;
 }
 
@@ -32,6 +35,7 @@ function header(comparison: Comparison): HTMLElement {
   );
   for (const { text, warning } of remarks(runs))
     made.append(element("p", warning ? { class: "warning", role: "alert" } : { class: "note" }, text));
+  made.append(...warningList(runs.flatMap((run) => (isSound(run) ? warningsOf(run.summary).map((text) => `${run.label}: ${text}`) : []))));
   if (runs.some((run) => run.time.length < run.instants))
     made.append(element("p", { class: "note" }, "The plots show the smallest and largest values of short stretches; the deviations are of all instants."));
   return made;
@@ -100,62 +104,85 @@ function models(runs: Run[]): HTMLElement {
   return made;
 }
 
-/** Buttons that hide and show runs; the legend of all plots. */
-function legend(runs: Run[], overlays: Overlays): HTMLElement {
+/** Buttons that hide and show runs, in the plots and in the animation; the legend of all plots. */
+function legend(runs: Run[], showRun: (run: number, visible: boolean) => void): HTMLElement {
   const buttons = runs.map((run, r) => {
     const button = element("button", { class: "run", "aria-pressed": "true", title: "Hide or show this run" }, swatch(r), run.label);
     button.addEventListener("click", () => {
       const visible = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", String(visible));
-      overlays.showRun(r, visible);
+      showRun(r, visible);
     });
     return button;
   });
   return element("div", { class: "legend runs", role: "group", "aria-label": "Runs" }, ...buttons);
 }
 
-/** Fills the page; returns the clock of its animation, the first run's. */
-export function buildComparison(page: HTMLElement, comparison: Comparison): Clock {
+/** The formula of every run that has its channels. */
+function addFormula(comparison: Comparison, text: string): number {
   const { runs, channels } = comparison;
-  const { time } = comparison.animation;
-  const clock = new Clock(time[0] ?? 0, time[time.length - 1] ?? 0);
-  const selected = new Set(comparison.shown.length > 0 ? comparison.shown : firstSelection(channels));
-  const changed = () => {
-    overlays.show([...selected].sort((a, b) => a - b));
-    list.refresh();
-  };
-  const overlays = new Overlays(comparison, clock, (channel) => {
-    selected.delete(channel);
-    changed();
+  let wrong: unknown = null;
+  const made = runs.map((run, r) => {
+    const channel = (name: string) => {
+      const found = channels.find((one) => one.name === name && one.curves[r]);
+      return found ? { values: found.curves[r]!.values, unit: found.unit } : null;
+    };
+    try {
+      return formulaChannel(text, { time: run.time, channel });
+    } catch (error) {
+      wrong ??= error;
+      return null;
+    }
   });
-  const list = new ChannelList(channels, selected, changed);
-  const reset = element("button", { title: "Show the whole time (or double-click a plot)" }, "Reset zoom");
-  reset.addEventListener("click", () => overlays.resetZoom());
+  const first = made.find((channel) => channel !== null);
+  if (!first) throw wrong;
+  const nothing = runs.map(() => null);
+  const { name, unit, meaning } = first;
+  return channels.push({ name, unit, meaning, curves: made, differences: nothing, deviations: nothing }) - 1;
+}
+
+/** Fills the page; returns the clock of its animation, which lasts as long as the longest run. */
+export function buildComparison(page: HTMLElement, comparison: Comparison): Clock {
+  const { runs, channels, ghosts } = comparison;
+  const ends = [comparison, ...ghosts].map(({ animation }) => animation.time).filter((time) => time.length > 0);
+  const clock = new Clock(Math.min(...ends.map((time) => time[0]), Infinity), Math.max(...ends.map((time) => time[time.length - 1]), -Infinity));
+  const sound = Number.isFinite(clock.start) ? clock : new Clock(0, 0);
+  const player = new Player(comparison, sound, { ghosts: ghosts.map((scene, r) => ({ scene, color: runColor(r + 1) })) });
+  if (player.view && ghosts.length > 0) player.root.append(element("p", { class: "hint" }, `Solid: ${runs[0].label}. Seen through, in the colours of their curves: the others.`));
+
+  const hidden = new Set<number>();
+  const traces = (selection: number[]): Trace[] =>
+    selection.flatMap((channel) =>
+      channels[channel].curves.flatMap((curve, run): Trace[] => {
+        const { name, unit, meaning } = channels[channel];
+        if (!curve || hidden.has(run)) return [];
+        return [{ name, unit, meaning, ...curve, channel, run, label: `${name}, ${runs[run].label}`, color: runColor(run), time: runs[run].time }];
+      }),
+    );
   const differences = element("input", { type: "checkbox" });
   differences.checked = true;
-  differences.addEventListener("change", () => overlays.showDifferences(differences.checked));
-  const player = new Player(comparison, clock).root;
-  player.append(element("p", { class: "hint" }, `The animation is of ${runs[0].label}.`));
+  const charts = channelCard({
+    curves: { channels, traces },
+    clock: sound,
+    start: comparison.shown.length > 0 ? comparison.shown : firstSelection(channels),
+    thinned: runs.some((run) => run.time.length < run.instants),
+    addFormula: (text) => addFormula(comparison, text),
+    extras: [element("label", { class: "row" }, differences, "Differences")],
+    overTime: (remove) => {
+      const overlays = new Overlays(comparison, sound, remove);
+      differences.addEventListener("change", () => overlays.showDifferences(differences.checked));
+      return overlays;
+    },
+    legend: (time) =>
+      legend(runs, (run, visible) => {
+        if (visible) hidden.delete(run);
+        else hidden.add(run);
+        (time as Overlays).showRun(run, visible);
+        if (run === 0) player.view?.showBodies(visible);
+        else player.view?.showGhost(run - 1, visible);
+      }),
+  });
 
-  page.append(
-    header(comparison),
-    element(
-      "main",
-      {},
-      player,
-      element(
-        "section",
-        { class: "card charts" },
-        element("div", { class: "row" }, element("h2", {}, "Channels"), element("label", { class: "row" }, differences, "Differences"), reset),
-        list.root,
-        element("p", { class: "hint" }, "Drag across a plot to zoom, double-click to see all, click to set the animation's time."),
-        legend(runs, overlays),
-        overlays.root,
-      ),
-      tables(comparison),
-      models(runs),
-    ),
-  );
-  changed();
-  return clock;
+  page.append(header(comparison), element("main", {}, element("div", { class: "column" }, player.root, tables(comparison), models(runs)), charts));
+  return sound;
 }

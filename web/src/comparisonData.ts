@@ -1,5 +1,5 @@
 // Several runs, as mimbre writes them into the page (src/results/comparison_report.cpp), and as the page uses them.
-import { decodeCurve, decodeScene, f32, f64, type ChannelName, type Curve, type PackedArray, type PackedScene, type Scene } from "./data";
+import { decodeCurve, decodeScene, f32, f64, type ChannelName, type Curve, type PackedArray, type PackedScene, type Scene, type Signals } from "./data";
 
 interface RunHead {
   label: string;
@@ -34,6 +34,8 @@ export interface Deviation {
 
 export interface PackedComparison extends PackedScene {
   format: string;
+  /** Of the second run and those after it; a part that is as the first run's is left out. */
+  ghosts?: (Partial<PackedScene> & Pick<PackedScene, "animation">)[];
   runs: PackedRun[];
   channels: (ChannelName & { curves: { run: number; offset: number }[]; deviations: ({ run: number; offset: number } & Deviation)[] })[];
   shown: number[];
@@ -56,6 +58,8 @@ export interface Comparison extends Scene {
   runs: Run[];
   channels: ComparedChannel[];
   shown: number[];
+  /** The second run and those after it. */
+  ghosts: Scene[];
 }
 
 export const comparisonFormat = "mimbre-comparison-1";
@@ -81,5 +85,11 @@ export function decodeComparison(packed: PackedComparison): Comparison {
     }
     return channel;
   });
-  return { runs, channels, shown: packed.shown, ...decodeScene(packed) };
+  const signals: Signals = (name) => {
+    const curve = channels.find((channel) => channel.name === name)?.curves[0];
+    return curve ? { time: runs[0].time, values: curve.values } : null;
+  };
+  const { bodies, frames, elements } = packed;
+  const ghosts = (packed.ghosts ?? []).map((ghost) => decodeScene({ bodies, frames, elements, roads: [], ...ghost }));
+  return { runs, channels, shown: packed.shown, ghosts, ...decodeScene(packed), signals };
 }

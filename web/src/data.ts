@@ -20,10 +20,20 @@ export interface PackedBody {
   shapes: Solid[];
 }
 
-/** What is animated. */
+interface PackedFrame {
+  name: string;
+  body: number;
+  position: number[];
+  rotation: number[];
+  motion: PackedArray;
+}
+
+/** What is animated. Results of earlier versions have no frames and elements. */
 export interface PackedScene {
   bodies: PackedBody[];
   roads: { name: string; profile: PackedArray }[];
+  frames?: PackedFrame[];
+  elements?: Element[];
   animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
 }
 
@@ -48,6 +58,29 @@ export interface Solid {
   position: number[];
   rotation: number[]; // row-major
 }
+
+/** A point with axes where joints and forces act. */
+export interface Frame {
+  name: string;
+  /** −1: the ground. */
+  body: number;
+  position: number[]; // undeformed, body axes; of the ground global
+  rotation: number[]; // row-major
+  /** Per mode of the body: displacement x y z and small turn x y z in body axes per unit amplitude. */
+  motion: Float32Array;
+}
+
+/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", "load", "tyre", "tyre on rig". */
+export interface Element {
+  name: string;
+  kind: string;
+  a: number; // frames; −1: none
+  b: number;
+  size: number; // a tyre's radius
+}
+
+/** Values over time, found by the name of a channel; null where there is none. */
+export type Signals = (channel: string) => { time: ArrayLike<number>; values: ArrayLike<number | null> } | null;
 
 export interface Body {
   name: string;
@@ -89,7 +122,11 @@ export interface Animation {
 export interface Scene {
   bodies: Body[];
   roads: { name: string; profile: Float64Array }[];
+  frames: Frame[];
+  elements: Element[];
   animation: Animation;
+  /** Where the forces that are drawn come from; without, none are. */
+  signals?: Signals;
 }
 
 export interface Report extends Scene {
@@ -147,6 +184,10 @@ export function decodeReport(packed: PackedReport): Report {
     const own = values.subarray(k * time.length, (k + 1) * time.length);
     return { name, unit, meaning, ...decodeCurve(own, offset) };
   });
+  const signals: Signals = (name) => {
+    const channel = channels.find((one) => one.name === name);
+    return channel ? { time, values: channel.values } : null;
+  };
   return {
     title: packed.title,
     step: packed.step,
@@ -158,6 +199,7 @@ export function decodeReport(packed: PackedReport): Report {
     channels,
     shown: packed.shown,
     ...decodeScene(packed),
+    signals,
   };
 }
 
@@ -188,6 +230,8 @@ export function decodeScene(packed: PackedScene): Scene {
   return {
     bodies,
     roads: packed.roads.map(({ name, profile }) => ({ name, profile: f64(profile) })),
+    frames: (packed.frames ?? []).map((frame) => ({ ...frame, motion: f32(frame.motion) })),
+    elements: packed.elements ?? [],
     animation: {
       time: f64(packed.animation.time),
       positions: f64(packed.animation.positions),

@@ -23,12 +23,3 @@ export function deformed(body: Body, u: Float32Array, exaggeration: number, out:
 export function magnitudes(u: Float32Array, out: Float32Array): void {
   for (let i = 0; i < out.length; ++i) out[i] = Math.hypot(u[3 * i], u[3 * i + 1], u[3 * i + 2]);
 }
-
-/** A factor 1, 2, 5, 10, … (at most 500) that makes the largest displacement about `share` of the body's size. */
-export function suggestedExaggeration(largest: number, size: number, share = 0.08): number {
-  if (!(largest > 0) || !(size > 0)) return 1;
-  const wanted = (share * size) / largest;
-  let best = 1;
-  for (const factor of [1, 2, 5, 10, 20, 50, 100, 200, 500]) if (factor <= wanted) best = factor;
-  return best;
-}

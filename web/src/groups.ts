@@ -28,7 +28,7 @@ export function grouped(channels: ChannelName[], grouping: Grouping, search: str
 }
 
 /** Channels that every run has, after the model's own outputs. */
-const standard = /^(joint|spring|energy|solver)\./;
+const standard = /^(joint|spring|tyre|load|energy|solver)\./;
 
 /** What is plotted at first: the first outputs, few enough per unit and of few enough units to be read at a glance. */
 export function firstSelection(channels: { name: string; unit: string }[], perUnit = 4, units = 3): number[] {

@@ -1,54 +1,42 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
-import { ChannelList } from "./channelList";
+import { channelCard } from "./channelViews";
 import { Clock } from "./clock";
 import { buildComparison, comparisonTitle } from "./comparison";
 import { comparisonFormat, decodeComparison, type PackedComparison } from "./comparisonData";
+import { lineColors } from "./color";
 import { decodeReport, type PackedReport, type Report } from "./data";
 import { element } from "./dom";
+import { formulaChannel } from "./formulas";
 import { firstSelection } from "./groups";
 import { buildModes } from "./modes";
 import { decodeModes, modesFormat, type PackedModes } from "./modesData";
 import { header, model, summary } from "./panels";
 import { Player } from "./player";
 import { Plots } from "./plots";
+import type { Trace } from "./trace";
 
 /** Fills the page; returns the clock of its animation. */
 function buildReport(page: HTMLElement, report: Report): Clock {
   const { time } = report.animation;
   const clock = new Clock(time[0] ?? 0, time[time.length - 1] ?? 0);
-  const selected = new Set(report.shown.length > 0 ? report.shown : firstSelection(report.channels));
-  const changed = () => {
-    plots.show([...selected].sort((a, b) => a - b));
-    list.refresh();
-  };
-  const plots = new Plots(report, clock, (channel) => {
-    selected.delete(channel);
-    changed();
+  const traces = (selection: number[]): Trace[] =>
+    selection.map((channel, k) => ({ ...report.channels[channel], channel, run: 0, label: report.channels[channel].name, color: lineColors[k % lineColors.length], time: report.time }));
+  const curves = { channels: report.channels, traces };
+  const whole = { min: report.time[0] ?? 0, max: report.time[report.time.length - 1] ?? 0 };
+  const source = { time: report.time, channel: (name: string) => report.channels.find((channel) => channel.name === name) ?? null };
+  const charts = channelCard({
+    curves,
+    clock,
+    start: report.shown.length > 0 ? report.shown : firstSelection(report.channels),
+    thinned: report.time.length < report.instants,
+    overTime: (remove) => new Plots(curves, whole, clock, remove),
+    addFormula: (text) => report.channels.push(formulaChannel(text, source)) - 1,
   });
-  const list = new ChannelList(report.channels, selected, changed);
-  const reset = element("button", { title: "Show the whole time (or double-click a plot)" }, "Reset zoom");
-  reset.addEventListener("click", () => plots.resetZoom());
-
   page.append(
     header(report),
-    element(
-      "main",
-      {},
-      new Player(report, clock).root,
-      element(
-        "section",
-        { class: "card charts" },
-        element("div", { class: "row" }, element("h2", {}, "Channels"), reset),
-        list.root,
-        element("p", { class: "hint" }, "Drag across a plot to zoom, double-click to see all, click to set the animation's time."),
-        plots.root,
-      ),
-      summary(report),
-      model(report),
-    ),
+    element("main", {}, element("div", { class: "column" }, new Player(report, clock).root, summary(report), model(report)), charts),
   );
-  changed();
   return clock;
 }
 

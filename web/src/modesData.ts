@@ -81,6 +81,8 @@ export function swingScene(body: Body, amplitudes: Float32Array): Scene {
   return {
     bodies: [body],
     roads: [],
+    frames: [],
+    elements: [],
     animation: {
       time: new Float64Array([-1, 1]),
       positions: new Float64Array(6),

@@ -1,16 +1,19 @@
 // Per channel one plot with all runs over each other, and below it what they differ by from the first.
 import uPlot from "uplot";
-import { TimeChart, type Range } from "./chart";
+import { Chart } from "./chart";
 import type { Clock } from "./clock";
 import { lineColors } from "./color";
 import type { ComparedChannel, Comparison } from "./comparisonData";
 import type { Curve } from "./data";
 import { element, onThemeChange } from "./dom";
+import { scaleFor } from "./engineering";
 import { formatWithin } from "./format";
 import { unitLabel } from "./groups";
 import { valueAt } from "./interpolate";
 import { extent, overlayRange } from "./overlayRange";
+import type { View } from "./plots";
 import { endOf, isSound } from "./runFacts";
+import { largest, scaled, type Range } from "./trace";
 
 interface Line {
   run: number;
@@ -20,8 +23,10 @@ interface Line {
 }
 
 interface Plot {
-  chart: TimeChart;
+  chart: Chart;
   lines: Line[];
+  size: number; // of the unit shown in the channel's
+  unit: string;
   height: number;
 }
 
@@ -32,11 +37,11 @@ export function runColor(run: number): string {
   return lineColors[run % lineColors.length];
 }
 
-export class Overlays {
+export class Overlays implements View {
   readonly root = element("div", { class: "plots" });
   private plots: Plot[] = [];
   private selection: number[] = [];
-  private hidden = new Set<number>();
+  readonly hidden = new Set<number>();
   private differences = true;
   private range: Range | null = null; // of the time axis, null when all is shown
 
@@ -72,6 +77,11 @@ export class Overlays {
     this.show(this.selection);
   }
 
+  /** The part of the time that is shown. */
+  get visible(): Range {
+    return this.range ?? this.whole();
+  }
+
   resetZoom(): void {
     for (const { chart } of this.plots) chart.uplot.setScale("x", this.whole());
   }
@@ -86,10 +96,15 @@ export class Overlays {
     const channel = channels[index];
     const close = element("button", { class: "close", "aria-label": `Remove ${channel.name}`, title: "Remove" }, "×");
     close.addEventListener("click", () => this.remove(index));
-    const title = element("b", { title: channel.meaning }, `${channel.name}, ${unitLabel(channel.unit)}`);
+    const title = element("b", { title: channel.meaning }, channel.name);
     this.plot(channel, channel.curves, (run) => runs[run].time, valuesHeight, [title, close], "Plot over time");
     if (!this.differences) return;
     const caption = element("span", { class: "versus" }, `less ${runs[0].label}`);
+    const most = (curves: (Curve | null)[]) => Math.max(0, ...curves.map((curve) => (curve ? largest(curve.values) : 0)));
+    if (channel.differences.some((curve) => curve) && most(channel.differences) <= 1e-12 * most(channel.curves)) {
+      this.root.append(element("p", { class: "hint" }, `Equal to round-off, less ${runs[0].label}.`));
+      return;
+    }
     this.plot(channel, channel.differences, (run) => runs[run].commonTime, differencesHeight, [caption], `Differences to ${runs[0].label}`);
   }
 
@@ -101,24 +116,30 @@ export class Overlays {
     if (lines.length === 0) return;
     const entries = lines.map(({ run, value }) => {
       const swatch = element("span", { class: "swatch" });
-      swatch.style.background = runColor(run);
+      swatch.style.setProperty("--line", runColor(run));
       return element("span", { class: "entry", title: runs[run].label }, swatch, value);
     });
     const holder = element("div", { role: "img", "aria-label": `${what} of ${channel.name}` });
     this.root.append(element("figure", {}, element("figcaption", {}, ...caption, element("div", { class: "legend" }, ...entries)), holder));
 
+    const sound = lines.filter(({ run }) => isSound(runs[run]));
+    const { unit, size } = scaleFor(channel.unit, Math.max(...(sound.length > 0 ? sound : lines).map(({ curve }) => largest(curve.values))));
     let plot: Plot | undefined = undefined; // the chart may call back before it is there
-    const chart = new TimeChart(holder, this.clock, {
+    const chart = new Chart(holder, {
       width: Math.max(this.root.clientWidth, 200),
       height,
-      time: this.range ?? this.whole(),
-      data: uPlot.join(lines.map((line) => [line.time, line.curve.values] as uPlot.AlignedData)),
-      colors: lines.map(({ run }) => runColor(run)),
+      range: this.visible,
+      unit: "s",
+      data: uPlot.join(lines.map((line) => [line.time, scaled(line.curve.values, size)] as uPlot.AlignedData)),
+      lines: lines.map(({ run }) => ({ color: runColor(run) })),
+      units: [unitLabel(unit)],
+      key: "time",
+      clock: this.clock,
       vertical: (u) => this.vertical(u, lines),
       pointed: () => this.readOut(plot),
       zoomed: (range) => (this.range = range),
     });
-    plot = { chart, lines, height };
+    plot = { chart, lines, size, unit: unit === "1" ? "" : unit, height };
     this.plots.push(plot);
     lines.forEach(({ run }, k) => this.hidden.has(run) && chart.uplot.setSeries(k + 1, { show: false }));
   }
@@ -153,7 +174,7 @@ export class Overlays {
     const range = min == null || max == null ? 0 : max - min;
     for (const { run, time, curve, value } of plot.lines) {
       const now = this.hidden.has(run) ? null : valueAt(time, curve.values, t);
-      value.textContent = now === null ? "–" : formatWithin(range, now);
+      value.textContent = now === null ? "–" : `${formatWithin(range, now / plot.size)} ${plot.unit}`.trim();
     }
   }
 

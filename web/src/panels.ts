@@ -2,39 +2,57 @@
 import type { Report } from "./data";
 import { element } from "./dom";
 import { flatten, formatNumber, type SummaryLine } from "./format";
+import { isJoint } from "./placement";
+import { summaryLines, warningsOf, type Line } from "./summaryLines";
+
+const fewWarnings = 3; // shown at once; the rest are folded
+
+/** What must be read first, above everything else. */
+export function warningList(warnings: string[]): HTMLElement[] {
+  const item = (text: string) => element("li", {}, text);
+  if (warnings.length === 0) return [];
+  const made = element("section", { class: "warnings", role: "alert", "aria-label": "Warnings" }, element("ul", {}, ...warnings.slice(0, fewWarnings).map(item)));
+  if (warnings.length > fewWarnings)
+    made.append(element("details", {}, element("summary", {}, `${warnings.length - fewWarnings} more`), element("ul", {}, ...warnings.slice(fewWarnings).map(item))));
+  return [made];
+}
 
 export function header(report: Report): HTMLElement {
-  const { time } = report.animation;
-  const facts: string[] = [];
-  if (time.length > 0) facts.push(`${formatNumber(time[time.length - 1] - time[0])} s simulated`);
-  const count = (number: number, one: string, many: string) => `${formatNumber(number)} ${number === 1 ? one : many}`;
-  facts.push(`step ${formatNumber(report.step * 1000)} ms`, count(report.instants, "instant", "instants"));
-  facts.push(count(report.bodies.length, "body", "bodies"), count(report.channels.length, "channel", "channels"));
-  const made = element(
-    "header",
-    {},
-    element("h1", {}, report.title || "Untitled model"),
-    element("p", {}, facts.join(" · ")),
-  );
-  if (report.summary === null)
-    made.append(element("p", { class: "warning", role: "alert" }, "This run was cut short: the results end early and have no summary."));
+  const made = element("header", {}, element("h1", {}, report.title || "Untitled model"));
+  const warnings = report.summary === null ? ["This run was cut short: the results end early and have no summary."] : warningsOf(report.summary);
+  made.append(...warningList(warnings));
   if (report.time.length < report.instants)
     made.append(element("p", { class: "note" }, "The plots show the smallest and largest values of short stretches, the results file all instants."));
   return made;
 }
 
-export function table(lines: SummaryLine[]): HTMLElement {
-  const rows = lines.map(({ label, value, warning }) =>
-    element("tr", { class: warning ? "warning" : "" }, element("th", { scope: "row" }, label), element("td", {}, (warning ? "⚠ " : "") + value)),
-  );
+export function table(lines: (SummaryLine | Line)[]): HTMLElement {
+  const rows = lines.map((line) => {
+    const warning = "warning" in line && line.warning;
+    return element("tr", { class: warning ? "warning" : "" }, element("th", { scope: "row" }, line.label), element("td", {}, (warning ? "⚠ " : "") + line.value));
+  });
   return element("table", {}, element("tbody", {}, ...rows));
 }
 
+/** A dozen lines, and behind a fold everything that the run said of itself. */
 export function summary(report: Report): HTMLElement {
-  const lines = flatten(report.summary ?? {});
-  const ordered = [...lines.filter((line) => line.warning), ...lines.filter((line) => !line.warning)];
-  const body = lines.length > 0 ? table(ordered) : element("p", { class: "hint" }, "The results have no summary.");
-  return element("section", { class: "card summary" }, element("h2", {}, "Summary"), body);
+  const { time } = report.animation;
+  const facts = {
+    end: time.length > 0 ? time[time.length - 1] : NaN,
+    step: report.step,
+    instants: report.instants,
+    bodies: report.bodies.length,
+    joints: report.elements.filter((element) => isJoint(element) || element.kind === "floating").length,
+  };
+  const made = element("section", { class: "card summary" }, element("h2", {}, "Summary"), table(summaryLines(report.summary, facts)));
+  const details = flatten(report.summary ?? {}).map((line) => ({ ...line, warning: false }));
+  if (details.length > 0) {
+    const folded = element("details", { class: "all" }, element("summary", {}, `All ${formatNumber(details.length)} figures of the run (SI units)`));
+    // Hundreds of rows: made when they are first seen.
+    folded.addEventListener("toggle", () => folded.open && folded.childElementCount === 1 && folded.append(table(details)));
+    made.append(folded);
+  }
+  return made;
 }
 
 export function model(report: Report): HTMLElement {

@@ -2,11 +2,15 @@
 import type { Clock } from "./clock";
 import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
 import { atNode, type Quantity } from "./coloring";
+import type { Shown } from "./arrows";
 import type { Scene } from "./data";
 import { element } from "./dom";
-import { nearest } from "./interpolate";
+import { fileName, save, saveCanvas } from "./download";
+import { nearest, valueAt } from "./interpolate";
+import { noVideo, Recorder } from "./recorder";
 import { checkbox, choice, factorSlider } from "./slider";
-import { View3D, type Picked } from "./view3d";
+import { quantity } from "./summaryLines";
+import { View3D, type Picked, type ViewOptions } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
 
@@ -19,10 +23,16 @@ export class Player {
   private quantity: Quantity = "none";
   private perBody = false;
   private exaggeration = 1;
+  /** Said to who cannot see, when the animation rests. */
+  private spoken = element("p", { class: "unseen", "aria-live": "polite" });
+  private speaking = 0;
+  private recorder: Recorder | null = null;
+  view: View3D | null = null;
 
   constructor(
     private report: Scene,
     private clock: Clock,
+    private options: ViewOptions = {},
   ) {
     const holder = element("div", { class: "view" });
     const { time } = report.animation;
@@ -30,10 +40,11 @@ export class Player {
     this.slider.addEventListener("input", () => clock.set(Number(this.slider.value)));
     this.play.addEventListener("click", () => clock.toggle());
     this.root.append(element("h2", { class: "unseen" }, "Animation"), holder, element("div", { class: "row transport" }, this.play, this.slider, this.shown));
-    const view = this.view(holder);
-    this.root.append(this.settings(view));
+    this.view = this.made(holder);
+    this.root.append(this.spoken, this.settings(this.view));
+    if (this.view) this.root.append(this.exports(this.view));
     this.root.append(
-      element("p", { class: "hint keys" }, "Drag to turn, right-drag to move, scroll to zoom · ", element("kbd", {}, "Space"), " play · ", element("kbd", {}, "←"), " ", element("kbd", {}, "→"), " step"),
+      element("p", { class: "hint keys" }, "Drag to turn, right-drag to move, scroll to zoom · ", element("kbd", {}, "Space"), " play · ", element("kbd", {}, "←"), " ", element("kbd", {}, "→"), " step; in the picture the arrows turn it"),
     );
     clock.onChange(() => this.changed());
     this.changed();
@@ -41,13 +52,14 @@ export class Player {
     if (time.length > 0) document.addEventListener("keydown", (event) => this.key(event));
   }
 
-  private view(holder: HTMLElement): View3D | null {
+  private made(holder: HTMLElement): View3D | null {
     if (this.report.bodies.length === 0 || this.report.animation.time.length === 0) {
       holder.append(element("p", { class: "hint" }, "The results hold nothing to animate."));
       return null;
     }
     try {
-      const view = new View3D(this.report, this.clock, holder);
+      const view = new View3D(this.report, this.clock, holder, this.options);
+      Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) holder.append(this.bar.root);
       this.nameClicked(view, holder);
       return view;
@@ -62,8 +74,11 @@ export class Player {
   private nameClicked(view: View3D, holder: HTMLElement): void {
     const label = element("output", { class: "picked" });
     holder.append(label);
-    let picked: Picked = { body: -1, point: -1 };
-    const show = () => (label.textContent = this.report.bodies[picked.body] ? this.describe(view, picked) : "");
+    let picked: Picked = { body: -1, point: -1, element: -1 };
+    const show = () => {
+      const something = picked.element >= 0 || this.report.bodies[picked.body];
+      label.textContent = something ? this.describe(view, picked) : "";
+    };
     let pressed = [0, 0];
     view.canvas.addEventListener("pointerdown", (event) => (pressed = [event.offsetX, event.offsetY]));
     view.canvas.addEventListener("click", (event) => {
@@ -74,7 +89,26 @@ export class Player {
     this.clock.onChange(show);
   }
 
-  private describe(view: View3D, { body, point }: Picked): string {
+  /** A joint, spring or load: what it is, and its force now. */
+  private describeElement(index: number): string {
+    const { name, kind } = this.report.elements[index];
+    const now = (channel: string) => {
+      const signal = this.report.signals?.(channel);
+      return signal ? valueAt(signal.time, signal.values, this.clock.time) : null;
+    };
+    if (kind.includes("spring") || kind.includes("damper") || kind === "actuator") {
+      const [force, length] = [now(`spring.${name}.force`), now(`spring.${name}.length`)];
+      const tension = force === null ? "" : `: ${force < 0 ? "compression" : "tension"} ${quantity(Math.abs(force), "N")}`;
+      return `${name}, ${kind}${tension}${length === null ? "" : `, length ${quantity(length, "m", 4)}`}`;
+    }
+    const sizes = (what: string) => Math.hypot(...["x", "y", "z"].map((axis) => now(`joint.${name}.${what}.${axis}`) ?? NaN));
+    const [force, moment] = [sizes("force"), sizes("moment")];
+    const note = kind === "bracket" ? " (fixed, with static modes of its flexible bodies)" : "";
+    return `${name}, ${kind} joint${note}${Number.isFinite(force) ? `: ${quantity(force, "N")}, ${quantity(moment, "N m")}` : ""}`;
+  }
+
+  private describe(view: View3D, { body, point, element }: Picked): string {
+    if (element >= 0) return this.describeElement(element);
     const drawn = this.report.bodies[body];
     if (drawn.pointShapes.length === 0) return drawn.name;
     let text = `${drawn.name}: deformed by up to ${(1000 * view.largestNow(body, "displacement").value).toFixed(2)} mm`;
@@ -112,7 +146,7 @@ export class Player {
       this.showScale(view);
     };
     if (view.largest > 0)
-      row.append(factorSlider("Exaggerate", 1, largestFactor, view.suggested, exaggerate));
+      row.append(factorSlider("Exaggerate", 1, largestFactor, 1, exaggerate));
     if (view.quantities.length > 1) row.append(...this.colors(view));
     const follow = element("select", { "aria-label": "Follow" }, element("option", { value: -1 }, "nothing"));
     this.report.bodies.forEach((body, k) => follow.append(element("option", { value: k }, body.name)));
@@ -120,12 +154,74 @@ export class Player {
     follow.addEventListener("change", () => view.follow(Number(follow.value)));
     row.append(element("label", {}, element("span", {}, "Follow"), follow));
     if (this.report.bodies.some((body) => body.shapes.length > 0)) {
-      row.append(checkbox("See through solids", true, (on) => view.seeThrough(on)));
+      row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
     }
+    if (this.report.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
+      row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
+    row.append(...this.forces(view));
     const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
     row.append(fit);
     return row;
+  }
+
+  /** Which forces are drawn, and how long. */
+  private forces(view: View3D): HTMLElement[] {
+    const { arrows } = view;
+    if (!arrows.hasLoads && !arrows.hasReactions) return [];
+    let shown: Shown = "none";
+    let factor = 1;
+    const slider = factorSlider("1 m is", 0.01, 100, 1, (by) => view.showArrows(shown, (factor = by)), (by) => {
+      const { force, moment } = arrows.perMetre;
+      return [force > 0 ? quantity(by * force, "N") : "", moment > 0 ? `${quantity(by * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
+    });
+    slider.classList.add("wide");
+    const asked = new URLSearchParams(location.hash.slice(1)).get("forces") as Shown | null;
+    const options: { value: Shown; text: string }[] = [{ value: "none", text: "off" }];
+    if (arrows.hasLoads) options.push({ value: "loads", text: "loads" });
+    if (arrows.hasReactions) options.push({ value: "all", text: arrows.hasLoads ? "loads and reactions" : "reactions" });
+    const start = options.some(({ value }) => value === asked) ? asked! : arrows.hasLoads ? "loads" : "none";
+    const chosen = choice("Forces", options, start, (value) => {
+      shown = value;
+      slider.hidden = value === "none";
+      view.showArrows(shown, factor);
+    });
+    chosen.title = "Red: loads. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
+    return [chosen, slider];
+  }
+
+  /** The picture and the film as files. */
+  private exports(view: View3D): HTMLElement {
+    const picture = element("button", { title: "Save this picture (PNG)" }, "Save picture");
+    picture.addEventListener("click", () => {
+      view.redraw();
+      saveCanvas(view.canvas, `t${this.clock.time.toFixed(3)}s`);
+    });
+    const film = element("button", { title: "Play from the beginning at this speed and save it as a film" }, "Save film");
+    const reason = noVideo() || (this.report.animation.time.length < 2 ? "There is only one instant" : "");
+    if (reason !== "") Object.assign(film, { disabled: true, title: reason });
+    film.addEventListener("click", () => this.record(view, film));
+    return element("div", { class: "row exports" }, picture, film, ...(reason !== "" ? [element("small", { class: "muted" }, reason)] : []));
+  }
+
+  private record(view: View3D, button: HTMLButtonElement): void {
+    if (this.recorder) return this.recorder.stop();
+    const { clock } = this;
+    const recorder = (this.recorder = new Recorder(view.canvas, (film, ending) => {
+      stop();
+      this.recorder = null;
+      button.textContent = "Save film";
+      if (clock.playing) clock.toggle();
+      save(fileName("film", ending), film);
+    }));
+    const stop = view.onDrawn(() => {
+      recorder.add(`${clock.time.toFixed(3)} s`);
+      if (!clock.playing) setTimeout(() => recorder.stop(), 100);
+    });
+    button.textContent = "Stop film";
+    if (clock.playing) clock.toggle();
+    clock.set(clock.start);
+    clock.toggle();
   }
 
   private colors(view: View3D): HTMLElement[] {
@@ -155,6 +251,8 @@ export class Player {
     this.slider.value = String(time);
     this.shown.textContent = `${time.toFixed(3)} s`;
     this.slider.setAttribute("aria-valuetext", this.shown.textContent);
+    clearTimeout(this.speaking);
+    if (!playing) this.speaking = window.setTimeout(() => (this.spoken.textContent = `Time ${this.shown.textContent}`), 400);
   }
 
   private key(event: KeyboardEvent): void {

@@ -1,30 +1,40 @@
 // Stacked plots, one per unit, with one time axis: cursors and zoom go together.
 import type uPlot from "uplot";
-import { TimeChart, type Range } from "./chart";
+import uPlotJoin from "uplot";
+import { Chart } from "./chart";
 import type { Clock } from "./clock";
-import { lineColors } from "./color";
-import type { Report } from "./data";
 import { element, onThemeChange } from "./dom";
+import { onSecondAxis, scaleFor, type Scale } from "./engineering";
+import { figure } from "./figure";
 import { formatWithin } from "./format";
 import { unitLabel } from "./groups";
-import { nearest } from "./interpolate";
+import { valueAt } from "./interpolate";
+import { byUnit, largest, scaled, type Curves, type Range, type Trace } from "./trace";
 
 interface Plot {
-  chart: TimeChart;
+  chart: Chart;
   values: HTMLElement[];
-  channels: number[];
+  traces: Trace[];
+  scales: Scale[];
 }
 
 const height = 190;
 
-export class Plots {
+/** A way to look at the chosen channels. */
+export interface View {
+  root: HTMLElement;
+  show(selection: number[]): void;
+}
+
+export class Plots implements View {
   readonly root = element("div", { class: "plots" });
   private plots: Plot[] = [];
   private selection: number[] = [];
   private range: Range | null = null; // of the time axis, null when all is shown
 
   constructor(
-    private report: Report,
+    private curves: Curves,
+    private whole: Range,
     private clock: Clock,
     private remove: (channel: number) => void,
   ) {
@@ -37,61 +47,50 @@ export class Plots {
     this.selection = selection;
     for (const { chart } of this.plots) chart.uplot.destroy();
     this.root.replaceChildren();
-    this.plots = [];
-    if (this.report.time.length === 0 || selection.length === 0) {
+    const traces = this.curves.traces(selection).filter(({ time }) => time.length > 0);
+    if (traces.length === 0) {
       const why = selection.length > 0 ? "The results hold no instants." : "No channel is chosen: tick some in the list.";
       this.root.append(element("p", { class: "hint" }, why));
-      return;
     }
-    const units = new Map<string, number[]>();
-    for (const index of selection) {
-      const unit = this.report.channels[index].unit;
-      units.set(unit, [...(units.get(unit) ?? []), index]);
-    }
-    this.plots = [...units].map(([unit, channels]) => this.plot(unit, channels));
+    this.plots = [...byUnit(traces)].map(([unit, of]) => this.plot(unit, of));
     this.follow();
   }
 
+  /** The part of the time that is shown. */
+  get visible(): Range {
+    return this.range ?? this.whole;
+  }
+
   resetZoom(): void {
-    for (const { chart } of this.plots) chart.uplot.setScale("x", this.whole());
+    for (const { chart } of this.plots) chart.uplot.setScale("x", this.whole);
+    this.range = null;
   }
 
-  private whole(): Range {
-    const { time } = this.report;
-    return { min: time[0], max: time[time.length - 1] };
-  }
-
-  private plot(unit: string, channels: number[]): Plot {
-    const values: HTMLElement[] = [];
-    const legend = element("div", { class: "legend" });
-    channels.forEach((index, k) => {
-      const channel = this.report.channels[index];
-      const value = element("span", { class: "value" });
-      values.push(value);
-      const swatch = element("span", { class: "swatch" });
-      swatch.style.background = lineColors[k % lineColors.length];
-      const close = element("button", { class: "close", "aria-label": `Remove ${channel.name}`, title: "Remove" }, "×");
-      close.addEventListener("click", () => this.remove(index));
-      legend.append(element("span", { class: "entry", title: channel.meaning }, swatch, channel.name, value, close));
-    });
-    const holder = element("div", {
-      role: "img",
-      "aria-label": `Plot over time of ${channels.map((index) => this.report.channels[index].name).join(", ")}`,
-    });
-    const box = element("figure", {}, element("figcaption", {}, element("b", {}, unitLabel(unit)), legend), holder);
-    this.root.append(box);
-
+  private plot(unit: string, traces: Trace[]): Plot {
+    const second = onSecondAxis(traces.map(({ range }) => range));
+    const scaleOf = (right: boolean) => scaleFor(unit, Math.max(0, ...traces.filter((_, k) => second[k] === right).map(({ values }) => largest(values))));
+    const [left, right] = [scaleOf(false), scaleOf(true)];
+    const scales = traces.map((_, k) => (second[k] ? right : left));
+    const title = second.includes(true) && left.unit !== right.unit ? `${unitLabel(left.unit)}, ${unitLabel(right.unit)}` : unitLabel(left.unit);
+    const made = figure(title, "Plot over time", traces, this.remove, second);
+    this.root.append(made.root);
     let plot: Plot | undefined = undefined; // the chart may call back before it is there
-    const chart = new TimeChart(holder, this.clock, {
+    const together = traces.every(({ time }) => time === traces[0].time);
+    const columns = traces.map(({ values }, k) => scaled(values, scales[k].size));
+    const chart = new Chart(made.holder, {
       width: Math.max(this.root.clientWidth, 200),
       height,
-      time: this.range ?? this.whole(),
-      data: [this.report.time, ...channels.map((index) => this.report.channels[index].values)] as uPlot.AlignedData,
-      colors: channels.map((_, k) => lineColors[k % lineColors.length]),
+      range: this.visible,
+      unit: "s",
+      data: together ? ([traces[0].time, ...columns] as uPlot.AlignedData) : uPlotJoin.join(traces.map(({ time }, k) => [time, columns[k]] as uPlot.AlignedData)),
+      lines: traces.map(({ color }, k) => ({ color, second: second[k] })),
+      units: [unitLabel(left.unit), unitLabel(right.unit)],
+      key: "time",
+      clock: this.clock,
       pointed: () => this.readOut(plot),
       zoomed: (range) => (this.range = range),
     });
-    plot = { chart, values, channels };
+    plot = { chart, values: made.values, traces, scales };
     return plot;
   }
 
@@ -105,12 +104,13 @@ export class Plots {
 
   /** Values under the cursor; where there is none, those at the animation's time. */
   private readOut(plot: Plot | undefined): void {
-    if (!plot || this.report.time.length === 0) return;
-    const index = plot.chart.uplot.cursor.idx ?? nearest(this.report.time, this.clock.time);
-    plot.channels.forEach((channel, k) => {
-      const { values, range } = this.report.channels[channel];
-      const value = values[index];
-      plot.values[k].textContent = value == null ? "–" : formatWithin(range, value);
+    if (!plot) return;
+    const { cursor, data } = plot.chart.uplot;
+    const t = cursor.idx == null ? this.clock.time : data[0][cursor.idx];
+    plot.traces.forEach(({ time, values, range }, k) => {
+      const value = valueAt(time, values, t);
+      const { size, unit } = plot.scales[k];
+      plot.values[k].textContent = value === null ? "–" : `${formatWithin(range / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
     });
   }
 

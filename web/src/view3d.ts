@@ -2,13 +2,15 @@
 // precision is enough far from the global origin.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Arrows, type Shown } from "./arrows";
 import { BodyView } from "./bodyView";
 import type { Clock } from "./clock";
 import { has, peaks, type Peak, type Quantity } from "./coloring";
-import type { Scene } from "./data";
-import { suggestedExaggeration } from "./deform";
+import type { Element, Scene } from "./data";
 import { onThemeChange, themeColor } from "./dom";
-import { amplitudesAt, poseAt } from "./interpolate";
+import { elementMaterials, ElementView } from "./elementView";
+import { amplitudesAt, poseAt, valueAt } from "./interpolate";
+import { amplitudesOf, Placement, posesAt, type Pose } from "./placement";
 import { finiteProfile, gridView, niceLength, roadView } from "./surroundings";
 
 const bodyColors = ["#7c93b2", "#d08c60", "#7fa883", "#b07aa1", "#c9a94f", "#6fa8b5", "#b8736f", "#8f8f8f"];
@@ -20,6 +22,15 @@ function colorKey(name: string): string {
   return name.slice(name.lastIndexOf(".") + 1);
 }
 
+/** From the centre to the eye: onto the plane of what moves in one, else from the side and above. */
+function viewDirection(box: THREE.Box3): THREE.Vector3 {
+  const { x, y, z } = box.getSize(new THREE.Vector3());
+  const flat = 0.1 * Math.max(x, y, z);
+  if (z < flat && Math.min(x, y) > flat) return new THREE.Vector3(0.3, -0.7, 1).normalize();
+  if (y < flat && Math.min(x, z) > flat) return new THREE.Vector3(0.3, -1, 0.2).normalize();
+  return new THREE.Vector3(0.62, -1, 0.42).normalize();
+}
+
 const extent = (box: THREE.Box3) => box.getSize(new THREE.Vector3()).length();
 
 export interface ViewOptions {
@@ -27,12 +38,22 @@ export interface ViewOptions {
   steadyColors?: boolean;
   /** A grid on the ground; default: there is one. */
   grid?: boolean;
+  /** Other runs, drawn through the first in a colour of their own. */
+  ghosts?: { scene: Scene; color: string }[];
+}
+
+interface Ghost {
+  scene: Scene;
+  views: BodyView[];
+  placement: Placement;
+  visible: boolean;
 }
 
 /** What a click met. */
 export interface Picked {
   body: number; // −1: nothing
   point: number; // of the body; −1: none is near
+  element: number; // −1: none
 }
 
 export class View3D {
@@ -41,13 +62,20 @@ export class View3D {
   readonly largest: number;
   /** What the bodies can be coloured by. */
   readonly quantities: Quantity[];
-  readonly suggested: number;
+  readonly arrows: Arrows;
   followed = -1; // body; −1: none
   private exaggeration = 1;
   private quantity: Quantity = "none";
   private ends: number[] = []; // of each body's colour scale
   private repaint = true;
   private knownPeaks = new Map<Quantity, Peak[]>();
+  private placement: Placement;
+  private elements: ElementView[];
+  private anchors: THREE.Vector3[]; // where joints and springs are held on the ground
+  private plates: { element: Element; mesh: THREE.Mesh }[] = [];
+  private ghosts: Ghost[];
+  private placed: Pose[] | null = null; // null where some pose is not finite
+  private drawn: (() => void)[] = [];
   private attached: { body: number; update: (amplitudes: Float64Array, exaggeration: number) => void }[] = [];
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
@@ -73,6 +101,7 @@ export class View3D {
     mark: new THREE.LineBasicMaterial({ transparent: true, opacity: 0.35 }),
   };
   private fog = new THREE.Fog("#000000");
+  private solid = true; // the first run is shown
   private fitted = false; // to the canvas's true size
   private waiting = false;
 
@@ -84,9 +113,12 @@ export class View3D {
     private options: ViewOptions = {},
   ) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.renderer.debug.checkShaderErrors = false; // asking for them waits for the compiler
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "Animation of the mechanism; drag to turn, scroll to zoom");
+    this.canvas.setAttribute("aria-label", "Animation of the mechanism; arrow keys turn it, + and − come nearer or go away");
+    this.canvas.tabIndex = 0;
+    this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     holder.prepend(this.canvas);
@@ -106,9 +138,19 @@ export class View3D {
     this.bodies = bodies.map(
       (body) => new BodyView(body, new THREE.Color(bodyColors[kinds.indexOf(colorKey(body.name)) % bodyColors.length])),
     );
-    this.suggested = this.suggestExaggeration();
-    this.scene.add(...this.bodies.map((body) => body.group));
+    const holding = report.elements.filter(({ kind }) => kind !== "floating").flatMap(({ a, b }) => [report.frames[a], report.frames[b]]);
+    this.anchors = holding.filter((frame) => frame?.body === -1).map(({ position: [x, y, z] }) => new THREE.Vector3(x, y, z).sub(this.origin));
+    this.placement = new Placement(bodies, report.frames, report.elements, this.origin);
+    this.ghosts = (options.ghosts ?? []).map(({ scene, color }) => {
+      const views = scene.bodies.map((body) => new BodyView(body, new THREE.Color(color)));
+      for (const view of views) view.fade();
+      return { scene, views, placement: new Placement(scene.bodies, scene.frames, scene.elements, this.origin), visible: true };
+    });
+    this.scene.add(...[...this.bodies, ...this.ghosts.flatMap(({ views }) => views)].map((body) => body.group));
     this.addSurroundings();
+    for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0018 * this.size);
+    this.arrows = new Arrows(report, this.size);
+    this.elements = this.addElements();
     this.followed = this.defaultFollowed();
     this.update();
     this.place.copy(this.followedPlace());
@@ -131,7 +173,11 @@ export class View3D {
     const opaque = ({ object }: THREE.Intersection) => !((object as THREE.Mesh).material as THREE.Material).transparent;
     const hit = hits.find(opaque) ?? hits[0];
     const body = hit ? this.bodies.findIndex(({ group }) => group === hit.object.parent) : -1;
-    return { body, point: body < 0 ? -1 : this.bodies[body].pointAt(hit) };
+    // Joints are small and often inside bodies: what the ray meets of them counts before the bodies.
+    const met = ray.intersectObjects(this.elements.map(({ group }) => group).filter(({ visible }) => visible))[0];
+    const element = met ? this.elements.findIndex(({ group }) => group === met.object.parent) : -1;
+    if (element >= 0) return { body: -1, point: -1, element: this.report.elements.indexOf(this.elements[element].element) };
+    return { body, point: body < 0 ? -1 : this.bodies[body].pointAt(hit), element: -1 };
   }
 
   /** Values of a body's points now, not exaggerated; valid until the next call. */
@@ -201,17 +247,133 @@ export class View3D {
     const narrow = Math.min(1, this.camera.aspect);
     const distance = radius / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
     this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(0.62, -1, 0.42).normalize(), distance);
+    this.camera.position.copy(sphere.center).addScaledVector(viewDirection(box), distance);
     this.controls.update();
     this.request();
   }
 
-  private suggestExaggeration(): number {
-    const relative = this.peaks("displacement").map(({ value }, k) => {
-      const size = extent(this.bodies[k].bounds);
-      return this.bodies[k].flexible && size > 0 ? value / size : 0;
+  showElements(on: boolean): void {
+    for (const { group } of this.elements) group.visible = on;
+    this.request();
+  }
+
+  showArrows(shown: Shown, factor: number): void {
+    this.arrows.shown = shown;
+    this.arrows.factor = factor;
+    this.request();
+  }
+
+  /** The second run is number 0. */
+  showGhost(run: number, on: boolean): void {
+    if (this.ghosts[run]) this.ghosts[run].visible = on;
+    this.request();
+  }
+
+  /** The first run. */
+  showBodies(on: boolean): void {
+    this.solid = on;
+    this.request();
+  }
+
+  /** Called after each picture, while the canvas still holds it. */
+  onDrawn(listener: () => void): () => void {
+    this.drawn.push(listener);
+    return () => (this.drawn = this.drawn.filter((one) => one !== listener));
+  }
+
+  /** Draws at once, for a picture to be taken. */
+  redraw(): void {
+    this.update();
+    this.draw();
+  }
+
+  /** Turns the view by angles, or comes nearer (factor below 1). */
+  turn(azimuth: number, elevation: number, factor = 1): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const sphere = new THREE.Spherical().setFromVector3(new THREE.Vector3(offset.x, offset.z, -offset.y));
+    sphere.theta += azimuth;
+    sphere.phi = Math.min(Math.max(sphere.phi - elevation, 0.02), Math.PI - 0.02);
+    sphere.radius *= factor;
+    const { x, y, z } = new THREE.Vector3().setFromSpherical(sphere);
+    this.camera.position.copy(this.controls.target).add(new THREE.Vector3(x, -z, y));
+    this.controls.update();
+    this.request();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const keys: Record<string, [number, number, number]> = {
+      ArrowLeft: [-0.1, 0, 1],
+      ArrowRight: [0.1, 0, 1],
+      ArrowUp: [0, 0.1, 1],
+      ArrowDown: [0, -0.1, 1],
+      "+": [0, 0, 0.9],
+      "-": [0, 0, 1 / 0.9],
+    };
+    const by = keys[event.key];
+    if (!by || event.ctrlKey || event.metaKey || event.altKey) return;
+    this.turn(...by);
+    event.preventDefault();
+    event.stopPropagation(); // elsewhere the arrows step through time
+  }
+
+  private addElements(): ElementView[] {
+    const { report } = this;
+    const { frames, elements } = report;
+    const poses = posesAt(this.report.animation, this.clock.start, this.origin);
+    if (poses.includes(null)) return [];
+    const amplitudes = amplitudesOf(this.report, this.clock.start);
+    const at = (frame: number) => (frame >= 0 ? this.placement.at(frame, poses as Pose[], amplitudes, 1) : null);
+    const materials = elementMaterials();
+    const thickness = (frame: number) => (report.bodies[frames[frame].body]?.lines.length > 0 ? report.bodies[frames[frame].body].lineRadius : 0);
+    const views = elements
+      .filter(({ a, b }) => frames[a] && frames[b])
+      .map((element) => new ElementView(element, at(element.a), at(element.b), this.size, Math.max(thickness(element.a), thickness(element.b)), materials));
+    for (const element of elements.filter(({ kind, a }) => kind === "tyre on rig" && frames[a])) {
+      const side = 1.6 * element.size;
+      const mesh = new THREE.Mesh(new THREE.BoxGeometry(side, side, 0.06 * side).translate(0, 0, -0.03 * side), this.road.surface);
+      mesh.receiveShadow = true;
+      this.plates.push({ element, mesh });
+    }
+    this.scene.add(...views.map(({ group }) => group), ...this.plates.map(({ mesh }) => mesh), this.arrows.group);
+    return views;
+  }
+
+  private updateElements(): void {
+    const { placed } = this;
+    const { time } = this.clock;
+    if (!placed) return;
+    const amplitudes = amplitudesOf(this.report, time);
+    const at = (frame: number) => this.placement.at(frame, placed, amplitudes, this.exaggeration);
+    for (const view of this.elements) if (view.group.visible) view.update(at(view.element.a), at(view.element.b));
+    for (const { element, mesh } of this.plates) {
+      const signal = this.report.signals?.(`tyre.${element.name}.road`);
+      const height = signal ? valueAt(signal.time, signal.values, time) : null;
+      mesh.visible = height !== null;
+      if (height !== null) mesh.position.copy(at(element.a).position).setZ(height - this.origin.z);
+    }
+    this.arrows.update(time, ({ kind, a, b, size }) => {
+      const frame = kind === "load" || kind.startsWith("tyre") ? a : b;
+      if (frame < 0) return null;
+      const { position } = at(frame);
+      return kind.startsWith("tyre") ? position.setZ(position.z - size) : position;
     });
-    return suggestedExaggeration(Math.max(0, ...relative), 1);
+  }
+
+  private updateGhosts(): void {
+    const time = Math.min(this.clock.time, this.clock.end);
+    for (const { scene, views, placement, visible } of this.ghosts) {
+      const poses = posesAt(scene.animation, time, this.origin);
+      const amplitudes = amplitudesOf(scene, time);
+      const placed = poses.includes(null) ? poses : placement.place(poses as Pose[], amplitudes, this.exaggeration);
+      views.forEach((view, k) => {
+        const pose = placed[k];
+        view.group.visible = visible && pose !== null;
+        if (!pose) return;
+        view.group.position.copy(pose.position);
+        view.group.quaternion.copy(pose.rotation);
+        view.deform(amplitudes[k], this.exaggeration);
+      });
+    }
   }
 
   private peaks(quantity: Quantity): Peak[] {
@@ -239,6 +401,7 @@ export class View3D {
       const matrix = this.poseMatrix(time, k);
       if (matrix) box.union(body.bounds.clone().applyMatrix4(matrix));
     });
+    for (const point of this.anchors) if (!box.isEmpty()) box.expandByPoint(point);
     return box.isEmpty() ? box.setFromCenterAndSize(new THREE.Vector3(), new THREE.Vector3(1, 1, 1)) : box;
   }
 
@@ -279,7 +442,10 @@ export class View3D {
     // Below everything, and under the road by a hair: coplanar surfaces flicker.
     const lowest = roads.flat().reduce((least, [, z]) => Math.min(least, z), Math.min(0, this.boundsOverTime().min.z + this.origin.z));
     this.ground = lowest - this.origin.z - 2e-3 * this.size;
-    this.scene.add(new THREE.HemisphereLight("#ffffff", "#8d8478", 1.5), this.sun, this.sun.target);
+    this.scene.add(new THREE.HemisphereLight("#ffffff", "#a39a8e", 1.9), this.sun, this.sun.target);
+    // From where one looks: no side is ever dark.
+    this.camera.add(new THREE.DirectionalLight("#ffffff", 0.7));
+    this.scene.add(this.camera);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.bias = -1e-4;
@@ -332,11 +498,14 @@ export class View3D {
   private update(): void {
     const { time, end } = this.clock;
     const { steadyColors } = this.options;
+    const poses = posesAt(this.report.animation, time, this.origin);
+    this.placed = poses.includes(null) ? null : this.placement.place(poses as Pose[], amplitudesOf(this.report, time), this.exaggeration);
     this.bodies.forEach((view, k) => {
-      const matrix = this.poseMatrix(time, k);
-      view.group.visible = matrix !== null;
-      if (!matrix) return;
-      matrix.decompose(view.group.position, view.group.quaternion, view.group.scale);
+      const pose = (this.placed ?? poses)[k];
+      view.group.visible = this.solid && pose !== null;
+      if (!pose) return;
+      view.group.position.copy(pose.position);
+      view.group.quaternion.copy(pose.rotation);
       if (!view.flexible) return;
       const amplitudes = this.amplitudes(k);
       view.deform(amplitudes, this.exaggeration);
@@ -344,6 +513,8 @@ export class View3D {
         view.paint(steadyColors ? this.amplitudes(k, end) : amplitudes, this.quantity, this.ends[k] ?? 0);
     });
     this.repaint = false;
+    this.updateElements();
+    this.updateGhosts();
     for (const { body, update } of this.attached) update(this.amplitudes(body), this.exaggeration);
     if (this.followed < 0) return;
     const place = this.followedPlace();
@@ -372,5 +543,6 @@ export class View3D {
     this.sun.position.copy(target).addScaledVector(new THREE.Vector3(0.35, -0.5, 1).normalize(), 4 * this.size);
     this.camera.lookAt(target);
     this.renderer.render(this.scene, this.camera);
+    for (const listener of this.drawn) listener();
   }
 }

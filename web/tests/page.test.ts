@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { turbo } from "../src/color";
 import { decodeArray, decodeReport, type Animation, type Body, type PackedReport } from "../src/data";
 import { peaks } from "../src/coloring";
-import { deformed, displacements, magnitudes, suggestedExaggeration } from "../src/deform";
+import { deformed, displacements, magnitudes } from "../src/deform";
 import { flatten, formatNumber, formatWithin, splitKey } from "../src/format";
 import { firstSelection, grouped, groupOf } from "../src/groups";
 import { amplitudesAt, locate, nearest, poseAt, slerp, type Quaternion } from "../src/interpolate";
@@ -123,13 +123,6 @@ test("points are displaced by exaggeration times shapes times amplitudes", () =>
   assert.ok(Math.abs(largest.value - Math.hypot(4, 0.5)) < 1e-6);
   assert.deepEqual([largest.point, largest.time], [1, 1]);
   assert.equal(peaks([{ ...beam, pointShapes: new Float32Array() }], animation, "displacement")[0].value, 0);
-});
-
-test("the exaggeration suggested makes deformations visible, not absurd", () => {
-  assert.equal(suggestedExaggeration(0, 1), 1);
-  assert.equal(suggestedExaggeration(1, 1), 1);
-  assert.equal(suggestedExaggeration(0.001, 1), 50);
-  assert.equal(suggestedExaggeration(1e-9, 1), 500);
 });
 
 test("numbers are short and keep their digits", () => {

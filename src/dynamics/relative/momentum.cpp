@@ -6,11 +6,12 @@
 namespace mimbre::relative {
 namespace {
 
-/// Momentum of one body, its angular part about its origin, and its inertia there; body axes.
+/// Momentum of one body, its angular part about its origin, its inertia there, and ∫ s ẋᵀ dm, s from there;
+/// body axes.
 struct BodyMomentum {
   double mass;
   Vec3d first_moment, linear, angular;
-  Mat3d inertia;
+  Mat3d inertia, spread;
 };
 
 Mat3d inertia_of(const Mat3d& second_moment) {
@@ -20,8 +21,9 @@ Mat3d inertia_of(const Mat3d& second_moment) {
 /// p = m u + ω × m̄ + S ẏ,   l = m̄ × u + J ω + C ẏ  (the rows of the mass matrix)
 BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyData& b, const Vec3d& u,
                            const Vec3d& omega, const double* q, const double* v) {
-  BodyMomentum out{b.mass, b.first_moment, Vec3d::Zero(), Vec3d::Zero(), b.inertia};
+  BodyMomentum out{b.mass, b.first_moment, Vec3d::Zero(), Vec3d::Zero(), b.inertia, Mat3d::Zero()};
   Vec3d modal = Vec3d::Zero(), modal_moment = Vec3d::Zero();
+  Mat3d second = b.second_moment;
   if (b.modes > 0) {
     const FlexibleData& f = m.flexible[b.flexible];
     const int n = f.stride;
@@ -30,7 +32,6 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
     copy_modes(b, v + b.v + b.joint_velocities, n, yd);
     extend(f, y);
     extend(f, y, yd);
-    Mat3d second;
     if (w.projections.empty()) {
       deformed_integrals<double>(f, y, integrals);
       out.first_moment += times(f.S, y);
@@ -45,9 +46,14 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
     out.inertia = inertia_of(second);
     const auto d = [&](int r, int c) { return dot(integrals + (3 * r + c) * n, yd, n); };
     modal_moment = Vec3d(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) out.spread(r, c) = d(r, c);
   }
   out.linear = out.mass * u + omega.cross(out.first_moment) + modal;
   out.angular = out.first_moment.cross(u) + out.inertia * omega + modal_moment;
+  // ẋ = u + ω × s + X ẏ.
+  for (int r = 0; r < 3; ++r)
+    out.spread.row(r) += out.first_moment[r] * u.transpose() + omega.cross(Vec3d(second.row(r))).transpose();
   return out;
 }
 
@@ -67,6 +73,7 @@ Momentum momentum(const Compiled& m, Workspace<double>& w, const std::vector<int
     moment += b.mass * r + s;
     out.linear += p;
     out.angular += A * b.angular + r.cross(p);
+    out.spread += A * b.spread * A.transpose() + r * p.transpose();
     // ∫ (r + s)(r + s)ᵀ dm; the body's own part follows below.
     const Mat3d mixed = r * s.transpose();
     out.inertia +=
@@ -74,6 +81,7 @@ Momentum momentum(const Compiled& m, Workspace<double>& w, const std::vector<int
   }
   out.centre = moment / out.mass;
   out.angular -= out.centre.cross(out.linear);
+  out.spread -= out.centre * out.linear.transpose();
   out.inertia -= inertia_of(out.mass * out.centre * out.centre.transpose());
   return out;
 }
@@ -85,6 +93,11 @@ Vec3d mean_spin(const Mat3d& inertia, const Vec3d& angular) {
   const double determinant = J.col(0).dot(a);
   if (!(determinant > 0)) return Vec3d::Zero();
   return Vec3d(a.dot(angular), b.dot(angular), c.dot(angular)) / determinant;
+}
+
+double centrifugal_power(const Momentum& p, const Vec3d& angular) {
+  const Vec3d spin = mean_spin(p.inertia, angular), added = mean_spin(p.inertia, angular - p.angular);
+  return spin.dot(p.spread * spin) - spin.squaredNorm() * p.spread.trace() - spin.dot(added.cross(angular));
 }
 
 }  // namespace mimbre::relative

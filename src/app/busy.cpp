@@ -1,0 +1,49 @@
+#include "app/busy.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "mimbre/text.h"
+
+namespace mimbre::app {
+
+Busy::Busy(std::string what, bool wanted) : what_(std::move(what)) {
+  if (wanted && isatty(STDERR_FILENO) == 1) watcher_ = std::thread([this] { watch(); });
+}
+
+Busy::~Busy() {
+  if (!watcher_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  ended_.notify_one();
+  watcher_.join();
+}
+
+void Busy::now(std::string what) {
+  const std::lock_guard lock(mutex_);
+  what_ = std::move(what);
+}
+
+void Busy::watch() {
+  constexpr std::chrono::seconds second{1};
+  const auto start = std::chrono::steady_clock::now();
+  bool shown = false;
+  std::unique_lock lock(mutex_);
+  for (int seconds = 1; !ended_.wait_until(lock, start + seconds * second, [this] { return end_; });
+       ++seconds) {
+    fmt::print(stderr, "\r{} … {} s (Ctrl-C stops it)\033[K", printable(what_), seconds);
+    std::fflush(stderr);
+    shown = true;
+  }
+  if (!shown) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+}
+
+}  // namespace mimbre::app

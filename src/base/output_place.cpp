@@ -1,0 +1,210 @@
+#include "base/output_place.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+namespace mimbre {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int most_links = 40;
+constexpr int most_names = 1000;
+constexpr std::size_t longest_stem = 180;  ///< of 255 bytes that a name may have
+
+[[noreturn]] void fail(int error) { throw std::runtime_error(std::strerror(error)); }
+
+/// Where the links lead, though nothing may stand there yet.
+fs::path followed(fs::path path) {
+  std::error_code error;
+  for (int k = 0; fs::is_symlink(path, error); ++k) {
+    if (k == most_links) fail(ELOOP);
+    const fs::path to = fs::read_symlink(path, error);
+    if (error) throw std::runtime_error(error.message());
+    path = path.parent_path() / to;  // `to` alone when it is absolute
+  }
+  return path;
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// `run.h5` → `run.part-PID.h5`: the ending says what the file is.
+fs::path part_name(const fs::path& target, int attempt) {
+  const std::string again = attempt > 0 ? fmt::format("-{}", attempt) : std::string();
+  return target.parent_path() / fmt::format("{}.part-{}{}{}", target.stem().string().substr(0, longest_stem),
+                                            getpid(), again, target.extension().string());
+}
+
+/// A new file; nothing that stands there, be it a link, is touched. -1 and errno when it cannot be made.
+int create(const fs::path& path, mode_t mode) {
+  return open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+}
+
+/// Of this open file against all others, in this process too; goes when the file is closed. False when it is
+/// held elsewhere; a file system without locks has none to hold.
+bool lock(int descriptor) {
+#ifdef F_OFD_SETLK
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 || (errno != EAGAIN && errno != EACCES);
+#else
+  static_cast<void>(descriptor);
+  return true;
+#endif
+}
+
+bool same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+bool same_content(const struct stat& a, const struct stat& b) {
+#ifdef __APPLE__
+  const timespec &t = a.st_mtimespec, &u = b.st_mtimespec;
+#else
+  const timespec &t = a.st_mtim, &u = b.st_mtim;
+#endif
+  return same_file(a, b) && a.st_size == b.st_size && t.tv_sec == u.tv_sec && t.tv_nsec == u.tv_nsec;
+}
+
+/// While it lives, no other program commits into the folder.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    while (descriptor_ >= 0 && flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~FolderLock() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+/// What a second writer is told.
+constexpr const char* busy = "another program is writing it";
+
+}  // namespace
+
+OutputPlace::OutputPlace(const std::string& target, Kind kind) : shown_(target) {
+  const bool special = target.starts_with("/dev/") || target.starts_with("/proc/");
+  target_ = special ? target : followed(target).string();
+  existed_ = stat(target_.c_str(), &before_) == 0;
+  if (!existed_ && errno != ENOENT) fail(errno);
+  if (existed_ && S_ISDIR(before_.st_mode)) fail(EISDIR);
+  plain_ = !special && (!existed_ || S_ISREG(before_.st_mode));
+  if (!plain_) {
+    path_ = target_;
+    return;
+  }
+  int made = -1;
+  if (existed_) {
+    lock_ = open(target_.c_str(), O_RDWR | O_CLOEXEC);
+    if (lock_ < 0) fail(errno);
+    if (!lock(lock_)) {
+      close(lock_);
+      throw std::runtime_error(busy);
+    }
+  } else if (kind == Kind::growing) {
+    path_ = target_;
+    made = create(path_, 0666);
+    if (made < 0 && errno == EEXIST) throw std::runtime_error(busy);
+    if (made >= 0 && !lock(made)) {
+      close(made);
+      throw std::runtime_error(busy);
+    }
+  }
+  for (int k = 0; made < 0 && (existed_ || kind == Kind::whole) && k < most_names; ++k) {
+    path_ = part_name(target_, k).string();
+    made = create(path_, existed_ ? S_IRUSR | S_IWUSR : 0666);
+    if (made < 0 && errno != EEXIST) break;
+  }
+  if (made < 0) {
+    const int error = errno;
+    if (lock_ >= 0) close(lock_);
+    fail(error);
+  }
+  fstat(made, &own_);
+  if (lock_ < 0)
+    lock_ = made;
+  else
+    close(made);
+  pending_ = true;
+}
+
+OutputPlace::~OutputPlace() {
+  struct stat now {};
+  if (pending_ && stat(path_.c_str(), &now) == 0 && same_file(now, own_)) unlink(path_.c_str());
+  if (lock_ >= 0) close(lock_);
+}
+
+bool OutputPlace::unchanged() const {
+  struct stat now {};
+  const bool exists = stat(target_.c_str(), &now) == 0;
+  if (path_ == target_) return exists && same_file(now, own_);
+  return existed_ ? exists && same_content(now, before_) : !exists;
+}
+
+/// Owner (only where that may be) and mode of the older file.
+void OutputPlace::adopt_mode() const {
+  if (!existed_) return;
+  const bool owner_kept = (before_.st_uid == own_.st_uid && before_.st_gid == own_.st_gid) ||
+                          chown(path_.c_str(), before_.st_uid, before_.st_gid) == 0;
+  // Another owner does not inherit the right to run as the old one.
+  chmod(path_.c_str(), before_.st_mode & (owner_kept ? 07777u : 0777u));
+}
+
+void OutputPlace::commit() {
+  if (!pending_) return;
+  pending_ = false;
+  const FolderLock alone(folder_of(target_));
+  if (!unchanged())
+    throw std::runtime_error(
+        path_ == target_
+            ? "another program has removed or replaced it meanwhile"
+            : fmt::format("another program has written it meanwhile; this one's is kept in '{}'", path_));
+  if (path_ == target_) return;
+  adopt_mode();
+  if (std::rename(path_.c_str(), target_.c_str()) == 0) return;
+  const std::string why = std::strerror(errno);
+  std::error_code unknown;
+  throw std::runtime_error(
+      fs::exists(path_, unknown) ? fmt::format("{}; what was written is kept in '{}'", why, path_) : why);
+}
+
+std::string OutputPlace::keep() noexcept {
+  if (!pending_) return path_;
+  pending_ = false;
+  if (path_ == target_) return shown_;
+  // A link never takes the place of anything.
+  if (existed_ || link(path_.c_str(), target_.c_str()) != 0) return path_;
+  unlink(path_.c_str());
+  return shown_;
+}
+
+void write_whole(const std::string& target, std::string_view bytes) {
+  OutputPlace place(target);
+  std::FILE* file = std::fopen(place.path().c_str(), "wb");
+  if (!file) fail(errno);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const int error = errno;
+  // Closing writes the last of it, and may find the disk full.
+  if (std::fclose(file) != 0 || !written) fail(written ? errno : error);
+  place.commit();
+}
+
+}  // namespace mimbre

@@ -1,0 +1,55 @@
+#pragma once
+#include <sys/stat.h>
+
+#include <string>
+#include <string_view>
+
+namespace mimbre {
+
+/// The place of one output file. What is written goes to a new file of its own beside the target and takes
+/// the target's place when it is whole: until then an older file stands as it was, and when two programs
+/// write at once the file is that of one of them. Links are followed, the older file's mode is kept, and what
+/// is no plain file (a device, a pipe) is written straight. All errors are std::runtime_error with the reason
+/// alone.
+class OutputPlace {
+ public:
+  enum class Kind {
+    whole,   ///< nothing stands at the target before commit() or keep()
+    growing  ///< where nothing stands there, the file grows under its own name, so that it can be looked at
+  };
+  /// Makes the file to write to. Throws when it cannot be made, or another program is writing the target.
+  explicit OutputPlace(const std::string& target, Kind kind = Kind::whole);
+  /// Removes what was written, unless it was committed or kept.
+  ~OutputPlace();
+  OutputPlace(const OutputPlace&) = delete;
+  OutputPlace& operator=(const OutputPlace&) = delete;
+
+  /// The file to write to; it exists, is empty and belongs to this place.
+  const std::string& path() const { return path_; }
+  /// Whether the target is a plain file, or none yet.
+  bool plain() const { return plain_; }
+
+  /// What was written takes the target's place. Throws, and keeps it where it is, when that fails or another
+  /// program has written the target meanwhile.
+  void commit();
+  /// What was written is not whole, but stays: at the target where nothing stands there, else where it is.
+  /// Returns its path. Never throws.
+  std::string keep() noexcept;
+
+ private:
+  bool unchanged() const;
+  void adopt_mode() const;
+
+  std::string target_;  ///< what the links lead to
+  std::string shown_;   ///< as the user called it
+  std::string path_;
+  struct ::stat before_ {};  ///< of the older file
+  struct ::stat own_ {};     ///< of the file that is written
+  bool plain_ = true, existed_ = false, pending_ = false;
+  int lock_ = -1;
+};
+
+/// One file at once, likewise: the older one stands until the new one is whole.
+void write_whole(const std::string& target, std::string_view bytes);
+
+}  // namespace mimbre

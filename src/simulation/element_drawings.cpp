@@ -1,0 +1,72 @@
+#include "simulation/element_drawings.h"
+
+#include <algorithm>
+
+#include "joints/table.h"
+
+namespace mimbre {
+namespace {
+
+const char* spring_kind(const spec::Spring& spring) {
+  const bool elastic = !spring.elastic.is_zero(), damping = !spring.damping.is_zero();
+  if (elastic && damping) return "spring damper";
+  if (elastic) return "spring";
+  return damping ? "damper" : "actuator";
+}
+
+class Collector {
+ public:
+  Collector(const Compiled& model, const std::vector<BodyDrawing>& bodies)
+      : model_(model), bodies_(bodies), place_(model.spec.frames.size(), -1) {}
+
+  void add(const std::string& name, const std::string& kind, int frame_a, int frame_b, double size = 0) {
+    const int a = frame(frame_a), b = frame(frame_b);
+    drawn.elements.push_back({name, kind, a, b, size});
+  }
+
+  ElementDrawings drawn;
+
+ private:
+  /// A frame is drawn once, however many elements it has.
+  int frame(int of_spec) {
+    if (of_spec < 0) return -1;
+    int& place = place_[static_cast<std::size_t>(of_spec)];
+    if (place >= 0) return place;
+    place = static_cast<int>(drawn.frames.size());
+    const spec::Frame& f = model_.spec.frames[of_spec];
+    const FrameData& data = model_.frames[model_.frame_of_spec[of_spec]];
+    const int modes = f.body == spec::ground ? 0 : bodies_[static_cast<std::size_t>(f.body)].modes;
+    FrameDrawing drawing{f.name, f.body, f.pose, Eigen::MatrixXd::Zero(6, modes)};
+    // The model's rows may be padded beyond the modes.
+    const auto fill = [&](int row, const auto& shapes) {
+      const Eigen::Index count = std::min<Eigen::Index>(modes, shapes.cols());
+      drawing.motion.block(row, 0, 3, count) = shapes.leftCols(count);
+    };
+    if (data.flexible >= 0) fill(0, data.X);
+    if (data.flexible >= 0 && data.turns) fill(3, data.X_theta);
+    drawn.frames.push_back(std::move(drawing));
+    return place;
+  }
+
+  const Compiled& model_;
+  const std::vector<BodyDrawing>& bodies_;
+  std::vector<int> place_;  ///< frame of the spec → frame drawn
+};
+
+}  // namespace
+
+ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDrawing>& bodies) {
+  Collector all(model, bodies);
+  for (const spec::Joint& joint : model.spec.joints)
+    all.add(joint.name, std::string(joint_info(joint.type).name), joint.frame_a, joint.frame_b);
+  for (const spec::Spring& spring : model.spec.springs)
+    all.add(spring.name, spring_kind(spring), spring.frame_a, spring.frame_b);
+  for (const spec::Load& load : model.spec.loads) all.add(load.name, "load", load.frame, -1);
+  for (const spec::Tyre& tyre : model.spec.tyres) {
+    const bool moves = model.spec.roads[tyre.road].over == spec::Road::Over::time;
+    all.add(tyre.name, moves ? "tyre on rig" : "tyre", tyre.frame, -1, tyre.radius);
+  }
+  return std::move(all.drawn);
+}
+
+}  // namespace mimbre

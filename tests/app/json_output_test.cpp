@@ -1,0 +1,85 @@
+#include <gmock/gmock.h>
+
+#include "app/program.h"
+#include "support/json_schema.h"
+
+/// What the commands answer with --json is what schema/output.schema.json says.
+namespace mimbre::app_test {
+namespace {
+
+using ::testing::IsEmpty;
+
+class JsonOutput : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_file(folder / "pendulum.yaml", pendulum);
+  }
+
+  /// The answer, checked; its command and the exit code are as expected.
+  test::Json answer(const std::vector<std::string>& arguments, int code = 0,
+                    const std::string& status = "ok") {
+    std::vector<std::string> all = arguments;
+    all.push_back("--json");
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.code, code) << arguments[0] << ": " << outcome.err;
+    static const std::string schema = read_file(fs::path(MIMBRE_SOURCE_DIR) / "schema/output.schema.json");
+    EXPECT_THAT(test::schema_violations(outcome.out, schema), IsEmpty()) << arguments[0];
+    const test::Json json = outcome.json();
+    EXPECT_EQ(json.at("command"), arguments[0]);
+    EXPECT_EQ(json.at("status"), status);
+    return json;
+  }
+  static std::string source(const std::string& path) { return (fs::path(MIMBRE_SOURCE_DIR) / path).string(); }
+};
+
+TEST_F(JsonOutput, OfARunAndOfWhatReadsItKeepsTheSchema) {
+  const test::Json run_of = answer({"run", "pendulum.yaml", "-o", "a.h5", "--until", "0.2"});
+  EXPECT_EQ(run_of.at("units").at("angle"), "rad");
+  EXPECT_EQ(run_of.at("units").keys(), run_of.at("outputs").keys());
+  answer({"run", "pendulum.yaml", "-o", "b.h5", "--until", "0.2", "--integrator", "newmark"});
+  answer({"compare", "a.h5", "b.h5"});
+  answer({"bench", "pendulum.yaml", "--runs", "1"});
+}
+
+TEST_F(JsonOutput, OfModelsKeepsTheSchema) {
+  const test::Json check = answer({"check", source("examples/tutorial/four-bar.yaml")});
+  EXPECT_EQ(check.at("bodies").size(), 3u);
+  EXPECT_EQ(check.at("joints").size(), 4u);
+  const test::Json rest = answer({"static", "pendulum.yaml"});
+  EXPECT_EQ(rest.at("units").keys(), rest.at("outputs").keys());
+  answer({"run", source("examples/tutorial/flexible.yaml"), "--until", "0.1"});
+  answer({"verify", "pendulum.yaml", "--until", "0.1"});
+  answer({"verify", "pendulum.yaml", "--until", "0.1", "--no-refine"});
+  answer({"reproduce", "--list"});
+}
+
+/// A body of two modes only, whose certificate has a NO: that is no success.
+TEST_F(JsonOutput, OfFiniteElementsKeepsTheSchema) {
+  const test::Json summary =
+      answer({"reduce", source("tests/data/gmsh/block-22.msh"), "--material", "2.1e11,0.3,7850",
+              "--interface", "left=group:left", "--modes", "2", "--no-cache", "-o", "block.h5"},
+             4);
+  EXPECT_FALSE(summary.at("passed").boolean());
+}
+
+TEST_F(JsonOutput, OfFailuresKeepsTheSchema) {
+  answer({"check", "no-such.yaml"}, 1, "error");
+  answer({"compare", "a.h5", "no-such.h5"}, 1, "error");
+  write_file(folder / "bad.yaml", "mimbre: 1\nbodies: {arm: {mass: -1, com: [0, 0], inertia: [1, 1, 1]}}\n");
+  const test::Json errors = answer({"run", "bad.yaml"}, 1, "error").at("errors");
+  EXPECT_EQ(errors.size(), 2u);
+  EXPECT_EQ(errors[0].at("line"), 2);
+}
+
+/// A name like that of a key, and one that no text should have.
+TEST_F(JsonOutput, NamesCannotHideKeys) {
+  std::string text = pendulum;
+  text.replace(text.find("name: angle"), 11, "name: status");
+  write_file(folder / "status.yaml", text);
+  const test::Json rest = answer({"static", "status.yaml"});
+  EXPECT_NEAR(rest.at("outputs").at("status").number(), 1.5707963, 1e-6);
+}
+
+}  // namespace
+}  // namespace mimbre::app_test

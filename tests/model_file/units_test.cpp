@@ -1,0 +1,177 @@
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "mimbre/model_file.h"
+#include "model_file/expression.h"
+
+/// Numbers with units: what they are in SI, and where they do not fit.
+namespace mimbre::model_file {
+namespace {
+
+using std::numbers::pi;
+using ::testing::HasSubstr;
+
+double value(const std::string& text, const Quantity& of) { return evaluate(text, Scope{}, of); }
+
+std::string complaint(const std::string& text, const Quantity& of, const Scope& scope = {}) {
+  try {
+    evaluate(text, scope, of);
+  } catch (const ExpressionError& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+/// Written in SI by hand.
+TEST(Units, AreTheirSiNumbers) {
+  EXPECT_EQ(value("0.2 kg", quantity::mass), 0.2);
+  EXPECT_EQ(value("200 g", quantity::mass), 0.2);
+  EXPECT_EQ(value("5 mm", quantity::length), 0.005);  // the nearest number, not 5 times the nearest to 0.001
+  EXPECT_EQ(value("7mm", quantity::length), 0.007);
+  EXPECT_EQ(value("-3 cm", quantity::length), -0.03);
+  EXPECT_EQ(value("12 µm", quantity::length), 12e-6);
+  EXPECT_DOUBLE_EQ(value("1 ft", quantity::length), 12 * 0.0254);
+  EXPECT_DOUBLE_EQ(value("30 deg", quantity::angle), pi / 6);
+  EXPECT_DOUBLE_EQ(value("30°", quantity::angle), pi / 6);
+  EXPECT_DOUBLE_EQ(value("10 rpm", quantity::turning_speed), 10 * 2 * pi / 60);
+  EXPECT_DOUBLE_EQ(value("60 deg/s", quantity::turning_speed), pi / 3);
+  EXPECT_EQ(value("2 kN/m", quantity::stiffness), 2000);
+  EXPECT_EQ(value("2 N/mm", quantity::stiffness), 2000);
+  EXPECT_EQ(value("3 N*s/mm", quantity::damping), 3000);
+  EXPECT_EQ(value("3 Ns/m", quantity::damping), 3);
+  EXPECT_EQ(value("210 GPa", quantity::pressure), 210e9);
+  EXPECT_DOUBLE_EQ(value("7.85 g/cm^3", quantity::density), 7850);
+  EXPECT_DOUBLE_EQ(value("7.85 g/cm³", quantity::density), 7850);
+  EXPECT_DOUBLE_EQ(value("12 cm4", quantity::second_moment), 12e-8);
+  EXPECT_DOUBLE_EQ(value("4 kg*mm^2", quantity::inertia), 4e-6);
+  EXPECT_DOUBLE_EQ(value("4 kg·mm²", quantity::inertia), 4e-6);
+  EXPECT_EQ(value("100 Nm/rad", quantity::turning_stiffness), 100);
+  EXPECT_EQ(value("100 Nm", quantity::turning_stiffness), 100);
+  EXPECT_EQ(value("100 N m/rad", quantity::turning_stiffness), 100);
+  EXPECT_EQ(value("1.5 km", quantity::length), 1500);
+  EXPECT_EQ(value("2 ms", quantity::time), 0.002);
+  EXPECT_EQ(value("1e3 mm", quantity::length), 1);
+}
+
+TEST(Units, GoIntoExpressions) {
+  EXPECT_DOUBLE_EQ(value("1 m - 20 mm", quantity::length), 0.98);
+  EXPECT_DOUBLE_EQ(value("3/4 * 1 in", quantity::length), 0.75 * 0.0254);
+  EXPECT_DOUBLE_EQ(value("0.2 m*sin(30 deg)", quantity::length), 0.1);
+  EXPECT_DOUBLE_EQ(value("0.2*sin(30 deg)", quantity::length), 0.1);
+  EXPECT_DOUBLE_EQ(value("2 kg * 9.81 m/s^2", quantity::force), 19.62);
+  EXPECT_DOUBLE_EQ(value("(2 mm)^2", quantity::area), 4e-6);
+  EXPECT_DOUBLE_EQ(value("2 kN/m * (30 cm - 50 mm)", quantity::force), 500);
+  EXPECT_DOUBLE_EQ(value("1 < 2 ? 30 deg : 1", quantity::angle), pi / 6);
+  EXPECT_DOUBLE_EQ(value("max(1 cm, 3 mm)", quantity::length), 0.01);
+  Scope scope;
+  scope.values["length"] = 0.5;
+  EXPECT_DOUBLE_EQ(evaluate("length - 20 mm", scope, quantity::length), 0.48);
+  EXPECT_DOUBLE_EQ(evaluate("2 kN/m*length", scope, quantity::force), 1000);
+  EXPECT_EQ(value("5 kN", quantity::any), 5000);
+}
+
+TEST(Units, ThatDoNotFitAreToldWithTheOneThatDoes) {
+  EXPECT_THAT(complaint("0.2 kg", quantity::length), HasSubstr("'0.2 kg' is in kg; m is needed here"));
+  EXPECT_THAT(complaint("30 deg", quantity::length), HasSubstr("is in rad; m is needed"));
+  EXPECT_THAT(complaint("30 mm", quantity::angle), HasSubstr("is in m; rad is needed here (or deg)"));
+  EXPECT_THAT(complaint("0.3 kg", quantity::number), HasSubstr("a number without unit is needed"));
+  EXPECT_THAT(complaint("30 deg", quantity::number), HasSubstr("a number without unit is needed"));
+  EXPECT_THAT(complaint("1 m + 2 kg", quantity::length), HasSubstr("m and kg cannot be added"));
+  EXPECT_THAT(complaint("1/2 mm", quantity::length), HasSubstr("is in 1/m; m is needed"));
+  EXPECT_THAT(complaint("30 deg*2 s", quantity::angle), HasSubstr("rad is needed"));
+  EXPECT_THAT(complaint("5 kgg", quantity::mass), HasSubstr("'kgg' is no unit (did you mean 'kg'?)"));
+  EXPECT_THAT(complaint("5 furlongs", quantity::length), HasSubstr("'furlongs' is no unit"));
+  EXPECT_THAT(complaint("2 pi", quantity::angle), HasSubstr("an operator is missing before 'pi'"));
+  EXPECT_THAT(complaint("1 m < 2 kg ? 1 m : 2 m", quantity::length), HasSubstr("cannot be compared"));
+}
+
+/// `m`, `g`, `s` are names that parameters have.
+TEST(Units, AreNotMistakenForParameters) {
+  Scope scope;
+  scope.values["m"] = 3.0;
+  EXPECT_EQ(evaluate("2*m", scope, quantity::mass), 6);
+  EXPECT_EQ(evaluate("2 m", scope, quantity::length), 2);
+  EXPECT_DOUBLE_EQ(evaluate("6 N / m", scope, quantity::force), 2);
+  EXPECT_THAT(complaint("6 N/m", quantity::stiffness, scope), HasSubstr("'m' could be the unit"));
+}
+
+const std::string si = R"yaml(mimbre: 1
+gravity: [0, 0, -9.81]
+parameters: {length: 0.5}
+bodies:
+  arm: {mass: 0.2, com: [0.25, 0, 0], inertia: [1e-5, 2e-3, 2e-3]}
+  cart: {mass: 1, com: [0, 0, 1], inertia: [1, 1, 1]}
+joints:
+  hinge: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 1, 0],
+          drive: {position: "pi/6*sin(2*pi*t)"}}
+  rail: {type: prismatic, between: [ground, cart], at: [0, 0, 1], axis: [1, 0, 0], position: 0.03, velocity: 0.5,
+         spring: {stiffness: 2000, damping: 30, zero: 0.01}}
+springs:
+  coil: {between: [arm, cart], at: [[length, 0, 0], [0, 0, 1]], elastic: {stiffness: 1500, zero: 0.8}, damping: 20}
+outputs:
+  - {name: angle, joint: hinge, offset: pi/2}
+simulation: {step: 0.001, end: 2}
+)yaml";
+const std::string with_units = R"yaml(mimbre: 1
+gravity: [0, 0, -9.81 m/s^2]
+parameters: {length: 500 mm}
+bodies:
+  arm: {mass: 200 g, com: [25 cm, 0, 0], inertia: [10 kg*mm^2, 2000 kg*mm^2, 2e-3]}
+  cart: {mass: 1 kg, com: [0, 0, 1 m], inertia: [1, 1, 1]}
+joints:
+  hinge: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 1, 0],
+          drive: {position: "30 deg*sin(360 deg/s*t)"}}
+  rail: {type: prismatic, between: [ground, cart], at: [0, 0, 100 cm], axis: [1, 0, 0], position: 30 mm, velocity: 50 cm/s,
+         spring: {stiffness: 2 N/mm, damping: 30 Ns/m, zero: 1 cm}}
+springs:
+  coil: {between: [arm, cart], at: [[length, 0, 0], [0, 0, 1]], elastic: {stiffness: 1.5 kN/m, zero: 80 cm},
+         damping: 20 N*s/m}
+outputs:
+  - {name: angle, joint: hinge, offset: 90 deg}
+simulation: {step: 1 ms, end: 2 s}
+)yaml";
+
+TEST(Units, OfAModelMakeTheSameModel) {
+  const spec::Model a = parse_model(si, "a.yaml", ""), b = parse_model(with_units, "b.yaml", "");
+  EXPECT_EQ(a.gravity, b.gravity);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(a.bodies[k].mass, b.bodies[k].mass);
+    EXPECT_TRUE(a.bodies[k].inertia.isApprox(b.bodies[k].inertia, 1e-15));
+    EXPECT_EQ(a.bodies[k].pose.position, b.bodies[k].pose.position);
+  }
+  for (const double t : {0.0, 0.1, 0.77})
+    EXPECT_NEAR(a.joints[0].drives[0].law.value(t), b.joints[0].drives[0].law.value(t), 1e-15);
+  EXPECT_EQ(a.joints[1].initial_position, b.joints[1].initial_position);
+  EXPECT_EQ(a.joints[1].initial_velocity, b.joints[1].initial_velocity);
+  EXPECT_DOUBLE_EQ(a.joints[1].springs[0].elastic.value(0.2), b.joints[1].springs[0].elastic.value(0.2));
+  EXPECT_DOUBLE_EQ(a.joints[1].springs[0].damping.value(0.2), b.joints[1].springs[0].damping.value(0.2));
+  EXPECT_DOUBLE_EQ(a.springs[0].elastic.value(0.9), b.springs[0].elastic.value(0.9));
+  EXPECT_DOUBLE_EQ(a.springs[0].damping.value(0.9), b.springs[0].damping.value(0.9));
+  EXPECT_DOUBLE_EQ(a.outputs[0].offset, b.outputs[0].offset);
+  EXPECT_EQ(a.simulation.step, b.simulation.step);
+  EXPECT_EQ(a.simulation.end, b.simulation.end);
+}
+
+/// Every law of a spring, with and without units.
+TEST(Units, OfLawsAreThoseOfTheirVariables) {
+  const auto coil = [](const std::string& law) {
+    std::string text = si;
+    const std::string given = "elastic: {stiffness: 1500, zero: 0.8}, damping: 20";
+    text.replace(text.find(given), given.size(), law);
+    return parse_model(text, "law.yaml", "").springs[0];
+  };
+  EXPECT_DOUBLE_EQ(coil("elastic: \"2 kN/m*(l - 25 cm)\"").elastic.value(0.5), 500);
+  EXPECT_DOUBLE_EQ(coil("elastic: {table: [[0 mm, 0 kN], [10 mm, 1 kN]]}").elastic.value(0.005), 500);
+  EXPECT_DOUBLE_EQ(coil("elastic: {constant: 2 kN}").elastic.value(1), 2000);
+  EXPECT_DOUBLE_EQ(
+      coil("elastic: {pieces: [{until: 10 cm, polynomial: [1]}, {polynomial: [2]}]}").elastic.value(0.05), 1);
+  EXPECT_DOUBLE_EQ(coil("force: \"l > 30 cm ? 2 kN/m*(l - 30 cm) + 5 N*s/m*v : 0\"").general.value(0.5, 2, 0),
+                   410);
+  EXPECT_THROW(coil("elastic: \"2 kN*(l - 25 cm)\""), InputError);
+  EXPECT_THROW(coil("elastic: {table: [[0 kg, 0], [1, 1]]}"), InputError);
+  EXPECT_THROW(coil("damping: 20 N/m"), InputError);
+}
+
+}  // namespace
+}  // namespace mimbre::model_file

@@ -1,0 +1,112 @@
+#include "simulation/element_drawings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+namespace mimbre::test {
+namespace {
+
+const char* const rig = R"yaml(
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {round: {type: round, diameter: 0.02}}
+bodies:
+  carriage: {mass: 40, com: [0, 0, 0], inertia: [1, 1, 1]}
+  arm:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {bar: {from: root, to: tip, elements: 4}}
+      clamped: [root]
+      static_modes: [{node: tip, along: [0, 0, 1]}]
+joints:
+  hinge: {type: revolute, between: [carriage, arm], at: [0, 0, 0], axis: [0, 1, 0], velocity: 2}
+  column: {type: prismatic, between: [ground, carriage], at: [0, 0, 0], axis: [0, 0, 1]}
+springs:
+  strut: {between: [ground, carriage], at: [[0, 0, 1], [0, 0, 0]], elastic: {stiffness: 1e4, zero: 1}, damping: 100}
+  dashpot: {between: [ground, arm.tip], at: [[1, 0, 1], null], damping: 10}
+loads:
+  push: {on: arm.tip, force: [0, 0, 3], scale: "sin(20*t)"
+}
+  thrust: {on: arm.tip, force: [5, 0, 0], moment: [0, 0, 2], follower: true}
+roads:
+  plate: {over: time, points: [[0, 0], [1, 0.1]]}
+tyres:
+  wheel: {on: carriage, at: [0, 0, -0.5], road: plate, stiffness: 1e4, radius: 0.4}
+outputs:
+  - {name: tip.x, position: arm.tip, component: x}
+  - {name: tip.z, position: arm.tip, component: z}
+  - {name: angle, joint: hinge}
+simulation: {step: 0.002, end: 1}
+)yaml";
+
+double value(const Simulation& s, const ResultsRow& row, const std::string& name) {
+  const auto& channels = s.channels();
+  const auto found =
+      std::find_if(channels.begin(), channels.end(), [&](const ChannelInfo& c) { return c.name == name; });
+  EXPECT_NE(found, channels.end()) << name;
+  return found == channels.end() ? NAN : row.channels[found - channels.begin()];
+}
+
+TEST(ElementDrawings, HoldAllThatHoldsOrActs) {
+  const Simulation s(model_of(rig));
+  const ResultsHeader header = s.header("");
+  std::vector<std::string> kinds;
+  for (const ElementDrawing& element : header.elements) kinds.push_back(element.name + ": " + element.kind);
+  EXPECT_EQ(kinds, (std::vector<std::string>{"hinge: revolute", "column: prismatic", "strut: spring damper",
+                                             "dashpot: damper", "push: load", "thrust: load",
+                                             "wheel: tyre on rig"}));
+  EXPECT_EQ(header.elements.back().size, 0.4);
+  EXPECT_EQ(header.elements.back().frame_b, -1);
+  // The tip has a damper and two loads, and is one frame.
+  EXPECT_EQ(header.elements[3].frame_b, header.elements[4].frame_a);
+  EXPECT_EQ(header.elements[4].frame_a, header.elements[5].frame_a);
+}
+
+/// A frame on its body, moved by the modes as a picture moves it, is where the output says that it is.
+TEST(ElementDrawings, FramesAreWhereTheModelHasThem) {
+  Simulation s(model_of(rig));
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(s.step().ok());
+  ResultsRow row;
+  s.sample(row);
+  const ResultsHeader header = s.header("");
+  const FrameDrawing& tip = header.frames[static_cast<std::size_t>(header.elements[4].frame_a)];
+  ASSERT_EQ(header.bodies[static_cast<std::size_t>(tip.body)].name, "arm");
+  const Eigen::VectorXd pose = row.poses.col(tip.body);
+  const Eigen::Quaterniond turn(pose[3], pose[4], pose[5], pose[6]);
+  const Eigen::Vector3d place =
+      pose.head<3>() + turn * (tip.pose.position + tip.motion.topRows(3) * row.modes);
+  EXPECT_GT(std::abs(row.modes[0]), 1e-5);
+  EXPECT_NEAR(place.x(), value(s, row, "tip.x"), 1e-12);
+  EXPECT_NEAR(place.z(), value(s, row, "tip.z"), 1e-12);
+  // A cantilever's end turns by 3/2 of its deflection over its length.
+  EXPECT_NEAR(tip.motion(4, 0), -1.5 * tip.motion(2, 0), 1e-6 * std::abs(tip.motion(4, 0)));
+}
+
+TEST(ElementDrawings, LoadsAndRoadsAreChannels) {
+  Simulation s(model_of(rig));
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(s.step().ok());
+  ResultsRow row;
+  s.sample(row);
+  EXPECT_NEAR(value(s, row, "load.push.force.z"), 3 * std::sin(20 * 0.1), 1e-12);
+  EXPECT_EQ(value(s, row, "load.push.force.x"), 0);
+  for (const ChannelInfo& channel : s.channels()) EXPECT_NE(channel.name, "load.push.moment.x");
+  // It follows the tip, which has turned with the hinge, and a little by bending.
+  const double angle = value(s, row, "angle");
+  EXPECT_GT(std::abs(angle), 0.05);
+  EXPECT_NEAR(value(s, row, "load.thrust.force.z"), -5 * std::sin(angle), 0.05);
+  EXPECT_NEAR(std::hypot(value(s, row, "load.thrust.force.x"), value(s, row, "load.thrust.force.z")), 5,
+              1e-12);
+  EXPECT_NEAR(value(s, row, "load.thrust.moment.x"), 2 * std::sin(angle), 0.05);
+  EXPECT_NEAR(value(s, row, "tyre.wheel.road"), 0.01, 1e-12);
+}
+
+}  // namespace
+}  // namespace mimbre::test

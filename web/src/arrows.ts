@@ -1,0 +1,132 @@
+// Forces and moments as arrows: so many metres long as they have newtons, by one scale for all.
+import * as THREE from "three";
+import { valueAt } from "./interpolate";
+import type { Element, Scene, Signals } from "./data";
+
+export type Shown = "none" | "loads" | "all";
+
+/** One force or moment over time, global axes. */
+interface Vector {
+  element: Element;
+  moment: boolean;
+  /** Of the bodies on each other, not from outside. */
+  reaction: boolean;
+  at: (time: number) => THREE.Vector3 | null;
+  /** Larger than at nine of ten instants: blows would make all else invisibly small. */
+  usual: number;
+}
+
+/** Of three channels, or of one along z. */
+function vector(signals: Signals, names: string[]): Pick<Vector, "at" | "usual"> | null {
+  const found = names.map((name) => (name === "" ? null : signals(name)));
+  if (found.every((signal) => signal === null)) return null;
+  const { time } = found.find((signal) => signal !== null)!;
+  const sizes = Float64Array.from(time, (_, i) => Math.hypot(...found.map((signal) => signal?.values[i] ?? 0))).sort();
+  const largest = sizes[sizes.length - 1] ?? 0;
+  const most = sizes[Math.floor(0.9 * (sizes.length - 1))] ?? 0;
+  const at = (t: number) => {
+    const values = found.map((signal) => (signal ? valueAt(signal.time, signal.values, t) : 0));
+    return values.includes(null) ? null : new THREE.Vector3(...(values as [number, number, number]));
+  };
+  return { at, usual: most > 0 ? most : largest };
+}
+
+export function vectorsOf(scene: Scene): Vector[] {
+  const { signals } = scene;
+  if (!signals) return [];
+  const axes = (stem: string) => ["x", "y", "z"].map((axis) => `${stem}.${axis}`);
+  return scene.elements.flatMap((element): Vector[] => {
+    const all: [string[], moment: boolean, reaction: boolean][] =
+      element.kind === "load"
+        ? [[axes(`load.${element.name}.force`), false, false], [axes(`load.${element.name}.moment`), true, false]]
+        : element.kind.startsWith("tyre")
+          ? [[["", "", `tyre.${element.name}.vertical`], false, true]]
+          : [[axes(`joint.${element.name}.force`), false, true]];
+    return all.flatMap(([names, moment, reaction]) => {
+      const found = vector(signals, names);
+      return found && found.usual > 0 ? [{ element, moment, reaction, ...found }] : [];
+    });
+  });
+}
+
+/** 1, 2 or 5 times a power of ten, not below `value`; 0 for 0. */
+export function niceAbove(value: number): number {
+  if (!(value > 0)) return 0;
+  const power = 10 ** Math.floor(Math.log10(value));
+  return power * ([1, 2, 5].find((lead) => lead * power >= value * (1 - 1e-9)) ?? 10);
+}
+
+/** A length of 1, along y; a moment has two heads. */
+const shaft = new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0);
+const head = new THREE.ConeGeometry(1, 1, 16).translate(0, -0.5, 0);
+const up = new THREE.Vector3(0, 1, 0);
+
+class Arrow {
+  readonly group = new THREE.Group();
+  private shaft: THREE.Mesh;
+  private heads: THREE.Mesh[];
+
+  constructor(
+    readonly vector: Vector,
+    material: THREE.Material,
+    private thickness: number,
+  ) {
+    this.shaft = new THREE.Mesh(shaft, material);
+    this.heads = (vector.moment ? [0, 1] : [0]).map(() => new THREE.Mesh(head, material));
+    this.group.add(this.shaft, ...this.heads);
+    for (const mesh of [this.shaft, ...this.heads]) mesh.renderOrder = 4;
+  }
+
+  place(from: THREE.Vector3, along: THREE.Vector3): void {
+    const length = along.length();
+    const t = this.thickness;
+    this.group.visible = length > 0.2 * t;
+    if (!this.group.visible) return;
+    this.group.position.copy(from);
+    this.group.quaternion.setFromUnitVectors(up, along.clone().divideScalar(length));
+    const tip = Math.min(5 * t, 0.5 * length);
+    this.shaft.scale.set(0.55 * t, Math.max(length - tip, 1e-9), 0.55 * t);
+    this.heads.forEach((mesh, k) => {
+      mesh.position.y = length - 0.75 * k * tip;
+      mesh.scale.set((1.6 * t * tip) / (5 * t), tip, (1.6 * t * tip) / (5 * t));
+    });
+  }
+}
+
+export class Arrows {
+  readonly group = new THREE.Group();
+  /** Of forces and of moments, in N per m and N m per m at scale 1; 0: there are none. */
+  readonly perMetre: { force: number; moment: number };
+  readonly hasLoads: boolean;
+  readonly hasReactions: boolean;
+  shown: Shown = "none";
+  /** As many times the default as an arrow stands for. */
+  factor = 1;
+  private arrows: Arrow[];
+
+  constructor(scene: Scene, size: number) {
+    const vectors = vectorsOf(scene);
+    // Most begin inside bodies: they are seen through them.
+    const material = (color: string) => new THREE.MeshStandardMaterial({ color, emissive: color, emissiveIntensity: 0.45, roughness: 0.6, depthTest: false, transparent: true });
+    const colors = { load: material("#e11d48"), reaction: material("#2563eb"), moment: material("#9333ea") };
+    const usual = (moment: boolean) => Math.max(0, ...vectors.filter((v) => v.moment === moment).map((v) => v.usual));
+    this.perMetre = { force: niceAbove(usual(false) / (0.4 * size)), moment: niceAbove(usual(true) / (0.4 * size)) };
+    this.hasLoads = vectors.some((v) => !v.reaction);
+    this.hasReactions = vectors.some((v) => v.reaction);
+    this.arrows = vectors.map((v) => new Arrow(v, v.moment ? colors.moment : v.reaction ? colors.reaction : colors.load, 0.005 * size));
+    for (const { group } of this.arrows) this.group.add(group);
+  }
+
+  /** `place`: where an element is drawn now. */
+  update(time: number, place: (element: Element) => THREE.Vector3 | null): void {
+    for (const arrow of this.arrows) {
+      const { vector } = arrow;
+      const wanted = this.shown === "all" || (this.shown === "loads" && !vector.reaction);
+      const from = wanted ? place(vector.element) : null;
+      const along = from && vector.at(time);
+      arrow.group.visible = false;
+      if (!from || !along) continue;
+      arrow.place(from, along.divideScalar((vector.moment ? this.perMetre.moment : this.perMetre.force) * this.factor));
+    }
+  }
+}

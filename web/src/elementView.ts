@@ -1,0 +1,110 @@
+// Joints, springs, dampers and rigs' plates between the bodies.
+import * as THREE from "three";
+import { isJoint, type Pose } from "./placement";
+import type { Element } from "./data";
+
+const up = new THREE.Vector3(0, 1, 0);
+
+function coil(turns: number, length: number, radius: number, wire: number): THREE.BufferGeometry {
+  const points = Array.from({ length: 16 * turns + 1 }, (_, i) => {
+    const t = i / (16 * turns);
+    // Straight ends lead to the eyes.
+    const s = Math.min(Math.max((t - 0.08) / 0.84, 0), 1);
+    const r = radius * Math.min(1, 20 * s, 20 * (1 - s));
+    const angle = 2 * Math.PI * turns * s;
+    return new THREE.Vector3(r * Math.cos(angle), length * t, r * Math.sin(angle));
+  });
+  return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 24 * turns, wire, 7);
+}
+
+/** From the first of two points towards the second. */
+interface Part {
+  mesh: THREE.Mesh;
+  /** Of the geometry, along y. */
+  length: number;
+  /** Up to the second point, or as long as it is. */
+  stretches: boolean;
+}
+
+function between(kind: string, length: number, size: number, materials: ElementMaterials): Part[] {
+  const radius = Math.min(0.11 * length, 0.02 * size);
+  const parts: Part[] = [];
+  const rod = (r: number, l: number) => new THREE.CylinderGeometry(r, r, l, 20).translate(0, l / 2, 0);
+  const add = (geometry: THREE.BufferGeometry, material: THREE.Material, of: number, stretches: boolean) =>
+    parts.push({ mesh: new THREE.Mesh(geometry, material), length: of, stretches });
+  if (kind.startsWith("spring")) add(coil(8, length, radius, 0.17 * radius), materials.spring, length, true);
+  if (kind !== "spring") {
+    const thick = radius * (kind === "spring damper" ? 0.55 : 0.8);
+    add(rod(thick, 0.55 * length), kind === "actuator" ? materials.actuator : materials.damper, 0.55 * length, false);
+    add(rod(0.35 * thick, length), materials.rod, length, true);
+  }
+  return parts;
+}
+
+/** A joint's own shape, in its frame's axes, z along its axis. */
+function jointShape(kind: string, r: number): THREE.BufferGeometry[] {
+  const along = (radius: number, length: number) => new THREE.CylinderGeometry(radius, radius, length, 24).rotateX(Math.PI / 2);
+  if (kind === "revolute") return [along(r, 2.4 * r), along(0.45 * r, 3.4 * r)];
+  if (kind === "prismatic") return [new THREE.BoxGeometry(1.7 * r, 1.7 * r, 4 * r)];
+  if (kind === "cylindrical") return [along(r, 4 * r)];
+  if (kind === "universal") return [along(0.45 * r, 3 * r).rotateX(Math.PI / 2), along(0.45 * r, 3 * r).rotateY(Math.PI / 2), new THREE.BoxGeometry(r, r, r)];
+  if (kind === "spherical") return [new THREE.SphereGeometry(1.15 * r, 24, 16)];
+  if (kind === "planar") return [new THREE.BoxGeometry(4 * r, 4 * r, 0.4 * r)];
+  if (kind === "floating") return [];
+  return [new THREE.BoxGeometry(1.3 * r, 1.3 * r, 1.3 * r)]; // held in all directions
+}
+
+export interface ElementMaterials {
+  spring: THREE.MeshStandardMaterial;
+  damper: THREE.MeshStandardMaterial;
+  actuator: THREE.MeshStandardMaterial;
+  rod: THREE.MeshStandardMaterial;
+  joint: THREE.MeshStandardMaterial;
+}
+
+export function elementMaterials(): ElementMaterials {
+  const metal = (color: string) => new THREE.MeshStandardMaterial({ color, roughness: 0.4, metalness: 0.25 });
+  return { spring: metal("#d1495b"), damper: metal("#5c6b7a"), actuator: metal("#2a9d8f"), rod: metal("#aab4bf"), joint: metal("#e9b44c") };
+}
+
+export class ElementView {
+  readonly group = new THREE.Group();
+  readonly isJoint: boolean;
+  private parts: Part[] = [];
+
+  constructor(
+    readonly element: Element,
+    a: Pose | null,
+    b: Pose | null,
+    size: number,
+    /** Of the bars that a joint holds, to be seen around them. */
+    thickness: number,
+    materials: ElementMaterials,
+  ) {
+    const { kind } = element;
+    this.isJoint = isJoint(element) || kind === "floating";
+    this.group.name = element.name;
+    if (this.isJoint) {
+      for (const geometry of jointShape(kind, Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size))) this.group.add(new THREE.Mesh(geometry, materials.joint));
+    } else if (a && b) {
+      const length = Math.max(a.position.distanceTo(b.position), 1e-6 * size);
+      this.parts = between(kind, length, size, materials);
+      for (const { mesh } of this.parts) this.group.add(mesh);
+    }
+    for (const mesh of this.group.children) mesh.castShadow = true;
+  }
+
+  /** Between frames where they are drawn now. */
+  update(a: Pose, b: Pose): void {
+    if (this.isJoint) {
+      this.group.position.copy(b.position);
+      this.group.quaternion.copy(b.rotation);
+      return;
+    }
+    const along = b.position.clone().sub(a.position);
+    const length = along.length();
+    this.group.position.copy(a.position);
+    this.group.quaternion.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
+    for (const part of this.parts) if (part.stretches) part.mesh.scale.y = Math.max(length / part.length, 1e-9);
+  }
+}

@@ -1,0 +1,68 @@
+// The unit in which people read a quantity of some size: kN rather than 1e3 N, mm rather than 0.001 m, ° rather than rad.
+
+export interface Scale {
+  unit: string;
+  /** Of one such unit in the channel's own. */
+  size: number;
+}
+
+const prefixes: [name: string, size: number][] = [["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9], ["T", 1e12]];
+
+/** Prefixes that are in use with a unit; of others only the unit itself. */
+const usual: Record<string, string[]> = {
+  m: ["µ", "m", ""],
+  s: ["µ", "m", ""],
+  "m/s": ["m", ""],
+  "m/s²": ["m", ""],
+  N: ["m", "", "k", "M"],
+  "N m": ["m", "", "k", "M"],
+  "N/m": ["", "k", "M"],
+  J: ["m", "", "k", "M"],
+  W: ["m", "", "k", "M"],
+  Pa: ["", "k", "M", "G"],
+  Hz: ["", "k", "M"],
+};
+
+const angles: Record<string, string> = { rad: "°", "rad/s": "°/s", "rad/s²": "°/s²" };
+
+/** The usual unit with the largest prefix in which `value` is at least 1, or the smallest. */
+export function scaleFor(unit: string, value: number): Scale {
+  if (angles[unit]) return { unit: angles[unit], size: Math.PI / 180 };
+  const names = usual[unit];
+  if (!names || !(Math.abs(value) > 0) || !Number.isFinite(value)) return { unit, size: 1 };
+  const known = prefixes.filter(([name]) => names.includes(name));
+  // Round-off of a nought needs no millionths.
+  const fitting = known.filter(([, size]) => Math.abs(value) >= 0.9999 * size);
+  const [name, size] = fitting[fitting.length - 1] ?? known[0];
+  return { unit: name + unit, size };
+}
+
+/** Labels of an axis: as many decimals as tell them apart, all whole. */
+export function tickLabels(values: number[]): string[] {
+  const gap = values.length > 1 ? Math.abs(values[1] - values[0]) : Math.abs(values[0] ?? 0);
+  const largest = Math.max(...values.map(Math.abs), 0);
+  if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => (value === 0 ? "0" : value.toExponential(2).replace("e+", "e").replace(/^-/, "−")));
+  const decimals = gap > 0 ? Math.min(Math.max(0, -Math.floor(Math.log10(gap) + 1e-6)), 10) : 0;
+  return values.map((value) => {
+    const [whole, fraction] = Math.abs(value).toFixed(decimals).split(".");
+    const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, "\u202f") : whole;
+    const negative = value < 0 && Number(value.toFixed(decimals)) !== 0;
+    return (negative ? "−" : "") + grouped + (fraction ? `.${fraction}` : "");
+  });
+}
+
+/**
+ * Which curves go to a second axis, so that small ones are seen beside large ones: where their ranges, in order of size,
+ * leave the widest gap, if it is more than tenfold. A millionth of the largest is round-off and goes with the first.
+ */
+export function onSecondAxis(ranges: number[], gap = 10): boolean[] {
+  const least = 1e-6 * Math.max(0, ...ranges);
+  const sorted = [...new Set(ranges.filter((range) => range > least))].sort((a, b) => a - b);
+  let limit = 0;
+  let widest = gap;
+  for (let k = 0; k + 1 < sorted.length; ++k) {
+    const ratio = sorted[k + 1] / sorted[k];
+    if (ratio > widest) [widest, limit] = [ratio, sorted[k]];
+  }
+  return ranges.map((range) => range > least && range <= limit);
+}

@@ -1,0 +1,20 @@
+// Channels that the reader makes of others.
+import type { Channel, Curve } from "./data";
+import { evaluate, type Source, type Values } from "./formula";
+
+export function curveOf(values: Values): Curve {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of values)
+    if (value !== null) {
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+  return { values, range: Math.max(high - low, 0) };
+}
+
+/** The formula as a channel; throws an Error that says what is wrong with it. */
+export function formulaChannel(text: string, source: Source): Channel {
+  const { values, unit } = evaluate(text, source);
+  return { name: text, unit, meaning: "a formula, drawn by this page only", ...curveOf(values) };
+}

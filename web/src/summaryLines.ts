@@ -1,0 +1,82 @@
+// The summary of a run in a dozen lines, for people; everything else stays in the details.
+import { formatNumber } from "./format";
+import { scaleFor } from "./engineering";
+
+export interface Line {
+  label: string;
+  value: string;
+}
+
+type Summary = Record<string, unknown>;
+
+const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
+
+/** A number with the unit in which it reads well. */
+export function quantity(value: number, unit: string, digits = 3): string {
+  const scale = scaleFor(unit, value);
+  return `${formatNumber(value / scale.size, digits)} ${scale.unit}`.trim();
+}
+
+const words = (value: unknown) => (typeof value === "string" ? value.replace(/_/g, " ") : "");
+
+const asSummary = (summary: unknown): Summary => (typeof summary === "object" && summary !== null ? (summary as Summary) : {});
+
+/** What a reader must know before anything else: a run that failed, and warnings. */
+export function warningsOf(summary: unknown): string[] {
+  const { status, message, warnings } = asSummary(summary);
+  const failed = status !== undefined && status !== "ok" ? [`${words(status)}${message ? `: ${message}` : ""}`] : [];
+  const said = Array.isArray(warnings) ? warnings.map(String) : [];
+  return [...failed.map((text) => `The run ${text.startsWith("failed") ? text : `ended as ${text}`}`), ...said];
+}
+
+const neglected = [
+  ["deflection", "deflection"],
+  ["foreshortening", "shortening"],
+  ["compression", "compression"],
+  ["tension", "tension"],
+  ["high_modes", "highest modes"],
+];
+
+/** The largest of what linear theory neglected, of all bodies. */
+function worstValidity(bodies: unknown): string {
+  if (!Array.isArray(bodies)) return "";
+  let worst = { value: -1, text: "" };
+  for (const body of bodies as Summary[])
+    for (const [key, name] of neglected) {
+      const value = body[key];
+      if (!isNumber(value) || value <= worst.value) continue;
+      const at = asSummary(body.time)[key];
+      worst = { value, text: `${formatNumber(100 * value, 2)} % (${name} of ${body.body}${isNumber(at) ? ` at ${formatNumber(at, 4)} s` : ""})` };
+    }
+  return worst.text;
+}
+
+function energyLine(energy: unknown): string {
+  const terms = asSummary(energy);
+  const known = (key: string, name: string) => (isNumber(terms[key]) ? `${name} ${quantity(terms[key], "J")}` : "");
+  return [known("kinetic", "kinetic"), known("elastic", "strain"), known("numerical", "fed in by the numerics")].filter((text) => text !== "").join(" · ");
+}
+
+/** At most twelve; what is not known is left out. */
+export function summaryLines(summary: unknown, facts: { end: number; step: number; instants: number; bodies: number; joints: number }): Line[] {
+  const s = asSummary(summary);
+  const count = (value: unknown, one: string, many = `${one}s`) => (isNumber(value) ? `${formatNumber(value)} ${value === 1 ? one : many}` : "");
+  const join = (...parts: string[]) => parts.filter((part) => part !== "").join(" · ");
+  const ended = s.status === undefined ? "" : s.status === "ok" ? "to its end" : words(s.status);
+  const repeated = isNumber(s.repeated_steps) && s.repeated_steps > 0 ? `${formatNumber(s.repeated_steps)} repeated in parts` : "";
+  const lines: [string, string][] = [
+    ["Ran", join(ended, Number.isFinite(facts.end) ? `${formatNumber(facts.end)} s simulated` : "")],
+    ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, repeated)],
+    ["Recorded", count(facts.instants, "instant")],
+    ["Mechanism", join(count(facts.bodies, "body", "bodies"), facts.joints > 0 ? count(facts.joints, "joint") : "", count(s.coordinates, "coordinate"))],
+    ["Method", join(words(s.formulation), words(s.formalism), words(s.integrator), isNumber(s.rho) ? `ρ∞ ${formatNumber(s.rho)}` : "")],
+    ["Iterations", isNumber(s.iterations_per_step) ? `${formatNumber(s.iterations_per_step, 3)} per step` : ""],
+    ["Computed in", isNumber(s.cpu_seconds) ? join(`${quantity(s.cpu_seconds, "s")} of processor`, isNumber(s.real_time_factor) ? `${formatNumber(s.real_time_factor, 3)}× real time` : "") : ""],
+    ["Joints open by", isNumber(s.max_position_violation) ? `at most ${quantity(s.max_position_violation, "m", 2)}` : ""],
+    ["Joints drift by", isNumber(s.max_velocity_violation) ? `at most ${quantity(s.max_velocity_violation, "m/s", 2)}` : ""],
+    ["Energy at the end", energyLine(s.energy)],
+    ["Against linear theory", worstValidity(s.validity)],
+    ["Warnings", Array.isArray(s.warnings) ? (s.warnings.length === 0 ? "none" : `${s.warnings.length}, above`) : ""],
+  ];
+  return lines.filter(([, value]) => value !== "").map(([label, value]) => ({ label, value }));
+}

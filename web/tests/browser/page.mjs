@@ -1,0 +1,251 @@
+// The report page in a browser, item by item: node page.mjs MIMBRE. Exits with 77 where there is no browser.
+import assert from "node:assert/strict";
+import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { drawn, launch, noBrowser, open, Reports } from "./browser.mjs";
+
+const skipped = 77;
+const reason = await noBrowser();
+if (reason !== "") {
+  console.log(`SKIPPED: ${reason}`);
+  process.exit(skipped);
+}
+
+const folder = await mkdtemp(join(tmpdir(), "mimbre-page-"));
+const reports = new Reports(process.argv[2], folder);
+const rigModel = "web/tests/browser/rig.yaml";
+const rig = reports.report("rig", reports.run(rigModel, "rig"));
+const compared = reports.report("compared", reports.at("rig.h5"), reports.run(rigModel, "coarse", "--step", "0.004", "--until", "0.8"));
+
+const cases = [];
+const test = (name, run) => cases.push([name, run]);
+const say = (page, selector) => page.locator(selector).first().innerText();
+
+/** Where an object of the scene is, and whether it is seen; by the name of its group. */
+const placeOf = (page, name) =>
+  page.evaluate((wanted) => {
+    const found = [];
+    window.mimbreView.scene.traverse((object) => object.name === wanted && object.children.length > 0 && found.push(object));
+    return found.map(({ position, visible, scale }) => ({ at: position.toArray(), visible, scale: scale.toArray() }));
+  }, name);
+
+const goTo = async (page, time) => {
+  await page.evaluate((t) => window.mimbreView.clock.set(t), time);
+  await drawn(page);
+};
+
+async function tab(page, name) {
+  await page.getByRole("tab", { name }).click();
+  return page.getByRole("tabpanel", { name });
+}
+
+async function downloaded(page, name) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+  const path = join(folder, download.suggestedFilename());
+  await download.saveAs(path);
+  return path;
+}
+
+/** Moves the slider with this label to the end of its range. */
+async function slideToEnd(page, label) {
+  await page.getByLabel(label, { exact: true }).focus();
+  await page.keyboard.press("End");
+  await drawn(page);
+}
+
+test("true scale at first; exaggerated, what hangs on a beam follows its tip", async ({ page }) => {
+  await goTo(page, 0.3);
+  assert.equal(await page.evaluate(() => window.mimbreView.exaggeration), 1);
+  const [before] = await placeOf(page, "bob");
+  await slideToEnd(page, "Exaggerate");
+  const [after] = await placeOf(page, "bob");
+  const [pin] = await placeOf(page, "pin");
+  assert.ok(Math.abs(after.at[2] - before.at[2]) > 0.05, `${before.at} ${after.at}`);
+  // The bob's frame is where the joint is drawn: its origin lies 1 m along x and 0.6 m along z from the eye, in its axes.
+  const gap = await page.evaluate(() => {
+    const view = window.mimbreView;
+    const amplitudes = view.report.bodies.map((_, k) => view.amplitudes(k));
+    const { a, b } = view.report.elements.find(({ kind }) => kind === "revolute");
+    const at = (frame) => view.placement.at(frame, view.placed, amplitudes, view.exaggeration).position;
+    return at(a).distanceTo(at(b));
+  });
+  assert.ok(gap < 1e-9, `the pin is open by ${gap} m`);
+  assert.ok(pin.visible);
+  await page.getByLabel("Exaggerate", { exact: true }).focus();
+  await page.keyboard.press("Home");
+});
+
+test("springs stretch between their ends; loads and reactions are arrows with a scale; the rig's plate moves", async ({ page }) => {
+  await goTo(page, 0);
+  const coil = () =>
+    page.evaluate(() => {
+      const group = window.mimbreView.elements.find(({ element }) => element.name === "strut").group;
+      return { at: group.position.toArray(), stretch: group.children[0].scale.y, parts: group.children.length };
+    });
+  const start = await coil();
+  assert.equal(start.parts, 3); // coil, cylinder, rod
+  assert.ok(Math.abs(start.stretch - 1) < 1e-9);
+  const plate = () => page.evaluate(() => window.mimbreView.plates[0].mesh.position.z + window.mimbreView.origin.z);
+  const low = await plate();
+  await goTo(page, 0.2);
+  assert.ok(Math.abs((await plate()) - low - 0.03) < 1e-6);
+  const length = await page.evaluate(() => window.mimbreView.report.signals("spring.strut.length").values);
+  const stretched = await coil();
+  assert.ok(Math.abs(stretched.stretch - length[100] / length[0]) < 1e-6, `${stretched.stretch}`);
+
+  const arrows = () => page.evaluate(() => window.mimbreView.arrows.arrows.filter(({ group }) => group.visible).map(({ vector }) => vector.element.name));
+  assert.deepEqual(await arrows(), ["push"]);
+  await page.getByLabel("Forces", { exact: true }).selectOption("all");
+  await drawn(page);
+  assert.ok((await arrows()).includes("column") && (await arrows()).includes("wheel"));
+  assert.match(await say(page, ".factor.wide output"), /^[\d.]+ k?N$/);
+  const push = () => page.evaluate(() => { const { shaft, heads } = window.mimbreView.arrows.arrows.find(({ vector }) => vector.element.name === "push"); return shaft.scale.y + heads[0].scale.y; });
+  const [long, newtons] = [await push(), Math.abs(60 * Math.sin(20 * 0.2))];
+  const scale = await page.evaluate(() => window.mimbreView.arrows.perMetre.force);
+  assert.ok(Math.abs(long - newtons / scale) < 1e-3 * long, `${long} m for ${newtons} N at ${scale} N per m`);
+});
+
+test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
+  const solids = await page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
+  assert.ok(solids.every(({ transparent }) => !transparent));
+  assert.equal(solids.filter(({ vertexColors }) => vertexColors).length, 1); // the wheel
+});
+
+test("exports: CSV, pictures, and a film where the browser makes one", async ({ page }) => {
+  const csv = await readFile(await downloaded(page, "Save CSV"), "utf8");
+  const lines = csv.trim().split("\r\n");
+  assert.equal(lines.length, 502);
+  assert.equal(lines[0], "t [s],tip.z [m],carriage.z [m],bob.angle [rad]");
+  for (const name of ["Save plots", "Save picture"]) {
+    const png = await readFile(await downloaded(page, name));
+    assert.equal(png.subarray(1, 4).toString(), "PNG");
+    assert.ok(png.length > 5000, `${name}: ${png.length} bytes`);
+  }
+  const film = await readFile(await downloaded(page, "Save film"));
+  assert.ok(film.length > 2000);
+  assert.deepEqual([...film.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]); // WebM
+});
+
+test("the summary is a dozen lines, details are folded, no card covers another", async ({ page }) => {
+  const rows = await page.locator(".summary > table tr").count();
+  assert.ok(rows >= 8 && rows <= 12, `${rows} rows`);
+  assert.match(await say(page, ".summary > table"), /500 of 2 ms/);
+  assert.equal(await page.locator(".summary details").getAttribute("open"), null);
+  await page.locator(".model > summary").click();
+  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+  const [charts, model] = [await page.locator(".charts").boundingBox(), await page.locator(".model").boundingBox()];
+  assert.ok(charts.x >= model.x + model.width, "the channels are beside the model");
+});
+
+test("axes: engineering units, whole labels, meanings as tooltips", async ({ page }) => {
+  assert.match(await say(page, "figcaption b"), /^(m|mm)/);
+  await page.getByLabel("Search channels").fill("pin force_joint");
+  await page.getByText("joint.pin.force_joint.x").click();
+  const title = await page.locator(".entry", { hasText: "joint.pin.force_joint.x" }).getAttribute("title");
+  assert.match(title, /second body.*joint's own axes/);
+});
+
+test("x–y plots, spectra and a table of statistics", async ({ page }) => {
+  let panel = await tab(page, "x–y");
+  await panel.getByLabel("Channel on the horizontal axis").selectOption({ label: "carriage.z" });
+  assert.ok((await panel.locator("canvas").count()) >= 2); // metres and degrees
+  assert.ok((await panel.locator(".dot").count()) >= 2);
+  panel = await tab(page, "Spectrum");
+  // The load's 20 rad/s is 3.18 Hz, the bob turns at about 9 rad/s: tip.z moves at a few hertz.
+  assert.match(await panel.innerText(), /tip\.z.*highest [\d.]+ .*m at [\d.]+ Hz/s);
+  await panel.getByLabel("Window").selectOption("flat top");
+  await panel.getByLabel("Logarithmic").check();
+  panel = await tab(page, "Table");
+  const cells = await panel.locator("tbody tr").first().innerText();
+  assert.match(cells, /tip\.z/);
+  assert.match(cells, /global z of 'arm\.tip'/);
+  assert.equal((await panel.locator("thead").innerText()).replace(/\s+/g, " ").trim(), "Channel Unit Minimum Maximum Mean RMS");
+});
+
+test("formulas are drawn, and what is wrong with them is said", async ({ page }) => {
+  await tab(page, "Over time");
+  const box = page.getByLabel("Formula over channels");
+  await box.fill("tip.z - 2*nothing");
+  await box.press("Enter");
+  assert.match(await say(page, ".wrong"), /no channel 'nothing'/);
+  await box.fill("tip.z - carriage.z");
+  await box.press("Enter");
+  assert.equal(await say(page, ".wrong"), "");
+  assert.equal(await page.locator(".entry", { hasText: "tip.z - carriage.z" }).count(), 1);
+});
+
+test("without what films need the button is grey and says why", async () => {
+  const { page } = await open(browser, rig, {}, () => delete window.MediaRecorder);
+  const button = page.getByRole("button", { name: "Save film" });
+  assert.ok(await button.isDisabled());
+  assert.match(await button.getAttribute("title"), /cannot record video/);
+  await page.close();
+});
+
+test("the keyboard reaches all, and time is said", async ({ page }) => {
+  await goTo(page, 0);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("ArrowRight");
+  assert.match(await say(page, "output.time"), /0\.002 s/);
+  await page.waitForFunction(() => document.querySelector("[aria-live=polite]").textContent === "Time 0.002 s");
+  const before = await page.evaluate(() => window.mimbreView.camera.position.toArray());
+  await page.locator(".view canvas").focus();
+  await page.keyboard.press("ArrowRight");
+  const after = await page.evaluate(() => window.mimbreView.camera.position.toArray());
+  assert.notDeepEqual(after, before);
+  assert.match(await say(page, "output.time"), /0\.002 s/); // in the picture the arrows turn it
+  await page.getByRole("tab", { name: "Over time" }).click();
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.getByRole("tab", { name: "x–y" }).getAttribute("aria-selected"), "true");
+  const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select")].filter((one) => !one.closest("label") && !one.getAttribute("aria-label") && !one.textContent.trim()).length);
+  assert.equal(unnamed, 0);
+});
+
+test("runs compared are drawn over each other, and can be hidden", async () => {
+  const { page, complaints } = await open(browser, compared);
+  const ghosts = () => page.evaluate(() => window.mimbreView.ghosts.map(({ views }) => views.map(({ group, solids }) => [group.visible, solids.every(({ transparent }) => transparent)])).flat());
+  await drawn(page);
+  assert.deepEqual(await ghosts(), [[true, true], [true, true], [true, true]]);
+  await page.locator(".run").nth(1).click();
+  await drawn(page);
+  assert.deepEqual((await ghosts()).map(([visible]) => visible), [false, false, false]);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test("on a phone, in the dark: nothing is wider than the screen, the text has contrast", async () => {
+  const { page, complaints } = await open(browser, rig, { viewport: { width: 390, height: 844 }, colorScheme: "dark" });
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390);
+  const [text, back] = await page.evaluate(() => [getComputedStyle(document.body).color, getComputedStyle(document.body).backgroundColor]);
+  const light = (color) => color.match(/\d+/g).map(Number).reduce((sum, part) => sum + part, 0);
+  assert.ok(light(text) - light(back) > 400);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test("the page is one file that asks for nothing", async () => {
+  const html = await readFile(reports.at("rig.html"), "utf8");
+  assert.match(html, /default-src 'none'/);
+  assert.ok((await stat(reports.at("rig.html"))).size < 2e6);
+});
+
+// One page for all that leave it as they found it, or only add to it: opening is what takes time.
+const browser = await launch();
+const wanted = process.argv[3] ?? "";
+const shared = await open(browser, rig);
+let failed = 0;
+for (const [name, run] of cases.filter(([name]) => name.includes(wanted))) {
+  const start = performance.now();
+  try {
+    await run(shared);
+    assert.deepEqual(shared.complaints.splice(0), [], "the page complains");
+    console.log(`ok   ${name} (${((performance.now() - start) / 1000).toFixed(1)} s)`);
+  } catch (error) {
+    ++failed;
+    console.log(`FAIL ${name}\n${error.stack ?? error}`);
+  }
+}
+await browser.close();
+await rm(folder, { recursive: true });
+process.exit(failed > 0 ? 1 : 0);
