@@ -9,9 +9,9 @@ namespace mimbre {
 
 /// A scalar function of one scalar: value, first and second derivative, and antiderivative (for the energy a
 /// force law stores). Used for force laws (of length or rate), loads and drives (of time). Immutable after it
-/// is made; evaluating it neither allocates nor throws, and what is not finite goes through. Threads may
-/// share it (they take turns at one expression, some tens of nanoseconds each). Outside its first and last
-/// piece a piecewise function goes on as the polynomial of that piece. Bad arguments of the makers:
+/// is made; evaluating it neither allocates nor throws nor locks, and what is not finite goes through. Any
+/// number of threads may share it. Outside its first and last piece a piecewise function goes on as the
+/// polynomial of that piece. Bad arguments of the makers:
 /// InputError without mark.
 ///
 /// Kinds: polynomial pieces (constants, lines, polynomials), tables (linear or monotone cubic between points,
@@ -35,11 +35,11 @@ class Function {
   /// level beyond it.
   static Function table(std::vector<double> x, std::vector<double> y, Interpolation interpolation);
   /// An expression in the variable called `variable` ("sin(2*pi*t)"): operators + - * / ^, comparison, ?:,
-  /// and the usual functions (muParser's, and `pi`). Derivatives by five-point central differences with the
-  /// step that agrees best with its neighbours (relative error about 1e-10 and 1e-8 for smooth expressions),
-  /// antiderivative by Gauss–Legendre quadrature: 80 points from 0 to x. Throws InputError (without mark)
-  /// when it does not parse, has more than 10 000 characters or 100 nested levels, or is finite at none of 0,
-  /// ±0.01, ±0.1, ±1, ±10.
+  /// &&, || and the usual functions (docs/model-file.md), and `pi`. Derivatives are exact, those of the
+  /// branch that `?:` takes and the mean of both sides at a kink of abs, min or max; antiderivative by
+  /// Gauss–Legendre quadrature: 80 points from 0 to x. Throws InputError (without mark) when it does not
+  /// parse, has more than 10 000 characters or 100 nested levels, or is finite at none of 0, ±0.01, ±0.1, ±1,
+  /// ±10.
   static Function expression(const std::string& text, const std::string& variable);
   /// The function repeated with a period: f(x) = f(x0 + (x - x0) mod period). Piecewise kinds only.
   Function repeated(double start, double period) const;
@@ -71,7 +71,7 @@ class Function3 {
   /// `variables` names the three; where it names fewer, value() ignores the rest.
   static Function3 expression(const std::string& text, const std::vector<std::string>& variables);
   double value(double a, double b, double c) const;
-  /// ∂/∂a and ∂/∂b by central differences.
+  /// ∂/∂a and ∂/∂b, exact.
   std::pair<double, double> derivatives(double a, double b, double c) const;
   bool is_zero() const { return !impl_; }
 

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <variant>
 
-#include "math/function_difference.h"
 #include "math/function_expression.h"
 #include "math/function_integral.h"
 #include "math/function_pieces.h"
+#include "math/quadrature.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {
@@ -19,22 +21,25 @@ namespace {
 /// Where expressions are tried: an expression that is finite nowhere here is taken for a mistake.
 constexpr std::array probes{0.0, 1.0, -1.0, 0.1, -0.1, 0.01, -0.01, 10.0, -10.0};
 
-/// A difference of an expression near `at`, with the branches of `?:` that are taken there: the other ones
-/// say nothing about it, and need not be finite. Where these are not finite beside `at`, all count.
-template <class Difference>
-double on_branch(const Expression& expression, std::span<const double, Expression::most_variables> at,
-                 Difference&& difference) {
-  using Values = std::span<const double, Expression::most_variables>;
-  const auto as_it_is = [&](Values values) { return expression.value(values); };
-  if (!expression.has_choices()) return difference(as_it_is);
-  const Choices choices = expression.choices(at);
-  const double result = difference([&](Values values) { return expression.value(values, choices); });
-  return std::isfinite(result) ? result : difference(as_it_is);
+/// For messages: the beginning of the text, on one line.
+std::string shortened(std::string text) {
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+  return text;
+}
+
+Expression compiled(const std::string& text, const std::vector<std::string>& variables) {
+  try {
+    return {text, variables};
+  } catch (const std::invalid_argument& error) {
+    throw InputError(Mark{}, fmt::format("expression '{}': {}", shortened(text), error.what()));
+  }
 }
 
 /// An expression of one variable.
 struct Formula {
-  Formula(const std::string& text, const std::string& variable) : expression(text, {variable}) {
+  Formula(const std::string& text, const std::string& variable) : expression(compiled(text, {variable})) {
     for (const double x : probes) {
       if (!std::isfinite(value(x))) continue;
       integral_start = x;
@@ -44,16 +49,8 @@ struct Formula {
                                          text, variable));
   }
   double value(double x) const { return expression.value(std::array{x, 0.0, 0.0}); }
-  double derivative(double x) const {
-    return on_branch(expression, std::array{x, 0.0, 0.0}, [&](const auto& f) {
-      return difference::first([&](double s) { return f(std::array{s, 0.0, 0.0}); }, x);
-    });
-  }
-  double second_derivative(double x) const {
-    return on_branch(expression, std::array{x, 0.0, 0.0}, [&](const auto& f) {
-      return difference::second([&](double s) { return f(std::array{s, 0.0, 0.0}); }, x);
-    });
-  }
+  double derivative(double x) const { return expression.jet(std::array{x, 0.0, 0.0}).first; }
+  double second_derivative(double x) const { return expression.jet(std::array{x, 0.0, 0.0}).second; }
 
   Expression expression;
   double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
@@ -160,13 +157,14 @@ double Function::antiderivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->antiderivative(x);
   if (const Integral* integral = std::get_if<Integral>(&impl_->kind))
-    return difference::integral([&](double s) { return integral->value(s); }, 0, x);
+    return quadrature::integral([&](double s) { return integral->value(s); }, 0, x);
   const Formula& formula = *std::get_if<Formula>(&impl_->kind);
-  return difference::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
+  return quadrature::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
 }
 
 struct Function3::Impl {
-  Impl(const std::string& text, const std::vector<std::string>& variables) : expression(text, variables) {
+  Impl(const std::string& text, const std::vector<std::string>& variables)
+      : expression(compiled(text, variables)) {
     for (const double a : probes)
       for (const double b : probes)
         for (const double c : probes)
@@ -188,19 +186,8 @@ double Function3::value(double a, double b, double c) const {
 
 std::pair<double, double> Function3::derivatives(double a, double b, double c) const {
   if (!impl_) return {0, 0};
-  const auto along = [&](std::size_t k) {
-    const std::array at{a, b, c};
-    return on_branch(impl_->expression, at, [&](const auto& f) {
-      return difference::first(
-          [&](double s) {
-            auto moved = at;
-            moved[k] = s;
-            return f(moved);
-          },
-          at[k]);
-    });
-  };
-  return {along(0), along(1)};
+  const Gradient g = impl_->expression.gradient(std::array{a, b, c});
+  return {g.by_first, g.by_second};
 }
 
 }  // namespace mimbre

@@ -1,194 +1,326 @@
 #include "math/function_expression.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <muParser.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cctype>
-#include <limits>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <thread>
-#include <utility>
-
-#include "mimbre/diagnostics.h"
 
 namespace mimbre {
 
 namespace {
 
+using Op = ExpressionProgram::Op;
+
 constexpr std::size_t longest_text = 10000;
 constexpr int deepest_nesting = 100;
 
-/// For messages: the beginning of the text, on one line.
-std::string shortened(std::string text) {
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
-}
+[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
-[[noreturn]] void refuse(const std::string& text, const std::string& why) {
-  throw InputError(Mark{}, fmt::format("expression '{}': {}", shortened(text), why));
-}
-
-/// What the parser would take, but a formula has no use for: assignments change variables, text has no value.
 /// Deep nesting and great length are limited so that hostile input stays cheap.
 void check_text(const std::string& text) {
   if (text.size() > longest_text)
-    refuse(text, fmt::format("has {} characters, at most {} are allowed", text.size(), longest_text));
+    refuse(fmt::format("has {} characters, at most {} are allowed", text.size(), longest_text));
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     const bool printable = static_cast<unsigned char>(c) >= 0x20 && static_cast<unsigned char>(c) < 0x7f;
     if (!printable && c != '\t' && c != '\n' && c != '\r')
-      refuse(text, fmt::format("unexpected character at position {}", i + 1));
-    if (c == '"' || c == '\'') refuse(text, "quotes are not allowed");
+      refuse(fmt::format("unexpected character at position {}", i + 1));
+    if (c == '"' || c == '\'') refuse("quotes are not allowed");
     if (c == '(' || c == '?') ++depth;
     if (c == ')') --depth;
-    if (depth > deepest_nesting)
-      refuse(text, fmt::format("is nested deeper than {} levels", deepest_nesting));
+    if (depth > deepest_nesting) refuse(fmt::format("is nested deeper than {} levels", deepest_nesting));
     if (c != '=') continue;
     const bool second_half =
         i > 0 && (text[i - 1] == '=' || text[i - 1] == '<' || text[i - 1] == '>' || text[i - 1] == '!');
     const bool first_half = i + 1 < text.size() && text[i + 1] == '=';
-    if (!second_half && !first_half) refuse(text, "'=' assigns; to compare, write '=='");
+    if (!second_half && !first_half) refuse("'=' assigns; to compare, write '=='");
   }
 }
 
-/// What the conditions of the expression that this thread evaluates write to, or are overruled by.
-thread_local Choices* noted = nullptr;
-thread_local const Choices* held = nullptr;
+double sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-constexpr const char* choice_function = "choice__";
-
-double choose(double number, double condition) {
-  const auto k = static_cast<std::size_t>(number);
-  if (held && held->taken[k] != 0) return held->taken[k] - 1;
-  if (noted) noted->taken[k] = condition != 0 ? 2 : 1;
-  return condition;
+double value_at(Op op, double x) {
+  switch (op) {
+    case Op::square:
+      return x * x;
+    case Op::cube:
+      return x * x * x;
+    case Op::fourth:
+      return x * x * x * x;
+    case Op::sin:
+      return std::sin(x);
+    case Op::cos:
+      return std::cos(x);
+    case Op::tan:
+      return std::tan(x);
+    case Op::asin:
+      return std::asin(x);
+    case Op::acos:
+      return std::acos(x);
+    case Op::atan:
+      return std::atan(x);
+    case Op::sinh:
+      return std::sinh(x);
+    case Op::cosh:
+      return std::cosh(x);
+    case Op::tanh:
+      return std::tanh(x);
+    case Op::asinh:
+      return std::asinh(x);
+    case Op::acosh:
+      return std::acosh(x);
+    case Op::atanh:
+      return std::atanh(x);
+    case Op::log2:
+      return std::log2(x);
+    case Op::log10:
+      return std::log10(x);
+    case Op::ln:
+      return std::log(x);
+    case Op::exp:
+      return std::exp(x);
+    case Op::sqrt:
+      return std::sqrt(x);
+    case Op::sign:
+      return sign_of(x);
+    case Op::rint:
+      return std::floor(x + 0.5);
+    default:  // abs
+      return std::abs(x);
+  }
 }
 
-/// The text with each condition of `?:` as the argument of the function above: "(t<1 ? a : b)" becomes
-/// "(choice__(0,(t<1 ))? a : b)". A condition reaches back to what it is enclosed by, or to the choice
-/// before.
-std::string with_numbered_choices(const std::string& text) {
-  std::vector<std::pair<std::size_t, std::string>> insertions;
-  std::vector<std::size_t> starts{0};
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '?' && count < Choices::most) {
-      insertions.emplace_back(starts.back(), fmt::format("{}({},(", choice_function, count++));
-      insertions.emplace_back(i, "))");
+Taylor taylor_at(Op op, double x) {
+  const double f = value_at(op, x);
+  const auto logarithm = [&](double base) { return Taylor{f, 1 / (x * base), -1 / (x * x * base)}; };
+  switch (op) {
+    case Op::square:
+      return {f, 2 * x, 2};
+    case Op::cube:
+      return {f, 3 * x * x, 6 * x};
+    case Op::fourth:
+      return {f, 4 * x * x * x, 12 * x * x};
+    case Op::sin:
+      return {f, std::cos(x), -f};
+    case Op::cos:
+      return {f, -std::sin(x), -f};
+    case Op::tan:
+      return {f, 1 + f * f, 2 * f * (1 + f * f)};
+    case Op::asin:
+    case Op::acos: {
+      const double c = 1 - x * x, slope = (op == Op::asin ? 1 : -1) / std::sqrt(c);
+      return {f, slope, slope * x / c};
     }
-    if (c == '(') starts.push_back(i + 1);
-    if (c == ')' && starts.size() > 1) starts.pop_back();
-    if (c == '?' || c == ':' || c == ',') starts.back() = i + 1;
+    case Op::atan: {
+      const double slope = 1 / (1 + x * x);
+      return {f, slope, -2 * x * slope * slope};
+    }
+    case Op::sinh:
+      return {f, std::cosh(x), f};
+    case Op::cosh:
+      return {f, std::sinh(x), f};
+    case Op::tanh: {
+      // 1 − tanh² without cancellation.
+      const double slope = 1 / (std::cosh(x) * std::cosh(x));
+      return {f, slope, -2 * f * slope};
+    }
+    case Op::asinh: {
+      const double c = 1 + x * x, slope = 1 / std::sqrt(c);
+      return {f, slope, -slope * x / c};
+    }
+    case Op::acosh: {
+      const double c = (x - 1) * (x + 1), slope = 1 / std::sqrt(c);
+      return {f, slope, -slope * x / c};
+    }
+    case Op::atanh: {
+      const double slope = 1 / ((1 - x) * (1 + x));
+      return {f, slope, 2 * x * slope * slope};
+    }
+    case Op::log2:
+      return logarithm(std::numbers::ln2);
+    case Op::log10:
+      return logarithm(std::numbers::ln10);
+    case Op::ln:
+      return logarithm(1);
+    case Op::exp:
+      return {f, f, f};
+    case Op::sqrt:
+      return {f, 0.5 / f, -0.25 / (f * x)};
+    case Op::abs:
+      return {f, sign_of(x), 0};
+    default:  // sign, rint
+      return {f, 0, 0};
   }
-  std::sort(insertions.begin(), insertions.end());
-  std::string result;
-  std::size_t at = 0;
-  for (const auto& [place, inserted] : insertions) {
-    result += text.substr(at, place - at) + inserted;
-    at = place;
-  }
-  return result + text.substr(at);
 }
 
-std::string message_of(const mu::Parser::exception_type& error, const mu::Parser& parser,
-                       const std::vector<std::string>& variables) {
-  const std::string token = error.GetToken();
-  const bool name = !token.empty() && (std::isalpha(static_cast<unsigned char>(token[0])) || token[0] == '_');
-  if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN && name) {
-    // The token runs to the end of the text; its name is what an unknown name is.
-    const std::string unknown = token.substr(
-        0,
-        static_cast<std::size_t>(std::find_if(token.begin(), token.end(),
-                                              [](unsigned char c) { return !std::isalnum(c) && c != '_'; }) -
-                                 token.begin()));
-    std::vector<std::string> known = variables;
-    known.push_back("pi");
-    for (const auto& function : parser.GetFunDef()) known.push_back(function.first);
-    return fmt::format("unknown name '{}'{}; the variables here are: {}", unknown,
-                       did_you_mean(unknown, known), fmt::join(variables, ", "));
+double unary(Op op, double x) { return value_at(op, x); }
+template <class Scalar>
+Scalar unary(Op op, const Scalar& x) {
+  return chain(taylor_at(op, value_of(x)), x);
+}
+
+double power(double a, double b) { return std::pow(a, b); }
+template <class Scalar>
+Scalar power(const Scalar& a, const Scalar& b) {
+  const double x = a.value, n = b.value, f = std::pow(x, n);
+  if (!varies(b) || x == 0) {
+    const double f1 = n == 0 ? 0 : n * std::pow(x, n - 1);
+    return chain({f, f1, n == 0 || n == 1 ? 0 : n * (n - 1) * std::pow(x, n - 2)}, a);
   }
-  std::string message = error.GetMsg();
-  while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
-  return message;
+  Scalar result = chain({f, f, f}, b * unary(Op::ln, a));  // exp(b ln a)
+  result.value = f;
+  return result;
+}
+
+double arc_tangent(double y, double x) { return std::atan2(y, x); }
+Gradient arc_tangent(const Gradient& y, const Gradient& x) {
+  const double s = x.value * x.value + y.value * y.value;
+  return {std::atan2(y.value, x.value), (x.value * y.by_first - y.value * x.by_first) / s,
+          (x.value * y.by_second - y.value * x.by_second) / s};
+}
+Jet arc_tangent(const Jet& y, const Jet& x) {
+  const double s = x.value * x.value + y.value * y.value;
+  const double first = (x.value * y.first - y.value * x.first) / s;
+  return {
+      std::atan2(y.value, x.value), first,
+      (x.value * y.second - y.value * x.second - 2 * (x.value * x.first + y.value * y.first) * first) / s};
+}
+
+double mean(double a, double) { return a; }
+/// `a` where it is smaller by `sign` times.
+template <class Scalar>
+Scalar least(const Scalar& a, const Scalar& b, double sign) {
+  const double x = sign * value_of(a), y = sign * value_of(b);
+  return x < y ? a : y < x ? b : x == y ? mean(a, b) : (std::isnan(x) ? a : b);
+}
+
+bool holds(Op op, double a, double b) {
+  switch (op) {
+    case Op::less:
+      return a < b;
+    case Op::greater:
+      return a > b;
+    case Op::less_or_equal:
+      return a <= b;
+    case Op::greater_or_equal:
+      return a >= b;
+    case Op::equal:
+      return a == b;
+    case Op::not_equal:
+      return a != b;
+    case Op::both:
+      return a != 0 && b != 0;
+    default:  // either
+      return a != 0 || b != 0;
+  }
+}
+
+template <class Scalar>
+Scalar run(const ExpressionProgram& program, const Scalar* variables) {
+  std::array<Scalar, ExpressionProgram::deepest_stack + 1> stack;
+  Scalar* top = stack.data();  // below the first
+  const std::size_t end = program.code.size();
+  for (std::size_t at = 0; at < end; ++at) {
+    const ExpressionProgram::Instruction& i = program.code[at];
+    switch (i.op) {
+      case Op::number:
+        set_constant(*++top, i.number);
+        break;
+      case Op::variable:
+        *++top = variables[i.at];
+        break;
+      case Op::negative:
+        *top = -*top;
+        break;
+      case Op::divided_by_number: {
+        Scalar count;
+        set_constant(count, i.number);
+        *top = *top / count;
+        break;
+      }
+      case Op::add:
+        --top;
+        *top = top[0] + top[1];
+        break;
+      case Op::subtract:
+        --top;
+        *top = top[0] - top[1];
+        break;
+      case Op::multiply:
+        --top;
+        *top = top[0] * top[1];
+        break;
+      case Op::divide:
+        --top;
+        *top = top[0] / top[1];
+        break;
+      case Op::power:
+        --top;
+        *top = power(top[0], top[1]);
+        break;
+      case Op::atan2:
+        --top;
+        *top = arc_tangent(top[0], top[1]);
+        break;
+      case Op::min:
+        --top;
+        *top = least(top[0], top[1], 1);
+        break;
+      case Op::max:
+        --top;
+        *top = least(top[0], top[1], -1);
+        break;
+      case Op::less:
+      case Op::greater:
+      case Op::less_or_equal:
+      case Op::greater_or_equal:
+      case Op::equal:
+      case Op::not_equal:
+      case Op::both:
+      case Op::either:
+        --top;
+        set_constant(*top, holds(i.op, value_of(top[0]), value_of(top[1])) ? 1 : 0);
+        break;
+      case Op::jump:
+        at = i.at - 1;
+        break;
+      case Op::jump_if_zero:
+        if (value_of(*top--) == 0) at = i.at - 1;
+        break;
+      default:
+        *top = unary(i.op, *top);
+    }
+  }
+  return *top;
 }
 
 }  // namespace
 
-struct Expression::Compiled {
-  mu::Parser parser;
-  std::array<double, most_variables> variables{};  ///< the parser reads them here
-  std::size_t count = 0;
-  bool has_choices = false;
-  std::atomic_flag busy;
-};
-
-Expression::Expression(const std::string& text, std::vector<std::string> variables)
-    : compiled_(std::make_unique<Compiled>()) {
-  if (variables.empty() || variables.size() > most_variables)
-    throw std::invalid_argument(fmt::format("an expression has 1 to 3 variables, not {}", variables.size()));
+Expression::Expression(const std::string& text, const std::vector<std::string>& variables) {
+  if (variables.size() > most_variables)
+    refuse(fmt::format("an expression has up to 3 variables, not {}", variables.size()));
   check_text(text);
   if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isspace(c); }))
-    refuse(text, "is empty");
-  mu::Parser& parser = compiled_->parser;
-  compiled_->count = variables.size();
-  try {
-    for (std::size_t i = 0; i < variables.size(); ++i)
-      parser.DefineVar(variables[i], &compiled_->variables[i]);
-    parser.DefineConst("pi", std::numbers::pi);
-    parser.SetExpr(text);
-    parser.Eval();  // compiles; later evaluations run the compiled form
-    if (parser.GetNumResults() != 1) refuse(text, "has several values, separated by commas");
-    compiled_->has_choices = text.find('?') != std::string::npos;
-    if (compiled_->has_choices) {
-      parser.DefineFun(choice_function, choose, false);
-      parser.SetExpr(with_numbered_choices(text));
-      parser.Eval();
-    }
-  } catch (const mu::Parser::exception_type& error) {
-    refuse(text, message_of(error, parser, variables));
-  }
+    refuse("is empty");
+  program_ = parse_expression(text, variables);
 }
 
-Expression::~Expression() = default;
-
-bool Expression::has_choices() const { return compiled_->has_choices; }
-
-Choices Expression::choices(std::span<const double, most_variables> values) const {
-  Choices result;
-  noted = &result;
-  evaluate(values);
-  noted = nullptr;
-  return result;
+double Expression::value(std::span<const double, most_variables> values) const {
+  return run<double>(program_, values.data());
 }
 
-double Expression::value(std::span<const double, most_variables> values, const Choices& choices) const {
-  held = &choices;
-  const double result = evaluate(values);
-  held = nullptr;
-  return result;
+Jet Expression::jet(std::span<const double, most_variables> values) const {
+  const std::array<Jet, most_variables> x{{{values[0], 1, 0}, {values[1], 0, 0}, {values[2], 0, 0}}};
+  return run<Jet>(program_, x.data());
 }
 
-double Expression::value(std::span<const double, most_variables> values) const { return evaluate(values); }
-
-double Expression::evaluate(std::span<const double, most_variables> values) const {
-  while (compiled_->busy.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
-  std::copy_n(values.begin(), compiled_->count, compiled_->variables.begin());
-  double result = std::numeric_limits<double>::quiet_NaN();
-  try {
-    result = compiled_->parser.Eval();
-  } catch (...) {
-    // Not a number, then: a step cannot throw, and what uses the value will tell that it is not finite.
-  }
-  compiled_->busy.clear(std::memory_order_release);
-  return result;
+Gradient Expression::gradient(std::span<const double, most_variables> values) const {
+  const std::array<Gradient, most_variables> x{{{values[0], 1, 0}, {values[1], 0, 1}, {values[2], 0, 0}}};
+  return run<Gradient>(program_, x.data());
 }
 
 }  // namespace mimbre

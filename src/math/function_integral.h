@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "math/function_difference.h"
+#include "math/quadrature.h"
 
 namespace mimbre {
 
@@ -21,25 +21,25 @@ class IntegralTable {
     const auto magnitude = [&](double x) { return std::abs(f(x)); };
     double size = 0;
     for (int k = 0; k < first_panels; ++k)
-      size += difference::panel(magnitude, end * k / first_panels, end * (k + 1) / first_panels);
+      size += quadrature::panel(magnitude, end * k / first_panels, end * (k + 1) / first_panels);
     for (int k = 0; k < first_panels; ++k)
       add(f, end * k / first_panels, end * (k + 1) / first_panels, 1e-14 * size, deepest);
   }
 
   template <class F>
   double value(F&& f, double x) const {
-    if (!(x >= 0)) return difference::integral(f, 0, x);
+    if (!(x >= 0)) return quadrature::integral(f, 0, x);
     const double end = edges_.back();
     if (x <= end) {
       const auto k =
           static_cast<std::size_t>(std::upper_bound(edges_.begin(), edges_.end(), x) - edges_.begin()) - 1;
-      return values_[k] + (x > edges_[k] ? difference::panel(f, edges_[k], x) : 0);
+      return values_[k] + (x > edges_[k] ? quadrature::panel(f, edges_[k], x) : 0);
     }
     const double panels = end > 0 ? std::ceil((x - end) / end * static_cast<double>(edges_.size() - 1)) : 8;
     const int n = static_cast<int>(std::clamp(panels, 1.0, 10000.0));
     double sum = values_.back();
     for (int k = 0; k < n; ++k)
-      sum += difference::panel(f, end + (x - end) * k / n, end + (x - end) * (k + 1) / n);
+      sum += quadrature::panel(f, end + (x - end) * k / n, end + (x - end) * (k + 1) / n);
     return sum;
   }
 
@@ -50,8 +50,8 @@ class IntegralTable {
   template <class F>
   void add(F&& f, double a, double b, double enough, int depth) {
     const double middle = 0.5 * (a + b);
-    const double whole = difference::panel(f, a, b),
-                 halves = difference::panel(f, a, middle) + difference::panel(f, middle, b);
+    const double whole = quadrature::panel(f, a, b),
+                 halves = quadrature::panel(f, a, middle) + quadrature::panel(f, middle, b);
     // Where it is not finite, halving does not help.
     if (depth > 0 && std::abs(whole - halves) > enough && edges_.size() < most_panels) {
       add(f, a, middle, enough, depth - 1);

@@ -1,14 +1,13 @@
 #include "model_file/expression.h"
 
 #include <fmt/format.h>
-#include <muParser.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
+#include "math/function_expression.h"
 #include "mimbre/diagnostics.h"
 #include "model_file/dimensions.h"
 #include "model_file/scanning.h"
@@ -136,7 +135,7 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
           unit ? fmt::format("({}*{:.17g}/{:.17g})", digits, unit->numerator, unit->denominator) : digits;
       i = unit ? unit->end : end;
     } else if (c == '=') {
-      // muParser would take a lone '=' as an assignment.
+      // A lone '=' may be meant for '=='.
       const bool compares = (i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos) ||
                             (i + 1 < text.size() && text[i + 1] == '=');
       if (!compares) throw ExpressionError("'=' is no operator; compare with '=='");
@@ -167,16 +166,9 @@ double evaluate(const std::string& given, const Scope& scope, const Quantity& wa
   const std::string expression = substitute_parameters(text, scope, {}, wanted);
   if (trimmed(expression).empty()) throw ExpressionError("is empty; a number is needed");
   try {
-    mu::Parser parser;
-    parser.DefineConst("pi", std::numbers::pi);
-    parser.SetExpr(expression);
-    int count = 0;
-    const double* results = parser.Eval(count);
-    if (count != 1)
-      throw ExpressionError(fmt::format("'{}' is a list of {} numbers; one is needed", given, count));
-    value = results[0];
-  } catch (const mu::Parser::exception_type& error) {
-    throw ExpressionError(fmt::format("'{}' is no expression: {}", given, error.GetMsg()));
+    value = Expression(expression, {}).value(std::array<double, Expression::most_variables>{});
+  } catch (const std::invalid_argument& error) {
+    throw ExpressionError(fmt::format("'{}' is no expression: {}", given, error.what()));
   }
   if (!std::isfinite(value))
     throw ExpressionError(fmt::format("'{}' is not a finite number ({})", given, value));

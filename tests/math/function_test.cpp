@@ -278,26 +278,26 @@ TEST(FunctionExpression, DerivativesMatchClosedForms) {
   const Function f = Function::expression("0.5*sin(2*pi*t)", "t");
   const double w = 2 * pi;
   for (double t = -3; t < 120; t += 0.173) {
-    EXPECT_NEAR(f.derivative(t), 0.5 * w * std::cos(w * t), 1e-8) << t;
-    EXPECT_NEAR(f.second_derivative(t), -0.5 * w * w * std::sin(w * t), 1e-5) << t;
+    EXPECT_NEAR(f.derivative(t), 0.5 * w * std::cos(w * t), 1e-11) << t;
+    EXPECT_NEAR(f.second_derivative(t), -0.5 * w * w * std::sin(w * t), 1e-10) << t;
   }
   const Function stiff = Function::expression("1e5*(x-0.25) + 3e7*(x-0.25)^3", "x");
   for (double x = 0.2; x < 0.3; x += 0.007) {
     const double s = x - 0.25;
-    EXPECT_NEAR(stiff.derivative(x), 1e5 + 9e7 * s * s, 1e-9 * 1e5);
-    EXPECT_NEAR(stiff.second_derivative(x), 18e7 * s, 1e-8 * 18e7);
+    EXPECT_NEAR(stiff.derivative(x), 1e5 + 9e7 * s * s, 1e-14 * 1e5);
+    EXPECT_NEAR(stiff.second_derivative(x), 18e7 * s, 1e-15 * 18e7);
   }
 }
 
 TEST(FunctionExpression, DerivativesSeeNarrowFeatures) {
   const Function friction = Function::expression("100*tanh(v/0.001)", "v");
   const double v = 0.0004, c = std::cosh(v / 0.001);
-  EXPECT_NEAR(friction.derivative(v), 1e5 / (c * c), 1e-6 * 1e5);
+  EXPECT_NEAR(friction.derivative(v), 1e5 / (c * c), 1e-14 * 1e5);
   const Function kink = Function::expression("abs(x)", "x");
   EXPECT_NEAR(kink.derivative(1e-4), 1, 1e-9);
   EXPECT_NEAR(kink.derivative(-1e-4), -1, 1e-9);
-  EXPECT_NEAR(Function::expression("sqrt(x)", "x").derivative(1e-3), 0.5 / std::sqrt(1e-3), 1e-6);
-  EXPECT_NEAR(Function::expression("x^2", "x").derivative(1e8), 2e8, 1);
+  EXPECT_NEAR(Function::expression("sqrt(x)", "x").derivative(1e-3), 0.5 / std::sqrt(1e-3), 1e-14);
+  EXPECT_NEAR(Function::expression("x^2", "x").derivative(1e8), 2e8, 1e-7);
 }
 
 TEST(FunctionExpression, AntiderivativeStartsAtZero) {
