@@ -157,7 +157,8 @@ void make_orthogonal(ReducedBody& body);
 /// inertia. Returns one message per violation; empty when sound.
 std::vector<std::string> check(const ReducedBody& body);
 
-/// One HDF5 file (layout in docs/reduced-body-format.md). Throw InputError naming the file and what is wrong.
+/// One HDF5 file (layout in docs/reduced-body-format.md). Throw InputError naming the file and what is wrong
+/// with it; save throws std::runtime_error where the file cannot be written.
 void save(const ReducedBody& body, const std::string& path);
 ReducedBody load_reduced_body(const std::string& path);
 /// Whether there is such a file, as far as its first attribute says.

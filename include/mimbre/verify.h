@@ -14,7 +14,8 @@ namespace mimbre {
 
 /// Channels of a run at its output instants.
 struct Series {
-  double step = 0;  ///< s; 0: not known
+  double step = 0;    ///< s; 0: not known
+  double length = 0;  ///< typical of the mechanism, m; 0: not known
   std::vector<ChannelInfo> info;
   std::vector<double> time;               ///< s
   std::vector<Eigen::VectorXd> channels;  ///< one per instant
@@ -42,9 +43,9 @@ struct Apart {
 /// range: its scale is at least 1e-4 of the largest range of its unit, 1e-3 of the largest value where zero
 /// means something (what the iterations' tolerance leaves of forces and energies is a share of those at
 /// play), and 1e-6 of its own largest value. Where everything is at rest, lengths, angles, velocities and
-/// accelerations count from a thousandth of what gravity does in a step. Reactions that redundant constraints
-/// leave open are not compared.
-
+/// accelerations count from a thousandth of what gravity does in a step, and lengths (of the mechanism's) and
+/// angles from 1e-7, to a hundredth of which loops are closed at the start; quaternions are angles. Reactions
+/// that redundant constraints leave open are not compared.
 std::vector<Apart> differences(const Series& a, const Series& b);
 
 /// A channel at the step and, where they were made, at half and a quarter of it.

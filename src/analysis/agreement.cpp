@@ -27,6 +27,8 @@ constexpr double of_own = 0.1;          ///< least scale, of the channel's large
 constexpr double of_play = 1e-3;        ///< least scale, of the largest value of the unit
 constexpr double of_energy = 1e-2;      ///< least scale of moments, and of forces times the largest length
 constexpr double of_gravity = 9.81e-3;  ///< least scale at rest, of accelerations, m/s²
+/// Least scale of lengths, of the mechanism's, and of angles: 1 % of it is to what a start closes its loops.
+constexpr double of_start = 1e-7;
 constexpr std::size_t named_channels = 5;
 
 /// Two values that are both not a number, or the same infinity, agree.
@@ -62,6 +64,17 @@ std::optional<double> fall(double whole, double half) {
 /// The channel's zero is no matter of choice.
 bool has_zero(const std::string& name, const std::string& unit) {
   return unit != "m" && unit != "rad" && unit != "1" && name != "energy.gravitational";
+}
+
+/// What a channel counts: quaternions are angles, halved.
+std::string kind(const ChannelInfo& info) {
+  return info.alike == ChannelInfo::Alike::sign ? "rad" : info.unit;
+}
+
+/// Lengths and angles that are the tolerance of the start's closing and equilibrium.
+double scale_at_start(const std::string& unit, double length) {
+  if (unit == "m") return of_start * length;
+  return unit == "rad" ? of_start : 0;
 }
 
 /// What gravity does in a step, and its thousandth: the iterations do not see what is smaller by far.
@@ -100,6 +113,7 @@ std::vector<Apart> differences(const Series& a, const Series& b) {
   for (std::size_t c = 0; c < b.info.size(); ++c)
     channel_of_b.emplace(b.info[c].name, static_cast<Eigen::Index>(c));
   std::vector<Apart> result;
+  std::vector<std::string> kinds;
   std::vector<double> largest;
   double height_energy = 0, energy = 0, length = 0;
 
@@ -125,7 +139,8 @@ std::vector<Apart> differences(const Series& a, const Series& b) {
     }
     if (instants > 0) d.rms_difference = std::sqrt(squares / static_cast<double>(instants));
     d.range = sweep.range();
-    double& range = range_of_unit[d.unit];
+    kinds.push_back(kind(a.info[c]));
+    double& range = range_of_unit[kinds.back()];
     range = std::max(range, d.range);
     largest.push_back(sweep.largest());
     if (d.name == "energy.gravitational") height_energy = sweep.largest();
@@ -140,8 +155,9 @@ std::vector<Apart> differences(const Series& a, const Series& b) {
   }
   for (std::size_t c = 0; c < result.size(); ++c) {
     Apart& d = result[c];
-    d.scale = std::max(
-        {d.range, scale_at_rest(d.unit, step), of_unit * range_of_unit[d.unit], of_largest * largest[c]});
+    d.scale = std::max({d.range, scale_at_rest(kinds[c], step),
+                        scale_at_start(kinds[c], std::max(a.length, b.length)),
+                        of_unit * range_of_unit[kinds[c]], of_largest * largest[c]});
     if (d.unit == "J") d.scale = std::max(d.scale, of_largest * height_energy);
     // What a joint transmits in directions in which it need not.
     if (d.unit == "N m") d.scale = std::max(d.scale, of_energy * energy);

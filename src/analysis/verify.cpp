@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "mimbre/method_names.h"
+#include "model/compiled.h"
 
 namespace mimbre {
 namespace {
@@ -35,6 +36,7 @@ Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& met
     run.coordinates = simulation.coordinates();
     run.constraints = simulation.constraints();
     out.series.step = method.step;
+    out.series.length = model->compiled().length_scale;
     out.series.info = simulation.channels();
     ResultsRow row;
     const auto sample = [&] {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "app/advice.h"
 #include "app/busy.h"
 #include "app/common.h"
 #include "app/json.h"
@@ -85,6 +86,7 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.step = simulation.step_size();
   d.end = model.spec().simulation.end;
   d.redundancy = simulation.redundancy();
+  print_advice(simulation);
   d.warnings = loaded.warnings;
   for (const std::string& warning : simulation.warnings()) {
     print_warning(warning);

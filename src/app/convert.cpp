@@ -30,6 +30,7 @@ int run(const Arguments& a) {
   const std::string output =
       a.output.empty() ? fs::path(a.input).replace_extension("." + a.to).string() : a.output;
   require_different(a.input, output);
+  a.to == "h5" ? require_writable_body(output) : require_writable(output);
   fe::ImportedBody read = fe::read_body(a.input);
   for (const Diagnostic& warning : read.warnings)
     fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));
@@ -38,9 +39,8 @@ int run(const Arguments& a) {
     read.body.strain.resize(0, 0);
   }
   if (read.body.name.empty()) read.body.name = fs::path(a.input).stem().string();
-  require_writable(output);
   try {
-    fe::write_body(read.body, output, fe::body_format("body." + a.to));
+    write_body_file([&] { fe::write_body(read.body, output, fe::body_format("body." + a.to)); });
   } catch (const std::invalid_argument& error) {
     throw InputError(Mark{a.input}, error.what());
   }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/advice.h"
 #include "app/busy.h"
 #include "app/common.h"
 #include "app/interrupts.h"
@@ -165,6 +166,7 @@ int run(const Arguments& arguments) {
     return std::make_unique<Simulation>(loaded.model, options);
   }();
   Simulation& simulation = *made;
+  if (!arguments.quiet) print_advice(simulation);
 
   catch_interrupts();
   Recorder recorder(arguments, simulation);

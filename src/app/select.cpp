@@ -99,7 +99,7 @@ int run(const Arguments& a) {
   require_different(a.model, a.output);
   require_not_candidates(loaded.model->spec(), a);
   for (const std::string& input : loaded.other_files) require_different(input, a.output);
-  require_writable(a.output);
+  require_writable_body(a.output);
   Progress progress(!a.json);
   ModeSelection s = select(loaded, a, progress);
   progress.clear();
@@ -110,7 +110,7 @@ int run(const Arguments& a) {
         100 * s.achieved_error,
         a.keep == "modes" ? "" : (a.pre == "rigid" ? ", or take --pre candidates" : ", or --keep modes")));
   s.body.name = std::filesystem::path(a.output).stem().string();
-  save(s.body, a.output);
+  write_body_file([&] { save(s.body, a.output); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (a.json) {
     Json json = answer("select");

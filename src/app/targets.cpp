@@ -30,6 +30,21 @@ void require_writable(const std::string& path) {
   need(folder.empty() ? fs::path(".") : folder, W_OK | X_OK);
 }
 
+void require_writable_body(const std::string& path) {
+  require_writable(path);
+  std::error_code unknown;
+  if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
+    throw std::runtime_error(fmt::format("cannot write '{}': it is not a plain file", path));
+}
+
+void write_body_file(const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const InputError& unwritten) {
+    throw Failure(unwritten.what());
+  }
+}
+
 void require_different(const std::string& input, const std::string& output) {
   std::error_code one_is_missing;
   if (input == output || fs::equivalent(input, output, one_is_missing))

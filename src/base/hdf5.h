@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -63,6 +64,24 @@ inline std::string last_error() {
     return cause.substr(from, cause.find('\'', from) - from);
   }
   return cause.empty() ? "unknown HDF5 error" : cause;
+}
+
+/// A new file in memory, called `name`: on a disk that is full HDF5 can neither write a file nor close it
+/// well.
+inline Handle create_in_memory(const std::string& name, hid_t creation) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_fapl_core(access.get(), 1 << 20, false);
+  return Handle(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation, access.get()));
+}
+
+/// The bytes of an open file as they are when it is closed. Throws std::runtime_error.
+inline std::string image(hid_t file) {
+  if (H5Fflush(file, H5F_SCOPE_LOCAL) < 0) throw std::runtime_error(last_error());
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size < 0) throw std::runtime_error(last_error());
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw std::runtime_error(last_error());
+  return bytes;
 }
 
 /// Whether `parent` has the link `name`, of any kind.

@@ -100,7 +100,7 @@ constexpr const char* busy = "another program is writing it";
 
 }  // namespace
 
-OutputPlace::OutputPlace(const std::string& target, Kind kind) : shown_(target) {
+OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
   const bool special = target.starts_with("/dev/") || target.starts_with("/proc/");
   target_ = special ? target : followed(target).string();
   existed_ = stat(target_.c_str(), &before_) == 0;
@@ -111,7 +111,6 @@ OutputPlace::OutputPlace(const std::string& target, Kind kind) : shown_(target) 
     path_ = target_;
     return;
   }
-  int made = -1;
   if (existed_) {
     lock_ = open(target_.c_str(), O_RDWR | O_CLOEXEC);
     if (lock_ < 0) fail(errno);
@@ -119,16 +118,9 @@ OutputPlace::OutputPlace(const std::string& target, Kind kind) : shown_(target) 
       close(lock_);
       throw std::runtime_error(busy);
     }
-  } else if (kind == Kind::growing) {
-    path_ = target_;
-    made = create(path_, 0666);
-    if (made < 0 && errno == EEXIST) throw std::runtime_error(busy);
-    if (made >= 0 && !lock(made)) {
-      close(made);
-      throw std::runtime_error(busy);
-    }
   }
-  for (int k = 0; made < 0 && (existed_ || kind == Kind::whole) && k < most_names; ++k) {
+  int made = -1;
+  for (int k = 0; made < 0 && k < most_names; ++k) {
     path_ = part_name(target_, k).string();
     made = create(path_, existed_ ? S_IRUSR | S_IWUSR : 0666);
     if (made < 0 && errno != EEXIST) break;
@@ -139,10 +131,12 @@ OutputPlace::OutputPlace(const std::string& target, Kind kind) : shown_(target) 
     fail(error);
   }
   fstat(made, &own_);
-  if (lock_ < 0)
-    lock_ = made;
-  else
+  if (existed_) {
     close(made);
+  } else {
+    lock_ = made;
+    lock(lock_);  // for the time when it is the target
+  }
   pending_ = true;
 }
 
@@ -166,6 +160,27 @@ void OutputPlace::adopt_mode() const {
                           chown(path_.c_str(), before_.st_uid, before_.st_gid) == 0;
   // Another owner does not inherit the right to run as the old one.
   chmod(path_.c_str(), before_.st_mode & (owner_kept ? 07777u : 0777u));
+}
+
+void OutputPlace::write(std::string_view bytes) const {
+  std::FILE* file = std::fopen(path_.c_str(), "wb");
+  if (!file) fail(errno);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const int error = errno;
+  // Closing writes the last of it, and may find the disk full.
+  if (std::fclose(file) != 0 || !written) fail(written ? errno : error);
+}
+
+void OutputPlace::show() {
+  if (!pending_ || existed_) return;
+  // A link never takes the place of anything.
+  if (link(path_.c_str(), target_.c_str()) == 0) {
+    unlink(path_.c_str());
+    path_ = target_;
+  } else if (errno == EEXIST) {
+    throw std::runtime_error(busy);
+  }
+  // Else there are no links here, and the file stays beside its target until it is whole.
 }
 
 void OutputPlace::commit() {
@@ -198,12 +213,7 @@ std::string OutputPlace::keep() noexcept {
 
 void write_whole(const std::string& target, std::string_view bytes) {
   OutputPlace place(target);
-  std::FILE* file = std::fopen(place.path().c_str(), "wb");
-  if (!file) fail(errno);
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  const int error = errno;
-  // Closing writes the last of it, and may find the disk full.
-  if (std::fclose(file) != 0 || !written) fail(written ? errno : error);
+  place.write(bytes);
   place.commit();
 }
 

@@ -13,12 +13,8 @@ namespace mimbre {
 /// alone.
 class OutputPlace {
  public:
-  enum class Kind {
-    whole,   ///< nothing stands at the target before commit() or keep()
-    growing  ///< where nothing stands there, the file grows under its own name, so that it can be looked at
-  };
   /// Makes the file to write to. Throws when it cannot be made, or another program is writing the target.
-  explicit OutputPlace(const std::string& target, Kind kind = Kind::whole);
+  explicit OutputPlace(const std::string& target);
   /// Removes what was written, unless it was committed or kept.
   ~OutputPlace();
   OutputPlace(const OutputPlace&) = delete;
@@ -29,6 +25,11 @@ class OutputPlace {
   /// Whether the target is a plain file, or none yet.
   bool plain() const { return plain_; }
 
+  /// Writes all of the file.
+  void write(std::string_view bytes) const;
+  /// Where nothing stands at the target the file is called so from now on, and can be looked at while it
+  /// grows: path() changes. Throws when another program was quicker.
+  void show();
   /// What was written takes the target's place. Throws, and keeps it where it is, when that fails or another
   /// program has written the target meanwhile.
   void commit();

@@ -70,7 +70,9 @@ Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
 /// Called with the estimates of λ found so far, ascending: how many of the lowest must have converged.
 using Wanted = std::function<Index(const VectorXd&)>;
 
-Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<void(double)>& progress) {
+/// `fewest`: so many modes are wanted at least.
+Modes iterate(const Pencil& pencil, const Wanted& wanted, Index fewest,
+              const std::function<void(double)>& progress) {
   const Index rows = pencil.rows > 0 ? pencil.rows : pencil.size;
   const Index width = std::min<Index>(kWidth, pencil.size);
   MatrixXd basis(rows, 0), projected(0, 0);
@@ -79,7 +81,7 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
     throw std::invalid_argument(
         "no part of the finite-element model that can move has a mass that counts beside its "
         "stiffness: check units, density and elastic moduli");
-  Index columns = 0;
+  Index columns = 0, next_look = fewest;
   while (true) {
     const Index fresh = std::min(next.block.cols(), pencil.size - columns);
     if (columns + fresh > basis.cols()) {
@@ -102,6 +104,11 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
     projected.block(first, 0, fresh, columns) = products.transpose();
     next = orthonormal(pencil, image);
 
+    // The small eigenproblem costs columns³: it waits until enough columns are there, and then for a
+    // sixteenth more.
+    const bool complete = columns >= pencil.size || next.block.cols() == 0;
+    if (!complete && columns < next_look) continue;
+    next_look = columns + columns / 16;
     const MatrixXd T = projected.topLeftCorner(columns, columns);
     const EigenPairs ritz = symmetric_eigen(0.5 * (T + T.transpose()));  // ascending 1/(λ − σ)
     const VectorXd all = ritz.values.reverse();
@@ -111,7 +118,6 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, const std::function<vo
     const VectorXd residuals = (next.factor * turn.bottomRows(fresh)).colwise().norm();
     const Index converged = (residuals.array() <= kTolerance * all.head(found).array()).count();
     if (progress) progress(static_cast<double>(converged) / static_cast<double>(count));
-    const bool complete = columns >= pencil.size || next.block.cols() == 0;
     if (converged == count || complete) {
       Modes modes{estimates.head(found), basis.leftCols(columns) * turn};
       fix_signs(modes.vectors);
@@ -128,7 +134,7 @@ Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(do
   if (count == 0) return {VectorXd(0), MatrixXd(pencil.rows > 0 ? pencil.rows : pencil.size, 0)};
   if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
   Modes modes = iterate(
-      pencil, [count](const VectorXd&) { return Index{count}; }, progress);
+      pencil, [count](const VectorXd&) { return Index{count}; }, count, progress);
   // Of a mass of low rank the iteration ends early, or goes on with round-off and finds modes twice.
   const MatrixXd gram = modes.vectors.transpose() * pencil.mass(modes.vectors);
   if (gram.cols() < count || !gram.isIdentity(kNotOrthogonal))
@@ -147,7 +153,7 @@ Modes block_lanczos_below(const Pencil& pencil, double limit, const std::functio
       throw std::invalid_argument("more than 1000 modes lie below the frequency; is it in hertz?");
     return count + 1;
   };
-  Modes modes = iterate(pencil, wanted, progress);
+  Modes modes = iterate(pencil, wanted, 1, progress);
   const Index count = below(modes.eigenvalues);
   modes.eigenvalues.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);

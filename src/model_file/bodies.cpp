@@ -26,6 +26,11 @@ struct Local {
 };
 
 std::optional<Eigen::Matrix3d> read_inertia(const Value& value) {
+  const auto& items = value.tree().items;
+  if (items.size() == 3 && items.front()->kind == Tree::Kind::list) {
+    value.error("a tensor is given by six numbers, [Ixx, Iyy, Izz, Ixy, Ixz, Iyz], not by its rows");
+    return {};
+  }
   if (value.is_list() && value.tree().items.size() != 3 && value.tree().items.size() != 6) {
     value.error("three numbers Ixx Iyy Izz or six with Ixy Ixz Iyz are needed");
     return {};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -48,6 +49,24 @@ int find_node_frame(Builder& builder, const std::string& full_name) {
       }
   }
   return -2;
+}
+
+/// Of BODY.NODE, where BODY has nodes: which they are, and which could be meant.
+std::optional<std::string> nodes_of_body_before_dot(const Builder& builder, const std::string& full_name) {
+  const auto dot = full_name.rfind('.');
+  if (dot == std::string::npos) return {};
+  const int body = find(builder.body_names.index, full_name.substr(0, dot));
+  if (body < 0) return {};
+  const auto& nodes = builder.bodies[static_cast<std::size_t>(body)].node_names;
+  if (nodes.empty()) return {};
+  return fmt::format("{}; the nodes of '{}' are: {}", did_you_mean(full_name.substr(dot + 1), nodes),
+                     full_name.substr(0, dot), joined(nodes));
+}
+
+bool means_ground(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name == "world" || name == "earth" || name == "inertial" || name == "origin" || name == "fixed" ||
+         name == "ground";
 }
 
 }  // namespace
@@ -150,9 +169,16 @@ std::optional<Attachment> resolve_attachment(Builder& builder, const Part& part,
     if (frame < 0) frame = find_node_frame(builder, full);
     if (frame >= 0) return Attachment{builder.model.frames[static_cast<std::size_t>(frame)].body, frame};
   }
+  for (const std::string& full : tried)
+    if (const auto nodes = nodes_of_body_before_dot(builder, full)) {
+      value.error(fmt::format("there is no body, frame or node '{}'{}", *name, *nodes));
+      return {};
+    }
   const auto known = attachment_names(builder, part);
-  value.error(fmt::format("there is no body, frame or node '{}'{}; there are: {}", *name,
-                          did_you_mean(*name, known), joined(known)));
+  value.error(
+      fmt::format("there is no body, frame or node '{}'{}; there are: {}", *name,
+                  means_ground(*name) ? " (the fixed world is called 'ground')" : did_you_mean(*name, known),
+                  joined(known)));
   return {};
 }
 

@@ -121,7 +121,7 @@ class Walk {
 
   Measure number() {
     at_ = number_end(text_, at_);
-    const auto unit = unit_behind(text_, at_, scope_, variables_);
+    const auto unit = unit_behind(text_, at_, scope_, variables_, quantity::any);
     if (!unit) return {};
     any_unit_ = true;
     at_ = unit->end;
@@ -171,10 +171,7 @@ void check_dimensions(const std::string& text, const Scope& scope, const std::ve
   }
   if (!walk.any_unit() || measure.kind != Measure::known || fits(measure.dimension, wanted)) return;
   const std::string found = to_text(measure.dimension);
-  throw ExpressionError(wanted.unit.empty()
-                            ? fmt::format("'{}' is in {}; a number without unit is needed here", text, found)
-                            : fmt::format("'{}' is in {}; {} is needed here{}", text, found, wanted.unit,
-                                          wanted.unit == "rad" ? " (or deg)" : ""));
+  throw ExpressionError(fmt::format("'{}' is in {}; {}", text, found, needed(wanted)));
 }
 
 }  // namespace mimbre::model_file

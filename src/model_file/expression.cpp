@@ -6,6 +6,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
+#include <string_view>
 
 #include "math/function_expression.h"
 #include "mimbre/diagnostics.h"
@@ -60,6 +62,37 @@ std::string value_of_name(const std::string& name, const Scope& scope,
   throw ExpressionError(fmt::format("'{}' is not a parameter or function{}", name, hint));
 }
 
+/// A number, perhaps with a unit behind it, and nothing to reckon.
+bool is_one_number(const std::string& text) {
+  const std::size_t start = text.find_first_not_of(" -+");
+  if (start == std::string::npos || !(is_digit(text[start]) || text[start] == '.')) return false;
+  const std::string behind = text.substr(number_end(text, start));
+  return behind.find_first_of("+-()<>=?,&|") == std::string::npos && behind.find(" *") == std::string::npos &&
+         behind.find(" /") == std::string::npos && !behind.starts_with('*') && !behind.starts_with('/');
+}
+
+/// Where a text processor has replaced what is on the keyboard.
+std::string typographic_hint(const std::string& text) {
+  const auto has = [&](std::initializer_list<const char*> signs) {
+    return std::any_of(signs.begin(), signs.end(),
+                       [&](const char* sign) { return text.find(sign) != std::string::npos; });
+  };
+  if (has({"“", "”", "„", "‘", "’"})) return "; quotes are \" or '";
+  if (has({"−", "–", "—"})) return "; write a minus as '-'";
+  if (has({"×", "·", "∙"})) return "; write a product with '*'";
+  return {};
+}
+
+/// The parser's words without places, which count in a text that has the parameters' values in it.
+std::string without_positions(std::string message) {
+  constexpr std::string_view mark = " at position ";
+  for (auto at = message.find(mark); at != std::string::npos; at = message.find(mark)) {
+    const auto end = message.find_first_not_of("0123456789", at + mark.size());
+    message.erase(at, end == std::string::npos ? end : end - at);
+  }
+  return message;
+}
+
 }  // namespace
 
 const ParameterValue* Scope::find(const std::string& name) const {
@@ -104,6 +137,7 @@ bool is_function_name(const std::string& name) {
 std::string substitute_parameters(const std::string& text, const Scope& scope,
                                   const std::vector<Variable>& variables, const Quantity& wanted) {
   if (text.size() > longest) throw ExpressionError(fmt::format("is longer than {} characters", longest));
+  const bool alone = is_one_number(text);
   std::string result;
   int depth = 0;
   for (std::size_t i = 0; i < text.size();) {
@@ -129,7 +163,7 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
       i = end;
     } else if (is_digit(c) || c == '.') {
       const std::size_t end = number_end(text, i);
-      const auto unit = unit_behind(text, end, scope, variables);
+      const auto unit = unit_behind(text, end, scope, variables, alone ? wanted : quantity::any);
       const std::string digits = text.substr(i, end - i);
       result +=
           unit ? fmt::format("({}*{:.17g}/{:.17g})", digits, unit->numerator, unit->denominator) : digits;
@@ -141,11 +175,13 @@ std::string substitute_parameters(const std::string& text, const Scope& scope,
       if (!compares) throw ExpressionError("'=' is no operator; compare with '=='");
       result += c;
       ++i;
+    } else if (text.compare(i, 2, "**") == 0) {
+      throw ExpressionError(fmt::format("'{}': '**' is no operator; a power is written with '^'", text));
     } else if (std::string(" \t\n+-*/^()<>!&|?:,").find(c) != std::string::npos) {
       result += c;
       ++i;
     } else {
-      throw ExpressionError(fmt::format("'{}' is no number or expression", text));
+      throw ExpressionError(fmt::format("'{}' is no number or expression{}", text, typographic_hint(text)));
     }
   }
   check_dimensions(text, scope, variables, wanted);
@@ -168,7 +204,11 @@ double evaluate(const std::string& given, const Scope& scope, const Quantity& wa
   try {
     value = Expression(expression, {}).value(std::array<double, Expression::most_variables>{});
   } catch (const std::invalid_argument& error) {
-    throw ExpressionError(fmt::format("'{}' is no expression: {}", given, error.what()));
+    const std::string why = error.what();
+    if (why.starts_with("has several values"))
+      throw ExpressionError(
+          fmt::format("'{}' is a list of numbers; one is needed (with a decimal point, no comma)", given));
+    throw ExpressionError(fmt::format("'{}' is no expression: {}", given, without_positions(why)));
   }
   if (!std::isfinite(value))
     throw ExpressionError(fmt::format("'{}' is not a finite number ({})", given, value));

@@ -51,6 +51,13 @@ void read_ends(Builder& builder, const Part& part, const Fields& fields, spec::S
                              to_text(a.position)));
   else if (body(spring.frame_a) == spec::ground && body(spring.frame_b) == spec::ground)
     between->error("both ends are on the ground");
+  else if (const int one = body(spring.frame_a);
+           one == body(spring.frame_b) && !builder.bodies[static_cast<std::size_t>(one)].flexible)
+    builder.warnings.push_back(
+        {between->mark(),
+         fmt::format("spring '{}' has both ends on the rigid body '{}', which does "
+                     "not move against itself: it does nothing",
+                     spring.name, builder.model.bodies[static_cast<std::size_t>(one)].name)});
 }
 
 void read_spring(Builder& builder, const Part& part, const Value& value, spec::Spring& spring) {

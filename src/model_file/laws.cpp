@@ -18,9 +18,39 @@ std::optional<Function> linear_law(const Value& value, const LawUnits& units) {
   return Function::linear(*k, zero);
 }
 
-std::optional<std::vector<double>> read_coefficients(const Value& value) { return value.numbers(1, 32); }
+/// "N/m^2", "N s^2/m^2": of the coefficient of x^k in y(x).
+std::string coefficient_unit(const LawUnits& units, int k) {
+  if (k == 0) return std::string(units.y.unit);
+  if (k == 1 && units.slope.unit.size() > 0) return std::string(units.slope.unit);
+  const std::string x(units.x.unit), y(units.y.unit);
+  const auto over = x.find('/');
+  const auto raised = [k](const std::string& unit) { return k == 1 ? unit : fmt::format("{}^{}", unit, k); };
+  const std::string times = over == std::string::npos ? "" : raised(x.substr(over + 1));
+  const std::string above = y + (y.empty() || times.empty() ? "" : " ") + times;
+  return fmt::format("{}/{}", above.empty() ? "1" : above, raised(x.substr(0, over)));
+}
 
-std::optional<Function> pieces_law(const Value& value, const Quantity& x) {
+/// Coefficients c of y = Σ c[k] x^k, each in SI or with a unit of y/x^k.
+std::optional<std::vector<double>> read_coefficients(const Value& value, const LawUnits& units) {
+  const auto& items = value.tree().items;
+  if (!value.is_list() || items.empty() || items.size() > 32) return value.numbers(1, 32);
+  std::vector<double> coefficients;
+  bool good = true;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const int power_of_x = static_cast<int>(k);
+    const std::string unit = coefficient_unit(units, power_of_x);
+    Quantity of{unit, {}};
+    if (units.x.dimension && units.y.dimension)
+      of.dimension = product(*units.y.dimension, power(*units.x.dimension, -power_of_x));
+    const auto coefficient = Value(value.reading(), *items[k], value.what()).number(of);
+    good = good && coefficient;
+    coefficients.push_back(coefficient.value_or(0));
+  }
+  if (!good) return {};
+  return coefficients;
+}
+
+std::optional<Function> pieces_law(const Value& value, const LawUnits& units) {
   std::vector<double> breaks;
   std::vector<std::vector<double>> pieces;
   bool good = true;
@@ -29,7 +59,7 @@ std::optional<Function> pieces_law(const Value& value, const Quantity& x) {
   for (std::size_t k = 0; k < list.size(); ++k) {
     const Fields fields(list[k], {"until", "polynomial"});
     const auto polynomial = fields.need("polynomial", "[0, 100]");
-    const auto coefficients = polynomial ? read_coefficients(*polynomial) : std::nullopt;
+    const auto coefficients = polynomial ? read_coefficients(*polynomial, units) : std::nullopt;
     good = good && coefficients;
     pieces.push_back(coefficients.value_or(std::vector<double>{0}));
     const auto until = fields.get("until");
@@ -43,7 +73,7 @@ std::optional<Function> pieces_law(const Value& value, const Quantity& x) {
       good = false;
       continue;
     }
-    const auto end = until->number(x);
+    const auto end = until->number(units.x);
     if (end && !breaks.empty() && *end <= breaks.back()) {
       until->error(fmt::format("the pieces do not ascend: {} comes after {}", *end, breaks.back()));
       good = false;
@@ -159,9 +189,9 @@ std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& 
   }
   const Value description = *fields.get(given[0]);
   if (given[0] == "table") return table_law(fields, description, units);
-  if (given[0] == "pieces") return pieces_law(description, units.x);
+  if (given[0] == "pieces") return pieces_law(description, units);
   if (given[0] == "polynomial") {
-    auto coefficients = read_coefficients(description);
+    auto coefficients = read_coefficients(description, units);
     if (!coefficients) return {};
     return Function::polynomial(std::move(*coefficients));
   }

@@ -321,8 +321,9 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   read_item(builder, part, fields, row, *fields.get(row.key), output);
   const int index = static_cast<int>(builder.model.outputs.size());
   if (!builder.output_names.index.emplace(output.name, index).second)
-    given_name->error(fmt::format(
-        "there are two outputs called '{}'; in a template the name needs {{instance}}", output.name));
+    given_name->error(
+        fmt::format("there are two outputs called '{}'; {}", output.name,
+                    part.instance.empty() ? "rename one" : "in a template the name needs {instance}"));
   builder.model.outputs.push_back(std::move(output));
 }
 

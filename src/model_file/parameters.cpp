@@ -32,6 +32,16 @@ bool reserved(const std::string& name) {
          std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// " ('l' is a spring's length in laws)"
+std::string meaning_in_laws(const std::string& name) {
+  static const std::map<std::string, std::string> meanings{{"l", "a spring's length"},
+                                                           {"x", "a joint's coordinate"},
+                                                           {"v", "the rate of a length"},
+                                                           {"t", "time"}};
+  const auto found = meanings.find(name);
+  return found == meanings.end() ? "" : fmt::format(" ('{}' is {} in laws)", name, found->second);
+}
+
 std::optional<Declaration> read_declaration(const Value& value) {
   Declaration result;
   result.what = value.what();
@@ -107,8 +117,9 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
       continue;
     }
     if (reserved(entry.key)) {
-      errors.add(entry.mark, fmt::format("{}: the name is taken by expressions; choose another", what));
-      continue;
+      errors.add(entry.mark, fmt::format("{}: the name is taken by expressions{}; choose another", what,
+                                         meaning_in_laws(entry.key)));
+      if (!is_variable_name(entry.key)) continue;  // else it is read, for what uses it
     }
     // Expressions may use the parameters above, so this scope is the one to read in.
     Reading reading = section.reading();
@@ -130,11 +141,11 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
     try {
       value = value_from_text(*declaration, declaration->value->text, scope);
     } catch (const ExpressionError& e) {
-      std::string hint;
+      std::string words = e.what();
       for (const auto& later : section.tree().entries)
-        if (std::string(e.what()).starts_with(fmt::format("'{}' is not a parameter", later.key)))
-          hint = "; a parameter can only use those above it";
-      errors.add(declaration->value->mark, fmt::format("{}: {}{}", what, e.what(), hint));
+        if (words.starts_with(fmt::format("'{}' is not a parameter", later.key)))
+          words = fmt::format("'{}' is not known yet; a parameter can only use those above it", later.key);
+      errors.add(declaration->value->mark, fmt::format("{}: {}", what, words));
     }
     if (replaced != given.end()) {
       try {

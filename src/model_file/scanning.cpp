@@ -35,7 +35,7 @@ const Variable* find_variable(const std::string& name, const std::vector<Variabl
 }
 
 std::optional<WrittenUnit> unit_behind(const std::string& text, std::size_t i, const Scope& scope,
-                                       const std::vector<Variable>& variables) {
+                                       const std::vector<Variable>& variables, const Quantity& wanted) {
   const std::size_t at = text.find_first_not_of(" \t\n", i);
   if (at == std::string::npos || !(starts_name(text[at]) || (text[at] & 0x80))) return {};
   const auto known = [&](const std::string& name) {
@@ -46,7 +46,7 @@ std::optional<WrittenUnit> unit_behind(const std::string& text, std::size_t i, c
   if (!starts_name(text[at])) return {};
   if (known(name) || is_function_name(name))
     throw ExpressionError(fmt::format("'{}': an operator is missing before '{}'", text, name));
-  throw ExpressionError(fmt::format("'{}': '{}' is no unit{}", text, name, unit_hint(name)));
+  throw ExpressionError(fmt::format("'{}': '{}' is no unit{}", text, name, unit_hint(name, wanted)));
 }
 
 }  // namespace mimbre::model_file

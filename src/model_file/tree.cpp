@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <sstream>
 #include <unordered_set>
@@ -154,6 +155,42 @@ std::optional<std::pair<int, int>> indenting_tab(const std::string& text) {
   return {};
 }
 
+/// What yaml-cpp complains of, for who does not know its grammar.
+std::string in_plain_words(const std::string& message) {
+  constexpr const char* here = " (here or just above)";
+  if (message == "end of map not found")
+    return fmt::format("the indentation of this line fits no key above it, or a bracket or quote is open{}",
+                       here);
+  if (message == "end of sequence not found")
+    return fmt::format("the indentation of this line fits no list above it, or its '- ' is missing{}", here);
+  if (message == "end of sequence flow not found") return fmt::format("a '[' is not closed by ']'{}", here);
+  if (message == "end of map flow not found") return fmt::format("a '{{' is not closed by '}}'{}", here);
+  if (message == "illegal flow end")
+    return fmt::format("a bracket is closed that is not the open one{}", here);
+  if (message == "illegal map value")
+    return fmt::format(
+        "a key cannot stand here: wrong indentation, or a colon or its blank is missing in the line above{}",
+        here);
+  return fmt::format("{} (unbalanced brackets or quotes, or wrong indentation, here or just above)", message);
+}
+
+/// A hint where the line or the one above has `key:value` without a blank.
+std::string joined_colon(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string content;
+  for (int k = 1; k <= line && std::getline(lines, content); ++k) {
+    if (k + 1 < line) continue;
+    const std::size_t first = content.find_first_not_of(" -"), colon = content.find(':');
+    if (first == std::string::npos || colon == std::string::npos || colon + 1 >= content.size()) continue;
+    const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    const std::string key = content.substr(first, std::max(first, colon) - first);
+    if (!key.empty() && std::all_of(key.begin(), key.end(), in_name) &&
+        !std::isspace(static_cast<unsigned char>(content[colon + 1])))
+      return fmt::format("; line {} needs a blank behind '{}:'", k, key);
+  }
+  return {};
+}
+
 }  // namespace
 
 const Tree::Entry* Tree::find(const std::string& key) const {
@@ -166,6 +203,9 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
                                        std::vector<Diagnostic>& errors) {
   if (text.size() > limits.bytes)
     throw InputError({file, 1, 1}, fmt::format("the file is larger than {} MiB", limits.bytes >> 20));
+  if (text.starts_with("\x89HDF"))
+    throw InputError({file, 0, 0},
+                     "is an HDF5 file, such as results or a reduced body, and no model file (YAML)");
   const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
   if (const std::size_t bad = first_not_utf8(text); bad != std::string::npos && !utf16)
     throw InputError(place_of(text, bad, file),
@@ -192,11 +232,9 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
     if (const auto tab = indenting_tab(text))
       throw InputError({file, tab->first, tab->second},
                        "not valid YAML: a tab in the indentation; indent with spaces");
-    throw InputError(
-        {file, std::max(error.mark.line, 0) + 1, std::max(error.mark.column, 0) + 1},
-        fmt::format("not valid YAML: {} (unbalanced brackets or quotes, or wrong indentation, here or just "
-                    "above)",
-                    error.msg));
+    const int line = std::max(error.mark.line, 0) + 1;
+    throw InputError({file, line, std::max(error.mark.column, 0) + 1},
+                     "not valid YAML: " + in_plain_words(error.msg) + joined_colon(text, line));
   }
 }
 

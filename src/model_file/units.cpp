@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <numbers>
@@ -92,12 +93,17 @@ const NamedUnit* read_name(const std::string& text, std::size_t& at, int& expone
   return nullptr;
 }
 
+/// How many units a product or quotient has.
+std::ptrdiff_t names_in(std::string_view unit) {
+  return 1 + std::count_if(unit.begin(), unit.end(), [](char c) { return c == ' ' || c == '/'; });
+}
+
 std::string base_text(const Dimension& d) {
   std::string over, under;
   const auto add = [&](const char* name, int exponent) {
     if (exponent == 0) return;
     std::string& side = exponent > 0 ? over : under;
-    side += exponent > 0 ? (over.empty() ? "" : "*") : "/";
+    side += exponent > 0 ? (over.empty() ? "" : " ") : "/";
     side += name;
     if (std::abs(exponent) > 1) side += fmt::format("^{}", std::abs(exponent));
   };
@@ -173,13 +179,22 @@ std::optional<WrittenUnit> read_unit(const std::string& text, std::size_t at,
   return result;
 }
 
-std::string unit_hint(const std::string& name) {
+std::string needed(const Quantity& quantity) {
+  if (quantity.unit.empty()) return "a number without unit is needed here";
+  return fmt::format("{} is needed here{}", quantity.unit,
+                     quantity.others.empty() ? "" : fmt::format(" (or {})", quantity.others));
+}
+
+std::string unit_hint(const std::string& name, const Quantity& wanted) {
+  const bool known = wanted.dimension && !wanted.unit.empty();
   std::vector<std::string> names;
-  for (const NamedUnit& unit : named_units) names.emplace_back(unit.name);
-  const std::string hint = did_you_mean(name, names);
-  return hint.empty()
-             ? "; units are kg, g, m, mm, s, ms, N, kN, Nm, Pa, MPa, rad, deg, rpm and their products"
-             : hint;
+  for (const NamedUnit& unit : named_units)
+    if (!known || fits(unit.dimension, wanted) || names_in(wanted.unit) > 1) names.emplace_back(unit.name);
+  const std::string hint = name.size() > 1 ? did_you_mean(name, names) : "";
+  if (!hint.empty()) return hint;
+  return "; " +
+         (known ? needed(wanted)
+                : "units are kg, g, m, mm, s, ms, N, kN, N m, Pa, MPa, rad, deg, rpm and their products");
 }
 
 }  // namespace mimbre::model_file

@@ -17,20 +17,35 @@ Dimension power(const Dimension& a, int exponent);
 
 /// What a key's number measures.
 struct Quantity {
-  std::string_view unit;               ///< as messages call it; empty: a pure number
+  std::string_view unit;               ///< as messages and results call it; empty: a pure number
   std::optional<Dimension> dimension;  ///< none: any unit fits, as for parameters
+  std::string_view others = {};        ///< other units of it that are in use, for messages
 };
+/// "kg is needed here (or g, lb)"
+std::string needed(const Quantity& quantity);
 
 namespace quantity {
-inline constexpr Quantity any{"", {}}, number{"", Dimension{}}, mass{"kg", Dimension{1}},
-    length{"m", Dimension{0, 1}}, area{"m^2", Dimension{0, 2}}, second_moment{"m^4", Dimension{0, 4}},
-    time{"s", Dimension{0, 0, 1}}, angle{"rad", Dimension{0, 0, 0, 1}}, speed{"m/s", Dimension{0, 1, -1}},
-    turning_speed{"rad/s", Dimension{0, 0, -1, 1}}, acceleration{"m/s^2", Dimension{0, 1, -2}},
-    turning_acceleration{"rad/s^2", Dimension{0, 0, -2, 1}}, force{"N", Dimension{1, 1, -2}},
-    moment{"Nm", Dimension{1, 2, -2}}, pressure{"Pa", Dimension{1, -1, -2}},
-    density{"kg/m^3", Dimension{1, -3}}, inertia{"kg*m^2", Dimension{1, 2}},
-    stiffness{"N/m", Dimension{1, 0, -2}}, turning_stiffness{"Nm/rad", Dimension{1, 2, -2, -1}},
-    damping{"Ns/m", Dimension{1, 0, -1}}, turning_damping{"Nms/rad", Dimension{1, 2, -1, -1}};
+inline constexpr Quantity any{"", {}};
+inline constexpr Quantity number{"", Dimension{}};
+inline constexpr Quantity mass{"kg", Dimension{1}, "g, lb"};
+inline constexpr Quantity length{"m", Dimension{0, 1}, "mm, cm, in, ft"};
+inline constexpr Quantity area{"m^2", Dimension{0, 2}, "mm^2, cm^2"};
+inline constexpr Quantity second_moment{"m^4", Dimension{0, 4}, "mm^4, cm^4"};
+inline constexpr Quantity time{"s", Dimension{0, 0, 1}, "ms, min"};
+inline constexpr Quantity angle{"rad", Dimension{0, 0, 0, 1}, "deg"};
+inline constexpr Quantity speed{"m/s", Dimension{0, 1, -1}, "mm/s, km/h"};
+inline constexpr Quantity turning_speed{"rad/s", Dimension{0, 0, -1, 1}, "deg/s, rpm"};
+inline constexpr Quantity acceleration{"m/s^2", Dimension{0, 1, -2}, "mm/s^2"};
+inline constexpr Quantity turning_acceleration{"rad/s^2", Dimension{0, 0, -2, 1}, "deg/s^2"};
+inline constexpr Quantity force{"N", Dimension{1, 1, -2}, "kN, lbf"};
+inline constexpr Quantity moment{"N m", Dimension{1, 2, -2}, "N mm, kN m"};
+inline constexpr Quantity pressure{"Pa", Dimension{1, -1, -2}, "MPa, GPa"};
+inline constexpr Quantity density{"kg/m^3", Dimension{1, -3}, "g/cm^3"};
+inline constexpr Quantity inertia{"kg m^2", Dimension{1, 2}, "kg mm^2, g cm^2"};
+inline constexpr Quantity stiffness{"N/m", Dimension{1, 0, -2}, "kN/m, N/mm"};
+inline constexpr Quantity turning_stiffness{"N m/rad", Dimension{1, 2, -2, -1}, "N m/deg, kN m/rad"};
+inline constexpr Quantity damping{"N s/m", Dimension{1, 0, -1}, "kN s/m, N s/mm"};
+inline constexpr Quantity turning_damping{"N m s/rad", Dimension{1, 2, -1, -1}, "N m s/deg"};
 }  // namespace quantity
 
 /// Of a law y(x): its variable, its value, and their quotient.
@@ -73,7 +88,7 @@ struct WrittenUnit {
 std::optional<WrittenUnit> read_unit(const std::string& text, std::size_t at,
                                      const std::function<bool(const std::string&)>& taken);
 
-/// " (did you mean 'mm'?)" or a list of units.
-std::string unit_hint(const std::string& name);
+/// " (did you mean 'mm'?)", or what would be right; `wanted`: what the whole number is, where that is known.
+std::string unit_hint(const std::string& name, const Quantity& wanted);
 
 }  // namespace mimbre::model_file

@@ -25,6 +25,34 @@ const char* kind_name(Tree::Kind kind) {
   return "";
 }
 
+/// "0, 0, 2" of "(0, 0, 2)".
+std::string without_parentheses(const std::string& text) {
+  return text.size() > 2 && text.front() == '(' && text.back() == ')' ? text.substr(1, text.size() - 2)
+                                                                      : text;
+}
+
+/// "[0, 0, 1]"
+std::string example_of(std::size_t numbers) {
+  std::string text = "[";
+  for (std::size_t k = 0; k < numbers; ++k) text += k + 1 == numbers ? "1" : "0, ";
+  return text + "]";
+}
+
+/// What is meant by a key that stands in the wrong place, where that is known.
+std::string misplaced(const std::string& key, const std::vector<std::string>& known) {
+  const auto has = [&](const char* name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  const auto digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  if (!key.empty() && std::all_of(key.begin(), key.end(), digit))
+    return " (a number has a decimal point, no comma)";
+  if (key == "stiffness" && has("elastic")) return " (write elastic: {stiffness: .., zero: ..})";
+  if (key == "coefficient" && has("damping")) return " (write damping: {coefficient: ..})";
+  if ((key == "subsystems" || key == "instances") && has("file"))
+    return " (a subsystem has none of its own: place all of them from the model)";
+  return did_you_mean(key, known);
+}
+
 }  // namespace
 
 bool Errors::merged(const Mark& mark, const std::string& message) {
@@ -188,7 +216,10 @@ std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_
                                              : fmt::format("{} to {}", fewest, most);
     const std::string given =
         is_list() ? fmt::format("{} values", tree_->items.size()) : std::string(kind_name(tree_->kind));
-    error(fmt::format("a list of {} numbers is needed, this is {}", count, given));
+    const bool one_line = is_scalar() && tree_->text.find(',') != std::string::npos;
+    error(fmt::format("a list of {} numbers is needed, this is {}; {}", count, given,
+                      one_line ? fmt::format("write it as [{}]", without_parentheses(tree_->text))
+                               : fmt::format("for example {}", example_of(fewest))));
     return {};
   }
   std::vector<double> result;
@@ -205,7 +236,8 @@ std::optional<std::vector<double>> Value::numbers(std::size_t fewest, std::size_
 std::vector<Value> Value::list() const {
   std::vector<Value> result;
   if (!is_list()) {
-    error(fmt::format("a list is needed, this is {}", kind_name(tree_->kind)));
+    error(fmt::format("a list is needed, this is {}{}", kind_name(tree_->kind),
+                      is_map() ? "; each of its things begins with '- '" : "; write [..]"));
     return result;
   }
   result.reserve(tree_->items.size());
@@ -217,15 +249,15 @@ Fields::Fields(const Value& value, std::initializer_list<const char*> known) : v
   std::vector<std::string> names(known.begin(), known.end());
   if (value.is_null()) return;
   if (!value.is_map()) {
-    value.error(
-        fmt::format("keys are needed here ({}), this is {}", joined(names), kind_name(value.tree().kind)));
+    value.error(fmt::format("keys are needed here ({}), this is {}; for example {{{}: ..}}", joined(names),
+                            kind_name(value.tree().kind), names.front()));
     return;
   }
   for (const auto& entry : value.tree().entries)
     if (std::find(names.begin(), names.end(), entry.key) == names.end())
       value.reading().errors->add(entry.mark,
                                   fmt::format("{}: unknown key '{}'{}; known: {}", value.what(), entry.key,
-                                              did_you_mean(entry.key, names), joined(names)));
+                                              misplaced(entry.key, names), joined(names)));
 }
 
 std::optional<Value> Fields::get(const std::string& key) const {

@@ -231,13 +231,13 @@ void write_body(hid_t file, const ReducedBody& body) {
   if (body.second_order) write_second_order(file, *body.second_order);
 }
 
-void write_file(const ReducedBody& body, const std::string& path) {
+/// The file's bytes.
+std::string image(const ReducedBody& body, const std::string& path) {
   const Handle creation = without_times(H5P_FILE_CREATE);
-  const Handle file = opened(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), H5P_DEFAULT),
-                             "the file cannot be created");
+  const Handle file = hdf5::create_in_memory(path, creation.get());
+  if (!file.valid()) throw FileProblem("there is no room for it in memory: " + hdf5::last_error());
   write_body(file.get(), body);
-  if (H5Fflush(file.get(), H5F_SCOPE_LOCAL) < 0)
-    throw FileProblem("the file cannot be written: " + hdf5::last_error());
+  return hdf5::image(file.get());
 }
 
 }  // namespace
@@ -252,10 +252,10 @@ void save(const ReducedBody& body, const std::string& path) {
   try {
     OutputPlace place(path);
     if (!place.plain()) throw FileProblem("it is not a plain file");
-    write_file(body, place.path());
+    place.write(image(body, path));
     place.commit();
   } catch (const std::runtime_error& problem) {
-    throw InputError(Mark{}, fmt::format("cannot save reduced body '{}': {}", path, problem.what()));
+    throw std::runtime_error(fmt::format("cannot save reduced body '{}': {}", path, problem.what()));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
@@ -35,15 +36,24 @@ struct CsvWriter::Impl {
   std::string path, failure;
   std::unique_ptr<OutputPlace> place;
   std::size_t columns = 0;
-  std::int64_t rows = 0;
+  std::int64_t rows = 0, rows_in_file = 0;  ///< the latter, and the bytes of them, as of the last flush
+  std::uintmax_t bytes = 0, bytes_in_file = 0;
   std::FILE* file = nullptr;
   fmt::memory_buffer line;
   FlushClock clock;
 
+  std::string cannot_write(const std::string& why) const {
+    return fmt::format("cannot write CSV file '{}': {}", path, why);
+  }
+
   [[noreturn]] void fail(const std::string& why) {
     if (file) std::fclose(std::exchange(file, nullptr));
-    failure = fmt::format("cannot write CSV file '{}': {}", path, why);
-    if (rows > 0) failure += fmt::format("; the rows written before are kept in '{}'", place->keep());
+    failure = cannot_write(why);
+    // A full disk can cut a row in two: what is kept ends with the last one that is known to be whole.
+    std::error_code error;
+    if (rows_in_file > 0) std::filesystem::resize_file(place->path(), bytes_in_file, error);
+    if (rows_in_file > 0 && !error)
+      failure += fmt::format("; the first {} rows are kept in '{}'", rows_in_file, place->keep());
     throw std::runtime_error(failure);
   }
 
@@ -60,17 +70,22 @@ struct CsvWriter::Impl {
   void write_line() {
     line.push_back('\n');
     if (std::fwrite(line.data(), 1, line.size(), file) != line.size()) fail(std::strerror(errno));
+    bytes += line.size();
     line.clear();
   }
 
   void flush() {
     if (std::fflush(file) != 0) fail(std::strerror(errno));
+    rows_in_file = rows;
+    bytes_in_file = bytes;
     clock.reset();
   }
 
   /// Closing writes the last of it, and may find the disk full.
   void close() {
     if (std::fclose(std::exchange(file, nullptr)) != 0) fail(std::strerror(errno));
+    rows_in_file = rows;
+    bytes_in_file = bytes;
   }
 
   void require_open(const char* otherwise) const {
@@ -125,7 +140,8 @@ void CsvWriter::finish() {
   try {
     impl_->place->commit();
   } catch (const std::runtime_error& error) {
-    impl_->fail(error.what());
+    impl_->failure = impl_->cannot_write(error.what());
+    throw std::runtime_error(impl_->failure);
   }
 }
 

@@ -187,56 +187,28 @@ void write_channel_info(hid_t root, const std::vector<ChannelInfo>& infos) {
   write_texts(root, "channel_meanings", {meanings.size()}, meanings);
 }
 
-/// Bytes that the header will take, generously.
-hsize_t header_bytes(const ResultsHeader& header) {
-  hsize_t bytes = header.title.size() + header.model_text.size() + header.options_json.size();
-  std::size_t name = 1, unit = 1, meaning = 1;
-  for (const ChannelInfo& channel : header.channels) {
-    name = std::max(name, channel.name.size());
-    unit = std::max(unit, channel.unit.size());
-    meaning = std::max(meaning, channel.meaning.size());
-  }
-  bytes += header.channels.size() * (name + unit + meaning);
-  for (const BodyDrawing& body : header.bodies)
-    bytes += 8192 + body.name.size() +
-             8 * (size_of(body.points.size()) + size_of(body.point_shapes.size()) + body.lines.size() +
-                  2 * body.triangles.size() + body.labels.size() + size_of(body.stress.size()) / 2 +
-                  results_layout::numbers_per_shape * body.shapes.size());
-  for (const RoadDrawing& road : header.roads)
-    bytes += 4096 + road.name.size() + 8 * size_of(road.profile.size());
-  std::size_t frame_name = 1, element_name = 1, kind = 1;
-  for (const FrameDrawing& frame : header.frames) {
-    frame_name = std::max(frame_name, frame.name.size());
-    bytes += 8 * (13 + size_of(frame.motion.size()));
-  }
-  for (const ElementDrawing& element : header.elements) {
-    element_name = std::max(element_name, element.name.size());
-    kind = std::max(kind, element.kind.size());
-  }
-  bytes += header.frames.size() * frame_name + header.elements.size() * (16 + element_name + kind);
-  bytes += 16384;
-  return bytes + bytes / 4;
-}
-
 /// A dataset that grows by rows, with the rows that are not written yet.
 class Table {
  public:
   /// With one axis (time) or two; `columns` may be 0.
-  Table(hid_t file, const char* name, int axes, std::size_t columns) : axes_(axes), columns_(columns) {
-    const hsize_t row_bytes = 8 * std::max<hsize_t>(columns, 1);
-    rows_per_chunk_ = std::clamp<hsize_t>(chunk_bytes / row_bytes, 16, 1024);
+  static void create(hid_t file, const char* name, int axes, std::size_t columns) {
     const hsize_t now[2] = {0, columns};
     // HDF5 wants chunks within a fixed size, and none is smaller than 1: no columns must be able to become
     // one.
     const hsize_t most[2] = {H5S_UNLIMITED, columns ? columns : H5S_UNLIMITED};
-    const hsize_t chunk[2] = {rows_per_chunk_, std::max<hsize_t>(columns, 1)};
+    const hsize_t chunk[2] = {rows_per_chunk(columns), std::max<hsize_t>(columns, 1)};
     const Handle space(checked(H5Screate_simple(axes, now, most)));
     const Handle properties = creation_properties(H5P_DATASET_CREATE);
     check(H5Pset_chunk(properties.get(), axes, chunk));
     check(H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY));
     check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
-    data_ = Handle(checked(
+    const Handle data(checked(
         H5Dcreate2(file, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT)));
+  }
+
+  /// One that was created so.
+  Table(hid_t file, const char* name, int axes, std::size_t columns)
+      : data_(checked(H5Dopen2(file, name, H5P_DEFAULT))), axes_(axes), columns_(columns) {
     buffer_.reserve(rows_per_flush * columns);
   }
 
@@ -245,7 +217,8 @@ class Table {
 
   /// Room in the file that writing `rows` more can take.
   hsize_t bytes_for(hsize_t rows) const {
-    return (rows / rows_per_chunk_ + 2) * rows_per_chunk_ * 8 * columns_;
+    const hsize_t chunk = rows_per_chunk(columns_);
+    return (rows / chunk + 2) * chunk * 8 * columns_;
   }
 
   /// Room for rows up to `rows`, allocated at once; or no more than them.
@@ -269,18 +242,22 @@ class Table {
   }
 
  private:
+  static hsize_t rows_per_chunk(hsize_t columns) {
+    return std::clamp<hsize_t>(chunk_bytes / (8 * std::max<hsize_t>(columns, 1)), 16, 1024);
+  }
+
   Handle data_;
   int axes_;
   hsize_t columns_;
-  hsize_t rows_per_chunk_ = 1;
   hsize_t written_ = 0;
   std::vector<double> buffer_;
 };
 
 }  // namespace
 
-/// The file grows in two steps: first the operating system reserves the room, then HDF5 writes into it. So a
-/// full disk is found before anything in the file has changed, and the file stays whole.
+/// The file begins with a header that is made in memory, written at once and then called by the file's name.
+/// It grows in two steps: first the operating system reserves the room, then HDF5 writes into it. So a full
+/// disk is found before anything in the file has changed, and whatever is killed when, the file is whole.
 struct ResultsWriter::Impl {
   std::string path;
   OutputPlace place;
@@ -295,27 +272,23 @@ struct ResultsWriter::Impl {
   std::string failure;      ///< of the first error; nothing is written after it
 
   Impl(const std::string& file_path, const ResultsHeader& header)
-      : path(file_path), place(file_path, OutputPlace::Kind::growing) {
+      : path(file_path),
+        place(file_path),
+        channel_count(header.channels.size()),
+        body_count(header.bodies.size()) {
     if (!place.plain()) throw std::runtime_error("it is not a plain file");
-    const Handle creation = creation_properties(H5P_FILE_CREATE);
+    for (const BodyDrawing& body : header.bodies) mode_count += static_cast<std::size_t>(body.modes);
+    place.write(beginning(header));
     const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-    // The oldest format, which is the default, has no "open for writing" mark, which would make the file of a
-    // killed run unreadable, and no checksums that half a write breaks. It takes large index nodes: with 1024
-    // chunks in each, a process that is killed hardly ever is splitting one.
-    H5Pset_istore_k(creation.get(), 512);
     // Index nodes lie in blocks that the file already covers, so that hardly a kill can leave one outside.
     H5Pset_meta_block_size(access.get(), metadata_block_bytes);
     // A running simulation's file may be looked at; and some network file systems cannot lock.
     H5Pset_file_locking(access.get(), false, true);
-    file = Handle(checked(H5Fcreate(place.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get())));
-    try {
-      reserve(header_bytes(header));
-      write_header(header);
-      check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
-    } catch (...) {
-      close();
-      throw;
-    }
+    file = Handle(checked(H5Fopen(place.path().c_str(), H5F_ACC_RDWR, access.get())));
+    for_tables([&](const char* name, int axes, std::size_t columns) {
+      tables.emplace_back(file.get(), name, axes, columns);
+    });
+    place.show();
   }
 
   ~Impl() { close(); }
@@ -346,8 +319,29 @@ struct ResultsWriter::Impl {
     reserved = needed;
   }
 
-  void write_header(const ResultsHeader& header) {
-    const Handle root(checked(H5Gopen2(file.get(), "/", H5P_DEFAULT)));
+  /// Calls make(name, axes, columns).
+  template <class Make>
+  void for_tables(Make&& make) const {
+    make("time", 1, std::size_t{1});
+    make("channels", 2, channel_count);
+    make("poses", 2, 7 * body_count);
+    make("modes", 2, mode_count);
+  }
+
+  /// The bytes of a file without rows.
+  std::string beginning(const ResultsHeader& header) const {
+    const Handle creation = creation_properties(H5P_FILE_CREATE);
+    // The oldest format, which is the default, has no "open for writing" mark, which would make the file of a
+    // killed run unreadable, and no checksums that half a write breaks. It takes large index nodes: with 1024
+    // chunks in each, a process that is killed hardly ever is splitting one.
+    H5Pset_istore_k(creation.get(), 512);
+    const Handle memory = hdf5::create_in_memory(path, creation.get());
+    write_header(checked(memory.get()), header);
+    return hdf5::image(memory.get());
+  }
+
+  void write_header(hid_t to, const ResultsHeader& header) const {
+    const Handle root(checked(H5Gopen2(to, "/", H5P_DEFAULT)));
     write_attribute(root.get(), "format", std::string(results_layout::format));
     write_attribute(root.get(), "mimbre_version", build_info().version);
     write_attribute(root.get(), "compiler", build_info().compiler);
@@ -360,10 +354,8 @@ struct ResultsWriter::Impl {
     write_text(root.get(), "options", header.options_json);
 
     const Handle bodies = create_group(root.get(), "bodies");
-    for (std::size_t k = 0; k < header.bodies.size(); ++k) {
+    for (std::size_t k = 0; k < header.bodies.size(); ++k)
       write_body(bodies.get(), std::to_string(k), header.bodies[k]);
-      mode_count += static_cast<std::size_t>(header.bodies[k].modes);
-    }
     const Handle roads = create_group(root.get(), "roads");
     for (std::size_t k = 0; k < header.roads.size(); ++k) {
       const Handle road = create_group(roads.get(), std::to_string(k));
@@ -374,13 +366,9 @@ struct ResultsWriter::Impl {
 
     write_elements(root.get(), header);
 
-    channel_count = header.channels.size();
-    body_count = header.bodies.size();
-    tables.reserve(4);
-    tables.emplace_back(root.get(), "time", 1, 1);
-    tables.emplace_back(root.get(), "channels", 2, channel_count);
-    tables.emplace_back(root.get(), "poses", 2, 7 * body_count);
-    tables.emplace_back(root.get(), "modes", 2, mode_count);
+    for_tables([&](const char* name, int axes, std::size_t columns) {
+      Table::create(root.get(), name, axes, columns);
+    });
     write_channel_info(root.get(), header.channels);
   }
 

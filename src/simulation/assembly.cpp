@@ -111,20 +111,19 @@ StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSys
   return status;
 }
 
-std::string start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer,
-                                 State& s) {
-  const Compiled& m = observer.model();
+std::string start_at_equilibrium(relative::RelativeSystem& system, State& s) {
+  const Compiled& m = system.model();
   const Eigen::VectorXd velocities = s.v;
-  const StaticsStatus status = equilibrium(natural, observer, s);
+  const StaticsStatus status = equilibrium(nullptr, system, s);
   if (!status.converged)
     throw InputError({m.spec.file, 0, 0},
                      fmt::format("`initial: equilibrium`: {}; start from the assembled position instead",
-                                 explain_imbalance(m, natural, status)));
+                                 explain_imbalance(m, nullptr, status)));
   s.v = velocities;
-  const double gap = close_velocities(observer, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
+  const double gap = close_velocities(system, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
   if (!(gap < close_enough))
     throw InputError({m.spec.file, 0, 0}, "the initial velocities contradict the constraints");
-  return explain_instability(m, natural, status);
+  return explain_instability(m, nullptr, status);
 }
 
 }  // namespace mimbre

@@ -25,9 +25,9 @@ State natural_state(const natural::NaturalSystem& natural, relative::RelativeSys
 /// Static equilibrium near s (relative coordinates), found in natural coordinates if there is such a system.
 StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s);
 
-/// Moves s to its static equilibrium and keeps its velocities. Throws InputError when there is none. Returns
+/// Moves s to its static equilibrium and keeps its velocities: the same one for both formulations, also where
+/// the loads leave open which (a car's place on a level road). Throws InputError when there is none. Returns
 /// a warning where it is unstable, else nothing.
-std::string start_at_equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer,
-                                 State& s);
+std::string start_at_equilibrium(relative::RelativeSystem& system, State& s);
 
 }  // namespace mimbre

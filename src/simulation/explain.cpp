@@ -123,4 +123,12 @@ std::string explain_near_redundancy(const Redundancy& r) {
       quoted(r.nearly_joints));
 }
 
+std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {
+  return fmt::format(
+      "at t = {:.6g} s the mechanism goes through a singular position (a change point), where reactions grow "
+      "beyond all bounds and no step resolves them: joint '{}' would bear {:.3g} N and {:.3g} Nm; there and "
+      "wherever it happens again the reactions that are left without them are given",
+      r.time, model.spec.joints[static_cast<std::size_t>(r.joint)].name, r.force, r.moment);
+}
+
 }  // namespace mimbre

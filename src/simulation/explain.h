@@ -4,6 +4,7 @@
 #include "dynamics/natural/system.h"
 #include "integrate/statics.h"
 #include "mimbre/simulation.h"
+#include "simulation/smallest_reactions.h"
 
 namespace mimbre {
 
@@ -25,5 +26,8 @@ std::string explain_instability(const Compiled& model, const natural::NaturalSys
 
 /// A warning where constraints are nearly redundant, else nothing.
 std::string explain_near_redundancy(const Redundancy& redundancy);
+
+/// A warning of reactions that a run does not resolve.
+std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& reaction);
 
 }  // namespace mimbre

@@ -22,6 +22,15 @@ void Reactions::reduce(relative::RelativeSystem& system, State& s) {
     system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
 }
 
+void Reactions::limit(relative::RelativeSystem& system, State& s, double step) {
+  if (!smallest_) return;
+  const double strain = step * system.scales().of_coordinates(s.v.data());
+  const auto found = smallest_->limit(system, s, strain, s.multipliers);
+  if (!found) return;
+  if (!unresolved_) unresolved_ = found;
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+}
+
 bool Reactions::find(relative::RelativeSystem& system, State& s) {
   const auto evaluate = [&] {
     system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());

@@ -22,12 +22,19 @@ class Reactions {
   /// After the system's residual at `state`, whose multipliers balance the forces: makes them the smallest
   /// where constraints are redundant, and the last residual that with them.
   void reduce(relative::RelativeSystem& system, State& state);
+  /// After the system's residual at `state`, as reduce(): where a step of `step` seconds goes through a
+  /// singular position, the reactions that are resolved there (SmallestReactions::limit).
+  void limit(relative::RelativeSystem& system, State& state, double step);
+  /// The first that limit() found, if any.
+  const std::optional<UnresolvedReaction>& unresolved() const { return unresolved_; }
+  void forget_unresolved() { unresolved_.reset(); }
   /// Whether the multipliers of the last find() are the only ones that balance the state.
   bool determined() const { return settled_ && !always_; }
 
  private:
   bool always_ = false, settled_ = true;
   std::unique_ptr<SmallestReactions> smallest_;
+  std::optional<UnresolvedReaction> unresolved_;
   Eigen::VectorXd residual_, change_, jacobian_change_;
 };
 

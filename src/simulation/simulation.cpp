@@ -84,8 +84,7 @@ struct Simulation::Impl {
     const double start = thread_cpu_seconds();
     State assembled = assembled_state(compiled, observer);
     warn(drawn_open(observer, assembled));
-    if (compiled.spec.simulation.start_at_equilibrium)
-      warn(start_at_equilibrium(natural.get(), observer, assembled));
+    if (compiled.spec.simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
     seen = assembled;
     if (compiled.equations > 0) {
       redundancy = find_redundancy(observer, assembled);
@@ -184,8 +183,8 @@ struct Simulation::Impl {
   /// The reactions to show: in `seen`, but for open chains, which have none but what balances them. The
   /// system returned has them in its last residual. Where the constraints determine them, they are the
   /// integrator's own (natural coordinates: what balances its accelerations); elsewhere, also at singular
-  /// positions on the way, the smallest ones. The integrator, and what it keeps from step to step, is left
-  /// alone.
+  /// positions on the way, the smallest ones, and within a step of those no more than is resolved. The
+  /// integrator, and what it keeps from step to step, is left alone.
   relative::RelativeSystem& find_reactions() {
     relative::RelativeSystem& system_seen = eyes ? *eyes : observer;
     const auto evaluate = [&](const State& s) {
@@ -194,13 +193,18 @@ struct Simulation::Impl {
     };
     if (natural) {
       reactions.find(observer, seen);
+      reactions.limit(observer, seen, method.step);
       return observer;
     }
     if (eyes) {
       seen = state;
       eyes->begin_step(seen.q.data());
-      if (reactions.find(*eyes, seen) && !reactions.determined()) return *eyes;
-      seen.multipliers = state.multipliers;
+      if (!reactions.find(*eyes, seen) || reactions.determined()) {
+        seen.multipliers = state.multipliers;
+        evaluate(seen);
+      }
+      reactions.limit(*eyes, seen, method.step);
+      return *eyes;
     }
     evaluate(state);
     return system_seen;
@@ -340,6 +344,7 @@ void Simulation::restore(const Snapshot& c) {
   impl_->meter.start(impl_->observer, impl_->view());
   impl_->monitor.start(impl_->meter);
   impl_->validity.start();
+  impl_->reactions.forget_unresolved();
   impl_->watch_validity();
 }
 
@@ -376,6 +381,8 @@ const EnergyBalance& Simulation::energy() const { return impl_->meter.balance();
 std::vector<std::string> Simulation::warnings() const {
   std::vector<std::string> all = impl_->start_warnings;
   for (const std::string& text : impl_->validity.warnings()) all.push_back(text);
+  if (const auto& unresolved = impl_->reactions.unresolved())
+    all.push_back(explain_unresolved(impl_->compiled, *unresolved));
   // At rest there is nothing at play but round-off.
   if (const std::string text = impl_->monitor.warning(impl_->compiled, impl_->meter, impl_->resting_energy);
       !text.empty())

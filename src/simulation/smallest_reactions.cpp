@@ -10,7 +10,11 @@ namespace {
 
 /// Of the diagonal, added to A Aᵀ: motions that strain the joints by less than its root, 1e-5, count as free.
 constexpr double regularisation = 1e-10;
-constexpr int rounds = 30;
+constexpr int most_rounds = 30;
+/// What is not resolved: strains within a step, at most this; of n joints in a row, 1/n is nothing unusual.
+constexpr double most_strain = 1e-2, least_strain = 0.1;
+constexpr double excess = 10;       ///< of all wrenches over those that need no motion without strain
+constexpr double least_excess = 3;  ///< of all wrenches over what they do to the bodies
 
 /// Completes `count` orthonormal directions to three; the new ones are returned behind them.
 void complete(Vec3d* directions, int count) {
@@ -178,7 +182,7 @@ void SmallestReactions::set_rows(const relative::RelativeSystem& system, int bod
   }
 }
 
-bool SmallestReactions::factor() {
+bool SmallestReactions::factor(double regularisation) {
   factor_->set_zero();
   double* const values = factor_->values();
   const auto add = [&](const Transmitted& t, const linalg::BlockPlace& place, const double* left, int rows,
@@ -235,8 +239,9 @@ void SmallestReactions::add_transposed_times(const Eigen::VectorXd& y, Eigen::Ve
   }
 }
 
-bool SmallestReactions::find(const relative::RelativeSystem& system, const State& s,
-                             Eigen::VectorXd& multipliers) {
+/// The wrenches that are transmitted now, and what they do to each body.
+void SmallestReactions::set_given(const relative::RelativeSystem& system, const State& s,
+                                  const Eigen::VectorXd& multipliers) {
   given_.setZero();
   set_wrenches(system, s, multipliers);
   for (const Transmitted& t : joints_) {
@@ -249,9 +254,12 @@ bool SmallestReactions::find(const relative::RelativeSystem& system, const State
       set_rows(system, t.body_b, t.frame_b, 1, t, rows_.data() + t.rows_b);
     }
   }
-  if (!factor()) return false;
   left_.setZero();
   add_times(given_, 1, left_);
+}
+
+/// The smallest wrenches, x_, that do what is left; returns what they leave.
+double SmallestReactions::balance(int rounds) {
   const double load = left_.norm();
   x_.setZero();
   double left = load;
@@ -266,7 +274,50 @@ bool SmallestReactions::find(const relative::RelativeSystem& system, const State
     left = left_.norm();
     if (!(left < 0.5 * before)) break;
   }
-  if (!x_.allFinite() || left > 1e-3 * load) return false;
+  return left;
+}
+
+bool SmallestReactions::find(const relative::RelativeSystem& system, const State& s,
+                             Eigen::VectorXd& multipliers) {
+  set_given(system, s, multipliers);
+  if (!factor(regularisation)) return false;
+  const double load = left_.norm();
+  if (!(balance(most_rounds) <= 1e-3 * load) || !x_.allFinite()) return false;
+  set_multipliers(system, multipliers);
+  return true;
+}
+
+std::optional<UnresolvedReaction> SmallestReactions::limit(const relative::RelativeSystem& system,
+                                                           const State& s, double strain,
+                                                           Eigen::VectorXd& multipliers) {
+  set_given(system, s, multipliers);
+  // Joints that are not near a singular position bear about what they do to the bodies.
+  if (!(given_.norm() > least_excess * left_.norm())) return {};
+  const double least = std::min({strain, most_strain, least_strain / static_cast<double>(joints_.size())});
+  if (!(least * least > regularisation) || !factor(least * least)) return {};
+  balance(1);
+  if (!x_.allFinite() || !(given_.norm() > excess * x_.norm())) return {};
+  UnresolvedReaction found;
+  double largest = 0;
+  for (const Transmitted& t : joints_) {
+    Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();
+    for (int c = 0; c < t.count; ++c) {
+      force += given_[t.first + c] * t.force[c];
+      moment += given_[t.first + c] * t.moment[c];
+    }
+    const double size = force.norm() + moment.norm() / model_.length_scale;
+    if (!(size > largest)) continue;
+    largest = size;
+    found = {s.time, t.loop >= 0 ? model_.loops[t.loop].joint_spec : model_.bodies[t.tree].joint_spec,
+             force.norm(), moment.norm()};
+  }
+  set_multipliers(system, multipliers);
+  return found;
+}
+
+/// Makes the multipliers those of the wrenches x_.
+void SmallestReactions::set_multipliers(const relative::RelativeSystem& system,
+                                        Eigen::VectorXd& multipliers) const {
   const double length = model_.length_scale;
   for (const Transmitted& t : joints_) {
     if (t.loop >= 0) {
@@ -288,7 +339,6 @@ bool SmallestReactions::find(const relative::RelativeSystem& system, const State
             t.sign * (x_[t.first + c] - given_[t.first + c]) * (line.dot(t.force[c]) + turn.dot(t.moment[c]));
     }
   }
-  return true;
 }
 
 }  // namespace mimbre

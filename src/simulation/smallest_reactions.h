@@ -1,12 +1,20 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dynamics/relative/system.h"
 #include "dynamics/state.h"
 
 namespace mimbre {
+
+/// Reactions that grow beyond all bounds on the way through a singular position.
+struct UnresolvedReaction {
+  double time = 0;               ///< s
+  int joint = -1;                ///< that bears most, in the model as it was given
+  double force = 0, moment = 0;  ///< N, N m
+};
 
 /// Of all reactions that balance the bodies, the smallest ones: Σ |f|² + |n|² / L² over all joints, tree or
 /// cut, f and n on the second frame, L the model's length scale. They are what joints that are all alike and
@@ -22,6 +30,12 @@ class SmallestReactions {
   /// Replaces the multipliers, after the system's residual with them at s. Neither allocates nor throws;
   /// false, and nothing is changed, when the forces cannot be balanced so.
   bool find(const relative::RelativeSystem& system, const State& s, Eigen::VectorXd& multipliers);
+  /// Where nearly all that the joints bear is held by motions that strain them by less than `strain` (a small
+  /// one: what a step moves, by L), as where a parallelogram goes through its change point: puts the wrenches
+  /// that such motions do not concern in the place of the multipliers, and returns what was there. Else
+  /// nothing is changed. Call as find().
+  std::optional<UnresolvedReaction> limit(const relative::RelativeSystem& system, const State& s,
+                                          double strain, Eigen::VectorXd& multipliers);
 
  private:
   /// Of the wrench that a joint transmits to its second body, what is unknown: a combination of `count` unit
@@ -42,7 +56,10 @@ class SmallestReactions {
   void set_rows(const relative::RelativeSystem& system, int body, int frame, double sign,
                 const Transmitted& t, double* rows);
   void set_amplitudes(const State& s, int body);
-  bool factor();
+  void set_given(const relative::RelativeSystem& system, const State& s, const Eigen::VectorXd& multipliers);
+  void set_multipliers(const relative::RelativeSystem& system, Eigen::VectorXd& multipliers) const;
+  bool factor(double regularisation);
+  double balance(int rounds);
   void add_times(const Eigen::VectorXd& x, double weight, Eigen::VectorXd& out) const;
   void add_transposed_times(const Eigen::VectorXd& y, Eigen::VectorXd& out) const;
 

@@ -235,6 +235,54 @@ TEST(VerifySeries, AtRestWhatTheIterationsLeaveIsNoDisagreement) {
   EXPECT_FALSE(agreement(differences(rest(1e-5), rest(-1e-5)), {}).agree);
 }
 
+/// Where nothing moves, what the start leaves in lengths, angles and quaternions is no disagreement; a tenth
+/// of a millionth of the mechanism is one.
+TEST(VerifySeries, WhatTheStartLeavesIsNoDisagreement) {
+  const auto still = [](double by) {
+    Series s = series({{"x", "m", [=](double) { return 2 + 2 * by; }},
+                       {"angle", "rad", [=](double) { return by; }},
+                       {"rotation.y", "1", [=](double) { return by; }}});
+    s.info[2].alike = ChannelInfo::Alike::sign;
+    s.length = 2;
+    return s;
+  };
+  EXPECT_TRUE(agreement(differences(still(0), still(5e-10)), {}).agree);
+  const Agreement apart = agreement(differences(still(0), still(1e-7)), {});
+  for (const Refined& channel : apart.channels) EXPECT_FALSE(channel.agrees()) << channel.whole.name;
+  // What moves by more is measured by that.
+  const auto moves = [](double by) {
+    Series s = series({{"x", "m", [=](double t) { return 1e-6 * (1 + by) * std::sin(t); }}});
+    s.length = 2;
+    return s;
+  };
+  EXPECT_FALSE(agreement(differences(moves(0), moves(0.1)), {}).agree);
+}
+
+/// Quaternions count as the angles do that move beside them.
+TEST(VerifySeries, RoundOffOfAQuaternionIsNoDisagreement) {
+  const auto turning = [](double noise) {
+    Series s = series({{"angle", "rad", [](double t) { return t; }},
+                       {"rotation.y", "1", [=](double t) { return noise * std::sin(77 * t); }}});
+    s.info[1].alike = ChannelInfo::Alike::sign;
+    return s;
+  };
+  EXPECT_TRUE(agreement(differences(turning(1e-9), turning(-2e-9)), {}).agree);
+  EXPECT_FALSE(agreement(differences(turning(1e-2), turning(-2e-2)), {}).agree);
+}
+
+/// A body that does not turn: of its quaternion only w is not round-off.
+TEST(VerifySeries, OfABodyThatDoesNotTurnTheQuaternionAgrees) {
+  const auto upright = [](double noise) {
+    Series s = series({{"joint.a.rotation.w", "1", [](double) { return 1; }},
+                       {"joint.a.rotation.z", "1", [=](double t) { return noise * std::sin(9 * t); }}});
+    for (ChannelInfo& info : s.info) info.alike = ChannelInfo::Alike::sign;
+    s.step = 0.005;
+    return s;
+  };
+  EXPECT_TRUE(agreement(differences(upright(5e-19), upright(-9e-19)), {}).agree);
+  EXPECT_FALSE(agreement(differences(upright(1e-3), upright(-3e-3)), {}).agree);
+}
+
 TEST(VerifySeries, EachThatDisagreesIsNamed) {
   const auto of = [](double x, double y) {
     const auto zero = [](double t) { return std::sin(t); };

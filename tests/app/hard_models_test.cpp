@@ -113,6 +113,11 @@ INSTANTIATE_TEST_SUITE_P(
              3,
              {"the constraints are dependent"}},
         Case{"SingularForTheDefault", {"run", hard("four-loops.yaml"), "--step", "0.004"}, 0, {}},
+        Case{"FewAxialModesInATurningBeam",
+             {"check", example("spin-up-beam/beam-3d.yaml"), "--set", "method=nonlinear_stiffness_1", "--set",
+              "axial_modes=1"},
+             0,
+             {"axial mode", "poorly", "frequencies of a turning beam"}},
         // Linear theory.
         Case{"BentFarWhereTheEndIsHeld",
              {"run", hard("held-tip.yaml"), "--set", "stiff=linear", "--until", "1"},
@@ -162,6 +167,26 @@ TEST_F(HardModels, AFlatParallelogram) {
     EXPECT_EQ(way.code, 0);
     EXPECT_EQ(way.err, "");
     for (const auto& row : csv_rows(folder / "f.csv")) EXPECT_LT(std::abs(row.at(4)), 100) << row[0];
+  }
+}
+
+/// On the way through a change point the forces grow as 1/angle: what no step resolves is said, once, and is
+/// no row of thousands of newtons.
+TEST_F(HardModels, AParallelogramThroughItsChangePoints) {
+  std::string model = read_file(hard("flat-parallelogram.yaml"));
+  const std::string d = "at: [2,0,0], axis: [0,1,0]";
+  write_file(folder / "one-way.yaml", model.replace(model.find(d), d.size(), d + ", velocity: w"));
+  for (const char* formulation : {"relative", "natural"}) {
+    const Outcome outcome =
+        run({"run", "one-way.yaml", "--formulation", formulation, "--csv", "f.csv", "--json"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.json().at("warnings").texts(),
+                testing::ElementsAre(testing::AllOf(HasSubstr("at t = 0.93 s"), HasSubstr("change point"),
+                                                    HasSubstr("joint '"))));
+    double largest = 0;
+    for (const auto& row : csv_rows(folder / "f.csv")) largest = std::max(largest, std::abs(row.at(4)));
+    EXPECT_LT(largest, 100);
+    EXPECT_GT(largest, 30);
   }
 }
 
@@ -221,6 +246,24 @@ TEST_F(HardModels, ManyLoopsMoveAsOnePendulum) {
 TEST_F(HardModels, AFreeBodyIsAgreedUpon) {
   const Outcome outcome = run({"verify", hard("free-rigid.yaml"), "--until", "10", "--json"});
   EXPECT_EQ(outcome.json().at("agree"), true) << outcome.out;
+}
+
+/// A car that stands still on a level road may stand anywhere: both formulations start at one place.
+TEST_F(HardModels, AnAxleThatStandsStillIsAgreedUpon) {
+  const Outcome outcome =
+      run({"verify", hard("axle.yaml"), "--step", "0.002", "--until", "0.1", "--no-refine", "--json"});
+  EXPECT_EQ(outcome.json().at("agree"), true) << outcome.out;
+  for (const auto& channel : outcome.json().at("channels"))
+    if (channel.at("name") == "joint.guide.position.1") {
+      EXPECT_LT(channel.at("max_difference"), 1e-11);
+    }
+}
+
+/// Its steps are repeated by one formulation more than by the other, which is no disagreement.
+TEST_F(HardModels, AGovernorIsAgreedUpon) {
+  const Outcome outcome = run({"verify", hard("governor.yaml"), "--json"});
+  EXPECT_EQ(outcome.json().at("agree"), true) << outcome.out;
+  EXPECT_GT(outcome.json().at("total_repeated_steps"), 0);
 }
 
 /// Only what a smaller tolerance does not change is right: the forces in bushings of dummy bodies.

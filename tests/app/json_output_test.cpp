@@ -1,13 +1,8 @@
-#include <gmock/gmock.h>
-
-#include "app/program.h"
-#include "support/json_schema.h"
+#include "app/output_schema.h"
 
 /// What the commands answer with --json is what schema/output.schema.json says.
 namespace mimbre::app_test {
 namespace {
-
-using ::testing::IsEmpty;
 
 class JsonOutput : public ProgramTest {
  protected:
@@ -23,8 +18,8 @@ class JsonOutput : public ProgramTest {
     all.push_back("--json");
     const Outcome outcome = run(all);
     EXPECT_EQ(outcome.code, code) << arguments[0] << ": " << outcome.err;
-    static const std::string schema = read_file(fs::path(MIMBRE_SOURCE_DIR) / "schema/output.schema.json");
-    EXPECT_THAT(test::schema_violations(outcome.out, schema), IsEmpty()) << arguments[0];
+    SCOPED_TRACE(arguments[0]);
+    expect_schema(outcome.out);
     const test::Json json = outcome.json();
     EXPECT_EQ(json.at("command"), arguments[0]);
     EXPECT_EQ(json.at("status"), status);

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "app/output_schema.h"
 #include "app/program.h"
 
 /// mimbre reproduce: the tables that cost little.
@@ -21,6 +22,7 @@ class Reproduce : public ProgramTest {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");  // no progress line where nobody looks
+    expect_schema(outcome.out);
     const json list = outcome.json().at("rows");
     EXPECT_TRUE(list.is_array());
     for (const json& row : list) {

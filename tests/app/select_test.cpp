@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "app/output_schema.h"
 #include "app/program.h"
 #include "mimbre/reduced_body.h"
 
@@ -21,6 +22,7 @@ TEST_F(SelectCommand, MakesABodyOfFewerModes) {
   const Outcome outcome =
       run({"select", suspension, "--body", "front_left.arm", "--error", "1", "-o", "small.h5", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
+  expect_schema(outcome.out);
   const test::Json json = outcome.json();
   EXPECT_EQ(json["status"], "ok");
   EXPECT_EQ(json["candidates"], 20);

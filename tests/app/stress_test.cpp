@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/output_schema.h"
 #include "app/program.h"
 
 /// Stress of a meshed body in a mechanism: outputs, mimbre stress, mimbre export.
@@ -89,7 +90,9 @@ TEST_F(StressOfARun, IsThatOfABarUnderItsOwnWeight) {
   EXPECT_GT(v[6], 3 * exact);  // the clamp bears four times as much
   EXPECT_LT(v[6], 6 * exact);
 
-  const json spots = run({"stress", "bar-run.h5", "--json", "--spots", "3"}).json();
+  const Outcome told = run({"stress", "bar-run.h5", "--json", "--spots", "3"});
+  expect_schema(told.out);
+  const json spots = told.json();
   const json& first = spots.at("bodies")[0].at("hot_spots")[0];
   EXPECT_NEAR(first.at("von_mises").number(), v[6], 1e-5 * v[6]);
   EXPECT_NEAR(first.at("position")[0].number(), 0, 0.06);

@@ -137,7 +137,8 @@ TEST_F(OutputPlaceTest, TheSecondWriterIsTold) {
 }
 
 TEST_F(OutputPlaceTest, WhoFindsAnotherFileAtItsEndKeepsItsOwnBesideIt) {
-  OutputPlace slow(at("a.txt")), growing(at("b.txt"), OutputPlace::Kind::growing);
+  OutputPlace slow(at("a.txt")), growing(at("b.txt"));
+  growing.show();
   put(slow.path(), "slow");
   write_whole(at("a.txt"), "quick");
   const std::string message = error_of([&] { slow.commit(); });
@@ -150,6 +151,23 @@ TEST_F(OutputPlaceTest, WhoFindsAnotherFileAtItsEndKeepsItsOwnBesideIt) {
   put(at("b.txt"), "other");
   EXPECT_THAT(error_of([&] { growing.commit(); }), HasSubstr("removed or replaced"));
   EXPECT_EQ(get(at("b.txt")), "other");
+}
+
+TEST_F(OutputPlaceTest, AGrowingFileIsShownWhereNothingStands) {
+  put(at("a.txt"), "old");
+  OutputPlace beside(at("a.txt")), growing(at("b.txt")), late(at("b.txt"));
+  beside.write("half");
+  beside.show();
+  EXPECT_EQ(get(at("a.txt")), "old");
+  growing.write("half");
+  EXPECT_FALSE(fs::exists(at("b.txt")));
+  growing.show();
+  EXPECT_EQ(growing.path(), at("b.txt"));
+  EXPECT_EQ(get(at("b.txt")), "half");
+  EXPECT_EQ(error_of([&] { late.show(); }), "another program is writing it");
+  EXPECT_EQ(error_of([&] { OutputPlace second(at("b.txt")); }), "another program is writing it");
+  growing.commit();
+  EXPECT_EQ(get(at("b.txt")), "half");
 }
 
 TEST_F(OutputPlaceTest, OfManyRacingWritersOneWinsWhole) {

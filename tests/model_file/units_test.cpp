@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <numbers>
+#include <sstream>
 
 #include "mimbre/model_file.h"
 #include "model_file/expression.h"
@@ -71,7 +72,25 @@ TEST(Units, GoIntoExpressions) {
   EXPECT_EQ(value("5 kN", quantity::any), 5000);
 }
 
+/// The units that messages propose: each can be read and is one of what the key measures.
+TEST(Units, ThatAreProposedFit) {
+  using namespace quantity;
+  for (const Quantity& q : {mass, length, area, second_moment, quantity::time, angle, speed, turning_speed,
+                            acceleration, turning_acceleration, force, moment, pressure, density, inertia,
+                            stiffness, turning_stiffness, damping, turning_damping}) {
+    EXPECT_EQ(value("2.5 " + std::string(q.unit), q), 2.5) << q.unit;  // the SI unit
+    EXPECT_FALSE(q.others.empty()) << q.unit;
+    std::istringstream others{std::string(q.others)};
+    for (std::string unit; std::getline(others >> std::ws, unit, ',');)
+      EXPECT_GT(value("2 " + unit, q), 0) << unit;
+  }
+}
+
 TEST(Units, ThatDoNotFitAreToldWithTheOneThatDoes) {
+  EXPECT_THAT(complaint("800 t", quantity::mass), HasSubstr("'t' is no unit; kg is needed here (or g, lb)"));
+  EXPECT_THAT(complaint("7.85 t/m^3", quantity::density), HasSubstr("kg/m^3 is needed here (or g/cm^3)"));
+  EXPECT_THAT(complaint("2 kN", quantity::damping), HasSubstr("N s/m is needed here (or kN s/m, N s/mm)"));
+  EXPECT_THAT(complaint("3 N*(2 m)", quantity::force), HasSubstr("is in N m; N is needed here (or kN, lbf)"));
   EXPECT_THAT(complaint("0.2 kg", quantity::length), HasSubstr("'0.2 kg' is in kg; m is needed here"));
   EXPECT_THAT(complaint("30 deg", quantity::length), HasSubstr("is in rad; m is needed"));
   EXPECT_THAT(complaint("30 mm", quantity::angle), HasSubstr("is in m; rad is needed here (or deg)"));
@@ -168,6 +187,14 @@ TEST(Units, OfLawsAreThoseOfTheirVariables) {
       coil("elastic: {pieces: [{until: 10 cm, polynomial: [1]}, {polynomial: [2]}]}").elastic.value(0.05), 1);
   EXPECT_DOUBLE_EQ(coil("force: \"l > 30 cm ? 2 kN/m*(l - 30 cm) + 5 N*s/m*v : 0\"").general.value(0.5, 2, 0),
                    410);
+  EXPECT_DOUBLE_EQ(coil("elastic: {polynomial: [1 kN, 2 N/mm, 3 kN/m^2, 4]}").elastic.value(0.5),
+                   1000 + 2000 * 0.5 + 3000 * 0.25 + 4 * 0.125);
+  EXPECT_DOUBLE_EQ(coil("damping: {polynomial: [0, 2 N s/mm, 3 N s^2/m^2]}").damping.value(0.5), 1000 + 0.75);
+  EXPECT_DOUBLE_EQ(coil("elastic: {pieces: [{until: 10 cm, polynomial: [1 kN]}, {polynomial: [0, 2 kN/m]}]}")
+                       .elastic.value(0.5),
+                   1000);
+  EXPECT_THROW(coil("elastic: {polynomial: [1 kN, 2 kN]}"), InputError);
+  EXPECT_THROW(coil("damping: {polynomial: [0, 0, 3 N/m^2]}"), InputError);
   EXPECT_THROW(coil("elastic: \"2 kN*(l - 25 cm)\""), InputError);
   EXPECT_THROW(coil("elastic: {table: [[0 kg, 0], [1, 1]]}"), InputError);
   EXPECT_THROW(coil("damping: 20 N/m"), InputError);

@@ -1,4 +1,4 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,7 @@
 #include "integrate/index3.h"
 #include "integrate/initial.h"
 #include "mimbre/simulation.h"
+#include "mimbre/slow_formulation.h"
 #include "mimbre/statics.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
@@ -520,6 +521,35 @@ TEST(Formulations, ALongChainMovesAlike) {
     for (std::size_t i = 0; i < a.size(); ++i) d.at[k] = std::hypot(d.at[k], difference(a[i], b[i]));
   }
   expect_second_order(d, 1e-7, 1e-2, "chain");
+}
+
+/// A chain of flexible bars, each hinged to the one before.
+std::string chain_of_bars(int bars) {
+  std::string bodies =
+      "materials: {m: {young: 2e11, poisson: 0.3, density: 7800}}\nsections: {r: {type: round, diameter: "
+      "0.02}}\nbodies:\n";
+  std::string joints = "joints:\n";
+  for (int k = 0; k < bars; ++k) {
+    const std::string i = std::to_string(k), j = std::to_string(k + 1);
+    bodies += "  b" + i + ": {frame: {at: [" + i +
+              ", 0, 0]}, flexible: {material: m, section: r, nodes: {a: [" + i + ", 0, 0], c: [" + j +
+              ", 0, 0]}, bars: {bar: {from: a, to: c, elements: 2}}, clamped: [a], static_modes: [{node: c, "
+              "all: true}], dynamic_modes: 2}}\n";
+    joints += "  j" + i + ": {type: revolute, between: [" +
+              (k == 0 ? "ground, b0], at: [0, 0, 0]" : "b" + std::to_string(k - 1) + ".c, b" + i + ".a]") +
+              ", axis: [0, 1, 0]}\n";
+  }
+  return bodies + joints;
+}
+
+/// Where relative coordinates are far slower the run says so.
+TEST(Formulations, TheSlowOneIsAdvisedAgainst) {
+  const auto advice = [](int bars, Formulation formulation) {
+    return explain_slow_formulation(Simulation(model_of(chain_of_bars(bars)), in(formulation)));
+  };
+  EXPECT_EQ(advice(30, Formulation::relative), "");
+  EXPECT_THAT(advice(80, Formulation::relative), testing::HasSubstr("--formulation natural"));
+  EXPECT_EQ(advice(80, Formulation::natural), "");
 }
 
 // --- Singular positions -----------------------------------------------------------------------------------

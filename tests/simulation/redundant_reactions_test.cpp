@@ -201,5 +201,34 @@ TEST_P(RedundantReactions, OfADriveIsItsTorque) {
   }
 }
 
+/// Two bars nearly in a line between two walls, with a weight where they meet: what they bear, P / (2 sin
+/// angle), is large and meant, since nothing goes through the straight position.
+TEST(FlatTruss, BearsWhatItsAngleAsks) {
+  constexpr double rise = 1e-3, mass = 2;
+  const std::string at = number(rise);
+  const auto model = model_of(R"(
+gravity: [0, 0, -9.81]
+bodies:
+  a: {mass: 1, com: [0.5, 0, )" +
+                              number(rise / 2) +
+                              R"(], inertia: [0.1, 0.1, 0.1]}
+  b: {mass: 1, com: [1.5, 0, )" +
+                              number(rise / 2) +
+                              R"(], inertia: [0.1, 0.1, 0.1]}
+joints:
+  left: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 1, 0]}
+  top: {type: revolute, between: [a, b], at: [1, 0, )" +
+                              at + R"(], axis: [0, 1, 0]}
+  right: {type: revolute, between: [ground, b], at: [2, 0, 0], axis: [0, 1, 0]}
+outputs:
+  - {name: fx, joint_force: left, component: fx}
+)");
+  // A quarter of the weight rests on each wall's end, the other half on the joint between the bars.
+  const double expected = mass / 2 * g / (2 * rise);
+  for (const Formulation f : {Formulation::relative, Formulation::natural})
+    for (const Eigen::VectorXd& row : outputs(model, f, 3))
+      EXPECT_NEAR(std::abs(row[0]), expected, 1e-4 * expected);
+}
+
 }  // namespace
 }  // namespace mimbre::test

@@ -1,0 +1,12 @@
+#pragma once
+#include <string>
+
+#include "mimbre/simulation.h"
+
+namespace mimbre {
+
+/// What to do where a simulation in relative coordinates would be much faster in natural ones (long open
+/// chains of flexible bodies, whose matrix of relative coordinates is full); else nothing.
+std::string explain_slow_formulation(const Simulation& simulation);
+
+}  // namespace mimbre
