@@ -52,7 +52,8 @@ struct FrameDrawing {
 /// What holds bodies together or acts on them.
 struct ElementDrawing {
   std::string name;
-  std::string kind;  ///< a joint's type; "spring", "damper", "spring damper", "actuator"; "load"; "tyre",
+  std::string kind;  ///< a joint's type; "spring", "damper", "spring damper", "actuator"; of a joint's own
+                     ///< springs "torsional …" with "about z" behind (or x, y: its axis); "load"; "tyre",
                      ///< or, where its road is a function of time, "tyre on rig"
   int frame_a = -1,
       frame_b = -1;  ///< indices into ResultsHeader::frames; loads and tyres have the first only

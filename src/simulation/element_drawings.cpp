@@ -1,5 +1,7 @@
 #include "simulation/element_drawings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "joints/table.h"
@@ -7,11 +9,16 @@
 namespace mimbre {
 namespace {
 
-const char* spring_kind(const spec::Spring& spring) {
-  const bool elastic = !spring.elastic.is_zero(), damping = !spring.damping.is_zero();
+const char* spring_kind(bool elastic, bool damping) {
   if (elastic && damping) return "spring damper";
   if (elastic) return "spring";
   return damping ? "damper" : "actuator";
+}
+
+/// About which of its axes a joint turns in this coordinate.
+const char* turning_axis(spec::JointType type, int coordinate) {
+  if (type != spec::JointType::universal) return "z";
+  return coordinate == 0 ? "x" : "y";
 }
 
 class Collector {
@@ -60,7 +67,17 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
   for (const spec::Joint& joint : model.spec.joints)
     all.add(joint.name, std::string(joint_info(joint.type).name), joint.frame_a, joint.frame_b);
   for (const spec::Spring& spring : model.spec.springs)
-    all.add(spring.name, spring_kind(spring), spring.frame_a, spring.frame_b);
+    all.add(spring.name, spring_kind(!spring.elastic.is_zero(), !spring.damping.is_zero()), spring.frame_a,
+            spring.frame_b);
+  for (const spec::Joint& joint : model.spec.joints)
+    for (const spec::JointSpring& spring : joint.springs) {
+      const bool elastic = !spring.elastic.is_zero(), damping = !spring.damping.is_zero();
+      if (!is_angle(joint.type, spring.coordinate) || (!elastic && !damping)) continue;
+      all.add(joint.name,
+              fmt::format("torsional {} about {}", spring_kind(elastic, damping),
+                          turning_axis(joint.type, spring.coordinate)),
+              joint.frame_a, joint.frame_b);
+    }
   for (const spec::Load& load : model.spec.loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec.tyres) {
     const bool moves = model.spec.roads[tyre.road].over == spec::Road::Over::time;

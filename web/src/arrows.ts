@@ -1,6 +1,7 @@
 // Forces and moments as arrows: so many metres long as they have newtons, by one scale for all.
 import * as THREE from "three";
 import { valueAt } from "./interpolate";
+import { isJoint } from "./placement";
 import type { Element, Scene, Signals } from "./data";
 
 export type Shown = "none" | "loads" | "all";
@@ -41,12 +42,23 @@ export function vectorsOf(scene: Scene): Vector[] {
         ? [[axes(`load.${element.name}.force`), false, false], [axes(`load.${element.name}.moment`), true, false]]
         : element.kind.startsWith("tyre")
           ? [[["", "", `tyre.${element.name}.vertical`], false, true]]
-          : [[axes(`joint.${element.name}.force`), false, true]];
+          : isJoint(element)
+            ? [[axes(`joint.${element.name}.force`), false, true]]
+            : [];
     return all.flatMap(([names, moment, reaction]) => {
       const found = vector(signals, names);
       return found && found.usual > 0 ? [{ element, moment, reaction, ...found }] : [];
     });
   });
+}
+
+/** Whose reactions are drawn at first: of many those with the largest forces, and what is outside, that is tyres. */
+export function firstChosen(vectors: Pick<Vector, "element" | "reaction" | "usual">[], most = 10): Element[] {
+  const reacting = vectors.filter(({ reaction }) => reaction);
+  if (reacting.length <= most) return reacting.map(({ element }) => element);
+  const inside = reacting.filter(({ element }) => isJoint(element)).sort((a, b) => b.usual - a.usual);
+  const outside = reacting.filter(({ element }) => !isJoint(element));
+  return [...outside, ...inside.slice(0, Math.max(most - outside.length, 4))].map(({ element }) => element);
 }
 
 /** 1, 2 or 5 times a power of ten, not below `value`; 0 for 0. */
@@ -99,6 +111,9 @@ export class Arrows {
   readonly perMetre: { force: number; moment: number };
   readonly hasLoads: boolean;
   readonly hasReactions: boolean;
+  /** Joints and tyres that have reactions, and those whose are drawn. */
+  readonly reacting: Element[];
+  readonly chosen: Set<Element>;
   shown: Shown = "none";
   /** As many times the default as an arrow stands for. */
   factor = 1;
@@ -112,7 +127,9 @@ export class Arrows {
     const usual = (moment: boolean) => Math.max(0, ...vectors.filter((v) => v.moment === moment).map((v) => v.usual));
     this.perMetre = { force: niceAbove(usual(false) / (0.4 * size)), moment: niceAbove(usual(true) / (0.4 * size)) };
     this.hasLoads = vectors.some((v) => !v.reaction);
-    this.hasReactions = vectors.some((v) => v.reaction);
+    this.reacting = vectors.filter(({ reaction }) => reaction).map(({ element }) => element);
+    this.hasReactions = this.reacting.length > 0;
+    this.chosen = new Set(firstChosen(vectors));
     this.arrows = vectors.map((v) => new Arrow(v, v.moment ? colors.moment : v.reaction ? colors.reaction : colors.load, 0.005 * size));
     for (const { group } of this.arrows) this.group.add(group);
   }
@@ -121,7 +138,7 @@ export class Arrows {
   update(time: number, place: (element: Element) => THREE.Vector3 | null): void {
     for (const arrow of this.arrows) {
       const { vector } = arrow;
-      const wanted = this.shown === "all" || (this.shown === "loads" && !vector.reaction);
+      const wanted = vector.reaction ? this.shown === "all" && this.chosen.has(vector.element) : this.shown !== "none";
       const from = wanted ? place(vector.element) : null;
       const along = from && vector.at(time);
       arrow.group.visible = false;

@@ -53,9 +53,10 @@ export function channelCard(options: CardOptions): HTMLElement {
   };
   const time = options.overTime(remove);
   const visible = () => time.visible;
+  const across = new XyPlot(curves, visible, clock, remove);
   const views: [string, View][] = [
     ["Over time", time],
-    ["x–y", new XyPlot(curves, visible, clock, remove)],
+    ["x–y", across],
     ["Spectrum", new SpectrumPlots(curves, visible, remove)],
     ["Table", new StatisticsTable(curves, visible, options.thinned)],
   ];
@@ -76,7 +77,10 @@ export function channelCard(options: CardOptions): HTMLElement {
     const canvas = pictureOf(shown().root);
     if (canvas) saveCanvas(canvas, "plots");
   });
-  const reset = button("Reset zoom", "Show the whole time (or double-click a plot)", () => time.resetZoom());
+  const reset = button("Reset zoom", "Show the whole time and all of the x–y plots (or double-click a plot)", () => {
+    time.resetZoom();
+    across.resetZoom();
+  });
 
   chosen.panels[0].prepend(element("p", { class: "hint" }, "Drag across a plot to zoom, double-click to see all, click to set the animation's time."));
   const card = element(

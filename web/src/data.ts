@@ -70,7 +70,7 @@ export interface Frame {
   motion: Float32Array;
 }
 
-/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", "load", "tyre", "tyre on rig". */
+/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", "torsional …" of these with "about z", "load", "tyre", "tyre on rig". */
 export interface Element {
   name: string;
   kind: string;

@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import { isJoint, type Pose } from "./placement";
 import type { Element } from "./data";
+import { isTorsional, TorsionView } from "./torsionView";
 
 const up = new THREE.Vector3(0, 1, 0);
 
@@ -71,6 +72,7 @@ export class ElementView {
   readonly group = new THREE.Group();
   readonly isJoint: boolean;
   private parts: Part[] = [];
+  private torsion?: TorsionView;
 
   constructor(
     readonly element: Element,
@@ -84,8 +86,11 @@ export class ElementView {
     const { kind } = element;
     this.isJoint = isJoint(element) || kind === "floating";
     this.group.name = element.name;
+    const radius = Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size); // of a joint
     if (this.isJoint) {
-      for (const geometry of jointShape(kind, Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size))) this.group.add(new THREE.Mesh(geometry, materials.joint));
+      for (const geometry of jointShape(kind, radius)) this.group.add(new THREE.Mesh(geometry, materials.joint));
+    } else if (isTorsional(element)) {
+      if (a && b) this.torsion = new TorsionView(this.group, element, a, b, radius, materials);
     } else if (a && b) {
       const length = Math.max(a.position.distanceTo(b.position), 1e-6 * size);
       this.parts = between(kind, length, size, materials);
@@ -96,6 +101,7 @@ export class ElementView {
 
   /** Between frames where they are drawn now. */
   update(a: Pose, b: Pose): void {
+    if (this.torsion) return this.torsion.update(a, b);
     if (this.isJoint) {
       this.group.position.copy(b.position);
       this.group.quaternion.copy(b.rotation);

@@ -2,14 +2,16 @@
 import type { Clock } from "./clock";
 import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
 import { atNode, type Quantity } from "./coloring";
-import type { Shown } from "./arrows";
-import type { Scene } from "./data";
+import type { Element, Scene } from "./data";
 import { element } from "./dom";
-import { fileName, save, saveCanvas } from "./download";
+import { saveCanvas } from "./download";
+import { FilmButton } from "./filmButton";
+import { ForcePanel } from "./forcePanel";
 import { nearest, valueAt } from "./interpolate";
-import { noVideo, Recorder } from "./recorder";
 import { checkbox, choice, factorSlider } from "./slider";
+import { isJoint } from "./placement";
 import { quantity } from "./summaryLines";
+import { isTorsional } from "./torsionView";
 import { View3D, type Picked, type ViewOptions } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
@@ -26,7 +28,9 @@ export class Player {
   /** Said to who cannot see, when the animation rests. */
   private spoken = element("p", { class: "unseen", "aria-live": "polite" });
   private speaking = 0;
-  private recorder: Recorder | null = null;
+  private forces?: ForcePanel;
+  /** What was clicked is described anew. */
+  private pickedChanged = (): void => {};
   view: View3D | null = null;
 
   constructor(
@@ -72,13 +76,22 @@ export class Player {
 
   /** A click on a body shows its name, and the values there. */
   private nameClicked(view: View3D, holder: HTMLElement): void {
-    const label = element("output", { class: "picked" });
-    holder.append(label);
+    const label = element("output");
+    const box = element("input", { type: "checkbox" });
+    const arrow = element("label", {}, box, element("span", {}, "arrow"));
+    const card = element("div", { class: "picked", hidden: true }, label, arrow);
+    holder.append(card);
     let picked: Picked = { body: -1, point: -1, element: -1 };
     const show = () => {
       const something = picked.element >= 0 || this.report.bodies[picked.body];
       label.textContent = something ? this.describe(view, picked) : "";
+      card.hidden = !something;
+      const joint = this.reacting(picked.element);
+      arrow.hidden = !joint || !this.forces?.offers(joint);
+      box.checked = !arrow.hidden && this.forces!.ticked(joint!);
     };
+    box.addEventListener("change", () => this.forces?.tick(this.reacting(picked.element)!, box.checked));
+    this.pickedChanged = show;
     let pressed = [0, 0];
     view.canvas.addEventListener("pointerdown", (event) => (pressed = [event.offsetX, event.offsetY]));
     view.canvas.addEventListener("click", (event) => {
@@ -89,6 +102,13 @@ export class Player {
     this.clock.onChange(show);
   }
 
+  /** What is picked, or of a joint's own spring the joint. */
+  private reacting(index: number): Element | undefined {
+    const { elements } = this.report;
+    const one = elements[index];
+    return one && isTorsional(one) ? elements.find((joint) => isJoint(joint) && joint.name === one.name) : one;
+  }
+
   /** A joint, spring or load: what it is, and its force now. */
   private describeElement(index: number): string {
     const { name, kind } = this.report.elements[index];
@@ -96,6 +116,7 @@ export class Player {
       const signal = this.report.signals?.(channel);
       return signal ? valueAt(signal.time, signal.values, this.clock.time) : null;
     };
+    if (kind.startsWith("torsional ")) return `${name}: ${kind.replace(/ about .*/, "")} of the joint`;
     if (kind.includes("spring") || kind.includes("damper") || kind === "actuator") {
       const [force, length] = [now(`spring.${name}.force`), now(`spring.${name}.length`)];
       const tension = force === null ? "" : `: ${force < 0 ? "compression" : "tension"} ${quantity(Math.abs(force), "N")}`;
@@ -158,36 +179,12 @@ export class Player {
     }
     if (this.report.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
-    row.append(...this.forces(view));
+    this.forces = new ForcePanel(view, () => this.pickedChanged());
+    row.append(...this.forces.parts);
     const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
     row.append(fit);
     return row;
-  }
-
-  /** Which forces are drawn, and how long. */
-  private forces(view: View3D): HTMLElement[] {
-    const { arrows } = view;
-    if (!arrows.hasLoads && !arrows.hasReactions) return [];
-    let shown: Shown = "none";
-    let factor = 1;
-    const slider = factorSlider("1 m is", 0.01, 100, 1, (by) => view.showArrows(shown, (factor = by)), (by) => {
-      const { force, moment } = arrows.perMetre;
-      return [force > 0 ? quantity(by * force, "N") : "", moment > 0 ? `${quantity(by * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
-    });
-    slider.classList.add("wide");
-    const asked = new URLSearchParams(location.hash.slice(1)).get("forces") as Shown | null;
-    const options: { value: Shown; text: string }[] = [{ value: "none", text: "off" }];
-    if (arrows.hasLoads) options.push({ value: "loads", text: "loads" });
-    if (arrows.hasReactions) options.push({ value: "all", text: arrows.hasLoads ? "loads and reactions" : "reactions" });
-    const start = options.some(({ value }) => value === asked) ? asked! : arrows.hasLoads ? "loads" : "none";
-    const chosen = choice("Forces", options, start, (value) => {
-      shown = value;
-      slider.hidden = value === "none";
-      view.showArrows(shown, factor);
-    });
-    chosen.title = "Red: loads. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
-    return [chosen, slider];
   }
 
   /** The picture and the film as files. */
@@ -197,31 +194,8 @@ export class Player {
       view.redraw();
       saveCanvas(view.canvas, `t${this.clock.time.toFixed(3)}s`);
     });
-    const film = element("button", { title: "Play from the beginning at this speed and save it as a film" }, "Save film");
-    const reason = noVideo() || (this.report.animation.time.length < 2 ? "There is only one instant" : "");
-    if (reason !== "") Object.assign(film, { disabled: true, title: reason });
-    film.addEventListener("click", () => this.record(view, film));
-    return element("div", { class: "row exports" }, picture, film, ...(reason !== "" ? [element("small", { class: "muted" }, reason)] : []));
-  }
-
-  private record(view: View3D, button: HTMLButtonElement): void {
-    if (this.recorder) return this.recorder.stop();
-    const { clock } = this;
-    const recorder = (this.recorder = new Recorder(view.canvas, (film, ending) => {
-      stop();
-      this.recorder = null;
-      button.textContent = "Save film";
-      if (clock.playing) clock.toggle();
-      save(fileName("film", ending), film);
-    }));
-    const stop = view.onDrawn(() => {
-      recorder.add(`${clock.time.toFixed(3)} s`);
-      if (!clock.playing) setTimeout(() => recorder.stop(), 100);
-    });
-    button.textContent = "Stop film";
-    if (clock.playing) clock.toggle();
-    clock.set(clock.start);
-    clock.toggle();
+    const film = new FilmButton(view, this.clock);
+    return element("div", { class: "row exports" }, picture, film.button, film.reason);
   }
 
   private colors(view: View3D): HTMLElement[] {

@@ -103,7 +103,9 @@ export class View3D {
   private fog = new THREE.Fog("#000000");
   private solid = true; // the first run is shown
   private fitted = false; // to the canvas's true size
-  private waiting = false;
+  private waiting = 0; // what requestAnimationFrame returned; 0: nothing is
+  /** The shaders are compiled; until then nothing is drawn, and the rest of the page does not wait for it. */
+  ready = false;
 
   /** Throws where there is no WebGL. */
   constructor(
@@ -156,6 +158,11 @@ export class View3D {
     this.place.copy(this.followedPlace());
     this.fit();
     this.theme();
+    const ready = () => {
+      this.ready = true;
+      this.request();
+    };
+    this.renderer.compileAsync(this.scene, this.camera).then(ready, ready);
 
     clock.onChange(() => this.request());
     onThemeChange(() => this.theme());
@@ -283,6 +290,9 @@ export class View3D {
 
   /** Draws at once, for a picture to be taken. */
   redraw(): void {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    this.ready = true;
     this.update();
     this.draw();
   }
@@ -486,10 +496,9 @@ export class View3D {
 
   private request(repaint = false): void {
     this.repaint ||= repaint;
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
+    if (this.waiting !== 0) return;
+    this.waiting = requestAnimationFrame(() => {
+      this.waiting = 0;
       this.update();
       this.draw();
     });
@@ -525,6 +534,7 @@ export class View3D {
   }
 
   private draw(): void {
+    if (!this.ready) return;
     const { target } = this.controls;
     const distance = this.camera.position.distanceTo(target);
     this.camera.near = distance / 100;

@@ -19,6 +19,11 @@ interface Plot {
   sizes: [x: number, y: number];
 }
 
+interface Zoom {
+  x: [number, number];
+  y: [number, number];
+}
+
 /** Smallest and largest of the finite values, with a margin; never empty. */
 export function paddedRange(values: Iterable<number | null>, margin = 0.05): [number, number] {
   let low = Infinity;
@@ -40,6 +45,7 @@ export class XyPlot implements View {
   private plots: Plot[] = [];
   private selection: number[] = [];
   private equal = false;
+  private zooms = new Map<string, Zoom>(); // of the plots of a unit, in the channels' own units
 
   constructor(
     private curves: Curves,
@@ -48,13 +54,25 @@ export class XyPlot implements View {
     private remove: (channel: number) => void,
   ) {
     const again = () => this.show(this.selection);
-    this.across.addEventListener("change", again);
-    const equal = checkbox("Equal scales", false, (on) => ((this.equal = on), this.plots.length > 0 && again()));
+    this.across.addEventListener("change", () => {
+      this.zooms.clear();
+      again();
+    });
+    const equal = checkbox("Equal scales", false, (on) => {
+      this.equal = on;
+      this.zooms.clear();
+      if (this.plots.length > 0) again();
+    });
     equal.title = "Of both axes, where they have the same unit";
-    this.root.append(element("div", { class: "settings" }, element("label", {}, element("span", {}, "Over"), this.across), equal), this.holder);
+    this.root.append(element("div", { class: "settings" }, element("label", {}, element("span", {}, "Over"), this.across), equal), element("p", { class: "hint" }, "Draw a rectangle in a plot to zoom, double-click to see all."), this.holder);
     clock.onChange(() => this.follow());
     onThemeChange(again);
     new ResizeObserver(() => this.plots.length > 0 && this.plots[0].chart.width !== this.width && again()).observe(this.root);
+  }
+
+  resetZoom(): void {
+    this.zooms.clear();
+    this.show(this.selection);
   }
 
   show(selection: number[]): void {
@@ -99,6 +117,19 @@ export class XyPlot implements View {
     let xRange = paddedRange(data.flatMap(([x]) => x));
     let yRange = paddedRange(data.flatMap(([, y]) => y));
     if (this.equal && over[0].unit === unit) [xRange, yRange] = this.sameScale(xRange, yRange, xScale.size, yScale.size);
+    const sizes: Plot["sizes"] = [xScale.size, yScale.size];
+    const times = (range: [number, number], size: number) => range.map((value) => value * size) as [number, number];
+    const known = this.zooms.get(unit);
+    if (known) [xRange, yRange] = [times(known.x, 1 / sizes[0]), times(known.y, 1 / sizes[1])];
+    /** To the rectangle that was drawn, or back to all. */
+    const zoom = (u: uPlot | null) => {
+      if (u) {
+        const { left, top, width, height } = u.select;
+        const along = (scale: string, from: number, to: number, size: number) => times([u.posToVal(from, scale), u.posToVal(to, scale)], size);
+        this.zooms.set(unit, { x: along("x", left, left + width, sizes[0]), y: along("y", top + height, top, sizes[1]) });
+      } else if (!this.zooms.delete(unit)) return;
+      setTimeout(() => this.show(this.selection)); // not from within the chart that goes
+    };
     const axis = axisStyle();
     const chart = new uPlot(
       {
@@ -106,8 +137,11 @@ export class XyPlot implements View {
         width: this.width,
         height,
         legend: { show: false },
-        cursor: { drag: { x: false, y: false }, points: { show: false } },
-        hooks: { draw: [() => this.follow()] }, // scales are known from the first drawing on
+        cursor: { drag: { x: true, y: true, dist: 5, setScale: false }, points: { show: false }, bind: { dblclick: () => () => (zoom(null), null) } },
+        hooks: {
+          draw: [() => this.follow()], // scales are known from the first drawing on
+          setSelect: [(u) => u.select.width > 0 && u.select.height > 0 && zoom(u)],
+        },
         scales: { x: { time: false, range: () => xRange }, y: { range: () => yRange } },
         series: [
           null as unknown as uPlot.Series,
@@ -127,7 +161,7 @@ export class XyPlot implements View {
       chart.over.append(dot);
       return { trace, x: xOf(trace), dot };
     });
-    this.plots.push({ chart, dots, sizes: [xScale.size, yScale.size] });
+    this.plots.push({ chart, dots, sizes });
   }
 
   /** The larger of both metres per pixel for both axes. */
@@ -143,7 +177,10 @@ export class XyPlot implements View {
       for (const { trace, x, dot } of dots) {
         const [u, v] = [valueAt(x.time, x.values, this.clock.time), valueAt(trace.time, trace.values, this.clock.time)];
         dot.hidden = u === null || v === null;
-        if (u !== null && v !== null) dot.style.transform = `translate(${chart.valToPos(u / sizes[0], "x")}px, ${chart.valToPos(v / sizes[1], "y")}px)`;
+        if (u === null || v === null) continue;
+        const [left, top] = [chart.valToPos(u / sizes[0], "x"), chart.valToPos(v / sizes[1], "y")];
+        dot.hidden = !(left >= 0 && left <= chart.over.clientWidth && top >= 0 && top <= chart.over.clientHeight);
+        dot.style.transform = `translate(${left}px, ${top}px)`;
       }
   }
 }

@@ -1,8 +1,9 @@
 // A page in a headless Chromium, and the reports that are looked at in it.
-import { execFileSync } from "node:child_process";
+import { execFile } from "node:child_process";
 import { existsSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { join } from "node:path";
+import { promisify } from "node:util";
 
 export const root = fileURLToPath(new URL("../../..", import.meta.url));
 
@@ -37,18 +38,19 @@ export class Reports {
     return join(this.folder, name);
   }
 
-  run(model, name, ...options) {
-    this.mimbre("run", model, "-o", this.at(`${name}.h5`), "-q", ...options);
+  async run(model, name, ...options) {
+    await this.mimbre("run", model, "-o", this.at(`${name}.h5`), "-q", ...options);
     return this.at(`${name}.h5`);
   }
 
-  report(name, ...results) {
-    this.mimbre("report", ...results, "-o", this.at(`${name}.html`));
+  async report(name, ...results) {
+    await this.mimbre("report", ...results, "-o", this.at(`${name}.html`));
     return `file://${this.at(`${name}.html`)}`;
   }
 
-  mimbre(...words) {
-    execFileSync(this.program, words, { cwd: root, stdio: ["ignore", "ignore", "inherit"] });
+  async mimbre(...words) {
+    const { stderr } = await promisify(execFile)(this.program, words, { cwd: root });
+    process.stderr.write(stderr);
   }
 }
 
@@ -64,5 +66,8 @@ export async function open(browser, url, options = {}, before = undefined) {
   return { page, complaints };
 }
 
-/** Two pictures: after which the animation has been drawn at its present time. */
+/** The 3D view draws, with all its shaders compiled. */
+export const ready = (page) => page.waitForFunction(() => window.mimbreView.ready);
+
+/** Two pictures: after which the animation has been updated to its present time, and drawn if it is ready. */
 export const drawn = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));

@@ -13,10 +13,11 @@ if (reason !== "") {
 }
 
 const folder = await mkdtemp(join(tmpdir(), "mimbre-page-"));
+const browserSoon = launch(); // while the models run
 const reports = new Reports(process.argv[2], folder);
 const rigModel = "web/tests/browser/rig.yaml";
-const rig = reports.report("rig", reports.run(rigModel, "rig"));
-const compared = reports.report("compared", reports.at("rig.h5"), reports.run(rigModel, "coarse", "--step", "0.004", "--until", "0.8"));
+const [fine, coarse] = await Promise.all([reports.run(rigModel, "rig"), reports.run(rigModel, "coarse", "--step", "0.004", "--until", "0.8")]);
+const [rig, compared] = await Promise.all([reports.report("rig", fine), reports.report("compared", fine, coarse)]);
 
 const cases = [];
 const test = (name, run) => cases.push([name, run]);
@@ -29,6 +30,18 @@ const placeOf = (page, name) =>
     window.mimbreView.scene.traverse((object) => object.name === wanted && object.children.length > 0 && found.push(object));
     return found.map(({ position, visible, scale }) => ({ at: position.toArray(), visible, scale: scale.toArray() }));
   }, name);
+
+/** Clicks in the picture where a joint is. */
+async function clickOn(page, name) {
+  await page.locator(".view canvas").scrollIntoViewIfNeeded();
+  const [x, y] = await page.evaluate((wanted) => {
+    const { elements, camera, canvas } = window.mimbreView;
+    const { left, top } = canvas.getBoundingClientRect();
+    const { x, y } = elements.find(({ element, isJoint }) => isJoint && element.name === wanted).group.position.clone().project(camera);
+    return [left + ((1 + x) / 2) * canvas.clientWidth, top + ((1 - y) / 2) * canvas.clientHeight];
+  }, name);
+  await page.mouse.click(x, y);
+}
 
 const goTo = async (page, time) => {
   await page.evaluate((t) => window.mimbreView.clock.set(t), time);
@@ -100,10 +113,43 @@ test("springs stretch between their ends; loads and reactions are arrows with a 
   await drawn(page);
   assert.ok((await arrows()).includes("column") && (await arrows()).includes("wheel"));
   assert.match(await say(page, ".factor.wide output"), /^[\d.]+ k?N$/);
+  await page.locator(".reactions summary").click();
+  await page.locator(".reactions").getByLabel("column").uncheck();
+  await drawn(page);
+  assert.deepEqual((await arrows()).sort(), ["push", "weld", "wheel"]);
+  await page.locator(".reactions").getByRole("button", { name: "None" }).click();
+  await drawn(page);
+  assert.deepEqual(await arrows(), ["push"]);
+  assert.match(await say(page, ".reactions summary"), /^Reactions of 0 of \d$/);
+  await clickOn(page, "pin");
+  await page.locator(".picked").getByLabel("arrow").check();
+  await drawn(page);
+  assert.deepEqual(await page.evaluate(() => [...window.mimbreView.arrows.chosen].map(({ name }) => name)), ["pin"]);
   const push = () => page.evaluate(() => { const { shaft, heads } = window.mimbreView.arrows.arrows.find(({ vector }) => vector.element.name === "push"); return shaft.scale.y + heads[0].scale.y; });
   const [long, newtons] = [await push(), Math.abs(60 * Math.sin(20 * 0.2))];
   const scale = await page.evaluate(() => window.mimbreView.arrows.perMetre.force);
   assert.ok(Math.abs(long - newtons / scale) < 1e-3 * long, `${long} m for ${newtons} N at ${scale} N per m`);
+});
+
+test("a joint's spring winds up with the joint's angle: its inner end goes with the second body", async ({ page }) => {
+  const inner = async (time) => {
+    await goTo(page, time);
+    return page.evaluate(() => {
+      const { report, elements, clock } = window.mimbreView;
+      const { group } = elements.find(({ element }) => element.kind === "torsional spring damper about z");
+      const { array } = group.children.find(({ geometry }) => geometry.type === "TubeGeometry").geometry.getAttribute("position");
+      const angle = report.signals("bob.angle");
+      const at = (k) => [array[3 * k], array[3 * k + 1]];
+      const last = array.length / 3 - 4; // of the ring at the inner end
+      return { turn: Math.atan2(...at(last).reverse()), first: at(0), angle: angle.values[Math.round(clock.time / 0.002)], parts: group.children.length };
+    });
+  };
+  const [start, later] = [await inner(0), await inner(0.1)];
+  assert.equal(later.parts, 2); // spiral and drum
+  assert.deepEqual(later.first, start.first);
+  const difference = later.turn - start.turn - (later.angle - start.angle);
+  assert.ok(Math.abs(later.angle - start.angle) > 0.3);
+  assert.ok(Math.abs(difference - 2 * Math.PI * Math.round(difference / (2 * Math.PI))) < 1e-4, `${difference} rad`);
 });
 
 test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
@@ -112,7 +158,7 @@ test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
   assert.equal(solids.filter(({ vertexColors }) => vertexColors).length, 1); // the wheel
 });
 
-test("exports: CSV, pictures, and a film where the browser makes one", async ({ page }) => {
+test("exports: CSV and pictures", async ({ page }) => {
   const csv = await readFile(await downloaded(page, "Save CSV"), "utf8");
   const lines = csv.trim().split("\r\n");
   assert.equal(lines.length, 502);
@@ -122,9 +168,35 @@ test("exports: CSV, pictures, and a film where the browser makes one", async ({ 
     assert.equal(png.subarray(1, 4).toString(), "PNG");
     assert.ok(png.length > 5000, `${name}: ${png.length} bytes`);
   }
-  const film = await readFile(await downloaded(page, "Save film"));
-  assert.ok(film.length > 2000);
-  assert.deepEqual([...film.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]); // WebM
+});
+
+/** How long a browser takes a film to be, in s, and its size in pixels. */
+async function film(path) {
+  const bytes = await readFile(path);
+  assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]); // WebM
+  const page = await browser.newPage();
+  const seen = await page.evaluate(
+    (content) =>
+      new Promise((done, failed) => {
+        const video = document.createElement("video");
+        video.onerror = () => failed(new Error(video.error.message));
+        video.onloadedmetadata = () => (video.currentTime = 0.2);
+        video.onseeked = () => done({ duration: video.duration, at: video.currentTime, width: video.videoWidth, height: video.videoHeight });
+        video.src = `data:video/webm;base64,${content}`;
+      }),
+    bytes.toString("base64"),
+  );
+  await page.close();
+  return seen;
+}
+
+test("a film has the pictures of equal steps of simulated time, and lasts as long as the run at its speed", async ({ page }) => {
+  await slideToEnd(page, "Speed"); // 4×
+  const { duration, at, width, height } = await film(await downloaded(page, "Save film"));
+  assert.ok(Math.abs(duration - (Math.ceil(30 / 4) + 1) / 30) < 2e-3, `${duration} s`);
+  assert.ok(Math.abs(at - 0.2) < 1e-3);
+  const canvas = await page.evaluate(() => [window.mimbreView.canvas.width, window.mimbreView.canvas.height]);
+  assert.deepEqual([width, height], canvas.map((pixels) => 2 * Math.floor(pixels / 2)));
 });
 
 test("the summary is a dozen lines, details are folded, no card covers another", async ({ page }) => {
@@ -151,6 +223,25 @@ test("x–y plots, spectra and a table of statistics", async ({ page }) => {
   await panel.getByLabel("Channel on the horizontal axis").selectOption({ label: "carriage.z" });
   assert.ok((await panel.locator("canvas").count()) >= 2); // metres and degrees
   assert.ok((await panel.locator(".dot").count()) >= 2);
+  // The rectangle that is drawn fills the plot: the dot goes where it belongs; a double click shows all.
+  const plot = panel.locator(".u-over").first();
+  const dotAt = async () => (await panel.locator(".dot").first().getAttribute("style")).match(/translate\(([-\d.]+)px, ([-\d.]+)px/).slice(1).map(Number);
+  const { x, y, width, height } = await plot.boundingBox();
+  const [left, top] = await dotAt();
+  const corner = [Math.max(left - 0.2 * width, 0), Math.max(top - 0.2 * height, 0)];
+  const size = [0.5 * width, 0.5 * height];
+  await page.mouse.move(x + corner[0], y + corner[1]);
+  await page.mouse.down();
+  await page.mouse.move(x + corner[0] + size[0], y + corner[1] + size[1], { steps: 3 });
+  await page.mouse.up();
+  await drawn(page);
+  const [zoomedLeft, zoomedTop] = await dotAt();
+  assert.ok(Math.abs(zoomedLeft - ((left - corner[0]) / size[0]) * width) < 3, `${left} → ${zoomedLeft} of ${width}`);
+  assert.ok(Math.abs(zoomedTop - ((top - corner[1]) / size[1]) * height) < 3, `${top} → ${zoomedTop} of ${height}`);
+  await plot.dblclick({ position: { x: 20, y: 20 } });
+  await drawn(page);
+  const [again] = await dotAt();
+  assert.ok(Math.abs(again - left) < 1);
   panel = await tab(page, "Spectrum");
   // The load's 20 rad/s is 3.18 Hz, the bob turns at about 9 rad/s: tip.z moves at a few hertz.
   assert.match(await panel.innerText(), /tip\.z.*highest [\d.]+ .*m at [\d.]+ Hz/s);
@@ -175,12 +266,17 @@ test("formulas are drawn, and what is wrong with them is said", async ({ page })
   assert.equal(await page.locator(".entry", { hasText: "tip.z - carriage.z" }).count(), 1);
 });
 
-test("without what films need the button is grey and says why", async () => {
-  const { page } = await open(browser, rig, {}, () => delete window.MediaRecorder);
+test("without what films need the button is grey and says why", async ({ phone: { page } }) => {
   const button = page.getByRole("button", { name: "Save film" });
+  await page.waitForFunction(() => document.querySelector(".exports small").textContent !== "");
   assert.ok(await button.isDisabled());
-  assert.match(await button.getAttribute("title"), /cannot record video/);
-  await page.close();
+  assert.match(await button.getAttribute("title"), /neither WebCodecs nor MediaRecorder/);
+});
+
+test("without an encoder the film is recorded while it plays", async ({ compared: { page } }) => {
+  const bytes = await readFile(await downloaded(page, "Save film"));
+  assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
+  assert.ok(bytes.length > 2000);
 });
 
 test("the keyboard reaches all, and time is said", async ({ page }) => {
@@ -202,8 +298,7 @@ test("the keyboard reaches all, and time is said", async ({ page }) => {
   assert.equal(unnamed, 0);
 });
 
-test("runs compared are drawn over each other, and can be hidden", async () => {
-  const { page, complaints } = await open(browser, compared);
+test("runs compared are drawn over each other, and can be hidden", async ({ compared: { page, complaints } }) => {
   const ghosts = () => page.evaluate(() => window.mimbreView.ghosts.map(({ views }) => views.map(({ group, solids }) => [group.visible, solids.every(({ transparent }) => transparent)])).flat());
   await drawn(page);
   assert.deepEqual(await ghosts(), [[true, true], [true, true], [true, true]]);
@@ -211,17 +306,14 @@ test("runs compared are drawn over each other, and can be hidden", async () => {
   await drawn(page);
   assert.deepEqual((await ghosts()).map(([visible]) => visible), [false, false, false]);
   assert.deepEqual(complaints, []);
-  await page.close();
 });
 
-test("on a phone, in the dark: nothing is wider than the screen, the text has contrast", async () => {
-  const { page, complaints } = await open(browser, rig, { viewport: { width: 390, height: 844 }, colorScheme: "dark" });
+test("on a phone, in the dark: nothing is wider than the screen, the text has contrast", async ({ phone: { page, complaints } }) => {
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390);
   const [text, back] = await page.evaluate(() => [getComputedStyle(document.body).color, getComputedStyle(document.body).backgroundColor]);
   const light = (color) => color.match(/\d+/g).map(Number).reduce((sum, part) => sum + part, 0);
   assert.ok(light(text) - light(back) > 400);
   assert.deepEqual(complaints, []);
-  await page.close();
 });
 
 test("the page is one file that asks for nothing", async () => {
@@ -231,14 +323,19 @@ test("the page is one file that asks for nothing", async () => {
 });
 
 // One page for all that leave it as they found it, or only add to it: opening is what takes time.
-const browser = await launch();
+const browser = await browserSoon;
 const wanted = process.argv[3] ?? "";
-const shared = await open(browser, rig);
+const [shared, comparedPage, phone] = await Promise.all([
+  open(browser, rig),
+  open(browser, compared, {}, () => delete window.VideoEncoder),
+  open(browser, rig, { viewport: { width: 390, height: 844 }, colorScheme: "dark" }, () => (delete window.VideoEncoder, delete window.MediaRecorder)),
+]);
+const pages = { ...shared, compared: comparedPage, phone };
 let failed = 0;
 for (const [name, run] of cases.filter(([name]) => name.includes(wanted))) {
   const start = performance.now();
   try {
-    await run(shared);
+    await run(pages);
     assert.deepEqual(shared.complaints.splice(0), [], "the page complains");
     console.log(`ok   ${name} (${((performance.now() - start) / 1000).toFixed(1)} s)`);
   } catch (error) {

@@ -2,7 +2,7 @@
 import { mkdtemp, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
 
 const [program, target] = process.argv.slice(2);
 const most = 150_000; // bytes of a picture
@@ -27,18 +27,19 @@ const pictures = [
 
 const browser = await launch();
 for (const { name, model, others = [], time, forces, exaggerate, through, tab } of pictures) {
-  const results = [reports.run(model, name), ...others.map(([other, ...options]) => reports.run(model, `${name}-${other}`, ...options))];
-  const { page, complaints } = await open(browser, reports.report(name, ...results), { viewport: { width: 1180, height: 760 } });
-  await page.evaluate(
-    ([t, factor]) => {
-      window.mimbreView.clock.set(t);
-      if (factor) window.mimbreView.exaggerate(factor);
-    },
-    [time, exaggerate],
-  );
+  const results = await Promise.all([reports.run(model, name), ...others.map(([other, ...options]) => reports.run(model, `${name}-${other}`, ...options))]);
+  const { page, complaints } = await open(browser, await reports.report(name, ...results), { viewport: { width: 1180, height: 760 } });
+  await page.evaluate((t) => window.mimbreView.clock.set(t), time);
+  // Through the slider, so that what it shows is what is drawn; its ends are 1 and 500.
+  if (exaggerate)
+    await page.getByLabel("Exaggerate", { exact: true }).evaluate((slider, factor) => {
+      slider.value = String(Math.log(factor) / Math.log(500));
+      slider.dispatchEvent(new Event("input"));
+    }, exaggerate);
   if (forces) await page.getByLabel("Forces", { exact: true }).selectOption(forces);
   if (through) await page.getByLabel("See through solids").check();
   if (tab) await page.getByRole("tab", { name: tab }).click();
+  await ready(page);
   await drawn(page);
   const path = join(target, `${name}.png`);
   await page.screenshot({ path });
