@@ -37,8 +37,7 @@ std::string explain_slow_formulation(const Simulation& simulation) {
   if (!(relative > times * natural)) return {};
   return fmt::format(
       "the matrix of {} relative coordinates takes {:.2g} operations to factorise, {:.0f} times as many as "
-      "that "
-      "of natural ones; --formulation natural is the fast choice for so long a chain",
+      "that of natural ones; --formulation natural is the fast choice for so long a chain",
       m.velocities, relative, relative / natural);
 }
 
