@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -12,16 +14,18 @@
 #include <fstream>
 #include <map>
 #include <random>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mimbre/diagnostics.h"
 #include "readers.h"
 
 /// Changes the sample files of every reader at random, always in the same way for the same number, and reads
-/// what comes of it: each in a process of its own with bounds on memory and time. It must be read, or be
-/// refused with an InputError.
+/// what comes of it: some of them one after another in a process of their own, with bounds on memory and on
+/// the time of each. It must be read, or be refused with an InputError.
 ///
 ///   mimbre_mutate COUNT [FIRST [READER]]     the mutants FIRST to FIRST + COUNT - 1, of one reader or all in
 ///   turn
@@ -32,6 +36,7 @@ namespace {
 
 constexpr double memory_bytes = 1.5e9;
 constexpr rlim_t cpu_seconds = 10;
+constexpr std::uint64_t at_once = 60;  ///< in one process
 
 using Generator = std::mt19937_64;
 
@@ -131,41 +136,94 @@ double address_space() {
   return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-[[noreturn]] void read_in_child(const Reader& reader, const std::string& bytes) {
-  const rlimit time{cpu_seconds, cpu_seconds + 1}, core{0, 0};
-  setrlimit(RLIMIT_CPU, &time);
-  setrlimit(RLIMIT_CORE, &core);
-  if (const double now = address_space(); now > 0) {
-    const auto most = static_cast<rlim_t>(now + memory_bytes);
-    const rlimit memory{most, most};
-    setrlimit(RLIMIT_AS, &memory);
-  }
-  int code = 0;
-  try {
-    reader.read(bytes);
-  } catch (const InputError&) {
-  } catch (const std::exception& error) {
-    fmt::print("not an InputError: {}\n", error.what());
-    std::fflush(stdout);
-    code = 2;
-  }
-  _exit(code);
+/// For the next file: what the process has used, and as much again as one may need.
+void bound_time() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto seconds = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+  rlimit limit{};
+  getrlimit(RLIMIT_CPU, &limit);
+  limit.rlim_cur = std::min(limit.rlim_max, seconds + 1 + cpu_seconds);
+  setrlimit(RLIMIT_CPU, &limit);
 }
 
-/// What went wrong; empty when nothing did.
-std::string fault(const Reader& reader, const std::string& bytes) {
+void bound_memory() {
+  const double now = address_space();
+  if (now <= 0) return;
+  const auto most = static_cast<rlim_t>(now + memory_bytes);
+  const rlimit limit{most, most};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+/// One file for one reader.
+struct Trial {
+  const Reader* reader;
+  std::string bytes;
+};
+
+constexpr char good = 'g', bad = 'b';
+
+/// Says of each whether it was as it should be, as far as it comes.
+[[noreturn]] void read_in_child(std::span<const Trial> trials, int pipe) {
+  const rlimit core{0, 0};
+  setrlimit(RLIMIT_CORE, &core);
+  bound_memory();
+  for (const Trial& trial : trials) {
+    bound_time();
+    char verdict = good;
+    try {
+      trial.reader->read(trial.bytes);
+    } catch (const InputError&) {
+    } catch (const std::exception& error) {
+      fmt::print("not an InputError: {}\n", error.what());
+      std::fflush(stdout);
+      verdict = bad;
+    }
+    if (write(pipe, &verdict, 1) != 1) break;
+  }
+  _exit(0);
+}
+
+/// What went wrong with the first that did, and which it is; with none, their number and an empty text.
+std::pair<std::size_t, std::string> first_fault(std::span<const Trial> trials) {
   std::fflush(stdout);
+  int ends[2];
+  if (pipe(ends) != 0) return {0, "no pipe can be made"};
   const pid_t child = fork();
-  if (child < 0) return "no process can be made";
-  if (child == 0) read_in_child(reader, bytes);
+  if (child == 0) {
+    close(ends[0]);
+    read_in_child(trials, ends[1]);
+  }
+  close(ends[1]);
+  std::size_t read_well = 0;
+  char verdict = good;
+  while (child > 0 && verdict == good) {
+    const ssize_t got = read(ends[0], &verdict, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    read_well += verdict == good;
+  }
+  close(ends[0]);
+  if (child < 0) return {0, "no process can be made"};
+  if (verdict == bad) kill(child, SIGKILL);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return signal == SIGXCPU ? "takes too long" : fmt::format("ends by signal {}", signal);
+  if (read_well == trials.size()) return {read_well, ""};
+  if (verdict == bad) return {read_well, "is refused by another error"};
+  if (!WIFSIGNALED(status)) return {read_well, fmt::format("exit code {}", WEXITSTATUS(status))};
+  const int signal = WTERMSIG(status);
+  return {read_well, signal == SIGXCPU ? "takes too long" : fmt::format("ends by signal {}", signal)};
+}
+
+/// Calls report(index, why) for all faults.
+template <class Report>
+void find_faults(const std::vector<Trial>& trials, Report&& report) {
+  for (std::size_t at = 0; at < trials.size();) {
+    const auto [count, why] = first_fault(std::span(trials).subspan(at));
+    if (!why.empty()) report(at + count, why);
+    at += count + 1;
   }
-  return WEXITSTATUS(status) == 0 ? "" : fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
 int main_program(int argc, char** argv) {
@@ -186,22 +244,27 @@ int main_program(int argc, char** argv) {
   for (const Reader& reader : chosen) {
     samples.push_back(reader.samples(MIMBRE_SOURCE_DIR));
     for (const std::string& sample : samples.back()) {
-      const std::string why = fault(reader, sample);
+      const std::string why = first_fault(std::vector{Trial{&reader, sample}}).second;
       if (why.empty()) continue;
       fmt::print("{}: a sample {}\n", reader.name, why);
       return 1;
     }
   }
   std::uint64_t faults = 0;
-  for (std::uint64_t number = first; number < first + count; ++number) {
-    const std::size_t k = number % chosen.size();
-    const std::string bytes = mutant(number, samples[k]);
-    const std::string why = fault(chosen[k], bytes);
-    if (why.empty()) continue;
-    const std::string name = fmt::format("mutant-{}-{}", chosen[k].name, number);
-    std::ofstream(name, std::ios::binary) << bytes;
-    fmt::print("{}: {}\n", name, why);
-    ++faults;
+  for (std::uint64_t begin = first; begin < first + count; begin += at_once) {
+    std::vector<Trial> trials;
+    for (std::uint64_t number = begin; number < std::min(begin + at_once, first + count); ++number) {
+      const std::size_t k = number % chosen.size();
+      trials.push_back({&chosen[k], mutant(number, samples[k])});
+    }
+    find_faults(trials, [&](std::size_t index, const std::string& why) {
+      const Trial& trial = trials[index];
+      const std::string name = fmt::format("mutant-{}-{}", trial.reader->name, begin + index);
+      std::ofstream(name, std::ios::binary) << trial.bytes;
+      const bool alone = !first_fault(std::span(&trial, 1)).second.empty();
+      fmt::print("{}: {}{}\n", name, why, alone ? "" : ", after others only");
+      ++faults;
+    });
   }
   fmt::print("{} mutants of {} readers, {} faults\n", count, chosen.size(), faults);
   return faults > 0 ? 1 : 0;

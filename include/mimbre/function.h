@@ -7,6 +7,15 @@
 
 namespace mimbre {
 
+/// A value with its first and second derivative by one variable.
+struct Jet {
+  double value, first, second;
+};
+/// A value with its derivatives by two variables.
+struct Gradient {
+  double value, by_first, by_second;
+};
+
 /// A scalar function of one scalar: value, first and second derivative, and antiderivative (for the energy a
 /// force law stores). Used for force laws (of length or rate), loads and drives (of time). Immutable after it
 /// is made; evaluating it neither allocates nor throws nor locks, and what is not finite goes through. Any
@@ -47,6 +56,10 @@ class Function {
   double value(double x) const;
   double derivative(double x) const;
   double second_derivative(double x) const;
+  /// All three in one pass.
+  Jet jet(double x) const;
+  /// Value and derivative in one pass.
+  std::pair<double, double> tangent(double x) const;
   /// ∫ f from 0 to x for piecewise kinds and expressions. (An expression that is not finite at 0, as 1/x:
   /// from the first of 1, -1, 0.1, -0.1, … where it is.)
   double antiderivative(double x) const;
@@ -63,16 +76,22 @@ class Function {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// A scalar function of three scalars (length, rate, time), from an expression, for force laws that do not
-/// split. Same guarantees as Function.
-class Function3 {
+/// A scalar function of several scalars, from an expression: laws that do not split into functions of one,
+/// and signals. Same guarantees as Function.
+class Formula {
  public:
-  Function3() = default;
-  /// `variables` names the three; where it names fewer, value() ignores the rest.
-  static Function3 expression(const std::string& text, const std::vector<std::string>& variables);
-  double value(double a, double b, double c) const;
-  /// ∂/∂a and ∂/∂b, exact.
-  std::pair<double, double> derivatives(double a, double b, double c) const;
+  static constexpr std::size_t most_variables = 64;
+  Formula() = default;
+  /// Throws InputError (without mark) as Function::expression does, or for more than 64 variables.
+  static Formula expression(const std::string& text, const std::vector<std::string>& variables);
+  /// x: one value per variable, in their order.
+  double value(const double* x) const;
+  /// The value with its derivatives by what the variables depend on: jets and gradients, one per variable.
+  Jet jet(const Jet* x) const;
+  Gradient gradient(const Gradient* x) const;
+  /// ∂/∂x[0] and ∂/∂x[1], exact.
+  std::pair<double, double> derivatives(const double* x) const;
+  std::size_t variables() const;
   bool is_zero() const { return !impl_; }
 
   struct Impl;

@@ -21,7 +21,13 @@ struct RunOptions {
   /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
   /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
   int substeps = 0;
+  double end = -1;       ///< s; negative: from the file, or the default
   bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
+  // What is watched while stepping; what is not costs nothing.
+  /// The energy balance. Substeps need it, and so does the integrator `conserve`: they imply it.
+  bool energies = true;
+  bool validity = true;  ///< what the linear description of flexible bodies neglects
+  bool warnings = true;  ///< of both, and of the start
 };
 
 /// What a run takes: options, model file and the library's defaults, resolved.
@@ -30,17 +36,22 @@ struct Method {
   spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals;
   spec::Simulation::Formalism formalism = spec::Simulation::Formalism::index3;
   spec::Simulation::Integrator integrator = spec::Simulation::Integrator::generalized_alpha;
-  double step = 0;         ///< s
-  double rho = 0;          ///< spectral radius at infinity of generalised-α and HHT
-  double xi = 0;           ///< of Newmark's rule
-  double tolerance = 0;    ///< see IntegratorOptions
-  double penalty = 0;      ///< likewise
-  int max_iterations = 0;  ///< of a step
-  int substeps = 1;        ///< parts in which an inaccurate step is repeated; 1: never
+  double step = 0;             ///< s
+  double rho = 0;              ///< spectral radius at infinity of generalised-α and HHT
+  double xi = 0;               ///< of Newmark's rule
+  double tolerance = 0;        ///< see IntegratorOptions
+  double penalty = 0;          ///< likewise
+  int max_iterations = 0;      ///< of a step
+  int substeps = 1;            ///< parts in which an inaccurate step is repeated; 1: never
+  double end = 0;              ///< s
+  bool default_end = false;    ///< nobody said when the run ends
+  double output_interval = 0;  ///< s; 0: every step
   bool profile = false;
+  bool energies = true;  ///< asked for, or implied
+  bool validity = true, warnings = true;
 };
 
-/// The only place where defaults are decided.
+/// The only place where defaults are decided, and where is asked what they are.
 Method resolve_method(const spec::Simulation& given, const RunOptions& options);
 
 }  // namespace mimbre

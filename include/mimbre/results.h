@@ -24,6 +24,10 @@ class ResultsWriter {
   void add(const ResultsRow& row);
   /// Writes rows that have been waiting for half a second: to be called now and then where rows are seldom.
   void flush_if_due();
+  /// Writes the rows that have been waiting.
+  void flush();
+  /// The file that grows, where the rows of a killed run are found: the one asked for or one beside it.
+  std::string path() const;
   /// Writes what is buffered, and the run's summary (JSON text, may be empty); closes the file, which takes
   /// its place.
   void finish(const std::string& summary_json);
@@ -50,9 +54,9 @@ struct Results {
 Results read_results(const std::string& path);
 
 /// Time and the named columns as CSV. The file is written beside its target (NAME.part-PID.csv) and takes its
-/// place by finish(); `flush_if_due`, `keep`, `rows` and errors as with ResultsWriter. The first line has the
-/// names, with an apostrophe before those that a spreadsheet would take for formulas (= + - @); where `units`
-/// are given, one for each column, the second line has these.
+/// place by finish(); `flush_if_due`, `flush`, `path`, `keep`, `rows` and errors as with ResultsWriter. The
+/// first line has the names, with an apostrophe before those that a spreadsheet would take for formulas (= +
+/// - @); where `units` are given, one for each column, the second line has these.
 class CsvWriter {
  public:
   CsvWriter(const std::string& path, std::vector<std::string> columns,
@@ -62,6 +66,8 @@ class CsvWriter {
   CsvWriter& operator=(const CsvWriter&) = delete;
   void add(double time, const Eigen::VectorXd& values);
   void flush_if_due();
+  void flush();
+  std::string path() const;
   void finish();
   std::string keep();
   std::int64_t rows() const;

@@ -1,6 +1,9 @@
 #pragma once
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -88,31 +91,73 @@ class Simulation {
   /// Seconds of this thread's CPU that initialisation took, with equilibrium.
   double initialisation_seconds() const;
 
-  /// The state as flat vectors: saving them and restoring gives the same bits.
+  /// Everything that the next step depends on, and all that was observed so far: restoring it gives the same
+  /// bits from there on, of the motion, all channels and warnings, in this simulation, in another one of the
+  /// same model and method, and in another process of the same program. A copy of it is a clone.
   struct Snapshot {
-    double time = 0;
+    std::uint64_t model = 0;  ///< Simulation::fingerprint(); 0: of no particular model
+    double time = 0;          ///< s
     Eigen::VectorXd q, v, a, algorithmic, multipliers;
+    Eigen::VectorXd z;  ///< internal states of force elements
+    Eigen::VectorXd u;  ///< inputs, sampled signals, integrals of signals
     bool started = false;
-    Eigen::VectorXd marks;    ///< the tangents in the factorised matrix: when it is made anew depends on them
     double energy_error = 0;  ///< J, that the integrator `conserve` has still to take back
+    Eigen::VectorXd marks;    ///< the tangents in the factorised matrix: when it is made anew depends on them
+    Eigen::VectorXd memory;   ///< of the integrator, the energy balance and all that watches, one flat block
+
+    /// All of it as one block, with the version of its layout and a checksum (docs/states.md).
+    std::vector<std::byte> bytes() const;
+    /// Throws InputError where that is no such block, damaged, or of another version.
+    static Snapshot from_bytes(std::span<const std::byte> bytes);
   };
   Snapshot save() const;
+  /// The same into memory that is reused: does not allocate where `snapshot` is one of this model.
+  void save(Snapshot& snapshot) const;
+  /// Throws InputError, and changes nothing, when the snapshot is of another model or method.
   void restore(const Snapshot& snapshot);
+  /// Goes on from the motion of a snapshot, which may be made by hand, and observes anew: energies and
+  /// warnings count from there. Throws InputError when its sizes are not the model's.
+  void restart(const Snapshot& snapshot);
+  /// Tells models and methods apart: the model's text, what it computes, and the method. Never 0.
+  std::uint64_t fingerprint() const;
 
   /// Named channels: the model's outputs first (`output_count` of them), then the standard ones.
   const std::vector<ChannelInfo>& channels() const;
   int output_count() const;
+  /// Place of a channel in channels(). Throws InputError, with names that are like it, when there is none.
+  struct Channel {
+    int index = -1;
+  };
+  Channel channel(const std::string& name) const;
+  /// A channel's value now. Allocates nothing: what channels have in common is evaluated once per step.
+  double value(Channel channel);
+  /// The same for bodies, of the model as it was given.
+  struct Body {
+    int index = -1;
+  };
+  Body body(const std::string& name) const;
+  /// Position and rotation of a body's frame now, global. Allocates nothing.
+  spec::Pose pose(Body body);
   /// Time, all channels, poses and modal amplitudes now. Reuses the row's memory.
   void sample(ResultsRow& row);
   /// Everything a results file needs to explain itself.
   ResultsHeader header(const std::string& options_json) const;
 
-  /// The energy balance so far (see docs/theory.md).
+  /// Inputs and tunable parameters, and the number of one by its name. Throws InputError where there is none.
+  const std::vector<spec::Input>& inputs() const;
+  int input(const std::string& name) const;
+  /// Sets one, within its range, for the steps that follow. Allocates nothing, throws nothing.
+  void set_input(int input, double value);
+  double input_value(int input) const;
+
+  /// The energy balance so far (see docs/theory.md); not a number where it is not watched
+  /// (RunOptions::energies).
   const EnergyBalance& energy() const;
   /// Warnings that arose (energy fed in by the numerics, flexible bodies beyond linear theory), with time and
   /// place; grows while stepping.
   std::vector<std::string> warnings() const;
   /// The flexible bodies, in tree order. Deflections and energies are of every step, loads of every 16th.
+  /// None where RunOptions::validity is off.
   std::vector<Validity> validity() const;
   /// Independent motions at the current position: coordinates less the rank of the constraints.
   int degrees_of_freedom();

@@ -2,6 +2,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,12 +61,55 @@ struct Frame {
       -1;  ///< for a flexible body: index into ReducedBody::frames whose X, X_theta move this frame
 };
 
+/// What an argument of a signal or of a law is.
+struct Source {
+  enum class Kind {
+    time,    ///< s
+    input,   ///< Model::inputs
+    signal,  ///< Model::signals
+    sensor   ///< Model::sensors
+  } kind = Kind::time;
+  int index = -1;
+};
+
+/// A formula of a law's own variables, which come first, and of what `arguments` names.
+struct Law {
+  Formula formula;
+  std::vector<Source> arguments;
+};
+
+/// A value from outside, which the host sets between steps, or a parameter of the model that may be changed
+/// between them.
+struct Input {
+  std::string name;
+  Mark mark;
+  std::string unit;
+  double start = 0;
+  double min = -std::numeric_limits<double>::infinity();  ///< what is set is kept within these
+  double max = std::numeric_limits<double>::infinity();
+  /// constant: from the moment it is set. linear: in a straight line, so that it is reached at the end of the
+  /// step that follows.
+  enum class Hold { constant, linear } hold = Hold::constant;
+  bool tunable = false;  ///< a parameter
+};
+
+/// A value made of others.
+struct Signal {
+  std::string name;
+  Mark mark;
+  std::string unit;
+  Law law;            ///< without variables of its own
+  double every = 0;   ///< s: evaluated that often and kept in between; 0: always
+  bool named = true;  ///< by the user: it has a channel
+};
+
 struct Drive {
   int coordinate = 0;  ///< of the joint's velocity coordinates (scalar ones only)
   /// Of time: the coordinate (s → m or rad), or its speed (s → m/s or rad/s), which starts from the joint's
   /// initial position, or from 0 where none is given.
   Function law;
   enum class Of { position, speed } of = Of::position;
+  int signal = -1;  ///< instead of `law`: index into Model::signals
 };
 
 /// Spring and damper on one scalar joint coordinate: force on it = -(elastic(q) + damping(q̇)).
@@ -72,6 +117,7 @@ struct JointSpring {
   int coordinate = 0;
   Function elastic;
   Function damping;
+  Law general = {};  ///< of coordinate, rate, …
 };
 
 struct Joint {
@@ -91,7 +137,7 @@ struct Joint {
 };
 
 /// Translational spring–damper between two frames' origins: tension = elastic(length) + damping(rate) +
-/// general(length, rate, time).
+/// general(length, rate, …).
 struct Spring {
   std::string name;
   Mark mark;
@@ -99,7 +145,7 @@ struct Spring {
   int frame_b = -1;
   Function elastic;
   Function damping;
-  Function3 general;
+  Law general;
 };
 
 /// Force and moment on a frame's origin: direction · function(time).
@@ -111,6 +157,7 @@ struct Load {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   Function scale;         ///< of time
   bool follower = false;  ///< direction fixed in the frame instead of in global axes
+  int signal = -1;        ///< instead of `scale`: index into Model::signals
 };
 
 struct Road {
@@ -120,6 +167,7 @@ struct Road {
   Function height;  ///< of global x (m) or of time (s)
   /// for drawing
   double draw_from = 0, draw_to = 0;
+  int signal = -1;  ///< instead of a height over time: index into Model::signals
 };
 
 /// The benchmark's tyre: vertical force stiffness · (radius − (z_wheel − z_road)) when positive, on the
@@ -131,6 +179,63 @@ struct Tyre {
   int road = -1;
   double stiffness = 0;
   double radius = 0;
+};
+
+/// What a law written by the user is given, and what it says (see Element::law "user").
+struct LawCall {
+  double time = 0;
+  double step = 0;                  ///< s, of the step that is made; 0 in a position at rest (statics, start)
+  int components = 1;               ///< of what is measured: 1, or 6 between two frames
+  const double* x = nullptr;        ///< measured: m, rad
+  const double* v = nullptr;        ///< rates
+  const double* signals = nullptr;  ///< Element::arguments in their order
+  const double* states = nullptr;   ///< at the start of the step
+  // To be filled; all are 0 before.
+  double* force = nullptr;  ///< that resists the measure, N, N m
+  double* stiffness =
+      nullptr;  ///< ∂force/∂x, components × components, symmetric; may stay 0 where it is soft
+  double* damping = nullptr;      ///< ∂force/∂v, likewise
+  double* next = nullptr;         ///< states at the end of the step
+  double stored = 0;              ///< J
+  double* dissipating = nullptr;  ///< share of `force` that dissipates; what is neither that nor from
+                                  ///< `stored` counts as the work of a load
+};
+
+/// A force law of the user's own: a function object. It must neither throw nor, where the run has to keep its
+/// deadlines, allocate or lock.
+struct UserLaw {
+  std::function<void(LawCall&)> evaluate;
+  bool sampled = false;        ///< called once a step, with what is measured at its start, and kept over it
+  std::vector<double> states;  ///< that it has, at the start of a run
+  bool elastic = false;        ///< says `stored`: the gradient of it is not booked as work
+};
+
+/// One branch of a bushing: a spring in row with a damper, in all six components.
+struct MaxwellBranch {
+  Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();  ///< N/m, N, N m
+  double relaxation = 1;                                                        ///< s: damping over stiffness
+};
+
+/// A force between two frames, or on a joint coordinate, by one of the laws of src/forces/table.h. Others
+/// than those that have a struct of their own above.
+struct Element {
+  std::string name;
+  Mark mark;
+  std::string law;  ///< its name in the table: actuator, bushing, gas_spring, user
+  /// What it measures, and so where it acts: along the line between two frames; on a coordinate of a joint;
+  /// along or about an axis of frame a; or all six components of b's motion in the axes of a.
+  enum class On { line, coordinate, axis, frames } on = On::line;
+  int frame_a = -1;
+  int frame_b = -1;
+  int joint = -1;  ///< and its velocity coordinate
+  int coordinate = 0;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< the axis, in frame a
+  bool about = false;                                    ///< about it
+  std::vector<double> numbers;                           ///< of the law, as the table describes them
+  std::vector<Function> functions;                       ///< likewise
+  std::vector<Source> arguments;                         ///< signals that the law takes
+  std::vector<MaxwellBranch> branches;
+  std::shared_ptr<const UserLaw> user;
 };
 
 /// A named channel of the results.
@@ -161,7 +266,12 @@ struct Output {
     angular_velocity,  ///< of a frame, component 0..2, global axes or (`own_axes`) the frame's own
     centre_of_mass,    ///< of `bodies`, component 0..2 in global axes
     linear_momentum,   ///< likewise, kg m/s
-    angular_momentum   ///< likewise, kg m²/s, about their centre of mass or about `about`
+    angular_momentum,  ///< likewise, kg m²/s, about their centre of mass or about `about`
+    signal,            ///< of Model::signals
+    input,             ///< of Model::inputs
+    element_force,     ///< component of an element's force
+    element_measure,   ///< component of what it measures
+    element_rate       ///< component of its rate
   } kind = Kind::position;
   int item = -1;                         ///< index of the frame, joint, body, spring or tyre
   std::vector<int> bodies;               ///< empty: all of the model
@@ -177,6 +287,7 @@ struct Output {
 struct Simulation {
   double step = 0.01;
   double end = 10;
+  bool end_given = false;      ///< else `end` is the library's default
   double output_interval = 0;  ///< 0: every step
   /// Coordinates: joint coordinates by recursion, or points and unit vectors (natural coordinates).
   enum class Formulation { relative, natural } formulation = Formulation::relative;
@@ -219,6 +330,10 @@ struct Model {
   std::vector<Load> loads;
   std::vector<Road> roads;
   std::vector<Tyre> tyres;
+  std::vector<Element> elements;
+  std::vector<Input> inputs;
+  std::vector<Signal> signals;
+  std::vector<Output> sensors;  ///< what signals and laws see of the motion
   std::vector<Output> outputs;
   Simulation simulation;
 };

@@ -15,7 +15,8 @@ struct VtkOptions {
 /// file (.vtp, XML, binary) with its points in global axes, triangles and lines, and, at the points,
 /// displacement (from the body's rigid motion, global axes, m), for bodies with stress the components
 /// (xx yy zz xy yz zx, body axes, Pa), von Mises stress and its largest value in the whole run. Makes the
-/// folder where it is missing; returns the path of run.pvd. Throws std::runtime_error that names what cannot
+/// folder where it is missing; where there is one, run.pvd and all .vtp in it are replaced at the end, all or
+/// none, and other files stay. Returns the path of run.pvd. Throws std::runtime_error that names what cannot
 /// be written.
 std::string write_vtk(const Results& results, const std::string& folder, const VtkOptions& options = {});
 

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -11,6 +12,7 @@
 #include "app/json.h"
 #include "app/method_options.h"
 #include "app/table.h"
+#include "mimbre/method_names.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "mimbre/text.h"
@@ -60,7 +62,8 @@ struct Description {
   double mass = 0;
   int loops = 0;
   int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
-  double step = 0, end = 0;
+  Method method;
+  std::vector<spec::Input> inputs;  ///< tunable parameters among them
   Redundancy redundancy;
   std::vector<std::string> warnings;
 };
@@ -83,8 +86,8 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.elastic_coordinates = model.elastic_coordinates();
   d.constraints = simulation.constraints();
   d.degrees_of_freedom = simulation.degrees_of_freedom();
-  d.step = simulation.step_size();
-  d.end = model.spec().simulation.end;
+  d.method = simulation.method();
+  d.inputs = simulation.inputs();
   d.redundancy = simulation.redundancy();
   print_advice(simulation);
   d.warnings = loaded.warnings;
@@ -98,8 +101,9 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
 Json to_json(const Description& d, const std::string& title) {
   Json json = answer("check");
   json["title"] = title;
-  json["step"] = d.step;
-  json["end"] = d.end;
+  json["step"] = d.method.step;
+  json["end"] = d.method.end;
+  json["resolved"] = resolved_json(d.method);
   json["mass"] = d.mass;
   json["coordinates"] = d.coordinates;
   json["elastic_coordinates"] = d.elastic_coordinates;
@@ -126,6 +130,16 @@ Json to_json(const Description& d, const std::string& title) {
                               {"cut", j.cut},
                               {"coordinates", j.coordinates},
                               {"equations", j.equations}});
+  json["inputs"] = json["tunables"] = Json::array();
+  for (const spec::Input& i : d.inputs) {
+    Json entry{{"name", i.name}, {"start", i.start}};
+    if (!i.unit.empty()) entry["unit"] = i.unit;
+    // JSON has no infinity: a side without a bound is null.
+    entry["min"] = std::isfinite(i.min) ? Json(i.min) : Json();
+    entry["max"] = std::isfinite(i.max) ? Json(i.max) : Json();
+    if (!i.tunable) entry["hold"] = i.hold == spec::Input::Hold::linear ? "linear" : "constant";
+    json[i.tunable ? "tunables" : "inputs"].push_back(std::move(entry));
+  }
   json["warnings"] = d.warnings;
   return json;
 }
@@ -143,6 +157,18 @@ std::string redundancy_note(const Redundancy& r) {
       r.joints.size() > named ? fmt::format(" and {} more", r.joints.size() - named) : "");
 }
 
+/// What a run takes.
+std::string method_table(const Method& m) {
+  Table table({"run", "", ""});
+  table.add({"step", fmt::format("{:.6g}", m.step), "s"});
+  table.add({"rows every", fmt::format("{:.6g}", m.output_interval > 0 ? m.output_interval : m.step), "s"});
+  table.add({"tolerance", fmt::format("{:g}", m.tolerance), ""});
+  table.add({"parts of inaccurate steps", fmt::format("{}", m.substeps), ""});
+  table.add({"method", "",
+             fmt::format("{}, {}, {}", name_of(m.formulation), name_of(m.formalism), name_of(m.integrator))});
+  return table.text();
+}
+
 std::string to_tables(const Description& d, const std::string& title) {
   std::string text = title.empty() ? "" : printable(title) + "\n\n";
   Table bodies({"body", "kg", "", "modes", "lowest frequencies, Hz"});
@@ -158,7 +184,8 @@ std::string to_tables(const Description& d, const std::string& title) {
                 fmt::format("{}", j.equations)});
   Table model({"model", "", ""});
   const auto line = [&](const char* what, int value) { model.add({what, fmt::format("{}", value), ""}); };
-  model.add({"simulated time", fmt::format("{:.6g}", d.end), "s"});
+  model.add({"simulated time", fmt::format("{:.6g}", d.method.end),
+             d.method.default_end ? "s (the default)" : "s"});
   model.add({"mass", fmt::format("{:.6g}", d.mass), "kg"});
   line("bodies", static_cast<int>(d.bodies.size()));
   line("loops", d.loops);
@@ -168,7 +195,8 @@ std::string to_tables(const Description& d, const std::string& title) {
   line("degrees of freedom", d.degrees_of_freedom);
   if (d.redundancy.equations > 0) line("redundant equations", d.redundancy.equations);
   if (d.redundancy.nearly > 0) line("nearly redundant equations", d.redundancy.nearly);
-  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text() + redundancy_note(d.redundancy);
+  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text() + '\n' + method_table(d.method) +
+         redundancy_note(d.redundancy);
 }
 
 int run(const Arguments& arguments) {

@@ -15,7 +15,7 @@ namespace mimbre::app {
 namespace {
 
 struct Arguments {
-  std::string a, b;
+  std::vector<std::string> files;
   bool json = false;
 };
 
@@ -35,11 +35,16 @@ std::vector<std::string> missing(const Results& from, const Results& in) {
 }
 
 int run(const Arguments& arguments) {
-  const Results a = read_results(arguments.a), b = read_results(arguments.b);
+  if (arguments.files.size() != 2)
+    throw UsageError(fmt::format(
+        "two results files are needed, the reference and the one to compare with it; {}",
+        arguments.files.size() == 1 ? fmt::format("'{}' is the only one given", arguments.files.front())
+                                    : "'mimbre report' makes a page that compares any number"));
+  const std::string &first = arguments.files[0], &second = arguments.files[1];
+  const Results a = read_results(first), b = read_results(second);
   const std::vector<ChannelDifference> differences = compare(a, b);
   if (differences.empty())
-    throw InputError(Mark{},
-                     fmt::format("'{}' and '{}' have no channel in common", arguments.a, arguments.b));
+    throw InputError(Mark{}, fmt::format("'{}' and '{}' have no channel in common", first, second));
   const std::vector<std::string> only_in_a = missing(a, b), only_in_b = missing(b, a);
   std::map<std::string, std::string> units;
   for (const ChannelInfo& channel : a.header.channels) units[channel.name] = channel.unit;
@@ -64,10 +69,8 @@ int run(const Arguments& arguments) {
                fmt::format("{:.6g}", d.at_time), fmt::format("{:.4g}", d.mean_difference),
                fmt::format("{:.3g}", relative(d))});
   print_data(table.text());
-  if (!only_in_a.empty())
-    print_warning(fmt::format("only in '{}': {}", arguments.a, fmt::join(only_in_a, ", ")));
-  if (!only_in_b.empty())
-    print_warning(fmt::format("only in '{}': {}", arguments.b, fmt::join(only_in_b, ", ")));
+  if (!only_in_a.empty()) print_warning(fmt::format("only in '{}': {}", first, fmt::join(only_in_a, ", ")));
+  if (!only_in_b.empty()) print_warning(fmt::format("only in '{}': {}", second, fmt::join(only_in_b, ", ")));
   return done;
 }
 
@@ -76,8 +79,8 @@ int run(const Arguments& arguments) {
 Command add_compare(CommandLine& program) {
   Parser parser = program.add_command("compare", "Give the differences of two results, channel by channel");
   const auto arguments = std::make_shared<Arguments>();
-  parser.add_option("a", arguments->a, "Results file (HDF5), the reference").required().type_name("A.h5");
-  parser.add_option("b", arguments->b, "Results file (HDF5)").required().type_name("B.h5");
+  parser.add_option("results", arguments->files, "Two results files (HDF5); the first is the reference")
+      .type_name("A.h5 B.h5");
   parser.add_flag("--json", arguments->json, "The same as JSON");
   parser.footer(
       "Compares the channels that both have, on the instants of the coarser one within the time they share.\n"

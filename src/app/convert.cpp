@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/common.h"
+#include "app/json.h"
 #include "app/targets.h"
 #include "mimbre/fe_import.h"
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string input, output, to;
-  bool no_stress = false;
+  bool no_stress = false, json = false;
 };
 
 fe::BodyFormat format_of(const std::string& path) {
@@ -40,11 +41,11 @@ int run(const Arguments& a) {
   }
   if (read.body.name.empty()) read.body.name = fs::path(a.input).stem().string();
   try {
-    write_body_file([&] { fe::write_body(read.body, output, fe::body_format("body." + a.to)); });
+    fe::write_body(read.body, output, fe::body_format("body." + a.to));
   } catch (const std::invalid_argument& error) {
     throw InputError(Mark{a.input}, error.what());
   }
-  print_data(output + '\n');
+  print_data(made("convert", output, a.json));
   return done;
 }
 
@@ -60,6 +61,7 @@ Command add_convert(CommandLine& program) {
                   "Leave stress out: in SID every point with stress is a node more");
   parser.add_option("-o,--output", a->output, "File to write; default: the input's name with the new ending")
       .type_name("FILE");
+  parser.add_flag("--json", a->json, "The file's name as JSON");
   parser.footer(
       "Prints the file's name. What a format has no place for is said in docs/reduced-body-format.md.\n"
       "Example:\n  mimbre convert arm.h5 --to fem");

@@ -1,4 +1,5 @@
 #include "app/common.h"
+#include "app/json.h"
 #include "app/progress.h"
 #include "mimbre/vtk.h"
 
@@ -9,17 +10,18 @@ namespace {
 struct Arguments {
   std::string results, folder;
   int instants = 500;
+  bool json = false;
 };
 
 int run(const Arguments& a) {
   const Results results = read_results(a.results);
-  Progress progress(true);
+  Progress progress(!a.json);
   VtkOptions options;
   options.most_instants = a.instants;
   options.progress = [&](double part) { progress.update("writing", part); };
   const std::string path = write_vtk(results, a.folder, options);
   progress.clear();
-  print_data(path + '\n');
+  print_data(made("export", path, a.json));
   return done;
 }
 
@@ -33,8 +35,11 @@ Command add_export(CommandLine& program) {
   parser.add_option("--vtk", a->folder, "Folder for the files").required().type_name("FOLDER");
   parser.add_option("--instants", a->instants, "At most so many instants, evenly spread; default 500")
       .within(2, 1000000);
+  parser.add_flag("--json", a->json, "The name as JSON");
   parser.footer(
-      "Prints the name of the file to open.\nExample:\n  mimbre export run.h5 --vtk frames\n"
+      "Prints the name of the file to open. An older export in the folder is replaced at the end, all of it; "
+      "other "
+      "files stay.\nExample:\n  mimbre export run.h5 --vtk frames\n"
       "  paraview frames/run.pvd");
   return {parser, [a] { return run(*a); }};
 }

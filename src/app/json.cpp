@@ -10,6 +10,13 @@ Json answer(const std::string& command, const std::string& status) {
   return {{"command", command}, {"status", status}};
 }
 
+std::string made(const std::string& command, const std::string& output, bool json) {
+  if (!json) return output + '\n';
+  Json object = answer(command);
+  object["output"] = output;
+  return to_text(object) + '\n';
+}
+
 std::string to_text(const Json& json, int indent) {
   const std::string dumped = json.dump(indent, ' ', false, Json::error_handler_t::replace);
   // JSON lets these control characters stand, a terminal obeys them: DEL, and U+0080 to U+009F in two bytes.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "app/common.h"
 #include "app/json.h"
@@ -25,19 +26,22 @@ Json to_json(const Diagnostic& d) {
   return json;
 }
 
+/// For machines, to stdout.
+void print_json(const std::vector<Diagnostic>& errors, const std::string& command) {
+  Json object = answer(command, "error");
+  object["errors"] = Json::array();
+  for (const Diagnostic& error : errors) object["errors"].push_back(to_json(error));
+  try {
+    print_data(to_text(object) + '\n');
+  } catch (const Failure& unwritable) {
+    if (errors.front().message != unwritable.what()) print_error(unwritable.what());
+  }
+}
+
 /// The errors to stderr, and for machines to stdout.
 int report_errors(const std::vector<Diagnostic>& errors, const Command& command, int code) {
   for (const Diagnostic& error : errors) fmt::print(stderr, "{}\n", diagnostic_line(error, "error"));
-  if (command.parser.has("--json")) {
-    Json object = answer(command.parser.name(), "error");
-    object["errors"] = Json::array();
-    for (const Diagnostic& error : errors) object["errors"].push_back(to_json(error));
-    try {
-      print_data(to_text(object) + '\n');
-    } catch (const Failure& unwritable) {
-      print_error(unwritable.what());
-    }
-  }
+  if (command.parser.has("--json")) print_json(errors, command.parser.name());
   return code;
 }
 
@@ -69,9 +73,11 @@ std::vector<std::string> names_of(const std::vector<Command>& commands) {
   return names;
 }
 
-int usage_error(const std::string& message, const std::string& command) {
+/// `command`: as far as it is known.
+int usage_error(const std::string& message, const std::string& command, bool json) {
   print_error(one_line(message));
   fmt::print(stderr, "'mimbre {}{}--help' says more\n", command, command.empty() ? "" : " ");
+  if (json) print_json({{Mark{}, one_line(message)}}, command);
   return bad_usage;
 }
 
@@ -95,14 +101,19 @@ int main_program(int argc, char** argv) {
     return bad_usage;
   }
   const std::string first = argv[1];
+  const bool json = std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc;
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
-    return usage_error(fmt::format("there is no command '{}'{}", first, did_you_mean(first, names)), "");
+    return usage_error(fmt::format("there is no command '{}'{}", first, did_you_mean(first, names)), "",
+                       json);
   try {
     if (const auto answered = program.parse(argc, argv)) return *answered;
+  } catch (const Failure& error) {
+    print_error(error.what());
+    return failed;
   } catch (const UnexpectedArgument& error) {
-    return usage_error(error.what(), first);
+    return usage_error(error.what(), first, json);
   } catch (const UsageError& error) {
-    return usage_error(error.what(), first.starts_with('-') ? "" : first);
+    return usage_error(error.what(), first.starts_with('-') ? "" : first, json);
   }
   for (const Command& command : commands)
     if (command.parser.chosen()) return run_guarded(command);

@@ -114,13 +114,16 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
 
 RunPlan planned(const spec::Simulation& given, const RunOptions& options, std::optional<double> step,
                 std::optional<double> until) {
-  const double end = until.value_or(given.end), length = resolve_method(given, options).step;
+  RunOptions asked = options;
+  if (until) asked.end = *until;
+  const Method method = resolve_method(given, asked);
+  const double end = method.end, length = method.step;
   if ((step || until) && longer_than_run(length, end))
     throw UsageError(
         fmt::format("the step of {} s is longer than the run, which ends at {} s; give a shorter "
                     "--step or a later --until",
                     length, end));
-  return plan_run(end, given.output_interval, length);
+  return plan_run(end, method.output_interval, length);
 }
 
 Json to_json(const MethodArguments& arguments) {
@@ -149,6 +152,19 @@ Json method_json(const Method& method) {
   else if (method.integrator != Integrator::conserve)
     json["rho"] = method.rho;
   json["tolerance"] = method.tolerance;
+  return json;
+}
+
+Json resolved_json(const Method& method) {
+  Json json = method_json(method);
+  json["inertia"] = name_of(method.inertia);
+  json["penalty"] = method.penalty;
+  json["max_iterations"] = method.max_iterations;
+  json["substeps"] = method.substeps;
+  json["step"] = method.step;
+  json["end"] = method.end;
+  json["default_end"] = method.default_end;
+  json["output_interval"] = method.output_interval;
   return json;
 }
 

@@ -41,4 +41,8 @@ Json to_json(const MethodArguments& arguments);
 /// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
 Json method_json(const Method& method);
 
+/// All that was resolved: that, with the constants of the iterations, parts of repeated steps, step, end,
+/// whether nobody gave the end, and output interval.
+Json resolved_json(const Method& method);
+
 }  // namespace mimbre::app

@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
+#include "app/common.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre::app {
@@ -90,10 +92,10 @@ std::vector<GivenOption> Parser::given() const {
   return options;
 }
 
-CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& version)
+CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& own_version)
     : Parser(nullptr), owned_(std::make_unique<CLI::App>(about, name)) {
   app_ = owned_.get();
-  app_->set_version_flag("--version", version);
+  app_->set_version_flag("--version", own_version);
   app_->require_subcommand(1);
 }
 
@@ -109,11 +111,26 @@ std::optional<int> CommandLine::parse(int argc, const char* const* argv) try {
   app_->parse(argc, argv);
   return {};
 } catch (const CLI::Success& asked) {  // help or version
-  return app_->exit(asked);
+  std::ostringstream answer;
+  const int code = app_->exit(asked, answer, answer);
+  print_data(answer.str());
+  return code;
 } catch (const CLI::ExtrasError& error) {
   throw UnexpectedArgument(error.what() + hint());
+} catch (const CLI::RequiredError& error) {
+  throw UsageError(missing().value_or(error.what()));
 } catch (const CLI::ParseError& error) {
   throw UsageError(error.what());
+}
+
+std::optional<std::string> CommandLine::missing() const {
+  for (CLI::App* command : app_->get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      if (option->get_required() && option->count() == 0)
+        return fmt::format("{} is missing: {}",
+                           option->get_positional() ? option->get_type_name() : option->get_name(),
+                           option->get_description());
+  return {};
 }
 
 std::string CommandLine::hint() const {

@@ -108,10 +108,12 @@ class CommandLine : public Parser {
   Parser add_command(const std::string& name, const std::string& about);
   std::string help() const;
   /// Reads the arguments. An exit code when help or the version was asked for, and printed; nothing when a
-  /// command is to run. Throws UsageError.
+  /// command is to run. Throws UsageError, and Failure where the answer cannot be printed.
   std::optional<int> parse(int argc, const char* const* argv);
 
  private:
+  /// What the first option is that the command needs and was not given.
+  std::optional<std::string> missing() const;
   /// A near name for the first option that the command does not have.
   std::string hint() const;
 

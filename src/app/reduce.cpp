@@ -266,7 +266,7 @@ int run(const Arguments& a, const Parser& command) {
   for (const std::string& made : {a.output, a.report}) {
     if (made.empty()) continue;
     for (const std::string& input : inputs) require_different(input, made);
-    require_writable(made);
+    made == a.output ? require_writable_body(made) : require_writable(made);
   }
   if (!a.report.empty()) require_different(a.output, a.report);
   const std::string key =

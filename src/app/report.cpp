@@ -20,6 +20,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> results, labels, summaries;
   std::string output;
+  bool json = false;
 };
 
 /// An option that is given once per results file, or not at all.
@@ -69,7 +70,7 @@ int run_modes(const Arguments& arguments) {
   const ReducedBody body = load_reduced_body(arguments.results.front());
   require_writable(output);
   write_modes_report(body, output);
-  print_data(output + '\n');
+  print_data(made("report", output, arguments.json));
   return done;
 }
 
@@ -96,7 +97,7 @@ int run(const Arguments& arguments) {
     write_comparison(runs, output);
   else
     write_report(runs.front().results, output);
-  print_data(output + '\n');
+  print_data(made("report", output, arguments.json));
   return done;
 }
 
@@ -128,6 +129,7 @@ Command add_report(CommandLine& program) {
           "file does not hold")
       .type_name("FILE.json")
       .repeated();
+  parser.add_flag("--json", arguments->json, "The page's name as JSON");
   parser.footer(
       "Prints the page's name.\nExample:\n  mimbre report pendulum.h5 -o pendulum.html\n"
       "  mimbre report fine.h5 coarse.h5 --label 1ms --label 10ms -o steps.html\n"

@@ -14,9 +14,10 @@
 #include "app/json.h"
 #include "app/method_options.h"
 #include "app/progress.h"
+#include "app/recorded_inputs.h"
+#include "app/recorder.h"
 #include "app/summary.h"
 #include "app/targets.h"
-#include "mimbre/results.h"
 #include "mimbre/run.h"
 
 /// mimbre run: simulates a model.
@@ -24,10 +25,10 @@ namespace mimbre::app {
 namespace {
 
 struct Arguments {
-  std::string model, output, csv;
-  std::vector<std::string> settings;
+  std::string model, output, csv, state, resume;
+  std::vector<std::string> settings, inputs;
   MethodArguments method;
-  std::optional<double> step, until;
+  std::optional<double> step, until, every;
   bool json = false, quiet = false, strict = false, csv_units = false;
 };
 
@@ -37,93 +38,52 @@ std::string options_json(const Arguments& arguments) {
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
   if (arguments.step) json["step"] = *arguments.step;
   if (arguments.until) json["until"] = *arguments.until;
+  for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   json.update(to_json(arguments.method));
   return to_text(json);
 }
 
-void check_targets(const Arguments& arguments, const LoadedModel& loaded) {
-  for (const std::string& path : {arguments.output, arguments.csv}) {
+void check_targets(const Arguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+  const std::string* const targets[] = {&arguments.output, &arguments.csv, &arguments.state};
+  for (const std::string* target : targets) {
+    const std::string& path = *target;
     if (path.empty()) continue;
+    if (target != &arguments.state && !arguments.resume.empty()) require_different(arguments.resume, path);
+    for (const std::string* other : targets)
+      if (other != target && !other->empty()) require_different(*other, path);
     require_different(arguments.model, path);
     for (const std::string& input : loaded.other_files) require_different(input, path);
+    for (const std::string& input : inputs.files()) require_different(input, path);
     require_no_body(path);
     require_writable(path);
   }
-  if (!arguments.output.empty() && !arguments.csv.empty()) require_different(arguments.output, arguments.csv);
 }
 
-/// Puts the simulation's rows into the files that were asked for.
-class Recorder {
- public:
-  Recorder(const Arguments& arguments, const Simulation& simulation) {
-    if (!arguments.output.empty())
-      results_ =
-          std::make_unique<ResultsWriter>(arguments.output, simulation.header(options_json(arguments)));
-    if (!arguments.csv.empty()) {
-      std::vector<std::string> columns, units;
-      for (int k = 0; k < simulation.output_count(); ++k) {
-        columns.push_back(simulation.channels()[k].name);
-        if (arguments.csv_units) units.push_back(simulation.channels()[k].unit);
-      }
-      csv_ = std::make_unique<CsvWriter>(arguments.csv, columns, units);
-    }
+/// Saves the run now and then; without a file never.
+struct Saving {
+  std::string path;
+  RunPlan times;  ///< the plan with the interval of saving as that of the rows
+  RunState state;
+
+  bool wanted() const { return !path.empty(); }
+  void save(const Simulation& simulation, const RunTotals& totals, Recorder& recorder) {
+    recorder.describe(state);
+    simulation.save(state.snapshot);
+    state.totals = totals;
+    write_run_state(path, state);
+    recorder.remove_what_was_taken_over();
   }
-
-  bool recording() const { return results_ || csv_; }
-
-  void record(Simulation& simulation) {
-    if (!recording()) return;
-    simulation.sample(row_);
-    if (results_) results_->add(row_);
-    outputs_ = row_.channels.head(simulation.output_count());
-    if (csv_) csv_->add(row_.time, outputs_);
-  }
-
-  /// Writes what has been waiting for long.
-  void flush_if_due() {
-    if (results_) results_->flush_if_due();
-    if (csv_) csv_->flush_if_due();
-  }
-
-  /// Closes both files, whatever happened to the other; the first thing that goes wrong is thrown afterwards.
-  /// What is `whole` takes the place of older files, what is not stays beside them. Returns what is kept
-  /// then.
-  std::vector<std::string> finish(const std::string& summary, bool whole) {
-    std::vector<std::string> kept;
-    std::exception_ptr first;
-    const auto keep_first = [&](auto&& work) {
-      try {
-        work();
-      } catch (const std::exception&) {
-        if (!first) first = std::current_exception();
-      }
-    };
-    const auto close = [&](auto& writer, const auto&... text) {
-      if (whole) return writer.finish(text...);
-      const std::string path = writer.keep(text...);
-      kept.push_back(fmt::format("{} rows in '{}'", writer.rows(), path));
-    };
-    if (results_) keep_first([&] { close(*results_, summary); });
-    if (csv_) keep_first([&] { close(*csv_); });
-    if (first) std::rethrow_exception(first);
-    return kept;
-  }
-
- private:
-  std::unique_ptr<ResultsWriter> results_;
-  std::unique_ptr<CsvWriter> csv_;
-  ResultsRow row_;
-  Eigen::VectorXd outputs_;
 };
 
-/// The stepping loop with its output. What goes wrong in it is told by the ending, so that the results so far
-/// are kept.
-Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder, Progress& progress,
-                RunTotals& totals) {
+/// The stepping loop with its output, from where the totals are. What goes wrong in it is told by the ending,
+/// so that the results so far are kept.
+Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inputs, Recorder& recorder,
+                Progress& progress, Saving& saving, RunTotals& totals, const std::function<void()>& begin) {
   // Without files the clock is read once, with a progress line a few hundred times.
   const std::int64_t chunk = progress.shown() ? plan.steps / 500 + 1 : plan.steps;
-  std::int64_t recorded = 0;
+  std::int64_t& recorded = saving.state.recorded;
   const auto stop = [&] {
+    inputs.set(simulation);
     recorder.flush_if_due();
     return interrupted();
   };
@@ -133,20 +93,26 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder,
     return ending;
   };
   try {
-    recorder.record(simulation);
+    begin();
     while (totals.steps < plan.steps) {
-      const std::int64_t until =
-          recorder.recording() ? plan.next_row(totals.steps) : std::min(totals.steps + chunk, plan.steps);
-      const StepReport report = advance(simulation, plan, until, totals, stop);
+      const std::int64_t row = recorder.recording() ? plan.next_row(totals.steps) : plan.steps;
+      const std::int64_t save = saving.wanted() ? saving.times.next_row(totals.steps) : plan.steps;
+      const std::int64_t pause = recorder.recording() ? plan.steps : totals.steps + chunk;
+      const StepReport report = advance(simulation, plan, std::min({row, save, pause}), totals, stop);
       if (!report.ok()) return stopped({"failed", simulation.explain(report)});
-      if (totals.steps == until) {
+      if (totals.steps == row) {
         recorder.record(simulation);
-        recorded = until;
+        recorded = row;
       }
+      const bool ends = interrupted() && totals.steps < plan.steps;
+      if (saving.wanted() && (totals.steps == save || ends)) saving.save(simulation, totals, recorder);
       progress.update(simulation.time(), plan.end, totals.cpu_seconds);
-      if (interrupted() && totals.steps < plan.steps)
-        return stopped({"interrupted",
-                        fmt::format("interrupted at t = {:.6g} s of {:.6g} s", simulation.time(), plan.end)});
+      if (ends)
+        return stopped(
+            {"interrupted",
+             fmt::format("interrupted at t = {:.6g} s of {:.6g} s{}", simulation.time(), plan.end,
+                         saving.wanted() ? fmt::format("; --resume {} goes on from there", saving.path)
+                                         : std::string())});
     }
   } catch (const std::exception& error) {
     return {"failed", error.what()};
@@ -154,25 +120,110 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, Recorder& recorder,
   return {};
 }
 
-int run(const Arguments& arguments) {
+/// Options that decide the results must be those of the saved run; it may end later.
+void require_same_options(const Arguments& arguments, const RunState& saved) {
+  Json now = Json::parse(options_json(arguments)), then = Json::parse(saved.options_json);
+  now.erase("until");
+  then.erase("until");
+  if (now == then) return;
+  const Json change = Json::diff(then, now);
+  const std::string where = change.empty() ? std::string() : change[0].value("path", "");
+  throw UsageError(fmt::format(
+      "the saved run was made with other options: it had {}, and here there are {} (they differ in '{}'); "
+      "only --until may be another",
+      then.dump(), now.dump(), where.empty() ? where : where.substr(1)));
+}
+
+/// Puts a simulation to where a saved run was.
+void resume(const Arguments& arguments, const RunState& saved, const RunPlan& plan, Simulation& simulation) {
+  if (saved.totals.steps > plan.steps || saved.snapshot.time > plan.end)
+    throw UsageError(fmt::format("the saved run is at t = {:.6g} s already, the end asked for is {:.6g} s",
+                                 saved.snapshot.time, plan.end));
+  if (saved.snapshot.model != simulation.fingerprint())
+    throw InputError(
+        Mark{arguments.model, 0, 0},
+        fmt::format("the state in '{}' was saved of another model, or the model (or a file that it "
+                    "names) has been changed since; only the same one goes on",
+                    arguments.resume));
+  if (saved.program != this_program())
+    print_warning(
+        fmt::format("the state in '{}' was saved by another program ({}; this is {}): what follows is "
+                    "as good, but not the same bits",
+                    arguments.resume, saved.program, this_program()));
+  const auto same_files = [&](const char* option, const std::string& now, const std::string& then) {
+    if (now.empty() == then.empty()) return;
+    throw UsageError(
+        then.empty()
+            ? fmt::format("the saved run had no {}, so that its first rows are missing; "
+                          "go on without",
+                          option)
+            : fmt::format("the saved run had {}; give it here, too (its rows are in '{}')", option, then));
+  };
+  same_files("--output", arguments.output, saved.results);
+  same_files("--csv", arguments.csv, saved.csv);
+  simulation.restore(saved.snapshot);
+}
+
+int run(const Arguments& given_arguments) {
+  Arguments arguments = given_arguments;
+  if (arguments.every && arguments.state.empty()) {
+    if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
+    arguments.state = arguments.resume;
+  }
+  RecordedInputs inputs(arguments.inputs);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet);
-  check_targets(arguments, loaded);
+  check_targets(arguments, loaded, inputs);
   const spec::Simulation& given = loaded.model->spec().simulation;
+  std::optional<RunState> saved;
+  if (!arguments.resume.empty()) {
+    saved = read_run_state(arguments.resume);
+    require_same_options(arguments, *saved);
+  }
   RunOptions options = run_options(arguments.method, given);
   options.step = arguments.step.value_or(0);
+  options.end = arguments.until.value_or(-1);
   const RunPlan plan = planned(given, options, arguments.step, arguments.until);
   const std::unique_ptr<Simulation> made = [&] {
     const Busy busy("assembling the mechanism", !arguments.quiet);
     return std::make_unique<Simulation>(loaded.model, options);
   }();
   Simulation& simulation = *made;
-  if (!arguments.quiet) print_advice(simulation);
+  inputs.attach(simulation);
+  if (!arguments.quiet) {
+    if (simulation.method().default_end)
+      fmt::print(stderr,
+                 "mimbre: note: the model does not say when a run ends: {} s are taken (--until, or `end` in "
+                 "its section `simulation`, says it)\n",
+                 plan.end);
+    print_advice(simulation);
+  }
 
   catch_interrupts();
-  Recorder recorder(arguments, simulation);
-  Progress progress(!arguments.quiet);
+  const RunFiles files{arguments.output, arguments.csv, arguments.csv_units};
+  std::vector<ResultsRow> rows;
+  if (saved) {
+    resume(arguments, *saved, plan, simulation);
+    if (saved->rows.count > 0) rows = recorded_rows(*saved, files, simulation.output_count());
+  }
+  Recorder recorder(files, simulation, options_json(arguments));
   RunTotals totals;
-  Ending ending = simulate(simulation, plan, recorder, progress, totals);
+  Saving saving{arguments.state, plan, {}};
+  saving.times.output_interval = arguments.every.value_or(2 * plan.end);  // none: at the end
+  saving.state.options_json = options_json(arguments);
+  saving.state.program = this_program();
+  if (saved) {
+    totals = saved->totals;
+    saving.state.recorded = saved->recorded;
+  }
+  Progress progress(!arguments.quiet);
+  Ending ending = simulate(simulation, plan, inputs, recorder, progress, saving, totals, [&] {
+    if (saved) {
+      recorder.take_over(*saved, rows);
+    } else {
+      inputs.set(simulation);
+      recorder.record(simulation);
+    }
+  });
   progress.clear();
 
   std::vector<std::string> warnings = loaded.warnings;
@@ -213,11 +264,29 @@ Command add_run(CommandLine& program) {
   const auto arguments = std::make_shared<Arguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
+  parser
+      .add_option("--input", arguments->inputs,
+                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
+                  "given several times")
+      .type_name("NAME=FILE.csv");
   parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
   parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
       .type_name("FILE.h5");
   parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
+  parser
+      .add_option("--save-state", arguments->state,
+                  "File that the state goes to, every --every seconds, at the end, and when\n"
+                  "the run is interrupted: --resume goes on from it")
+      .type_name("FILE");
+  parser.add_option("--every", arguments->every, "Simulated seconds from one saved state to the next")
+      .above(0)
+      .type_name("S");
+  parser
+      .add_option("--resume", arguments->resume,
+                  "Goes on from a saved state, with the same model and options, to the same\n"
+                  "results as without the break")
+      .type_name("FILE");
   parser.add_flag("--csv-units", arguments->csv_units, "A second line in the table: the columns' units");
   parser.add_flag("--json", arguments->json, "The summary as JSON");
   parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");

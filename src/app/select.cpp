@@ -110,7 +110,7 @@ int run(const Arguments& a) {
         100 * s.achieved_error,
         a.keep == "modes" ? "" : (a.pre == "rigid" ? ", or take --pre candidates" : ", or --keep modes")));
   s.body.name = std::filesystem::path(a.output).stem().string();
-  write_body_file([&] { save(s.body, a.output); });
+  save(s.body, a.output);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (a.json) {
     Json json = answer("select");

@@ -78,6 +78,7 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   summary["steps"] = totals.steps;
   summary["step"] = simulation.step_size();
   summary.update(method_json(simulation.method()));
+  summary["resolved"] = resolved_json(simulation.method());
   summary["time"] = simulation.time();
   summary["coordinates"] = simulation.coordinates();
   summary["iterations"] = totals.iterations;
@@ -127,6 +128,8 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   line("method", "",
        fmt::format("{}, {}, {}", name_of(simulation.method().formulation),
                    name_of(simulation.method().formalism), name_of(simulation.method().integrator)));
+  if (simulation.method().default_end)
+    line("end", number(simulation.method().end), "s  (the default: the model has none)");
   line("coordinates", fmt::format("{}", simulation.coordinates()));
   line("iterations per step", fmt::format("{:.3g}", per_step(totals.iterations, totals)));
   if (totals.repeated_steps > 0)

@@ -1,5 +1,6 @@
 #include "app/targets.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -12,37 +13,45 @@
 #include "mimbre/reduced_body.h"
 
 namespace mimbre::app {
+namespace {
 
 namespace fs = std::filesystem;
 
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+  throw std::runtime_error(fmt::format("cannot write '{}': {}", path, why));
+}
+
+/// Permissions alone do not tell: a read-only disk or a folder of the system takes no file even of root.
+void require_room_for_files(const std::string& path, const fs::path& folder) {
+  std::string probe = (folder / "mimbre-probe-XXXXXX").string();
+  const int made = mkostemp(probe.data(), O_CLOEXEC);
+  if (made < 0) {
+    const int error = errno;
+    std::error_code unknown;
+    refuse(path, error == ENOENT && fs::is_directory(folder, unknown) ? "no files can be made in its folder"
+                                                                      : std::strerror(error));
+  }
+  unlink(probe.c_str());
+  close(made);
+}
+
+}  // namespace
+
 void require_writable(const std::string& path) {
-  const auto need = [&](const fs::path& place, int mode) {
-    if (access(place.c_str(), mode) != 0)
-      throw std::runtime_error(fmt::format("cannot write '{}': {}", path, std::strerror(errno)));
-  };
   std::error_code unknown;
-  if (fs::is_directory(path, unknown))
-    throw std::runtime_error(fmt::format("cannot write '{}': it is a folder", path));
+  if (fs::is_directory(path, unknown)) refuse(path, "it is a folder");
   const bool exists = fs::exists(path, unknown);
-  if (exists) need(path, W_OK);
+  if (exists && access(path.c_str(), W_OK) != 0) refuse(path, std::strerror(errno));
   if (exists && !fs::is_regular_file(path, unknown)) return;                  // a device is written straight
   const fs::path folder = fs::weakly_canonical(path, unknown).parent_path();  // where links lead
-  need(folder.empty() ? fs::path(".") : folder, W_OK | X_OK);
+  require_room_for_files(path, folder.empty() ? fs::path(".") : folder);
 }
 
 void require_writable_body(const std::string& path) {
-  require_writable(path);
   std::error_code unknown;
-  if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
-    throw std::runtime_error(fmt::format("cannot write '{}': it is not a plain file", path));
-}
-
-void write_body_file(const std::function<void()>& write) {
-  try {
-    write();
-  } catch (const InputError& unwritten) {
-    throw Failure(unwritten.what());
-  }
+  if (fs::exists(path, unknown) && !fs::is_directory(path, unknown) && !fs::is_regular_file(path, unknown))
+    refuse(path, "it is not a plain file");
+  require_writable(path);
 }
 
 void require_different(const std::string& input, const std::string& output) {

@@ -1,18 +1,16 @@
 #pragma once
-#include <functional>
 #include <string>
 
+/// What is found out about outputs before a long computation. That one cannot be written is exit code 3, then
+/// as later: the library says so by std::runtime_error.
 namespace mimbre::app {
 
-/// Finds out before a long computation whether a file can be written at `path`. Throws std::runtime_error
-/// naming the file and the reason. Creates nothing.
+/// Throws std::runtime_error naming the file and the reason where no file can be written at `path`. Leaves
+/// nothing behind.
 void require_writable(const std::string& path);
 
 /// The same for a reduced body, which needs a plain file.
 void require_writable_body(const std::string& path);
-
-/// Runs what writes a sound body; that its file cannot be written is no mistake in the input: throws Failure.
-void write_body_file(const std::function<void()>& write);
 
 /// Throws UsageError when `output` is the file `input` itself, which writing would destroy.
 void require_different(const std::string& input, const std::string& output);

@@ -40,10 +40,8 @@ class Handle {
   ~Handle() { reset(); }
   hid_t get() const { return id_; }
   bool valid() const { return id_ >= 0; }
-  void reset() {
-    if (id_ >= 0) H5Idec_ref(id_);
-    id_ = H5I_INVALID_HID;
-  }
+  /// False when closing, which may write, went wrong.
+  bool reset() { return !valid() || H5Idec_ref(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
  private:
   hid_t id_ = H5I_INVALID_HID;
@@ -100,6 +98,15 @@ inline Handle open_group(hid_t parent, const std::string& name) {
   return is_own(parent, name) ? Handle(H5Gopen2(parent, name.c_str(), H5P_DEFAULT)) : Handle();
 }
 
+/// Whether a dataset whose values lie in its own header has as many there as it announces: the library reads
+/// on beyond them.
+inline bool compact_is_whole(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset)), space(H5Dget_space(dataset));
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  return count >= 0 && static_cast<double>(count) * static_cast<double>(H5Tget_size(type.get())) <=
+                           static_cast<double>(H5Dget_storage_size(dataset));
+}
+
 /// A dataset whose data lie in this file itself; not valid where there is none.
 inline Handle open_dataset(hid_t parent, const std::string& name) {
   if (!is_own(parent, name)) return {};
@@ -108,8 +115,9 @@ inline Handle open_dataset(hid_t parent, const std::string& name) {
   const Handle properties(H5Dget_create_plist(data.get()));
   if (!properties.valid() || H5Pget_external_count(properties.get()) != 0) return {};
   const H5D_layout_t layout = H5Pget_layout(properties.get());
-  return layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED ? std::move(data)
-                                                                                    : Handle();
+  const bool good = layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED ||
+                    (layout == H5D_COMPACT && compact_is_whole(data.get()));
+  return good ? std::move(data) : Handle();
 }
 
 /// Whether a file of so many bytes can hold so many values of the dataset. A damaged header can announce any

@@ -77,6 +77,20 @@ bool same_content(const struct stat& a, const struct stat& b) {
   return same_file(a, b) && a.st_size == b.st_size && t.tv_sec == u.tv_sec && t.tv_nsec == u.tv_nsec;
 }
 
+/// Whether the path leads to what the process has open, as /dev/stdout does: written straight.
+bool leads_to_open_file(const std::string& path) {
+  return path.starts_with("/dev/std") || path.starts_with("/dev/fd/") || path.starts_with("/proc/");
+}
+
+/// Puts a file or folder onto the disk. 0, or the error; a file system that cannot do so has none.
+int put_on_disk(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const int error = fsync(descriptor) == 0 ? 0 : errno;
+  close(descriptor);
+  return error == EINVAL || error == EROFS || error == ENOTSUP ? 0 : error;
+}
+
 /// While it lives, no other program commits into the folder.
 class FolderLock {
  public:
@@ -101,12 +115,12 @@ constexpr const char* busy = "another program is writing it";
 }  // namespace
 
 OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
-  const bool special = target.starts_with("/dev/") || target.starts_with("/proc/");
-  target_ = special ? target : followed(target).string();
+  const bool open_file = leads_to_open_file(target);
+  target_ = open_file ? target : followed(target).string();
   existed_ = stat(target_.c_str(), &before_) == 0;
   if (!existed_ && errno != ENOENT) fail(errno);
   if (existed_ && S_ISDIR(before_.st_mode)) fail(EISDIR);
-  plain_ = !special && (!existed_ || S_ISREG(before_.st_mode));
+  plain_ = !existed_ || (!open_file && S_ISREG(before_.st_mode));
   if (!plain_) {
     path_ = target_;
     return;
@@ -128,6 +142,9 @@ OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
   if (made < 0) {
     const int error = errno;
     if (lock_ >= 0) close(lock_);
+    std::error_code unknown;
+    if (error == ENOENT && fs::is_directory(folder_of(target_), unknown))
+      throw std::runtime_error("no files can be made in its folder");
     fail(error);
   }
   fstat(made, &own_);
@@ -162,8 +179,10 @@ void OutputPlace::adopt_mode() const {
   chmod(path_.c_str(), before_.st_mode & (owner_kept ? 07777u : 0777u));
 }
 
-void OutputPlace::write(std::string_view bytes) const {
-  std::FILE* file = std::fopen(path_.c_str(), "wb");
+void OutputPlace::write(std::string_view bytes) const { write_bytes(path_, bytes); }
+
+void write_bytes(const std::string& path, std::string_view bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
   if (!file) fail(errno);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const int error = errno;
@@ -194,8 +213,14 @@ void OutputPlace::commit() {
             : fmt::format("another program has written it meanwhile; this one's is kept in '{}'", path_));
   if (path_ == target_) return;
   adopt_mode();
-  if (std::rename(path_.c_str(), target_.c_str()) == 0) return;
-  const std::string why = std::strerror(errno);
+  // Else a power cut soon after could leave the new name with nothing behind it, and the older file gone.
+  int error = existed_ ? put_on_disk(path_) : 0;
+  if (error == 0 && std::rename(path_.c_str(), target_.c_str()) != 0) error = errno;
+  if (error == 0) {
+    if (existed_) put_on_disk(folder_of(target_).string());
+    return;
+  }
+  const std::string why = std::strerror(error);
   std::error_code unknown;
   throw std::runtime_error(
       fs::exists(path_, unknown) ? fmt::format("{}; what was written is kept in '{}'", why, path_) : why);

@@ -30,8 +30,9 @@ class OutputPlace {
   /// Where nothing stands at the target the file is called so from now on, and can be looked at while it
   /// grows: path() changes. Throws when another program was quicker.
   void show();
-  /// What was written takes the target's place. Throws, and keeps it where it is, when that fails or another
-  /// program has written the target meanwhile.
+  /// What was written takes the target's place; where an older file stands there the new one is on the disk
+  /// first. Throws, and keeps it where it is, when that fails or another program has written the target
+  /// meanwhile.
   void commit();
   /// What was written is not whole, but stays: at the target where nothing stands there, else where it is.
   /// Returns its path. Never throws.
@@ -49,6 +50,9 @@ class OutputPlace {
   bool plain_ = true, existed_ = false, pending_ = false;
   int lock_ = -1;
 };
+
+/// A file that nobody else sees yet. Throws std::runtime_error with the reason alone.
+void write_bytes(const std::string& path, std::string_view bytes);
 
 /// One file at once, likewise: the older one stands until the new one is whole.
 void write_whole(const std::string& target, std::string_view bytes);

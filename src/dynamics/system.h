@@ -36,6 +36,9 @@ class System {
   /// Moves the common reference point to where the mechanism is at q. Between two calls results refer to one
   /// point.
   virtual void begin_step(const double* q) = 0;
+  /// What evaluations take from now on as held inputs (State::u) and as the states of force elements at
+  /// the start of a step of that length (State::z; 0: at rest). Both have to stay where they are.
+  virtual void enter(const double* held, const double* states, double step) = 0;
   /// r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q). Also evaluates the equations.
   virtual void residual(double t, const double* q, const double* v, const double* a,
                         const double* multipliers, double factor, double* r) = 0;

@@ -1,26 +1,17 @@
 #pragma once
-#include "math/rotation.h"
-#include "model/compiled.h"
+#include "forces/element.h"
 
-namespace mimbre {
+/// A force and a moment on one frame, times a signal.
+namespace mimbre::forces {
 
-/// Force on a frame's origin and moment, global axes.
-template <class T>
-struct LoadWrench {
-  Vec3<T> force, moment;
-};
-
-/// What a load exerts at a time on its frame with these axes; its power is force · velocity of the frame's
-/// origin + moment · angular velocity.
-template <class T>
-LoadWrench<T> load_wrench(const LoadData& l, const Mat3<T>& axes, double time) {
-  const double scale = l.scale.value(time);
-  LoadWrench<T> w{(scale * l.force).template cast<T>(), (scale * l.moment).template cast<T>()};
-  if (l.follower) {
-    w.force = (axes * w.force).eval();
-    w.moment = (axes * w.moment).eval();
-  }
-  return w;
+/// Its direction, `linear` and `angular`, is set by what it acts on (measure.h).
+inline void load_law(const LawContext<double>& c, ElementState<double>& s) {
+  s.force[0] = -c.argument(0);
+  s.stiffness[0] = s.damping[0] = 0;
 }
 
-}  // namespace mimbre
+inline void load_energy(const LawContext<double>&, const ElementState<double>& s, ElementEnergy& e) {
+  e.working[0] = s.force[0];
+}
+
+}  // namespace mimbre::forces

@@ -1,42 +1,51 @@
 #pragma once
-#include "math/rotation.h"
-#include "model/compiled.h"
+#include <cmath>
 
-namespace mimbre {
+#include "forces/element.h"
 
-/// Length, rate, tension (positive pulls the ends together) and its tangents of a translational
-/// spring–damper; r, v: position and velocity of end b relative to end a, global axes (Lugrís
-/// 2008, 2.110–2.119). Where the ends meet, the direction is that in which they part; without any, there is
-/// no force.
-template <class T, class State>
-void spring_state(const SpringData& s, const Vec3<T>& r, const Vec3<T>& v, double time, State& state) {
-  state.length = r.norm();
-  const T speed = v.norm();
-  state.direction = state.length > T(0) ? Vec3<T>(r / state.length)
-                    : speed > T(0)      ? Vec3<T>(v / speed)
-                                        : Vec3<T>(Vec3<T>::Zero());
-  state.rate = state.direction.dot(v);
-  state.tension = s.elastic.value(state.length) + s.damping.value(state.rate);
-  state.stiffness = s.elastic.derivative(state.length);
-  state.damping = s.damping.derivative(state.rate);
-  if (!s.general.is_zero()) {
-    state.tension += s.general.value(state.length, state.rate, time);
-    const auto [k, c] = s.general.derivatives(state.length, state.rate, time);
-    state.stiffness += k;
-    state.damping += c;
+/// Springs and dampers on a length or a joint coordinate x: elastic(x) + damping(ẋ) + general(x, ẋ, …).
+namespace mimbre::forces {
+
+namespace spring {
+constexpr int elastic = 0, damping = 1;  ///< among the law's functions
+
+inline double general(const LawContext<double>& c, double x, double v) {
+  const LawData* law = c.formula();
+  if (!law) return 0;
+  std::array<double, Formula::most_variables> values;
+  gather<double>(*law, {x, v}, c.signals, values);
+  return law->formula.value(values.data());
+}
+}  // namespace spring
+
+inline void spring_law(const LawContext<double>& c, ElementState<double>& s) {
+  const double x = s.x[0], v = s.v[0];
+  const auto [pull, stiffness] = c.function(spring::elastic).tangent(x);
+  const auto [resistance, damping] = c.function(spring::damping).tangent(v);
+  s.force[0] = pull + resistance;
+  s.stiffness[0] = stiffness;
+  s.damping[0] = damping;
+  if (const LawData* law = c.formula()) {
+    std::array<double, Formula::most_variables> values;
+    gather<double>(*law, {x, v}, c.signals, values);
+    s.force[0] += law->formula.value(values.data());
+    const auto [k, d] = law->formula.derivatives(values.data());
+    s.stiffness[0] += k;
+    s.damping[0] += d;
   }
 }
 
-/// Potential of the elastic law, J: zero at the assembled length.
-inline double spring_potential(const SpringData& s, double length) {
-  return s.elastic.antiderivative(length) - s.elastic.antiderivative(s.free_length);
+/// The potential is zero at the assembled length; of the general law what it is at rest works like a load and
+/// the rest is a damper's.
+inline void spring_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  const Function& elastic = c.function(spring::elastic);
+  const double start =
+      c.element.measure == Measure::distance ? elastic.antiderivative(c.element.reference) : 0;
+  e.stored = elastic.antiderivative(s.x[0]) - start;
+  // It may be undefined at rest.
+  const double whole = spring::general(c, s.x[0], s.v[0]), at_rest = spring::general(c, s.x[0], 0);
+  e.working[0] = std::isfinite(at_rest) ? at_rest : 0;
+  e.dissipating[0] = c.function(spring::damping).value(s.v[0]) + whole - e.working[0];
 }
 
-/// The parts of the tension whose power is no potential's, N: of the damper, which dissipates, and of the
-/// general law, whose work at rate 0 counts as a load's and the rest as a damper's.
-inline double spring_damping(const SpringData& s, double rate) { return s.damping.value(rate); }
-inline double spring_general(const SpringData& s, double length, double rate, double time) {
-  return s.general.is_zero() ? 0 : s.general.value(length, rate, time);
-}
-
-}  // namespace mimbre
+}  // namespace mimbre::forces

@@ -1,31 +1,27 @@
 #pragma once
 #include <algorithm>
 
-#include "math/rotation.h"
-#include "model/compiled.h"
+#include "forces/element.h"
 
-namespace mimbre {
+/// The benchmark's tyre: stiffness times penetration where there is contact, upwards on the wheel's centre.
+namespace mimbre::forces {
 
-/// Road height under a global x (or at a time).
-inline double road_height(const RoadData& road, double x, double time) {
-  return road.height.value(road.over == spec::Road::Over::distance ? x : time);
+namespace tyre {
+constexpr int stiffness = 0, radius = 1;  ///< among the law's numbers
 }
 
-/// Vertical force of the benchmark's tyre at a wheel centre's global position: stiffness · penetration when
-/// positive.
-template <class T, class State>
-void tyre_state(const TyreData& t, const RoadData& road, const Vec3<T>& centre, double time, State& state) {
-  state.road = road_height(road, centre[0], time);
-  state.penetration = t.radius - (centre[2] - state.road);
-  const bool contact = state.penetration > T(0);
-  state.force = contact ? t.stiffness * state.penetration : T(0);
-  state.stiffness = contact ? T(t.stiffness) : T(0);
+/// x: height of the wheel's centre above the road.
+inline void tyre_law(const LawContext<double>& c, ElementState<double>& s) {
+  const double penetration = c.numbers()[tyre::radius] - s.x[0];
+  const bool contact = penetration > 0;
+  s.force[0] = contact ? -c.numbers()[tyre::stiffness] * penetration : 0;
+  s.stiffness[0] = contact ? c.numbers()[tyre::stiffness] : 0;
+  s.damping[0] = 0;
 }
 
-/// Its potential, J: of a wheel centre and a road at these heights.
-inline double tyre_potential(const TyreData& t, double wheel, double road) {
-  const double penetration = std::max(0.0, t.radius - (wheel - road));
-  return 0.5 * t.stiffness * penetration * penetration;
+inline void tyre_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  const double penetration = std::max(0.0, c.numbers()[tyre::radius] - s.x[0]);
+  e.stored = 0.5 * c.numbers()[tyre::stiffness] * penetration * penetration;
 }
 
-}  // namespace mimbre
+}  // namespace mimbre::forces

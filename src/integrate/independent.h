@@ -17,6 +17,7 @@ class IndependentStepper final : public Stepper {
   IndependentStepper(System& system, const IntegratorOptions& options);
   StepStatus step(State& state) override;
   void set_step(double step) override;
+  void transfer(StateTransfer& transfer) override { dense_.partition().transfer(transfer); }
 
  private:
   StepCode evaluate(const State& s, StepStatus& status);

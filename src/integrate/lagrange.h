@@ -15,6 +15,7 @@ class LagrangeStepper final : public Stepper {
   LagrangeStepper(System& system, const IntegratorOptions& options, bool baumgarte);
   StepStatus step(State& state) override;
   void set_step(double step) override;
+  void transfer(StateTransfer& transfer) override { dense_.partition().transfer(transfer); }
 
  private:
   System& system_;

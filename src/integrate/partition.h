@@ -2,6 +2,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "dynamics/state_transfer.h"
+
 namespace mimbre {
 
 /// Splits coordinates into dependent and independent ones by the equations Φz x = b, and solves them for the
@@ -25,6 +27,8 @@ class Partition {
   int weakest() const { return weakest_; }  ///< equation
 
   int rank() const { return rank_; }
+  /// The rank of the first choice, which all later ones keep.
+  void transfer(StateTransfer& transfer) { transfer(rank_); }
   int dependent(int k) const { return coordinate_[k]; }            ///< k < rank
   int independent(int k) const { return coordinate_[rank_ + k]; }  ///< k < coordinates − rank
   int equation(int k) const { return equation_[k]; }               ///< k < rank; the others are redundant

@@ -25,6 +25,9 @@ class ProfiledSystem final : public System {
   const double* penalty() const override { return system_.penalty(); }
   const Scales& scales() const override { return system_.scales(); }
   void begin_step(const double* q) override { system_.begin_step(q); }
+  void enter(const double* held, const double* states, double step) override {
+    system_.enter(held, states, step);
+  }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override {
     const Timer timer(seconds_.residual);

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "dynamics/state.h"
+#include "dynamics/state_transfer.h"
 #include "dynamics/system.h"
 #include "mimbre/spec.h"
 
@@ -52,11 +53,14 @@ class Stepper {
  public:
   virtual ~Stepper() = default;
   /// One step of options().step. On failure the state is unchanged. Throws nothing, makes a bounded number of
-  /// iterations, and gives the same bits for the same state and system. The system's last evaluation is then
+  /// iterations, and gives the same bits for the same state, system (its tangent
+  /// marks) and memory (transfer). The system's last evaluation is then
   /// of the new positions and velocities.
   virtual StepStatus step(State& state) = 0;
   /// Changes the step, s > 0.
   virtual void set_step(double step) = 0;
+  /// What it remembers from step to step beside the state.
+  virtual void transfer(StateTransfer&) {}
   const IntegratorOptions& options() const { return options_; }
 
  protected:

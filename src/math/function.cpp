@@ -38,8 +38,8 @@ Expression compiled(const std::string& text, const std::vector<std::string>& var
 }
 
 /// An expression of one variable.
-struct Formula {
-  Formula(const std::string& text, const std::string& variable) : expression(compiled(text, {variable})) {
+struct OneVariable {
+  OneVariable(const std::string& text, const std::string& variable) : expression(compiled(text, {variable})) {
     for (const double x : probes) {
       if (!std::isfinite(value(x))) continue;
       integral_start = x;
@@ -48,9 +48,11 @@ struct Formula {
     throw InputError(Mark{}, fmt::format("expression '{}' is finite at none of {} = 0, ±0.01, ±0.1, ±1, ±10",
                                          text, variable));
   }
-  double value(double x) const { return expression.value(std::array{x, 0.0, 0.0}); }
-  double derivative(double x) const { return expression.jet(std::array{x, 0.0, 0.0}).first; }
-  double second_derivative(double x) const { return expression.jet(std::array{x, 0.0, 0.0}).second; }
+  double value(double x) const { return expression.value(&x); }
+  Jet jet(double x) const {
+    const Jet of{x, 1, 0};
+    return expression.jet(&of);
+  }
 
   Expression expression;
   double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
@@ -76,9 +78,9 @@ struct Integral {
 struct Function::Impl {
   explicit Impl(Pieces pieces) : kind(std::move(pieces)) {}
   Impl(const std::string& text, const std::string& variable)
-      : kind(std::in_place_type<Formula>, text, variable) {}
+      : kind(std::in_place_type<OneVariable>, text, variable) {}
   explicit Impl(Integral integral) : kind(std::move(integral)) {}
-  std::variant<Pieces, Formula, Integral> kind;
+  std::variant<Pieces, OneVariable, Integral> kind;
 };
 
 Function Function::constant(double value) { return polynomial({value}); }
@@ -136,21 +138,40 @@ double Function::value(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->value(x);
   if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->value(x);
-  return std::get_if<Formula>(&impl_->kind)->value(x);
+  return std::get_if<OneVariable>(&impl_->kind)->value(x);
 }
 
 double Function::derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->derivative(x);
   if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.value(x);
-  return std::get_if<Formula>(&impl_->kind)->derivative(x);
+  return std::get_if<OneVariable>(&impl_->kind)->jet(x).first;
 }
 
 double Function::second_derivative(double x) const {
   if (!impl_) return 0;
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->second_derivative(x);
   if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.derivative(x);
-  return std::get_if<Formula>(&impl_->kind)->second_derivative(x);
+  return std::get_if<OneVariable>(&impl_->kind)->jet(x).second;
+}
+
+Jet Function::jet(double x) const {
+  if (!impl_) return {0, 0, 0};
+  if (const OneVariable* formula = std::get_if<OneVariable>(&impl_->kind)) return formula->jet(x);
+  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) {
+    const auto [rate, second] = integral->f.tangent(x);
+    return {integral->value(x), rate, second};
+  }
+  return {value(x), derivative(x), second_derivative(x)};
+}
+
+std::pair<double, double> Function::tangent(double x) const {
+  if (!impl_) return {0, 0};
+  if (const OneVariable* formula = std::get_if<OneVariable>(&impl_->kind)) {
+    const Jet jet = formula->jet(x);
+    return {jet.value, jet.first};
+  }
+  return {value(x), derivative(x)};
 }
 
 double Function::antiderivative(double x) const {
@@ -158,35 +179,46 @@ double Function::antiderivative(double x) const {
   if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->antiderivative(x);
   if (const Integral* integral = std::get_if<Integral>(&impl_->kind))
     return quadrature::integral([&](double s) { return integral->value(s); }, 0, x);
-  const Formula& formula = *std::get_if<Formula>(&impl_->kind);
+  const OneVariable& formula = *std::get_if<OneVariable>(&impl_->kind);
   return quadrature::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
 }
 
-struct Function3::Impl {
+struct Formula::Impl {
   Impl(const std::string& text, const std::vector<std::string>& variables)
       : expression(compiled(text, variables)) {
+    // All triples of these, the third for all the others too.
+    std::vector<double> x(variables.size() + 3);
     for (const double a : probes)
       for (const double b : probes)
-        for (const double c : probes)
-          if (std::isfinite(expression.value(std::array{a, b, c}))) return;
+        for (const double c : probes) {
+          std::fill(x.begin(), x.end(), c);
+          x[0] = a;
+          x[1] = b;
+          if (std::isfinite(expression.value(x.data()))) return;
+        }
     throw InputError(Mark{}, fmt::format("expression '{}' is finite nowhere between -10 and 10", text));
   }
   Expression expression;
 };
 
-Function3 Function3::expression(const std::string& text, const std::vector<std::string>& variables) {
-  Function3 result;
+Formula Formula::expression(const std::string& text, const std::vector<std::string>& variables) {
+  Formula result;
   result.impl_ = std::make_shared<Impl>(text, variables);
   return result;
 }
 
-double Function3::value(double a, double b, double c) const {
-  return impl_ ? impl_->expression.value(std::array{a, b, c}) : 0;
+double Formula::value(const double* x) const { return impl_ ? impl_->expression.value(x) : 0; }
+Jet Formula::jet(const Jet* x) const { return impl_ ? impl_->expression.jet(x) : Jet{0, 0, 0}; }
+Gradient Formula::gradient(const Gradient* x) const {
+  return impl_ ? impl_->expression.gradient(x) : Gradient{0, 0, 0};
 }
+std::size_t Formula::variables() const { return impl_ ? impl_->expression.variables() : 0; }
 
-std::pair<double, double> Function3::derivatives(double a, double b, double c) const {
+std::pair<double, double> Formula::derivatives(const double* x) const {
   if (!impl_) return {0, 0};
-  const Gradient g = impl_->expression.gradient(std::array{a, b, c});
+  std::array<Gradient, most_variables> of;
+  for (std::size_t k = 0; k < variables(); ++k) of[k] = {x[k], k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0};
+  const Gradient g = gradient(of.data());
   return {g.by_first, g.by_second};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <numbers>
@@ -301,26 +302,18 @@ Scalar run(const ExpressionProgram& program, const Scalar* variables) {
 }  // namespace
 
 Expression::Expression(const std::string& text, const std::vector<std::string>& variables) {
-  if (variables.size() > most_variables)
-    refuse(fmt::format("an expression has up to 3 variables, not {}", variables.size()));
+  if (variables.size() > Formula::most_variables)
+    refuse(fmt::format("an expression has up to {} variables, not {}", Formula::most_variables,
+                       variables.size()));
   check_text(text);
   if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isspace(c); }))
     refuse("is empty");
   program_ = parse_expression(text, variables);
+  variables_ = variables.size();
 }
 
-double Expression::value(std::span<const double, most_variables> values) const {
-  return run<double>(program_, values.data());
-}
-
-Jet Expression::jet(std::span<const double, most_variables> values) const {
-  const std::array<Jet, most_variables> x{{{values[0], 1, 0}, {values[1], 0, 0}, {values[2], 0, 0}}};
-  return run<Jet>(program_, x.data());
-}
-
-Gradient Expression::gradient(std::span<const double, most_variables> values) const {
-  const std::array<Gradient, most_variables> x{{{values[0], 1, 0}, {values[1], 0, 1}, {values[2], 0, 0}}};
-  return run<Gradient>(program_, x.data());
-}
+double Expression::value(const double* variables) const { return run<double>(program_, variables); }
+Jet Expression::jet(const Jet* variables) const { return run<Jet>(program_, variables); }
+Gradient Expression::gradient(const Gradient* variables) const { return run<Gradient>(program_, variables); }
 
 }  // namespace mimbre

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -9,7 +7,7 @@
 
 namespace mimbre {
 
-/// A formula in up to three variables, compiled once. Evaluation neither allocates nor throws nor locks, and
+/// A formula in some variables, compiled once. Evaluation neither allocates nor throws nor locks, and
 /// any number of threads may share it. Derivatives are exact, those of the branch that `?:` takes; at a kink
 /// of abs, min or max the mean of both sides, across a jump those of either side.
 class Expression {
@@ -18,16 +16,16 @@ class Expression {
   /// more than 10 000 characters or 100 nested levels.
   Expression(const std::string& text, const std::vector<std::string>& variables);
 
-  static constexpr std::size_t most_variables = 3;
-  /// One value per variable, in their order; surplus values are ignored.
-  double value(std::span<const double, most_variables> values) const;
-  /// With the derivatives by the first variable.
-  Jet jet(std::span<const double, most_variables> values) const;
-  /// With the derivatives by the first and the second variable.
-  Gradient gradient(std::span<const double, most_variables> values) const;
+  /// One value per variable, in their order.
+  double value(const double* variables) const;
+  /// With the derivatives by what the variables depend on.
+  Jet jet(const Jet* variables) const;
+  Gradient gradient(const Gradient* variables) const;
+  std::size_t variables() const { return variables_; }
 
  private:
   ExpressionProgram program_;
+  std::size_t variables_ = 0;
 };
 
 }  // namespace mimbre

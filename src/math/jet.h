@@ -1,6 +1,8 @@
 #pragma once
 #include <cmath>
 
+#include "mimbre/function.h"
+
 /// Numbers that carry derivatives, so that a formula gives them exactly.
 namespace mimbre {
 
@@ -11,15 +13,6 @@ struct Taylor {
 
 /// The factor times a derivative, which is 0 where nothing varies, however steep the function is there.
 inline double along(double factor, double derivative) { return derivative == 0 ? 0 : factor * derivative; }
-
-/// A value with its first and second derivative by one variable.
-struct Jet {
-  double value, first, second;
-};
-/// A value with its derivatives by two variables.
-struct Gradient {
-  double value, by_first, by_second;
-};
 
 /// f of x, by the chain rule.
 inline Jet chain(const Taylor& t, const Jet& x) {

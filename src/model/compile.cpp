@@ -9,8 +9,11 @@
 #include "math/decompositions.h"
 #include "mimbre/model.h"
 #include "mimbre/reduced_body.h"
+#include "model/check_spec.h"
+#include "model/compile_signals.h"
 #include "model/compiled.h"
 #include "model/flexible_data.h"
+#include "model/force_laws.h"
 #include "model/topology.h"
 
 namespace mimbre {
@@ -27,10 +30,21 @@ class Compiler {
   std::unique_ptr<const Compiled> run() {
     topology_ = find_topology(c_.spec);
     bodies();
+    plan_signals(c_);
     frames();
     subspaces();
-    forces();
+    elements();
+    place_sensors(
+        c_, [this](ElementData e) { return add_element(std::move(e)); },
+        [this](int joint, int coordinate) { return on_coordinate(joint, coordinate); });
     loops_and_drives();
+    c_.element_storage = 0;
+    for (const auto& [first, values] : pending_states_)
+      std::copy(values.begin(), values.end(), c_.states.begin() + first);
+    for (ElementData& e : c_.elements) {
+      e.storage = c_.element_storage;
+      c_.element_storage += mimbre::element_storage(e);
+    }
     matrix();
     scales();
     return std::make_unique<const Compiled>(std::move(c_));
@@ -91,6 +105,17 @@ class Compiler {
     for (const auto& s : c_.spec.springs) needed.insert({s.frame_a, s.frame_b});
     for (const auto& l : c_.spec.loads) full.insert(l.frame);
     for (const auto& t : c_.spec.tyres) needed.insert(t.frame);
+    for (const auto& e : c_.spec.elements)
+      if (e.on != spec::Element::On::coordinate)
+        (e.on == spec::Element::On::line ? needed : full).insert({e.frame_a, e.frame_b});
+    for (const int sensor : seen_within_a_step(c_)) {
+      const spec::Output& o = c_.spec.sensors[sensor];
+      const auto add = [&](int frame) {
+        if (frame >= 0) full.insert(frame);
+      };
+      if (is_of_frame(o.kind)) add(o.item);
+      if (o.kind == spec::Output::Kind::displacement) add(o.reference);
+    }
     needed.insert(full.begin(), full.end());
 
     c_.frame_of_spec.assign(spec_frames.size(), -1);
@@ -192,46 +217,171 @@ class Compiler {
     return offset;
   }
 
-  void forces() {
+  int add_element(ElementData e) {
+    if (e.measure != Measure::none && e.body < 0) {
+      e.path = make_path(e.frame_a < 0 ? ground_frame() : e.frame_a, e.frame_b);
+      e.jacobian = add_jacobian(e.path, e.count);
+    }
+    e.states = static_cast<int>(c_.states.size());
+    c_.states.resize(c_.states.size() + e.state_count, 0.0);
+    c_.elements.push_back(std::move(e));
+    return static_cast<int>(c_.elements.size()) - 1;
+  }
+
+  /// On a coordinate of a joint, in the tree or cut.
+  ElementData on_coordinate(int joint, int coordinate) const {
+    const spec::Joint& j = c_.spec.joints[joint];
+    ElementData e;
+    e.measure = Measure::coordinate;
+    e.joint_spec = joint;
+    e.joint = j.type;
+    e.local = coordinate;
+    e.frame_a = c_.frame_of_spec[j.frame_a];
+    e.frame_b = c_.frame_of_spec[j.frame_b];
+    for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b)
+      if (c_.bodies[b].joint_spec == joint) {
+        e.body = b;
+        e.q = c_.bodies[b].q + coordinate;
+        e.v = c_.bodies[b].v + coordinate;
+      }
+    if (e.body < 0 && is_angle(j.type, coordinate)) count_turns(e);
+    return e;
+  }
+  static void count_turns(ElementData& e) {
+    e.turns = 0;
+    e.own_states = e.state_count = 1;
+  }
+
+  void elements() {
     const spec::Model& s = c_.spec;
     for (int k = 0; k < static_cast<int>(s.springs.size()); ++k) {
-      SpringData d;
-      d.spec = k;
-      d.frame_a = c_.frame_of_spec[s.springs[k].frame_a];
-      d.frame_b = c_.frame_of_spec[s.springs[k].frame_b];
-      d.elastic = s.springs[k].elastic;
-      d.damping = s.springs[k].damping;
-      d.general = s.springs[k].general;
-      d.free_length = assembled_distance(s.springs[k].frame_a, s.springs[k].frame_b);
-      if (!(d.free_length > 0))
-        throw InputError(s.springs[k].mark,
-                         fmt::format("spring '{}' has length 0 in the assembled position: its "
-                                     "direction is not defined; move one end",
-                                     s.springs[k].name));
-      d.path = make_path(d.frame_a, d.frame_b);
-      d.jacobian = add_jacobian(d.path, 1);
-      c_.springs.push_back(std::move(d));
+      const spec::Spring& spring = s.springs[k];
+      ElementData e;
+      e.law = static_cast<int>(Law::spring);
+      e.spec = k;
+      e.measure = Measure::distance;
+      e.marked = true;
+      e.frame_a = c_.frame_of_spec[spring.frame_a];
+      e.frame_b = c_.frame_of_spec[spring.frame_b];
+      e.functions = add_functions({spring.elastic, spring.damping});
+      e.formula = add_formula(c_, spring.general);
+      e.reference = assembled_distance(spring.frame_a, spring.frame_b);
+      if (!(e.reference > 0))
+        throw InputError(spring.mark, fmt::format("spring '{}' has length 0 in the assembled position: its "
+                                                  "direction is not defined; move one end",
+                                                  spring.name));
+      add_element(std::move(e));
     }
-    for (const spec::Road& r : s.roads) c_.roads.push_back({r.over, r.height});
+    for (const spec::Road& r : s.roads) c_.roads.push_back({r.over, r.height, 0});
+    place_roads(c_);
+    c_.first_tyre = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.tyres.size()); ++k) {
-      TyreData d;
-      d.spec = k;
-      d.frame = c_.frame_of_spec[s.tyres[k].frame];
-      d.road = s.tyres[k].road;
-      d.stiffness = s.tyres[k].stiffness;
-      d.radius = s.tyres[k].radius;
-      d.path = make_path(ground_frame(), d.frame);
-      d.jacobian = add_jacobian(d.path, 1);
-      c_.tyres.push_back(std::move(d));
+      ElementData e;
+      e.law = static_cast<int>(Law::tyre);
+      e.spec = k;
+      e.measure = Measure::height;
+      e.marked = true;
+      e.frame_b = c_.frame_of_spec[s.tyres[k].frame];
+      e.road = s.tyres[k].road;
+      e.numbers = add_numbers({s.tyres[k].stiffness, s.tyres[k].radius});
+      add_element(std::move(e));
     }
+    c_.first_load = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.loads.size()); ++k) {
       const spec::Load& l = s.loads[k];
-      c_.loads.push_back({k, c_.frame_of_spec[l.frame], l.force, l.moment, l.scale, l.follower});
+      ElementData e;
+      e.law = static_cast<int>(Law::load);
+      e.spec = k;
+      e.frame_b = c_.frame_of_spec[l.frame];
+      e.direction = l.force;
+      e.second = l.moment;
+      e.follower = l.follower;
+      e.arguments = add_argument(c_, load_slot(c_, k));
+      e.argument_count = 1;
+      add_element(std::move(e));
     }
-    for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b)
-      for (const spec::JointSpring& js : s.joints[c_.bodies[b].joint_spec].springs)
-        c_.joint_springs.push_back({c_.bodies[b].joint_spec, b, c_.bodies[b].q + js.coordinate,
-                                    c_.bodies[b].v + js.coordinate, js.coordinate, js.elastic, js.damping});
+    c_.first_joint_spring = static_cast<int>(c_.elements.size());
+    const auto joint_springs = [&](int joint) {
+      const spec::Joint& j = s.joints[joint];
+      for (int k = 0; k < static_cast<int>(j.springs.size()); ++k) {
+        ElementData e = on_coordinate(joint, j.springs[k].coordinate);
+        e.law = static_cast<int>(Law::spring);
+        e.spec = k;
+        e.functions = add_functions({j.springs[k].elastic, j.springs[k].damping});
+        e.formula = add_formula(c_, j.springs[k].general);
+        add_element(std::move(e));
+      }
+    };
+    for (const BodyData& b : c_.bodies) joint_springs(b.joint_spec);
+    for (const int joint : topology_.cut_joints) joint_springs(joint);
+    c_.first_other = static_cast<int>(c_.elements.size());
+    for (int k = 0; k < static_cast<int>(s.elements.size()); ++k) add_element(other_element(k));
+  }
+
+  ElementData other_element(int k) {
+    using On = spec::Element::On;
+    const spec::Element& s = c_.spec.elements[k];
+    ElementData e;
+    if (s.on == On::coordinate) {
+      e = on_coordinate(s.joint, s.coordinate);
+    } else {
+      e.frame_a = c_.frame_of_spec[s.frame_a];
+      e.frame_b = c_.frame_of_spec[s.frame_b];
+      const spec::Pose a = global_pose(s.frame_a), b = global_pose(s.frame_b);
+      const Vec3d apart = a.rotation.transpose() * (b.position - a.position);
+      e.rotation = a.rotation.transpose() * b.rotation;
+      e.position = apart;
+      e.measure = s.on == On::line ? Measure::distance : s.on == On::axis ? Measure::axis : Measure::relative;
+      e.direction = s.direction.normalized();
+      e.about = s.about;
+      e.reference = s.on == On::line ? apart.norm() : e.direction.dot(apart);
+      if (e.measure == Measure::axis && e.about) count_turns(e);
+    }
+    e.count = measure_size(e.measure);
+    e.law = find_law(s.law);
+    e.spec = k;
+    e.marked = true;
+    e.numbers = add_numbers(s.numbers);
+    for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
+    if (!s.functions.empty()) e.functions = add_functions(s.functions);
+    e.argument_count = static_cast<int>(s.arguments.size());
+    e.arguments = static_cast<int>(c_.arguments.size());
+    for (const spec::Source& source : s.arguments) add_argument(c_, slot_of(c_, source));
+    e.user = s.user;
+    if (!s.branches.empty()) e.state_count += 6 * (1 + static_cast<int>(s.branches.size()));
+    if (s.user) e.state_count += static_cast<int>(s.user->states.size()) + (s.user->sampled ? e.count : 0);
+    if (e.law == static_cast<int>(Law::actuator) && !s.arguments.empty()) {
+      const int slot = c_.arguments[e.arguments];
+      if (slot >= c_.signals.first_moving) e.feedback = slot;
+    }
+    const int first =
+        static_cast<int>(c_.states.size()) + e.own_states + (s.user && s.user->sampled ? e.count : 0);
+    if (s.user) pending_states_.push_back({first, s.user->states});
+    return e;
+  }
+
+  using MaxwellNumbers = std::vector<double>;
+  static std::vector<MaxwellNumbers> branch_numbers(const spec::Element& s) {
+    std::vector<MaxwellNumbers> all;
+    for (const spec::MaxwellBranch& branch : s.branches) {
+      MaxwellNumbers numbers;
+      for (int r = 0; r < 6; ++r)
+        for (int k = 0; k < 6; ++k) numbers.push_back(branch.stiffness(r, k));
+      numbers.push_back(branch.relaxation);
+      all.push_back(std::move(numbers));
+    }
+    return all;
+  }
+
+  int add_numbers(const std::vector<double>& numbers) {
+    const int first = static_cast<int>(c_.numbers.size());
+    c_.numbers.insert(c_.numbers.end(), numbers.begin(), numbers.end());
+    return first;
+  }
+  int add_functions(const std::vector<Function>& functions) {
+    const int first = static_cast<int>(c_.functions.size());
+    c_.functions.insert(c_.functions.end(), functions.begin(), functions.end());
+    return first;
   }
 
   /// Any frame that no coordinate moves: the parent side of a tree joint on the ground.
@@ -241,13 +391,15 @@ class Compiler {
     return 0;
   }
 
+  /// Of a frame in the assembled position.
+  spec::Pose global_pose(int frame) const {
+    const spec::Frame& f = c_.spec.frames[frame];
+    if (f.body < 0) return f.pose;
+    const spec::Pose& body = c_.spec.bodies[f.body].pose;
+    return {body.position + body.rotation * f.pose.position, body.rotation * f.pose.rotation};
+  }
   double assembled_distance(int frame_a, int frame_b) const {
-    const auto global = [&](const spec::Frame& f) -> Vec3d {
-      if (f.body < 0) return f.pose.position;
-      const spec::Pose& body = c_.spec.bodies[f.body].pose;
-      return body.position + body.rotation * f.pose.position;
-    };
-    return (global(c_.spec.frames[frame_b]) - global(c_.spec.frames[frame_a])).norm();
+    return (global_pose(frame_b).position - global_pose(frame_a).position).norm();
   }
 
   void loops_and_drives() {
@@ -265,19 +417,15 @@ class Compiler {
       c_.equations += loop.count;
       c_.loops.push_back(std::move(loop));
     }
-    for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b)
-      for (const spec::Drive& d : c_.spec.joints[c_.bodies[b].joint_spec].drives)
-        c_.drives.push_back({c_.bodies[b].joint_spec, b, c_.bodies[b].q + d.coordinate,
-                             c_.bodies[b].v + d.coordinate, c_.equations++, d.coordinate,
-                             driven_position(c_.spec.joints[c_.bodies[b].joint_spec], d), 1.0});
-  }
-
-  /// A run may be longer than the file says: what is prepared reaches over four times that.
-  Function driven_position(const spec::Joint& joint, const spec::Drive& d) const {
-    if (d.of == spec::Drive::Of::position) return d.law;
-    const auto k = static_cast<std::size_t>(d.coordinate);
-    const double start = k < joint.initial_position.size() ? joint.initial_position[k].value_or(0) : 0;
-    return d.law.integral(start, 4 * c_.spec.simulation.end);
+    for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
+      const BodyData& body = c_.bodies[b];
+      const auto& drives = c_.spec.joints[body.joint_spec].drives;
+      for (int k = 0; k < static_cast<int>(drives.size()); ++k) {
+        const int coordinate = drives[k].coordinate;
+        c_.drives.push_back({body.joint_spec, b, body.q + coordinate, body.v + coordinate, c_.equations++,
+                             coordinate, drive_slot(c_, body.joint_spec, k), 1.0});
+      }
+    }
   }
 
   void matrix() {
@@ -291,8 +439,7 @@ class Compiler {
         for (const PathEntry& f : path.entries) pattern.couplings.push_back({e.body, f.body});
     };
     for (const auto& l : c_.loops) couple(l.path);
-    for (const auto& s : c_.springs) couple(s.path);
-    for (const auto& t : c_.tyres) couple(t.path);
+    for (const auto& e : c_.elements) couple(e.path);
     c_.symbolic = std::make_shared<const linalg::BlockSymbolic>(pattern);
 
     const auto find_places = [&](Path& path) {
@@ -301,8 +448,7 @@ class Compiler {
           path.places.push_back(c_.symbolic->place(path.entries[i].body, path.entries[j].body));
     };
     for (auto& l : c_.loops) find_places(l.path);
-    for (auto& s : c_.springs) find_places(s.path);
-    for (auto& t : c_.tyres) find_places(t.path);
+    for (auto& e : c_.elements) find_places(e.path);
     c_.mass_places.resize(c_.bodies.size());
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
       c_.diagonal.push_back(c_.symbolic->place(b, b));
@@ -341,6 +487,7 @@ class Compiler {
 
   Compiled c_;
   Topology topology_;
+  std::vector<std::pair<int, std::vector<double>>> pending_states_;  ///< of user laws: where, what
 };
 
 }  // namespace
@@ -349,6 +496,7 @@ Model::Model(std::unique_ptr<const Compiled> compiled) : compiled_(std::move(com
 Model::~Model() = default;
 
 std::shared_ptr<const Model> Model::compile(spec::Model model) {
+  check_spec(model);
   return std::shared_ptr<const Model>(new Model(Compiler(std::move(model)).run()));
 }
 

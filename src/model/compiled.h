@@ -163,47 +163,136 @@ struct DriveData {
   int q = 0, v = 0;  ///< coordinate indices
   int equation = 0;
   int local = 0;  ///< coordinate within the body's block
-  Function position;
+  int slot = 0;   ///< of its position among the signals
   double scale = 1;
 };
 
-struct SpringData {
-  int spec = -1;
-  int frame_a = -1, frame_b = -1;
-  Function elastic, damping;
-  Function3 general;
-  double free_length = 0;  ///< reference length for the potential
-  Path path;
-  int jacobian = 0;
+/// What a force element measures, and so where it acts. Numbers of components in measure_size().
+enum class Measure {
+  none,        ///< nothing: it acts on frame b
+  distance,    ///< between the frames' origins
+  coordinate,  ///< of a joint, in the tree or cut
+  height,      ///< of frame b's origin above a road
+  axis,        ///< of b along, or about, a direction of frame a
+  relative     ///< of b in the axes of a: displacement and rotation vector
 };
+constexpr int measure_size(Measure m) { return m == Measure::relative ? 6 : 1; }
 
-struct JointSpringData {
+/// A force element: what it measures, its law and the law's constants. The laws are in src/forces, one file
+/// each, and in the table there.
+struct ElementData {
+  int law = 0;    ///< row of the table
+  int spec = -1;  ///< index among its kind in the spec
+  Measure measure = Measure::none;
+  int count = 1;                   ///< components
+  int frame_a = -1, frame_b = -1;  ///< a of height and none: -1, the ground
+  // A coordinate.
   int joint_spec = -1;
-  int body = -1;
-  int q = 0, v = 0, local = 0;
-  Function elastic, damping;
-};
-
-struct TyreData {
-  int spec = -1;
-  int frame = -1;
+  spec::JointType joint = spec::JointType::fixed;
+  int local = 0;     ///< of the joint's velocity coordinates
+  int body = -1;     ///< the tree body whose joint it is; -1: of a cut joint
+  int q = 0, v = 0;  ///< its places, in the tree
+  int turns = -1;    ///< of its states the one that counts turns; -1: none
+  // Others.
   int road = -1;
-  double stiffness = 0, radius = 0;
+  Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();  ///< axis: direction; none: force and moment
+  bool about = false;                                       ///< axis: turns
+  bool follower = false;                                    ///< none: turns with the frame
+  double reference = 0;                ///< where it is in the assembled position: distance, axis
+  Vec3d position = Vec3d::Zero();      ///< relative: of b in a, in the assembled position
+  Mat3d rotation = Mat3d::Identity();  ///< likewise: axes of b to axes of a
+  // The law's: where they begin among the model's.
+  int numbers = 0, functions = -1, formula = -1, arguments = 0, argument_count = 0;
+  int states = 0, state_count = 0;
+  int feedback = -1;   ///< slot of a signal that its own motion may decide
+  int own_states = 0;  ///< of these the first that is the law's, behind the turns
+  std::shared_ptr<const spec::UserLaw> user;
+  bool marked = false;  ///< a change of its tangent may ask for a new matrix
+  // In the step.
+  int storage = 0;  ///< of its ElementState
   Path path;
   int jacobian = 0;
+};
+
+/// Numbers of its ElementState (forces/element.h).
+inline int element_storage(const ElementData& e) {
+  return 9 * e.count + 2 * e.count * e.count + 1 + e.state_count;
+}
+
+/// A formula of own variables and signals.
+struct LawData {
+  Formula formula;
+  std::vector<int> slots;  ///< behind its own variables
+};
+
+/// What a step sees of time, inputs and sensors is one vector of numbered slots. Slot 0 is the time.
+struct SignalsData {
+  struct OfTime {
+    int slot;
+    Function function;
+  };
+  /// What the host sets: at `held` the value and when it was last changed, or for a straight line value,
+  /// time, next value, next time.
+  struct Held {
+    int slot, held;
+    bool linear;
+    int input;  ///< of the spec; -1: a sampled signal
+  };
+  struct Made {
+    int slot;
+    LawData law;
+  };
+  /// ∫ of slot `rate` over time since the step's start: at `held` the value, then the time.
+  struct Integral {
+    int slot, rate, held;
+  };
+  /// A signal that is evaluated every `every` seconds: at `held` the value, behind it when the next is due.
+  /// Arguments: slots, or sensors of the spec.
+  struct Sampled {
+    int spec, held;
+    double every;
+    Formula formula;
+    struct Argument {
+      int slot, sensor;  ///< one of them is -1
+    };
+    std::vector<Argument> arguments;
+  };
+  struct Sensor {
+    int slot, sensor;
+  };
+  int slots = 1;
+  int first_moving = 1;  ///< slot from which on they are of sensors and of what follows from them
+  std::vector<OfTime> of_time;
+  std::vector<Held> held;
+  std::vector<Made> fixed;  ///< of time and inputs, in the order in which they need each other
+  std::vector<Integral> integrals;
+  std::vector<Sensor> sensors;
+  std::vector<Made> moving;  ///< of sensors, in that order
+  std::vector<Sampled> sampled;
+  std::vector<int> seen;  ///< sensors of the spec that are seen within a step
+  // By what they belong to in the spec.
+  std::vector<int> slot_of_input, slot_of_signal, slot_of_sensor, slot_of_load, slot_of_road;
+  std::vector<std::vector<int>> slot_of_drive;  ///< by joint
+  std::vector<double> start;                    ///< of the block that is held
+};
+
+/// A component of the motion that signals see.
+struct SensorData {
+  spec::Output::Kind kind = spec::Output::Kind::position;
+  int component = 0;
+  int frame = -1, reference = -1;
+  int element = -1;  ///< of coordinates and lengths: the element that measures it
+  bool own_axes = false;
+  Vec3d direction = Vec3d::Zero();
+  double offset = 0;
+  int body = -1;               ///< of amplitudes
+  std::vector<double> shapes;  ///< amplitude and deflection: Σ shapes[k] y[k]
 };
 
 struct RoadData {
   spec::Road::Over over = spec::Road::Over::distance;
-  Function height;
-};
-
-struct LoadData {
-  int spec = -1;
-  int frame = -1;
-  Vec3d force = Vec3d::Zero(), moment = Vec3d::Zero();
-  Function scale;
-  bool follower = false;
+  Function height;  ///< over distance
+  int slot = 0;     ///< of its height, over time
 };
 
 /// Off-diagonal block (ancestor, body) of the mass matrix.
@@ -233,11 +322,18 @@ struct Compiled {
 
   std::vector<LoopData> loops;
   std::vector<DriveData> drives;
-  std::vector<SpringData> springs;
-  std::vector<JointSpringData> joint_springs;
-  std::vector<TyreData> tyres;
   std::vector<RoadData> roads;
-  std::vector<LoadData> loads;
+  /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements.
+  std::vector<ElementData> elements;
+  int first_tyre = 0, first_load = 0, first_joint_spring = 0, first_other = 0;
+  int element_storage = 0;
+  std::vector<double> numbers;      ///< of laws
+  std::vector<Function> functions;  ///< likewise
+  std::vector<LawData> formulas;    ///< likewise
+  std::vector<int> arguments;       ///< likewise: slots
+  std::vector<double> states;       ///< of laws, at the start
+  SignalsData signals;
+  std::vector<SensorData> sensors;  ///< those that are seen within a step
 
   std::shared_ptr<const linalg::BlockSymbolic> symbolic;
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "joints/table.h"
@@ -17,8 +18,8 @@ bool must_stay(const Joint& joint) {
   const auto given = [](const auto& values) {
     return std::any_of(values.begin(), values.end(), [](const auto& v) { return v.has_value(); });
   };
-  return joint.cut == Joint::Cut::never || !joint.drives.empty() || !joint.springs.empty() ||
-         given(joint.initial_position) || given(joint.initial_velocity);
+  return joint.cut == Joint::Cut::never || !joint.drives.empty() || given(joint.initial_position) ||
+         given(joint.initial_velocity);
 }
 
 int body_a(const spec::Model& m, const Joint& j) { return m.frames[j.frame_a].body; }
@@ -67,16 +68,18 @@ bool undeformed(const spec::Model& m, int frame) {
   return m.bodies[f.body].flexible->frames[f.flexible_frame].X.isZero();
 }
 
-}  // namespace
-
-Topology find_topology(spec::Model& model) {
-  float_loose_bodies(model);
+/// A tree by Prim's algorithm from the ground. Joints with springs count like those that must stay, or, where
+/// `yielding`, come after them. Nothing, and errors, where a joint that must stay would be cut.
+std::optional<Topology> grow_tree(const spec::Model& model, bool yielding, std::vector<Diagnostic>& errors) {
+  const auto rank = [&](const Joint& j) {
+    if (must_stay(j)) return 0;
+    return j.springs.empty() ? 2 : yielding ? 1 : 0;
+  };
   const int n = static_cast<int>(model.bodies.size());
   const int nj = static_cast<int>(model.joints.size());
   std::vector<int> depth(n, -1), parent(n, -1), parent_joint(n, -1);
   std::vector<bool> in_tree(nj, false);
 
-  // Prim's algorithm from the ground.
   const auto reached = [&](int body) { return body < 0 || depth[body] >= 0; };
   for (int step = 0; step < n; ++step) {
     int best = -1;
@@ -88,8 +91,8 @@ Topology find_topology(spec::Model& model) {
       if (reached(a) == reached(b)) continue;
       const int from = reached(a) ? a : b;
       const int child_frame = reached(a) ? j.frame_b : j.frame_a;
-      const std::tuple key{must_stay(j) ? 0 : 1, undeformed(model, child_frame) ? 0 : 1,
-                           -joint_info(j.type).equations, from < 0 ? 0 : depth[from] + 1, k};
+      const std::tuple key{rank(j), undeformed(model, child_frame) ? 0 : 1, -joint_info(j.type).equations,
+                           from < 0 ? 0 : depth[from] + 1, k};
       if (best < 0 || key < best_key) best = k, best_key = key;
     }
     if (best < 0) break;
@@ -103,19 +106,19 @@ Topology find_topology(spec::Model& model) {
   }
 
   Topology topology;
-  std::vector<Diagnostic> errors;
+  errors.clear();
   for (int k = 0; k < nj; ++k) {
     if (in_tree[k]) continue;
     const Joint& j = model.joints[k];
     if (must_stay(j))
       errors.push_back(
-          {j.mark, fmt::format("joint '{}' closes a loop, so it is cut and can have no drive, spring, "
+          {j.mark, fmt::format("joint '{}' closes a loop, so it is cut and can have no drive, "
                                "initial value or `cut: never`; give them to another joint of the loop, "
                                "or cut another one with `cut: always`",
                                j.name)});
     if (j.type != spec::JointType::floating) topology.cut_joints.push_back(k);
   }
-  if (!errors.empty()) throw InputError(errors);
+  if (!errors.empty()) return {};
 
   // Depth first from the ground, children in the order of their joints.
   std::vector<std::vector<int>> children(n + 1);
@@ -131,6 +134,17 @@ Topology find_topology(spec::Model& model) {
     stack.insert(stack.end(), children[b + 1].rbegin(), children[b + 1].rend());
   }
   return topology;
+}
+
+}  // namespace
+
+Topology find_topology(spec::Model& model) {
+  float_loose_bodies(model);
+  std::vector<Diagnostic> errors;
+  std::optional<Topology> topology = grow_tree(model, false, errors);
+  if (!topology) topology = grow_tree(model, true, errors);
+  if (!topology) throw InputError(errors);
+  return *std::move(topology);
 }
 
 }  // namespace mimbre

@@ -20,9 +20,9 @@ struct Topology {
 
 /// Chooses which joints are cut: `cut: always` ones, then those with the fewest loop closure equations; of
 /// equals the ones farther from the ground stay cut so that branches are short, then the later ones in the
-/// file. Joints with drives, springs or initial values, and `cut: never` ones, are kept in the tree. Bodies
-/// without a way to the ground get a floating joint, appended to `model`. Throws InputError when joints that
-/// must stay in the tree form a loop.
+/// file. Joints with drives or initial values, and `cut: never` ones, are kept in the tree, those with
+/// springs where that goes. Bodies without a way to the ground get a floating joint, appended to `model`.
+/// Throws InputError when joints that must stay in the tree form a loop.
 Topology find_topology(spec::Model& model);
 
 }  // namespace mimbre

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 
+#include "joints/axes.h"
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "model_file/builder.h"
@@ -12,9 +13,6 @@
 /// Bodies: frames, masses, drawings.
 namespace mimbre::model_file {
 namespace {
-
-/// Axes may miss the right angle by rounded figures, not by more.
-constexpr double right_angle_tolerance = 1e-3;
 
 /// Coordinates in which a body was written against its place: what of them lies in body axes.
 struct Local {
@@ -285,30 +283,18 @@ spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector
   for (int k = 0; k < 3; ++k)
     if (const auto axis = fields.get(names[k]))
       if (const auto direction = axis->direction()) given.emplace_back(k, *direction);
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   if (given.size() > 2) {
     fields.error("two of x, y, z say all; leave one out");
-  } else if (given.size() == 2) {
+    given.clear();
+  } else if (given.size() == 2 && !perpendicular(given[0].second, given[1].second)) {
     const auto& [i, a] = given[0];
     const auto& [j, b] = given[1];
-    if (std::abs(a.dot(b)) > right_angle_tolerance) {
-      fields.error(fmt::format("{} and {} are not perpendicular: {} and {} have the cosine {:.4g}", names[i],
-                               names[j], to_text(a), to_text(b), a.dot(b)));
-    } else {
-      axes.col(i) = a;
-      axes.col(j) = (b - a * a.dot(b)).normalized();
-      const int k = 3 - i - j;
-      axes.col(k) = axes.col((k + 1) % 3).cross(axes.col((k + 2) % 3));
-    }
-  } else if (given.size() == 1) {
-    const auto& [i, a] = given[0];
-    const Eigen::Matrix3d any = axes_with_z(a);
-    axes.col(i) = a;
-    axes.col((i + 1) % 3) = any.col(0);
-    axes.col((i + 2) % 3) = any.col(1);
+    fields.error(fmt::format("{} and {} are not perpendicular: {} and {} have the cosine {:.4g}", names[i],
+                             names[j], to_text(a), to_text(b), a.dot(b)));
+    given.clear();
   }
   pose.position = part.place.point(position);
-  pose.rotation = part.place.axes(axes);
+  pose.rotation = part.place.axes(axes_with(given));
   return pose;
 }
 

@@ -234,15 +234,4 @@ std::optional<std::string> read_file(Builder& builder, const Value& value, const
   return text.str();
 }
 
-Eigen::Matrix3d axes_with_z(const Eigen::Vector3d& z) {
-  // Away from z by construction: the coordinate axis along which z is smallest.
-  Eigen::Index smallest = 0;
-  z.cwiseAbs().minCoeff(&smallest);
-  Eigen::Matrix3d axes;
-  axes.col(2) = z.normalized();
-  axes.col(0) = Eigen::Vector3d::Unit(smallest).cross(axes.col(2)).normalized();
-  axes.col(1) = axes.col(2).cross(axes.col(0));
-  return axes;
-}
-
 }  // namespace mimbre::model_file

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -103,7 +104,10 @@ struct Builder {
   std::vector<BodyInfo> bodies;
   Names body_names{"body", {}}, frame_names{"frame", {}}, joint_names{"joint", {}},
       spring_names{"spring", {}}, load_names{"load", {}}, road_names{"road", {}}, tyre_names{"tyre", {}},
-      output_names{"output", {}};
+      output_names{"output", {}}, input_names{"input", {}}, signal_names{"signal", {}};
+  std::map<std::string, Names> element_names;        ///< by section
+  std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
+  std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
   /// Bodies of files, by path and by which axes are mirrored.
   std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
@@ -175,8 +179,5 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(c
 
 /// Text of a file under the builder's directory; nothing, and an error at `value`, when it cannot be read.
 std::optional<std::string> read_file(Builder& builder, const Value& value, const std::string& path);
-
-/// Any right-handed axes with the given z, always the same for the same z.
-Eigen::Matrix3d axes_with_z(const Eigen::Vector3d& z);
 
 }  // namespace mimbre::model_file

@@ -43,6 +43,12 @@ std::string listed(const std::vector<Variable>& variables) {
 
 std::string value_of_name(const std::string& name, const Scope& scope,
                           const std::vector<Variable>& variables) {
+  if (scope.is_tunable(name))
+    throw ExpressionError(
+        fmt::format("parameter '{}' is tunable, and what stands here cannot change during a run; "
+                    "expressions of laws, loads, actuators and signals can use it, for example "
+                    "elastic: \"{}*x\"",
+                    name, name));
   if (const ParameterValue* value = scope.find(name)) {
     if (const double* number = std::get_if<double>(value)) return fmt::format("({:.17g})", *number);
     return fmt::format("({})", *scope.find_word(std::get<std::string>(*value)));
@@ -99,6 +105,12 @@ const ParameterValue* Scope::find(const std::string& name) const {
   for (const Scope* scope = this; scope; scope = scope->outer)
     if (const auto it = scope->values.find(name); it != scope->values.end()) return &it->second;
   return nullptr;
+}
+
+bool Scope::is_tunable(const std::string& name) const {
+  for (const Scope* scope = this; scope; scope = scope->outer)
+    if (scope->values.contains(name)) return scope->tunables.contains(name);
+  return false;
 }
 
 const int* Scope::find_word(const std::string& word) const {
@@ -202,7 +214,7 @@ double evaluate(const std::string& given, const Scope& scope, const Quantity& wa
   const std::string expression = substitute_parameters(text, scope, {}, wanted);
   if (trimmed(expression).empty()) throw ExpressionError("is empty; a number is needed");
   try {
-    value = Expression(expression, {}).value(std::array<double, Expression::most_variables>{});
+    value = Expression(expression, {}).value(nullptr);
   } catch (const std::invalid_argument& error) {
     const std::string why = error.what();
     if (why.starts_with("has several values"))

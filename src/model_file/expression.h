@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "mimbre/diagnostics.h"
 #include "model_file/units.h"
 
 namespace mimbre::model_file {
@@ -18,7 +19,14 @@ struct Scope {
   std::map<std::string, ParameterValue> values;
   /// Words that parameters may have, numbered, so that expressions can compare them: `arms == flexible`.
   std::map<std::string, int> words;
+  /// Parameters that may change during a run: only laws and signals can use them.
+  struct Tunable {
+    double start = 0, min = 0, max = 0;
+    Mark mark;
+  };
+  std::map<std::string, Tunable> tunables;
 
+  bool is_tunable(const std::string& name) const;
   const ParameterValue* find(const std::string& name) const;
   const int* find_word(const std::string& word) const;
   std::vector<std::string> names() const;

@@ -12,6 +12,12 @@
 namespace mimbre::model_file {
 namespace {
 
+/// Of the round bar that a section looks like: a full one of its area, or a thin tube of its second moments.
+double drawn_radius(const fe::Section& section) {
+  const double full = std::sqrt(section.area / std::numbers::pi);
+  return std::max(full, std::sqrt(2 * std::min(section.Iy, section.Iz) / section.area));
+}
+
 /// A node that hangs rigidly on a bar, or lies on it.
 struct OnBar {
   std::string bar;
@@ -282,7 +288,7 @@ struct Reader {
         last = next;
       }
     }
-    result.line_radius = std::max(result.line_radius, std::sqrt(element.section.area / std::numbers::pi));
+    result.line_radius = std::max(result.line_radius, drawn_radius(element.section));
   }
 
   void read_clamped(const Value& clamped) {

@@ -3,84 +3,52 @@
 #include <Eigen/Geometry>
 
 #include "model_file/builder.h"
+#include "model_file/elements.h"
+#include "model_file/signals.h"
 
 /// Springs, loads, roads and tyres.
 namespace mimbre::model_file {
 namespace {
 
-/// Calls `one(name, entry, value)` for every named thing of a section and counts it in `names`.
-template <class Read>
-void for_each(Builder& builder, Part& part, const std::string& key, Names& names, std::size_t& count,
-              Read&& one) {
-  const auto section = part.section(key);
-  if (!section) return;
-  if (!section->is_map()) return section->error("names with their descriptions are needed");
-  for (const auto& entry : section->tree().entries) {
-    const std::string name = part.full_name(entry.key);
-    if (!builder.claim(names, part, name, entry.mark, static_cast<int>(count))) continue;
-    one(name, entry.mark, Value(part.reading, *entry.value, fmt::format("{} '{}'", names.kind, name)));
-    ++count;
-  }
-}
-
-void read_ends(Builder& builder, const Part& part, const Fields& fields, spec::Spring& spring) {
-  const auto between = fields.need("between", "[arm, chassis]");
-  if (!between) return;
-  const auto pair = between->list();
-  if (pair.size() != 2) {
-    if (between->is_list()) between->error("two bodies or frames are needed, for example [arm, chassis]");
-    return;
-  }
-  std::vector<std::optional<Value>> places(2);
-  if (const auto at = fields.get("at")) {
-    const auto list = at->list();
-    if (list.size() != 2) {
-      if (at->is_list()) at->error("two places are needed: [[x, y, z], [x, y, z]]");
-      return;
-    }
-    for (std::size_t k = 0; k < 2; ++k)
-      if (!list[k].is_null()) places[k] = list[k];
-  }
-  spring.frame_a = attach(builder, part, pair[0], places[0], spring.name + ".a");
-  spring.frame_b = attach(builder, part, pair[1], places[1], spring.name + ".b");
+void read_spring_ends(Builder& builder, const Part& part, const Fields& fields, spec::Spring& spring) {
+  std::tie(spring.frame_a, spring.frame_b) = read_ends(builder, part, fields, spring.name, false);
   if (spring.frame_a < 0 || spring.frame_b < 0) return;
+  const Value between = *fields.get("between");
   const auto body = [&](int frame) { return builder.model.frames[static_cast<std::size_t>(frame)].body; };
-  const auto a = builder.global_pose(spring.frame_a), b = builder.global_pose(spring.frame_b);
-  if (!((a.position - b.position).norm() > 1e-9))
-    fields.error(fmt::format("has length zero: both ends are at {}; it needs a direction to pull in",
-                             to_text(a.position)));
-  else if (body(spring.frame_a) == spec::ground && body(spring.frame_b) == spec::ground)
-    between->error("both ends are on the ground");
-  else if (const int one = body(spring.frame_a);
-           one == body(spring.frame_b) && !builder.bodies[static_cast<std::size_t>(one)].flexible)
+  if (const int one = body(spring.frame_a);
+      one >= 0 && one == body(spring.frame_b) && !builder.bodies[static_cast<std::size_t>(one)].flexible)
     builder.warnings.push_back(
-        {between->mark(),
-         fmt::format("spring '{}' has both ends on the rigid body '{}', which does "
-                     "not move against itself: it does nothing",
-                     spring.name, builder.model.bodies[static_cast<std::size_t>(one)].name)});
+        {between.mark(), fmt::format("spring '{}' has both ends on the rigid body '{}', which does "
+                                     "not move against itself: it does nothing",
+                                     spring.name, builder.model.bodies[static_cast<std::size_t>(one)].name)});
 }
 
 void read_spring(Builder& builder, const Part& part, const Value& value, spec::Spring& spring) {
   const Fields fields(value, {"between", "at", "elastic", "damping", "force"});
   if (!value.has_fields()) return;
-  read_ends(builder, part, fields, spring);
+  read_spring_ends(builder, part, fields, spring);
   const auto elastic = fields.get("elastic"), damping = fields.get("damping"), force = fields.get("force");
   if (!elastic && !damping && !force)
     value.error("says no force; for example elastic: {stiffness: 1000, zero: 0.5}");
-  if (elastic) spring.elastic = read_elastic_law(*elastic, units_of_length.elastic()).value_or(Function{});
-  if (damping) spring.damping = read_damping_law(*damping, units_of_length.damper()).value_or(Function{});
-  if (!force) return;
-  // Not as a word: '?:' chooses between forces here.
-  const auto text = force->text();
-  if (!text) return;
-  try {
-    spring.general = Function3::expression(
-        substitute_parameters(*text, *part.reading.scope, variables_of(LawOf::all), quantity::force),
-        {"l", "v", "t"});
-  } catch (const ExpressionError& e) {
-    force->error(e.what());
-  } catch (const InputError& e) {
-    force->error(e.diagnostics().front().message);
+  std::vector<std::pair<Value, std::vector<Variable>>> terms;
+  const auto law = [&](const std::optional<Value>& given, LawOf of, const char* as, const auto& read) {
+    if (!given) return;
+    if (!uses_signals(builder, part, *given)) return read(*given);
+    std::vector<Variable> variables = variables_of(of);
+    variables.front().name = as;
+    terms.emplace_back(*given, std::move(variables));
+  };
+  law(elastic, LawOf::coordinate, "l", [&](const Value& given) {
+    spring.elastic = read_elastic_law(given, units_of_length.elastic()).value_or(Function{});
+  });
+  law(damping, LawOf::rate, "v", [&](const Value& given) {
+    spring.damping = read_damping_law(given, units_of_length.damper()).value_or(Function{});
+  });
+  if (force) terms.emplace_back(*force, variables_of(LawOf::all));
+  if (terms.empty()) return;
+  if (auto general = read_formula(builder, part, terms, {"l", "v", "t"}, quantity::force)) {
+    general->arguments.insert(general->arguments.begin(), spec::Source{});  // t
+    spring.general = std::move(*general);
   }
 }
 
@@ -96,9 +64,13 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
     load.moment =
         part.place.pseudo_vector(moment->triple(quantity::moment).value_or(Eigen::Vector3d::Zero()));
   load.scale = Function::constant(1);
-  if (const auto scale = fields.get("scale"))
-    load.scale = read_law(*scale, LawOf::time, {quantity::time, quantity::number, quantity::number})
-                     .value_or(Function{});
+  if (const auto scale = fields.get("scale")) {
+    if (uses_signals(builder, part, *scale))
+      load.signal = anonymous_signal(builder, part, *scale, load.name + ".scale", quantity::number);
+    else
+      load.scale = read_law(*scale, LawOf::time, {quantity::time, quantity::number, quantity::number})
+                       .value_or(Function{});
+  }
   if (const auto follower = fields.get("follower")) load.follower = follower->flag().value_or(false);
   if (load.frame < 0) return;
   if (builder.model.frames[static_cast<std::size_t>(load.frame)].body == spec::ground)
@@ -111,11 +83,18 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   }
 }
 
-void read_road(const Value& value, spec::Road& road) {
-  const Fields fields(value, {"over", "points", "repeat"});
+void read_road(Builder& builder, const Part& part, const Value& value, spec::Road& road) {
+  const Fields fields(value, {"over", "points", "repeat", "height"});
   if (!value.has_fields()) return;
   if (const auto over = fields.need("over", "distance"))
     road.over = static_cast<spec::Road::Over>(over->choice({"distance", "time"}).value_or(0));
+  if (const auto height = fields.get("height")) {
+    if (fields.has("points")) return height->error("give 'points' or 'height', not both");
+    if (road.over != spec::Road::Over::time)
+      return height->error("is of time and signals: it belongs to a road `over: time`");
+    road.signal = anonymous_signal(builder, part, *height, road.name + ".height", quantity::length);
+    return;
+  }
   const auto points = fields.need("points", "[[0, 0], [10, 0]]");
   const Quantity& along = road.over == spec::Road::Over::time ? quantity::time : quantity::length;
   auto table = points ? read_points(*points, true, along, quantity::length) : std::nullopt;
@@ -181,7 +160,7 @@ void read_roads(Builder& builder, Part& part) {
   for_each(builder, part, "roads", builder.road_names, count,
            [&](const auto& name, const Mark& mark, const Value& v) {
              auto road = named<spec::Road>(name, mark);
-             read_road(v, road);
+             read_road(builder, part, v, road);
              builder.model.roads.push_back(std::move(road));
            });
 }

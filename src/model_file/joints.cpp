@@ -7,8 +7,10 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "joints/axes.h"
 #include "joints/table.h"
 #include "model_file/builder.h"
+#include "model_file/signals.h"
 
 /// Joints, their drives, springs and initial values.
 namespace mimbre::model_file {
@@ -60,11 +62,6 @@ std::optional<JointType> read_type(const Fields& fields) {
   return joint_table[static_cast<std::size_t>(*choice)].type;
 }
 
-bool needs_axis(JointType type) {
-  return type == JointType::revolute || type == JointType::prismatic || type == JointType::cylindrical ||
-         type == JointType::universal || type == JointType::planar;
-}
-
 /// Joint axes from the given axis (and universal's second), placed so that a mirrored joint's coordinates
 /// mean the same: rotation axes as pseudo-vectors, translation axes as vectors.
 std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Fields& fields, JointType type) {
@@ -75,29 +72,24 @@ std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Fields& fields,
     const auto second_value = fields.need("axis2", "[0, 1, 0]");
     const auto second = second_value ? second_value->direction() : std::nullopt;
     if (!second) return {};
-    if (std::abs(first->dot(*second)) > 1e-3) {
+    if (!perpendicular(*first, *second)) {
       second_value->error(
           fmt::format("axis and axis2 are not perpendicular: {} and {}", to_text(*first), to_text(*second)));
       return {};
     }
-    Eigen::Matrix3d axes;
-    axes.col(0) = part.place.pseudo_vector(*first);
-    const Eigen::Vector3d y = part.place.pseudo_vector(*second);
-    axes.col(1) = (y - axes.col(0) * axes.col(0).dot(y)).normalized();
-    axes.col(2) = axes.col(0).cross(axes.col(1));
-    return axes;
+    return joint_axes(type, part.place.pseudo_vector(*first), part.place.pseudo_vector(*second));
   }
-  if (type == JointType::prismatic) return axes_with_z(part.place.vector(*first));
+  if (type == JointType::prismatic) return joint_axes(type, part.place.vector(*first));
   if (type == JointType::planar) {
     // The translations are mirrored as vectors, the rotation as a pseudo-vector.
-    const Eigen::Matrix3d axes = axes_with_z(*first);
+    const Eigen::Matrix3d axes = joint_axes(type, *first);
     Eigen::Matrix3d placed;
     placed.col(0) = part.place.vector(axes.col(0));
     placed.col(1) = part.place.vector(axes.col(1));
     placed.col(2) = part.place.pseudo_vector(axes.col(2));
     return placed;
   }
-  return axes_with_z(part.place.pseudo_vector(*first));
+  return joint_axes(type, part.place.pseudo_vector(*first));
 }
 
 /// A frame of a mirrored template turned over so that joint coordinates mean the same as in the template (see
@@ -218,7 +210,7 @@ std::vector<Value> one_or_many(const Value& value) {
   return {value};
 }
 
-void read_drives(const Value& value, spec::Joint& joint) {
+void read_drives(Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
   std::unordered_set<int> driven;
   for (const Value& item : one_or_many(value)) {
     const Fields fields(item, {"position", "speed", "coordinate"});
@@ -232,10 +224,20 @@ void read_drives(const Value& value, spec::Joint& joint) {
     if (!driven.insert(*coordinate).second)
       item.error(fmt::format("coordinate {} is driven twice", *coordinate));
     const CoordinateUnits& units = units_of(joint.type, *coordinate);
+    const Value& law = position ? *position : *speed;
+    if (uses_signals(builder, part, law)) {
+      spec::Drive drive;
+      drive.coordinate = *coordinate;
+      drive.of = position ? spec::Drive::Of::position : spec::Drive::Of::speed;
+      drive.signal = anonymous_signal(builder, part, law, fmt::format("{}.drive.{}", joint.name, *coordinate),
+                                      position ? units.position : units.velocity);
+      joint.drives.push_back(std::move(drive));
+      continue;
+    }
     if (auto function = read_law(position ? *position : *speed, LawOf::time,
                                  position ? units.drive() : units.speed_drive()))
-      joint.drives.push_back(
-          {*coordinate, std::move(*function), position ? spec::Drive::Of::position : spec::Drive::Of::speed});
+      joint.drives.push_back({*coordinate, std::move(*function),
+                              position ? spec::Drive::Of::position : spec::Drive::Of::speed, -1});
   }
 }
 
@@ -250,13 +252,14 @@ void check_driven(const Fields& fields, const spec::Joint& joint) {
                                        *given[k], driven, given.size() > 1 ? " (null)" : ""));
   };
   for (const spec::Drive& drive : joint.drives) {
+    if (drive.signal >= 0) continue;  // known with its inputs only
     const bool position = drive.of == spec::Drive::Of::position;
     if (position) check("position", joint.initial_position, drive, drive.law.value(0));
     check("velocity", joint.initial_velocity, drive, position ? drive.law.derivative(0) : drive.law.value(0));
   }
 }
 
-void read_joint_springs(const Value& value, spec::Joint& joint) {
+void read_joint_springs(Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
   for (const Value& item : one_or_many(value)) {
     const Fields fields(item, {"stiffness", "damping", "zero", "elastic", "coordinate"});
     if (!item.has_fields()) continue;
@@ -273,8 +276,20 @@ void read_joint_springs(const Value& value, spec::Joint& joint) {
     if (stiffness)
       spring.elastic = Function::linear(stiffness->not_negative(units.stiffness).value_or(0),
                                         fields.number("zero", 0, units.position));
-    if (elastic) spring.elastic = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
-    if (damping) spring.damping = read_damping_law(*damping, units.damper()).value_or(Function{});
+    std::vector<std::pair<Value, std::vector<Variable>>> terms;
+    const auto with_signals = [&](const Value& given, LawOf of, const char* as) {
+      if (!uses_signals(builder, part, given)) return false;
+      std::vector<Variable> variables = variables_of(of);
+      variables.front().name = as;
+      terms.emplace_back(given, std::move(variables));
+      return true;
+    };
+    if (elastic && !with_signals(*elastic, LawOf::coordinate, "x"))
+      spring.elastic = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
+    if (damping && !with_signals(*damping, LawOf::rate, "v"))
+      spring.damping = read_damping_law(*damping, units.damper()).value_or(Function{});
+    if (!terms.empty())
+      spring.general = read_formula(builder, part, terms, {"x", "v"}, units.force).value_or(spec::Law{});
     if (coordinate) joint.springs.push_back(std::move(spring));
   }
 }
@@ -361,8 +376,8 @@ void read_joint(Builder& builder, const Part& part, const Value& value, spec::Jo
   if (const auto cut = fields.get("cut"))
     if (const auto choice = cut->choice({"automatic", "never", "always"}))
       joint.cut = static_cast<spec::Joint::Cut>(*choice);
-  if (const auto drive = fields.get("drive")) read_drives(*drive, joint);
-  if (const auto spring = fields.get("spring")) read_joint_springs(*spring, joint);
+  if (const auto drive = fields.get("drive")) read_drives(builder, part, *drive, joint);
+  if (const auto spring = fields.get("spring")) read_joint_springs(builder, part, *spring, joint);
   if (const auto position = fields.get("position"))
     joint.initial_position = read_initial(*position, *type, &CoordinateUnits::position);
   if (const auto velocity = fields.get("velocity"))

@@ -1,58 +1,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <unordered_map>
 
 #include "joints/table.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
+#include "model/output_kinds.h"
 #include "model_file/builder.h"
+#include "model_file/signals.h"
 
 /// Channels of the CSV file.
 namespace mimbre::model_file {
 namespace {
 
 using Kind = spec::Output::Kind;
-
-struct KindRow {
-  const char* key;
-  Kind kind;
-  enum class Of { frame, joint, body, bodies, spring, tyre } of;
-};
-
-constexpr std::array kinds{
-    KindRow{"position", Kind::position, KindRow::Of::frame},
-    KindRow{"velocity", Kind::velocity, KindRow::Of::frame},
-    KindRow{"acceleration", Kind::acceleration, KindRow::Of::frame},
-    KindRow{"angular_velocity", Kind::angular_velocity, KindRow::Of::frame},
-    KindRow{"roll", Kind::roll, KindRow::Of::frame},
-    KindRow{"pitch", Kind::pitch, KindRow::Of::frame},
-    KindRow{"yaw", Kind::yaw, KindRow::Of::frame},
-    KindRow{"deflection", Kind::deflection, KindRow::Of::frame},
-    KindRow{"displacement", Kind::displacement, KindRow::Of::frame},
-    KindRow{"joint", Kind::joint_position, KindRow::Of::joint},
-    KindRow{"joint_velocity", Kind::joint_velocity, KindRow::Of::joint},
-    KindRow{"joint_force", Kind::joint_force, KindRow::Of::joint},
-    KindRow{"modal_amplitude", Kind::modal_amplitude, KindRow::Of::body},
-    KindRow{"stress", Kind::stress, KindRow::Of::body},
-    KindRow{"strain", Kind::strain, KindRow::Of::body},
-    KindRow{"centre_of_mass", Kind::centre_of_mass, KindRow::Of::bodies},
-    KindRow{"linear_momentum", Kind::linear_momentum, KindRow::Of::bodies},
-    KindRow{"angular_momentum", Kind::angular_momentum, KindRow::Of::bodies},
-    KindRow{"spring_force", Kind::spring_force, KindRow::Of::spring},
-    KindRow{"spring_length", Kind::spring_length, KindRow::Of::spring},
-    KindRow{"tyre_force", Kind::tyre_force, KindRow::Of::tyre},
-};
-
-std::string instance_name(std::string text, const std::string& instance) {
-  const std::string placeholder = "{instance}";
-  for (auto at = text.find(placeholder); at != std::string::npos;
-       at = text.find(placeholder, at + instance.size()))
-    text.replace(at, placeholder.size(), instance);
-  return text;
-}
 
 /// Commas and quotes would break the columns of a CSV file.
 bool check_output_name(const Value& value, const std::string& name) {
@@ -205,14 +168,14 @@ void read_motion_of_mass(Builder& builder, const Part& part, const Fields& field
   if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
 }
 
-void read_item(Builder& builder, const Part& part, const Fields& fields, const KindRow& row,
+void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
   const bool stress = row.kind == Kind::stress || row.kind == Kind::strain;
-  if (at && row.of != KindRow::Of::frame && !stress) at->error("only an output of a body has a place");
-  if (row.of == KindRow::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
+  if (at && row.of != OutputKind::Of::frame && !stress) at->error("only an output of a body has a place");
+  if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
   if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
-  if (row.of == KindRow::Of::frame) {
+  if (row.of == OutputKind::Of::frame) {
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
     if (output.item < 0) return;
     const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
@@ -232,15 +195,15 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const K
   }
   const auto name = named.word();
   if (!name) return;
-  const Names& names = row.of == KindRow::Of::joint    ? builder.joint_names
-                       : row.of == KindRow::Of::body   ? builder.body_names
-                       : row.of == KindRow::Of::spring ? builder.spring_names
-                                                       : builder.tyre_names;
+  const Names& names = row.of == OutputKind::Of::joint    ? builder.joint_names
+                       : row.of == OutputKind::Of::body   ? builder.body_names
+                       : row.of == OutputKind::Of::spring ? builder.spring_names
+                                                          : builder.tyre_names;
   output.item = builder.resolve(names, part, *name, named);
   if (output.item < 0) return;
-  if (row.of == KindRow::Of::joint) read_joint_component(builder, fields, output);
+  if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
   if (stress) return read_stress(builder, part, fields, named, output);
-  if (row.of == KindRow::Of::body) {
+  if (row.of == OutputKind::Of::body) {
     const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
     const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
     const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
@@ -291,19 +254,19 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   output.mark = value.mark();
   if (text && text->size() <= 1000) output.name = instance_name(*text, part.instance);
 
-  std::vector<const KindRow*> given;
-  for (const KindRow& row : kinds)
+  std::vector<const OutputKind*> given;
+  for (const OutputKind& row : output_kinds)
     if (fields.has(row.key)) given.push_back(&row);
   if (given.size() != 1) {
     std::vector<std::string> words;
-    for (const KindRow& row : kinds) words.emplace_back(row.key);
+    for (const OutputKind& row : output_kinds) words.emplace_back(row.key);
     value.error(fmt::format("says {} of what it is; exactly one of {}",
                             given.empty() ? "nothing" : "several things", joined(words)));
     return;
   }
-  const KindRow& row = *given.front();
+  const OutputKind& row = *given.front();
   if (!text || !check_output_name(*given_name, output.name)) return;
-  const bool component_used = row.of != KindRow::Of::spring && row.of != KindRow::Of::tyre &&
+  const bool component_used = row.of != OutputKind::Of::spring && row.of != OutputKind::Of::tyre &&
                               row.kind != Kind::roll && row.kind != Kind::pitch && row.kind != Kind::yaw &&
                               row.kind != Kind::deflection;
   if (!component_used && fields.has("component")) fields.error(fmt::format("'{}' has no component", row.key));
@@ -315,7 +278,7 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");
   if (row.kind != Kind::angular_velocity && fields.has("axes"))
     fields.error("'axes' belongs to 'angular_velocity'");
-  if (row.of != KindRow::Of::bodies && fields.has("about"))
+  if (row.of != OutputKind::Of::bodies && fields.has("about"))
     fields.error("'about' belongs to 'angular_momentum'");
   output.kind = row.kind;
   read_item(builder, part, fields, row, *fields.get(row.key), output);
@@ -328,6 +291,59 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
 }
 
 }  // namespace
+
+std::string instance_name(std::string text, const std::string& instance) {
+  const std::string placeholder = "{instance}";
+  for (auto at = text.find(placeholder); at != std::string::npos;
+       at = text.find(placeholder, at + instance.size()))
+    text.replace(at, placeholder.size(), instance);
+  return text;
+}
+
+bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::Output& output) {
+  const Fields fields(value, {"unit",
+                              "every",
+                              "about",
+                              "at",
+                              "component",
+                              "along",
+                              "offset",
+                              "position",
+                              "velocity",
+                              "acceleration",
+                              "roll",
+                              "pitch",
+                              "yaw",
+                              "deflection",
+                              "displacement",
+                              "relative_to",
+                              "joint",
+                              "joint_velocity",
+                              "joint_force",
+                              "modal_amplitude",
+                              "stress",
+                              "strain",
+                              "node",
+                              "spring_force",
+                              "spring_length",
+                              "tyre_force",
+                              "axes",
+                              "angular_velocity",
+                              "centre_of_mass",
+                              "linear_momentum",
+                              "angular_momentum"});
+  const auto row = std::find_if(output_kinds.begin(), output_kinds.end(),
+                                [&](const OutputKind& k) { return fields.has(k.key); });
+  if (row == output_kinds.end()) {
+    value.error(
+        "says nothing of what it is: 'value' with an expression, or what an output would be, for example "
+        "joint: hinge");
+    return false;
+  }
+  output.kind = row->kind;
+  read_item(builder, part, fields, *row, *fields.get(row->key), output);
+  return true;
+}
 
 void read_outputs(Builder& builder) {
   Part& model = builder.parts.front();

@@ -17,6 +17,7 @@ struct Declaration {
   double min = -INFINITY;
   double max = INFINITY;
   bool integer = false;
+  bool tunable = false;
 };
 
 bool good_name(const std::string& name) {
@@ -49,7 +50,7 @@ std::optional<Declaration> read_declaration(const Value& value) {
     result.value = &value.tree();
     return result;
   }
-  const Fields fields(value, {"value", "choices", "min", "max", "integer", "about"});
+  const Fields fields(value, {"value", "choices", "min", "max", "integer", "tunable", "about"});
   if (!value.is_map()) {
     if (value.is_null())
       value.error("has no value; for example 1.5, or {value: rigid, choices: [rigid, flexible]}");
@@ -76,6 +77,11 @@ std::optional<Declaration> read_declaration(const Value& value) {
   result.min = fields.number("min", -INFINITY, quantity::any);
   result.max = fields.number("max", INFINITY, quantity::any);
   if (const auto integer = fields.get("integer")) result.integer = integer->flag().value_or(false);
+  if (const auto tunable = fields.get("tunable")) {
+    result.tunable = tunable->flag().value_or(false);
+    if (result.tunable && (!result.choices.empty() || result.integer))
+      tunable->error("only a number can change during a run, no word and no whole number");
+  }
   return result;
 }
 
@@ -154,6 +160,8 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
         errors.add({}, fmt::format("{} set to '{}': {}", what, replaced->second, e.what()));
       }
     }
+    if (const double* number = std::get_if<double>(&value); number && declaration->tunable)
+      scope.tunables[entry.key] = {*number, declaration->min, declaration->max, entry.mark};
     scope.values[entry.key] = std::move(value);
   }
 }

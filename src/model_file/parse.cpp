@@ -6,7 +6,9 @@
 
 #include "model_file/builder.h"
 #include "model_file/degrees.h"
+#include "model_file/elements.h"
 #include "model_file/parameters.h"
+#include "model_file/signals.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -55,10 +57,12 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   Part& model = builder.parts.emplace_back();
   model.tree = parse_yaml(text, name, builder.limits, builder.errors.list);
   model.reading = {&model.scope, &builder.errors, &builder.limits};
-  const Fields fields(Value(model.reading, *model.tree, "model"),
-                      {"mimbre", "title", "gravity", "parameters", "require", "materials", "sections",
-                       "bodies", "frames", "joints", "springs", "loads", "roads", "tyres", "subsystems",
-                       "instances", "outputs", "initial", "simulation"});
+  const Fields fields(
+      Value(model.reading, *model.tree, "model"),
+      with_element_sections(
+          {"mimbre", "title", "gravity", "parameters", "require", "materials", "sections", "bodies", "frames",
+           "joints", "springs", "loads", "roads", "tyres"},
+          {"inputs", "signals", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
 
@@ -70,8 +74,11 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   if (const auto gravity = fields.get("gravity"))
     builder.model.gravity = gravity->triple(quantity::acceleration).value_or(builder.model.gravity);
 
-  read_roads(builder, model);
   read_instances(builder);
+  for (Part& part : builder.parts) read_inputs(builder, part);
+  for (Part& part : builder.parts) claim_signals(builder, part);
+  for (Part& part : builder.parts) claim_outputs(builder, part);
+  read_roads(builder, model);
   for (Part& part : builder.parts) read_materials_and_sections(builder, part);
   for (Part& part : builder.parts) read_bodies(builder, part);
   for (Part& part : builder.parts) read_frames(builder, part);
@@ -80,7 +87,10 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_springs(builder, part);
   for (Part& part : builder.parts) read_loads(builder, part);
   for (Part& part : builder.parts) read_tyres(builder, part);
+  for (Part& part : builder.parts) read_elements(builder, part);
   read_outputs(builder);
+  for (Part& part : builder.parts) read_signals(builder, part);
+  resolve_sensors(builder);
   read_simulation(builder, model);
   if (builder.model.bodies.empty())
     builder.errors.add(model.tree->mark, "the model has no body; add one under 'bodies'");

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "model_file/builder.h"
+#include "reduction/material_oddity.h"
 
 /// Materials and beam cross-sections.
 namespace mimbre::model_file {
@@ -42,6 +43,18 @@ fe::Material read_material(const Value& value) {
     material.poisson = number.value_or(0.3);
   }
   return material;
+}
+
+/// Once for a template, however many instances it has.
+void warn_of_oddity(Builder& builder, const Value& value, const fe::Material& material) {
+  const std::string odd = fe::oddity(material);
+  const Mark& at = value.mark();
+  const bool told = std::any_of(builder.warnings.begin(), builder.warnings.end(), [&](const Diagnostic& d) {
+    return d.mark.file == at.file && d.mark.line == at.line && d.mark.column == at.column;
+  });
+  if (!odd.empty() && !told)
+    builder.warnings.push_back(
+        {at, fmt::format("{}: {}; numbers without a unit are in Pa and kg/m³", value.what(), odd)});
 }
 
 /// Along the element's y and z; of the sections whose shape is not known, for Timoshenko's theory.
@@ -108,8 +121,10 @@ void read_materials_and_sections(Builder& builder, Part& part) {
     part.materials = builder.parts.front().materials;
     part.sections = builder.parts.front().sections;
   }
-  read("materials", "material",
-       [&](const std::string& n, const Value& v) { part.materials[n] = read_material(v); });
+  read("materials", "material", [&](const std::string& n, const Value& v) {
+    part.materials[n] = read_material(v);
+    warn_of_oddity(builder, v, part.materials[n]);
+  });
   read("sections", "section",
        [&](const std::string& n, const Value& v) { part.sections[n] = read_section(v); });
 }

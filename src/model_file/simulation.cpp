@@ -65,6 +65,7 @@ void read_simulation(Builder& builder, Part& part) {
   };
   positive("step", simulation.step, quantity::time);
   positive("end", simulation.end, quantity::time);
+  simulation.end_given = fields.get("end").has_value();
   positive("output_interval", simulation.output_interval, quantity::time);
   positive("tolerance", simulation.tolerance);
   positive("penalty", simulation.penalty);

@@ -3,20 +3,25 @@
 #include <Eigen/Geometry>
 
 #include "model_file/builder.h"
+#include "model_file/elements.h"
 #include "model_file/parameters.h"
 
 /// Templates and their instances.
 namespace mimbre::model_file {
 namespace {
 
-constexpr std::initializer_list<const char*> template_keys{
-    "file",   "mimbre", "title",  "parameters", "require", "materials", "sections",
-    "bodies", "frames", "joints", "springs",    "loads",   "tyres",     "outputs"};
+const std::vector<std::string>& template_keys() {
+  static const std::vector<std::string> keys =
+      with_element_sections({"file", "mimbre", "title", "parameters", "require", "materials", "sections",
+                             "bodies", "frames", "joints", "springs", "loads", "tyres"},
+                            {"inputs", "signals", "outputs"});
+  return keys;
+}
 
 /// The template's tree: what stands here, or the file it names.
 std::shared_ptr<const Tree> read_template(Builder& builder, const Value& value,
                                           const std::shared_ptr<const Tree>& tree) {
-  const Fields fields(value, template_keys);
+  const Fields fields(value, template_keys());
   const auto file = fields.get("file");
   if (!file) return tree;
   if (value.tree().entries.size() > 1) value.error("a template is either here or in a file, not both");
@@ -26,7 +31,7 @@ std::shared_ptr<const Tree> read_template(Builder& builder, const Value& value,
   const std::string name = builder.directory == "." ? *path : builder.directory + "/" + *path;
   auto read = parse_yaml(*text, name, builder.limits, builder.errors.list);
   const Value content(value.reading(), *read, value.what());
-  const Fields checked(content, template_keys);
+  const Fields checked(content, template_keys());
   if (checked.has("file")) content.error("a template's file cannot name a further file");
   // So that the results explain themselves.
   builder.model.text += fmt::format("\n# {}:\n# ", *path);

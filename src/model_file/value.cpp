@@ -245,8 +245,10 @@ std::vector<Value> Value::list() const {
   return result;
 }
 
-Fields::Fields(const Value& value, std::initializer_list<const char*> known) : value_(value) {
-  std::vector<std::string> names(known.begin(), known.end());
+Fields::Fields(const Value& value, std::initializer_list<const char*> known)
+    : Fields(value, std::vector<std::string>(known.begin(), known.end())) {}
+
+Fields::Fields(const Value& value, const std::vector<std::string>& names) : value_(value) {
   if (value.is_null()) return;
   if (!value.is_map()) {
     value.error(fmt::format("keys are needed here ({}), this is {}; for example {{{}: ..}}", joined(names),

@@ -91,6 +91,7 @@ class Fields {
  public:
   /// Records an error when `value` is no map, and one per unknown key.
   Fields(const Value& value, std::initializer_list<const char*> known);
+  Fields(const Value& value, const std::vector<std::string>& known);
 
   /// Nothing where the key is absent or its value empty.
   std::optional<Value> get(const std::string& key) const;

@@ -9,6 +9,7 @@
 
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
+#include "reduction/check_arrays.h"
 
 namespace mimbre {
 namespace {
@@ -227,7 +228,7 @@ void check_frequencies(const ReducedBody& body, Report& report) {
   }
 }
 
-void check_matrices(const ReducedBody& body, Report& report) {
+void check_symmetry(const ReducedBody& body, Report& report) {
   const auto symmetric = [&](const char* what, const Eigen::MatrixXd& matrix) {
     report.require(equal(matrix, matrix.transpose()), std::string(what) + " must be symmetric");
   };
@@ -241,6 +242,10 @@ void check_matrices(const ReducedBody& body, Report& report) {
     for (int j = i; j < 3; ++j)
       report.require(equal(body.S_modes[j][i], body.S_modes[i][j].transpose()),
                      fmt::format("S_modes[{}][{}] must be the transpose of S_modes[{}][{}]", j, i, i, j));
+}
+
+void check_matrices(const ReducedBody& body, Report& report) {
+  check_symmetry(body, report);
   if (!report.sound()) return;
 
   report.require(lowest_scaled_eigenvalue(body.mass_matrix) > 0, "mass_matrix must be positive definite");
@@ -279,6 +284,12 @@ void check_mesh_inertia(const ReducedBody& body, Report& report) {
                  "mesh inertia: mass and shapes do not give mass_matrix");
 }
 
+void check_sizes_and_mass(const ReducedBody& body, Report& report) {
+  report.require(body.modes >= 0, fmt::format("modes must not be negative, is {}", body.modes));
+  if (report.sound()) check_sizes(body, report);
+  if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
+}
+
 /// The certificate begins its line of the mass with it: six digits.
 void check_certified_mass(const ReducedBody& body, Report& report) {
   for (const Check& line : body.checks) {
@@ -301,11 +312,22 @@ int ReducedBody::find_frame(const std::string& frame_name) const {
   return -1;
 }
 
+std::vector<std::string> check_arrays(const ReducedBody& body) {
+  Report report;
+  check_sizes_and_mass(body, report);
+  if (report.sound()) {
+    check_geometry(body, report);
+    check_symmetry(body, report);
+  }
+  if (report.sound())
+    report.require(body.modes == 0 || is_positive_definite(body.mass_matrix),
+                   "mass_matrix must be positive definite");
+  return std::move(report).messages();
+}
+
 std::vector<std::string> check(const ReducedBody& body) {
   Report report;
-  report.require(body.modes >= 0, fmt::format("modes must not be negative, is {}", body.modes));
-  if (report.sound()) check_sizes(body, report);
-  if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
+  check_sizes_and_mass(body, report);
   if (report.sound()) {
     check_certified_mass(body, report);
     check_geometry(body, report);

@@ -7,6 +7,7 @@
 
 #include "fe/skin.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/material_oddity.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/tied_model.h"
 
@@ -25,31 +26,6 @@ double largest(const Eigen::SparseMatrix<double>& m) {
   return m.nonZeros() > 0
              ? Eigen::Map<const Eigen::VectorXd>(m.valuePtr(), m.nonZeros()).cwiseAbs().maxCoeff()
              : 0;
-}
-
-bool between(double low, double value, double high) { return low <= value && value <= high; }
-
-/// What is odd about a material in SI; empty when nothing is. From soft rubber to diamond, and from foam to
-/// tungsten.
-std::string oddity(const Material& m) {
-  std::string text;
-  const auto add = [&](const std::string& what, const std::string& likely) {
-    text +=
-        (text.empty() ? "" : ", ") + what + (likely.empty() ? "" : fmt::format(" (is it in {}?)", likely));
-  };
-  // What is as soft as rubber is as light: steel in MPa is not.
-  const double softest = between(5, m.density, 2200) ? 1e5 : 1e9;
-  if (!between(softest, m.young, 1.3e12))
-    add(fmt::format("Young's modulus {:.6g} Pa", m.young), between(1e9, 1e6 * m.young, 1.3e12)   ? "MPa"
-                                                           : between(1e9, 1e9 * m.young, 1.3e12) ? "GPa"
-                                                                                                 : "");
-  if (!between(5, m.density, 25000))
-    add(fmt::format("density {:.6g} kg/m³", m.density), between(500, 1e12 * m.density, 25000)  ? "t/mm³"
-                                                        : between(500, 1e3 * m.density, 25000) ? "g/cm³"
-                                                        : between(500, 1e9 * m.density, 25000) ? "kg/mm³"
-                                                                                               : "");
-  if (!between(0, m.poisson, 0.4999)) add(fmt::format("Poisson's ratio {:.4g}", m.poisson), "");
-  return text;
 }
 
 /// What is odd about the materials of a mesh.

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "base/checksums.h"
 #include "base/file_format.h"
 #include "base/rehearsal.h"
 #include "reduction/reduced_body_file.h"
@@ -362,7 +363,9 @@ ReducedBody read_body(hid_t file) {
 
 std::string prefix(const std::string& path) { return fmt::format("cannot load reduced body '{}': ", path); }
 
-ReducedBody read_file(const std::string& path) {
+enum class Checksums { checked, ignored };
+
+ReducedBody read_file(const std::string& path, Checksums checksums) {
   try {
     if (!hdf5::is_hdf5(path)) throw FileProblem("no such file, or not a complete HDF5 file");
     const Handle access(H5Pcreate(H5P_FILE_ACCESS));
@@ -370,7 +373,11 @@ ReducedBody read_file(const std::string& path) {
     H5Pset_file_locking(access.get(), false, true);
     const Handle file = opened(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()),
                                "no such file, or not a complete HDF5 file");
-    return read_body(file.get());
+    ReducedBody body = read_body(file.get());
+    if (checksums == Checksums::checked)
+      if (const std::string damaged = hdf5::first_damaged(file.get()); !damaged.empty())
+        throw FileProblem(hdf5::damage_message(damaged));
+    return body;
   } catch (const FileProblem& problem) {
     throw InputError(Mark{}, prefix(path) + problem.what());
   } catch (const std::bad_alloc&) {
@@ -382,8 +389,8 @@ ReducedBody read_file(const std::string& path) {
 
 ReducedBody load_reduced_body(const std::string& path) {
   const hdf5::Quiet silent;
-  if (hdf5::is_hdf5(path)) rehearse(path, [&] { read_file(path); });
-  ReducedBody body = read_file(path);
+  if (hdf5::is_hdf5(path)) rehearse(path, [&] { read_file(path, Checksums::checked); });
+  ReducedBody body = read_file(path, Checksums::ignored);  // they were right
   throw_if_unsound(body, prefix(path));
   return body;
 }

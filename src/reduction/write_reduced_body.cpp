@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/checksums.h"
 #include "base/output_place.h"
 #include "reduction/reduced_body_file.h"
 
@@ -237,6 +238,9 @@ std::string image(const ReducedBody& body, const std::string& path) {
   const Handle file = hdf5::create_in_memory(path, creation.get());
   if (!file.valid()) throw FileProblem("there is no room for it in memory: " + hdf5::last_error());
   write_body(file.get(), body);
+  const Handle root = opened(H5Gopen2(file.get(), "/", H5P_DEFAULT), "cannot open its root group");
+  hdf5::seal_below(root.get());
+  hdf5::seal(root.get());
   return hdf5::image(file.get());
 }
 
@@ -255,7 +259,7 @@ void save(const ReducedBody& body, const std::string& path) {
     place.write(image(body, path));
     place.commit();
   } catch (const std::runtime_error& problem) {
-    throw std::runtime_error(fmt::format("cannot save reduced body '{}': {}", path, problem.what()));
+    throw std::runtime_error(fmt::format("cannot write '{}': {}", path, problem.what()));
   }
 }
 

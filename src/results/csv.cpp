@@ -134,6 +134,12 @@ void CsvWriter::flush_if_due() {
   if (impl_->file && impl_->clock.due()) impl_->flush();
 }
 
+void CsvWriter::flush() {
+  if (impl_->file) impl_->flush();
+}
+
+std::string CsvWriter::path() const { return impl_->place->path(); }
+
 void CsvWriter::finish() {
   impl_->require_open("a CSV file can be finished once only");
   impl_->close();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 
+#include "base/checksums.h"
 #include "base/hdf5.h"
 #include "base/rehearsal.h"
 #include "mimbre/diagnostics.h"
@@ -21,6 +22,12 @@ using hdf5::Handle;
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path) {}
+
+  /// Throws where something is not what was written.
+  void check_sums() const {
+    if (const std::string damaged = hdf5::first_damaged(file_.get()); !damaged.empty())
+      refuse(hdf5::damage_message(damaged));
+  }
 
   Results read() {
     open();
@@ -374,7 +381,11 @@ Results read_results(const std::string& path) {
   const hdf5::Quiet quiet;
   try {
     require_plain_file(path);
-    rehearse(path, [&] { Reader(path).read(); });
+    rehearse(path, [&] {
+      Reader reader(path);
+      reader.read();
+      reader.check_sums();
+    });
     return Reader(path).read();
   } catch (const std::bad_alloc&) {
     throw InputError(Mark{path, 0, 0}, "needs more memory than there is");

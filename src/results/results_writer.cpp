@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "base/checksums.h"
 #include "base/flush_clock.h"
 #include "base/hdf5.h"
 #include "base/output_place.h"
@@ -227,6 +228,9 @@ class Table {
     check(H5Dset_extent(data_.get(), size));
   }
 
+  /// With that of all that was written.
+  void seal() const { hdf5::seal(data_.get(), checksum_); }
+
   /// What was added, into room that there is.
   void write(hsize_t rows) {
     const hsize_t start[2] = {written_, 0}, count[2] = {rows, columns_};
@@ -236,6 +240,7 @@ class Table {
       check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr));
       check(H5Dwrite(data_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(), H5P_DEFAULT,
                      buffer_.data()));
+      checksum_ = hdf5::crc32(checksum_, buffer_.data(), buffer_.size() * sizeof(double));
     }
     written_ += rows;
     buffer_.clear();
@@ -250,6 +255,7 @@ class Table {
   int axes_;
   hsize_t columns_;
   hsize_t written_ = 0;
+  std::uint32_t checksum_ = 0;
   std::vector<double> buffer_;
 };
 
@@ -365,11 +371,13 @@ struct ResultsWriter::Impl {
     }
 
     write_elements(root.get(), header);
+    write_channel_info(root.get(), header.channels);
+    hdf5::seal_below(root.get());
 
+    // These, and the root itself, get their checksums when they are whole.
     for_tables([&](const char* name, int axes, std::size_t columns) {
       Table::create(root.get(), name, axes, columns);
     });
-    write_channel_info(root.get(), header.channels);
   }
 
   void check_row(const ResultsRow& row) const {
@@ -416,9 +424,18 @@ struct ResultsWriter::Impl {
     for (Table& table : tables) table.resize(static_cast<hsize_t>(rows));
   }
 
+  /// Nothing changes after it.
+  void seal() {
+    for (const Table& table : tables) table.seal();
+    const Handle root(checked(H5Gopen2(file.get(), "/", H5P_DEFAULT)));
+    hdf5::seal(root.get());
+  }
+
   void mark_complete(const std::string& summary) {
     reserve(summary.size());
     write_text(file.get(), "summary", summary);
+    const Handle written(checked(H5Dopen2(file.get(), "summary", H5P_DEFAULT)));
+    hdf5::seal(written.get());
     set_attribute("complete", 1);
     check(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
   }
@@ -433,8 +450,7 @@ struct ResultsWriter::Impl {
     if (good && H5Fget_filesize(file.get(), &bytes) >= 0 &&
         H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &handle) >= 0)
       good = ftruncate(*static_cast<int*>(handle), static_cast<off_t>(bytes)) == 0;
-    file.reset();
-    return good;
+    return file.reset() && good;
   }
 
   std::string cannot_write(const std::string& why) const {
@@ -464,6 +480,7 @@ struct ResultsWriter::Impl {
       flush();
       trim();
       work();
+      seal();
       if (!close()) throw std::runtime_error("the file could not be closed");
     });
   }
@@ -515,6 +532,12 @@ void ResultsWriter::flush_if_due() {
   if (impl_->waiting > 0 && impl_->file.valid() && impl_->clock.due())
     impl_->guarded([&] { impl_->flush(); });
 }
+
+void ResultsWriter::flush() {
+  if (impl_->file.valid()) impl_->guarded([&] { impl_->flush(); });
+}
+
+std::string ResultsWriter::path() const { return impl_->place.path(); }
 
 void ResultsWriter::finish(const std::string& summary_json) {
   impl_->end([&] { impl_->mark_complete(summary_json); });

@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <stdexcept>
 
+#include "base/output_folder.h"
 #include "base/output_place.h"
 #include "mimbre/stress_history.h"
 #include "results/base64.h"
@@ -132,9 +134,14 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-void write_file(const fs::path& path, const std::string& text) {
+/// What an export makes, and a later one replaces.
+bool is_exported(const std::string& name) { return name == "run.pvd" || name.ends_with(".vtp"); }
+
+/// Says what went wrong with `path`.
+template <class Work>
+auto guarded(const fs::path& path, Work&& work) {
   try {
-    write_whole(path.string(), text);
+    return work();
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("cannot write '{}': {}", path.string(), error.what()));
   }
@@ -143,10 +150,10 @@ void write_file(const fs::path& path, const std::string& text) {
 }  // namespace
 
 std::string write_vtk(const Results& results, const std::string& folder, const VtkOptions& options) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error(fmt::format("cannot make the folder '{}': {}", folder, error.message()));
+  const auto place = guarded(folder, [&] { return std::make_unique<OutputFolder>(folder, is_exported); });
+  const auto write = [&](const std::string& name, const std::string& text) {
+    guarded(fs::path(folder) / name, [&] { write_bytes((fs::path(place->path()) / name).string(), text); });
+  };
   const auto& bodies = results.header.bodies;
   const std::vector<std::string> names = file_names(bodies);
   std::vector<Index> first_mode;
@@ -169,21 +176,20 @@ std::string write_vtk(const Results& results, const std::string& folder, const V
       const BodyDrawing& body = bodies[b];
       if (body.points.cols() == 0) continue;
       const std::string name = fmt::format("{}_{:05}.vtp", names[b], f);
-      write_file(
-          fs::path(folder) / name,
-          poly_data(body, results.poses[static_cast<std::size_t>(k)].col(static_cast<Index>(b)),
-                    results.modes.row(k).segment(first_mode[b], body.modes).transpose(), envelopes[b]));
+      write(name,
+            poly_data(body, results.poses[static_cast<std::size_t>(k)].col(static_cast<Index>(b)),
+                      results.modes.row(k).segment(first_mode[b], body.modes).transpose(), envelopes[b]));
       list += fmt::format("    <DataSet timestep=\"{}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n",
                           results.time[k], b, escaped(body.name), name);
     }
     if (options.progress) options.progress(static_cast<double>(f + 1) / static_cast<double>(frames));
   }
-  const std::string path = (fs::path(folder) / "run.pvd").string();
-  write_file(path,
-             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
-             "byte_order=\"LittleEndian\">\n  <Collection>\n" +
-                 list + "  </Collection>\n</VTKFile>\n");
-  return path;
+  write("run.pvd",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+        "byte_order=\"LittleEndian\">\n  <Collection>\n" +
+            list + "  </Collection>\n</VTKFile>\n");
+  guarded(folder, [&] { place->commit(); });
+  return (fs::path(folder) / "run.pvd").string();
 }
 
 }  // namespace mimbre

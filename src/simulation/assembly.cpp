@@ -41,9 +41,11 @@ void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
       s.v[b.v + k] = *joint.initial_velocity[k];
     }
   }
+  SignalValues signals(m);
+  fix_signals(m.signals, 0, signals);
   for (const DriveData& d : m.drives) {
-    s.q[d.q] = d.position.value(0);
-    s.v[d.v] = d.position.derivative(0);
+    s.q[d.q] = signals.value[d.slot];
+    s.v[d.v] = signals.rate[d.slot];
   }
 }
 

@@ -6,10 +6,11 @@
 #include <cmath>
 
 #include "dynamics/amplitudes.h"
+#include "dynamics/relative/kinematics.h"
 #include "dynamics/relative/momentum.h"
-#include "forces/load.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
+#include "simulation/names.h"
 
 namespace mimbre {
 namespace {
@@ -23,17 +24,6 @@ std::string names(const Compiled& m, const spec::Output& o) {
   for (const int b : o.bodies)
     text += fmt::format("{}'{}'", text.empty() ? "" : ", ", m.spec.bodies[static_cast<std::size_t>(b)].name);
   return text;
-}
-
-/// Bodies whose motion of mass an output shows: indices of compiled bodies; none for other outputs.
-std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
-  std::vector<int> bodies;
-  if (o.kind != Kind::centre_of_mass && o.kind != Kind::linear_momentum && o.kind != Kind::angular_momentum)
-    return bodies;
-  for (const int b : o.bodies) bodies.push_back(m.body_of_spec[static_cast<std::size_t>(b)]);
-  if (o.bodies.empty())
-    for (int b = 0; b < static_cast<int>(m.bodies.size()); ++b) bodies.push_back(b);
-  return bodies;
 }
 
 double motion_of_mass(const spec::Output& o, const relative::Momentum& of, const Vec3d& origin) {
@@ -50,6 +40,19 @@ const char* joint_note(spec::JointType type) {
   return type == spec::JointType::bracket
              ? " (a bracket: fixed, and a flexible body gets static modes for it)"
              : "";
+}
+
+/// What the components of an element are called, and their units: force, measure, rate.
+struct ComponentNames {
+  std::string name, force, measure, rate;
+};
+ComponentNames component_names(const ElementData& e, int k) {
+  static const char* const axes[] = {"x", "y", "z"};
+  if (e.measure == Measure::relative)
+    return k < 3 ? ComponentNames{std::string(".") + axes[k], "N", "m", "m/s"}
+                 : ComponentNames{std::string(".r") + axes[k - 3], "N m", "rad", "rad/s"};
+  const bool turns = e.measure == Measure::coordinate ? is_angle(e.joint, e.local) : e.about;
+  return turns ? ComponentNames{"", "N m", "rad", "rad/s"} : ComponentNames{"", "N", "m", "m/s"};
 }
 
 ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
@@ -111,6 +114,22 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       return {o.name, "m", fmt::format("length of spring '{}'", m.spec.springs[o.item].name)};
     case Kind::tyre_force:
       return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec.tyres[o.item].name)};
+    case Kind::signal:
+      return {o.name, m.spec.signals[o.item].unit.empty() ? "1" : m.spec.signals[o.item].unit,
+              fmt::format("signal '{}'", m.spec.signals[o.item].name)};
+    case Kind::input:
+      return {o.name, m.spec.inputs[o.item].unit.empty() ? "1" : m.spec.inputs[o.item].unit,
+              fmt::format("input '{}'", m.spec.inputs[o.item].name)};
+    case Kind::element_force:
+    case Kind::element_measure:
+    case Kind::element_rate: {
+      const ElementData& e = m.elements[m.first_other + o.item];
+      const ComponentNames called = component_names(e, o.component);
+      const std::string of = element_name(m, e);
+      if (o.kind == Kind::element_force) return {o.name, called.force, "force of " + of};
+      if (o.kind == Kind::element_measure) return {o.name, called.measure, "what " + of + " measures"};
+      return {o.name, called.rate, "rate of what " + of + " measures"};
+    }
     case Kind::angular_velocity:
       return {o.name, "rad/s",
               fmt::format("angular velocity of '{}' about {} of {} axes", frame(), axes[o.component],
@@ -131,7 +150,7 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
 }
 
 /// What a load exerts at all: each has channels only where it is not nothing.
-const Vec3d& given(const LoadData& load, bool moment) { return moment ? load.moment : load.force; }
+const Vec3d& given(const ElementData& load, bool moment) { return moment ? load.second : load.direction; }
 
 /// Of the smallest principal value the smallest, of all others the one of the largest magnitude.
 bool more_extreme(int component, double a, double b) {
@@ -150,15 +169,24 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
                                      : stress_component(tensor_strain(here), o.component);
   };
   if (o.node >= 0) return value(shapes.middleRows<6>(6 * o.node) * y);
-  const Eigen::VectorXd field = shapes * y;
-  double extreme = value(field.head<6>());
-  for (Eigen::Index at = 6; at < field.size(); at += 6)
-    if (const double here = value(field.segment<6>(at)); more_extreme(o.component, here, extreme))
+  double extreme = value(shapes.topRows<6>() * y);
+  for (Eigen::Index at = 6; at < shapes.rows(); at += 6)
+    if (const double here = value(shapes.middleRows<6>(at) * y); more_extreme(o.component, here, extreme))
       extreme = here;
   return extreme;
 }
 
 }  // namespace
+
+std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
+  std::vector<int> bodies;
+  if (o.kind != Kind::centre_of_mass && o.kind != Kind::linear_momentum && o.kind != Kind::angular_momentum)
+    return bodies;
+  for (const int b : o.bodies) bodies.push_back(m.body_of_spec[static_cast<std::size_t>(b)]);
+  if (o.bodies.empty())
+    for (int b = 0; b < static_cast<int>(m.bodies.size()); ++b) bodies.push_back(b);
+  return bodies;
+}
 
 Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   for (const BodyData& b : m.bodies)
@@ -183,25 +211,51 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   for (const spec::Tyre& t : m.spec.tyres)
     info_.push_back({fmt::format("tyre.{}.road", t.name), "m",
                      fmt::format("global z of the road under tyre '{}'", t.name)});
-  for (const LoadData& l : m.loads)
+  for (int l = m.first_load; l < m.first_joint_spring; ++l)
     for (const bool moment : {false, true})
-      for (int axis = 0; axis < 3 && !given(l, moment).isZero(0); ++axis) {
-        const std::string& name = m.spec.loads[l.spec].name;
+      for (int axis = 0; axis < 3 && !given(m.elements[l], moment).isZero(0); ++axis) {
+        const std::string& name = m.spec.loads[m.elements[l].spec].name;
         const char* const what = moment ? "moment" : "force";
         info_.push_back({fmt::format("load.{}.{}.{}", name, what, "xyz"[axis]), moment ? "N m" : "N",
                          fmt::format("{} of load '{}', {} of the global axes", what, name, "xyz"[axis])});
       }
+  for (std::size_t k = 0; k < m.spec.elements.size(); ++k) {
+    const ElementData& e = m.elements[m.first_other + k];
+    const spec::Element& element = m.spec.elements[k];
+    for (int c = 0; c < e.count; ++c) {
+      const ComponentNames called = component_names(e, c);
+      const std::string of = fmt::format("{}.{}", element.law, element.name), who = element_name(m, e);
+      info_.push_back({fmt::format("{}.force{}", of, called.name), called.force,
+                       fmt::format("force of {}, positive where it drives what it measures on", who)});
+      info_.push_back({fmt::format("{}.measure{}", of, called.name), called.measure,
+                       fmt::format("what {} measures", who)});
+    }
+  }
+  for (const spec::Input& i : m.spec.inputs)
+    info_.push_back({fmt::format("input.{}", i.name), i.unit.empty() ? "1" : i.unit,
+                     fmt::format("{} '{}'", i.tunable ? "parameter" : "input", i.name)});
+  for (const spec::Signal& i : m.spec.signals)
+    if (i.named)
+      info_.push_back({fmt::format("signal.{}", i.name), i.unit.empty() ? "1" : i.unit,
+                       fmt::format("signal '{}'", i.name)});
   for (const EnergyTerm& term : energy_terms)
     info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
   info_.push_back({"solver.iterations", "1", "iterations of the last step"});
   info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
   info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
+  reaction_.assign(info_.size(), 0);
+  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k)
+    reaction_[k] = m.spec.outputs[k].kind == Kind::joint_force;
+  joints_.for_reactions(info_.data() + output_count_, [&](const std::string&, ChannelInfo& channel) {
+    reaction_[static_cast<std::size_t>(&channel - info_.data())] = 1;
+  });
 }
 
-double Channels::output_value(std::size_t output, relative::RelativeSystem& system, const State& s) const {
+double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
+                       relative::RelativeSystem& system, const State& s) const {
   const Compiled& m = model_;
-  const spec::Output& o = m.spec.outputs[output];
   auto& w = system.workspace();
+  const auto element = [&](int k) { return element_state(m.elements[k], w.elements.data()); };
   const auto motion = [&] {
     return relative::output_motion(system, m.frame_of_spec[o.item], s.q.data(), s.v.data(), s.a.data());
   };
@@ -219,8 +273,7 @@ double Channels::output_value(std::size_t output, relative::RelativeSystem& syst
     case Kind::centre_of_mass:
     case Kind::linear_momentum:
     case Kind::angular_momentum:
-      return motion_of_mass(o, relative::momentum(m, w, mass_of_output_[output], s.q.data(), s.v.data()),
-                            w.origin);
+      return motion_of_mass(o, relative::momentum(m, w, mass_of, s.q.data(), s.v.data()), w.origin);
     case Kind::roll: {
       const Mat3d r = motion().rotation;
       return std::atan2(r(2, 1), r(2, 2));
@@ -246,10 +299,10 @@ double Channels::output_value(std::size_t output, relative::RelativeSystem& syst
       if (f.flexible < 0) return 0;
       const BodyData& b = m.bodies[f.body];
       const FlexibleData& flexible = m.flexible[f.flexible];
-      Eigen::VectorXd y = Eigen::VectorXd::Zero(flexible.stride);
-      y.head(b.modes) = s.q.segment(b.q + b.joint_positions, b.modes);
-      extend(flexible, y.data());
-      return o.direction.dot(f.X * y);
+      double* const y = w.scratch.data();
+      relative::copy_modes(b, s.q.data() + b.q + b.joint_positions, flexible.stride, y);
+      extend(flexible, y);
+      return o.direction.dot(times(f.X, y));
     }
     case Kind::displacement: {
       const auto reference =
@@ -272,11 +325,21 @@ double Channels::output_value(std::size_t output, relative::RelativeSystem& syst
       return stress_or_strain(o, *body.flexible, s.q.segment(b.q + b.joint_positions, b.modes));
     }
     case Kind::spring_force:
-      return w.springs[o.item].tension;
+      return element(o.item).force[0];
     case Kind::spring_length:
-      return w.springs[o.item].length;
+      return element(o.item).x[0];
     case Kind::tyre_force:
-      return w.tyres[o.item].force;
+      return -element(m.first_tyre + o.item).force[0];
+    case Kind::signal:
+      return w.signals.value[m.signals.slot_of_signal[o.item]];
+    case Kind::input:
+      return w.signals.value[m.signals.slot_of_input[o.item]];
+    case Kind::element_force:
+      return -element(m.first_other + o.item).force[o.component];
+    case Kind::element_measure:
+      return element(m.first_other + o.item).x[o.component];
+    case Kind::element_rate:
+      return element(m.first_other + o.item).v[o.component];
   }
   return 0;
 }
@@ -308,26 +371,35 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
   row.time = s.time;
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
   Eigen::Index at = 0;
-  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k) row.channels[at++] = output_value(k, system, s);
+  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k)
+    row.channels[at++] = value(m.spec.outputs[k], mass_of_output_[k], system, s);
   joints_.sample(system, s, row.channels.data() + at);
   at += joint_count_;
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    row.channels[at++] = w.springs[k].tension;
-    row.channels[at++] = w.springs[k].length;
+  const auto element = [&](int k) { return element_state(m.elements[k], w.elements.data()); };
+  for (int k = 0; k < m.first_tyre; ++k) {
+    row.channels[at++] = element(k).force[0];
+    row.channels[at++] = element(k).x[0];
   }
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) row.channels[at++] = w.tyres[k].force;
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) row.channels[at++] = w.tyres[k].road;
-  for (const LoadData& l : m.loads) {
-    const Mat3d axes =
-        l.follower ? relative::output_motion(system, l.frame, s.q.data(), s.v.data(), s.a.data()).rotation
-                   : Mat3d::Identity();
-    const LoadWrench<double> wrench = load_wrench(l, axes, s.time);
+  for (int k = m.first_tyre; k < m.first_load; ++k) row.channels[at++] = -element(k).force[0];
+  for (int k = m.first_tyre; k < m.first_load; ++k) row.channels[at++] = *element(k).surroundings;
+  for (int k = m.first_load; k < m.first_joint_spring; ++k) {
+    const ElementState<const double> l = element(k);
     for (const bool moment : {false, true}) {
-      if (given(l, moment).isZero(0)) continue;
-      row.channels.segment<3>(at) = moment ? wrench.moment : wrench.force;
+      if (given(m.elements[k], moment).isZero(0)) continue;
+      row.channels.segment<3>(at) = -l.force[0] * (moment ? l.angular_of(0) : l.linear_of(0));
       at += 3;
     }
   }
+  for (std::size_t k = 0; k < m.spec.elements.size(); ++k) {
+    const ElementState<const double> state = element(m.first_other + static_cast<int>(k));
+    for (int c = 0; c < state.count; ++c) {
+      row.channels[at++] = -state.force[c];
+      row.channels[at++] = state.x[c];
+    }
+  }
+  for (const int slot : m.signals.slot_of_input) row.channels[at++] = w.signals.value[slot];
+  for (std::size_t k = 0; k < m.spec.signals.size(); ++k)
+    if (m.spec.signals[k].named) row.channels[at++] = w.signals.value[m.signals.slot_of_signal[k]];
   for (const EnergyTerm& term : energy_terms) row.channels[at++] = e.*term.value;
   row.channels[at++] = statistics.iterations;
   row.channels[at++] = statistics.position_violation;

@@ -5,17 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "signals/values.h"
+
 namespace mimbre {
 namespace {
 
 constexpr int samples = 4000, suspects = 16, halvings = 12;
 
-double second_difference(const Function& law, double at, double h) {
-  return std::abs(law.value(at - h) - 2 * law.value(at) + law.value(at + h));
+using Law = std::function<double(double)>;
+
+double second_difference(const Law& law, double at, double h) {
+  return std::abs(law(at - h) - 2 * law(at) + law(at + h));
 }
 
 /// Moves to the place within ±h of `at` with the largest second difference for half of h.
-double nearer(const Function& law, double at, double h) {
+double nearer(const Law& law, double at, double h) {
   double best = at, most = -1;
   for (int k = -2; k <= 2; ++k) {
     const double x = at + 0.5 * k * h, now = second_difference(law, x, 0.5 * h);
@@ -30,13 +34,18 @@ double nearer(const Function& law, double at, double h) {
 }  // namespace
 
 Break largest_break(const Function& law, double end) {
-  if (!(end > 0) || law.is_zero()) return {};
+  if (law.is_zero()) return {};
+  return largest_break([&](double t) { return law.value(t); }, end);
+}
+
+Break largest_break(const std::function<double(double)>& law, double end) {
+  if (!(end > 0)) return {};
   const double h = end / samples;
   std::vector<double> bend(samples + 1, 0.0);
   double slope = 0;
   for (int k = 1; k < samples; ++k) {
     bend[static_cast<std::size_t>(k)] = second_difference(law, k * h, h);
-    slope = std::max(slope, std::abs(law.value(k * h + h) - law.value(k * h - h)) / (2 * h));
+    slope = std::max(slope, std::abs(law(k * h + h) - law(k * h - h)) / (2 * h));
   }
   std::vector<int> order;
   for (int k = 1; k < samples; ++k) {
@@ -75,7 +84,13 @@ Break largest_break(const Function& law, double end) {
 std::vector<std::string> drive_warnings(const Compiled& m, double end) {
   std::vector<std::string> all;
   for (const DriveData& d : m.drives) {
-    const Break worst = largest_break(d.position, end);
+    // What inputs do is not known before.
+    SignalValues signals(m);
+    const auto position = [&](double t) {
+      fix_signals(m.signals, t, signals);
+      return signals.value[d.slot];
+    };
+    const Break worst = largest_break(position, end);
     if (worst.kind == Break::Kind::none) continue;
     const bool jump = worst.kind == Break::Kind::jump;
     all.push_back(fmt::format(

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Break {
 /// The largest one from 0 to `end`, a jump before a kink. Looks at 4000 places and then closely where the
 /// curvature is largest; smooth laws, however sharp down to a microsecond, have none.
 Break largest_break(const Function& law, double end);
+Break largest_break(const std::function<double(double)>& law, double end);
 
 /// A warning for each driven coordinate with one: velocities or positions cannot change at once without a
 /// blow, which no row of the results shows.

@@ -15,10 +15,19 @@ const char* spring_kind(bool elastic, bool damping) {
   return damping ? "damper" : "actuator";
 }
 
-/// About which of its axes a joint turns in this coordinate.
-const char* turning_axis(spec::JointType type, int coordinate) {
-  if (type != spec::JointType::universal) return "z";
-  return coordinate == 0 ? "x" : "y";
+/// About or along which of its axes a joint moves in this coordinate.
+const char* moving_axis(spec::JointType type, int coordinate) {
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  if (type == spec::JointType::universal) return axes[coordinate];
+  // In a plane a joint slides along x and y; else there is one axis.
+  return type == spec::JointType::planar && coordinate < 2 ? axes[coordinate] : "z";
+}
+
+/// "torsional spring about z", "sliding spring damper along x"
+std::string joint_spring_kind(spec::JointType type, int coordinate, bool elastic, bool damping) {
+  const bool turns = is_angle(type, coordinate);
+  return fmt::format("{} {} {} {}", turns ? "torsional" : "sliding", spring_kind(elastic, damping),
+                     turns ? "about" : "along", moving_axis(type, coordinate));
 }
 
 class Collector {
@@ -72,12 +81,13 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
   for (const spec::Joint& joint : model.spec.joints)
     for (const spec::JointSpring& spring : joint.springs) {
       const bool elastic = !spring.elastic.is_zero(), damping = !spring.damping.is_zero();
-      if (!is_angle(joint.type, spring.coordinate) || (!elastic && !damping)) continue;
-      all.add(joint.name,
-              fmt::format("torsional {} about {}", spring_kind(elastic, damping),
-                          turning_axis(joint.type, spring.coordinate)),
-              joint.frame_a, joint.frame_b);
+      if (elastic || damping)
+        all.add(joint.name, joint_spring_kind(joint.type, spring.coordinate, elastic, damping), joint.frame_a,
+                joint.frame_b);
     }
+  // Those on joints and at one place have no length to draw.
+  for (const spec::Element& e : model.spec.elements)
+    if (e.on == spec::Element::On::line) all.add(e.name, "actuator", e.frame_a, e.frame_b);
   for (const spec::Load& load : model.spec.loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec.tyres) {
     const bool moves = model.spec.roads[tyre.road].over == spec::Road::Over::time;

@@ -56,26 +56,17 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
 
 EnergyMeter::EnergyMeter(const Compiled& m)
     : model_(&m),
-      springs_(m.springs.size()),
-      joint_springs_(m.joint_springs.size()),
-      tyre_height_(m.tyres.size()),
-      tyre_road_(m.tyres.size()),
-      tyre_x_(m.tyres.size()),
+      flows_(m.elements.size()),
       generalised_(m.velocities),
       drive_position_(m.drives.size()),
       drive_force_(m.drives.size()),
-      load_position_(m.loads.size()),
-      load_force_(m.loads.size()),
-      load_power_(m.loads.size()),
       damping_force_(Eigen::VectorXd::Zero(m.velocities)),
       modal_(Eigen::VectorXd::Zero(m.velocities)),
       geometric_force_(Eigen::VectorXd::Zero(m.velocities)) {
   const auto add = [&](Place::Kind kind, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) stores_.push_back({{kind, static_cast<int>(k)}});
   };
-  add(Place::Kind::spring, m.springs.size());
-  add(Place::Kind::joint_spring, m.joint_springs.size());
-  add(Place::Kind::tyre, m.tyres.size());
+  add(Place::Kind::element, m.elements.size());
   add(Place::Kind::body, m.bodies.size());
 }
 
@@ -142,16 +133,93 @@ EnergyMeter::Unresolved EnergyMeter::most_unresolved() const {
   return {most->place, 2 * std::numbers::pi / angle, most->highest - most->lowest};
 }
 
+namespace {
+
+/// Energy that is stored where an element would measure this, with the same states.
+double stored_at(const LawContext<double>& c, ElementState<double> s, double x) {
+  s.x = &x;
+  ElementEnergy energy;
+  forces::rows[static_cast<std::size_t>(c.element.law)].energy(c, s, energy);
+  return energy.stored;
+}
+
+}  // namespace
+
+void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w, double h) {
+  const Compiled& m = *model_;
+  const ElementData& d = m.elements[k];
+  const ElementState<double> s = element_state(d, w.elements.data());
+  const LawContext<double> context = law_context(m, d, w.signals);
+  EnergyBalance& e = balance_;
+  Flow& f = flows_[k];
+  ElementEnergy now;
+  forces::rows[static_cast<std::size_t>(d.law)].energy(context, s, now);
+  if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, h, f);
+  (d.measure == Measure::height ? e.tyres : e.springs) += now.stored;
+  if (started_) {
+    e.dissipated += now.lost;
+    for (int c = 0; c < s.count; ++c) {
+      const double dx = s.x[c] - f.x[c];
+      e.dissipated += 0.5 * (now.dissipating[c] + f.dissipating[c]) * dx;
+      e.load_work -= 0.5 * (now.working[c] + f.working[c]) * dx;
+    }
+  }
+  if (d.measure == Measure::height) observe_road(k, context, s, w, now.stored, f);
+  observe_store(k, now.stored);
+  for (int c = 0; c < s.count; ++c) {
+    f.x[c] = s.x[c];
+    f.dissipating[c] = now.dissipating[c];
+    f.working[c] = now.working[c];
+  }
+}
+
+/// Work of a force and a moment on a frame.
+void EnergyMeter::observe_load(const ElementState<double>& s, const Motion<double>& frame,
+                               const Vec3d& origin, double h, Flow& f) {
+  const Vec3d force = -s.force[0] * s.linear_of(0), position = frame.position + origin;
+  const double power = -s.force[0] * s.angular_of(0).dot(frame.omega);
+  if (started_)
+    balance_.load_work +=
+        0.5 * (force + f.load_force).dot(position - f.load_position) + 0.5 * h * (power + f.load_power);
+  f.load_position = position;
+  f.load_force = force;
+  f.load_power = power;
+}
+
+/// What a road does to what stands on it.
+void EnergyMeter::observe_road(std::size_t k, const LawContext<double>& context,
+                               const ElementState<double>& s, relative::Workspace<double>& w, double stored,
+                               Flow& f) {
+  const ElementData& d = context.element;
+  const RoadData& r = context.model.roads[d.road];
+  const double road = *s.surroundings, height = s.x[0] + road;
+  const bool distance = r.over == spec::Road::Over::distance;
+  const double x1 = distance ? w.frames[d.frame_b].position[0] + w.origin[0] : w.signals.time;
+  const double slope = distance ? r.height.derivative(x1) : w.signals.rate[r.slot];
+  if (started_) {
+    // The road moves under the wheel, half of it before and half after the wheel does: exact for jumps too.
+    const double moved_first = stored_at(context, s, f.height - road),
+                 moved_last = stored_at(context, s, height - f.road);
+    balance_.road_work += 0.5 * (moved_first - stores_[k].energy + stored - moved_last);
+    // What a jump of the road alone releases or stores.
+    const double smooth = f.road + 0.5 * (f.slope + slope) * (x1 - f.along);
+    jump_ += std::abs(moved_first - stored_at(context, s, f.height - smooth));
+  }
+  f.along = x1;
+  f.slope = slope;
+  f.height = height;
+  f.road = road;
+}
+
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = *model_;
   auto& w = system.workspace();
-  relative::forces<double>(m, w, s.time, s.q.data(), s.v.data(), generalised_.data());
+  relative::forces(m, w, s.time, s.q.data(), s.v.data(), generalised_.data());
   EnergyBalance& e = balance_;
   const double h = s.time - time_;
   jump_ = most_exchanged_ = 0;
   place_ = {};
-  const std::size_t joint_store = m.springs.size(), tyre_store = joint_store + m.joint_springs.size(),
-                    body_store = tyre_store + m.tyres.size();
+  const std::size_t body_store = m.elements.size();
 
   e.kinetic = kinetic_energy(m, w, s.q.data(), s.v.data());
   e.gravitational = e.elastic = e.springs = e.tyres = 0;
@@ -211,78 +279,13 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     }
     e.gravitational -= m.gravity.dot(mass * (w.bodies[i].position + w.origin) + w.bodies[i].rotation * first);
   }
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    const SpringData& d = m.springs[k];
-    const auto& state = w.springs[k];
-    Flow& f = springs_[k];
-    const double potential = spring_potential(d, state.length);
-    // What an expression owes to the rate is a damper's. (It may be undefined at rest.)
-    const double whole = spring_general(d, state.length, state.rate, s.time),
-                 at_rest = spring_general(d, state.length, 0, s.time),
-                 general = std::isfinite(at_rest) ? at_rest : 0,
-                 damping = spring_damping(d, state.rate) + whole - general;
-    e.springs += potential;
-    if (started_) {
-      const double dl = state.length - f.length;
-      e.dissipated += 0.5 * (damping + f.damping) * dl;
-      e.load_work -= 0.5 * (general + f.general) * dl;
-    }
-    observe_store(k, potential);
-    f = {state.length, state.tension, damping, general};
-  }
-  for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
-    const JointSpringData& d = m.joint_springs[k];
-    Flow& f = joint_springs_[k];
-    const double x = s.q[d.q], damping = joint_spring_damping(d, s.v[d.v]);
-    const double potential = joint_spring_potential(d, x);
-    e.springs += potential;
-    observe_store(joint_store + k, potential);
-    if (started_) e.dissipated += 0.5 * (damping + f.damping) * (x - f.length);
-    f = {x, 0, damping, 0};
-  }
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
-    const TyreData& t = m.tyres[k];
-    const double wheel = w.frames[t.frame].position[2] + w.origin[2], road = w.tyres[k].road;
-    const double potential = tyre_potential(t, wheel, road);
-    const RoadData& r = m.roads[t.road];
-    const double x1 =
-        r.over == spec::Road::Over::distance ? w.frames[t.frame].position[0] + w.origin[0] : s.time;
-    e.tyres += potential;
-    if (started_) {
-      // The road moves under the wheel, half of it before and half after the wheel does: exact for jumps too.
-      e.road_work += 0.5 * (tyre_potential(t, tyre_height_[k], road) - stores_[tyre_store + k].energy +
-                            potential - tyre_potential(t, wheel, tyre_road_[k]));
-      // What a jump of the road alone releases or stores.
-      const double x0 = tyre_x_[k];
-      const double smooth =
-          tyre_road_[k] + 0.5 * (r.height.derivative(x0) + r.height.derivative(x1)) * (x1 - x0);
-      jump_ +=
-          std::abs(tyre_potential(t, tyre_height_[k], road) - tyre_potential(t, tyre_height_[k], smooth));
-    }
-    tyre_x_[k] = x1;
-    tyre_height_[k] = wheel;
-    tyre_road_[k] = road;
-    observe_store(tyre_store + k, potential);
-  }
+  for (std::size_t k = 0; k < m.elements.size(); ++k) observe_element(k, w, h);
   for (std::size_t k = 0; k < m.drives.size(); ++k) {
     const DriveData& d = m.drives[k];
     const double force = -s.multipliers[d.equation];
     if (started_) e.drive_work += 0.5 * (force + drive_force_[k]) * (s.q[d.q] - drive_position_[k]);
     drive_position_[k] = s.q[d.q];
     drive_force_[k] = force;
-  }
-  for (std::size_t k = 0; k < m.loads.size(); ++k) {
-    const LoadData& l = m.loads[k];
-    const auto& frame = w.frames[l.frame];
-    const auto [force, moment] = load_wrench<double>(l, frame.rotation, s.time);
-    const double power = moment.dot(frame.omega);
-    const Vec3d position = frame.position + w.origin;
-    if (started_)
-      e.load_work += 0.5 * (force + load_force_[k]).dot(position - load_position_[k]) +
-                     0.5 * h * (power + load_power_[k]);
-    load_position_[k] = position;
-    load_force_[k] = force;
-    load_power_[k] = power;
   }
   time_ = s.time;
 }

@@ -1,7 +1,9 @@
 #pragma once
 #include "dynamics/relative/system.h"
+#include "dynamics/state_transfer.h"
 #include "integrate/stepper.h"
 #include "mimbre/energy.h"
+#include "signals/law.h"
 
 namespace mimbre {
 
@@ -23,8 +25,13 @@ class EnergyMeter {
   double last_jump() const { return jump_; }
   /// Something that stores energy.
   struct Place {
-    enum class Kind { none, spring, joint_spring, tyre, body } kind = Kind::none;
+    enum class Kind { none, element, body } kind = Kind::none;
     int index = -1;
+    void transfer(StateTransfer& transfer) {
+      int number = static_cast<int>(kind);
+      transfer(number, index);
+      kind = static_cast<Kind>(number);
+    }
   };
   /// What exchanged most energy in it.
   Place last_place() const { return place_; }
@@ -36,9 +43,29 @@ class EnergyMeter {
   };
   Unresolved most_unresolved() const;
 
+  /// All that it remembers from step to step.
+  void transfer(StateTransfer& transfer) {
+    for (const EnergyTerm& term : energy_terms) transfer(balance_.*term.value);
+    transfer(start_total_, last_input_, jump_, most_exchanged_, started_, time_);
+    place_.transfer(transfer);
+    for (Flow& f : flows_) f.transfer(transfer);
+    for (Store& s : stores_) transfer(s.energy, s.change, s.highest, s.lowest, s.exchanged, s.unresolved);
+    transfer(drive_position_, drive_force_, damping_force_, modal_, geometric_force_);
+  }
+
  private:
+  /// What an element was after the step before.
   struct Flow {
-    double length = 0, force = 0, damping = 0, general = 0;
+    double x[6] = {}, dissipating[6] = {}, working[6] = {};
+    double height = 0, road = 0, along = 0, slope = 0;  ///< on a road
+    Eigen::Vector3d load_position = Eigen::Vector3d::Zero(), load_force = Eigen::Vector3d::Zero();
+    double load_power = 0;
+    void transfer(StateTransfer& transfer) {
+      for (double* component : {x, dissipating, working})
+        for (int k = 0; k < 6; ++k) transfer(component[k]);
+      for (int k = 0; k < 3; ++k) transfer(load_position[k], load_force[k]);
+      transfer(height, road, along, slope, load_power);
+    }
   };
   /// What a place stores, and how that has changed from step to step.
   struct Store {
@@ -47,6 +74,11 @@ class EnergyMeter {
     double exchanged = 0, unresolved = 0;  ///< sums of first and second differences, in size
   };
   void observe(relative::RelativeSystem& system, const State& state);
+  void observe_element(std::size_t element, relative::Workspace<double>& work, double h);
+  void observe_load(const ElementState<double>& state, const Motion<double>& frame, const Vec3d& origin,
+                    double h, Flow& flow);
+  void observe_road(std::size_t element, const LawContext<double>& context, const ElementState<double>& state,
+                    relative::Workspace<double>& work, double stored, Flow& flow);
   void observe_store(std::size_t store, double energy);
   void observe_geometric(const GeometricData& geometric, const StressMotion<double>& motion, int first,
                          const double* y, double* forces);
@@ -57,11 +89,9 @@ class EnergyMeter {
   Place place_;
   double most_exchanged_ = 0;  ///< in the last step, at place_
   bool started_ = false;
-  std::vector<Flow> springs_, joint_springs_;
-  std::vector<Store> stores_;  ///< springs, joint springs, tyres, bodies
-  std::vector<double> tyre_height_, tyre_road_, tyre_x_, generalised_, drive_position_, drive_force_;
-  std::vector<Eigen::Vector3d> load_position_, load_force_;
-  std::vector<double> load_power_;
+  std::vector<Flow> flows_;    ///< of elements
+  std::vector<Store> stores_;  ///< elements, bodies
+  std::vector<double> generalised_, drive_position_, drive_force_;
   Eigen::VectorXd damping_force_, modal_, geometric_force_;
   double time_ = 0;
 };

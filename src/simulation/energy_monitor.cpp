@@ -53,8 +53,8 @@ std::string EnergyMonitor::warning(const Compiled& model, const EnergyMeter& met
         place_name(model, largest_gain.place));
   const double by_dampers = share_of_dissipation * dissipated;
   const EnergyMeter::Unresolved fastest = meter.most_unresolved();
-  const bool spring = fastest.place.kind == EnergyMeter::Place::Kind::spring ||
-                      fastest.place.kind == EnergyMeter::Place::Kind::joint_spring;
+  const bool spring = fastest.place.kind == EnergyMeter::Place::Kind::element &&
+                      model.elements[fastest.place.index].measure != Measure::height;
   if (spring && fastest.steps_per_period < few_steps &&
       -least > std::max({share_of_vibration * fastest.at_play, by_dampers, nothing}) && -least <= limit)
     return fmt::format(

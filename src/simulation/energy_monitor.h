@@ -36,12 +36,22 @@ struct EnergyMonitor {
   struct Step {
     double energy = 0, time = 0;
     EnergyMeter::Place place;
+    void transfer(StateTransfer& transfer) {
+      transfer(energy, time);
+      place.transfer(transfer);
+    }
   };
   Step largest_gain, largest_loss;
 
   void start(const EnergyMeter& meter);
   /// After every accepted step. Neither allocates nor throws.
   void watch(const EnergyMeter& meter, double time);
+
+  void transfer(StateTransfer& transfer) {
+    transfer(highest, lowest_potential, drive_turnover, drive_work, most, least, rise, fall, last);
+    largest_gain.transfer(transfer);
+    largest_loss.transfer(transfer);
+  }
 
   double at_play() const { return highest - lowest_potential + drive_turnover; }
 

@@ -1,9 +1,12 @@
 #include "simulation/free_flight.h"
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "dynamics/relative/shift.h"
 #include "joints/table.h"
+#include "model/force_laws.h"
 
 namespace mimbre {
 namespace {
@@ -47,12 +50,17 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
     if (b >= 0) free[b] = 0;
   };
   for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
-  for (const SpringData& s : m.springs) tie(s.frame_a, s.frame_b);
-  for (const TyreData& t : m.tyres) free[root[m.frames[t.frame].body]] = 0;
+  for (const ElementData& e : m.elements) {
+    if (e.measure == Measure::none || e.law == static_cast<int>(Law::sensor)) continue;
+    if (e.body >= 0) {
+      if (m.bodies[e.body].parent < 0) free[e.body] = 0;
+    } else if (e.frame_a < 0)
+      free[root[m.frames[e.frame_b].body]] = 0;
+    else
+      tie(e.frame_a, e.frame_b);
+  }
   for (const DriveData& d : m.drives)
     if (m.bodies[d.body].parent < 0) free[d.body] = 0;
-  for (const JointSpringData& s : m.joint_springs)
-    if (m.bodies[s.body].parent < 0) free[s.body] = 0;
 
   std::vector<FreeGroup> groups;
   for (int i = 0; i < count; ++i) {
@@ -69,9 +77,10 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
       mass += m.bodies[k].mass;
       g.rigid = g.rigid && m.bodies[k].modes == 0 && (k == i || m.bodies[k].joint_velocities == 0);
     }
-    for (std::size_t k = 0; k < m.loads.size(); ++k) {
-      const int body = m.frames[m.loads[k].frame].body;
-      if (body >= 0 && root[body] == i) g.loads.push_back(static_cast<int>(k));
+    for (const ElementData& e : m.elements) {
+      const int body = m.frames[e.frame_b].body;
+      if (e.measure == Measure::none && body >= 0 && root[body] == i)
+        g.loads.push_back(m.arguments[e.arguments]);
     }
     if (mass > 0) groups.push_back(std::move(g));
   }
@@ -86,17 +95,18 @@ FreeFlight::FreeFlight(const Compiled& model)
   rates_.setZero(model.velocities);
 }
 
-bool FreeFlight::loaded(const FreeGroup& group, double time) const {
-  for (const int k : group.loads)
-    if (model_.loads[k].scale.value(time) != 0) return true;
-  return false;
+bool FreeFlight::loaded(const FreeGroup& group, const SignalValues& signals) const {
+  // What motion decides is known with the forces only.
+  return std::any_of(group.loads.begin(), group.loads.end(), [&](int slot) {
+    return slot >= model_.signals.first_moving || signals.value[slot] != 0;
+  });
 }
 
 void FreeFlight::begin(relative::RelativeSystem& observer, const State& s) {
   origin_ = observer.workspace().origin;
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     Start& start = starts_[k];
-    start.loaded = loaded(groups_[k], s.time);
+    start.loaded = loaded(groups_[k], observer.workspace().signals);
     if (start.loaded) continue;
     const relative::Momentum p =
         relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
@@ -114,7 +124,7 @@ void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem*
   if (changes_shape_) find_gains(observer, s, h);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Start& start = starts_[k];
-    if (start.loaded || loaded(groups_[k], s.time)) continue;
+    if (start.loaded || loaded(groups_[k], observer.workspace().signals)) continue;
     const relative::Momentum p =
         relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
     RigidShift shift;

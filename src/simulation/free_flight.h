@@ -9,7 +9,7 @@
 namespace mimbre {
 
 /// Bodies that nothing but a floating joint ties to the rest of the world: no loop, spring, tyre or drive.
-/// Gravity and loads act on them.
+/// Gravity and loads act on them; `loads`: slots of what scales these.
 struct FreeGroup {
   int root = -1;  ///< the body of the floating joint
   std::vector<int> bodies, loads;
@@ -39,7 +39,7 @@ class FreeFlight {
            double h, State& state);
 
  private:
-  bool loaded(const FreeGroup& group, double time) const;
+  bool loaded(const FreeGroup& group, const SignalValues& signals) const;
   void find_gains(relative::RelativeSystem& observer, const State& relative, double h);
   void set_rates(const State& relative, double h);
 

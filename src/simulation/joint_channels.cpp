@@ -71,6 +71,14 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
       force -= s.multipliers[k] * w.covector_linear[k];
       moment -= s.multipliers[k] * w.covector_angular[k];
     }
+    // What acts on its coordinates goes through it too.
+    for (const ElementData& e : model_.elements) {
+      if (e.measure != Measure::coordinate || e.joint_spec != joint) continue;
+      const ElementState<const double> on = element_state(e, w.elements.data());
+      const Vec3d acting = -on.force[0] * on.linear_of(0);
+      force += acting;
+      moment -= on.force[0] * on.angular_of(0) - w.frames[e.frame_b].position.cross(acting);
+    }
   }
   const int frame = model_.frame_of_spec[model_.spec.joints[joint].frame_b];
   const Motion<double> b = relative::output_motion(system, frame, s.q.data(), s.v.data(), s.a.data());

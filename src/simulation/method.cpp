@@ -41,7 +41,13 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
                : given.substeps > 0 ? given.substeps
                : repeats            ? default_substeps
                                     : 1;
+  m.end = options.end >= 0 ? options.end : given.end;
+  m.default_end = options.end < 0 && !given.end_given && given.end == spec::Simulation{}.end;
+  m.output_interval = given.output_interval;
   m.profile = options.profile;
+  m.energies = options.energies || m.substeps > 1 || m.integrator == Rule::conserve;
+  m.validity = options.validity;
+  m.warnings = options.warnings;
   return m;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "model/force_laws.h"
+
 namespace mimbre {
 namespace {
 
@@ -49,17 +51,29 @@ std::string equation_name(const Compiled& m, const natural::NaturalSystem* natur
   return "the constraints";
 }
 
+std::string element_name(const Compiled& m, const ElementData& e) {
+  const bool of_joint = e.measure == Measure::coordinate;
+  switch (static_cast<Law>(e.law)) {
+    case Law::spring:
+      return of_joint ? fmt::format("the spring of joint '{}'", m.spec.joints[e.joint_spec].name)
+                      : fmt::format("spring '{}'", m.spec.springs[e.spec].name);
+    case Law::tyre:
+      return fmt::format("tyre '{}'", m.spec.tyres[e.spec].name);
+    case Law::load:
+      return fmt::format("load '{}'", m.spec.loads[e.spec].name);
+    case Law::sensor:
+      return "a sensor";
+    default:
+      return fmt::format("{} '{}'", law_info(e.law).name, m.spec.elements[e.spec].name);
+  }
+}
+
 std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {
   switch (place.kind) {
-    case EnergyMeter::Place::Kind::spring:
-      return fmt::format("spring '{}'", m.spec.springs[m.springs[place.index].spec].name);
-    case EnergyMeter::Place::Kind::joint_spring:
-      return fmt::format("the spring of joint '{}'",
-                         m.spec.joints[m.joint_springs[place.index].joint_spec].name);
+    case EnergyMeter::Place::Kind::element:
+      return element_name(m, m.elements[place.index]);
     case EnergyMeter::Place::Kind::body:
       return fmt::format("body '{}'", m.spec.bodies[m.bodies[place.index].spec].name);
-    case EnergyMeter::Place::Kind::tyre:
-      return fmt::format("tyre '{}'", m.spec.tyres[m.tyres[place.index].spec].name);
     case EnergyMeter::Place::Kind::none:
       break;
   }

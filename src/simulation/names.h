@@ -15,7 +15,10 @@ std::string coordinate_name(const Compiled& model, const natural::NaturalSystem*
 /// The joint, drive or body that must stay rigid that a constraint equation belongs to.
 std::string equation_name(const Compiled& model, const natural::NaturalSystem* natural, int equation);
 
-/// The force element.
+/// "spring 'front'".
+std::string element_name(const Compiled& model, const ElementData& element);
+
+/// What stores energy.
 std::string place_name(const Compiled& model, const EnergyMeter::Place& place);
 
 }  // namespace mimbre

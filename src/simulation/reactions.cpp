@@ -17,9 +17,12 @@ void Reactions::choose_smallest(const Compiled& model, bool always) {
   smallest_ = std::make_unique<SmallestReactions>(model);
 }
 
+void Reactions::evaluate(relative::RelativeSystem& system, const State& s) {
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+}
+
 void Reactions::reduce(relative::RelativeSystem& system, State& s) {
-  if (smallest_ && smallest_->find(system, s, s.multipliers))
-    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+  if (smallest_ && smallest_->find(system, s, s.multipliers)) evaluate(system, s);
 }
 
 void Reactions::limit(relative::RelativeSystem& system, State& s, double step) {
@@ -28,19 +31,21 @@ void Reactions::limit(relative::RelativeSystem& system, State& s, double step) {
   const auto found = smallest_->limit(system, s, strain, s.multipliers);
   if (!found) return;
   if (!unresolved_) unresolved_ = found;
-  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
+  evaluate(system, s);
 }
 
-bool Reactions::find(relative::RelativeSystem& system, State& s) {
-  const auto evaluate = [&] {
-    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, residual_.data());
-  };
+void Reactions::begin(relative::RelativeSystem& system, State& s) {
   s.multipliers.setZero();
-  evaluate();
-  if (system.equations() == 0) return true;
-  if (!system.factor(s.q.data(), {0, 0, penalty}).ok()) return false;
-  // Augmented Lagrangian: (M + α ΦqᵀΦq) x = −(r + Φqᵀ λ), λ ← λ + α Φq x. What remains of r is what the
-  // constraints cannot bear: the error of the accelerations.
+  evaluate(system, s);
+}
+
+bool Reactions::factor(relative::RelativeSystem& system, const State& s) {
+  return system.factor(s.q.data(), {0, 0, penalty}).ok();
+}
+
+/// Augmented Lagrangian: (M + α ΦqᵀΦq) x = −(r + Φqᵀ λ), λ ← λ + α Φq x. What remains of r is what the
+/// constraints cannot bear: the error of the accelerations.
+void Reactions::solve(relative::RelativeSystem& system, State& s) {
   double largest = 0, correction = 0;
   for (int round = 0; round < rounds; ++round) {
     change_ = -residual_;
@@ -57,8 +62,15 @@ bool Reactions::find(relative::RelativeSystem& system, State& s) {
     largest = std::max(largest, correction);
     if (!(correction > 1e-6 * largest)) break;
   }
-  evaluate();
   settled_ = correction <= 1e-3 * largest;
+}
+
+bool Reactions::find(relative::RelativeSystem& system, State& s) {
+  begin(system, s);
+  if (system.equations() == 0) return true;
+  if (!factor(system, s)) return false;
+  solve(system, s);
+  evaluate(system, s);
   if (!determined()) reduce(system, s);
   return true;
 }

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "dynamics/relative/system.h"
+#include "dynamics/state_transfer.h"
 #include "simulation/smallest_reactions.h"
 
 namespace mimbre {
@@ -19,6 +20,17 @@ class Reactions {
   /// with the multipliers found, and false is returned, with multipliers of zero, where the matrix is
   /// singular.
   bool find(relative::RelativeSystem& system, State& state);
+  // The same in pieces that cost about as much each, one after the other:
+  /// The residual at the state without multipliers.
+  void begin(relative::RelativeSystem& system, State& state);
+  /// The matrix. Where it is singular, false, and there are no further pieces.
+  bool factor(relative::RelativeSystem& system, const State& state);
+  /// The multipliers.
+  void solve(relative::RelativeSystem& system, State& state);
+  /// The residual with them.
+  void evaluate(relative::RelativeSystem& system, const State& state);
+  // And reduce() where they are not determined().
+
   /// After the system's residual at `state`, whose multipliers balance the forces: makes them the smallest
   /// where constraints are redundant, and the last residual that with them.
   void reduce(relative::RelativeSystem& system, State& state);
@@ -28,6 +40,13 @@ class Reactions {
   /// The first that limit() found, if any.
   const std::optional<UnresolvedReaction>& unresolved() const { return unresolved_; }
   void forget_unresolved() { unresolved_.reset(); }
+  /// What it remembers: that.
+  void transfer(StateTransfer& transfer) {
+    bool found = unresolved_.has_value();
+    UnresolvedReaction value = unresolved_.value_or(UnresolvedReaction{});
+    transfer(found, value.time, value.joint, value.force, value.moment);
+    if (transfer.restoring()) unresolved_ = found ? std::optional(value) : std::nullopt;
+  }
   /// Whether the multipliers of the last find() are the only ones that balance the state.
   bool determined() const { return settled_ && !always_; }
 

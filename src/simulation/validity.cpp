@@ -190,6 +190,14 @@ void BodyValidity::start() {
   most_energy_ = most_high_energy_ = 0;
 }
 
+void BodyValidity::transfer(StateTransfer& transfer) {
+  for (Validity::Peak* peak :
+       {&worst_.deflection, &worst_.foreshortening, &worst_.compression, &worst_.tension, &worst_.high_modes})
+    transfer(peak->value, peak->time);
+  transfer(worst_.axial, passed_.deflection, passed_.foreshortening, passed_.compression, passed_.tension,
+           passed_.high_modes, most_energy_, most_high_energy_);
+}
+
 void BodyValidity::watch(const double* positions, double time) {
   values_.noalias() = functionals_ * Eigen::Map<const VectorXd>(positions + first_amplitude_, modes_);
   double largest = 0;
@@ -280,12 +288,19 @@ ValidityMonitor::ValidityMonitor(const Compiled& m) {
 }
 
 void ValidityMonitor::start() {
-  steps_ = 0;
   for (BodyValidity& b : bodies_) b.start();
 }
 
+void ValidityMonitor::transfer(StateTransfer& transfer) {
+  for (BodyValidity& b : bodies_) b.transfer(transfer);
+}
+
+bool ValidityMonitor::watches_loads() const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [](const BodyValidity& b) { return b.worst().compression.watched; });
+}
+
 void ValidityMonitor::watch(const State& s) {
-  ++steps_;
   for (BodyValidity& b : bodies_) b.watch(s.q.data(), s.time);
 }
 

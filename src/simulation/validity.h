@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "dynamics/relative/workspace.h"
+#include "dynamics/state_transfer.h"
 #include "integrate/stepper.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
@@ -64,6 +65,8 @@ class BodyValidity {
   void watch_loads(const relative::Workspace<double>& work, double time);
   /// Forgets everything.
   void start();
+  /// What it has seen so far.
+  void transfer(StateTransfer& transfer);
   const Validity& worst() const { return worst_; }
   /// What is beyond its limit and what helps; empty when nothing is.
   std::string warning() const;
@@ -112,10 +115,11 @@ class ValidityMonitor {
   explicit ValidityMonitor(const Compiled& model);
   bool empty() const { return bodies_.empty(); }
   void start();
+  void transfer(StateTransfer& transfer);
+  /// Whether forces and motion are watched of any body.
+  bool watches_loads() const;
   /// After every accepted step, with the state in relative coordinates. Neither allocates nor throws.
   void watch(const State& state);
-  /// Whether forces are wanted after this step, too: every 16th, since they cost a residual.
-  bool loads_due() const { return steps_ % 16 == 1 && !bodies_.empty(); }
   void watch_loads(const relative::Workspace<double>& work, double time);
 
   std::vector<Validity> worst() const;
@@ -123,7 +127,6 @@ class ValidityMonitor {
 
  private:
   std::vector<BodyValidity> bodies_;
-  int steps_ = 0;
 };
 
 }  // namespace mimbre

@@ -2,6 +2,8 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
+
 #include "app/program.h"
 #include "mimbre/results.h"
 
@@ -26,6 +28,29 @@ class Interruption : public ProgramTest {
       if (name.starts_with(begin) && name.ends_with(end)) result.push_back(entry.path());
     }
     return result;
+  }
+
+  /// An empty folder for the k-th of several programs at once.
+  fs::path place_of(int k) const { return folder / ("place-" + std::to_string(k)); }
+  fs::path own_place(int k) const {
+    fs::remove_all(place_of(k));
+    fs::create_directory(place_of(k));
+    return place_of(k);
+  }
+  /// What makes it the working folder of a program.
+  static std::function<void()> in_place(const fs::path& place) {
+    return [place = place.string()] {
+      if (chdir(place.c_str()) != 0) _exit(126);
+    };
+  }
+  /// The names of what is neither model nor target there.
+  std::vector<std::string> parts(int k) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(place_of(k)))
+      if (const std::string name = entry.path().filename().string(); name != "out.h5" && name != "out.csv")
+        names.push_back(name);
+    std::sort(names.begin(), names.end());
+    return names;
   }
 
   bool appears(const std::string& begin, const std::string& end) const {
@@ -101,29 +126,110 @@ TEST_F(Interruption, AnInterruptedRunLeavesOlderFilesAlone) {
   EXPECT_GT(read_results(kept[0].string()).time.size(), 1);
 }
 
-/// Of runs with rows far apart as with rows close together. MIMBRE_KILLS: how many (scripts/kill-runs).
+/// Of runs with rows far apart as with rows close together, four at once. MIMBRE_KILLS: how many
+/// (scripts/kill-runs).
 TEST_F(Interruption, OfAKilledRunNoMoreThanASecondIsLost) {
+  using Clock = std::chrono::steady_clock;
+  struct Victim {
+    fs::path place;
+    int signal;
+    std::chrono::milliseconds pause;
+    pid_t child;
+    Clock::time_point end = Clock::time_point::max();  ///< known when its file is there
+    fs::file_time_type killed{};
+  };
   const char* const given = std::getenv("MIMBRE_KILLS");
   const int kills = given ? std::atoi(given) : 4;
   const int signals[] = {SIGKILL, SIGKILL, SIGTERM, SIGHUP};
   std::uint64_t state = 12345;
-  for (int k = 0; k < kills; ++k) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const auto pause = std::chrono::milliseconds(100 + static_cast<int>((state >> 33) % 1100));
-    const int signal = signals[k % 4];
-    fs::remove(folder / "out.h5");
-    const pid_t child = start({"run", "pendulum.yaml", "--until", "1e8", "--set",
-                               k % 2 ? "interval=0.01" : "interval=200", "--output", "out.h5", "--quiet"});
-    ASSERT_TRUE(appears("out", ".h5"));
-    std::this_thread::sleep_for(pause);
-    kill(child, signal);
-    const auto killed = fs::file_time_type::clock::now();
-    EXPECT_EQ(wait_for(child).signal, signal == SIGKILL ? SIGKILL : 0);
-    const Results results = read_results((folder / "out.h5").string());
-    EXPECT_EQ(results.summary_json.empty(), signal == SIGKILL);
-    // All that waits is written whenever the file is.
-    EXPECT_LT(std::chrono::duration<double>(killed - fs::last_write_time(folder / "out.h5")).count(), 1);
-    for (Eigen::Index i = 1; i < results.time.size(); ++i) ASSERT_GT(results.time[i], results.time[i - 1]);
+  for (int k = 0; k < kills; k += 4) {
+    std::vector<Victim> victims;
+    for (int i = 0; i < 4; ++i) {
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      const fs::path place = own_place(i);
+      const auto pause = std::chrono::milliseconds(100 + static_cast<int>((state >> 33) % 1100));
+      const pid_t child = start({"run", "../pendulum.yaml", "--until", "1e8", "--set",
+                                 i % 2 ? "interval=0.01" : "interval=200", "--output", "out.h5", "--quiet"},
+                                in_place(place));
+      victims.push_back({place, signals[i], pause, child});
+    }
+    const auto give_up = Clock::now() + std::chrono::seconds(60);
+    for (int alive = 4; alive > 0 && Clock::now() < give_up;
+         std::this_thread::sleep_for(std::chrono::milliseconds(1)))
+      for (Victim& victim : victims) {
+        if (victim.killed != fs::file_time_type{}) continue;
+        const auto now = Clock::now();
+        if (victim.end == Clock::time_point::max() && fs::exists(victim.place / "out.h5"))
+          victim.end = now + victim.pause;
+        if (now < victim.end) continue;
+        kill(victim.child, victim.signal);
+        victim.killed = fs::file_time_type::clock::now();
+        --alive;
+      }
+    for (const Victim& victim : victims) {
+      ASSERT_NE(victim.killed, fs::file_time_type{}) << "no results appear";
+      EXPECT_EQ(wait_for(victim.child).signal, victim.signal == SIGKILL ? SIGKILL : 0);
+      const fs::path file = victim.place / "out.h5";
+      const Results results = read_results(file.string());
+      EXPECT_EQ(results.summary_json.empty(), victim.signal == SIGKILL);
+      // All that waits is written whenever the file is.
+      EXPECT_LT(std::chrono::duration<double>(victim.killed - fs::last_write_time(file)).count(), 1);
+      for (Eigen::Index i = 1; i < results.time.size(); ++i) ASSERT_GT(results.time[i], results.time[i - 1]);
+    }
+  }
+}
+
+/// While the program starts, reads its model, makes its files: what stands at the targets is whole, and the
+/// next run neither minds nor touches what was left beside them.
+TEST_F(Interruption, KilledEarlyARunBreaksNothing) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-o", "older.h5", "--csv", "older.csv", "-q"}).code, 0);
+  const std::string h5 = read_file(folder / "older.h5"), csv = read_file(folder / "older.csv");
+  constexpr int count = 9;
+  for (const auto& [signal, older] :
+       {std::pair{SIGKILL, false}, {SIGKILL, true}, {SIGTERM, false}, {SIGHUP, true}}) {
+    SCOPED_TRACE("signal " + std::to_string(signal) + (older ? " over older files" : ""));
+    std::vector<pid_t> children;
+    const auto begin = [&](int k, const char* until) {
+      children.push_back(
+          start({"run", "../pendulum.yaml", "--until", until, "-o", "out.h5", "--csv", "out.csv", "-q"},
+                in_place(place_of(k))));
+    };
+    for (int k = 0; k < count; ++k) {
+      own_place(k);
+      if (older) write_file(place_of(k) / "out.h5", h5);
+      if (older) write_file(place_of(k) / "out.csv", csv);
+    }
+    for (int k = 0; k < count; ++k) {
+      begin(k, "1e8");
+      // 0 to 120 ms after its start, the processor's time shared by all that run.
+      std::this_thread::sleep_for(std::chrono::milliseconds(15 * k));
+      kill(children.back(), signal);
+    }
+    std::vector<std::vector<std::string>> left;
+    for (int k = 0; k < count; ++k) {
+      const Outcome outcome = wait_for(children[static_cast<std::size_t>(k)]);
+      EXPECT_TRUE(outcome.signal == signal || (signal != SIGKILL && outcome.code == 3)) << outcome.err;
+      const fs::path target = place_of(k) / "out.h5";
+      if (older) {
+        EXPECT_TRUE(read_file(target) == h5);
+        EXPECT_TRUE(read_file(place_of(k) / "out.csv") == csv);
+      } else if (fs::exists(target)) {
+        EXPECT_GE(read_results(target.string()).time.size(), 0);
+      }
+      left.push_back(parts(k));
+      for (const std::string& part : left.back())
+        if (part.ends_with(".h5") && outcome.code == 3) {
+          EXPECT_GE(read_results((place_of(k) / part).string()).time.size(), 0);
+        }
+    }
+    children.clear();
+    for (int k = 0; k < count; ++k) begin(k, "1");
+    for (int k = 0; k < count; ++k) {
+      EXPECT_EQ(wait_for(children[static_cast<std::size_t>(k)]).code, 0);
+      EXPECT_EQ(read_results((place_of(k) / "out.h5").string()).time.size(), 101);
+      EXPECT_EQ(csv_rows(place_of(k) / "out.csv").size(), 101u);
+      EXPECT_EQ(parts(k), left[static_cast<std::size_t>(k)]);
+    }
   }
 }
 

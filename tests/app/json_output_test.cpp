@@ -35,6 +35,8 @@ TEST_F(JsonOutput, OfARunAndOfWhatReadsItKeepsTheSchema) {
   answer({"run", "pendulum.yaml", "-o", "b.h5", "--until", "0.2", "--integrator", "newmark"});
   answer({"compare", "a.h5", "b.h5"});
   answer({"bench", "pendulum.yaml", "--runs", "1"});
+  EXPECT_EQ(answer({"report", "a.h5"}).at("output"), "a.html");
+  EXPECT_EQ(answer({"export", "a.h5", "--vtk", "frames"}).at("output"), "frames/run.pvd");
 }
 
 TEST_F(JsonOutput, OfModelsKeepsTheSchema) {
@@ -56,6 +58,7 @@ TEST_F(JsonOutput, OfFiniteElementsKeepsTheSchema) {
               "--interface", "left=group:left", "--modes", "2", "--no-cache", "-o", "block.h5"},
              4);
   EXPECT_FALSE(summary.at("passed").boolean());
+  EXPECT_EQ(answer({"convert", "block.h5", "--to", "fem"}).at("output"), "block.fem");
 }
 
 TEST_F(JsonOutput, OfFailuresKeepsTheSchema) {
@@ -65,6 +68,20 @@ TEST_F(JsonOutput, OfFailuresKeepsTheSchema) {
   const test::Json errors = answer({"run", "bad.yaml"}, 1, "error").at("errors");
   EXPECT_EQ(errors.size(), 2u);
   EXPECT_EQ(errors[0].at("line"), 2);
+}
+
+/// They answer before any file is read.
+TEST_F(JsonOutput, OfWrongUseKeepsTheSchema) {
+  for (const char* command : {"run", "check", "static", "report", "compare", "bench", "verify", "reduce",
+                              "select", "convert", "stress", "export"}) {
+    answer({command}, 2, "error");
+    answer({command, "--no-such-option"}, 2, "error");
+  }
+  answer({"compare", "a.h5"}, 2, "error");
+  answer({"reproduce", "--no-such-option"}, 2, "error");
+  const Outcome unknown = run({"chekc", "a.yaml", "--json"});
+  expect_schema(unknown.out);
+  EXPECT_EQ(unknown.json().at("status"), "error");
 }
 
 /// A name like that of a key, and one that no text should have.

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 #include "app/program.h"
 
 /// What the program says where people go wrong: in their words, by name, with what would be right; once.
@@ -127,6 +129,36 @@ TEST_F(Messages, ALoadWhereNoStaticModeIsIsToldBeforeTheRun) {
   EXPECT_EQ(of("check", bar_with("static_modes: [{node: tip, along: [0, 0, 1]}]")).err, "");
 }
 
+/// Steel in other units than SI.
+TEST_F(Messages, MaterialsOfNoSolidAreAskedAbout) {
+  const auto with = [](const std::string& material) {
+    std::string text = bar_with("planar: [0, 1, 0], static_modes: [{node: tip, along: [0, 0, 1]}]");
+    const std::string steel = "{young: 2.1e11, poisson: 0.3, density: 7850}";
+    return text.replace(text.find(steel), steel.size(), material);
+  };
+  for (const auto& [material, young, density] :
+       {std::tuple{"{young: 210000, poisson: 0.3, density: 7850}",
+                   "Young's modulus 210000 Pa (is it in MPa?)", ""},
+        {"{young: 210, poisson: 0.3, density: 7850}", "Young's modulus 210 Pa (is it in GPa?)", ""},
+        {"{young: 2.1e11, poisson: 0.3, density: 7.85}", "", "density 7.85 kg/m³ (is it in g/cm³?)"},
+        {"{young: 210000, poisson: 0.3, density: 7.85e-9}", "Young's modulus 210000 Pa (is it in MPa?)",
+         "density 7.85e-09 kg/m³ (is it in t/mm³?)"},
+        {"{young: 210000, poisson: 0.3, density: 7.85}", "Young's modulus 210000 Pa (is it in MPa?)",
+         "density 7.85 kg/m³ (is it in g/cm³?)"}}) {
+    const std::string err = of("check", with(material)).err;
+    EXPECT_THAT(err,
+                AllOf(HasSubstr("model.yaml:2:"), HasSubstr("warning: material 'steel': "), HasSubstr(young),
+                      HasSubstr(density), HasSubstr("numbers without a unit are in Pa and kg/m³")));
+    EXPECT_EQ(count(err, "is it in"), (*young ? 1u : 0u) + (*density ? 1u : 0u)) << err;
+  }
+  // Rubber, foam, balsa wood, tungsten, diamond, carbon fibres.
+  for (const char* material :
+       {"{young: 1 MPa, poisson: 0.49, density: 1100}", "{young: 3e5, poisson: 0.1, density: 20}",
+        "{young: 3e9, poisson: 0.3, density: 120}", "{young: 4.1e11, poisson: 0.28, density: 19300}",
+        "{young: 1.2e12, poisson: 0.1, density: 3500}", "{young: 9e11, poisson: 0.3, density: 2150}"})
+    EXPECT_EQ(count(of("check", with(material)).err, "material 'steel'"), 0u) << material;
+}
+
 /// A choice between forces is no choice between words.
 TEST_F(Messages, ASpringsForceMayChoose) {
   const Outcome outcome = of("run", arm + R"(springs:
@@ -207,31 +239,21 @@ TEST_F(Messages, ASpringThatActsOnOneRigidBodyOnlyIsWarnedOf) {
       HasSubstr("spring 'coil' has both ends on the rigid body 'arm'"));
 }
 
-/// With `--json` or without, an output that cannot be written is told before the work and with one code.
-TEST_F(Messages, AnUnwritableOutputHasOneExitCode) {
-  write_file(folder / "model.yaml", hinge("revolute"));
-  ASSERT_EQ(run({"run", "model.yaml", "-o", "a.h5", "-q"}).code, 0);
-  const fs::path examples = fs::path(MIMBRE_SOURCE_DIR) / "examples/solid-arm";
-  const std::string body = (examples / "arm.h5").string(),
-                    suspension = (examples / "suspension.yaml").string();
-  const std::string mesh = (fs::path(MIMBRE_SOURCE_DIR) / "tests/data/gmsh/block-22.msh").string();
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"run", "model.yaml", "-o", "no/a.h5"},
-           {"run", "model.yaml", "--csv", "no/a.csv"},
-           {"report", "a.h5", "-o", "no/a.html"},
-           {"export", "a.h5", "--vtk", "a.h5/frames"},
-           {"convert", body, "--to", "fem", "-o", "no/b.fem"},
-           {"convert", body, "--to", "h5", "-o", "no/b.h5"},
-           {"convert", body, "--to", "h5", "-o", "/dev/null"},
-           {"select", suspension, "--body", "front_left.arm", "-o", "no/b.h5"},
-           {"select", suspension, "--body", "front_left.arm", "-o", "/dev/null"},
-           {"reduce", mesh, "--material", "2.1e11,0.3,7850", "--interface", "left=group:left", "--modes", "1",
-            "--no-cache", "-o", "no/b.h5"}}) {
+/// In the user's words, not in those of the options.
+TEST_F(Messages, WhatIsMissingOnTheCommandLineIsSaid) {
+  EXPECT_THAT(run({"run"}).err, HasSubstr("error: MODEL is missing: Model file (YAML)"));
+  EXPECT_THAT(run({"select", "a.yaml", "--body", "arm"}).err,
+              HasSubstr("error: --output is missing: The body"));
+  EXPECT_THAT(run({"export", "a.h5"}).err, HasSubstr("error: --vtk is missing: Folder for the files"));
+  for (const std::vector<std::string>& files :
+       {std::vector<std::string>{}, {"a.h5"}, {"a.h5", "b.h5", "c.h5"}}) {
+    std::vector<std::string> arguments{"compare"};
+    arguments.insert(arguments.end(), files.begin(), files.end());
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 3) << arguments[0] << ": " << outcome.err;
-    EXPECT_THAT(outcome.err, AnyOf(HasSubstr("cannot write"), HasSubstr("cannot make the folder")))
-        << arguments[0];
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("error: two results files are needed, the reference and the one to "));
   }
+  EXPECT_THAT(run({"compare", "a.h5"}).err, HasSubstr("'a.h5' is the only one given"));
 }
 
 }  // namespace

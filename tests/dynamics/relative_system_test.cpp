@@ -1,11 +1,14 @@
 #include "dynamics/relative/system.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
+#include <array>
 
 #include <Eigen/Core>
 
 #include "integrate/initial.h"
 #include "math/decompositions.h"
+#include "model/force_laws.h"
 #include "simulation/energy.h"
 #include "support/probe.h"
 
@@ -69,7 +72,13 @@ TEST_P(RelativeSystem, RatesOfTheEquations) {
             1e-9);
   // At rest only drives move.
   VectorXd moving = VectorXd::Zero(p.equations);
-  for (const DriveData& d : p.m.drives) moving[d.equation] = -d.position.derivative(t);
+  for (const DriveData& d : p.m.drives) {
+    const spec::Joint& joint = p.m.spec.joints[static_cast<std::size_t>(d.joint_spec)];
+    const auto drive = std::find_if(joint.drives.begin(), joint.drives.end(),
+                                    [&](const spec::Drive& x) { return x.coordinate == d.local; });
+    moving[d.equation] =
+        drive->of == spec::Drive::Of::position ? -drive->law.derivative(t) : -drive->law.value(t);
+  }
   EXPECT_LT(relative_difference(phi_dot, p.jacobian(q) * v + moving), 1e-12);
 }
 
@@ -170,19 +179,26 @@ TEST_P(RelativeSystem, PowerBalance) {
         p.m.spec.bodies[static_cast<std::size_t>(p.m.bodies[static_cast<std::size_t>(i)].spec)].flexible;
     if (flexible) dissipated += p.modes(i, v, true).dot(flexible->damping * p.modes(i, v, true));
   }
-  for (const JointSpringData& s : p.m.joint_springs) dissipated += s.damping.value(v[s.v]) * v[s.v];
-  for (const SpringData& s : p.m.springs) {
+  for (const ElementData& e : p.m.elements) {
+    if (e.law != static_cast<int>(Law::spring)) continue;
+    const Function& damping = p.m.functions[static_cast<std::size_t>(e.functions) + 1];
+    if (e.measure == Measure::coordinate) {
+      dissipated += damping.value(v[e.v]) * v[e.v];
+      continue;
+    }
     const auto length = [&](const VectorXd& q, const VectorXd&, double) {
       p.kinematics(q, p.zero, p.zero);
-      return VectorXd::Constant(1, p.spring_length(s));
+      return VectorXd::Constant(1, p.spring_length(e));
     };
     const double rate = p.rate(r.q, v, a, length)[0];
-    const double general = s.general.is_zero() ? 0 : s.general.value(length(r.q, v, 0)[0], rate, t);
-    dissipated += (s.damping.value(rate) + general) * rate;
+    const spec::Law& law = p.m.spec.springs[static_cast<std::size_t>(e.spec)].general;
+    const double general = law.formula.value(std::array{length(r.q, v, 0)[0], rate, t}.data());
+    dissipated += (damping.value(rate) + general) * rate;
   }
   p.kinematics(r.q, v, a, t);
-  for (const LoadData& l : p.m.loads) {
-    const auto& frame = p.system.workspace().frames[static_cast<std::size_t>(l.frame)];
+  for (const spec::Load& l : p.m.spec.loads) {
+    const auto frame_index = static_cast<std::size_t>(p.m.frame_of_spec[static_cast<std::size_t>(l.frame)]);
+    const auto& frame = p.system.workspace().frames[frame_index];
     const Mat3d turn = l.follower ? frame.rotation : Mat3d(Mat3d::Identity());
     done += l.scale.value(t) * ((turn * l.force).dot(frame.velocity) + (turn * l.moment).dot(frame.omega));
   }
@@ -244,31 +260,35 @@ TEST_P(RelativeSystem, TangentsOfForces) {
     stiffness.block(k, k, b.modes, b.modes) += f.stiffness;
     damping.block(k, k, b.modes, b.modes) += f.damping;
   }
-  for (const JointSpringData& s : p.m.joint_springs) {
-    stiffness(s.v, s.v) += s.elastic.derivative(r.q[s.q]);
-    damping(s.v, s.v) += s.damping.derivative(v[s.v]);
-  }
-  for (const SpringData& s : p.m.springs) {
-    const auto length = [&](const VectorXd& q) {
-      p.kinematics(q, p.zero, p.zero);
-      return VectorXd::Constant(1, p.spring_length(s));
-    };
-    const Eigen::RowVectorXd J = p.gradient(r.q, length);
-    const double l = length(r.q)[0], rate = J.dot(v), h = 1e-5;
-    const auto tension = [&](double x, double u) {
-      return s.elastic.value(x) + s.damping.value(u) + (s.general.is_zero() ? 0 : s.general.value(x, u, 0));
-    };
-    stiffness += (tension(l + h, rate) - tension(l - h, rate)) / (2 * h) * J.transpose() * J;
-    damping += (tension(l, rate + h) - tension(l, rate - h)) / (2 * h) * J.transpose() * J;
-  }
-  for (const TyreData& t : p.m.tyres) {
-    const auto height = [&](const VectorXd& q) {
-      p.kinematics(q, p.zero, p.zero);
-      return VectorXd::Constant(1,
-                                p.system.workspace().frames[static_cast<std::size_t>(t.frame)].position[2]);
-    };
-    const Eigen::RowVectorXd J = p.gradient(r.q, height);
-    if (height(r.q)[0] - 0.1 < t.radius) stiffness += t.stiffness * J.transpose() * J;
+  for (const ElementData& e : p.m.elements) {
+    const auto functions = p.m.functions.begin() + e.functions;
+    if (e.measure == Measure::coordinate) {
+      stiffness(e.v, e.v) += functions[0].derivative(r.q[e.q]);
+      damping(e.v, e.v) += functions[1].derivative(v[e.v]);
+    } else if (e.measure == Measure::distance) {
+      const auto length = [&](const VectorXd& q) {
+        p.kinematics(q, p.zero, p.zero);
+        return VectorXd::Constant(1, p.spring_length(e));
+      };
+      const Eigen::RowVectorXd J = p.gradient(r.q, length);
+      const double l = length(r.q)[0], rate = J.dot(v), h = 1e-5;
+      const spec::Law& law = p.m.spec.springs[static_cast<std::size_t>(e.spec)].general;
+      const auto tension = [&](double x, double u) {
+        return functions[0].value(x) + functions[1].value(u) +
+               law.formula.value(std::array{x, u, 0.0}.data());
+      };
+      stiffness += (tension(l + h, rate) - tension(l - h, rate)) / (2 * h) * J.transpose() * J;
+      damping += (tension(l, rate + h) - tension(l, rate - h)) / (2 * h) * J.transpose() * J;
+    } else if (e.measure == Measure::height) {
+      const spec::Tyre& t = p.m.spec.tyres[static_cast<std::size_t>(e.spec)];
+      const auto height = [&](const VectorXd& q) {
+        p.kinematics(q, p.zero, p.zero);
+        return VectorXd::Constant(
+            1, p.system.workspace().frames[static_cast<std::size_t>(e.frame_b)].position[2]);
+      };
+      const Eigen::RowVectorXd J = p.gradient(r.q, height);
+      if (height(r.q)[0] - 0.1 < t.radius) stiffness += t.stiffness * J.transpose() * J;
+    }
   }
   EXPECT_LT(relative_difference(K, stiffness), 1e-8);
   EXPECT_LT(relative_difference(C, damping), 1e-8);
@@ -335,7 +355,7 @@ TEST_P(RelativeSystem, MovingTheWholeModelChangesNothing) {
   options.loops = static_cast<int>(seed() % 3);
   const RandomMechanism r = mechanism(options);
   Probe here(r.compiled());
-  State s{0, r.q, random_increment(here.m, random, 2), here.zero, here.zero, here.none};
+  State s{0, r.q, random_increment(here.m, random, 2), here.zero, here.zero, here.none, {}, {}};
   here.system.begin_step(s.q.data());
   ASSERT_TRUE(solve_accelerations(here.system, s));
 
@@ -352,7 +372,7 @@ TEST_P(RelativeSystem, MovingTheWholeModelChangesNothing) {
     }
   const auto model = Model::compile(moved);
   Probe there(model->compiled());
-  State u{0, r.q, s.v, there.zero, there.zero, there.none};
+  State u{0, r.q, s.v, there.zero, there.zero, there.none, {}, {}};
   there.system.begin_step(u.q.data());
   ASSERT_TRUE(solve_accelerations(there.system, u));
   EXPECT_LT(relative_difference(s.a, u.a), 1e-7);
@@ -363,7 +383,7 @@ TEST_P(RelativeSystem, AccelerationsFulfilTheEquationsOfMotion) {
   options.loads = true;
   const RandomMechanism r = closed(options);
   Probe p(r.compiled());
-  State s{0, r.q, random_increment(p.m, random, 1), p.zero, p.zero, p.none};
+  State s{0, r.q, random_increment(p.m, random, 1), p.zero, p.zero, p.none, {}, {}};
   const double gap = close_velocities(p.system, 0, s.q, VectorXd::Ones(p.n), s.v);
   // Drives may contradict the loops; forces balance then as well.
   if (seed() % 2 != 0) {

@@ -1,10 +1,9 @@
-#include "forces/spring.h"
+#include "forces/measure.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "dynamics/relative/workspace.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
 
@@ -45,18 +44,21 @@ TEST(Spring, WithoutLengthIsLinearThroughItsAnchor) {
 }
 
 TEST(Spring, PullsTheWayItsEndsPartWhereTheyMeet) {
-  SpringData spring;
-  spring.elastic = Function::polynomial({5, 800});
-  spring.damping = Function::polynomial({0, 3});
-  SpringState<double> state;
-  spring_state<double>(spring, Vec3d::Zero(), Vec3d(0, 0, -2), 0, state);
-  EXPECT_EQ(state.length, 0);
-  EXPECT_EQ(state.direction, Vec3d(0, 0, -1));
-  EXPECT_EQ(state.rate, 2);
-  EXPECT_EQ(state.tension, 11);
-  spring_state<double>(spring, Vec3d::Zero(), Vec3d::Zero(), 0, state);
-  EXPECT_EQ(state.direction, Vec3d::Zero());
-  EXPECT_EQ(state.rate, 0);
+  ElementData element;
+  element.measure = Measure::distance;
+  std::vector<double> storage(static_cast<std::size_t>(element_storage(element)), 0.0);
+  ElementState<double> state = element_state(element, storage.data());
+  Motion<double> a, b;
+  a.position = b.position = a.velocity = Vec3d::Zero();
+  b.velocity = Vec3d(0, 0, -2);
+  measure_distance(a, b, state);
+  EXPECT_EQ(state.x[0], 0);
+  EXPECT_EQ(state.linear_of(0), Vec3d(0, 0, -1));
+  EXPECT_EQ(state.v[0], 2);
+  b.velocity.setZero();
+  measure_distance(a, b, state);
+  EXPECT_EQ(state.linear_of(0), Vec3d::Zero());
+  EXPECT_EQ(state.v[0], 0);
 }
 
 }  // namespace

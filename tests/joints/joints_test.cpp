@@ -128,7 +128,7 @@ struct Pair {
       model.bodies.push_back(b);
     }
     const auto frame = [&](int body, const spec::Pose& pose) {
-      model.frames.push_back({"", {}, body, pose, -1});
+      model.frames.push_back({"frame" + std::to_string(model.frames.size()), {}, body, pose, -1});
     };
     frame(spec::ground, random.pose(1));
     frame(0, random.pose(1));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <array>
 
 #include <cmath>
 #include <limits>
@@ -40,7 +41,7 @@ std::string refusal(const std::string& text, const std::vector<std::string>& var
     if (variables.size() == 1)
       Function::expression(text, variables[0]);
     else
-      Function3::expression(text, variables);
+      Formula::expression(text, variables);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -395,25 +396,25 @@ TEST(FunctionExpression, ThreadsShareIt) {
   EXPECT_THAT(wrong, testing::Each(0));
 }
 
-TEST(Function3, DefaultIsZero) {
-  const Function3 f;
+TEST(Formula, DefaultIsZero) {
+  const Formula f;
   EXPECT_TRUE(f.is_zero());
-  EXPECT_EQ(f.value(1, 2, 3), 0);
-  EXPECT_EQ(f.derivatives(1, 2, 3), std::make_pair(0.0, 0.0));
+  EXPECT_EQ(f.value(std::array{1.0, 2.0, 3.0}.data()), 0);
+  EXPECT_EQ(f.derivatives(std::array{1.0, 2.0, 3.0}.data()), std::make_pair(0.0, 0.0));
 }
 
-TEST(Function3, MatchesItsClosedForm) {
-  const Function3 f = Function3::expression("1000*(l-0.5) + 10*v*abs(v)*cos(t)", {"l", "v", "t"});
+TEST(Formula, MatchesItsClosedForm) {
+  const Formula f = Formula::expression("1000*(l-0.5) + 10*v*abs(v)*cos(t)", {"l", "v", "t"});
   EXPECT_FALSE(f.is_zero());
-  EXPECT_DOUBLE_EQ(f.value(0.7, -2, 0.3), 200 - 40 * std::cos(0.3));
-  const auto [by_length, by_rate] = f.derivatives(0.7, -2, 0.3);
+  EXPECT_DOUBLE_EQ(f.value(std::array{0.7, -2.0, 0.3}.data()), 200 - 40 * std::cos(0.3));
+  const auto [by_length, by_rate] = f.derivatives(std::array{0.7, -2.0, 0.3}.data());
   EXPECT_NEAR(by_length, 1000, 1e-7);
   EXPECT_NEAR(by_rate, 40 * std::cos(0.3), 1e-8);
 }
 
-TEST(Function3, MayHaveFewerVariables) {
-  const Function3 f = Function3::expression("l^2", {"l"});
-  EXPECT_DOUBLE_EQ(f.value(3, 100, 100), 9);
+TEST(Formula, MayHaveFewerVariables) {
+  const Formula f = Formula::expression("l^2", {"l"});
+  EXPECT_DOUBLE_EQ(f.value(std::array{3.0, 100.0, 100.0}.data()), 9);
 }
 
 /// The branch that is not taken counts for nothing: neither its value nor what it does beside x.
@@ -438,9 +439,9 @@ TEST(FunctionExpression, OnlyTheBranchTakenCounts) {
   // A branch that ends where it is taken: from inside.
   EXPECT_TRUE(std::isfinite(Function::expression("x < 1 ? sqrt(1-x) : 0", "x").derivative(1 - 1e-6)));
   // In several variables.
-  const Function3 f = Function3::expression("l > 1 ? 0/0*v : 4*l + (v < 0 ? 1/0 : 3*v)", {"l", "v", "t"});
-  EXPECT_NEAR(f.derivatives(1, 0, 0).first, 4, 1e-9);
-  EXPECT_NEAR(f.derivatives(1, 0, 0).second, 3, 1e-9);
+  const Formula f = Formula::expression("l > 1 ? 0/0*v : 4*l + (v < 0 ? 1/0 : 3*v)", {"l", "v", "t"});
+  EXPECT_NEAR(f.derivatives(std::array{1.0, 0.0, 0.0}.data()).first, 4, 1e-9);
+  EXPECT_NEAR(f.derivatives(std::array{1.0, 0.0, 0.0}.data()).second, 3, 1e-9);
 }
 
 TEST(FunctionExpression, ManyChoicesGoTheirWay) {

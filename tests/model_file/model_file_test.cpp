@@ -1,6 +1,7 @@
 #include "mimbre/model_file.h"
 
 #include <gtest/gtest.h>
+#include <array>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -177,7 +178,7 @@ TEST(ModelFile, Laws) {
   EXPECT_NEAR(a.elastic.value(3), 2, 1e-14);
   EXPECT_NEAR(a.damping.value(2), 14, 1e-14);
   EXPECT_NEAR(b.elastic.value(0.5), 2.5, 1e-14);
-  EXPECT_NEAR(b.general.value(2, 3, 4), 10, 1e-14);
+  EXPECT_NEAR(b.general.formula.value(std::array{2.0, 3.0, 4.0}.data()), 10, 1e-14);
   EXPECT_NEAR(c.elastic.value(3), 12, 1e-12);
   EXPECT_NEAR(c.damping.value(0.5), 2, 1e-14);
   expect_near(global(model, b.frame_b).position, Vector3d(1, 1, 1));
@@ -612,11 +613,11 @@ loads:
   EXPECT_EQ(hinge.damping.value(-1), -5);
   EXPECT_EQ(by_name(model.springs, "split").elastic.value(2), 12);
   EXPECT_EQ(by_name(model.springs, "split").damping.value(2), 14);
-  const Function3& force = by_name(model.springs, "force").general;
-  EXPECT_EQ(force.value(2, 3, 0), 23);
-  EXPECT_EQ(force.value(0.5, 3, 3), 1);
-  EXPECT_NEAR(force.derivatives(2, 3, 0).first, 10, 1e-9);
-  EXPECT_EQ(by_name(model.springs, "word").general.value(2, 0, 0), 18);
+  const Formula& force = by_name(model.springs, "force").general.formula;
+  EXPECT_EQ(force.value(std::array{2.0, 3.0, 0.0}.data()), 23);
+  EXPECT_EQ(force.value(std::array{0.5, 3.0, 3.0}.data()), 1);
+  EXPECT_NEAR(force.derivatives(std::array{2.0, 3.0, 0.0}.data()).first, 10, 1e-9);
+  EXPECT_EQ(by_name(model.springs, "word").general.formula.value(std::array{2.0, 0.0, 0.0}.data()), 18);
   EXPECT_EQ(by_name(model.loads, "push").scale.value(1), 2);
 }
 

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <array>
 
 #include <numbers>
 #include <sstream>
@@ -185,7 +186,8 @@ TEST(Units, OfLawsAreThoseOfTheirVariables) {
   EXPECT_DOUBLE_EQ(coil("elastic: {constant: 2 kN}").elastic.value(1), 2000);
   EXPECT_DOUBLE_EQ(
       coil("elastic: {pieces: [{until: 10 cm, polynomial: [1]}, {polynomial: [2]}]}").elastic.value(0.05), 1);
-  EXPECT_DOUBLE_EQ(coil("force: \"l > 30 cm ? 2 kN/m*(l - 30 cm) + 5 N*s/m*v : 0\"").general.value(0.5, 2, 0),
+  EXPECT_DOUBLE_EQ(coil("force: \"l > 30 cm ? 2 kN/m*(l - 30 cm) + 5 N*s/m*v : 0\"")
+                       .general.formula.value(std::array{0.5, 2.0, 0.0}.data()),
                    410);
   EXPECT_DOUBLE_EQ(coil("elastic: {polynomial: [1 kN, 2 N/mm, 3 kN/m^2, 4]}").elastic.value(0.5),
                    1000 + 2000 * 0.5 + 3000 * 0.25 + 4 * 0.125);

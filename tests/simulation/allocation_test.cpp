@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 
 #include "mimbre/simulation.h"
@@ -127,6 +128,60 @@ loads:
 )yaml");
   Simulation s(model, options());
   EXPECT_EQ(allocations_of(s, 200), 0);
+}
+
+/// Inputs set before each step, and channels read after it.
+TEST_P(Allocation, NoneWithInputsSetAndChannelsRead) {
+  Simulation s(controlled_four_bar(), options());
+  const int wanted = s.input("wanted"), wind = s.input("wind"), k = s.input("k");
+  std::vector<Simulation::Channel> channels;
+  for (const char* name : {"signal.error", "signal.lift", "actuator.motor.force", "bushing.mount.force.rx",
+                           "joint.rocker.position", "spring.tuned.force", "energy.dissipated"})
+    channels.push_back(s.channel(name));
+  double sum = 0;
+  for (const Simulation::Channel channel : channels) sum += s.value(channel);
+  long all = 0;
+  for (int step = 0; step < 300; ++step) {
+    bool ok = true;
+    allocations = 0;
+    counting = true;
+    s.set_input(wanted, 0.3 * std::sin(0.02 * step));
+    s.set_input(wind, 1 + 0.1 * std::cos(0.05 * step));
+    s.set_input(k, 30 + 0.01 * step);
+    ok = s.step().ok();
+    for (const Simulation::Channel channel : channels) sum += s.value(channel);
+    counting = false;
+    all += allocations;
+    ASSERT_TRUE(ok) << step;
+  }
+  EXPECT_EQ(all, 0);
+  EXPECT_TRUE(std::isfinite(sum));
+}
+
+/// Single channels, poses and saved states, where each was asked for once before.
+TEST_P(Allocation, NoneInLookingAtTheVehicle) {
+  Simulation s(example("iltis/vehicle.yaml"), options());
+  std::vector<Simulation::Channel> channels;
+  for (const ChannelInfo& channel : s.channels()) channels.push_back(s.channel(channel.name));
+  std::vector<Simulation::Body> bodies;
+  for (const spec::Body& body : s.model().spec().bodies) bodies.push_back(s.body(body.name));
+  Simulation::Snapshot state;
+  double sum = 0;
+  const auto look = [&] {
+    for (const Simulation::Channel channel : channels) sum += s.value(channel);
+    for (const Simulation::Body body : bodies) sum += s.pose(body).position[0];
+    s.save(state);
+  };
+  look();
+  allocations = 0;
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(s.step().ok());
+    counting = true;
+    look();
+    counting = false;
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(std::isfinite(sum));
 }
 
 }  // namespace

@@ -70,27 +70,33 @@ TEST(ElementDrawings, HoldAllThatHoldsOrActs) {
   EXPECT_EQ(header.elements[4].frame_a, header.elements[5].frame_a);
 }
 
-TEST(ElementDrawings, SpringsOfJointsTurnAboutTheJointsAxes) {
+TEST(ElementDrawings, SpringsOfJointsActOnTheJointsAxes) {
   const Simulation s(model_of(R"yaml(
 bodies:
   link: {mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}
   shaft: {mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}
   slide: {mass: 1, com: [2, 0, 0], inertia: [1, 1, 1]}
+  sleeve: {mass: 1, com: [3, 0, 0], inertia: [1, 1, 1]}
+  puck: {mass: 1, com: [0, 5, 0], inertia: [1, 1, 1]}
 joints:
   pin: {type: revolute, between: [ground, link], at: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 9, damping: 1}}
   cross:
     {type: universal, between: [link, shaft], at: [1, 0, 0], axis: [1, 0, 0], axis2: [0, 1, 0], spring: {stiffness: 9, coordinate: 1}}
   guide: {type: prismatic, between: [shaft, slide], at: [2, 0, 0], axis: [1, 0, 0], spring: {stiffness: 100}}
+  sleeve: {type: cylindrical, between: [ground, sleeve], at: [3, 0, 0], axis: [1, 0, 0], spring: {damping: 100, coordinate: 1}}
+  table: {type: planar, between: [ground, puck], at: [0, 5, 0], axis: [0, 0, 1], spring: {stiffness: 100, damping: 1, coordinate: 1}}
 simulation: {step: 0.01, end: 1}
 )yaml"));
   const ResultsHeader header = s.header("");
   std::vector<std::string> kinds;
   for (const ElementDrawing& element : header.elements) kinds.push_back(element.name + ": " + element.kind);
-  EXPECT_EQ(kinds, (std::vector<std::string>{"pin: revolute", "cross: universal", "guide: prismatic",
-                                             "pin: torsional spring damper about z",
-                                             "cross: torsional spring about y"}));
-  EXPECT_EQ(header.elements[3].frame_a, header.elements[0].frame_a);
-  EXPECT_EQ(header.elements[3].frame_b, header.elements[0].frame_b);
+  EXPECT_EQ(kinds, (std::vector<std::string>{
+                       "pin: revolute", "cross: universal", "guide: prismatic", "sleeve: cylindrical",
+                       "table: planar", "pin: torsional spring damper about z",
+                       "cross: torsional spring about y", "guide: sliding spring along z",
+                       "sleeve: sliding damper along z", "table: sliding spring damper along y"}));
+  EXPECT_EQ(header.elements[5].frame_a, header.elements[0].frame_a);
+  EXPECT_EQ(header.elements[5].frame_b, header.elements[0].frame_b);
 }
 
 /// A frame on its body, moved by the modes as a picture moves it, is where the output says that it is.

@@ -132,7 +132,7 @@ TEST(Validity, EnergyInTheHighestModeOfASeries) {
     Simulation s(model);
     Simulation::Snapshot state = s.save();
     state.q = 1e-4 * modal.col(mode) / modal.col(mode).norm();
-    s.restore(state);
+    s.restart(state);
     EXPECT_NEAR(s.validity().at(0).high_modes.value, mode == 3 ? 1 : 0, 1e-9) << mode;
     EXPECT_EQ(s.warnings().size(), mode == 3 ? 1u : 0u);
   }

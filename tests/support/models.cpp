@@ -27,4 +27,40 @@ joints:
          pin + ", between: [coupler, rocker], at: [0.6, 0, 0.5]" + more["rocker_pin"] + "}\n";
 }
 
+std::shared_ptr<const Model> controlled_four_bar() {
+  std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});
+  text.insert(text.find("joints:"), "  fan: {mass: 0.1, com: [0.6, 0, 0.3], inertia: [1e-4, 1e-4, 1e-4]}\n");
+  return model_of(text + R"yaml(
+  fan: {type: revolute, between: [rocker, fan], at: [0.6, 0, 0.3], axis: [0, 1, 0], drive: {speed: 3*wind}}
+parameters: {k: {value: 30, tunable: true, min: 0}}
+inputs:
+  wanted: {start: 0.2, range: [-1, 1]}
+  wind: {start: 1, hold: linear}
+signals:
+  error: wanted - angle
+  lift: {value: 2*height + 0.01*jerk, every: 0.015}
+  angle: {joint: crank}
+  rate: {joint_velocity: crank}
+  rock: {joint: rocker}
+  height: {position: coupler, component: z}
+  jerk: {value: shaking, every: 0.02}
+actuators:
+  motor: {joint: crank, torque: 20*error - 2*rate}
+  brake: {joint: rocker, torque: -0.5*rock}
+  piston: {between: [ground, coupler], at: [[0.3, 0, 0.9], [0.3, 0, 0.35]], force: lift + wind}
+  twist: {between: [ground, rocker], at: [1, 0, 0], about: [0, 1, 0], torque: 0.1*sin(9*t)}
+bushings:
+  mount:
+    between: [crank, coupler]
+    at: [0.1, 0, 0.3]
+    stiffness: [40, 40, 60, 1, 1, 1]
+    damping: [1, 1, 1, 0.1, 0.1, 0.1]
+    maxwell: [{stiffness: [50, 30, 20, 1, 1, 1], relaxation: 0.03}]
+springs:
+  tuned: {between: [ground, rocker], at: [[1, 0, 0.4], [0.6, 0, 0.3]], elastic: k*(l - 0.3), damping: 0.1*v*wind}
+outputs:
+  - {name: shaking, acceleration: coupler, component: x}
+)yaml");
+}
+
 }  // namespace mimbre::test

@@ -20,4 +20,9 @@ std::shared_ptr<const Model> example(const std::string& file,
 std::string four_bar_text(std::map<std::string, std::string> more = {},
                           const std::string& pin = "revolute, axis: [0, 1, 0]");
 
+/// A four-bar with everything that signals and force elements can be: inputs of both kinds, tunable
+/// parameters, continuous and sampled controllers, actuators on joints of the tree, on cut ones, along a line
+/// and about an axis, a bushing with branches, a drive that follows an input.
+std::shared_ptr<const Model> controlled_four_bar();
+
 }  // namespace mimbre::test

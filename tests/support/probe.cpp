@@ -1,5 +1,7 @@
 #include "support/probe.h"
 
+#include "model/force_laws.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -212,18 +214,22 @@ double Probe::potential(const VectorXd& q) {
     }
     energy -= m.gravity.dot(mass * (w.bodies[index].position + w.origin) + w.bodies[index].rotation * first);
   }
-  for (const SpringData& s : m.springs) energy += s.elastic.antiderivative(spring_length(s));
-  for (const JointSpringData& s : m.joint_springs) energy += s.elastic.antiderivative(q[s.q]);
-  for (const TyreData& t : m.tyres) {
-    const Vec3d wheel = w.frames[static_cast<std::size_t>(t.frame)].position + w.origin;
+  for (const ElementData& e : m.elements) {
+    if (e.law == static_cast<int>(Law::spring)) {
+      const Function& elastic = m.functions[static_cast<std::size_t>(e.functions)];
+      energy += elastic.antiderivative(e.measure == Measure::distance ? spring_length(e) : q[e.q]);
+    }
+    if (e.law != static_cast<int>(Law::tyre)) continue;
+    const spec::Tyre& t = m.spec.tyres[static_cast<std::size_t>(e.spec)];
+    const Vec3d wheel = w.frames[static_cast<std::size_t>(e.frame_b)].position + w.origin;
     const double penetration =
-        t.radius - (wheel[2] - m.roads[static_cast<std::size_t>(t.road)].height.value(wheel[0]));
+        t.radius - (wheel[2] - m.roads[static_cast<std::size_t>(e.road)].height.value(wheel[0]));
     if (penetration > 0) energy += 0.5 * t.stiffness * penetration * penetration;
   }
   return energy;
 }
 
-double Probe::spring_length(const SpringData& s) const {
+double Probe::spring_length(const ElementData& s) const {
   const auto& frames = system.workspace().frames;
   return (frames[static_cast<std::size_t>(s.frame_b)].position -
           frames[static_cast<std::size_t>(s.frame_a)].position)

@@ -51,7 +51,7 @@ class Probe {
   /// Gravity, elastic bodies, elastic laws of springs and joint springs, tyres.
   double potential(const VectorXd& q);
   /// After kinematics().
-  double spring_length(const SpringData& s) const;
+  double spring_length(const ElementData& s) const;
 
   const Compiled& m;
   relative::RelativeSystem system;

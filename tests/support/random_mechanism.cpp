@@ -226,7 +226,8 @@ RandomMechanism random_mechanism(unsigned seed, const RandomOptions& options) {
       if (options.springs) s.elastic = Function::polynomial({-20, 30, 15, 8});
       if (options.damping) {
         s.damping = Function::polynomial({0, 4, 1.5, 0.5});
-        if (k == 1) s.general = Function3::expression("3*sin(l)*v + 2*cos(t)*l", {"l", "v", "t"});
+        if (k == 1)
+          s.general = {Formula::expression("3*sin(l)*v + 2*cos(t)*l", {"l", "v", "t"}), {spec::Source{}}};
       }
       m.springs.push_back(s);
     }

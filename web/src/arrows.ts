@@ -105,10 +105,14 @@ class Arrow {
   }
 }
 
+/** Of forces and of moments, in N per m and N m per m at scale 1; 0: there are none. */
+interface ArrowScale {
+  force: number;
+  moment: number;
+}
+
 export class Arrows {
   readonly group = new THREE.Group();
-  /** Of forces and of moments, in N per m and N m per m at scale 1; 0: there are none. */
-  readonly perMetre: { force: number; moment: number };
   readonly hasLoads: boolean;
   readonly hasReactions: boolean;
   /** Joints and tyres that have reactions, and those whose are drawn. */
@@ -118,20 +122,28 @@ export class Arrows {
   /** As many times the default as an arrow stands for. */
   factor = 1;
   private arrows: Arrow[];
+  private scales: { loads: ArrowScale; all: ArrowScale };
 
   constructor(scene: Scene, size: number) {
     const vectors = vectorsOf(scene);
     // Most begin inside bodies: they are seen through them.
     const material = (color: string) => new THREE.MeshStandardMaterial({ color, emissive: color, emissiveIntensity: 0.45, roughness: 0.6, depthTest: false, transparent: true });
     const colors = { load: material("#e11d48"), reaction: material("#2563eb"), moment: material("#9333ea") };
-    const usual = (moment: boolean) => Math.max(0, ...vectors.filter((v) => v.moment === moment).map((v) => v.usual));
-    this.perMetre = { force: niceAbove(usual(false) / (0.4 * size)), moment: niceAbove(usual(true) / (0.4 * size)) };
+    const usual = (moment: boolean, reactions: boolean) =>
+      Math.max(0, ...vectors.filter((v) => v.moment === moment && (reactions || !v.reaction)).map((v) => v.usual));
+    const scale = (reactions: boolean) => ({ force: niceAbove(usual(false, reactions) / (0.4 * size)), moment: niceAbove(usual(true, reactions) / (0.4 * size)) });
+    this.scales = { loads: scale(false), all: scale(true) };
     this.hasLoads = vectors.some((v) => !v.reaction);
     this.reacting = vectors.filter(({ reaction }) => reaction).map(({ element }) => element);
     this.hasReactions = this.reacting.length > 0;
     this.chosen = new Set(firstChosen(vectors));
     this.arrows = vectors.map((v) => new Arrow(v, v.moment ? colors.moment : v.reaction ? colors.reaction : colors.load, 0.005 * size));
     for (const { group } of this.arrows) this.group.add(group);
+  }
+
+  /** Reactions may be much larger than loads: where only those are drawn the scale is theirs. */
+  get perMetre(): ArrowScale {
+    return this.shown === "loads" ? this.scales.loads : this.scales.all;
   }
 
   /** `place`: where an element is drawn now. */

@@ -47,6 +47,12 @@ function solidGeometry(solid: Solid): THREE.BufferGeometry {
   return new THREE.CylinderGeometry(a, a, b, 48).rotateX(Math.PI / 2); // three's axis is y
 }
 
+/** The sharp edges; three.js takes points less than 0.1 mm apart for one, so that they are found at a size of 1. */
+function edgesOf(geometry: THREE.BufferGeometry, size: number): THREE.BufferGeometry {
+  const scaled = geometry.clone().scale(1 / size, 1 / size, 1 / size);
+  return new THREE.EdgesGeometry(scaled, 30).scale(size, size, size);
+}
+
 export class BodyView {
   readonly group = new THREE.Group();
   /** In body axes, undeformed. */
@@ -233,7 +239,7 @@ export class BodyView {
     mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = true;
-    if (solid.kind !== "sphere") mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry, 30), this.edges));
+    if (solid.kind !== "sphere") mesh.add(new THREE.LineSegments(edgesOf(geometry, Math.max(...solid.size)), this.edges));
     geometry.computeBoundingBox();
     this.bounds.union(geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));
     this.group.add(mesh);

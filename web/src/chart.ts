@@ -3,7 +3,7 @@
 import uPlot from "uplot";
 import type { Clock } from "./clock";
 import { element, themeColor } from "./dom";
-import { tickLabels } from "./engineering";
+import { axisScale, tickLabels } from "./engineering";
 import type { Range } from "./trace";
 
 export interface ChartLine {
@@ -23,6 +23,8 @@ export interface ChartOptions {
   lines: ChartLine[];
   /** Of the vertical axis, and of the second, where a line is on it. */
   units: [string, string?];
+  /** Of charts below each other, whose horizontal axes are to have one place. */
+  gutters?: Gutters;
   /** Equal steps are equal factors. */
   logarithmic?: boolean;
   /** Of the vertical axis, where it is not simply that of the values in sight. */
@@ -37,9 +39,25 @@ export interface ChartOptions {
   zoomed?: (range: Range) => void;
 }
 
+/** The widest of what stands left and right of charts below each other, px. */
+export interface Gutters {
+  left: number;
+  right: number;
+}
+
 export function axisStyle(): uPlot.Axis {
   const grid = { stroke: themeColor("grid"), width: 1 };
   return { stroke: themeColor("muted"), grid, ticks: grid, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18 };
+}
+
+const rightPadding = 17; // px, half of the last label of the horizontal axis
+
+/** With a margin; around a value that never changes. */
+function valueRange(_: uPlot, low: number | null, high: number | null): uPlot.Range.MinMax {
+  if (low === null || high === null) return [low!, high!];
+  if (low < high) return uPlot.rangeNum(low, high, 0.1, true);
+  const pad = Math.abs(low) > 0 ? 0.1 * Math.abs(low) : 1;
+  return [low - pad, low + pad];
 }
 
 /** As wide as the longest label needs. */
@@ -56,15 +74,21 @@ export class Chart {
   ) {
     const axis = axisStyle();
     const { vertical, clock, lines, units, logarithmic } = options;
-    const vertically: uPlot.Axis = { ...axis, size: axisWidth as uPlot.Axis.Size };
+    const { gutters = { left: 0, right: 0 } } = options;
+    const sized = (side: keyof Gutters) => (u: uPlot, labels: string[] | null) => (gutters[side] = Math.max(gutters[side], axisWidth(u, labels)));
+    const vertically: uPlot.Axis = { ...axis, size: sized("left") as uPlot.Axis.Size };
+    const alone = !lines.some(({ second }) => second);
     if (!logarithmic) vertically.values = (_, splits) => tickLabels(splits);
-    const scale: uPlot.Scale = { ...(logarithmic ? { distr: 3 } : {}), ...(vertical ? { range: (u: uPlot) => vertical(u) as uPlot.Range.MinMax } : {}) };
+    const own: uPlot.Scale = logarithmic ? { distr: 3 } : { range: valueRange };
+    const scale: uPlot.Scale = { ...own, ...(vertical ? { range: (u: uPlot) => vertical(u) as uPlot.Range.MinMax } : {}) };
     this.uplot = new uPlot(
       {
         width: options.width,
         height: options.height,
         legend: { show: false },
-        scales: { x: { time: false, ...options.range }, y: scale, second: logarithmic ? { distr: 3 } : {} },
+        // Without an axis at the right, as much room as others need for theirs and its label.
+        padding: [null, alone ? () => (gutters.right > 0 ? gutters.right + axis.labelSize! : rightPadding) : null, null, null],
+        scales: { x: { time: false, ...options.range }, y: scale, second: own },
         cursor: {
           sync: { key: options.key },
           drag: { x: true, y: false, dist: 5 },
@@ -75,9 +99,9 @@ export class Chart {
           ...lines.map(({ color, second }) => ({ stroke: color, width: 1.5, points: { show: false }, scale: second ? "second" : "y", ...(second ? { dash: [7, 4] } : {}) })),
         ],
         axes: [
-          { ...axis, size: 30, values: (_, splits) => tickLabels(splits).map((label) => `${label} ${options.unit}`) },
+          { ...axis, size: 30, values: (u, splits) => this.across(u, splits) },
           { ...vertically, label: units[0] },
-          ...(lines.some(({ second }) => second) ? [{ ...vertically, scale: "second", side: 1, label: units[1], grid: { show: false } } as uPlot.Axis] : []),
+          ...(alone ? [] : [{ ...vertically, size: sized("right"), scale: "second", side: 1, label: units[1], grid: { show: false } } as uPlot.Axis]),
         ],
         hooks: {
           setCursor: [() => this.built && options.pointed?.()],
@@ -104,6 +128,18 @@ export class Chart {
       const left = event.clientX - uplot.over.getBoundingClientRect().left;
       if (Math.abs(event.clientX - pressed) < 5) clock.set(uplot.posToVal(left, "x"));
     });
+  }
+
+  /** The gutters may have grown since it was drawn. */
+  align(): void {
+    this.uplot.redraw(false, true);
+    this.place();
+  }
+
+  private across({ scales }: uPlot, splits: number[]): string[] {
+    const { min, max } = scales.x;
+    const { unit, size } = axisScale(this.options.unit, Math.max(Math.abs(min ?? 0), Math.abs(max ?? 0)));
+    return tickLabels(splits.map((value) => value / size)).map((label) => `${label} ${unit}`);
   }
 
   /** The marker goes to the animation's time. */

@@ -1,4 +1,15 @@
 // The animation's time, shared by the 3D view and the plots.
+import { timeText } from "./engineering";
+import { niceLength } from "./surroundings";
+
+/** Slowest, fastest and first speed at which a run so long is watched: one of milliseconds slowly, one of hours fast. */
+export function speeds(duration: number): [number, number, number] {
+  if (!(duration > 0)) return [0.1, 4, 1];
+  const slowest = Math.min(0.1, duration / 20);
+  const fastest = Math.max(4, duration / 10);
+  const start = duration < 0.3 ? niceLength(duration / 4) : duration > 300 ? niceLength(duration / 60) : 1;
+  return [slowest, fastest, start];
+}
 
 export class Clock {
   time: number;
@@ -8,11 +19,21 @@ export class Clock {
   private last = 0;
   private frame = 0; // what requestAnimationFrame returned
 
+  private words: (time: number) => string;
+
+  /** `instants`: of the animation, which the time's text tells apart. */
   constructor(
     readonly start: number,
     readonly end: number,
+    instants = 0,
   ) {
     this.time = start;
+    this.words = timeText(start, end, instants);
+  }
+
+  /** The time as it is read. */
+  text(): string {
+    return this.words(this.time);
   }
 
   onChange(listener: () => void): void {

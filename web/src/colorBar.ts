@@ -3,14 +3,15 @@ import { turboGradient } from "./color";
 import { atNode, type Peak, type Quantity } from "./coloring";
 import type { Body } from "./data";
 import { element } from "./dom";
+import { scaleFor } from "./engineering";
 import { formatNumber } from "./format";
-import { unitFor } from "./units";
+import { instant } from "./summaryLines";
 
 export const quantityNames: Record<Quantity, string> = { none: "off", displacement: "deformation", stress: "von Mises stress" };
 
 /** A number with its unit. */
 export function quantityText(value: number, quantity: Quantity, digits = 3): string {
-  const { unit, size } = unitFor(value, quantity === "stress" ? "Pa" : "m");
+  const { unit, size } = scaleFor(quantity === "stress" ? "Pa" : "m", value);
   return `${formatNumber(value / size, digits)} ${unit}`;
 }
 
@@ -33,7 +34,7 @@ export class ColorBar {
 
   /** A scale from 0 to `largest`; `note` follows the unit. */
   show(quantity: Quantity, largest: number, note: string, remark = ""): void {
-    const { unit, size } = unitFor(largest, quantity === "stress" ? "Pa" : "m");
+    const { unit, size } = scaleFor(quantity === "stress" ? "Pa" : "m", largest);
     const name = quantityNames[quantity];
     this.fill(`${name}, ${unit}${note}`, [0, largest / 2, largest].map((value) => formatNumber(value / size, 3)), remark);
   }
@@ -54,5 +55,5 @@ export class ColorBar {
 /** Where the largest is: body, node, time, as far as they are known. */
 export function peakText(bodies: Body[], peak: Peak & { body: number }, quantity: Quantity): string {
   const body = bodies[peak.body];
-  return body ? `${quantityText(peak.value, quantity)}: ${body.name}${atNode(body, peak.point)}, ${formatNumber(peak.time, 4)} s` : "";
+  return body ? `${quantityText(peak.value, quantity)}: ${body.name}${atNode(body, peak.point)}, ${instant(peak.time)}` : "";
 }

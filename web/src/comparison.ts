@@ -10,7 +10,7 @@ import { Overlays, runColor } from "./overlays";
 import { table, warningList } from "./panels";
 import { Player } from "./player";
 import { isSound, remarks, runTable } from "./runFacts";
-import { warningsOf } from "./summaryLines";
+import { instant, warningsOf } from "./summaryLines";
 import type { Trace } from "./trace";
 
 function swatch(run: number): HTMLElement {
@@ -49,7 +49,7 @@ function runsTable(runs: Run[]): HTMLElement {
       "tr",
       { class: isSound(runs[r]) ? "" : "warning" },
       element("th", { scope: "row" }, swatch(r), runs[r].label),
-      ...cells.map((cell) => element("td", {}, cell)),
+      ...cells.map((cell, k) => element("td", { class: titles[k] === "Method" ? "words" : "" }, cell)),
     ),
   );
   return element("div", { class: "scroll" }, element("table", { class: "wide" }, element("thead", {}, head), element("tbody", {}, ...body)));
@@ -70,7 +70,7 @@ function deviationsTable({ runs, channels }: Comparison): HTMLElement {
       const { mean, largest, at, amplitude } = deviation;
       const text = (value: number | null) => formatNumber(value ?? NaN, 3);
       const relative = mean !== null && largest !== null && amplitude ? `; of the largest value ${formatNumber((100 * largest) / amplitude, 3)} %` : "";
-      return element("td", { title: `Largest at ${formatNumber(at)} s${relative}` }, `${text(mean)} / ${text(largest)}`);
+      return element("td", { title: `Largest at ${instant(at)}${relative}` }, `${text(mean)} / ${text(largest)}`);
     });
     return element("tr", {}, element("th", { scope: "row", title: channel.meaning }, `${channel.name}, ${unitLabel(channel.unit)}`), ...cells);
   });
@@ -145,7 +145,7 @@ function addFormula(comparison: Comparison, text: string): number {
 export function buildComparison(page: HTMLElement, comparison: Comparison): Clock {
   const { runs, channels, ghosts } = comparison;
   const ends = [comparison, ...ghosts].map(({ animation }) => animation.time).filter((time) => time.length > 0);
-  const clock = new Clock(Math.min(...ends.map((time) => time[0]), Infinity), Math.max(...ends.map((time) => time[time.length - 1]), -Infinity));
+  const clock = new Clock(Math.min(...ends.map((time) => time[0]), Infinity), Math.max(...ends.map((time) => time[time.length - 1]), -Infinity), Math.max(...ends.map(({ length }) => length), 0));
   const sound = Number.isFinite(clock.start) ? clock : new Clock(0, 0);
   const player = new Player(comparison, sound, { ghosts: ghosts.map((scene, r) => ({ scene, color: runColor(r + 1) })) });
   if (player.view && ghosts.length > 0) player.root.append(element("p", { class: "hint" }, `Solid: ${runs[0].label}. Seen through, in the colours of their curves: the others.`));

@@ -70,7 +70,7 @@ export interface Frame {
   motion: Float32Array;
 }
 
-/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", "torsional …" of these with "about z", "load", "tyre", "tyre on rig". */
+/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", of a joint's own "torsional …" with "about z" or "sliding …" with "along z", "load", "tyre", "tyre on rig". */
 export interface Element {
   name: string;
   kind: string;
@@ -182,10 +182,24 @@ export function decodeReport(packed: PackedReport): Report {
   const values = f32(packed.values);
   const channels = packed.channels.map(({ name, unit, meaning, offset }, k) => {
     const own = values.subarray(k * time.length, (k + 1) * time.length);
-    return { name, unit, meaning, ...decodeCurve(own, offset) };
+    // Of hundreds of channels few are looked at.
+    let known: Curve | null = null;
+    const curve = () => (known ??= decodeCurve(own, offset));
+    return {
+      name,
+      unit,
+      meaning,
+      get values() {
+        return curve().values;
+      },
+      get range() {
+        return curve().range;
+      },
+    };
   });
+  const byName = new Map(channels.map((channel) => [channel.name, channel]));
   const signals: Signals = (name) => {
-    const channel = channels.find((one) => one.name === name);
+    const channel = byName.get(name);
     return channel ? { time, values: channel.values } : null;
   };
   return {

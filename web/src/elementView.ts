@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import { isJoint, type Pose } from "./placement";
 import type { Element } from "./data";
+import { slideOf, SlidingSpring } from "./slidingSpring";
 import { isTorsional, TorsionView } from "./torsionView";
 
 const up = new THREE.Vector3(0, 1, 0);
@@ -18,6 +19,9 @@ function coil(turns: number, length: number, radius: number, wire: number): THRE
   return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 24 * turns, wire, 7);
 }
 
+/** Of a spring or damper so long. */
+const coilRadius = (length: number, size: number) => Math.min(0.11 * length, 0.02 * size);
+
 /** From the first of two points towards the second. */
 interface Part {
   mesh: THREE.Mesh;
@@ -28,7 +32,7 @@ interface Part {
 }
 
 function between(kind: string, length: number, size: number, materials: ElementMaterials): Part[] {
-  const radius = Math.min(0.11 * length, 0.02 * size);
+  const radius = coilRadius(length, size);
   const parts: Part[] = [];
   const rod = (r: number, l: number) => new THREE.CylinderGeometry(r, r, l, 20).translate(0, l / 2, 0);
   const add = (geometry: THREE.BufferGeometry, material: THREE.Material, of: number, stretches: boolean) =>
@@ -73,6 +77,7 @@ export class ElementView {
   readonly isJoint: boolean;
   private parts: Part[] = [];
   private torsion?: TorsionView;
+  private sliding?: SlidingSpring;
 
   constructor(
     readonly element: Element,
@@ -82,8 +87,11 @@ export class ElementView {
     /** Of the bars that a joint holds, to be seen around them. */
     thickness: number,
     materials: ElementMaterials,
+    /** Of a joint's sliding spring: the smallest and the largest length. */
+    travel: [number, number] = [0, 0],
   ) {
     const { kind } = element;
+    const slide = slideOf(element);
     this.isJoint = isJoint(element) || kind === "floating";
     this.group.name = element.name;
     const radius = Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size); // of a joint
@@ -92,8 +100,14 @@ export class ElementView {
     } else if (isTorsional(element)) {
       if (a && b) this.torsion = new TorsionView(this.group, element, a, b, radius, materials);
     } else if (a && b) {
-      const length = Math.max(a.position.distanceTo(b.position), 1e-6 * size);
-      this.parts = between(kind, length, size, materials);
+      if (slide) this.sliding = new SlidingSpring(slide.axis, travel, radius);
+      const [from, to] = this.ends(a, b);
+      const length = Math.max(from.distanceTo(to), 1e-6 * size);
+      this.parts = between(slide?.kind ?? kind, length, size, materials);
+      if (slide) {
+        const wide = 1.4 * coilRadius(length, size);
+        this.group.add(new THREE.Mesh(new THREE.CylinderGeometry(wide, wide, 0.25 * wide, 24), materials.rod));
+      }
       for (const { mesh } of this.parts) this.group.add(mesh);
     }
     for (const mesh of this.group.children) mesh.castShadow = true;
@@ -107,10 +121,15 @@ export class ElementView {
       this.group.quaternion.copy(b.rotation);
       return;
     }
-    const along = b.position.clone().sub(a.position);
+    const [from, to] = this.ends(a, b);
+    const along = to.sub(from);
     const length = along.length();
-    this.group.position.copy(a.position);
+    this.group.position.copy(from);
     this.group.quaternion.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
     for (const part of this.parts) if (part.stretches) part.mesh.scale.y = Math.max(length / part.length, 1e-9);
+  }
+
+  private ends(a: Pose, b: Pose): [THREE.Vector3, THREE.Vector3] {
+    return this.sliding ? this.sliding.ends(a, b) : [a.position, b.position.clone()];
   }
 }

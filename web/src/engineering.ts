@@ -6,22 +6,25 @@ export interface Scale {
   size: number;
 }
 
-const prefixes: [name: string, size: number][] = [["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9], ["T", 1e12]];
+const prefixes: [name: string, size: number][] = [["p", 1e-12], ["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9], ["T", 1e12]];
 
 /** Prefixes that are in use with a unit; of others only the unit itself. */
 const usual: Record<string, string[]> = {
-  m: ["µ", "m", ""],
-  s: ["µ", "m", ""],
-  "m/s": ["m", ""],
+  m: ["n", "µ", "m", "", "k"],
+  s: ["n", "µ", "m", ""],
+  "m/s": ["µ", "m", ""],
   "m/s²": ["m", ""],
-  N: ["m", "", "k", "M"],
-  "N m": ["m", "", "k", "M"],
-  "N/m": ["", "k", "M"],
-  J: ["m", "", "k", "M"],
-  W: ["m", "", "k", "M"],
-  Pa: ["", "k", "M", "G"],
+  N: ["n", "µ", "m", "", "k", "M"],
+  "N m": ["n", "µ", "m", "", "k", "M"],
+  "N/m": ["m", "", "k", "M"],
+  J: ["p", "n", "µ", "m", "", "k", "M"],
+  W: ["n", "µ", "m", "", "k", "M"],
+  Pa: ["", "k", "M", "G", "T"],
   Hz: ["", "k", "M"],
 };
+
+/** Some metres more than a thousand are read as metres. */
+const least = (unit: string, name: string) => (unit === "m" && name === "k" ? 10 : 1);
 
 const angles: Record<string, string> = { rad: "°", "rad/s": "°/s", "rad/s²": "°/s²" };
 
@@ -31,10 +34,24 @@ export function scaleFor(unit: string, value: number): Scale {
   const names = usual[unit];
   if (!names || !(Math.abs(value) > 0) || !Number.isFinite(value)) return { unit, size: 1 };
   const known = prefixes.filter(([name]) => names.includes(name));
+  const fitting = known.filter(([name, size]) => Math.abs(value) >= 0.9999 * size * least(unit, name));
   // Round-off of a nought needs no millionths.
-  const fitting = known.filter(([, size]) => Math.abs(value) >= 0.9999 * size);
-  const [name, size] = fitting[fitting.length - 1] ?? known[0];
+  const small = Math.abs(value) >= 1e-3 * known[0][1] ? known[0] : (["", 1] as const);
+  const [name, size] = fitting[fitting.length - 1] ?? small;
   return { unit: name + unit, size };
+}
+
+/** Of a time, and of a frequency axis up to `value`: 0.5 s rather than 500 ms, 2500 Hz rather than 2.5 kHz. */
+export function axisScale(unit: string, value: number): Scale {
+  return scaleFor(unit, value * (unit === "s" ? 20 : unit === "Hz" ? 0.1 : 1));
+}
+
+/** Says times between `start` and `end` so that `instants` of them, equally far apart, are told apart. */
+export function timeText(start: number, end: number, instants: number): (time: number) => string {
+  const { unit, size } = axisScale("s", Math.max(Math.abs(start), Math.abs(end)));
+  const gap = (end - start) / Math.max(instants - 1, 1) / size;
+  const decimals = gap > 0 ? Math.min(Math.max(Math.ceil(-Math.log10(gap) - 1e-6), unit === "s" ? 3 : 1), 9) : 3;
+  return (time) => `${(time / size).toFixed(decimals)} ${unit}`;
 }
 
 /** Labels of an axis: as many decimals as tell them apart, all whole. */
@@ -42,7 +59,10 @@ export function tickLabels(values: number[]): string[] {
   const gap = values.length > 1 ? Math.abs(values[1] - values[0]) : Math.abs(values[0] ?? 0);
   const largest = Math.max(...values.map(Math.abs), 0);
   if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => (value === 0 ? "0" : value.toExponential(2).replace("e+", "e").replace(/^-/, "−")));
-  const decimals = gap > 0 ? Math.min(Math.max(0, -Math.floor(Math.log10(gap) + 1e-6)), 10) : 0;
+  let decimals = gap > 0 ? Math.min(Math.max(0, -Math.floor(Math.log10(gap) + 1e-6)), 10) : 0;
+  // Steps of 0.25 need one more than steps of 0.2.
+  const rest = (gap * 10 ** decimals) % 1;
+  if (decimals < 10 && Math.min(rest, 1 - rest) > 0.01) ++decimals;
   return values.map((value) => {
     const [whole, fraction] = Math.abs(value).toFixed(decimals).split(".");
     const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, "\u202f") : whole;

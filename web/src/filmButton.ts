@@ -54,7 +54,7 @@ export class FilmButton {
       this.button.textContent = `Stop film (${Math.floor((100 * k) / times.length)} %)`;
       clock.set(times[k]);
       this.view.redraw();
-      stage.draw(`${times[k].toFixed(3)} s`);
+      stage.draw(clock.text());
       return stage.canvas;
     };
     try {
@@ -75,7 +75,7 @@ export class FilmButton {
       this.over();
     });
     const forget = this.view.onDrawn(() => {
-      stage.draw(`${clock.time.toFixed(3)} s`);
+      stage.draw(clock.text());
       if (!clock.playing) setTimeout(() => recording.stop(), 100);
     });
     this.stop = () => recording.stop();

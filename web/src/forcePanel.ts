@@ -2,6 +2,7 @@
 import { type Shown } from "./arrows";
 import type { Element } from "./data";
 import { element } from "./dom";
+import { scaleFor } from "./engineering";
 import { choice, factorSlider } from "./slider";
 import { quantity } from "./summaryLines";
 import type { View3D } from "./view3d";
@@ -21,9 +22,12 @@ export class ForcePanel {
   ) {
     const { arrows } = view;
     if (!arrows.hasLoads && !arrows.hasReactions) return;
-    const slider = factorSlider("1 m is", 0.01, 100, 1, (by) => this.draw((this.factor = by)), (by) => {
+    // As long as things of this size are told in.
+    const length = scaleFor("m", 10 * view.size);
+    const slider = factorSlider(`1 ${length.unit} is`, 0.01, 100, 1, (by) => this.draw((this.factor = by)), (by) => {
       const { force, moment } = arrows.perMetre;
-      return [force > 0 ? quantity(by * force, "N") : "", moment > 0 ? `${quantity(by * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
+      const shown = by * length.size;
+      return [force > 0 ? quantity(shown * force, "N") : "", moment > 0 ? `${quantity(shown * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
     });
     slider.classList.add("wide");
     const asked = new URLSearchParams(location.hash.slice(1)).get("forces") as Shown | null;
@@ -37,6 +41,7 @@ export class ForcePanel {
       slider.hidden = value === "none";
       this.list.hidden = value !== "all";
       this.draw();
+      slider.querySelector("input")!.dispatchEvent(new Event("input")); // the scale is told anew
     });
     chosen.title = "Red: loads. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
     this.parts = [chosen, slider, this.list];

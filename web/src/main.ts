@@ -19,7 +19,7 @@ import type { Trace } from "./trace";
 /** Fills the page; returns the clock of its animation. */
 function buildReport(page: HTMLElement, report: Report): Clock {
   const { time } = report.animation;
-  const clock = new Clock(time[0] ?? 0, time[time.length - 1] ?? 0);
+  const clock = new Clock(time[0] ?? 0, time[time.length - 1] ?? 0, time.length);
   const traces = (selection: number[]): Trace[] =>
     selection.map((channel, k) => ({ ...report.channels[channel], channel, run: 0, label: report.channels[channel].name, color: lineColors[k % lineColors.length], time: report.time }));
   const curves = { channels: report.channels, traces };
@@ -41,7 +41,9 @@ function buildReport(page: HTMLElement, report: Report): Clock {
 }
 
 function build(page: HTMLElement): void {
+  performance.mark("mimbre: read");
   const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison | PackedModes;
+  performance.mark("mimbre: parsed");
   let clock: Clock;
   if (packed.format === comparisonFormat) {
     const comparison = decodeComparison(packed as PackedComparison);
@@ -53,10 +55,12 @@ function build(page: HTMLElement): void {
     clock = buildModes(page, modes);
   } else {
     const report = decodeReport(packed as PackedReport);
+    performance.mark("mimbre: decoded");
     document.title = `${report.title || "Untitled model"} – mimbre report`;
     clock = buildReport(page, report);
   }
   // report.html#t=4.3 opens at that time: a link can point at what is worth seeing.
+  performance.mark("mimbre: built");
   const start = Number(new URLSearchParams(location.hash.slice(1)).get("t") ?? NaN);
   if (Number.isFinite(start)) clock.set(start);
 }

@@ -59,7 +59,7 @@ export class ModePlayer {
     this.root.append(element("h2", { class: "unseen" }, "Mode shape"), holder, element("div", { class: "row transport" }, this.play, this.slider));
     this.view = this.makeView(holder);
     if (this.view) this.root.append(this.settings(this.view));
-    this.root.append(this.numbers, element("p", { class: "hint keys" }, "Drag to turn, right-drag to move, scroll to zoom"));
+    this.root.append(this.numbers, element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom"), element("p", { class: "hint fingers" }, "One finger turns, two move and zoom"));
     this.clock.onChange(() => this.changed());
     document.addEventListener("keydown", (event) => this.key(event));
     this.clock.set(1);
@@ -86,6 +86,7 @@ export class ModePlayer {
     }
     try {
       const view = new View3D(this.scene, this.clock, holder, { steadyColors: true, grid: false });
+      Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       holder.append(this.bar.root, this.title);
       const triads = frames.map((frame) => new FrameView(frame, 0.09 * this.size));
       triads.forEach((triad) => view.attach(0, triad.group, (amplitudes, exaggeration) => triad.update(amplitudes, exaggeration)));

@@ -41,6 +41,7 @@ export class Overlays implements View {
   readonly root = element("div", { class: "plots" });
   private plots: Plot[] = [];
   private selection: number[] = [];
+  private gutters = { left: 0, right: 0 };
   readonly hidden = new Set<number>();
   private differences = true;
   private range: Range | null = null; // of the time axis, null when all is shown
@@ -61,7 +62,9 @@ export class Overlays implements View {
     this.root.replaceChildren();
     this.plots = [];
     if (selection.length === 0) this.root.append(element("p", { class: "hint" }, "No channel is chosen: tick some in the list."));
+    this.gutters = { left: 0, right: 0 };
     for (const index of selection) this.add(index);
+    if (this.plots.length > 1) for (const { chart } of this.plots) chart.align();
     this.follow();
   }
 
@@ -134,6 +137,7 @@ export class Overlays implements View {
       lines: lines.map(({ run }) => ({ color: runColor(run) })),
       units: [unitLabel(unit)],
       key: "time",
+      gutters: this.gutters,
       clock: this.clock,
       vertical: (u) => this.vertical(u, lines),
       pointed: () => this.readOut(plot),

@@ -1,5 +1,5 @@
 // The card with the 3D view and everything that steers it.
-import type { Clock } from "./clock";
+import { speeds, type Clock } from "./clock";
 import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
 import { atNode, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
@@ -7,14 +7,19 @@ import { element } from "./dom";
 import { saveCanvas } from "./download";
 import { FilmButton } from "./filmButton";
 import { ForcePanel } from "./forcePanel";
+import { formatNumber } from "./format";
 import { nearest, valueAt } from "./interpolate";
 import { checkbox, choice, factorSlider } from "./slider";
 import { isJoint } from "./placement";
 import { quantity } from "./summaryLines";
+import { slideOf } from "./slidingSpring";
 import { isTorsional } from "./torsionView";
 import { View3D, type Picked, type ViewOptions } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
+
+/** A joint's own spring. */
+const isOfJoint = (element: Pick<Element, "kind">) => isTorsional(element) || slideOf(element) !== null;
 
 export class Player {
   readonly root = element("section", { class: "card player" });
@@ -47,8 +52,10 @@ export class Player {
     this.view = this.made(holder);
     this.root.append(this.spoken, this.settings(this.view));
     if (this.view) this.root.append(this.exports(this.view));
+    const key = (name: string) => element("kbd", {}, name);
     this.root.append(
-      element("p", { class: "hint keys" }, "Drag to turn, right-drag to move, scroll to zoom · ", element("kbd", {}, "Space"), " play · ", element("kbd", {}, "←"), " ", element("kbd", {}, "→"), " step; in the picture the arrows turn it"),
+      element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step; in the picture the arrows turn it"),
+      element("p", { class: "hint fingers" }, "One finger turns, two move and zoom; a tap says what is there"),
     );
     clock.onChange(() => this.changed());
     this.changed();
@@ -65,6 +72,7 @@ export class Player {
       const view = new View3D(this.report, this.clock, holder, this.options);
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) holder.append(this.bar.root);
+      holder.append(element("small", { class: "cell" }, `Grid ${quantity(view.cell, "m")}`));
       this.nameClicked(view, holder);
       return view;
     } catch (error) {
@@ -106,7 +114,7 @@ export class Player {
   private reacting(index: number): Element | undefined {
     const { elements } = this.report;
     const one = elements[index];
-    return one && isTorsional(one) ? elements.find((joint) => isJoint(joint) && joint.name === one.name) : one;
+    return one && isOfJoint(one) ? elements.find((joint) => isJoint(joint) && joint.name === one.name) : one;
   }
 
   /** A joint, spring or load: what it is, and its force now. */
@@ -116,7 +124,7 @@ export class Player {
       const signal = this.report.signals?.(channel);
       return signal ? valueAt(signal.time, signal.values, this.clock.time) : null;
     };
-    if (kind.startsWith("torsional ")) return `${name}: ${kind.replace(/ about .*/, "")} of the joint`;
+    if (isOfJoint({ kind })) return `${name}: ${kind.replace(/ (about|along) .*/, "")} of the joint`;
     if (kind.includes("spring") || kind.includes("damper") || kind === "actuator") {
       const [force, length] = [now(`spring.${name}.force`), now(`spring.${name}.length`)];
       const tension = force === null ? "" : `: ${force < 0 ? "compression" : "tension"} ${quantity(Math.abs(force), "N")}`;
@@ -132,7 +140,7 @@ export class Player {
     if (element >= 0) return this.describeElement(element);
     const drawn = this.report.bodies[body];
     if (drawn.pointShapes.length === 0) return drawn.name;
-    let text = `${drawn.name}: deformed by up to ${(1000 * view.largestNow(body, "displacement").value).toFixed(2)} mm`;
+    let text = `${drawn.name}: deformed by up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
     if (drawn.stress.length === 0) return text;
     const largest = view.largestNow(body, "stress");
     text += `, stressed by up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
@@ -157,9 +165,8 @@ export class Player {
 
   private settings(view: View3D | null): HTMLElement {
     const row = element("div", { class: "settings" });
-    // A run of milliseconds is watched slower than one of seconds.
-    const slowest = Math.min(0.1, Math.max((this.clock.end - this.clock.start) / 20, 1e-4));
-    row.append(factorSlider("Speed", slowest, 4, 1, (factor) => (this.clock.speed = factor)));
+    const [slowest, fastest, start] = speeds(this.clock.end - this.clock.start);
+    row.append(factorSlider("Speed", slowest, fastest, start, (factor) => (this.clock.speed = factor), (factor) => `${formatNumber(factor)}×`));
     if (!view) return row;
     const exaggerate = (factor: number) => {
       this.exaggeration = factor;
@@ -181,21 +188,20 @@ export class Player {
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
     this.forces = new ForcePanel(view, () => this.pickedChanged());
     row.append(...this.forces.parts);
-    const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
-    fit.addEventListener("click", () => view.fit());
-    row.append(fit);
     return row;
   }
 
-  /** The picture and the film as files. */
+  /** The picture and the film as files, and the view as it was. */
   private exports(view: View3D): HTMLElement {
+    const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
+    fit.addEventListener("click", () => view.fit());
     const picture = element("button", { title: "Save this picture (PNG)" }, "Save picture");
     picture.addEventListener("click", () => {
       view.redraw();
-      saveCanvas(view.canvas, `t${this.clock.time.toFixed(3)}s`);
+      saveCanvas(view.canvas, `t${this.clock.text().replace(" ", "")}`);
     });
     const film = new FilmButton(view, this.clock);
-    return element("div", { class: "row exports" }, picture, film.button, film.reason);
+    return element("div", { class: "row exports" }, fit, picture, film.button, film.reason);
   }
 
   private colors(view: View3D): HTMLElement[] {
@@ -223,7 +229,7 @@ export class Player {
     this.play.textContent = playing ? "❚❚" : "▶";
     this.play.setAttribute("aria-label", playing ? "Pause" : "Play");
     this.slider.value = String(time);
-    this.shown.textContent = `${time.toFixed(3)} s`;
+    this.shown.textContent = this.clock.text();
     this.slider.setAttribute("aria-valuetext", this.shown.textContent);
     clearTimeout(this.speaking);
     if (!playing) this.speaking = window.setTimeout(() => (this.spoken.textContent = `Time ${this.shown.textContent}`), 400);

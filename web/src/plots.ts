@@ -30,6 +30,7 @@ export class Plots implements View {
   readonly root = element("div", { class: "plots" });
   private plots: Plot[] = [];
   private selection: number[] = [];
+  private gutters = { left: 0, right: 0 };
   private range: Range | null = null; // of the time axis, null when all is shown
 
   constructor(
@@ -52,7 +53,9 @@ export class Plots implements View {
       const why = selection.length > 0 ? "The results hold no instants." : "No channel is chosen: tick some in the list.";
       this.root.append(element("p", { class: "hint" }, why));
     }
+    this.gutters = { left: 0, right: 0 };
     this.plots = [...byUnit(traces)].map(([unit, of]) => this.plot(unit, of));
+    if (this.plots.length > 1) for (const { chart } of this.plots) chart.align();
     this.follow();
   }
 
@@ -86,6 +89,7 @@ export class Plots implements View {
       lines: traces.map(({ color }, k) => ({ color, second: second[k] })),
       units: [unitLabel(left.unit), unitLabel(right.unit)],
       key: "time",
+      gutters: this.gutters,
       clock: this.clock,
       pointed: () => this.readOut(plot),
       zoomed: (range) => (this.range = range),

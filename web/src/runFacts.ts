@@ -1,6 +1,7 @@
 // What a comparison says about one run, from its summary.
 import type { Run } from "./comparisonData";
 import { formatNumber } from "./format";
+import { instant, quantity } from "./summaryLines";
 
 type Summary = Record<string, unknown>;
 
@@ -30,7 +31,7 @@ export function remarks(runs: Run[]): Remark[] {
   return runs.flatMap((run): Remark[] => {
     const end = endOf(run);
     if (!Number.isFinite(end)) return [{ text: `${run.label} holds no instant.`, warning: true }];
-    const upTo = `drawn up to ${formatNumber(end)} s`;
+    const upTo = `drawn up to ${instant(end, 5)}`;
     const summary = asSummary(run);
     if (!isSound(run)) {
       const status = summary ? String(summary.status) : "was cut short";
@@ -55,8 +56,8 @@ const columns: Column[] = [
   { title: "CPU time", value: (_, summary) => number(summary.cpu_seconds, " s", 3) },
   { title: "Real-time factor", value: (_, summary) => number(summary.real_time_factor, "", 3) },
   { title: "Iterations per step", value: (_, summary) => number(summary.iterations_per_step, "", 3) },
-  { title: "Step", value: (run) => `${formatNumber(1000 * run.step)} ms` },
-  { title: "End", value: (run) => (Number.isFinite(endOf(run)) ? `${formatNumber(endOf(run))} s` : "–") },
+  { title: "Step", value: (run) => quantity(run.step, "s", 5) },
+  { title: "End", value: (run) => (Number.isFinite(endOf(run)) ? instant(endOf(run), 5) : "–") },
   { title: "Method", value: (_, summary) => [summary.formulation, summary.formalism, summary.integrator].filter((name) => typeof name === "string").join(", ").replace(/_/g, " ") || null },
   { title: "File", value: (run) => run.file },
 ];

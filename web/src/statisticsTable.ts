@@ -1,10 +1,11 @@
 // Smallest, largest, mean and root-mean-square values of the chosen curves, and what each curve is.
 import { element } from "./dom";
 import { scaleFor } from "./engineering";
-import { formatNumber, formatWithin } from "./format";
+import { formatWithin } from "./format";
 import { unitLabel } from "./groups";
 import type { View } from "./plots";
 import { statistics } from "./statistics";
+import { instant } from "./summaryLines";
 import { magnitude, type Curves, type Range } from "./trace";
 
 export class StatisticsTable implements View {
@@ -23,7 +24,7 @@ export class StatisticsTable implements View {
       const { unit, size } = scaleFor(trace.unit, magnitude(trace, min, max));
       const found = statistics(trace.time, trace.values, min, max);
       const number = (value: number) => formatWithin(trace.range / size, value / size);
-      const at = (value: number, t: number) => element("td", {}, number(value), element("small", {}, ` at ${formatNumber(t, 4)} s`));
+      const at = (value: number, t: number) => element("td", {}, number(value), element("small", {}, ` at ${instant(t)}`));
       const cells = found
         ? [at(found.min, found.minAt), at(found.max, found.maxAt), element("td", {}, number(found.mean)), element("td", {}, number(found.rms))]
         : [element("td", { colspan: 4 }, "no value")];
@@ -32,7 +33,7 @@ export class StatisticsTable implements View {
       const name = element("th", { scope: "row" }, swatch, trace.label, element("small", { class: "meaning" }, trace.meaning));
       return element("tr", {}, name, element("td", {}, unitLabel(unit)), ...cells);
     });
-    const note = `From ${formatNumber(min, 5)} s to ${formatNumber(max, 5)} s, as the plots show.${this.thinned ? " Mean and RMS are of the thinned record that the page holds." : ""}`;
+    const note = `From ${instant(min, 5)} to ${instant(max, 5)}, as the plots show.${this.thinned ? " Mean and RMS are of the thinned record that the page holds." : ""}`;
     const table = element("div", { class: "scroll" }, element("table", { class: "wide statistics" }, element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...rows)));
     this.root.replaceChildren(element("p", { class: "hint" }, rows.length > 0 ? note : "No channel is chosen: tick some in the list."), ...(rows.length > 0 ? [table] : []));
   }

@@ -1,6 +1,6 @@
 // The summary of a run in a dozen lines, for people; everything else stays in the details.
 import { formatNumber } from "./format";
-import { scaleFor } from "./engineering";
+import { axisScale, scaleFor } from "./engineering";
 
 export interface Line {
   label: string;
@@ -15,6 +15,12 @@ const isNumber = (value: unknown): value is number => typeof value === "number" 
 export function quantity(value: number, unit: string, digits = 3): string {
   const scale = scaleFor(unit, value);
   return `${formatNumber(value / scale.size, digits)} ${scale.unit}`.trim();
+}
+
+/** A time of a run: 0.2 s rather than 200 ms. */
+export function instant(time: number, digits = 4): string {
+  const scale = axisScale("s", time);
+  return `${formatNumber(time / scale.size, digits)} ${scale.unit}`;
 }
 
 const words = (value: unknown) => (typeof value === "string" ? value.replace(/_/g, " ") : "");
@@ -46,7 +52,7 @@ function worstValidity(bodies: unknown): string {
       const value = body[key];
       if (!isNumber(value) || value <= worst.value) continue;
       const at = asSummary(body.time)[key];
-      worst = { value, text: `${formatNumber(100 * value, 2)} % (${name} of ${body.body}${isNumber(at) ? ` at ${formatNumber(at, 4)} s` : ""})` };
+      worst = { value, text: `${formatNumber(100 * value, 2)} % (${name} of ${body.body}${isNumber(at) ? ` at ${instant(at)}` : ""})` };
     }
   return worst.text;
 }
@@ -65,7 +71,7 @@ export function summaryLines(summary: unknown, facts: { end: number; step: numbe
   const ended = s.status === undefined ? "" : s.status === "ok" ? "to its end" : words(s.status);
   const repeated = isNumber(s.repeated_steps) && s.repeated_steps > 0 ? `${formatNumber(s.repeated_steps)} repeated in parts` : "";
   const lines: [string, string][] = [
-    ["Ran", join(ended, Number.isFinite(facts.end) ? `${formatNumber(facts.end)} s simulated` : "")],
+    ["Ran", join(ended, Number.isFinite(facts.end) ? `${instant(facts.end, 5)} simulated` : "")],
     ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, repeated)],
     ["Recorded", count(facts.instants, "instant")],
     ["Mechanism", join(count(facts.bodies, "body", "bodies"), facts.joints > 0 ? count(facts.joints, "joint") : "", count(s.coordinates, "coordinate"))],

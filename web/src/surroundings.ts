@@ -3,8 +3,6 @@ import * as THREE from "three";
 
 type Point = [x: number, z: number];
 
-const halfWidth = 2; // m, of the drawn road
-
 export function finiteProfile(profile: Float64Array): Point[] {
   const points: Point[] = [];
   for (let i = 0; i + 1 < profile.length; i += 2)
@@ -27,8 +25,8 @@ export interface RoadMaterials {
   mark: THREE.Material;
 }
 
-/** The profile extruded across; lines along its borders and where it bends, fainter marks at equal distances. */
-export function roadView(points: Point[], origin: THREE.Vector3, spacing: number, materials: RoadMaterials): THREE.Group {
+/** The profile extruded across by `halfWidth` to both sides; lines along its borders and where it bends, fainter marks at equal distances. */
+export function roadView(points: Point[], origin: THREE.Vector3, spacing: number, halfWidth: number, materials: RoadMaterials): THREE.Group {
   const at = ([x, z]: Point, side: number) => [x - origin.x, side * halfWidth - origin.y, z - origin.z];
   const triangles: number[] = [];
   const borders: number[] = [];
@@ -61,11 +59,20 @@ export function niceLength(length: number): number {
   return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
 }
 
-/** A horizontal grid; it is moved along by whole cells, so that it seems endless. */
-export function gridView(cell: number, cells: number, color: string): THREE.GridHelper {
-  const grid = new THREE.GridHelper(cell * cells, cells, color, color);
-  grid.rotateX(Math.PI / 2);
-  (grid.material as THREE.LineBasicMaterial).transparent = true;
-  (grid.material as THREE.LineBasicMaterial).opacity = 0.6;
-  return grid;
+const piece = 4; // cells
+
+/**
+ * A horizontal grid; it is moved along by whole cells, so that it seems endless. Its lines are of short pieces: some
+ * renderers lose long ones that begin behind the eye.
+ */
+export function gridView(cell: number, cells: number, color: string): THREE.LineSegments {
+  const half = (cells / 2) * cell;
+  const points: number[] = [];
+  for (let k = 0; k <= cells; ++k)
+    for (let from = 0; from < cells; from += piece) {
+      const [across, a, b] = [k * cell - half, from * cell - half, Math.min(from + piece, cells) * cell - half];
+      points.push(across, a, 0, across, b, 0, a, across, 0, b, across, 0);
+    }
+  const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
+  return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.6 }));
 }

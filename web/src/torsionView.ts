@@ -5,7 +5,7 @@ import type { Pose } from "./placement";
 
 const turns = 3;
 
-export const isTorsional = ({ kind }: Element) => kind.startsWith("torsional ");
+export const isTorsional = ({ kind }: Pick<Element, "kind">) => kind.startsWith("torsional ");
 
 /** The angle by which b is turned against a about a joint's axis: of a universal joint R = Rx(q0) Ry(q1), else Rz. */
 export function turnAbout(axis: string, a: THREE.Quaternion, b: THREE.Quaternion): number {

@@ -11,11 +11,14 @@ import { onThemeChange, themeColor } from "./dom";
 import { elementMaterials, ElementView } from "./elementView";
 import { amplitudesAt, poseAt, valueAt } from "./interpolate";
 import { amplitudesOf, Placement, posesAt, type Pose } from "./placement";
+import { lengthAlong, slideOf } from "./slidingSpring";
 import { finiteProfile, gridView, niceLength, roadView } from "./surroundings";
 
 const bodyColors = ["#7c93b2", "#d08c60", "#7fa883", "#b07aa1", "#c9a94f", "#6fa8b5", "#b8736f", "#8f8f8f"];
 
 const gridCells = 120;
+
+const farthest = 1e6; // sizes: nothing that is sound travels so far
 
 /** Links of one kind ("front_left.arm", "rear_right.arm") share a colour. */
 function colorKey(name: string): string {
@@ -29,6 +32,20 @@ function viewDirection(box: THREE.Box3): THREE.Vector3 {
   if (z < flat && Math.min(x, y) > flat) return new THREE.Vector3(0.3, -0.7, 1).normalize();
   if (y < flat && Math.min(x, z) > flat) return new THREE.Vector3(0.3, -1, 0.2).normalize();
   return new THREE.Vector3(0.62, -1, 0.42).normalize();
+}
+
+/** From how far an eye in this direction sees all of the box, with a margin; `tangent` of half the angle of view. */
+export function fittingDistance(box: THREE.Box3, direction: THREE.Vector3, tangent: number, aspect: number, filled = 0.82): number {
+  const right = new THREE.Vector3(-direction.y, direction.x, 0).normalize();
+  const upwards = direction.clone().cross(right);
+  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+  let distance = 0;
+  for (let corner = 0; corner < 8; ++corner) {
+    const place = new THREE.Vector3(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
+    const aside = Math.max(Math.abs(place.dot(right)) / aspect, Math.abs(place.dot(upwards)));
+    distance = Math.max(distance, place.dot(direction) + aside / (tangent * filled));
+  }
+  return distance;
 }
 
 const extent = (box: THREE.Box3) => box.getSize(new THREE.Vector3()).length();
@@ -85,10 +102,12 @@ export class View3D {
   private origin = new THREE.Vector3();
   private place = new THREE.Vector3(); // of the followed body when last drawn
   private sun = new THREE.DirectionalLight("#ffffff", 2.2);
-  private grid?: THREE.GridHelper;
-  private cell = 1;
+  private grid?: THREE.LineSegments;
+  /** Of the grid, m. */
+  cell = 1;
   private ground = 0;
-  private size = 1;
+  /** Of the mechanism at the beginning, m. */
+  size = 1;
   private road = {
     surface: new THREE.MeshStandardMaterial({
       roughness: 0.95,
@@ -160,6 +179,7 @@ export class View3D {
     this.theme();
     const ready = () => {
       this.ready = true;
+      performance.mark("mimbre: compiled");
       this.request();
     };
     this.renderer.compileAsync(this.scene, this.camera).then(ready, ready);
@@ -249,12 +269,12 @@ export class View3D {
   /** Looks at all bodies: as they are now when one is followed, else over the whole time. */
   fit(): void {
     const box = this.followed >= 0 ? this.boundsAt(this.clock.time) : this.boundsOverTime();
-    const sphere = box.getBoundingSphere(new THREE.Sphere());
-    const radius = Math.max(sphere.radius, 0.15 * this.size);
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = radius / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(viewDirection(box), distance);
+    const center = box.getCenter(new THREE.Vector3());
+    const radius = Math.max(0.5 * extent(box), 0.15 * this.size);
+    const direction = viewDirection(box);
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(direction, Math.max(fittingDistance(box, direction, tangent, this.camera.aspect), radius));
     this.controls.update();
     this.request();
   }
@@ -337,7 +357,7 @@ export class View3D {
     const thickness = (frame: number) => (report.bodies[frames[frame].body]?.lines.length > 0 ? report.bodies[frames[frame].body].lineRadius : 0);
     const views = elements
       .filter(({ a, b }) => frames[a] && frames[b])
-      .map((element) => new ElementView(element, at(element.a), at(element.b), this.size, Math.max(thickness(element.a), thickness(element.b)), materials));
+      .map((element) => new ElementView(element, at(element.a), at(element.b), this.size, Math.max(thickness(element.a), thickness(element.b)), materials, this.travel(element)));
     for (const element of elements.filter(({ kind, a }) => kind === "tyre on rig" && frames[a])) {
       const side = 1.6 * element.size;
       const mesh = new THREE.Mesh(new THREE.BoxGeometry(side, side, 0.06 * side).translate(0, 0, -0.03 * side), this.road.surface);
@@ -346,6 +366,22 @@ export class View3D {
     }
     this.scene.add(...views.map(({ group }) => group), ...this.plates.map(({ mesh }) => mesh), this.arrows.group);
     return views;
+  }
+
+  /** Of a joint's sliding spring: the smallest and the largest length over the time. */
+  private travel(element: Element): [number, number] {
+    const slide = slideOf(element);
+    if (!slide) return [0, 0];
+    const { time } = this.report.animation;
+    const every = Math.max(1, Math.floor(time.length / 200));
+    const lengths = Array.from({ length: Math.ceil(time.length / every) }, (_, k) => time[k * every]).flatMap((t) => {
+      const poses = posesAt(this.report.animation, t, this.origin);
+      if (poses.includes(null)) return [];
+      const amplitudes = amplitudesOf(this.report, t);
+      const at = (frame: number) => this.placement.at(frame, poses as Pose[], amplitudes, 1);
+      return lengthAlong(slide.axis, at(element.a), at(element.b));
+    });
+    return [Math.min(...lengths), Math.max(...lengths)];
   }
 
   private updateElements(): void {
@@ -419,10 +455,11 @@ export class View3D {
     const { time } = this.report.animation;
     const box = new THREE.Box3();
     const every = Math.max(1, Math.floor(time.length / 60));
+    const first = this.boundsAt(time[0] ?? 0);
     for (let i = 0; i < time.length; i += every) {
       const now = this.boundsAt(time[i]);
       // A run that diverged would make the rest invisibly small.
-      if (extent(box.clone().union(now)) < 1e7) box.union(now);
+      if (i === 0 || extent(box.clone().union(now)) < farthest * (extent(first) || 10)) box.union(now);
     }
     return box;
   }
@@ -448,9 +485,12 @@ export class View3D {
     for (const body of this.bodies) if (body.bare) body.group.add(new THREE.AxesHelper(0.08 * this.size));
     this.cell = niceLength(this.size / 4);
     const roads = this.report.roads.map((road) => finiteProfile(road.profile)).filter((profile) => profile.length > 1);
-    for (const profile of roads) this.scene.add(roadView(profile, this.origin, this.cell, this.road));
+    for (const profile of roads) this.scene.add(roadView(profile, this.origin, this.cell, 0.45 * this.size, this.road));
     // Below everything, and under the road by a hair: coplanar surfaces flicker.
-    const lowest = roads.flat().reduce((least, [, z]) => Math.min(least, z), Math.min(0, this.boundsOverTime().min.z + this.origin.z));
+    const bottom = this.boundsOverTime().min.z + this.origin.z;
+    // What hovers high above the origin has its ground where it can be seen.
+    const above = bottom > 5 * this.size ? bottom : Math.min(0, bottom);
+    const lowest = roads.flat().reduce((least, [, z]) => Math.min(least, z), above);
     this.ground = lowest - this.origin.z - 2e-3 * this.size;
     this.scene.add(new THREE.HemisphereLight("#ffffff", "#a39a8e", 1.9), this.sun, this.sun.target);
     // From where one looks: no side is ever dark.

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { niceAbove } from "../src/arrows";
 import { csv, field } from "../src/csv";
-import { onSecondAxis, scaleFor, tickLabels } from "../src/engineering";
+import { speeds } from "../src/clock";
+import { axisScale, onSecondAxis, scaleFor, tickLabels, timeText } from "../src/engineering";
 import { evaluate, type Source } from "../src/formula";
 import { spectrum, telling, transform } from "../src/spectrum";
 import { statistics } from "../src/statistics";
@@ -23,9 +24,44 @@ test("axes speak of kN, MPa, mm and degrees", () => {
   assert.deepEqual(scaleFor("furlong", 1e9), { unit: "furlong", size: 1 });
 });
 
+test("things of a micrometre and of kilometres are told in their units", () => {
+  assert.equal(scaleFor("m", 3e-8).unit, "nm");
+  assert.equal(scaleFor("m", 2e-6).unit, "µm");
+  assert.deepEqual(scaleFor("m", 12000), { unit: "km", size: 1e3 });
+  assert.equal(scaleFor("N", 2e-5).unit, "µN");
+  assert.equal(scaleFor("N m", 4e-9).unit, "nN m");
+  assert.equal(scaleFor("J", 1e-13).unit, "pJ");
+  assert.deepEqual(scaleFor("m", 9e-15), { unit: "m", size: 1 }); // round-off
+});
+
+test("times are told in the unit of their axis, as finely as the instants lie", () => {
+  assert.equal(axisScale("s", 0.5).unit, "s");
+  assert.equal(axisScale("s", 0.003).unit, "ms");
+  assert.equal(axisScale("Hz", 2500).unit, "Hz");
+  assert.equal(axisScale("Hz", 5e4).unit, "kHz");
+  assert.equal(timeText(0, 8, 801)(5.2), "5.200 s");
+  assert.equal(timeText(0, 0.5, 2501)(0.181), "0.1810 s");
+  assert.equal(timeText(0, 3e-3, 301)(1.23e-3), "1.23 ms");
+  assert.equal(timeText(0, 3600, 101)(60), "60.000 s");
+  assert.equal(timeText(0, 0, 1)(0), "0.000 s");
+});
+
+test("a run of any length can be watched", () => {
+  for (const duration of [1e-6, 3e-3, 0.5, 8, 3600, 1e6]) {
+    const [slowest, fastest, start] = speeds(duration);
+    assert.ok(slowest <= start && start <= fastest);
+    const lasts = duration / start;
+    assert.ok((lasts >= 0.5 || start === 1) && (lasts <= 600 || start === 1), `${duration} s lasts ${lasts} s`);
+  }
+  assert.deepEqual(speeds(8), [0.1, 4, 1]);
+});
+
 test("the labels of an axis are whole and told apart", () => {
   assert.deepEqual(tickLabels([-200000, 0, 200000]), ["−200\u202f000", "0", "200\u202f000"]);
   assert.deepEqual(tickLabels([0.1, 0.2, 0.3]), ["0.1", "0.2", "0.3"]);
+  assert.deepEqual(tickLabels([-1, -0.75, -0.5, -0.25, 0]), ["−1.00", "−0.75", "−0.50", "−0.25", "0.00"]);
+  assert.deepEqual(tickLabels([0, 2.5, 5]), ["0.0", "2.5", "5.0"]);
+  assert.deepEqual(tickLabels([0.6, 0.8, 1]), ["0.6", "0.8", "1.0"]);
   assert.deepEqual(tickLabels([100000.001, 100000.002]), ["100\u202f000.001", "100\u202f000.002"]);
   assert.deepEqual(tickLabels([-1e-17, 0.5]), ["0.0", "0.5"]);
   assert.equal(new Set(tickLabels([1e9, 1.1e9])).size, 2);

@@ -4,6 +4,7 @@ import { Quaternion, Vector3 } from "three";
 import type { Body, Element, Frame } from "../src/data";
 import { compose, framePose, inverse, Placement, type Pose } from "../src/placement";
 import { SkylineMatrix } from "../src/skyline";
+import { lengthAlong, slideOf, SlidingSpring } from "../src/slidingSpring";
 import { near } from "./helpers";
 
 const identity = [1, 0, 0, 0, 1, 0, 0, 0, 1];
@@ -88,4 +89,22 @@ test("the skyline solver solves least squares, and leaves alone what nothing det
   // minimise (a − b − 2)² + (a − 3)² + (2b − 4)²: 2a − b = 5, −a + 5b = 6
   const x = system.solve();
   near([x[0], x[6], x[12]], [31 / 9, 17 / 9, 0], 1e-12);
+});
+
+test("a joint's sliding spring is on its axis, and as much longer as the joint's length", () => {
+  assert.deepEqual(slideOf({ kind: "sliding spring damper along x" }), { kind: "spring damper", axis: 0 });
+  assert.equal(slideOf({ kind: "torsional spring about z" }), null);
+  const turned = (x: number, y: number): Pose => compose(pose(3, -2, 1, 0.7), pose(x, y, 0));
+  const a = turned(0, 0);
+  const spring = new SlidingSpring(1, [-0.4, 0.6], 0.01);
+  near([lengthAlong(1, a, turned(0.2, -0.3))], [-0.3], 1e-15);
+  const length = (travel: number) => {
+    const [from, to] = spring.ends(a, turned(0.2, travel));
+    // Both ends are across from the joint where it is, the outer one at rest in a.
+    near([lengthAlong(0, a, { ...a, position: from }), lengthAlong(0, a, { ...a, position: to })], [0.2, 0.2], 1e-14);
+    near([lengthAlong(1, a, { ...a, position: from })], [spring.seat], 1e-14);
+    return to.distanceTo(from);
+  };
+  near([length(0.6) - length(-0.4)], [1], 1e-14);
+  assert.ok(length(-0.4) > 0.1 && length(-50) > 0); // also where it is drawn beyond its travel
 });

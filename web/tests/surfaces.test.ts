@@ -4,7 +4,7 @@ import { atNode, has, peak, peaks, PointValues } from "../src/coloring";
 import { decodeBody, type Animation, type Body } from "../src/data";
 import { amplitudesOf, combined, decodeModes, ordered, swingScene, verdict, type PackedModes } from "../src/modesData";
 import { stresses, vonMises } from "../src/stress";
-import { unitFor } from "../src/units";
+import { scaleFor } from "../src/engineering";
 import { near, packed } from "./helpers";
 
 /** Two points, three modes; stress of the first two modes alone. */
@@ -68,9 +68,9 @@ test("values and their largest over the time", () => {
 });
 
 test("units keep numbers short", () => {
-  assert.deepEqual(unitFor(2.5e8, "Pa"), { unit: "MPa", size: 1e6 });
-  assert.deepEqual(unitFor(0.002, "m"), { unit: "mm", size: 1e-3 });
-  assert.deepEqual(unitFor(0, "Pa"), { unit: "Pa", size: 1 });
+  assert.deepEqual(scaleFor("Pa", 2.5e8), { unit: "MPa", size: 1e6 });
+  assert.deepEqual(scaleFor("m", 0.002), { unit: "mm", size: 1e-3 });
+  assert.deepEqual(scaleFor("Pa", 0), { unit: "Pa", size: 1 });
 });
 
 const empty = packed("f32", []);

@@ -15,7 +15,7 @@ void dot_product(const Vec3<T>& x, const Vec3<T>& x1, const Vec3<T>& x2, const V
 
 /// Φ, Φ̇, Φ̈ of all equations, after kinematics; q's joint coordinates belong to the same position.
 template <class T>
-void constraints(const Compiled& m, const Layout& l, Workspace<T>& w, double time, const T* q) {
+void constraints(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
   T *phi = w.phi.data(), *phi1 = w.phi_dot.data(), *phi2 = w.phi_ddot.data();
   for (std::size_t i = 0; i < l.bodies.size(); ++i) {
     const Body& b = l.bodies[i];
@@ -67,9 +67,9 @@ void constraints(const Compiled& m, const Layout& l, Workspace<T>& w, double tim
     joint_rates<T>(body.joint, body.joint_velocities, w.frames[c.frame_a], w.frames[c.frame_b], q + c.q,
                    rates);
     const int k = l.first_drive + static_cast<int>(i);
-    phi[k] = q[c.q + d.local] - d.position.value(time);
-    phi1[k] = rates.v[d.local] - d.position.derivative(time);
-    phi2[k] = rates.a[d.local] - d.position.second_derivative(time);
+    phi[k] = q[c.q + d.local] - w.signals.value[d.slot];
+    phi1[k] = rates.v[d.local] - w.signals.rate[d.slot];
+    phi2[k] = rates.a[d.local] - w.signals.second[d.slot];
   }
 }
 

@@ -1,53 +1,86 @@
 #pragma once
 #include "dynamics/natural/joint_rates.h"
-#include "forces/joint_spring.h"
-#include "forces/load.h"
-#include "forces/spring.h"
-#include "forces/tyre.h"
+#include "forces/measure.h"
+#include "signals/law.h"
 
 /// Applied forces on the bodies' base vectors and amplitudes, with the sign of the residual (minus the
 /// force).
 namespace mimbre::natural {
 
-/// After kinematics; writes also the states of springs, tyres and joint springs, whose tangents the matrix
-/// uses.
+/// A frame's motion with its angular velocity; without `turning` its position and velocity alone.
+/// Accelerations are left out.
 template <class T>
-void forces(const Compiled& m, const Layout& l, Workspace<T>& w, double time, const T* q) {
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    const SpringData& s = m.springs[k];
-    const FrameMotion<T>&A = w.frames[s.frame_a], &B = w.frames[s.frame_b];
-    auto& state = w.springs[k];
-    spring_state(s, Vec3<T>(B.position - A.position), Vec3<T>(B.velocity - A.velocity), time, state);
-    const Vec3<T> pull = state.tension * state.direction;
-    act_on_point<T>(m.frames[s.frame_a], A, -pull, collector(m, l, w, l.springs[k].body_a));
-    act_on_point<T>(m.frames[s.frame_b], B, pull, collector(m, l, w, l.springs[k].body_b));
+Motion<T> motion_of_frame(const FrameMotion<T>& f, bool turning) {
+  Motion<T> out;
+  out.position = f.position;
+  out.velocity = f.velocity;
+  if (!turning) return out;
+  out.rotation = f.axes;
+  out.omega = vee<T>(f.axes_velocity * f.axes.transpose());
+  return out;
+}
+
+/// What an element measures: of a joint in the tree its coordinate, which counts turns.
+inline void measure_element(const Compiled& m, const Layout& l, Workspace<double>& w, const ElementData& e,
+                            const double* q, ElementState<double>& s) {
+  if (e.body >= 0) {
+    const JointCoordinate& c = l.joint_coordinates[e.body];
+    const FrameMotion<double>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
+    JointRates<double> rates;
+    joint_rates<double>(e.joint, m.bodies[e.body].joint_velocities, A, B, q + c.q, rates);
+    s.x[0] = q[c.q + e.local];
+    s.v[0] = rates.v[e.local];
+    s.set_linear(0, A.axes * rates.motion.linear.col(e.local));
+    s.set_angular(0, A.axes * rates.motion.angular.col(e.local));
+    return;
   }
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
-    const TyreData& t = m.tyres[k];
-    auto& state = w.tyres[k];
-    const FrameMotion<T>& wheel = w.frames[t.frame];
-    tyre_state(t, m.roads[t.road], Vec3<T>(wheel.position + l.origin.template cast<T>()), time, state);
-    act_on_point<T>(m.frames[t.frame], wheel, Vec3<T>(T(0), T(0), -state.force),
-                    collector(m, l, w, l.tyres[k].body_b));
+  const bool turning = has_moment(e.measure);
+  const Motion<double> b = motion_of_frame(w.frames[e.frame_b], turning);
+  Motion<double> a;
+  if (e.frame_a >= 0) a = motion_of_frame(w.frames[e.frame_a], turning);
+  measure(m, e, &a, b, l.origin, w.signals.value.data(), w.signals.states + e.states, s);
+}
+
+inline void sense(const Compiled& m, const Layout& l, Workspace<double>& w) {
+  if (m.signals.sensors.empty()) return;
+  mimbre::sense(
+      m, l.origin, [&](int frame) { return motion_of_frame(w.frames[frame], true); },
+      [&](int element) { return element_state(m.elements[element], w.elements.data()); },
+      [&](int body) { return w.y.data() + l.bodies[body].amplitudes; }, w.signals);
+}
+
+/// Puts `factor` times the covector of an element's component on its two bodies.
+inline void act_by_element(const Compiled& m, const Workspace<double>& w, const ElementData& e,
+                           const ElementState<double>& s, int component, double factor,
+                           const Covector<double>& on_a, const Covector<double>& on_b) {
+  const int frame_a = e.frame_a, frame_b = e.frame_b;
+  const FrameMotion<double>& B = w.frames[frame_b];
+  const bool turning = has_moment(e.measure);
+  const Vec3d force = factor * s.linear_of(component);
+  const Vec3d moment = turning ? Vec3d(factor * s.angular_of(component)) : Vec3d(Vec3d::Zero());
+  act_on_point<double>(m.frames[frame_b], B, force, on_b);
+  if (turning) act_by_moment<double>(m.frames[frame_b], B, moment, on_b);
+  if (frame_a < 0) return;
+  const FrameMotion<double>& A = w.frames[frame_a];
+  act_on_point<double>(m.frames[frame_a], A, -force, on_a);
+  if (turning)
+    act_by_moment<double>(m.frames[frame_a], A, -moment - Vec3d(B.position - A.position).cross(force), on_a);
+}
+
+/// After kinematics; writes the elements' states, whose tangents the matrix uses.
+inline void forces(const Compiled& m, const Layout& l, Workspace<double>& w, const double* q) {
+  for (const ElementData& e : m.elements) {
+    ElementState<double> s = element_state(e, w.elements.data());
+    measure_element(m, l, w, e, q, s);
   }
-  for (const LoadData& load : m.loads) {
-    const FrameMotion<T>& frame = w.frames[load.frame];
-    const LoadWrench<T> wrench = load_wrench<T>(load, frame.axes, time);
-    const Covector<T> on = collector(m, l, w, m.frames[load.frame].body);
-    act_on_point<T>(m.frames[load.frame], frame, -wrench.force, on);
-    act_by_moment<T>(m.frames[load.frame], frame, -wrench.moment, on);
-  }
-  for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
-    const JointSpringData& s = m.joint_springs[k];
-    const JointCoordinate& c = l.joint_coordinates[s.body];
-    const BodyData& body = m.bodies[s.body];
-    const FrameMotion<T>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
-    JointRates<T> rates;
-    joint_rates<T>(body.joint, body.joint_velocities, A, B, q + c.q, rates);
-    w.joint_springs[k] = joint_spring_state<T>(s, q[c.q + s.local], rates.v[s.local]);
-    act_on_coordinate<T>(m, c, A, B, q + c.q, s.local, w.joint_springs[k].force,
-                         collector(m, l, w, l.joint_springs[k].body_a),
-                         collector(m, l, w, l.joint_springs[k].body_b));
+  sense(m, l, w);
+  for (std::size_t i = 0; i < m.elements.size(); ++i) {
+    const ElementData& e = m.elements[i];
+    ElementState<double> s = element_state(e, w.elements.data());
+    evaluate_law(m, e, w.signals, s);
+    const Covector<double> on_a = collector(m, l, w, l.elements[i].body_a),
+                           on_b = collector(m, l, w, l.elements[i].body_b);
+    for (int k = 0; k < s.count; ++k) act_by_element(m, w, e, s, k, s.force[k], on_a, on_b);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "dynamics/natural/layout.h"
 
+#include "forces/measure.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -444,13 +446,11 @@ class Builder {
   }
 
   void forces() {
-    for (const SpringData& s : m_.springs) l_.springs.push_back(make_link(s.frame_a, s.frame_b, 1));
-    for (const TyreData& t : m_.tyres) l_.tyres.push_back(make_link(-1, t.frame, 1));
+    for (const ElementData& e : m_.elements) l_.elements.push_back(make_link(e.frame_a, e.frame_b, e.count));
     const auto on_joint = [&](int body) {
       const JointCoordinate& c = l_.joint_coordinates[body];
       return make_link(c.frame_a, c.frame_b, 1);
     };
-    for (const JointSpringData& s : m_.joint_springs) l_.joint_springs.push_back(on_joint(s.body));
     for (const DriveData& d : m_.drives) l_.drives.push_back(on_joint(d.body));
   }
 
@@ -471,13 +471,17 @@ class Builder {
     l_.frame_use.assign(m_.frames.size(), 0);
     const auto use = [&](int frame, char how) { l_.frame_use[frame] = std::max(l_.frame_use[frame], how); };
     for (const Joint& j : l_.joints) use(j.frame_a, 2), use(j.frame_b, 2);
-    for (const SpringData& s : m_.springs) use(s.frame_a, 1), use(s.frame_b, 1);
-    for (const TyreData& t : m_.tyres) use(t.frame, 1);
-    for (const LoadData& load : m_.loads) use(load.frame, 2);
+    for (const ElementData& e : m_.elements) {
+      const char how = has_moment(e.measure) ? 2 : 1;
+      use(e.frame_b, how);
+      if (e.frame_a >= 0) use(e.frame_a, how);
+    }
+    for (const SensorData& s : m_.sensors)
+      for (const int frame : {s.frame, s.reference})
+        if (frame >= 0) use(frame, 2);
     const auto joint = [&](int body) {
       use(l_.joint_coordinates[body].frame_a, 2), use(l_.joint_coordinates[body].frame_b, 2);
     };
-    for (const JointSpringData& s : m_.joint_springs) joint(s.body);
     for (const DriveData& d : m_.drives) joint(d.body);
     for (int f = m_.dynamic_frames; f < static_cast<int>(m_.frames.size()); ++f)
       if (l_.frame_use[f] > 0 && m_.frames[f].body >= 0) l_.late_frames.push_back(f);
@@ -501,8 +505,9 @@ class Builder {
     const auto for_stencils = [&](const auto& f) {
       for (Body& b : l_.bodies) f(b.stencil);
       for (Joint& j : l_.joints) f(j.link.stencil);
-      for (auto* links : {&l_.springs, &l_.joint_springs, &l_.tyres, &l_.drives})
-        for (Link& link : *links) f(link.stencil);
+      for (std::size_t k = 0; k < l_.elements.size(); ++k)
+        if (m_.elements[k].measure != Measure::none) f(l_.elements[k].stencil);
+      for (Link& link : l_.drives) f(link.stencil);
     };
     for_stencils([&](const Stencil& s) {
       for (int c : s.columns)

@@ -100,7 +100,7 @@ struct Layout {
   std::vector<Body> bodies;                        ///< as in the compiled model
   std::vector<Joint> joints;                       ///< those with equations of their own
   std::vector<JointCoordinate> joint_coordinates;  ///< by tree body
-  std::vector<Link> springs, joint_springs, tyres, drives;
+  std::vector<Link> elements, drives;
   int first_drive = 0;           ///< equation
   std::vector<char> frame_use;   ///< by frame: 0 not in the step, 1 position and velocity, 2 everything
   std::vector<int> late_frames;  ///< in use, but not among the dynamic frames of their bodies

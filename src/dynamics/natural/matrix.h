@@ -1,5 +1,6 @@
 #pragma once
 #include "dynamics/natural/constraints.h"
+#include "dynamics/natural/forces.h"
 #include "dynamics/natural/inertia.h"
 #include "dynamics/system.h"
 
@@ -19,6 +20,25 @@ void add_squares(const T* rows, int count, int size, int stride, const T* weight
       for (int c = 0; c < end; ++c) out[c] += a * row[c];
     }
   }
+}
+
+/// matrix(r, c ≤ r) += Σ weights(i, j) row_i row_jᵀ, `weights` symmetric, count × count.
+template <class T>
+void add_products(const T* rows, int count, int size, int stride, const T* weights, T* matrix) {
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j) {
+      const T weight = weights[i * count + j];
+      if (weight == T(0)) continue;
+      const T *left = rows + static_cast<std::ptrdiff_t>(i) * stride,
+              *right = rows + static_cast<std::ptrdiff_t>(j) * stride;
+      for (int r = 0; r < size; ++r) {
+        const T a = weight * left[r];
+        if (a == T(0)) continue;
+        T* out = matrix + static_cast<std::ptrdiff_t>(r) * stride;
+        const int end = pad(r + 1);
+        for (int c = 0; c < end; ++c) out[c] += a * right[c];
+      }
+    }
 }
 
 /// Puts the lower triangle of a stencil's matrix where it belongs.
@@ -132,7 +152,7 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
       matrix[(n + i) * stride + n + j] += stiffness * geometric_stiffness[i * s + j];
 }
 
-/// Rows of Φq over the stencils, and of springs' lengths, wheels' heights and sprung joint coordinates.
+/// Rows of Φq over the stencils, and of what elements measure.
 template <class T>
 void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
   T* storage = w.jacobian.data();
@@ -172,27 +192,15 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
   };
   for (std::size_t k = 0; k < m.drives.size(); ++k)
     coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
-  for (std::size_t k = 0; k < m.joint_springs.size(); ++k)
-    coordinate(l.joint_springs[k], m.joint_springs[k].body, m.joint_springs[k].local);
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    const SpringData& s = m.springs[k];
-    const Vec3<T> d = w.springs[k].direction;
-    fill_row(
-        m, l, w, l.springs[k],
-        [&](const Covector<T>& a, const Covector<T>& b) {
-          act_on_point<T>(m.frames[s.frame_a], w.frames[s.frame_a], -d, a);
-          act_on_point<T>(m.frames[s.frame_b], w.frames[s.frame_b], d, b);
-        },
-        storage + l.springs[k].jacobian);
-  }
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
-    const int frame = m.tyres[k].frame;
-    fill_row(
-        m, l, w, l.tyres[k],
-        [&](const Covector<T>&, const Covector<T>& b) {
-          act_on_point<T>(m.frames[frame], w.frames[frame], Vec3<T>::UnitZ(), b);
-        },
-        storage + l.tyres[k].jacobian);
+  for (std::size_t i = 0; i < m.elements.size(); ++i) {
+    const ElementData& e = m.elements[i];
+    if (e.measure == Measure::none) continue;
+    const ElementState<T> s = element_state(e, w.elements.data());
+    for (int k = 0; k < e.count; ++k)
+      fill_row(
+          m, l, w, l.elements[i],
+          [&](const Covector<T>& a, const Covector<T>& b) { act_by_element(m, w, e, s, k, T(1), a, b); },
+          storage + l.elements[i].jacobian + k * l.elements[i].stencil.stride);
   }
 }
 

@@ -65,7 +65,8 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
 
 [[gnu::flatten]] void NaturalSystem::kinematics(double t, const double* q, const double* v, const double* a) {
   natural::kinematics<double>(model_, layout_, work_, q, v, a);
-  constraints<double>(model_, layout_, work_, t, q);
+  fix_signals(model_.signals, t, work_.signals);
+  constraints<double>(model_, layout_, work_, q);
 }
 
 [[gnu::flatten]] void NaturalSystem::residual(double t, const double* q, const double* v, const double* a,
@@ -73,7 +74,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
   kinematics(t, q, v, a);
   for (Base<double>& f : work_.forces) f.setZero();
   std::fill(work_.modal.begin(), work_.modal.end(), 0.0);
-  forces<double>(model_, layout_, work_, t, q);
+  forces(model_, layout_, work_, q);
   for (int k = 0; k < layout_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
   apply_multipliers<double>(model_, layout_, work_, q, mu_.data());
   inertia<double>(model_, layout_, work_);
@@ -130,18 +131,23 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     weight[0] = weights.penalty * penalty_[layout_.first_drive + k];
     add_link(layout_.drives[k], 1);
   }
-  for (std::size_t k = 0; k < model_.springs.size(); ++k) {
-    weight[0] = marks_.spring(k) = spring_tangent(work_.springs[k], weights);
-    add_link(layout_.springs[k], 1);
-  }
-  for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
-    weight[0] = marks_.tyre(k) = tyre_tangent(work_.tyres[k], weights);
-    if (weight[0] != 0) add_link(layout_.tyres[k], 1);
-  }
-  for (std::size_t k = 0; k < model_.joint_springs.size(); ++k) {
-    weight[0] = weights.damping * work_.joint_springs[k].damping +
-                weights.stiffness * work_.joint_springs[k].stiffness;
-    add_link(layout_.joint_springs[k], 1);
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    const ElementData& e = model_.elements[k];
+    const ElementState<double> state = element_state(e, work_.elements.data());
+    if (e.marked) marks_.element(k) = element_tangent(state, weights);
+    if (e.measure == Measure::none) continue;
+    double tangent[36];
+    bool any = false;
+    for (int i = 0; i < e.count * e.count; ++i) {
+      tangent[i] = weights.damping * state.damping[i] + weights.stiffness * state.stiffness[i];
+      any = any || tangent[i] != 0;
+    }
+    if (!any) continue;
+    const Link& link = layout_.elements[k];
+    clear(link.stencil);
+    add_products<double>(work_.jacobian.data() + link.jacobian, e.count, link.stencil.size(),
+                         link.stencil.stride, tangent, local);
+    scatter(link.stencil, local, values);
   }
 }
 
@@ -156,7 +162,7 @@ void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, 
 }
 
 bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
-  return marks_.changed(model_, work_.springs, work_.tyres, weights,
+  return marks_.changed(model_, work_.elements.data(), weights,
                         [&](std::size_t i) { return q + layout_.bodies[i].q; });
 }
 

@@ -25,6 +25,9 @@ class NaturalSystem final : public System {
   const double* penalty() const override { return penalty_.data(); }
   const Scales& scales() const override { return scales_; }
   void begin_step(const double*) override {}
+  void enter(const double* held, const double* states, double step) override {
+    work_.signals.enter(held, states, step);
+  }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
   void kinematics(double t, const double* q, const double* v, const double* a) override;

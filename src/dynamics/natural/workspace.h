@@ -6,7 +6,7 @@
 #include "dynamics/motion.h"
 #include "dynamics/natural/layout.h"
 #include "dynamics/projection.h"
-#include "forces/joint_spring.h"
+#include "signals/values.h"
 
 /// Scratch of the formulation in natural coordinates, sized once. Global axes; points relative to
 /// Layout::origin.
@@ -41,9 +41,8 @@ struct Workspace {
   std::vector<Base<T>> forces;                  ///< residual's forces on the bodies' base vectors
   AlignedVector<T> modal;                       ///< residual's forces on padded modal amplitudes
   AlignedVector<T> integrals;                   ///< S'^i of one flexible body
-  std::vector<SpringState<T>> springs;
-  std::vector<TyreState<T>> tyres;
-  std::vector<JointSpringState<T>> joint_springs;
+  AlignedVector<T> elements;                    ///< ElementState of each, by forces
+  SignalValues signals;  ///< by kinematics (what time decides) and forces (what motion decides)
   std::vector<T> phi, phi_dot, phi_ddot;
   AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
   AlignedVector<T> local;      ///< a stencil's dense matrix
@@ -58,7 +57,7 @@ struct Workspace {
 };
 
 template <class T>
-Workspace<T>::Workspace(const Compiled& m, const Layout& l) {
+Workspace<T>::Workspace(const Compiled& m, const Layout& l) : signals(m) {
   // NaN everywhere, so that a value read before it is written shows.
   const T nan = T(std::numeric_limits<double>::quiet_NaN());
   const Vec3<T> nan3 = Vec3<T>::Constant(nan);
@@ -82,9 +81,7 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) {
     stride = std::max(stride, f.stride);
   }
   integrals.assign(integral, nan);
-  springs.assign(m.springs.size(), {nan, nan, nan, nan, nan, nan3});
-  tyres.assign(m.tyres.size(), {nan, nan, nan, nan});
-  joint_springs.assign(m.joint_springs.size(), {nan, nan, nan});
+  elements.assign(m.element_storage, nan);
   for (auto* v : {&phi, &phi_dot, &phi_ddot}) v->assign(l.equations, nan);
   jacobian.assign(l.jacobian_storage, nan);
   local.assign(static_cast<std::size_t>(l.widest) * l.widest, nan);

@@ -6,9 +6,9 @@ namespace mimbre::relative {
 
 /// Φ, Φ̇, Φ̈ of all equations from the frames' motion, and the covectors w of loop equations about the common
 /// point: Φ̇ = w · (Z_b − Z_a), Z the frames' spatial velocities (Lugrís 2008, 2.121–2.123, written per
-/// equation).
+/// equation). The signals have to be those of the time.
 template <class T>
-void constraints(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a) {
+void constraints(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a) {
   for (const LoopData& loop : m.loops) {
     const Motion<T>&A = w.frames[loop.frame_a], &B = w.frames[loop.frame_b];
     const Vec3<T> d = B.position - A.position;
@@ -39,9 +39,9 @@ void constraints(const Compiled& m, Workspace<T>& w, double time, const T* q, co
     }
   }
   for (const DriveData& d : m.drives) {
-    w.phi[d.equation] = q[d.q] - d.position.value(time);
-    w.phi_dot[d.equation] = v[d.v] - d.position.derivative(time);
-    w.phi_ddot[d.equation] = a[d.v] - d.position.second_derivative(time);
+    w.phi[d.equation] = q[d.q] - w.signals.value[d.slot];
+    w.phi_dot[d.equation] = v[d.v] - w.signals.rate[d.slot];
+    w.phi_ddot[d.equation] = a[d.v] - w.signals.second[d.slot];
   }
 }
 

@@ -1,47 +1,64 @@
 #pragma once
 #include "dynamics/relative/workspace.h"
-#include "forces/joint_spring.h"
-#include "forces/load.h"
-#include "forces/spring.h"
-#include "forces/tyre.h"
+#include "forces/measure.h"
+#include "signals/law.h"
 
 /// Applied forces as wrenches on frames and on joint coordinates.
 namespace mimbre::relative {
 
-/// Clears the wrenches, then adds springs, tyres and loads; `generalised` (size velocities) is set to minus
-/// the joint springs' forces. Writes also the states of springs, tyres and joint springs, whose tangents the
-/// matrix uses.
-template <class T>
-void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, T* generalised) {
+/// What every element measures. Writes their states but for forces and tangents.
+inline void measure_elements(const Compiled& m, Workspace<double>& w, const double* q, const double* v) {
+  for (const ElementData& e : m.elements) {
+    ElementState<double> s = element_state(e, w.elements.data());
+    if (e.body >= 0) {
+      s.x[0] = q[e.q];
+      s.v[0] = v[e.v];
+      continue;
+    }
+    measure(m, e, e.frame_a < 0 ? nullptr : &w.frames[e.frame_a], w.frames[e.frame_b], w.origin,
+            w.signals.value.data(), w.signals.states + e.states, s);
+  }
+}
+
+/// Values of the sensors and of what follows from them.
+inline void sense(const Compiled& m, Workspace<double>& w, const double* q) {
+  if (m.signals.sensors.empty()) return;
+  mimbre::sense(
+      m, w.origin, [&](int frame) -> const Motion<double>& { return w.frames[frame]; },
+      [&](int element) { return element_state(m.elements[element], w.elements.data()); },
+      [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
+}
+
+/// Clears the wrenches, then adds those of all elements; `generalised` (size velocities) is set to minus the
+/// forces on coordinates of the tree. Writes the elements' states, whose tangents the matrix uses.
+inline void forces(const Compiled& m, Workspace<double>& w, double time, const double* q, const double* v,
+                   double* generalised) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
   }
-  for (int k = 0; k < m.velocities; ++k) generalised[k] = T(0);
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    const SpringData& s = m.springs[k];
-    const Motion<T>&A = w.frames[s.frame_a], &B = w.frames[s.frame_b];
-    auto& state = w.springs[k];
-    spring_state(s, Vec3<T>(B.position - A.position), Vec3<T>(B.velocity - A.velocity), time, state);
-    w.wrenches[s.frame_a].force += state.tension * state.direction;
-    w.wrenches[s.frame_b].force -= state.tension * state.direction;
-  }
-  for (std::size_t k = 0; k < m.tyres.size(); ++k) {
-    const TyreData& t = m.tyres[k];
-    auto& state = w.tyres[k];
-    tyre_state(t, m.roads[t.road], Vec3<T>(w.frames[t.frame].position + w.origin.template cast<T>()), time,
-               state);
-    w.wrenches[t.frame].force[2] += state.force;
-  }
-  for (const LoadData& l : m.loads) {
-    const LoadWrench<T> load = load_wrench<T>(l, w.frames[l.frame].rotation, time);
-    w.wrenches[l.frame].force += load.force;
-    w.wrenches[l.frame].moment += load.moment;
-  }
-  for (std::size_t k = 0; k < m.joint_springs.size(); ++k) {
-    const JointSpringData& s = m.joint_springs[k];
-    w.joint_springs[k] = joint_spring_state<T>(s, q[s.q], v[s.v]);
-    generalised[s.v] += w.joint_springs[k].force;
+  for (int k = 0; k < m.velocities; ++k) generalised[k] = 0;
+  fix_signals(m.signals, time, w.signals);
+  measure_elements(m, w, q, v);
+  sense(m, w, q);
+  for (const ElementData& e : m.elements) {
+    ElementState<double> s = element_state(e, w.elements.data());
+    evaluate_law(m, e, w.signals, s);
+    if (e.body >= 0) {
+      generalised[e.v] += s.force[0];
+      continue;
+    }
+    for (int k = 0; k < s.count; ++k) {
+      const Vec3d force = s.force[k] * s.linear_of(k);
+      w.wrenches[e.frame_b].force -= force;
+      if (e.frame_a >= 0) w.wrenches[e.frame_a].force += force;
+      if (!has_moment(e.measure)) continue;
+      const Vec3d moment = s.force[k] * s.angular_of(k);
+      w.wrenches[e.frame_b].moment -= moment;
+      if (e.frame_a < 0) continue;
+      const Vec3d arm = w.frames[e.frame_b].position - w.frames[e.frame_a].position;
+      w.wrenches[e.frame_a].moment += moment + arm.cross(force);
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 #include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
 #include "dynamics/relative/workspace.h"
+#include "dynamics/system.h"
+#include "forces/measure.h"
 
 /// Mass matrix by composite inertias, Jacobian rows, and their assembly into the static sparse matrix.
 namespace mimbre::relative {
@@ -266,7 +268,7 @@ void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, co
   }
 }
 
-/// Jacobian rows of loops, springs and tyres, after motion_subspaces().
+/// Jacobian rows of loops and of what elements measure, after motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const LoopData& loop : m.loops)
@@ -275,16 +277,31 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
       jacobian_row<T>(m, w, loop.path, w.covector_linear[k], w.covector_angular[k],
                       w.jacobian.data() + loop.jacobian + r * loop.path.width);
     }
-  for (std::size_t k = 0; k < m.springs.size(); ++k) {
-    const SpringData& s = m.springs[k];
-    const Vec3<T>& u = w.springs[k].direction;
-    jacobian_row<T>(m, w, s.path, u, Vec3<T>(w.frames[s.frame_b].position.cross(u)),
-                    w.jacobian.data() + s.jacobian);
+  for (const ElementData& e : m.elements) {
+    if (e.path.entries.empty()) continue;
+    const ElementState<T> s = element_state(e, w.elements.data());
+    const Vec3<T>& place = w.frames[e.frame_b].position;
+    for (int k = 0; k < e.count; ++k) {
+      const Vec3<T> linear = s.linear_of(k);
+      Vec3<T> angular = place.cross(linear);
+      if (has_moment(e.measure)) angular += s.angular_of(k);
+      jacobian_row<T>(m, w, e.path, linear, angular, w.jacobian.data() + e.jacobian + k * e.path.width);
+    }
   }
-  const Vec3<T> up(T(0), T(0), T(1));
-  for (const TyreData& t : m.tyres)
-    jacobian_row<T>(m, w, t.path, up, Vec3<T>(w.frames[t.frame].position.cross(up)),
-                    w.jacobian.data() + t.jacobian);
+}
+
+/// Adds (weighted rows)ᵀ rows, which is symmetric, to the sparse values.
+template <class T>
+void add_pairs(const Compiled& m, const Path& path, const T* weighted, const T* rows, int count, T* values) {
+  const int width = path.width;
+  for (std::size_t i = 0; i < path.entries.size(); ++i) {
+    const PathEntry& e = path.entries[i];
+    for (std::size_t j = 0; j <= i; ++j) {
+      const PathEntry& f = path.entries[j];
+      add_product<T>(weighted + e.offset, width, m.bodies[e.body].size(), rows + f.offset, width,
+                     m.bodies[f.body].size(), count, values, path.places[i * (i + 1) / 2 + j]);
+    }
+  }
 }
 
 /// Adds Σ_r weight[r] J_rᵀ J_r to the sparse values. `weighted`: scratch of count × path.width.
@@ -294,14 +311,28 @@ void add_squares(const Compiled& m, const Path& path, const T* rows, int count, 
   const int width = path.width;
   for (int r = 0; r < count; ++r)
     for (int k = 0; k < width; ++k) weighted[r * width + k] = weight[r] * rows[r * width + k];
-  for (std::size_t i = 0; i < path.entries.size(); ++i) {
-    const PathEntry& e = path.entries[i];
-    for (std::size_t j = 0; j <= i; ++j) {
-      const PathEntry& f = path.entries[j];
-      add_product<T>(weighted + e.offset, width, m.bodies[e.body].size(), rows + f.offset, width,
-                     m.bodies[f.body].size(), count, values, path.places[i * (i + 1) / 2 + j]);
+  add_pairs(m, path, weighted, rows, count, values);
+}
+
+/// Adds Jᵀ (damping C + stiffness K) J of an element.
+template <class T>
+void add_element(const Compiled& m, const ElementData& e, const ElementState<T>& s,
+                 const MatrixWeights& weights, const T* rows, T* weighted, T* values) {
+  const int width = e.path.width, n = e.count;
+  bool any = false;
+  for (int k = 0; k < n * n; ++k) any = any || s.stiffness[k] != T(0) || s.damping[k] != T(0);
+  if (!any) return;
+  for (int r = 0; r < n; ++r) {
+    T* out = weighted + r * width;
+    for (int c = 0; c < n; ++c) {
+      const T weight = weights.damping * s.damping[r * n + c] + weights.stiffness * s.stiffness[r * n + c];
+      if (c == 0)
+        for (int k = 0; k < width; ++k) out[k] = weight * rows[k];
+      else
+        for (int k = 0; k < width; ++k) out[k] += weight * rows[c * width + k];
     }
   }
+  add_pairs(m, e.path, weighted, rows, n, values);
 }
 
 /// Adds weight · Jᵀ x of one row to a vector of velocity coordinates.

@@ -16,7 +16,7 @@
 namespace mimbre::relative {
 
 template <class T>
-Workspace<T>::Workspace(const Compiled& m) {
+Workspace<T>::Workspace(const Compiled& m) : signals(m) {
   // NaN everywhere, so that a value read before it is written shows.
   const T nan = T(std::numeric_limits<double>::quiet_NaN());
   const Vec3<T> nan3 = Vec3<T>::Constant(nan);
@@ -32,9 +32,7 @@ Workspace<T>::Workspace(const Compiled& m) {
   phi_ddot.assign(m.equations, nan);
   covector_linear.assign(m.equations, nan3);
   covector_angular.assign(m.equations, nan3);
-  springs.assign(m.springs.size(), {nan, nan, nan, nan, nan, nan3});
-  tyres.assign(m.tyres.size(), {nan, nan, nan, nan});
-  joint_springs.assign(m.joint_springs.size(), {nan, nan, nan});
+  elements.assign(m.element_storage, nan);
   subspaces.assign(m.subspace_storage, nan);
   jacobian.assign(m.jacobian_storage, nan);
   weighted.assign(m.jacobian_storage, nan);
@@ -54,6 +52,7 @@ Workspace<T>::Workspace(const Compiled& m) {
   elastic_forces.assign(elastic, nan);
   integrals.assign(integral, nan);
   scratch.assign(24 * widest, nan);
+  output.assign(3 * widest, nan);
   folded.assign(static_cast<std::size_t>(widest) * widest, nan);
   geometric_scratch.assign(geometric::scratch(m), nan);
 }
@@ -126,13 +125,14 @@ void RelativeSystem::begin_step(const double* q) {
 [[gnu::flatten]] void RelativeSystem::kinematics(double t, const double* q, const double* v,
                                                  const double* a) {
   relative::kinematics<double>(model_, work_, q, v, a);
-  relative::constraints<double>(model_, work_, t, q, v, a);
+  fix_signals(model_.signals, t, work_.signals);
+  relative::constraints<double>(model_, work_, q, v, a);
 }
 
 [[gnu::flatten]] void RelativeSystem::residual(double t, const double* q, const double* v, const double* a,
                                                const double* multipliers, double factor, double* r) {
   kinematics(t, q, v, a);
-  forces<double>(model_, work_, t, q, v, r);
+  forces(model_, work_, t, q, v, r);
   for (int k = 0; k < model_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
   apply_multipliers<double>(model_, work_, mu_.data(), r);
   relative::residual<double>(model_, work_, q, v, a, r);
@@ -190,24 +190,18 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
               weights.damping * f.damping(r, c) + weights.stiffness * stiffness[r * f.stride + c];
     }
   }
-  for (std::size_t k = 0; k < model_.springs.size(); ++k) {
-    const SpringData& s = model_.springs[k];
-    const double weight = marks_.spring(k) = spring_tangent(work_.springs[k], weights);
-    add_squares<double>(model_, s.path, work_.jacobian.data() + s.jacobian, 1, &weight, work_.weighted.data(),
-                        values);
-  }
-  for (std::size_t k = 0; k < model_.tyres.size(); ++k) {
-    const double weight = marks_.tyre(k) = tyre_tangent(work_.tyres[k], weights);
-    if (weight != 0)
-      add_squares<double>(model_, model_.tyres[k].path, work_.jacobian.data() + model_.tyres[k].jacobian, 1,
-                          &weight, work_.weighted.data(), values);
-  }
-  for (std::size_t k = 0; k < model_.joint_springs.size(); ++k) {
-    const JointSpringData& s = model_.joint_springs[k];
-    const linalg::BlockPlace& place = model_.diagonal[s.body];
-    values[place.offset + s.local * (place.row_stride + place.col_stride)] +=
-        weights.damping * work_.joint_springs[k].damping +
-        weights.stiffness * work_.joint_springs[k].stiffness;
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    const ElementData& e = model_.elements[k];
+    const ElementState<double> state = element_state(e, work_.elements.data());
+    if (e.marked) marks_.element(k) = element_tangent(state, weights);
+    if (e.body >= 0) {
+      const linalg::BlockPlace& place = model_.diagonal[e.body];
+      values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
+          weights.damping * state.damping[0] + weights.stiffness * state.stiffness[0];
+    } else if (!e.path.entries.empty()) {
+      add_element<double>(model_, e, state, weights, work_.jacobian.data() + e.jacobian,
+                          work_.weighted.data(), values);
+    }
   }
   for (const LoopData& loop : model_.loops) {
     for (int r = 0; r < loop.count; ++r) weight_[r] = weights.penalty * penalty_[loop.first_equation + r];
@@ -232,7 +226,7 @@ void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights,
 }
 
 bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
-  return marks_.changed(model_, work_.springs, work_.tyres, weights, [&](std::size_t i) {
+  return marks_.changed(model_, work_.elements.data(), weights, [&](std::size_t i) {
     return q + model_.bodies[i].q + model_.bodies[i].joint_positions;
   });
 }
@@ -345,7 +339,8 @@ Motion<double> output_motion(const RelativeSystem& system, int frame, const doub
   }
   const BodyData& b = m.bodies[f.body];
   const int s = b.modes > 0 ? m.flexible[b.flexible].stride : 0;
-  std::vector<double> y(3 * s + 1, 0.0);
+  std::vector<double>& y = system.workspace().output;
+  std::fill_n(y.begin(), 3 * s, 0.0);
   for (int k = 0; k < b.modes; ++k) {
     y[k] = q[b.q + b.joint_positions + k];
     y[s + k] = v[b.v + b.joint_velocities + k];

@@ -21,6 +21,9 @@ class RelativeSystem final : public System {
   const double* penalty() const override { return penalty_.data(); }
   const Scales& scales() const override { return scales_; }
   void begin_step(const double* q) override;
+  void enter(const double* held, const double* states, double step) override {
+    work_.signals.enter(held, states, step);
+  }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
   void kinematics(double t, const double* q, const double* v, const double* a) override;

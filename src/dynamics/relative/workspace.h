@@ -4,8 +4,8 @@
 #include "dynamics/motion.h"
 #include "dynamics/projection.h"
 #include "dynamics/stress_motion.h"
-#include "forces/joint_spring.h"
 #include "model/compiled.h"
+#include "signals/values.h"
 
 /// Scratch of the relative formulation, sized once. Every array says who writes it. All vectors are in global
 /// axes, all points relative to the common point `origin`, unless a comment says otherwise.
@@ -30,13 +30,12 @@ struct Workspace {
   std::vector<Vec3<T>> covector_linear;   ///< of loop equations about the common point, by constraints
   std::vector<Vec3<T>> covector_angular;
 
-  std::vector<SpringState<T>> springs;             ///< by forces
-  std::vector<TyreState<T>> tyres;                 ///< by forces
-  std::vector<JointSpringState<T>> joint_springs;  ///< by forces
+  AlignedVector<T> elements;  ///< ElementState of each, by forces
+  SignalValues signals;       ///< by kinematics (what time decides) and forces (what motion decides)
 
   AlignedVector<T>
       subspaces;  ///< Compiled::subspaces, six rows each (linear 3, angular 3), by motion_subspaces()
-  AlignedVector<T> jacobian;  ///< rows of loops, springs, tyres along their paths, by jacobian()
+  AlignedVector<T> jacobian;  ///< rows of loops and elements along their paths, by jacobian()
 
   AlignedVector<T> weighted;  ///< weighted Jacobian rows; by add_squares
 
@@ -56,6 +55,7 @@ struct Workspace {
   AlignedVector<T> folded;             ///< a matrix of extended amplitudes folded, by mass and assembly
   AlignedVector<T> geometric_scratch;  ///< of geometric stiffness's tangent, by assembly
   AlignedVector<T> scratch;
+  mutable std::vector<T> output;        ///< amplitudes and their rates, by output_motion
   std::vector<StressMotion<T>> stress;  ///< of bodies with geometric stiffness, by residual
 
   /// By flexible body's data, for inertia by projection; empty: shape integrals. By the system.

@@ -1,8 +1,9 @@
 // A page in a headless Chromium, and the reports that are looked at in it.
 import { execFile } from "node:child_process";
 import { existsSync } from "node:fs";
+import { writeFile } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { promisify } from "node:util";
 
 export const root = fileURLToPath(new URL("../../..", import.meta.url));
@@ -30,7 +31,7 @@ export async function launch() {
 /** Runs a model with `mimbre` and makes its page; `reports`: of which results. */
 export class Reports {
   constructor(program, folder) {
-    this.program = program;
+    this.program = resolve(program);
     this.folder = folder;
   }
 
@@ -43,20 +44,37 @@ export class Reports {
     return this.at(`${name}.h5`);
   }
 
+  /** With the summary that a comparison shows. */
+  async timed(model, name, ...options) {
+    const results = this.at(`${name}.h5`);
+    const summary = this.at(`${name}.json`);
+    // A run may fail, and is compared all the same.
+    const { stdout } = await this.mimbre("run", model, "-o", results, "-q", "--json", ...options).catch((error) => error);
+    await writeFile(summary, stdout);
+    return { results, summary };
+  }
+
+  async comparison(name, runs) {
+    await this.mimbre("report", ...runs.map(({ results }) => results), "-o", this.at(`${name}.html`), ...runs.flatMap(({ label, summary }) => ["--label", label, "--summary", summary]));
+    return `file://${this.at(`${name}.html`)}`;
+  }
+
   async report(name, ...results) {
     await this.mimbre("report", ...results, "-o", this.at(`${name}.html`));
     return `file://${this.at(`${name}.html`)}`;
   }
 
   async mimbre(...words) {
-    const { stderr } = await promisify(execFile)(this.program, words, { cwd: root });
+    const { stdout, stderr } = await promisify(execFile)(this.program, words, { cwd: root });
     process.stderr.write(stderr);
+    return { stdout };
   }
 }
 
 /** Opens a page; whatever its script complains of is kept in `complaints`. */
 export async function open(browser, url, options = {}, before = undefined) {
-  const page = await browser.newPage({ viewport: { width: 1400, height: 900 }, acceptDownloads: true, ...options });
+  const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, ...options });
+  page.setDefaultTimeout(120_000); // a machine that has other work takes its time
   if (before) await page.addInitScript(before);
   const complaints = [];
   page.on("pageerror", (error) => complaints.push(error.message));
@@ -67,7 +85,7 @@ export async function open(browser, url, options = {}, before = undefined) {
 }
 
 /** The 3D view draws, with all its shaders compiled. */
-export const ready = (page) => page.waitForFunction(() => window.mimbreView.ready);
+export const ready = (page) => page.waitForFunction(() => window.mimbreView?.ready);
 
 /** Two pictures: after which the animation has been updated to its present time, and drawn if it is ready. */
 export const drawn = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));

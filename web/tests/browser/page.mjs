@@ -16,8 +16,19 @@ const folder = await mkdtemp(join(tmpdir(), "mimbre-page-"));
 const browserSoon = launch(); // while the models run
 const reports = new Reports(process.argv[2], folder);
 const rigModel = "web/tests/browser/rig.yaml";
-const [fine, coarse] = await Promise.all([reports.run(rigModel, "rig"), reports.run(rigModel, "coarse", "--step", "0.004", "--until", "0.8")]);
-const [rig, compared] = await Promise.all([reports.report("rig", fine), reports.report("compared", fine, coarse)]);
+const started = performance.now();
+const craneModel = "web/tests/browser/crane.yaml";
+const [rigRun, small, fine, coarse] = await Promise.all([
+  reports.run(rigModel, "rig"),
+  reports.run("web/tests/browser/resonator.yaml", "resonator"),
+  reports.run(craneModel, "fine"),
+  reports.run(craneModel, "coarse", "--step", "0.04", "--until", "3.6"),
+]);
+const [rig, resonator, compared] = await Promise.all([
+  reports.report("rig", rigRun),
+  reports.report("resonator", small),
+  reports.report("compared", fine, coarse),
+]);
 
 const cases = [];
 const test = (name, run) => cases.push([name, run]);
@@ -152,6 +163,80 @@ test("a joint's spring winds up with the joint's angle: its inner end goes with 
   assert.ok(Math.abs(difference - 2 * Math.PI * Math.round(difference / (2 * Math.PI))) < 1e-4, `${difference} rad`);
 });
 
+/** What is seen of a mechanism, in parts of its size and of the picture. */
+const sight = (page) =>
+  page.evaluate(() => {
+    const view = window.mimbreView;
+    const { camera, size, bodies, origin, ground, cell } = view;
+    const Vector = camera.position.constructor;
+    const places = bodies.flatMap(({ group, bounds }) =>
+      [0, 1, 2, 3, 4, 5, 6, 7].map((k) => {
+        const corner = new Vector(...["x", "y", "z"].map((axis, i) => bounds[k & (1 << i) ? "max" : "min"][axis]));
+        return group.localToWorld(corner).project(camera).toArray();
+      }),
+    );
+    const across = [0, 1].map((i) => Math.max(...places.map((place) => place[i])) - Math.min(...places.map((place) => place[i])));
+    const bottom = Math.min(...bodies.map(({ group, bounds }) => group.position.z + bounds.min.z));
+    const edges = bodies.map(({ group }) => group.children.flatMap((solid) => solid.children.map(({ geometry }) => geometry.getAttribute("position").count)));
+    const arrows = view.arrows.arrows.filter(({ group }) => group.visible).map(({ shaft, heads }) => (shaft.scale.y + heads[0].scale.y) / size);
+    // The middle of the first solid is not the sky.
+    view.redraw();
+    const gl = view.canvas.getContext("webgl2");
+    const solid = bodies.flatMap(({ group }) => group.children).find(({ geometry, children }) => geometry?.type === "BoxGeometry" && children.length > 0);
+    const [x, y] = new Vector().setFromMatrixPosition(solid.matrixWorld).project(camera).toArray();
+    const pixel = (u, v) => {
+      const read = new Uint8Array(4);
+      gl.readPixels(Math.round(((1 + u) / 2) * view.canvas.width), Math.round(((1 + v) / 2) * view.canvas.height), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, read);
+      return [...read];
+    };
+    return {
+      inside: places.every((place) => place.every((value) => Math.abs(value) < 1)),
+      filled: Math.max(...across) / 2,
+      cells: size / cell,
+      below: (bottom - ground) / size,
+      edges: edges.flat(),
+      arrows,
+      contrast: Math.max(...pixel(x, y).map((value, i) => Math.abs(value - pixel(-0.98, 0.98)[i]))),
+    };
+  });
+
+/** The drawn length of the sliding spring, less the channel of its joint. */
+const slackOf = (page, channel) =>
+  page.evaluate((name) => {
+    const view = window.mimbreView;
+    const { group, parts } = view.elements.find(({ element }) => element.kind.startsWith("sliding"));
+    const { time, values } = view.report.signals(name);
+    const { mesh, length } = parts.find(({ stretches }) => stretches);
+    const at = time.findIndex((t) => t >= view.clock.time - 1e-12);
+    return { slack: mesh.scale.y * length - values[at], value: values[at], children: group.children.length };
+  }, channel);
+
+for (const { name, of, moments, length, force, axis, time, channel } of [
+  { name: "a millimetre", of: "phone", moments: [0, 1.13e-3], length: "1 mm is", force: /^50 µN$/, axis: ["figcaption b", /^µm/], time: "1.13 ms", channel: "joint.rail.position" },
+  { name: "a hundred metres", of: "compared", moments: [0, 3.2], length: "1 m is", force: /^[\d.]+ kN$/, axis: ["figcaption .value", / m$/], time: "3.200 s", channel: "joint.rail.position" },
+])
+  test(`a thing of ${name} is seen whole, with its grid, edges, arrows, springs and units`, async (pages) => {
+    const { page, complaints } = pages[of];
+    await goTo(page, moments[0]);
+    const before = await slackOf(page, channel);
+    assert.equal(before.children, 4); // coil, cylinder, rod, seat
+    await goTo(page, moments[1]);
+    const after = await slackOf(page, channel);
+    assert.ok(Math.abs(after.value - before.value) > 0 && Math.abs(after.slack - before.slack) < 1e-4 * Math.abs(after.value - before.value), JSON.stringify([before, after]));
+    const { inside, filled, cells, below, edges, arrows, contrast } = await sight(page);
+    assert.ok(inside && filled > 0.25, `${filled} of the picture`);
+    assert.ok(cells > 2 && cells < 12, `${cells} cells`);
+    assert.ok(below > -1e-6 && below < 0.1, `${below} above the ground`);
+    assert.ok(edges.length > 1 && edges.every((count) => count === 24), `${edges}`); // of a box
+    assert.ok(arrows.length > 0 && arrows.every((part) => part > 0.005 && part < 1), `${arrows}`);
+    assert.ok(contrast > 30, `${contrast}`);
+    assert.equal(await say(page, "output.time"), time);
+    assert.equal(await say(page, ".factor.wide span"), length);
+    assert.match(await say(page, ".factor.wide output"), force);
+    assert.match(await say(page, axis[0]), axis[1]);
+    assert.deepEqual(complaints, []);
+  });
+
 test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
   const solids = await page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
   assert.ok(solids.every(({ transparent }) => !transparent));
@@ -274,6 +359,7 @@ test("without what films need the button is grey and says why", async ({ phone: 
 });
 
 test("without an encoder the film is recorded while it plays", async ({ compared: { page } }) => {
+  await slideToEnd(page, "Speed"); // 4×
   const bytes = await readFile(await downloaded(page, "Save film"));
   assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
   assert.ok(bytes.length > 2000);
@@ -301,10 +387,10 @@ test("the keyboard reaches all, and time is said", async ({ page }) => {
 test("runs compared are drawn over each other, and can be hidden", async ({ compared: { page, complaints } }) => {
   const ghosts = () => page.evaluate(() => window.mimbreView.ghosts.map(({ views }) => views.map(({ group, solids }) => [group.visible, solids.every(({ transparent }) => transparent)])).flat());
   await drawn(page);
-  assert.deepEqual(await ghosts(), [[true, true], [true, true], [true, true]]);
+  assert.deepEqual(await ghosts(), [[true, true], [true, true], [true, true], [true, true]]);
   await page.locator(".run").nth(1).click();
   await drawn(page);
-  assert.deepEqual((await ghosts()).map(([visible]) => visible), [false, false, false]);
+  assert.deepEqual((await ghosts()).map(([visible]) => visible), [false, false, false, false]);
   assert.deepEqual(complaints, []);
 });
 
@@ -313,6 +399,11 @@ test("on a phone, in the dark: nothing is wider than the screen, the text has co
   const [text, back] = await page.evaluate(() => [getComputedStyle(document.body).color, getComputedStyle(document.body).backgroundColor]);
   const light = (color) => color.match(/\d+/g).map(Number).reduce((sum, part) => sum + part, 0);
   assert.ok(light(text) - light(back) > 400);
+  // The search and the three buttons have lines of their own.
+  const [search, card] = await Promise.all([".channels input[type=search]", ".channels"].map((part) => page.locator(part).first().boundingBox()));
+  assert.ok(search.width > 0.95 * card.width, `${search.width} of ${card.width}`);
+  const tops = await page.locator(".heading button").evaluateAll((buttons) => buttons.map((button) => button.getBoundingClientRect().top));
+  assert.equal(new Set(tops).size, 1);
   assert.deepEqual(complaints, []);
 });
 
@@ -328,8 +419,9 @@ const wanted = process.argv[3] ?? "";
 const [shared, comparedPage, phone] = await Promise.all([
   open(browser, rig),
   open(browser, compared, {}, () => delete window.VideoEncoder),
-  open(browser, rig, { viewport: { width: 390, height: 844 }, colorScheme: "dark" }, () => (delete window.VideoEncoder, delete window.MediaRecorder)),
+  open(browser, resonator, { viewport: { width: 390, height: 844 }, colorScheme: "dark" }, () => (delete window.VideoEncoder, delete window.MediaRecorder)),
 ]);
+console.log(`the pages are open (${((performance.now() - started) / 1000).toFixed(1)} s)`);
 const pages = { ...shared, compared: comparedPage, phone };
 let failed = 0;
 for (const [name, run] of cases.filter(([name]) => name.includes(wanted))) {

@@ -1,0 +1,176 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mimbre/model.h"
+#include "mimbre/spec.h"
+
+/// What a mechanism is made of, as one gives it to a ModelBuilder. SI units, radians. Points, directions and
+/// axes are global, of the assembled position; where `in` names a body or a frame, they are in its axes and
+/// from its origin. All fields have defaults; the ones with "needed" behind them must be given.
+namespace mimbre::build {
+
+/// The tensor of a body: moments, and products as the tensor's entries.
+Eigen::Matrix3d inertia(double xx, double yy, double zz, double xy = 0, double xz = 0, double yz = 0);
+
+/// One or two axes of a frame; what is not given follows, always in the same way. None: those of `in`.
+struct Axes {
+  std::optional<Eigen::Vector3d> x{}, y{}, z{};
+};
+
+struct RigidBody {
+  double mass = 0;                                      ///< kg
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();        ///< the centre of mass
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();    ///< kg m², about it, in the axes of the body's frame
+  std::optional<Eigen::Vector3d> at{};                  ///< origin of the body's frame; default: `com`
+  Axes axes{};                                          ///< of the body's frame
+  std::vector<spec::Shape> shapes{};                    ///< to be drawn, in body axes
+  std::vector<std::array<Eigen::Vector3d, 2>> lines{};  ///< likewise
+  std::string in{};
+};
+
+/// Where the tangent frame of a flexible body lies: the axes of its ReducedBody.
+struct FlexibleBody {
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  Axes axes{};
+  std::vector<spec::Shape> shapes{};
+  std::string in{};
+};
+
+/// A point with axes that others can name.
+struct Frame {
+  std::string on{};  ///< a body, or "ground"; needed
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  Axes axes{};
+  std::string in{};
+};
+
+/// Joins two bodies, frames or nodes (BODY.NODE, of a flexible body); coordinates are those of the second
+/// relative to the first, all zero in the assembled position.
+struct Joint {
+  spec::JointType type = spec::JointType::fixed;
+  std::array<std::string, 2> between{};   ///< needed
+  std::optional<Eigen::Vector3d> at{};    ///< needed where bodies are named, but for floating, fixed, bracket
+  std::optional<Eigen::Vector3d> axis{};  ///< needed likewise; universal: the first; planar: the normal
+  std::optional<Eigen::Vector3d> axis2{};  ///< universal: the second, at right angles
+  spec::Joint::Cut cut = spec::Joint::Cut::automatic;
+  std::vector<spec::Drive> drives{};
+  std::vector<spec::JointSpring> springs{};
+  /// Initial coordinates and rates, one entry per velocity coordinate; nullopt where it is free. Rates of a
+  /// floating joint: linear velocity, then angular velocity, in the axes of `in`.
+  std::vector<std::optional<double>> position{}, velocity{};
+  std::string in{};
+};
+
+/// Pulls two points towards each other: elastic(length) + damping(rate) + force(length, rate, time).
+struct Spring {
+  std::array<std::string, 2> between{};                ///< bodies (with `at`), frames, nodes; needed
+  std::array<std::optional<Eigen::Vector3d>, 2> at{};  ///< of a body; default: its frame's origin
+  Function elastic{}, damping{};
+  Formula force{};
+  std::string in{};
+};
+
+struct Load {
+  std::string on{};                                  ///< a body, frame or node; needed
+  std::optional<Eigen::Vector3d> at{};               ///< of a body; default: its frame's origin
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N, per unit of `scale`
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< N m, likewise
+  Function scale = Function::constant(1);            ///< of time
+  bool follower = false;                             ///< the direction turns with the body
+  std::string in{};
+};
+
+struct Road {
+  spec::Road::Over over = spec::Road::Over::distance;
+  std::vector<std::array<double, 2>>
+      points{};                    ///< (x or t, z) in ascending order; one that comes twice is a jump; needed
+  std::optional<double> repeat{};  ///< period, no shorter than the points reach
+};
+
+struct Tyre {
+  std::string on{};  ///< needed
+  std::optional<Eigen::Vector3d> at{};
+  std::string road{};    ///< needed
+  double stiffness = 0;  ///< N/m
+  double radius = 0;     ///< m
+  std::string in{};
+};
+
+/// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,
+/// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
+/// joint, joint_velocity, joint_force; modal_amplitude, stress, strain (of a body); centre_of_mass,
+/// linear_momentum, angular_momentum (of bodies); spring_force, spring_length; tyre_force.
+struct Output {
+  std::string kind{};                      ///< needed
+  std::string of{};                        ///< what has it; needed
+  std::vector<std::string> bodies{};       ///< of motion of mass, in place of `of`; none of both: all
+  std::string component{};                 ///< "x", "fz", "von_mises", "0", …
+  std::optional<Eigen::Vector3d> at{};     ///< of a body, or on its surface
+  std::optional<Eigen::Vector3d> along{};  ///< of deflection and strain
+  std::string relative_to{};               ///< of displacement: a frame or body
+  std::optional<Eigen::Vector3d> about{};  ///< of angular momentum: a fixed point
+  std::optional<int> node{};               ///< of stress and strain: in the file of the mesh
+  double offset = 0;                       ///< of joint: is added
+  bool own_axes = false;                   ///< of angular_velocity: in the frame's own axes
+  std::string in{};
+};
+
+}  // namespace mimbre::build
+
+namespace mimbre {
+
+/// Builds a mechanism from things that are named and refer to each other by name, as a model file does:
+///
+///     ModelBuilder m("Pendulum");
+///     m.add_body("bar", {.mass = 0.6, .com = {0.5, 0, 0}, .inertia = build::inertia(1e-5, 0.05, 0.05)});
+///     m.add_joint("hinge", {.type = spec::JointType::revolute,
+///                           .between = {"ground", "bar"},
+///                           .at = Eigen::Vector3d{0, 0, 0},
+///                           .axis = Eigen::Vector3d{0, 1, 0}});
+///     m.add_output("angle", {.kind = "joint", .of = "hinge"});
+///     m.set_simulation({.step = 0.01, .end = 5});
+///     const auto model = m.compile();
+///
+/// Things come before those that name them. A body is a frame too, at its origin; the world is "ground".
+/// Names have 1 to 100 letters, digits, '_', '-' or '.'; bodies and frames share theirs.
+///
+/// A call that cannot be done throws InputError, which names the thing, what is wrong, and names that could
+/// be meant, and leaves the builder as it was. What only the whole can tell build() says, all of it at once.
+class ModelBuilder {
+ public:
+  explicit ModelBuilder(std::string title = {});
+  ModelBuilder(const ModelBuilder& other);
+  ModelBuilder(ModelBuilder&&) noexcept;
+  ModelBuilder& operator=(ModelBuilder other) noexcept;
+  ~ModelBuilder();
+
+  void set_gravity(const Eigen::Vector3d& gravity);  ///< m/s²; default (0, 0, −9.81)
+  void set_simulation(const spec::Simulation& simulation);
+
+  void add_body(const std::string& name, const build::RigidBody& body);
+  void add_flexible_body(const std::string& name, std::shared_ptr<const ReducedBody> reduced,
+                         const build::FlexibleBody& place = {});
+  void add_frame(const std::string& name, const build::Frame& frame);
+  void add_joint(const std::string& name, const build::Joint& joint);
+  void add_spring(const std::string& name, const build::Spring& spring);
+  void add_load(const std::string& name, const build::Load& load);
+  void add_road(const std::string& name, const build::Road& road);
+  void add_tyre(const std::string& name, const build::Tyre& tyre);
+  void add_output(const std::string& name, const build::Output& output);
+
+  /// What has been added, checked as a whole. The builder may go on afterwards.
+  spec::Model build() const;
+  std::shared_ptr<const Model> compile() const;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mimbre

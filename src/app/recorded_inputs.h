@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mimbre/simulation.h"
+
+/// Inputs that a run plays from tables.
+namespace mimbre::app {
+
+class RecordedInputs {
+ public:
+  /// "NAME=FILE.csv", several: columns t and value, t ascending; a line of names may come first. Throws
+  /// InputError for what is no such table, UsageError for what is no such text.
+  explicit RecordedInputs(const std::vector<std::string>& given);
+  const std::vector<std::string>& files() const { return files_; }
+  /// Finds the inputs by their names. Throws InputError where the simulation has none.
+  void attach(const Simulation& simulation);
+  /// Before each step: an input that is constant gets the last value that is not after now, one in straight
+  /// lines what the table, with lines between its points, is at the step's end.
+  void set(Simulation& simulation);
+
+ private:
+  struct Track {
+    std::string name;
+    std::vector<double> times, values;
+    int input = -1;
+    bool linear = false;
+    std::size_t at = 0;  ///< the last point that is not after the time asked for
+  };
+  static double value(Track& track, double time);
+
+  std::vector<Track> tracks_;
+  std::vector<std::string> files_;
+};
+
+}  // namespace mimbre::app

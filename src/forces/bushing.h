@@ -1,0 +1,103 @@
+#pragma once
+#include <cmath>
+
+#include "forces/element.h"
+
+/// A bushing between two frames: six components by a stiffness and a damping matrix, or by a law for each,
+/// and branches of a spring in row with a damper for rubber, whose stiffness depends on the frequency.
+namespace mimbre::forces {
+
+namespace bushing {
+/// Among the law's numbers: stiffness, damping (36 each), then of each branch stiffness and relaxation time.
+constexpr int stiffness = 0, damping = 36, branches = 72, branch_size = 37;
+
+inline int branch_count(const LawContext<double>& c) {
+  // States: what was measured at the start of the step, and the elongation of each branch's springs.
+  return c.element.state_count == 0 ? 0 : c.element.state_count / 6 - 1;
+}
+/// With laws by axis: six elastic ones, then six dampers.
+inline bool by_axis(const LawContext<double>& c) { return c.element.functions >= 0; }
+
+inline void add_times(const double* matrix, const double* x, double* out) {
+  for (int r = 0; r < 6; ++r)
+    for (int k = 0; k < 6; ++k) out[r] += matrix[6 * r + k] * x[k];
+}
+inline double form(const double* matrix, const double* x) {
+  double out[6] = {};
+  add_times(matrix, x, out);
+  double sum = 0;
+  for (int k = 0; k < 6; ++k) sum += out[k] * x[k];
+  return sum;
+}
+
+/// Share of the change of x that a branch's springs still hold at the end of a step in which x changes
+/// evenly.
+inline double held(double step, double relaxation) {
+  const double r = step / relaxation;
+  return r > 0 ? -std::expm1(-r) / r : 1;
+}
+}  // namespace bushing
+
+inline void bushing_law(const LawContext<double>& c, ElementState<double>& s) {
+  using namespace bushing;
+  const double* p = c.numbers();
+  for (int k = 0; k < 6; ++k) s.force[k] = 0;
+  for (int k = 0; k < 36; ++k) {
+    s.stiffness[k] = p[stiffness + k];
+    s.damping[k] = p[damping + k];
+  }
+  add_times(p + stiffness, s.x, s.force);
+  add_times(p + damping, s.v, s.force);
+  if (by_axis(c))
+    for (int k = 0; k < 6; ++k) {
+      const auto [pull, slope] = c.function(k).tangent(s.x[k]);
+      const auto [resistance, viscosity] = c.function(6 + k).tangent(s.v[k]);
+      s.force[k] += pull + resistance;
+      s.stiffness[7 * k] += slope;
+      s.damping[7 * k] += viscosity;
+    }
+  const int count = branch_count(c);
+  if (count == 0) return;
+  const double* before = c.states;
+  for (int k = 0; k < 6; ++k) s.states[k] = s.x[k];
+  for (int b = 0; b < count; ++b) {
+    const double *branch = p + branches + b * branch_size, *elongation = before + 6 * (1 + b);
+    double* next = s.states + 6 * (1 + b);
+    const double relaxation = branch[36], share = c.step > 0 ? held(c.step, relaxation) : 0,
+                 kept = c.step > 0 ? std::exp(-c.step / relaxation) : 1;
+    // Exact for an x that changes evenly over the step; at rest what is held stays.
+    for (int k = 0; k < 6; ++k) next[k] = kept * elongation[k] + share * (s.x[k] - before[k]);
+    add_times(branch, next, s.force);
+    for (int k = 0; k < 36; ++k) s.stiffness[k] += share * branch[k];
+  }
+}
+
+inline void bushing_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace bushing;
+  const double* p = c.numbers();
+  e.stored = 0.5 * form(p + stiffness, s.x);
+  add_times(p + damping, s.v, e.dissipating);
+  if (by_axis(c))
+    for (int k = 0; k < 6; ++k) {
+      e.stored += c.function(k).antiderivative(s.x[k]);
+      e.dissipating[k] += c.function(6 + k).value(s.v[k]);
+    }
+  for (int b = 0; b < branch_count(c); ++b) {
+    const double *branch = p + branches + b * branch_size, *now = s.states + 6 * (1 + b);
+    e.stored += 0.5 * form(branch, now);
+    if (c.step <= 0) continue;
+    // ∫ eᵀ K e dt/τ of the damper: e goes from what it was towards g, at which an even rate would hold it.
+    const double r = c.step / branch[36], lost = -std::expm1(-r), *before = c.states + 6 * (1 + b);
+    double g[6], off[6], pull[6] = {};
+    for (int k = 0; k < 6; ++k) {
+      g[k] = (s.x[k] - c.states[k]) / r;
+      off[k] = before[k] - g[k];
+    }
+    add_times(branch, g, pull);
+    double mixed = 0;
+    for (int k = 0; k < 6; ++k) mixed += pull[k] * off[k];
+    e.lost += r * form(branch, g) + 2 * lost * mixed + 0.5 * lost * (2 - lost) * form(branch, off);
+  }
+}
+
+}  // namespace mimbre::forces

@@ -1,0 +1,90 @@
+#pragma once
+#include <array>
+#include <initializer_list>
+#include <type_traits>
+
+#include "math/rotation.h"
+#include "model/compiled.h"
+
+namespace mimbre {
+
+/// What an element is in an evaluation: places in the workspace, all of one element next to each other.
+template <class T>
+struct ElementState {
+  int count;            ///< n components
+  T *x, *v;             ///< n: measured, and its rate
+  T* force;             ///< n: against the measure
+  T* stiffness;         ///< n × n: ∂force/∂x, symmetric
+  T* damping;           ///< n × n: ∂force/∂v, symmetric
+  T *linear, *angular;  ///< n × 3: velocity and angular velocity of b against a → rate, global axes: the
+                        ///< force on b is −Σ force · linear, its moment about b's origin −Σ force · angular
+  T* surroundings;  ///< height of the road
+  T* states;        ///< at the end of the step
+
+  using Value = std::remove_const_t<T>;
+  Vec3<Value> linear_of(int k) const { return {linear[3 * k], linear[3 * k + 1], linear[3 * k + 2]}; }
+  Vec3<Value> angular_of(int k) const { return {angular[3 * k], angular[3 * k + 1], angular[3 * k + 2]}; }
+  void set_linear(int k, const Vec3<Value>& a) const {
+    for (int i = 0; i < 3; ++i) linear[3 * k + i] = a[i];
+  }
+  void set_angular(int k, const Vec3<Value>& a) const {
+    for (int i = 0; i < 3; ++i) angular[3 * k + i] = a[i];
+  }
+};
+
+template <class T>
+ElementState<T> element_state(const ElementData& e, T* storage) {
+  const int n = e.count;
+  T* p = storage + e.storage;
+  const auto take = [&](int size) {
+    T* taken = p;
+    p += size;
+    return taken;
+  };
+  ElementState<T> s;
+  s.count = n;
+  s.x = take(n);
+  s.v = take(n);
+  s.force = take(n);
+  s.stiffness = take(n * n);
+  s.damping = take(n * n);
+  s.linear = take(3 * n);
+  s.angular = take(3 * n);
+  s.surroundings = take(1);
+  s.states = take(e.state_count);
+  return s;
+}
+
+/// What a law may depend on besides what is measured.
+template <class T>
+struct LawContext {
+  const Compiled& model;
+  const ElementData& element;
+  T time;
+  const T* signals;      ///< all slots
+  const double* states;  ///< of this element at the start of the step
+  double step;           ///< s; 0: a position at rest, in which what relaxes has relaxed
+
+  const double* numbers() const { return model.numbers.data() + element.numbers; }
+  const Function& function(int k) const { return model.functions[element.functions + k]; }
+  const LawData* formula() const { return element.formula < 0 ? nullptr : &model.formulas[element.formula]; }
+  T argument(int k) const { return signals[model.arguments[element.arguments + k]]; }
+};
+
+/// The energy of an element: what it stores, J, and those parts of its force against each component whose
+/// work is not that of a potential: what dissipates, and what does work like a load.
+struct ElementEnergy {
+  double stored = 0;
+  double lost = 0;  ///< J, that internal states dissipated in the step
+  double dissipating[6] = {}, working[6] = {};
+};
+
+/// Arguments of a formula: `own` variables, then signals. Returns the array.
+template <class T, std::size_t N>
+void gather(const LawData& law, std::initializer_list<T> own, const T* signals, std::array<T, N>& out) {
+  std::size_t at = 0;
+  for (const T& x : own) out[at++] = x;
+  for (const int slot : law.slots) out[at++] = signals[slot];
+}
+
+}  // namespace mimbre

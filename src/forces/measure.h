@@ -1,0 +1,169 @@
+#pragma once
+#include <cmath>
+#include <numbers>
+
+#include "forces/element.h"
+#include "forces/motion.h"
+#include "joints/kernels.h"
+
+/// What elements measure between two frames: x, its rate v, and the directions in which a force against it
+/// acts. All vectors are in global axes.
+namespace mimbre {
+
+/// Inverse of the left Jacobian of a rotation vector shorter than a turn: θ̇ = J⁻¹ ω.
+template <class T>
+Mat3<T> inverse_left_jacobian(const Vec3<T>& theta) {
+  using std::sqrt;
+  const T phi2 = theta.squaredNorm();
+  const RotationSeries<T> s = rotation_series<T>(phi2);
+  const Mat3<T> k = skew<T>(theta);
+  // 1/φ² − (1 + cos φ)/(2 φ sin φ) = (1 − sinc/(2 a))/φ², with its series where digits would be lost.
+  const T c = phi2 < T(1e-3) ? T(1. / 12) + phi2 * (T(1. / 720) + phi2 * T(1. / 30240))
+                             : (T(1) - s.sinc / (T(2) * s.a)) / phi2;
+  return Mat3<T>::Identity() - T(0.5) * k + c * (k * k);
+}
+
+/// Where the ends of a distance meet, its direction is that in which they part; without any, there is none.
+template <class T>
+void measure_distance(const Motion<T>& a, const Motion<T>& b, ElementState<T>& s) {
+  const Vec3<T> r = b.position - a.position, u = b.velocity - a.velocity;
+  const T length = r.norm();
+  const T speed = length > T(0) ? T(0) : T(u.norm());
+  const Vec3<T> direction = length > T(0)  ? Vec3<T>(r / length)
+                            : speed > T(0) ? Vec3<T>(u / speed)
+                                           : Vec3<T>(Vec3<T>::Zero());
+  s.x[0] = length;
+  s.v[0] = direction.dot(u);
+  s.set_linear(0, direction);
+}
+
+/// Velocities and angular velocity of b as a sees them, global axes.
+template <class T>
+void relative_velocity(const Motion<T>& a, const Motion<T>& b, Vec3<T>& d, Vec3<T>& u, Vec3<T>& w) {
+  d = b.position - a.position;
+  u = b.velocity - a.velocity - a.omega.cross(d);
+  w = b.omega - a.omega;
+}
+
+/// A coordinate of a joint that is cut, whose angles count turns from `last` on.
+template <class T>
+void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T>& b, double last,
+                        ElementState<T>& s) {
+  Vec3<T> d, u, w;
+  relative_velocity(a, b, d, u, w);
+  T q[7];
+  const Mat3<T> At = a.rotation.transpose();
+  joint_coordinates<T>(e.joint, At * b.rotation, At * d, q);
+  const T rest[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+  JointMotion<T> motion;
+  joint_motion<T>(e.joint, q, rest, motion);
+  const Vec3<T> linear = a.rotation * motion.linear.col(e.local),
+                angular = a.rotation * motion.angular.col(e.local);
+  // The columns of every joint type are orthonormal.
+  s.v[0] = linear.dot(u) + angular.dot(w);
+  s.x[0] = q[e.local];
+  if (is_angle(e.joint, e.local)) {
+    constexpr double turn = 2 * std::numbers::pi;
+    s.x[0] += T(turn) * T(std::round((last - s.x[0]) / turn));
+  }
+  s.set_linear(0, linear);
+  s.set_angular(0, angular);
+}
+
+/// Along a direction of a, or about it. An angle about it is that of b's turning since the assembled
+/// position, as far as that is about the direction.
+template <class T>
+void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, double last,
+                  ElementState<T>& s) {
+  Vec3<T> d, u, w;
+  relative_velocity(a, b, d, u, w);
+  const Vec3<T> direction = a.rotation * e.direction.template cast<T>();
+  if (!e.about) {
+    s.x[0] = direction.dot(d) - T(e.reference);
+    s.v[0] = direction.dot(u);
+    s.set_linear(0, direction);
+    s.set_angular(0, Vec3<T>::Zero());
+    return;
+  }
+  using std::atan2;
+  const Mat3<T> turned = a.rotation.transpose() * b.rotation * e.rotation.transpose().template cast<T>();
+  const Vec3<T> vee(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0), turned(1, 0) - turned(0, 1));
+  constexpr double turn = 2 * std::numbers::pi;
+  const Vec3<T> n = e.direction.template cast<T>();
+  // Twist of the quaternion about n: of rotations about n alone it is the angle.
+  const T sine = n.dot(vee), cosine = turned.trace() - n.dot(turned * n);
+  s.x[0] = atan2(sine, cosine);
+  s.x[0] += T(turn) * T(std::round((last - s.x[0]) / turn));
+  s.v[0] = direction.dot(w);
+  s.set_linear(0, Vec3<T>::Zero());
+  s.set_angular(0, direction);
+}
+
+/// Displacement of b's origin in a's axes from where it was assembled, and the rotation vector of b since
+/// then.
+template <class T>
+void measure_relative(const ElementData& e, const Motion<T>& a, const Motion<T>& b, ElementState<T>& s) {
+  Vec3<T> d, u, w;
+  relative_velocity(a, b, d, u, w);
+  const Mat3<T> At = a.rotation.transpose();
+  const Vec3<T> x = At * d - e.position.template cast<T>();
+  const Mat3<T> turned = At * b.rotation * e.rotation.transpose().template cast<T>();
+  const Vec3<T> theta = quaternion_log<T>(quaternion_of(turned));
+  const Mat3<T> inverse = inverse_left_jacobian<T>(theta);
+  const Vec3<T> ua = At * u, rate = inverse * (At * w);
+  const Mat3<T> directions = a.rotation * inverse.transpose();  // θ̇ₖ = directions.col(k) · w
+  for (int k = 0; k < 3; ++k) {
+    s.x[k] = x[k];
+    s.v[k] = ua[k];
+    s.x[3 + k] = theta[k];
+    s.v[3 + k] = rate[k];
+    s.set_linear(k, a.rotation.col(k));
+    s.set_angular(k, Vec3<T>::Zero());
+    s.set_linear(3 + k, Vec3<T>::Zero());
+    s.set_angular(3 + k, directions.col(k));
+  }
+}
+
+/// Height above a road; `place`: of b's origin, global.
+template <class T>
+void measure_height(const RoadData& road, const Vec3<T>& place, const Motion<T>& b, const T* signals,
+                    ElementState<T>& s) {
+  *s.surroundings =
+      road.over == spec::Road::Over::distance ? T(road.height.value(place[0])) : signals[road.slot];
+  s.x[0] = place[2] - *s.surroundings;
+  s.v[0] = b.velocity[2];  // as over a road that stands still
+  s.set_linear(0, Vec3<T>::UnitZ());
+}
+
+/// What an element that is no coordinate in the tree measures, and the way it acts.
+template <class T>
+void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const Motion<T>& b,
+             const Vec3<T>& origin, const T* signals, const double* states, ElementState<T>& s) {
+  switch (e.measure) {
+    case Measure::distance:
+      return measure_distance(*a, b, s);
+    case Measure::height:
+      return measure_height(m.roads[e.road], Vec3<T>(b.position + origin), b, signals, s);
+    case Measure::coordinate:
+      measure_coordinate(e, *a, b, e.turns < 0 ? 0 : states[e.turns], s);
+      break;
+    case Measure::axis:
+      measure_axis(e, *a, b, e.turns < 0 ? 0 : states[e.turns], s);
+      break;
+    case Measure::relative:
+      return measure_relative(e, *a, b, s);
+    case Measure::none: {
+      s.x[0] = s.v[0] = T(0);
+      const Vec3<T> force = e.direction.template cast<T>(), moment = e.second.template cast<T>();
+      s.set_linear(0, e.follower ? Vec3<T>(b.rotation * force) : force);
+      s.set_angular(0, e.follower ? Vec3<T>(b.rotation * moment) : moment);
+      return;
+    }
+  }
+  if (e.turns >= 0) s.states[e.turns] = s.x[0];
+}
+
+/// Whether its force has a moment about b's origin, or about a's beyond that of its arm.
+constexpr bool has_moment(Measure m) { return m != Measure::distance && m != Measure::height; }
+
+}  // namespace mimbre

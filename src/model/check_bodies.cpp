@@ -1,0 +1,136 @@
+#include <set>
+
+#include "math/decompositions.h"
+#include "mimbre/reduced_body.h"
+#include "model/checked_thing.h"
+#include "reduction/check_arrays.h"
+
+/// Bodies and the frames on them.
+namespace mimbre::checks {
+namespace {
+
+std::string to_text(const Eigen::Vector3d& v) {
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
+}
+
+/// About the centre of mass. A point mass and a thin rod are bodies too: principal moments may be 0.
+void check_inertia(const Thing& thing, const spec::Body& body) {
+  constexpr double rounding = 1e-6;
+  const Eigen::Matrix3d& J = body.inertia;
+  if (!thing.finite("inertia", J)) return;
+  if (body.mass == 0) {
+    if (!J.isZero(0)) thing.error("the mass is 0 but the inertia is not; make both 0 or none");
+    return;
+  }
+  const double size = J.cwiseAbs().maxCoeff();
+  if ((J - J.transpose()).cwiseAbs().maxCoeff() > rounding * size)
+    return thing.error("inertia is not symmetric; Ixy must be Iyx, and so on");
+  const Eigen::Vector3d I = eigenvalues3(J);
+  if (I[0] < -rounding * size)
+    thing.error(fmt::format("inertia is not positive definite: principal moments {}; none can be negative",
+                            to_text(I)));
+  else if (I[0] + I[1] < I[2] * (1 - rounding))
+    thing.error(
+        fmt::format("inertia breaks the triangle inequality: principal moments {}, but no body has "
+                    "one larger than the sum of the others",
+                    to_text(I)));
+}
+
+void check_rigid(const Thing& thing, const spec::Body& body) {
+  thing.finite("com", body.com);
+  if (thing.not_negative("mass", body.mass)) check_inertia(thing, body);
+}
+
+void check_ancf(const Thing& thing, const ReducedBody& body) {
+  const AncfBeam& beam = *body.ancf;
+  thing.not_negative("reduced body: beam: stiffness_damping", beam.stiffness_damping);
+  const auto unit = [](const Eigen::Vector3d& v) { return std::abs(v.norm() - 1) < 1e-6; };
+  if (!unit(beam.along) || !unit(beam.normal) || !(std::abs(beam.along.dot(beam.normal)) < 1e-6))
+    thing.error("reduced body: beam: along and normal must be unit vectors at right angles");
+  for (std::size_t k = 0; k < beam.elements.size(); ++k) {
+    const AncfBeam::Element& e = beam.elements[k];
+    const auto what = [&](const char* name) {
+      return fmt::format("reduced body: beam: element {}: {}", k, name);
+    };
+    thing.positive(what("length"), e.length);
+    thing.not_negative(what("axial"), e.axial);
+    thing.not_negative(what("bending"), e.bending);
+    for (const int amplitude : e.amplitudes) thing.between(what("amplitude"), amplitude, -1, body.modes - 1);
+  }
+}
+
+/// True when the arrays fit each other, so that frames and outputs may look into them.
+bool check_flexible(const Thing& thing, const ReducedBody& body) {
+  const auto messages = check_arrays(body);
+  for (const std::string& message : messages) thing.error("reduced body: " + message);
+  const bool turns = thing.enumerator("reduced body: boundary_rotation", body.boundary_rotation, 3);
+  if (!messages.empty() || !turns) return false;
+  if (body.ancf) check_ancf(thing, body);
+  return true;
+}
+
+void check_drawing(const Thing& thing, const spec::Body& body) {
+  for (const spec::Shape& shape : body.shapes) {
+    thing.pose(shape.pose);
+    if (!thing.enumerator("kind of a shape", shape.kind, 3)) continue;
+    const int sizes = shape.kind == spec::Shape::Kind::box        ? 3
+                      : shape.kind == spec::Shape::Kind::cylinder ? 2
+                                                                  : 1;
+    for (int k = 0; k < sizes; ++k) thing.positive("size of a shape", shape.size[k]);
+  }
+  for (const auto& line : body.lines)
+    for (const Eigen::Vector3d& end : line) thing.finite("end of a line", end);
+}
+
+/// The node whose modes move a frame lies where the frame does.
+void check_node(const Thing& thing, const spec::Frame& frame, const spec::Body& body) {
+  const auto& nodes = body.flexible->frames;
+  if (frame.flexible_frame >= static_cast<int>(nodes.size()))
+    return thing.error(fmt::format("flexible_frame is {}, but body '{}' has {} frames that its modes move",
+                                   frame.flexible_frame, body.name, nodes.size()));
+  const BodyFrame& node = nodes[static_cast<std::size_t>(frame.flexible_frame)];
+  double size = 0;
+  for (const BodyFrame& other : nodes) size = std::max(size, (other.position - node.position).norm());
+  const double distance = (node.position - frame.pose.position).norm();
+  if (distance > 1e-6 + 1e-4 * size)  // rounded figures, as of drawings
+    thing.error(
+        fmt::format("lies {:.3g} m away from '{}' of body '{}', whose modes move it (flexible_frame {}); "
+                    "it must lie there",
+                    distance, node.name, body.name, frame.flexible_frame));
+}
+
+}  // namespace
+
+void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  std::set<const ReducedBody*> known;
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const spec::Body& body = model.bodies[k];
+    const Thing thing(errors, "body", body.name, body.mark, k);
+    thing.pose(body.pose);
+    check_drawing(thing, body);
+    if (!body.flexible)
+      check_rigid(thing, body);
+    else if (known.insert(body.flexible.get()).second)
+      check_flexible(thing, *body.flexible);
+  }
+}
+
+void check_frames(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  for (std::size_t k = 0; k < model.frames.size(); ++k) {
+    const spec::Frame& frame = model.frames[k];
+    const Thing thing(errors, "frame", frame.name, frame.mark, k);
+    thing.pose(frame.pose);
+    if (!thing.index("body", frame.body, model.bodies.size(), "bodies", spec::ground)) continue;
+    if (frame.flexible_frame < -1)
+      thing.error(fmt::format("flexible_frame is {}; -1 means that no modes move it", frame.flexible_frame));
+    if (frame.flexible_frame < 0 || frame.body == spec::ground) continue;
+    const spec::Body& body = model.bodies[static_cast<std::size_t>(frame.body)];
+    if (!body.flexible)
+      thing.error(fmt::format("flexible_frame is {}, but body '{}' is rigid; -1 means that no modes move it",
+                              frame.flexible_frame, body.name));
+    else if (frame.pose.position.allFinite())
+      check_node(thing, frame, body);
+  }
+}
+
+}  // namespace mimbre::checks

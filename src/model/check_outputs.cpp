@@ -1,0 +1,164 @@
+#include <algorithm>
+
+#include "joints/table.h"
+#include "math/stress.h"
+#include "mimbre/reduced_body.h"
+#include "model/checked_thing.h"
+
+/// Channels that the user named.
+namespace mimbre::checks {
+namespace {
+
+using Kind = spec::Output::Kind;
+
+void check_direction(const Thing& thing, const Eigen::Vector3d& direction) {
+  if (thing.finite("direction", direction) && direction.isZero(0))
+    thing.error("direction has no length; give a vector such as (0, 0, 1)");
+}
+
+void check_joint(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  if (!thing.index("item", output.item, model.joints.size(), "joints")) return;
+  if (output.kind == Kind::joint_force) {
+    thing.between("component", output.component, 0, 5);
+    return;
+  }
+  const spec::JointType type = model.joints[static_cast<std::size_t>(output.item)].type;
+  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+  const JointInfo& info = joint_info(type);
+  const bool rate = output.kind == Kind::joint_velocity;
+  const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
+  if (count == 0)
+    thing.error(fmt::format("a {} joint has no {} coordinate", info.name, rate ? "" : "scalar"));
+  else
+    thing.between("component", output.component, 0, count - 1);
+}
+
+const spec::Body* body_of(const spec::Model& model, const Thing& thing, int index) {
+  return thing.index("item", index, model.bodies.size(), "bodies")
+             ? &model.bodies[static_cast<std::size_t>(index)]
+             : nullptr;
+}
+
+void check_amplitude(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  const spec::Body* body = body_of(model, thing, output.item);
+  if (!body) return;
+  if (!body->flexible || body->flexible->modes == 0)
+    thing.error(fmt::format("body '{}' is rigid and has no modes", body->name));
+  else
+    thing.between("component", output.component, 0, body->flexible->modes - 1);
+}
+
+/// Of a rigid body stress and strain are 0, which is allowed: a model may have a body in both ways.
+void check_stress(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  const bool stress = output.kind == Kind::stress;
+  thing.between("component", output.component, 0, stress ? von_mises_component : von_mises_component - 1);
+  if (thing.finite("direction", output.direction) && stress && !output.direction.isZero(0))
+    thing.error("a direction belongs to a strain, not to a stress");
+  const spec::Body* body = body_of(model, thing, output.item);
+  if (!body || !body->flexible) return;
+  if ((stress ? body->flexible->stress : body->flexible->strain).size() == 0)
+    thing.error(fmt::format("body '{}' has no {} modes; reduce its model again, with its elements",
+                            body->name, stress ? "stress" : "strain"));
+  thing.between("node", output.node, -1, static_cast<int>(body->flexible->nodes.cols()) - 1);
+}
+
+void check_motion_of_mass(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  thing.between("component", output.component, 0, 2);
+  if (output.about) thing.finite("about", *output.about);
+  double mass = 0;
+  const auto add = [&](const spec::Body& body) { mass += body.flexible ? body.flexible->mass : body.mass; };
+  for (std::size_t k = 0; k < output.bodies.size(); ++k) {
+    const int body = output.bodies[k];
+    if (!thing.index("one of bodies", body, model.bodies.size(), "bodies")) return;
+    if (std::find(output.bodies.begin(), output.bodies.begin() + static_cast<std::ptrdiff_t>(k), body) !=
+        output.bodies.begin() + static_cast<std::ptrdiff_t>(k))
+      return thing.error(
+          fmt::format("body '{}' is named twice", model.bodies[static_cast<std::size_t>(body)].name));
+    add(model.bodies[static_cast<std::size_t>(body)]);
+  }
+  if (output.bodies.empty()) std::for_each(model.bodies.begin(), model.bodies.end(), add);
+  if (mass == 0) thing.error("has no mass, and so neither a centre of mass nor momentum");
+}
+
+/// Commas and quotes would break the columns of a CSV file.
+void check_name(const Thing& thing, const std::string& name) {
+  const auto good = [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 && c != ',' && c != '"' && c != 0x7f;
+  };
+  if (name.size() > 100 || !std::all_of(name.begin(), name.end(), good))
+    thing.error("is no name of a column; it has 1 to 100 characters, no comma and no quote");
+  if (name == "t") thing.error("'t' is the column of the time; choose another name");
+}
+
+void check_output(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  check_name(thing, output.name);
+  thing.finite("offset", output.offset);
+  switch (output.kind) {
+    case Kind::position:
+    case Kind::velocity:
+    case Kind::acceleration:
+    case Kind::angular_velocity:
+      thing.between("component", output.component, 0, 2);
+      thing.index("item", output.item, model.frames.size(), "frames");
+      return;
+    case Kind::roll:
+    case Kind::pitch:
+    case Kind::yaw:
+      thing.index("item", output.item, model.frames.size(), "frames");
+      return;
+    case Kind::displacement:
+      thing.index("reference", output.reference, model.frames.size(), "frames");
+      [[fallthrough]];
+    case Kind::deflection:
+      thing.index("item", output.item, model.frames.size(), "frames");
+      return check_direction(thing, output.direction);
+    case Kind::joint_position:
+    case Kind::joint_velocity:
+    case Kind::joint_force:
+      return check_joint(model, thing, output);
+    case Kind::modal_amplitude:
+      return check_amplitude(model, thing, output);
+    case Kind::stress:
+    case Kind::strain:
+      return check_stress(model, thing, output);
+    case Kind::centre_of_mass:
+    case Kind::linear_momentum:
+    case Kind::angular_momentum:
+      return check_motion_of_mass(model, thing, output);
+    case Kind::spring_force:
+    case Kind::spring_length:
+      thing.index("item", output.item, model.springs.size(), "springs");
+      return;
+    case Kind::tyre_force:
+      thing.index("item", output.item, model.tyres.size(), "tyres");
+      return;
+    case Kind::signal:
+      thing.index("item", output.item, model.signals.size(), "signals");
+      return;
+    case Kind::input:
+      thing.index("item", output.item, model.inputs.size(), "inputs");
+      return;
+    case Kind::element_force:
+    case Kind::element_measure:
+    case Kind::element_rate:
+      if (thing.index("item", output.item, model.elements.size(), "elements"))
+        thing.between(
+            "component", output.component, 0,
+            model.elements[static_cast<std::size_t>(output.item)].on == spec::Element::On::frames ? 5 : 0);
+      return;
+  }
+  thing.error(fmt::format("kind is {}, which is none of its choices", static_cast<int>(output.kind)));
+}
+
+}  // namespace
+
+void check_outputs(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  for (std::size_t k = 0; k < model.outputs.size(); ++k)
+    check_output(model, Thing(errors, "output", model.outputs[k].name, model.outputs[k].mark, k),
+                 model.outputs[k]);
+  for (std::size_t k = 0; k < model.sensors.size(); ++k)
+    check_output(model, Thing(errors, "sensor", model.sensors[k].name, model.sensors[k].mark, k),
+                 model.sensors[k]);
+}
+
+}  // namespace mimbre::checks

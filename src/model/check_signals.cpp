@@ -1,0 +1,153 @@
+#include "joints/table.h"
+#include "model/checked_thing.h"
+#include "model/force_laws.h"
+
+/// Inputs, signals, and the force elements that have no section of their own.
+namespace mimbre::checks {
+namespace {
+
+void check_source(const spec::Model& model, const Thing& thing, const spec::Source& source) {
+  using Kind = spec::Source::Kind;
+  switch (source.kind) {
+    case Kind::time:
+      return;
+    case Kind::input:
+      thing.index("argument", source.index, model.inputs.size(), "inputs");
+      return;
+    case Kind::signal:
+      thing.index("argument", source.index, model.signals.size(), "signals");
+      return;
+    case Kind::sensor:
+      thing.index("argument", source.index, model.sensors.size(), "sensors");
+      return;
+  }
+  thing.error(
+      fmt::format("an argument's kind is {}, which is none of its choices", static_cast<int>(source.kind)));
+}
+
+/// `own`: variables of the law itself, which come first.
+void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own) {
+  if (law.formula.is_zero()) return;
+  for (const spec::Source& source : law.arguments) check_source(model, thing, source);
+  if (law.formula.variables() != own + law.arguments.size())
+    thing.error(fmt::format("its formula has {} variables; {} of its own and {} arguments are given",
+                            law.formula.variables(), own, law.arguments.size()));
+}
+
+void check_place(const spec::Model& model, const Thing& thing, const spec::Element& e) {
+  if (!thing.enumerator("on", e.on, 4)) return;
+  if (e.on == spec::Element::On::coordinate) {
+    if (!thing.index("joint", e.joint, model.joints.size(), "joints")) return;
+    const spec::JointType type = model.joints[static_cast<std::size_t>(e.joint)].type;
+    if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+    const JointInfo& info = joint_info(type);
+    const int count = info.quaternion < 0 ? info.velocities : info.rotation;
+    if (count == 0)
+      thing.error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
+    else
+      thing.between("coordinate", e.coordinate, 0, count - 1);
+    return;
+  }
+  const bool a = thing.index("frame_a", e.frame_a, model.frames.size(), "frames");
+  const bool b = thing.index("frame_b", e.frame_b, model.frames.size(), "frames");
+  if (!a || !b || !sound_frame(model, e.frame_a) || !sound_frame(model, e.frame_b)) return;
+  const spec::Frame &first = model.frames[static_cast<std::size_t>(e.frame_a)],
+                    &second = model.frames[static_cast<std::size_t>(e.frame_b)];
+  if (first.body == spec::ground && second.body == spec::ground) thing.error("both ends are on the ground");
+  if (e.on == spec::Element::On::line && assembled_place(model, first) == assembled_place(model, second))
+    thing.error("has length 0 in the assembled position: its direction is not defined; move one end");
+  if (e.on == spec::Element::On::axis && thing.finite("direction", e.direction) && e.direction.isZero(0))
+    thing.error("direction has no length; give a vector such as (0, 0, 1)");
+}
+
+void check_element(const spec::Model& model, const Thing& thing, const spec::Element& e) {
+  const int row = find_law(e.law);
+  std::string known;
+  for (const LawInfo& info : law_table)
+    if (info.coordinate || info.relative)
+      known += fmt::format("{}'{}'", known.empty() ? "" : ", ", info.name);
+  if (row < 0) return thing.error(fmt::format("there is no law '{}'; there are {}", e.law, known));
+  const LawInfo& law = law_info(row);
+  using On = spec::Element::On;
+  const bool fits = (e.on == On::line && law.along) || (e.on == On::coordinate && law.coordinate) ||
+                    (e.on == On::axis && law.axis) || (e.on == On::frames && law.relative);
+  if (!fits) thing.error(fmt::format("law '{}' does not act there; there are {}", e.law, known));
+  check_place(model, thing, e);
+  for (const double number : e.numbers)
+    if (!thing.finite("one of numbers", number)) break;
+  for (const spec::Source& source : e.arguments) check_source(model, thing, source);
+  const bool user = e.law == "user", bushing = e.law == "bushing";
+  if (user ? e.arguments.size() > 64 : static_cast<int>(e.arguments.size()) != law.arguments)
+    thing.error(fmt::format("law '{}' takes {} signals, {} are given", e.law, user ? 64 : law.arguments,
+                            e.arguments.size()));
+  if (user != static_cast<bool>(e.user))
+    thing.error(user ? "has no function: set 'user'"
+                     : "has a function of the user's, which belongs to law 'user'");
+  if (e.user && !e.user->evaluate) thing.error("has an empty function");
+  if (e.user)
+    for (const double state : e.user->states) thing.finite("one of its states", state);
+  if (bushing && e.numbers.size() != 72)
+    thing.error(
+        fmt::format("a bushing has 72 numbers (stiffness and damping, 6 x 6), not {}", e.numbers.size()));
+  if (!bushing && !user && e.numbers.size() != law.numbers.size())
+    thing.error(
+        fmt::format("law '{}' has {} numbers, {} are given", e.law, law.numbers.size(), e.numbers.size()));
+  if (!e.functions.empty() && (!bushing || e.functions.size() != 12))
+    thing.error("functions belong to a bushing: six elastic laws, then six of damping");
+  for (std::size_t block = 0; bushing && e.numbers.size() == 72 && block < 2; ++block) {
+    const Eigen::Map<const Eigen::Matrix<double, 6, 6>> m(e.numbers.data() + 36 * block);
+    if (m.allFinite() && !m.isApprox(m.transpose(), 1e-9) && !m.isZero(0))
+      thing.error(block == 0 ? "stiffness is not symmetric" : "damping is not symmetric");
+  }
+  if (!e.branches.empty() && !bushing) thing.error("branches belong to a bushing");
+  for (const spec::MaxwellBranch& branch : e.branches) {
+    thing.positive("relaxation", branch.relaxation);
+    if (thing.finite("stiffness of a branch", branch.stiffness) &&
+        !branch.stiffness.isApprox(branch.stiffness.transpose(), 1e-9))
+      thing.error("stiffness of a branch is not symmetric");
+  }
+}
+
+}  // namespace
+
+void check_inputs(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
+    const spec::Input& input = model.inputs[k];
+    const Thing thing(errors, "input", input.name, input.mark, k);
+    thing.enumerator("hold", input.hold, 2);
+    thing.finite("start", input.start);
+    if (!(input.min <= input.max))
+      thing.error(fmt::format("its range from {} to {} is empty", input.min, input.max));
+    else if (!(input.start >= input.min && input.start <= input.max))
+      thing.error(
+          fmt::format("start is {}, outside of its range from {} to {}", input.start, input.min, input.max));
+  }
+}
+
+void check_signals(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  for (std::size_t k = 0; k < model.signals.size(); ++k) {
+    const spec::Signal& signal = model.signals[k];
+    const Thing thing(errors, "signal", signal.name, signal.mark, k);
+    if (signal.law.formula.is_zero()) thing.error("has no formula");
+    thing.not_negative("every", signal.every);
+    check_law(model, thing, signal.law, 0);
+  }
+  for (std::size_t k = 0; k < model.springs.size(); ++k)
+    check_law(model, Thing(errors, "spring", model.springs[k].name, model.springs[k].mark, k),
+              model.springs[k].general, 2);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Thing thing(errors, "joint", model.joints[k].name, model.joints[k].mark, k);
+    for (const spec::JointSpring& spring : model.joints[k].springs)
+      check_law(model, thing, spring.general, 2);
+    for (const spec::Drive& drive : model.joints[k].drives)
+      if (drive.signal >= 0) thing.index("drive: signal", drive.signal, model.signals.size(), "signals");
+  }
+}
+
+void check_elements(const spec::Model& model, std::vector<Diagnostic>& errors) {
+  for (std::size_t k = 0; k < model.elements.size(); ++k)
+    check_element(model, Thing(errors, "element", model.elements[k].name, model.elements[k].mark, k),
+                  model.elements[k]);
+}
+
+}  // namespace mimbre::checks

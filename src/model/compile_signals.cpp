@@ -1,0 +1,306 @@
+#include "model/compile_signals.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/reduced_body.h"
+#include "model/force_laws.h"
+
+namespace mimbre {
+namespace {
+
+using Kind = spec::Output::Kind;
+using Source = spec::Source;
+
+/// What depends on position and velocity alone. Forces and accelerations do not: they are decided at the same
+/// instant as what would depend on them.
+bool is_of_motion(Kind kind) {
+  switch (kind) {
+    case Kind::position:
+    case Kind::velocity:
+    case Kind::angular_velocity:
+    case Kind::roll:
+    case Kind::pitch:
+    case Kind::yaw:
+    case Kind::displacement:
+    case Kind::deflection:
+    case Kind::joint_position:
+    case Kind::joint_velocity:
+    case Kind::spring_length:
+    case Kind::element_measure:
+    case Kind::element_rate:
+    case Kind::modal_amplitude:
+      return true;
+    default:
+      return false;
+  }
+}
+
+class Planner {
+ public:
+  explicit Planner(Compiled& c) : c_(c), s_(c.spec), d_(c.signals) {}
+
+  void run() {
+    d_.slot_of_signal.assign(s_.signals.size(), -1);
+    d_.slot_of_sensor.assign(s_.sensors.size(), -1);
+    moving_.assign(s_.signals.size(), 0);
+    for (std::size_t k = 0; k < s_.inputs.size(); ++k) input(static_cast<int>(k));
+    for (std::size_t k = 0; k < s_.signals.size(); ++k)
+      if (s_.signals[k].every > 0) sampled(static_cast<int>(k));
+    order();
+    for (const int k : order_) moving_[k] = depends_on_motion(s_.signals[k]);
+    for (const int k : order_)
+      if (!moving_[k]) make(k, d_.fixed);
+    functions_of_time();
+    d_.first_moving = d_.slots;
+    const auto see = [&](const std::vector<Source>& arguments, const std::string& who, const Mark& mark) {
+      for (const Source& a : arguments)
+        if (a.kind == Source::Kind::sensor) sense(a.index, who, mark);
+    };
+    for (const int k : order_)
+      see(s_.signals[k].law.arguments, fmt::format("signal '{}'", s_.signals[k].name), s_.signals[k].mark);
+    for (const spec::Spring& spring : s_.springs)
+      see(spring.general.arguments, fmt::format("spring '{}'", spring.name), spring.mark);
+    for (const spec::Joint& joint : s_.joints)
+      for (const spec::JointSpring& spring : joint.springs)
+        see(spring.general.arguments, fmt::format("the spring of joint '{}'", joint.name), joint.mark);
+    for (const spec::Element& e : s_.elements)
+      see(e.arguments, fmt::format("{} '{}'", e.law, e.name), e.mark);
+    for (const int k : order_)
+      if (moving_[k]) make(k, d_.moving);
+    for (SignalsData::Sampled& sampled : d_.sampled)
+      for (const Source& a : s_.signals[sampled.spec].law.arguments)
+        sampled.arguments.push_back({a.kind == Source::Kind::sensor ? -1 : slot_of(c_, a),
+                                     a.kind == Source::Kind::sensor ? a.index : -1});
+  }
+
+ private:
+  int hold(std::initializer_list<double> values) {
+    const int first = static_cast<int>(d_.start.size());
+    d_.start.insert(d_.start.end(), values);
+    return first;
+  }
+
+  void input(int k) {
+    const spec::Input& i = s_.inputs[k];
+    const bool linear = i.hold == spec::Input::Hold::linear;
+    d_.slot_of_input.push_back(d_.slots);
+    d_.held.push_back(
+        {d_.slots++, linear ? hold({i.start, 0, i.start, 0}) : hold({i.start, -1e300}), linear, k});
+  }
+
+  void sampled(int k) {
+    const spec::Signal& s = s_.signals[k];
+    d_.slot_of_signal[k] = d_.slots;
+    const int held = hold({0, 0});
+    d_.held.push_back({d_.slots++, held, false, -1});
+    d_.sampled.push_back({k, held, s.every, s.law.formula, {}});
+  }
+
+  /// Signals after those that they need; sampled ones are known before.
+  void order() {
+    std::vector<int> state(s_.signals.size(), 0), path;
+    for (int k = 0; k < static_cast<int>(s_.signals.size()); ++k) visit(k, state, path);
+  }
+  void visit(int k, std::vector<int>& state, std::vector<int>& path) {
+    const spec::Signal& s = s_.signals[k];
+    if (s.every > 0 || state[k] == 2) return;
+    if (state[k] == 1) {
+      std::string loop;
+      for (auto at = std::find(path.begin(), path.end(), k); at != path.end(); ++at)
+        loop += fmt::format("'{}' → ", s_.signals[*at].name);
+      throw InputError(s.mark,
+                       fmt::format("signals depend on each other in a circle, without a state or delay: "
+                                   "{}'{}'; evaluate one of them at instants, `every: 0.01`",
+                                   loop, s.name));
+    }
+    state[k] = 1;
+    path.push_back(k);
+    for (const Source& a : s.law.arguments)
+      if (a.kind == Source::Kind::signal) visit(a.index, state, path);
+    path.pop_back();
+    state[k] = 2;
+    order_.push_back(k);
+  }
+
+  char depends_on_motion(const spec::Signal& s) const {
+    return std::any_of(s.law.arguments.begin(), s.law.arguments.end(), [&](const Source& a) {
+      return a.kind == Source::Kind::sensor ||
+             (a.kind == Source::Kind::signal && s_.signals[a.index].every <= 0 && moving_[a.index]);
+    });
+  }
+
+  void make(int k, std::vector<SignalsData::Made>& list) {
+    SignalsData::Made made{d_.slots++, {s_.signals[k].law.formula, {}}};
+    for (const Source& a : s_.signals[k].law.arguments) made.law.slots.push_back(slot_of(c_, a));
+    d_.slot_of_signal[k] = made.slot;
+    list.push_back(std::move(made));
+  }
+
+  void sense(int sensor, const std::string& who, const Mark& mark) {
+    if (d_.slot_of_sensor[sensor] >= 0) return;
+    const spec::Output& o = s_.sensors[sensor];
+    if (!is_of_motion(o.kind))
+      throw InputError(mark,
+                       fmt::format("{} uses '{}', which forces decide at the same instant; evaluate it at "
+                                   "instants by a signal with `every: 0.01`",
+                                   who, o.name));
+    d_.slot_of_sensor[sensor] = d_.slots;
+    d_.sensors.push_back({d_.slots++, static_cast<int>(d_.sensors.size())});
+    seen_.push_back(sensor);
+  }
+
+  int of_time(const Function& f) {
+    d_.of_time.push_back({d_.slots, f});
+    return d_.slots++;
+  }
+
+  /// Slot of a signal that motion must not decide.
+  int fixed_signal(int signal, const std::string& who) const {
+    if (moving_[signal])
+      throw InputError(s_.signals[signal].mark,
+                       fmt::format("{} follows signal '{}', which depends on the motion at the same instant; "
+                                   "give the signal `every: 0.01`, or use an actuator",
+                                   who, s_.signals[signal].name));
+    return d_.slot_of_signal[signal];
+  }
+
+  void functions_of_time() {
+    for (const spec::Load& l : s_.loads) d_.slot_of_load.push_back(l.signal >= 0 ? -1 : of_time(l.scale));
+    for (const spec::Road& r : s_.roads)
+      d_.slot_of_road.push_back(r.over == spec::Road::Over::distance ? -1
+                                : r.signal >= 0 ? fixed_signal(r.signal, fmt::format("road '{}'", r.name))
+                                                : of_time(r.height));
+    for (const spec::Joint& joint : s_.joints) {
+      d_.slot_of_drive.emplace_back();
+      for (const spec::Drive& drive : joint.drives) d_.slot_of_drive.back().push_back(driven(joint, drive));
+    }
+  }
+
+  int driven(const spec::Joint& joint, const spec::Drive& drive) {
+    const auto k = static_cast<std::size_t>(drive.coordinate);
+    const double start = k < joint.initial_position.size() ? joint.initial_position[k].value_or(0) : 0;
+    const bool position = drive.of == spec::Drive::Of::position;
+    if (drive.signal < 0)
+      // A run may be longer than the file says: what is prepared reaches over four times that.
+      return of_time(position ? drive.law : drive.law.integral(start, 4 * s_.simulation.end));
+    const int signal = fixed_signal(drive.signal, fmt::format("the drive of joint '{}'", joint.name));
+    if (position) return signal;
+    d_.integrals.push_back({d_.slots, signal, hold({start, 0})});
+    return d_.slots++;
+  }
+
+  Compiled& c_;
+  const spec::Model& s_;
+  SignalsData& d_;
+  std::vector<int> order_;
+  std::vector<char> moving_;
+
+ public:
+  std::vector<int> seen_;  ///< sensors of the spec
+};
+
+}  // namespace
+
+void plan_signals(Compiled& c) {
+  Planner planner(c);
+  planner.run();
+  c.signals.seen = std::move(planner.seen_);
+}
+
+std::vector<int> seen_within_a_step(const Compiled& c) { return c.signals.seen; }
+
+bool is_of_frame(Kind kind) {
+  return kind == Kind::position || kind == Kind::velocity || kind == Kind::angular_velocity ||
+         kind == Kind::roll || kind == Kind::pitch || kind == Kind::yaw || kind == Kind::displacement;
+}
+
+int slot_of(const Compiled& c, const Source& source) {
+  switch (source.kind) {
+    case Source::Kind::time:
+      return 0;
+    case Source::Kind::input:
+      return c.signals.slot_of_input[source.index];
+    case Source::Kind::signal:
+      return c.signals.slot_of_signal[source.index];
+    case Source::Kind::sensor:
+      return c.signals.slot_of_sensor[source.index];
+  }
+  return 0;
+}
+
+int load_slot(const Compiled& c, int load) {
+  const int signal = c.spec.loads[load].signal;
+  return signal >= 0 ? c.signals.slot_of_signal[signal] : c.signals.slot_of_load[load];
+}
+
+int drive_slot(const Compiled& c, int joint, int drive) { return c.signals.slot_of_drive[joint][drive]; }
+
+void place_roads(Compiled& c) {
+  for (std::size_t k = 0; k < c.roads.size(); ++k) c.roads[k].slot = c.signals.slot_of_road[k];
+}
+
+int add_formula(Compiled& c, const spec::Law& law) {
+  if (law.formula.is_zero()) return -1;
+  LawData data{law.formula, {}};
+  for (const Source& a : law.arguments) data.slots.push_back(slot_of(c, a));
+  c.formulas.push_back(std::move(data));
+  return static_cast<int>(c.formulas.size()) - 1;
+}
+
+int add_argument(Compiled& c, int slot) {
+  c.arguments.push_back(slot);
+  return static_cast<int>(c.arguments.size()) - 1;
+}
+
+void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_element,
+                   const std::function<ElementData(int joint, int coordinate)>& on_coordinate) {
+  for (const int sensor : c.signals.seen) {
+    const spec::Output& o = c.spec.sensors[sensor];
+    SensorData d;
+    d.kind = o.kind;
+    d.component = o.component;
+    d.own_axes = o.own_axes;
+    d.direction = o.direction;
+    d.offset = o.offset;
+    if (is_of_frame(o.kind)) d.frame = c.frame_of_spec[o.item];
+    if (o.kind == Kind::displacement) d.reference = c.frame_of_spec[o.reference];
+    if (o.kind == Kind::spring_length) d.element = o.item;
+    if (o.kind == Kind::element_measure || o.kind == Kind::element_rate) d.element = c.first_other + o.item;
+    if (o.kind == Kind::joint_position || o.kind == Kind::joint_velocity) {
+      d.component = 0;
+      const auto same = [&](const ElementData& e) {
+        return e.measure == Measure::coordinate && e.joint_spec == o.item && e.local == o.component;
+      };
+      const auto found = std::find_if(c.elements.begin(), c.elements.end(), same);
+      if (found != c.elements.end()) {
+        d.element = static_cast<int>(found - c.elements.begin());
+      } else {
+        ElementData e = on_coordinate(o.item, o.component);
+        e.law = static_cast<int>(Law::sensor);
+        d.element = add_element(std::move(e));
+      }
+      if (o.kind == Kind::joint_velocity) d.offset = 0;
+    }
+    if (o.kind == Kind::deflection) {
+      const FrameData& f = c.frames[c.frame_of_spec[o.item]];
+      d.body = f.body;
+      if (f.flexible >= 0) {
+        const Eigen::RowVectorXd row = o.direction.transpose() * f.X;
+        d.shapes.assign(row.data(), row.data() + c.bodies[f.body].modes);
+      }
+    }
+    if (o.kind == Kind::modal_amplitude) {
+      d.body = c.body_of_spec[o.item];
+      if (const auto& body = c.spec.bodies[o.item].flexible) {
+        const Eigen::RowVectorXd row = body->user_from_modal.row(o.component);
+        d.shapes.assign(row.data(), row.data() + row.size());
+      }
+    }
+    c.sensors.push_back(std::move(d));
+  }
+}
+
+}  // namespace mimbre

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+
+#include "mimbre/spec.h"
+
+namespace mimbre {
+
+/// What an output can be of: by its name in model files and builders.
+struct OutputKind {
+  const char* key;
+  spec::Output::Kind kind;
+  enum class Of { frame, joint, body, bodies, spring, tyre } of;
+};
+
+inline constexpr std::array output_kinds{
+    OutputKind{"position", spec::Output::Kind::position, OutputKind::Of::frame},
+    OutputKind{"velocity", spec::Output::Kind::velocity, OutputKind::Of::frame},
+    OutputKind{"acceleration", spec::Output::Kind::acceleration, OutputKind::Of::frame},
+    OutputKind{"angular_velocity", spec::Output::Kind::angular_velocity, OutputKind::Of::frame},
+    OutputKind{"roll", spec::Output::Kind::roll, OutputKind::Of::frame},
+    OutputKind{"pitch", spec::Output::Kind::pitch, OutputKind::Of::frame},
+    OutputKind{"yaw", spec::Output::Kind::yaw, OutputKind::Of::frame},
+    OutputKind{"deflection", spec::Output::Kind::deflection, OutputKind::Of::frame},
+    OutputKind{"displacement", spec::Output::Kind::displacement, OutputKind::Of::frame},
+    OutputKind{"joint", spec::Output::Kind::joint_position, OutputKind::Of::joint},
+    OutputKind{"joint_velocity", spec::Output::Kind::joint_velocity, OutputKind::Of::joint},
+    OutputKind{"joint_force", spec::Output::Kind::joint_force, OutputKind::Of::joint},
+    OutputKind{"modal_amplitude", spec::Output::Kind::modal_amplitude, OutputKind::Of::body},
+    OutputKind{"stress", spec::Output::Kind::stress, OutputKind::Of::body},
+    OutputKind{"strain", spec::Output::Kind::strain, OutputKind::Of::body},
+    OutputKind{"centre_of_mass", spec::Output::Kind::centre_of_mass, OutputKind::Of::bodies},
+    OutputKind{"linear_momentum", spec::Output::Kind::linear_momentum, OutputKind::Of::bodies},
+    OutputKind{"angular_momentum", spec::Output::Kind::angular_momentum, OutputKind::Of::bodies},
+    OutputKind{"spring_force", spec::Output::Kind::spring_force, OutputKind::Of::spring},
+    OutputKind{"spring_length", spec::Output::Kind::spring_length, OutputKind::Of::spring},
+    OutputKind{"tyre_force", spec::Output::Kind::tyre_force, OutputKind::Of::tyre},
+};
+
+}  // namespace mimbre

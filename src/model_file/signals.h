@@ -1,0 +1,46 @@
+#pragma once
+#include "model_file/builder.h"
+
+/// Inputs, signals and outputs in the expressions of laws.
+namespace mimbre::model_file {
+
+/// A text in which each name of an input, a signal or an output is replaced by a variable of its own.
+struct SignalText {
+  std::string text;
+  std::vector<Variable> variables;
+  std::vector<spec::Source> sources;  ///< by variable
+  bool any() const { return !sources.empty(); }
+};
+SignalText replace_signals(Builder& builder, const Part& part, const std::string& text);
+
+/// Whether a text uses any.
+bool uses_signals(Builder& builder, const Part& part, const Value& value);
+
+/// A law of own variables, with all signals that it uses; `extra` text of own variables is added to it.
+/// Nothing, and an error, where it is none.
+std::optional<spec::Law> read_formula(Builder& builder, const Part& part,
+                                      const std::vector<std::pair<Value, std::vector<Variable>>>& terms,
+                                      const std::vector<std::string>& own, const Quantity& wanted);
+
+/// The signal that a text of time and signals stands for: one that is made for it. -1, and an error, where it
+/// is none.
+int anonymous_signal(Builder& builder, const Part& part, const Value& value, const std::string& name,
+                     const Quantity& wanted);
+
+/// Names of inputs, tunable parameters, signals and outputs, before anything uses them; then what signals
+/// are, and which outputs are seen.
+void read_inputs(Builder& builder, Part& part);
+/// Records an error for a name that expressions cannot have; false then.
+bool claim_variable(Builder& builder, Names& names, const Part& part, const std::string& full_name,
+                    const std::string& name, const Mark& mark, int index);
+void claim_signals(Builder& builder, Part& part);
+void claim_outputs(Builder& builder, Part& part);
+void read_signals(Builder& builder, Part& part);
+void resolve_sensors(Builder& builder);
+
+/// An output's description without its name, for a signal that sees it.
+bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::Output& output);
+/// "front.{instance}" with the part's name in it.
+std::string instance_name(std::string text, const std::string& instance);
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,108 @@
+#pragma once
+#include <cmath>
+
+#include "forces/motion.h"
+#include "signals/values.h"
+
+/// What signals see of the motion within an evaluation, and what follows from it.
+namespace mimbre {
+
+/// A sensor's value. `frame(k)`: Motion of a frame, positions relative to `origin`; `measured(k)`:
+/// ElementState of an element; `amplitudes(body)`: its amplitudes.
+template <class Frame, class Measured, class Amplitudes>
+double sensor_value(const SensorData& s, const Vec3d& origin, const Frame& frame, const Measured& measured,
+                    const Amplitudes& amplitudes) {
+  using Kind = spec::Output::Kind;
+  const auto shapes = [&] {
+    if (s.shapes.empty()) return 0.0;
+    const double* y = amplitudes(s.body);
+    double sum = 0;
+    for (std::size_t k = 0; k < s.shapes.size(); ++k) sum += s.shapes[k] * y[k];
+    return sum;
+  };
+  switch (s.kind) {
+    case Kind::position:
+      return frame(s.frame).position[s.component] + origin[s.component];
+    case Kind::velocity:
+      return frame(s.frame).velocity[s.component];
+    case Kind::angular_velocity: {
+      const Motion<double> here = frame(s.frame);
+      return (s.own_axes ? Vec3d(here.rotation.transpose() * here.omega) : here.omega)[s.component];
+    }
+    case Kind::roll: {
+      const Mat3d r = frame(s.frame).rotation;
+      return std::atan2(r(2, 1), r(2, 2));
+    }
+    case Kind::pitch: {
+      const Mat3d r = frame(s.frame).rotation;
+      return std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2)));
+    }
+    case Kind::yaw: {
+      const Mat3d r = frame(s.frame).rotation;
+      return std::atan2(r(1, 0), r(0, 0));
+    }
+    case Kind::displacement: {
+      const Motion<double> reference = frame(s.reference);
+      return s.direction.dot(reference.rotation.transpose() *
+                             (frame(s.frame).position - reference.position)) +
+             s.offset;
+    }
+    case Kind::joint_position:
+    case Kind::spring_length:
+    case Kind::element_measure:
+      return measured(s.element).x[s.component] + s.offset;
+    case Kind::joint_velocity:
+    case Kind::element_rate:
+      return measured(s.element).v[s.component];
+    case Kind::deflection:
+    case Kind::modal_amplitude:
+      return shapes();
+    default:
+      return std::numeric_limits<double>::quiet_NaN();  // refused by the compiler
+  }
+}
+
+template <class Frame, class Measured, class Amplitudes>
+void sense(const Compiled& m, const Vec3d& origin, const Frame& frame, const Measured& measured,
+           const Amplitudes& amplitudes, SignalValues& s) {
+  for (const SignalsData::Sensor& sensor : m.signals.sensors)
+    s.value[sensor.slot] = sensor_value(m.sensors[sensor.sensor], origin, frame, measured, amplitudes);
+  for (const SignalsData::Made& f : m.signals.moving) s.value[f.slot] = signal_value(f.law, s);
+}
+
+/// ∂(slot)/∂x and ∂/∂v of the coordinate or length that element `of` measures, by way of the signals: what a
+/// controller of an actuator's own motion adds to the tangents.
+inline std::pair<double, double> feedback(const Compiled& m, const ElementData& of, int slot,
+                                          SignalValues& s) {
+  using Kind = spec::Output::Kind;
+  const auto same = [&](const SensorData& sensor) {
+    if (sensor.element < 0) return false;
+    const ElementData& e = m.elements[sensor.element];
+    if (e.measure != of.measure) return false;
+    if (of.measure == Measure::coordinate) return e.joint_spec == of.joint_spec && e.local == of.local;
+    return of.measure == Measure::distance && e.frame_a == of.frame_a && e.frame_b == of.frame_b;
+  };
+  bool any = false;
+  for (const SignalsData::Sensor& sensor : m.signals.sensors) {
+    const SensorData& d = m.sensors[sensor.sensor];
+    Gradient g{s.value[sensor.slot], 0, 0};
+    if (same(d)) {
+      const bool rate = d.kind == Kind::joint_velocity || d.kind == Kind::element_rate;
+      (rate ? g.by_second : g.by_first) = 1;
+      any = true;
+    }
+    s.gradients[sensor.slot] = g;
+  }
+  if (!any) return {0, 0};
+  std::array<Gradient, Formula::most_variables> x;
+  for (const SignalsData::Made& f : m.signals.moving) {
+    for (std::size_t k = 0; k < f.law.slots.size(); ++k) {
+      const int at = f.law.slots[k];
+      x[k] = at < m.signals.first_moving ? Gradient{s.value[at], 0, 0} : s.gradients[at];
+    }
+    s.gradients[f.slot] = f.law.formula.gradient(x.data());
+  }
+  return {s.gradients[slot].by_first, s.gradients[slot].by_second};
+}
+
+}  // namespace mimbre

@@ -1,0 +1,43 @@
+#include "simulation/mechanism.h"
+
+#include "dynamics/relative/forces.h"
+#include "simulation/assembly.h"
+#include "simulation/signal_state.h"
+
+namespace mimbre {
+
+Mechanism::Mechanism(const Compiled& compiled, const Method& method)
+    : model(compiled),
+      observer(compiled, method.inertia),
+      natural(make_natural(compiled, method)),
+      system(natural ? static_cast<System&>(*natural) : observer),
+      generalised_(compiled.velocities) {}
+
+void Mechanism::observe() {
+  if (natural) {
+    natural->to_relative(state, seen);
+    observer.begin_step(seen.q.data());
+  }
+  const State& s = view();
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+}
+
+void Mechanism::observe_afresh() {
+  if (!natural) observer.begin_step(state.q.data());
+  observe();
+}
+
+void Mechanism::enter(double step) {
+  system.enter(state.u.data(), state.z.data(), step);
+  observer.enter(state.u.data(), state.z.data(), step);
+}
+
+void Mechanism::commit(bool known) {
+  if (state.z.size() == 0 && model.signals.integrals.empty()) return;
+  const State& s = view();
+  if (!known)
+    relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), generalised_.data());
+  commit_signals(model, observer, state);
+}
+
+}  // namespace mimbre

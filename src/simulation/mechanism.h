@@ -1,0 +1,38 @@
+#pragma once
+#include <memory>
+
+#include "dynamics/natural/system.h"
+#include "dynamics/relative/system.h"
+#include "dynamics/state.h"
+#include "mimbre/method.h"
+
+namespace mimbre {
+
+/// A mechanism in motion, in the coordinates that the integrator works in, and as relative coordinates see
+/// it: energies and outputs are evaluated in these whatever the formulation.
+struct Mechanism {
+  Mechanism(const Compiled& compiled, const Method& method);
+
+  /// The state in relative coordinates; in natural coordinates that of the last observe().
+  const State& view() const { return natural ? seen : state; }
+  /// Kinematics at the state, for energies and output.
+  void observe();
+  /// The same about a common point that depends on the state alone, not on the step that led to it.
+  void observe_afresh();
+  /// From now on evaluations continue from the state, by a step (s; 0: none).
+  void enter(double step);
+  /// After a step, and at the start: takes over what force elements and signals remember. `known`: the
+  /// observer's last forces are of the state.
+  void commit(bool known);
+
+  const Compiled& model;
+  relative::RelativeSystem observer;  ///< the system itself in relative coordinates
+  std::unique_ptr<natural::NaturalSystem> natural;
+  System& system;
+  State state, seen;
+
+ private:
+  Eigen::VectorXd generalised_;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,54 @@
+#include "simulation/observers.h"
+
+namespace mimbre {
+
+Observers::Observers(const Mechanism& mechanism, const Method& method, bool redundant)
+    : model_(mechanism.model), energies_(method.energies && method.warnings) {
+  if (!method.validity) return;
+  validity_ = std::make_unique<ValidityMonitor>(model_);
+  if (validity_->empty()) validity_.reset();
+  if (validity_ && validity_->watches_loads())
+    loads_ = std::make_unique<LoadWatch>(mechanism, method, redundant);
+}
+
+void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
+  if (energies_) monitor_.start(meter);
+  if (!validity_) return;
+  validity_->start();
+  validity_->watch(mechanism.view());
+  if (loads_) loads_->start(mechanism, *validity_);
+}
+
+void Observers::watch(const Mechanism& mechanism, const EnergyMeter& meter) {
+  if (energies_) monitor_.watch(meter, mechanism.state.time);
+  if (validity_) validity_->watch(mechanism.view());
+  if (loads_) loads_->watch(mechanism, *validity_);
+}
+
+void Observers::transfer(StateTransfer& transfer) {
+  monitor_.transfer(transfer);
+  if (validity_) validity_->transfer(transfer);
+  if (loads_) loads_->transfer(transfer);
+}
+
+std::vector<Validity> Observers::validity() {
+  if (!validity_) return {};
+  if (loads_) loads_->finish(*validity_);
+  return validity_->worst();
+}
+
+std::vector<std::string> Observers::validity_warnings() {
+  if (!validity_) return {};
+  if (loads_) loads_->finish(*validity_);
+  return validity_->warnings();
+}
+
+std::string Observers::energy_warning(const StepMaker& steps) const {
+  return energies_ ? monitor_.warning(model_, steps.meter(), steps.resting_energy()) : std::string();
+}
+
+std::optional<UnresolvedReaction> Observers::unresolved() const {
+  return loads_ ? loads_->unresolved() : std::nullopt;
+}
+
+}  // namespace mimbre

@@ -1,0 +1,43 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/drive_smoothness.h"
+#include "simulation/energy_monitor.h"
+#include "simulation/load_watch.h"
+#include "simulation/mechanism.h"
+#include "simulation/step_maker.h"
+#include "simulation/validity.h"
+
+namespace mimbre {
+
+/// What looks on while a mechanism moves, as far as the method asks for it. Nothing of the motion depends on
+/// it.
+class Observers {
+ public:
+  Observers(const Mechanism& mechanism, const Method& method, bool redundant);
+
+  /// From now on.
+  void start(const Mechanism& mechanism, const EnergyMeter& meter);
+  /// After every accepted step. Neither allocates nor throws.
+  void watch(const Mechanism& mechanism, const EnergyMeter& meter);
+  void transfer(StateTransfer& transfer);
+
+  std::vector<Validity> validity();
+  /// Of linear theory.
+  std::vector<std::string> validity_warnings();
+  /// Empty when there is none.
+  std::string energy_warning(const StepMaker& steps) const;
+  /// The first reactions that were not resolved, of those that were watched.
+  std::optional<UnresolvedReaction> unresolved() const;
+
+ private:
+  const Compiled& model_;
+  const bool energies_;
+  EnergyMonitor monitor_;
+  std::unique_ptr<ValidityMonitor> validity_;
+  std::unique_ptr<LoadWatch> loads_;
+};
+
+}  // namespace mimbre

@@ -1,0 +1,44 @@
+#pragma once
+#include <vector>
+
+#include "dynamics/relative/system.h"
+#include "dynamics/state.h"
+#include "simulation/channels.h"
+
+/// What the state keeps of inputs, sampled signals and force elements, from step to step.
+namespace mimbre {
+
+/// Inputs at their start values, laws at theirs.
+void start_signals(const Compiled& model, State& state);
+
+/// After a step, or at the start: the system's last forces are of this state. Takes over the states of force
+/// elements at its end, and moves integrals of signals on.
+void commit_signals(const Compiled& model, const relative::RelativeSystem& system, State& state);
+
+/// Sets an input, kept in its range: at once, or on a straight line that ends a step later.
+void set_held_input(const Compiled& model, int input, double value, double step, State& state);
+/// Its value at the state's time.
+double held_input_value(const Compiled& model, int input, const State& state);
+
+/// Evaluates signals at instants, and laws that are sampled.
+class Sampler {
+ public:
+  explicit Sampler(const Compiled& model);
+  bool none() const { return signals_.empty() && laws_.empty(); }
+  /// Before a step of that length: what is due is evaluated from the system's last residual, which is of
+  /// `seen`, and kept in `state`. Allocates nothing that the outputs that it sees do not.
+  void sample(const Channels& channels, relative::RelativeSystem& system, const State& seen, double step,
+              State& state);
+
+ private:
+  struct Signal {
+    const SignalsData::Sampled* data;
+    std::vector<const spec::Output*> sensors;
+    std::vector<std::vector<int>> mass_of;
+  };
+  const Compiled& model_;
+  std::vector<Signal> signals_;
+  std::vector<int> laws_;  ///< elements
+};
+
+}  // namespace mimbre

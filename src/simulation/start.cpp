@@ -1,0 +1,47 @@
+#include "simulation/start.h"
+
+#include <fmt/format.h>
+
+#include "integrate/initial.h"
+#include "simulation/assembly.h"
+#include "simulation/drawn_open.h"
+#include "simulation/explain.h"
+#include "simulation/free_flight.h"
+#include "simulation/redundancy.h"
+#include "simulation/signal_state.h"
+#include "simulation/start_branches.h"
+
+namespace mimbre {
+
+Start start(Mechanism& mechanism, const Method& method, bool warns) {
+  const Compiled& m = mechanism.model;
+  relative::RelativeSystem& observer = mechanism.observer;
+  Start found;
+  const auto warn = [&](const std::string& text) {
+    if (warns && !text.empty()) found.warnings.push_back(text);
+  };
+  State assembled = assembled_state(m, observer);
+  if (warns) warn(drawn_open(observer, assembled));
+  if (m.spec.simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
+  mechanism.seen = assembled;
+  if (m.equations > 0) {
+    found.redundancy = find_redundancy(observer, assembled);
+    warn(explain_near_redundancy(found.redundancy));
+  }
+  mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
+  start_signals(m, mechanism.state);
+  mechanism.enter(0);
+  if (!solve_accelerations(mechanism.system, mechanism.state))
+    throw InputError({m.spec.file, 0, 0}, explain_undetermined_start(m));
+  if (method.integrator == spec::Simulation::Integrator::conserve && !m.drives.empty())
+    warn(fmt::format(
+        "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "
+        "numerics feed in; look at energy.numerical, or take a smaller step",
+        free_groups(m).empty() ? "nothing is left" : "only turns of what flies freely are left"));
+  mechanism.observe();
+  mechanism.commit(false);
+  if (warns) warn(explain_branches(observer, mechanism.view()));
+  return found;
+}
+
+}  // namespace mimbre

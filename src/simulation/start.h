@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mimbre/simulation.h"
+#include "simulation/mechanism.h"
+
+namespace mimbre {
+
+/// What was found out about a mechanism where it starts.
+struct Start {
+  std::vector<std::string> warnings;
+  Redundancy redundancy;
+};
+
+/// Puts a mechanism where it starts: loops closed, consistent velocities, the equilibrium if asked for,
+/// accelerations. Throws InputError when the loops do not close or the given initial values contradict each
+/// other. `warns`: also looks for what is worth a warning and nothing else.
+Start start(Mechanism& mechanism, const Method& method, bool warns);
+
+}  // namespace mimbre

@@ -1,0 +1,147 @@
+#include "simulation/step_maker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace mimbre {
+namespace {
+
+IntegratorOptions integrator_options(const Method& method) {
+  IntegratorOptions options;
+  options.step = method.step;
+  options.rule = method.integrator;
+  options.rho = method.rho;
+  options.xi = method.xi;
+  options.tolerance = method.tolerance;
+  options.penalty = method.penalty;
+  options.max_iterations = method.max_iterations;
+  return options;
+}
+
+/// A step is repeated in parts when its energy is off by more than these shares of what moves or is stored,
+/// and of what would lift the mechanism by its length scale; without gravity of the former alone.
+constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_gravity = 4e-4;
+/// Of the energy that lifts the mechanism so, or without gravity moves it by its length scale in a second:
+/// round-off.
+constexpr double round_off_energy = 2.5e-7;
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
+    : mechanism_(mechanism),
+      method_(method),
+      profiled_(mechanism.system),
+      integrator_(make_stepper(method.profile ? static_cast<System&>(profiled_) : mechanism.system,
+                               method.formalism, integrator_options(method))),
+      conserves_(method.integrator == spec::Simulation::Integrator::conserve),
+      free_flight_(mechanism.model),
+      energy_keeper_(mechanism.model, free_flight_.groups()),
+      meter_(mechanism.model),
+      meter_before_(mechanism.model),
+      length_(method.step) {
+  const Compiled& m = mechanism.model;
+  double mass = 0;
+  for (const BodyData& b : m.bodies) mass += b.mass;
+  const double extent = m.length_scale, weight = mass * m.gravity.norm();
+  lifting_energy_ = weight * extent;
+  resting_energy_ = round_off_energy * std::max(weight, mass * extent) * extent;
+}
+
+void StepMaker::start() {
+  meter_.start(mechanism_.observer, mechanism_.view());
+  state_before_ = mechanism_.state;
+}
+
+/// How wrong the last step may be, J: energy that the numerics put in or took out, or that a jump of a road
+/// did.
+double StepMaker::step_error() const { return std::max(std::abs(meter_.last_input()), meter_.last_jump()); }
+
+/// What it may be.
+double StepMaker::step_tolerance() const {
+  const EnergyBalance& e = meter_.balance();
+  const double play = e.kinetic + e.elastic + e.springs + e.tyres;
+  return lifting_energy_ > 0 ? substep_energy * play + substep_lifting * lifting_energy_
+                             : substep_without_gravity * play;
+}
+
+/// One step of the integrator, with the energies after it.
+void StepMaker::advance(StepReport& report) {
+  Mechanism& m = mechanism_;
+  const bool corrects = conserves_ || !free_flight_.none();
+  if (corrects) {
+    m.observe_afresh();
+    free_flight_.begin(m.observer, m.view());
+    if (conserves_) energy_keeper_.begin(m.observer, m.view());
+  }
+  m.enter(integrator_->options().step);
+  last_ = integrator_->step(m.state);
+  report.code = static_cast<StepReport::Code>(last_.code);
+  report.iterations += last_.iterations;
+  report.factorisations += last_.factorisations;
+  report.position_violation = std::max(report.position_violation, last_.position_violation);
+  report.velocity_violation = std::max(report.velocity_violation, last_.velocity_violation);
+  report.coordinate = last_.coordinate;
+  report.equation = last_.equation;
+  if (!report.ok()) return m.enter(0);
+  const auto start = method_.profile ? Clock::now() : Clock::time_point();
+  const bool remembers = m.state.z.size() > 0 || !m.model.signals.integrals.empty();
+  if (m.natural && (corrects || method_.energies || method_.validity || remembers)) m.observe();
+  if (corrects) {
+    free_flight_.end(m.observer, m.natural.get(), m.view(), integrator_->options().step, m.state);
+    m.observe();
+  }
+  if (conserves_) {
+    energy_keeper_.end(m.observer, m.natural.get(), m.view(), m.state);
+    m.observe();
+  }
+  if (method_.energies) meter_.update(m.observer, m.view());
+  m.commit(method_.energies);
+  m.enter(0);
+  if (conserves_) m.state.energy_error += meter_.last_input();
+  if (method_.profile) energy_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+StepReport StepMaker::step(double length) {
+  Mechanism& m = mechanism_;
+  length_ = length;
+  if (length != integrator_->options().step) integrator_->set_step(length);
+  StepReport report;
+  if (method_.substeps == 1) {
+    advance(report);
+  } else {
+    // One step; where an impact made it inaccurate, or it did not converge, the same interval again in parts.
+    state_before_ = m.state;
+    meter_before_ = meter_;
+    advance(report);
+    if (!report.ok() || step_error() > step_tolerance()) {
+      const auto back = [&] {
+        m.state = state_before_;
+        meter_ = meter_before_;
+      };
+      back();
+      integrator_->set_step(length / method_.substeps);
+      report.substeps = method_.substeps;
+      report.code = StepReport::Code::ok;
+      report.position_violation = report.velocity_violation = 0;  // of what is accepted
+      for (int k = 0; k < method_.substeps && report.ok(); ++k) advance(report);
+      integrator_->set_step(length);
+      if (!report.ok()) back();
+    }
+  }
+  if (!report.ok()) return report;
+  // Sums of steps drift away from their multiples by round-off.
+  const double multiple = std::round(m.state.time / length) * length;
+  if (std::abs(m.state.time - multiple) < 1e-6 * length) m.state.time = multiple;
+  return report;
+}
+
+void StepMaker::transfer(StateTransfer& transfer) {
+  integrator_->transfer(transfer);
+  meter_.transfer(transfer);
+  transfer(last_.iterations, last_.position_violation, last_.velocity_violation);
+}
+
+}  // namespace mimbre

@@ -1,0 +1,58 @@
+#pragma once
+#include <memory>
+
+#include "integrate/profiled_system.h"
+#include "mimbre/simulation.h"
+#include "simulation/energy.h"
+#include "simulation/energy_keeper.h"
+#include "simulation/free_flight.h"
+#include "simulation/mechanism.h"
+
+namespace mimbre {
+
+/// Makes the steps of a mechanism: the integrator's, with the laws of free flight and of energy kept where
+/// that is asked for, and once more in parts where an impact made one inaccurate. Allocates only when made.
+class StepMaker {
+ public:
+  StepMaker(Mechanism& mechanism, const Method& method);
+  /// After the start, and where the observation begins anew: energies count from this state, kinematics
+  /// evaluated.
+  void start();
+  /// A step of `length` seconds. What fails leaves the state as it was.
+  StepReport step(double length);
+  /// What it remembers from step to step beside the state and the system's tangent marks.
+  void transfer(StateTransfer& transfer);
+
+  const EnergyMeter& meter() const { return meter_; }
+  /// Of the integrator's last step.
+  const StepStatus& last() const { return last_; }
+  double length() const { return length_; }  ///< of the last step, s
+  /// What is round-off in energies when nothing is at play, J.
+  double resting_energy() const { return resting_energy_; }
+
+  /// Seconds of the evaluations and of the energies, where Method::profile asks for them.
+  const PhaseSeconds& phases() const { return profiled_.seconds(); }
+  double energy_seconds() const { return energy_seconds_; }
+
+ private:
+  void advance(StepReport& report);
+  double step_error() const;
+  double step_tolerance() const;
+
+  Mechanism& mechanism_;
+  const Method& method_;
+  ProfiledSystem profiled_;
+  std::unique_ptr<Stepper> integrator_;
+  const bool conserves_;
+  FreeFlight free_flight_;
+  EnergyKeeper energy_keeper_;
+  EnergyMeter meter_, meter_before_;
+  State state_before_;
+  StepStatus last_;
+  double length_ = 0;
+  double lifting_energy_ = 0;  ///< of the whole mechanism by its length scale, J
+  double resting_energy_ = 0;
+  double energy_seconds_ = 0;
+};
+
+}  // namespace mimbre

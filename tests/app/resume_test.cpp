@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+
+#include "app/program.h"
+#include "mimbre/results.h"
+
+namespace mimbre::app_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Runs that were stopped and go on from a saved state.
+class Resume : public ProgramTest {
+ protected:
+  using Arguments = std::vector<std::string>;
+
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_file(folder / "pendulum.yaml", pendulum);
+  }
+
+  static Arguments with(Arguments arguments, const Arguments& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  bool appears(const std::string& name) const {
+    for (int k = 0; k < 4000 && !fs::exists(folder / name); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return fs::exists(folder / name);
+  }
+
+  std::vector<std::string> left_over() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (const std::string name = entry.path().filename().string(); name.find(".part-") != std::string::npos)
+        names.push_back(name);
+    return names;
+  }
+
+  /// Kills a run and the ones that go on from it at random times until one comes to its end.
+  int kills_until_the_end(const Arguments& run_arguments, int most, std::uint64_t seed) {
+    std::uint64_t state = seed;
+    int kills = 0;
+    for (; kills < most; ++kills) {
+      const bool begun = fs::exists(folder / "state");
+      const pid_t child = start(with(run_arguments, begun ? Arguments{"--resume", "state"} : Arguments{}));
+      EXPECT_TRUE(appears("state"));
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      std::this_thread::sleep_for(std::chrono::milliseconds((state >> 33) % 120));
+      kill(child, SIGKILL);
+      const Outcome outcome = wait_for(child);
+      if (outcome.signal != SIGKILL) {
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return kills;
+      }
+    }
+    const Outcome last = run(with(run_arguments, {"--resume", "state"}));
+    EXPECT_EQ(last.code, 0) << last.err;
+    return kills;
+  }
+};
+
+TEST_F(Resume, KilledTenTimesARunGivesTheSameFiles) {
+  const Arguments run_arguments{"run",    "pendulum.yaml", "--until", "10000",
+                                "--set",  "interval=0.5",  "--quiet", "-o",
+                                "out.h5", "--csv",         "out.csv"};
+  ASSERT_EQ(run(run_arguments).code, 0);
+  fs::rename(folder / "out.h5", folder / "whole.h5");
+  fs::rename(folder / "out.csv", folder / "whole.csv");
+  const int kills =
+      kills_until_the_end(with(run_arguments, {"--save-state", "state", "--every", "7.3"}), 10, 4711);
+  EXPECT_GE(kills, 5);
+  EXPECT_TRUE(read_file(folder / "out.h5") == read_file(folder / "whole.h5"));
+  EXPECT_TRUE(read_file(folder / "out.csv") == read_file(folder / "whole.csv"));
+}
+
+/// Also where older files stand, which stay as they are until the end, and nothing is left beside.
+TEST_F(Resume, TheTableAloneAndOlderFiles) {
+  write_file(folder / "out.csv", "older");
+  const Arguments run_arguments{"run",          "pendulum.yaml", "--until", "3000",    "--set",
+                                "interval=0.2", "--csv",         "out.csv", "--quiet", "--csv-units"};
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "3000", "--set", "interval=0.2", "--csv", "whole.csv",
+                 "--quiet", "--csv-units"})
+                .code,
+            0);
+  const pid_t child = start(with(run_arguments, {"--save-state", "state", "--every", "5"}));
+  ASSERT_TRUE(appears("state"));
+  kill(child, SIGKILL);
+  ASSERT_EQ(wait_for(child).signal, SIGKILL);
+  EXPECT_EQ(read_file(folder / "out.csv"), "older");
+  ASSERT_EQ(left_over().size(), 1u);
+  const Outcome on = run(with(run_arguments, {"--resume", "state"}));
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_TRUE(read_file(folder / "out.csv") == read_file(folder / "whole.csv"));
+  EXPECT_TRUE(left_over().empty());
+}
+
+TEST_F(Resume, AnInterruptedRunSaysHowToGoOn) {
+  const Arguments run_arguments{"run",    "pendulum.yaml", "--until", "3000",
+                                "--set",  "interval=0.7",  "--quiet", "-o",
+                                "out.h5", "--save-state",  "state"};
+  ASSERT_EQ(
+      run({"run", "pendulum.yaml", "--until", "3000", "--set", "interval=0.7", "--quiet", "-o", "whole.h5"})
+          .code,
+      0);
+  const pid_t child = start(run_arguments);
+  ASSERT_TRUE(appears("out.h5"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(40));
+  kill(child, SIGTERM);
+  const Outcome stopped = wait_for(child);
+  ASSERT_EQ(stopped.code, 3) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("; --resume state goes on from there"));
+  const Outcome on = run({"run", "pendulum.yaml", "--until", "3000", "--set", "interval=0.7", "--quiet", "-o",
+                          "out.h5", "--resume", "state"});
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_TRUE(read_file(folder / "out.h5") == read_file(folder / "whole.h5"));
+}
+
+TEST_F(Resume, ARunGoesOnBeyondItsEnd) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "2", "-o", "whole.h5"}).code, 0);
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "1", "-o", "out.h5", "--save-state", "state"}).code, 0);
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "2", "-o", "on.h5", "--resume", "state"}).code, 0);
+  const Results whole = read_results((folder / "whole.h5").string()),
+                on = read_results((folder / "on.h5").string());
+  EXPECT_TRUE(whole.time == on.time);
+  EXPECT_TRUE(whole.channels == on.channels);
+  EXPECT_EQ(whole.summary_json, on.summary_json);
+}
+
+TEST_F(Resume, WhatDoesNotFitIsSaid) {
+  const auto fails = [&](const Arguments& arguments, int code, const std::string& message) {
+    const Outcome outcome = run(with({"run"}, arguments));
+    EXPECT_EQ(outcome.code, code);
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  };
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-o", "out.h5", "--save-state", "state", "--every", "0.5"}).code, 0);
+  const Arguments on{"pendulum.yaml", "-o", "out.h5", "--resume", "state"};
+  fails({"pendulum.yaml", "--every", "1"}, 2, "--every belongs to --save-state FILE");
+  fails({"pendulum.yaml", "--resume", "none"}, 1, "none: error: cannot be read");
+  fails({"pendulum.yaml", "--resume", "pendulum.yaml"}, 1, "not a saved state of a run");
+  fails(with(on, {"--step", "0.005"}), 2, "they differ in 'step'");
+  fails(with(on, {"--set", "length=2"}), 2, "they differ in 'set'");
+  fails(with(on, {"--until", "0.5"}), 2, "is at t = 1 s already, the end asked for is 0.5 s");
+  fails({"pendulum.yaml", "--resume", "state"}, 2, "the saved run had --output; give it here, too");
+  fails(with(on, {"--csv", "out.csv"}), 2, "the saved run had no --csv");
+  fails({"pendulum.yaml", "-o", "state", "--resume", "state"}, 2, "would be overwritten");
+  fs::rename(folder / "out.h5", folder / "away.h5");
+  fails(with(on, {"--until", "2"}), 1,
+        "the 101 rows that the saved run had recorded until t = 1 s are neither here");
+  EXPECT_FALSE(fs::exists(folder / "out.h5"));
+  fs::rename(folder / "away.h5", folder / "out.h5");
+
+  std::string changed = pendulum;
+  changed.replace(changed.find("mass: 2"), 7, "mass: 3");
+  write_file(folder / "pendulum.yaml", changed);
+  fails(on, 1, "pendulum.yaml: error: the state in 'state' was saved of another model, or the model");
+  write_file(folder / "pendulum.yaml", pendulum);
+  ASSERT_EQ(run(with({"run"}, on)).code, 0);
+
+  const std::string whole = read_file(folder / "state");
+  for (const std::size_t at : {std::size_t{30}, whole.size() / 2, whole.size() - 3}) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    write_file(folder / "state", damaged);
+    fails(on, 1, "is damaged");
+    write_file(folder / "state", whole.substr(0, at));
+    fails(on, 1, "is damaged");
+  }
+  std::string later = whole;
+  later[19] = '9';
+  write_file(folder / "state", later);
+  fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-001'");
+}
+
+/// What was taken is said once for all: in the summary, the results file and by check.
+TEST_F(Resume, ARunSaysWhatItTook) {
+  std::string endless = pendulum;
+  endless.replace(endless.find(", end: 1"), 8, "");
+  write_file(folder / "endless.yaml", endless);
+  const Outcome by_default = run({"run", "endless.yaml", "--json", "-o", "out.h5"});
+  ASSERT_EQ(by_default.code, 0);
+  EXPECT_THAT(by_default.err, HasSubstr("does not say when a run ends: 10 s are taken"));
+  const auto resolved = by_default.json().at("resolved");
+  EXPECT_TRUE(resolved.at("default_end").boolean());
+  EXPECT_EQ(resolved.at("end").number(), 10);
+  EXPECT_EQ(resolved.at("substeps").number(), 4);
+  EXPECT_EQ(resolved.at("output_interval").number(), 0.01);
+  const Results results = read_results((folder / "out.h5").string());
+  EXPECT_EQ(test::Json::parse(results.summary_json).at("resolved").at("end").number(), 10);
+  const Outcome check = run({"check", "endless.yaml", "--json"});
+  EXPECT_TRUE(check.json().at("resolved").at("default_end").boolean());
+  EXPECT_THAT(run({"check", "endless.yaml"}).out, HasSubstr("s (the default)"));
+  const Outcome given = run({"run", "endless.yaml", "--until", "1", "--json"});
+  EXPECT_EQ(given.err, "");
+  EXPECT_FALSE(given.json().at("resolved").at("default_end").boolean());
+}
+
+}  // namespace
+}  // namespace mimbre::app_test

@@ -1,0 +1,245 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include "mimbre/model_file.h"
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// Inputs, signals and actuators, in both formulations.
+namespace mimbre {
+namespace {
+
+using Formulation = spec::Simulation::Formulation;
+
+std::shared_ptr<const Model> model_of(const std::string& text) {
+  return Model::compile(parse_model(text, "model.yaml", "."));
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    model_of(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+Simulation simulation_of(const std::string& text, Formulation formulation) {
+  RunOptions options;
+  options.formulation = formulation;
+  return Simulation(model_of(text), options);
+}
+
+/// The channel of that name now.
+double channel(Simulation& simulation, const std::string& name) {
+  ResultsRow row;
+  simulation.sample(row);
+  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
+    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
+  ADD_FAILURE() << "no channel " << name;
+  return NAN;
+}
+
+/// An arm of 2 kg m² about a vertical axis, which gravity does not move, and what is put behind.
+std::string arm(const std::string& more, double step = 1e-3) {
+  return fmt::format(R"y(
+mimbre: 1
+bodies:
+  arm: {{mass: 2, com: [0, 0, 0], inertia: [2, 2, 2]}}
+joints:
+  shoulder: {{type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1]}}
+outputs:
+  - {{name: angle, joint: shoulder}}
+  - {{name: rate, joint_velocity: shoulder}}
+  - {{name: turning, acceleration: arm, component: x}}
+simulation: {{step: {}, end: 1}}
+{})y",
+                     step, more);
+}
+
+class Signals : public testing::TestWithParam<Formulation> {};
+
+/// 2 θ̈ = −200 (θ − 0.5) − 8 θ̇: damped by ζ = 0.2 at ω = 10 rad/s.
+double step_response(double t) {
+  const double omega = 10, zeta = 0.2, damped = omega * std::sqrt(1 - zeta * zeta);
+  return 0.5 * (1 - std::exp(-zeta * omega * t) *
+                        (std::cos(damped * t) + zeta * omega / damped * std::sin(damped * t)));
+}
+
+TEST_P(Signals, AControllerInTheModelFileGivesTheExactStepResponse) {
+  const std::string controller = R"y(
+inputs:
+  wanted: {start: 0.5, unit: rad, range: [-1, 1]}
+signals:
+  error: {value: "wanted - angle", unit: rad}
+actuators:
+  motor: {joint: shoulder, torque: "200*error - 8*rate"}
+)y";
+  double before = 0;
+  for (const double step : {4e-4, 2e-4}) {
+    Simulation simulation = simulation_of(arm(controller, step), GetParam());
+    double worst = 0;
+    while (simulation.time() < 1 - 1e-9) {
+      ASSERT_TRUE(simulation.step().ok());
+      worst = std::max(worst, std::abs(channel(simulation, "angle") - step_response(simulation.time())));
+    }
+    if (before > 0) {
+      EXPECT_LT(worst, 1e-6);
+      EXPECT_GT(before / worst, 3.5);  // second order
+    }
+    before = worst;
+  }
+}
+
+/// Sampled every 10 ms: between instants the torque is constant, and the motion a parabola.
+TEST_P(Signals, ASampledControllerGivesTheExactResponseOfASampledOne) {
+  Simulation simulation = simulation_of(arm(R"y(
+signals:
+  torque: {value: "200*(0.5 - angle) - 8*rate", every: 0.01}
+actuators:
+  motor: {joint: shoulder, torque: torque}
+)y",
+                                            1e-4),
+                                        GetParam());
+  double angle = 0, rate = 0, torque = 0;
+  for (int k = 0; k < 5000; ++k) {
+    const double h = 1e-4;
+    if (k % 100 == 0) torque = 200 * (0.5 - angle) - 8 * rate;
+    angle += h * rate + 0.25 * torque * h * h;
+    rate += 0.5 * torque * h;
+    ASSERT_TRUE(simulation.step().ok());
+    ASSERT_NEAR(channel(simulation, "angle"), angle, 1e-6) << k;
+  }
+  EXPECT_NEAR(channel(simulation, "signal.torque"), torque, 2e-4 * 200);
+}
+
+TEST_P(Signals, InputsActFromTheStepAfterTheyAreSet) {
+  Simulation simulation = simulation_of(arm(R"y(
+inputs: {push: {start: 0, range: [-10, 10]}, ramp: {hold: linear}}
+actuators:
+  motor: {joint: shoulder, torque: "2*push + 4*ramp"}
+)y"),
+                                        GetParam());
+  const int push = simulation.input("push"), ramp = simulation.input("ramp");
+  for (int k = 0; k < 10; ++k) simulation.step();
+  EXPECT_NEAR(channel(simulation, "angle"), 0, 1e-15);
+  simulation.set_input(push, 3);
+  for (int k = 0; k < 100; ++k) simulation.step();
+  // 6 N m on 2 kg m² over 0.1 s.
+  EXPECT_NEAR(channel(simulation, "rate"), 0.3, 1e-7);
+  EXPECT_NEAR(channel(simulation, "angle"), 0.015, 1e-7);
+  simulation.set_input(push, 30);
+  EXPECT_EQ(simulation.input_value(push), 10);
+  simulation.set_input(push, 0);
+  simulation.set_input(ramp, 5);
+  EXPECT_EQ(simulation.input_value(ramp), 0);
+  simulation.step();
+  EXPECT_EQ(simulation.input_value(ramp), 5);
+  EXPECT_EQ(channel(simulation, "input.ramp"), 5);
+  EXPECT_THROW(simulation.input("pusch"), InputError);
+}
+
+TEST_P(Signals, ParametersThatAreTunableChangeLawsBetweenSteps) {
+  Simulation simulation = simulation_of(R"y(
+mimbre: 1
+parameters: {k: {value: 100, tunable: true, min: 0}, c: 2}
+bodies: {mass: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, mass], at: [0, 0, 0], axis: [1, 0, 0], position: 0.1}}
+springs:
+  spring: {between: [ground, mass], at: [[-1, 0, 0], [0, 0, 0]], elastic: "k*(l - 1)", damping: "c*v"}
+outputs: [{name: x, joint: guide}, {name: f, spring_force: spring}]
+simulation: {step: 0.001, end: 1}
+)y",
+                                        GetParam());
+  EXPECT_NEAR(channel(simulation, "f"), 10, 1e-9);
+  simulation.set_input(simulation.input("k"), 300);
+  EXPECT_NEAR(channel(simulation, "f"), 30, 1e-9);
+}
+
+/// A speed that a signal says is a rate that the drive follows.
+TEST_P(Signals, DrivesFollowThem) {
+  Simulation simulation = simulation_of(R"y(
+mimbre: 1
+inputs: {speed: {start: 2, hold: linear}}
+signals: {place: 0.1*sin(3*t)}
+bodies:
+  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+  b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+joints:
+  turn: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 0, 1], drive: {speed: speed}}
+  slide: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1], drive: {position: 2*place}}
+outputs:
+  - {name: angle, joint: turn}
+  - {name: rate, joint_velocity: turn}
+  - {name: z, joint: slide}
+  - {name: w, joint_velocity: slide}
+simulation: {step: 0.01, end: 1}
+)y",
+                                        GetParam());
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(simulation.step().ok());
+  EXPECT_NEAR(channel(simulation, "angle"), 1, 1e-9);
+  simulation.set_input(simulation.input("speed"), 3);
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(simulation.step().ok());
+  // A step of 0.01 s from 2 to 3 rad/s, then 49 at 3 rad/s.
+  EXPECT_NEAR(channel(simulation, "angle"), 1 + 0.025 + 0.49 * 3, 1e-9);
+  EXPECT_NEAR(channel(simulation, "rate"), 3, 1e-9);
+  EXPECT_NEAR(channel(simulation, "z"), 0.2 * std::sin(3), 1e-9);
+  EXPECT_NEAR(channel(simulation, "w"), 0.6 * std::cos(3), 1e-8);
+}
+
+INSTANTIATE_TEST_SUITE_P(BothFormulations, Signals,
+                         testing::Values(Formulation::relative, Formulation::natural));
+
+/// Threads share a model and its expressions: each gives the bits that one alone does.
+TEST(SignalThreads, ShareAModel) {
+  const auto model = test::controlled_four_bar();
+  const auto course = [&](std::vector<double>& out) {
+    Simulation simulation(model);
+    const int wanted = simulation.input("wanted");
+    ResultsRow row;
+    for (int k = 0; k < 200; ++k) {
+      simulation.set_input(wanted, 0.3 * std::sin(0.05 * k));
+      if (!simulation.step().ok()) return;
+      simulation.sample(row);
+      out.insert(out.end(), row.channels.data(), row.channels.data() + row.channels.size());
+    }
+  };
+  std::vector<double> alone;
+  course(alone);
+  ASSERT_FALSE(alone.empty());
+  std::vector<std::vector<double>> together(8);
+  std::vector<std::thread> threads;
+  for (std::vector<double>& out : together) threads.emplace_back([&] { course(out); });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::vector<double>& out : together) EXPECT_TRUE(out == alone);
+}
+
+TEST(SignalErrors, NameWhatIsWrong) {
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal(arm("signals: {a: \"b + 1\", b: \"2*c\", c: \"a\"}\n")),
+              HasSubstr("'a' → 'b' → 'c' → 'a'"));
+  EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, torque: \"3*turning\"}}\n")),
+              HasSubstr("which forces decide at the same instant"));
+  EXPECT_EQ(refusal(arm("signals: {s: {value: \"turning\", every: 0.01}}\n"
+                        "actuators: {m: {joint: shoulder, torque: \"s\"}}\n")),
+            "accepted");
+  EXPECT_THAT(refusal(arm("inputs: {t: 0}\n")), HasSubstr("taken by expressions"));
+  EXPECT_THAT(refusal(arm("inputs: {a: 0}\nsignals: {a: \"1\"}\n")), HasSubstr("choose another"));
+  EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, torque: \"3*anlge\"}}\n")), HasSubstr("anlge"));
+  EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, force: 3}}\n")), HasSubstr("write 'torque'"));
+  EXPECT_THAT(refusal(R"y(
+mimbre: 1
+parameters: {m: {value: 2, tunable: true}}
+bodies: {a: {mass: m, com: [0, 0, 0], inertia: [1, 1, 1]}}
+)y"),
+              HasSubstr("tunable"));
+}
+
+}  // namespace
+}  // namespace mimbre
