@@ -3,6 +3,7 @@
 
 #include "forces/actuator.h"
 #include "forces/bushing.h"
+#include "forces/gas_spring.h"
 #include "forces/load.h"
 #include "forces/spring.h"
 #include "forces/tyre.h"
@@ -33,6 +34,7 @@ constexpr std::array<LawRow, law_table.size()> rows{{
     {actuator_law, actuator_energy},
     {bushing_law, bushing_energy},
     {user_law, user_energy},
+    {gas_spring_law, gas_spring_energy},
 }};
 
 }  // namespace mimbre::forces

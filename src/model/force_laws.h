@@ -27,10 +27,21 @@ struct LawInfo {
 };
 
 /// The rows, and so ElementData::law. `sensor` only measures.
-enum class Law { spring, tyre, load, sensor, actuator, bushing, user };
+enum class Law { spring, tyre, load, sensor, actuator, bushing, user, gas_spring };
+
+/// Of a gas spring; the pressure is that at `length`.
+constexpr std::array<LawNumber, 7> gas_spring_numbers{{
+    {"pressure", "Pa", "of the gas at that length", 0},
+    {"area", "m^2", "of the piston", 0},
+    {"length", "m", "of the spring between its ends", 0},
+    {"gas_length", "m", "of the column of gas at that length", 0},
+    {"exponent", "", "1 slowly, 1.4 fast", 0, 1.2},
+    {"damping", "N s/m", "of the seals", -1e-300, 0},
+    {"ambient", "Pa", "pressure outside", -1e-300, 101325},
+}};
 
 // clang-format off
-constexpr std::array<LawInfo, 7> law_table{{
+constexpr std::array<LawInfo, 8> law_table{{
     {"spring", ""},
     {"tyre", ""},
     {"load", ""},
@@ -38,6 +49,7 @@ constexpr std::array<LawInfo, 7> law_table{{
     {"actuator", "actuators", true, true, true, false, 1},
     {"bushing", "bushings", false, false, false, true},
     {"user", "", true, true, true, true},
+    {"gas_spring", "gas_springs", true, false, false, false, 0, gas_spring_numbers},
 }};
 // clang-format on
 

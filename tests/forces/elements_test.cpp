@@ -218,6 +218,30 @@ TEST_P(Elements, AUsersLawDoesWhatABuiltInOneDoes) {
   EXPECT_NEAR(one.energy().springs, other.energy().springs, 1e-12);
 }
 
+/// On a slow and a fast gas: the mass swings about where weight and gas balance, with ω² = −∂F/∂x/m.
+TEST_P(Elements, AGasSpringCarriesAMass) {
+  const double area = 5e-4, pressure = 4e5, ambient = 101325, n = 1.4, column = 0.25;
+  const double force = area * (pressure - ambient), mass = force / 9.81;
+  Simulation simulation = simulation_of(model_of(fmt::format(R"y(
+mimbre: 1
+bodies: {{mass: {{mass: {}, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints: {{guide: {{type: prismatic, between: [ground, mass], at: [0, 0, 0.5], axis: [0, 0, 1], velocity: 1e-3}}}}
+gas_springs:
+  strut: {{between: [ground, mass], at: [[0, 0, 0], [0, 0, 0.5]], pressure: {}, area: 5 cm^2, length: 50 cm, gas_length: {}, exponent: {}}}
+outputs: [{{name: z, joint: guide}}]
+simulation: {{step: 0.001, end: 1}}
+)y",
+                                                             mass, pressure, column, n)),
+                                        GetParam());
+  const double omega = std::sqrt(n * pressure * area / column / mass);
+  while (simulation.time() < 2) {
+    ASSERT_TRUE(simulation.step().ok());
+    ASSERT_NEAR(channel(simulation, "z"), 1e-3 / omega * std::sin(omega * simulation.time()),
+                2e-3 * 1e-3 / omega);
+  }
+  EXPECT_NEAR(simulation.energy().numerical, 0, 1e-9 * mass);
+}
+
 /// A law that is sampled is asked once a step, with what is measured at its start, and remembers.
 TEST_P(Elements, ASampledLawIsAskedOnceAStep) {
   spec::Model model = parse_model(slider, "slider.yaml", ".");

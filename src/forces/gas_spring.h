@@ -1,0 +1,49 @@
+#pragma once
+#include <cmath>
+
+#include "forces/element.h"
+
+/// A gas spring: a piston on an enclosed gas, which pushes its ends apart, against the ambient pressure. The
+/// gas changes by p Vⁿ = constant, n from 1 (slowly, as warm as its surroundings) to 1.4 (fast, of air).
+namespace mimbre::forces {
+
+namespace gas_spring {
+/// Among the law's numbers. The pressure is that at `length`, where the column of gas is `gas_length` long.
+constexpr int pressure = 0, area = 1, length = 2, gas_length = 3, exponent = 4, damping = 5, ambient = 6;
+/// Shorter than this part of its column the gas is not: from there on the force stays.
+constexpr double shortest = 1e-3;
+
+struct Gas {
+  double column, force, slope;  ///< m, N that pushes apart, ∂force/∂x
+};
+inline Gas gas(const double* p, double x) {
+  const double asked = p[gas_length] + (x - p[length]), least = shortest * p[gas_length];
+  const double column = asked > least ? asked : least;
+  const double inside = p[pressure] * std::pow(p[gas_length] / column, p[exponent]);
+  const double slope = asked > least ? -p[exponent] * inside / column * p[area] : 0;
+  return {column, p[area] * (inside - p[ambient]), slope};
+}
+}  // namespace gas_spring
+
+inline void gas_spring_law(const LawContext<double>& c, ElementState<double>& s) {
+  const double* p = c.numbers();
+  const gas_spring::Gas g = gas_spring::gas(p, s.x[0]);
+  s.force[0] = -g.force + p[gas_spring::damping] * s.v[0];
+  s.stiffness[0] = -g.slope;
+  s.damping[0] = p[gas_spring::damping];
+}
+
+/// Stored since `length`: the work done on the gas and by the surroundings.
+inline void gas_spring_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace gas_spring;
+  const double* p = c.numbers();
+  const Gas g = gas(p, s.x[0]);
+  const double n = p[exponent], whole = p[gas_length], ratio = g.column / whole;
+  // ∫ p dV, by its logarithm where n is 1.
+  const double work = std::abs(n - 1) < 1e-9 ? std::log(ratio) : (std::pow(ratio, 1 - n) - 1) / (1 - n);
+  const double held = s.x[0] - p[length] - (g.column - whole);  // beyond the end of the gas
+  e.stored = -p[area] * (p[pressure] * whole * work - p[ambient] * (g.column - whole)) - g.force * held;
+  e.dissipating[0] = p[damping] * s.v[0];
+}
+
+}  // namespace mimbre::forces
