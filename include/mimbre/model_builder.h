@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -101,6 +102,44 @@ struct Tyre {
   std::string in{};
 };
 
+/// A value from outside, or (`tunable`) a parameter that may change between steps.
+struct Input {
+  double start = 0;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  spec::Input::Hold hold = spec::Input::Hold::constant;
+  bool tunable = false;
+  std::string unit{};
+};
+
+/// A formula of inputs, signals, outputs and the time.
+struct Signal {
+  std::string value{};            ///< "200*(wanted - angle)"; needed
+  std::vector<std::string> of{};  ///< the names in it, "t" among them where it stands there
+  double every = 0;               ///< s: evaluated that often; 0: always
+  std::string unit{};
+};
+
+/// A force by one of the laws of src/model/force_laws.h: actuator, bushing, gas_spring, user.
+struct Element {
+  std::string law{};                                   ///< needed
+  std::array<std::string, 2> between{};                ///< needed, or `joint`
+  std::array<std::optional<Eigen::Vector3d>, 2> at{};  ///< of a body; default: its frame's origin
+  std::string joint{};                                 ///< on its coordinate
+  int coordinate = 0;
+  std::optional<Eigen::Vector3d> along{},
+      about{};                         ///< along, or about, a direction that turns with the first
+  bool all_six = false;                ///< in all components, as a bushing always is
+  std::vector<std::string> signals{};  ///< that the law takes
+  std::vector<double> numbers{};       ///< of the law, in the order of its table
+  std::vector<Function> functions{};   ///< of a bushing: six elastic laws, six of damping
+  Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();  ///< of a bushing
+  Eigen::Matrix<double, 6, 6> damping = Eigen::Matrix<double, 6, 6>::Zero();    ///< likewise
+  std::vector<spec::MaxwellBranch> branches{};                                  ///< likewise
+  std::shared_ptr<const spec::UserLaw> user{};
+  std::string in{};
+};
+
 /// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
 /// joint, joint_velocity, joint_force; modal_amplitude, stress, strain (of a body); centre_of_mass,
@@ -162,6 +201,9 @@ class ModelBuilder {
   void add_road(const std::string& name, const build::Road& road);
   void add_tyre(const std::string& name, const build::Tyre& tyre);
   void add_output(const std::string& name, const build::Output& output);
+  void add_input(const std::string& name, const build::Input& input);
+  void add_signal(const std::string& name, const build::Signal& signal);
+  void add_element(const std::string& name, const build::Element& element);
 
   /// What has been added, checked as a whole. The builder may go on afterwards.
   spec::Model build() const;

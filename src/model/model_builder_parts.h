@@ -18,7 +18,9 @@ struct NamedThings {
 struct ModelBuilder::Impl {
   spec::Model model;
   NamedThings bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
-      loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}};
+      loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}}, inputs{"input", {}},
+      signals{"signal", {}}, elements{"element", {}};
+  std::map<std::string, int> sensors;                ///< of outputs that signals see
   std::unordered_map<std::string, int> node_frames;  ///< frames of nodes, made when first used
 };
 

@@ -340,6 +340,91 @@ std::vector<double> chain(const spec::Pose& place) {
   return {row.channels[0], row.channels[1], row.channels[2]};
 }
 
+/// Inputs, controllers, actuators on a joint and about an axis, bushings and gas springs run as those that a
+/// file describes.
+TEST(ModelBuilder, MakesWhatSignalsMove) {
+  const auto read = model_of(R"y(
+bodies:
+  arm: {mass: 2, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
+  hand: {mass: 1, com: [1.2, 0, 0], inertia: [0.01, 0.02, 0.02]}
+joints:
+  shoulder: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 1, 0]}
+outputs:
+  - {name: angle, joint: shoulder}
+  - {name: rate, joint_velocity: shoulder}
+inputs: {wanted: {start: 0.3, range: [-1, 1], hold: linear}}
+signals:
+  error: wanted - angle
+  command: {value: 200*error - 20*rate + 0.1*sin(t), every: 0.02}
+  twist: 0.2*error
+actuators:
+  motor: {joint: shoulder, torque: command}
+bushings:
+  wrist:
+    between: [arm, hand]
+    at: [1, 0, 0]
+    stiffness: [1e4, 1e4, 1e4, 50, 60, 70]
+    damping: [10, 10, 10, 0.1, 0.1, 0.1]
+    maxwell: [{stiffness: [1e3, 1e3, 1e3, 5, 5, 5], relaxation: 0.05}]
+gas_springs:
+  strut: {between: [ground, arm], at: [[0, 0, -0.5], [0.5, 0, 0]], pressure: 5e5, area: 2e-4, length: 0.7, gas_length: 0.3}
+)y");
+  ModelBuilder m;
+  m.add_body("arm", {.mass = 2, .com = {0.5, 0, 0}, .inertia = build::inertia(0.01, 0.2, 0.2)});
+  m.add_body("hand", {.mass = 1, .com = {1.2, 0, 0}, .inertia = build::inertia(0.01, 0.02, 0.02)});
+  m.add_joint("shoulder", {.type = JointType::revolute,
+                           .between = {"ground", "arm"},
+                           .at = Vec3d{0, 0, 0},
+                           .axis = Vec3d{0, 1, 0}});
+  m.add_output("angle", {.kind = "joint", .of = "shoulder"});
+  m.add_output("rate", {.kind = "joint_velocity", .of = "shoulder"});
+  m.add_input("wanted", {.start = 0.3, .min = -1, .max = 1, .hold = spec::Input::Hold::linear});
+  m.add_signal("error", {.value = "wanted - angle", .of = {"wanted", "angle"}});
+  m.add_signal("command",
+               {.value = "200*error - 20*rate + 0.1*sin(t)", .of = {"error", "rate", "t"}, .every = 0.02});
+  m.add_element("motor", {.law = "actuator", .joint = "shoulder", .signals = {"command"}});
+  build::Element wrist{.law = "bushing", .between = {"arm", "hand"}, .at = {Vec3d{1, 0, 0}, Vec3d{1, 0, 0}}};
+  wrist.stiffness.diagonal() << 1e4, 1e4, 1e4, 50, 60, 70;
+  wrist.damping.diagonal() << 10, 10, 10, 0.1, 0.1, 0.1;
+  wrist.branches.push_back({wrist.stiffness / 10, 0.05});
+  wrist.branches[0].stiffness.diagonal() << 1e3, 1e3, 1e3, 5, 5, 5;
+  m.add_element("wrist", wrist);
+  m.add_element("strut", {.law = "gas_spring",
+                          .between = {"ground", "arm"},
+                          .at = {Vec3d{0, 0, -0.5}, Vec3d{0.5, 0, 0}},
+                          .numbers = {5e5, 2e-4, 0.7, 0.3, 1.2, 0, 101325}});
+  const auto built = m.compile();
+  const auto course = [](const std::shared_ptr<const Model>& model) {
+    Simulation simulation(model);
+    std::vector<double> values;
+    for (int k = 0; k < 100; ++k) {
+      if (k == 50) simulation.set_input(simulation.input("wanted"), -0.2);
+      EXPECT_TRUE(simulation.step().ok());
+      for (const char* name :
+           {"angle", "rate", "actuator.motor.force", "bushing.wrist.force.z", "gas_spring.strut.force"})
+        values.push_back(simulation.value(simulation.channel(name)));
+    }
+    return values;
+  };
+  const std::vector<double> one = course(built), other = course(read);
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t k = 0; k < one.size(); ++k)
+    ASSERT_NEAR(one[k], other[k], 1e-9 * (1 + std::abs(other[k]))) << k;
+  EXPECT_GT(std::abs(one.back()), 1);
+  try {
+    m.add_signal("more", {.value = "3*angel", .of = {"angel"}});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean 'angle'"));
+  }
+  try {
+    m.add_element("more", {.law = "actuater", .joint = "shoulder"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean 'actuator'"));
+  }
+}
+
 TEST(ModelBuilder, CoordinatesOfABodyTurnAndMoveWithIt) {
   const auto here = chain({});
   EXPECT_GT(std::abs(here[0]), 0.1);

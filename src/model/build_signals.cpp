@@ -1,0 +1,109 @@
+#include "mimbre/diagnostics.h"
+#include "model/force_laws.h"
+#include "model/model_builder_parts.h"
+
+/// Inputs, signals and force elements by names.
+namespace mimbre {
+
+void ModelBuilder::add_input(const std::string& name, const build::Input& given) {
+  Addition addition(*impl_, impl_->inputs, name);
+  spec::Input input;
+  input.name = name;
+  input.unit = given.unit;
+  input.start = given.start;
+  input.min = given.min;
+  input.max = given.max;
+  input.hold = given.hold;
+  input.tunable = given.tunable;
+  addition.commit(impl_->inputs, impl_->model.inputs.size());
+  impl_->model.inputs.push_back(std::move(input));
+}
+
+void ModelBuilder::add_signal(const std::string& name, const build::Signal& given) {
+  Addition addition(*impl_, impl_->signals, name);
+  Impl& b = *impl_;
+  spec::Signal signal;
+  signal.name = name;
+  signal.unit = given.unit;
+  signal.every = given.every;
+  std::vector<std::string> seen;
+  for (const std::string& of : given.of) {
+    using Kind = spec::Source::Kind;
+    spec::Source source;
+    if (of == "t") {
+      source.kind = Kind::time;
+    } else if (const auto input = b.inputs.index.find(of); input != b.inputs.index.end()) {
+      source = {Kind::input, input->second};
+    } else if (const auto other = b.signals.index.find(of); other != b.signals.index.end()) {
+      source = {Kind::signal, other->second};
+    } else {
+      const int output = addition.find(b.outputs, "of", of);
+      const auto known = b.sensors.find(of);
+      const int sensor =
+          known != b.sensors.end() ? known->second : static_cast<int>(b.model.sensors.size() + seen.size());
+      if (known == b.sensors.end()) seen.push_back(b.model.outputs[static_cast<std::size_t>(output)].name);
+      source = {Kind::sensor, sensor};
+    }
+    signal.law.arguments.push_back(source);
+  }
+  try {
+    signal.law.formula = Formula::expression(given.value, given.of);
+  } catch (const InputError& error) {  // which does not know of whose formula it speaks
+    addition.refuse(error.diagnostics().front().message);
+  }
+  for (const std::string& output : seen) {
+    b.sensors[output] = static_cast<int>(b.model.sensors.size());
+    b.model.sensors.push_back(b.model.outputs[static_cast<std::size_t>(b.outputs.index.at(output))]);
+  }
+  addition.commit(b.signals, b.model.signals.size());
+  b.model.signals.push_back(std::move(signal));
+}
+
+void ModelBuilder::add_element(const std::string& name, const build::Element& given) {
+  Addition addition(*impl_, impl_->elements, name);
+  addition.coordinates_of(given.in);
+  spec::Element e;
+  e.name = name;
+  e.law = given.law;
+  if (find_law(given.law) < 0) {
+    std::vector<std::string> known;
+    for (const LawInfo& law : law_table)
+      if (law.along || law.coordinate || law.relative) known.emplace_back(law.name);
+    addition.refuse(fmt::format("there is no law '{}'{}", given.law, did_you_mean(given.law, known)));
+  }
+  const bool six = given.all_six || given.law == "bushing";
+  if (!given.joint.empty()) {
+    if (!given.between[0].empty() || !given.between[1].empty() || six || given.along || given.about)
+      addition.refuse(
+          "acts on a joint, so that 'between', 'along', 'about' and 'all_six' do not belong here");
+    e.on = spec::Element::On::coordinate;
+    e.joint = addition.find(impl_->joints, "joint", given.joint);
+    e.coordinate = given.coordinate;
+  } else {
+    if ((given.along ? 1 : 0) + (given.about ? 1 : 0) + (six ? 1 : 0) > 1)
+      addition.refuse("acts along a direction, about one, or in all six components; give one of these");
+    e.frame_a = addition.attach("between", given.between[0], given.at[0], name + ".a");
+    e.frame_b = addition.attach("between", given.between[1], given.at[1], name + ".b");
+    e.on = six                            ? spec::Element::On::frames
+           : (given.along || given.about) ? spec::Element::On::axis
+                                          : spec::Element::On::line;
+    e.about = given.about.has_value();
+    if (e.on == spec::Element::On::axis)
+      e.direction = addition.frame_pose(e.frame_a).rotation.transpose() *
+                    addition.direction(e.about ? "about" : "along", e.about ? *given.about : *given.along);
+  }
+  for (const std::string& signal : given.signals)
+    e.arguments.push_back({spec::Source::Kind::signal, addition.find(impl_->signals, "signals", signal)});
+  e.numbers = given.numbers;
+  if (given.law == "bushing" && e.numbers.empty())
+    for (const auto* matrix : {&given.stiffness, &given.damping})
+      for (int r = 0; r < 6; ++r)
+        for (int c = 0; c < 6; ++c) e.numbers.push_back((*matrix)(r, c));
+  e.functions = given.functions;
+  e.branches = given.branches;
+  e.user = given.user;
+  addition.commit(impl_->elements, impl_->model.elements.size());
+  impl_->model.elements.push_back(std::move(e));
+}
+
+}  // namespace mimbre
