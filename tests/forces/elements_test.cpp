@@ -242,6 +242,29 @@ simulation: {{step: 0.001, end: 1}}
   EXPECT_NEAR(simulation.energy().numerical, 0, 1e-9 * mass);
 }
 
+/// A weight that hangs in a bushing at rest stays where its springs hold it: what relaxes has relaxed.
+TEST_P(Elements, InAnEquilibriumBranchesHaveRelaxed) {
+  Simulation simulation = simulation_of(model_of(R"y(
+mimbre: 1
+bodies: {block: {mass: 3, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}}
+bushings:
+  mount:
+    between: [ground, block]
+    at: [0, 0, 0]
+    stiffness: [1e4, 1e4, 5e3, 50, 50, 50]
+    damping: [10, 10, 10, 0.1, 0.1, 0.1]
+    maxwell: [{stiffness: [2e4, 2e4, 2e4, 10, 10, 10], relaxation: 0.1}]
+initial: equilibrium
+outputs: [{name: z, position: block, component: z}]
+simulation: {step: 0.005, end: 1}
+)y"),
+                                        GetParam());
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_NEAR(channel(simulation, "z"), -3 * 9.81 / 5e3, 1e-8) << k;
+    ASSERT_TRUE(simulation.step().ok());
+  }
+}
+
 /// A law that is sampled is asked once a step, with what is measured at its start, and remembers.
 TEST_P(Elements, ASampledLawIsAskedOnceAStep) {
   spec::Model model = parse_model(slider, "slider.yaml", ".");
