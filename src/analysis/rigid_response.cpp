@@ -28,6 +28,7 @@ class RigidModel {
  public:
   RigidModel(const spec::Model& model, int body)
       : model_(model), body_(body), flexible_(*model.bodies[static_cast<std::size_t>(body)].flexible) {
+    refuse_what_is_not_followed(model);
     model_.outputs.clear();
     spec::Body& b = model_.bodies[static_cast<std::size_t>(body)];
     b.mass = flexible_.mass;
@@ -123,6 +124,22 @@ class RigidModel {
   struct SpringForce {
     int tension, own, other, frame;
   };
+
+  /// Forces on the body that the response would leave out.
+  void refuse_what_is_not_followed(const spec::Model& model) const {
+    const auto refuse = [](const Mark& mark, const std::string& what) {
+      throw InputError(mark,
+                       what +
+                           " acts on the body, which a selection of modes by the run of a rigid body does "
+                           "not follow yet; select them in another way");
+    };
+    for (const spec::Load& load : model.loads)
+      if (load.signal >= 0 && on_body(load.frame))
+        refuse(load.mark, "load '" + load.name + "', with a signal,");
+    for (const spec::Element& e : model.elements)
+      if (e.on != spec::Element::On::coordinate && (on_body(e.frame_a) || on_body(e.frame_b)))
+        refuse(e.mark, e.law + " '" + e.name + "'");
+  }
 
   bool on_body(int frame) const { return model_.frames[static_cast<std::size_t>(frame)].body == body_; }
   int output(Kind kind, int item, int component) {

@@ -84,6 +84,8 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
     thing.error(user ? "has no function: set 'user'"
                      : "has a function of the user's, which belongs to law 'user'");
   if (e.user && !e.user->evaluate) thing.error("has an empty function");
+  if (e.user && e.user->states.size() > 64)
+    thing.error(fmt::format("has {} states; a law of the user's has at most 64", e.user->states.size()));
   if (e.user)
     for (const double state : e.user->states) thing.finite("one of its states", state);
   if (bushing && e.numbers.size() != 72)

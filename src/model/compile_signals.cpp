@@ -287,6 +287,11 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
     if (o.kind == Kind::deflection) {
       const FrameData& f = c.frames[c.frame_of_spec[o.item]];
       d.body = f.body;
+      if (f.flexible >= 0 && !c.flexible[f.flexible].products.empty())
+        throw InputError(
+            o.mark, fmt::format("the deflection '{}' is that of a body whose modes bend in second order; "
+                                "see it at instants, by a signal with `every: 0.01`",
+                                o.name));
       if (f.flexible >= 0) {
         const Eigen::RowVectorXd row = o.direction.transpose() * f.X;
         d.shapes.assign(row.data(), row.data() + c.bodies[f.body].modes);

@@ -216,37 +216,15 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
   }
 }
 
+/// These keys and those of all outputs.
+std::vector<std::string> keys_with(std::vector<std::string> keys) {
+  keys.insert(keys.end(), {"at", "component", "along", "offset", "relative_to", "node", "axes", "about"});
+  for (const OutputKind& kind : output_kinds) keys.emplace_back(kind.key);
+  return keys;
+}
+
 void read_output(Builder& builder, const Part& part, const Value& value) {
-  const Fields fields(value, {"name",
-                              "at",
-                              "component",
-                              "along",
-                              "offset",
-                              "position",
-                              "velocity",
-                              "acceleration",
-                              "roll",
-                              "pitch",
-                              "yaw",
-                              "deflection",
-                              "displacement",
-                              "relative_to",
-                              "joint",
-                              "joint_velocity",
-                              "joint_force",
-                              "modal_amplitude",
-                              "stress",
-                              "strain",
-                              "node",
-                              "spring_force",
-                              "spring_length",
-                              "tyre_force",
-                              "axes",
-                              "angular_velocity",
-                              "centre_of_mass",
-                              "linear_momentum",
-                              "angular_momentum",
-                              "about"});
+  const Fields fields(value, keys_with({"name"}));
   if (!value.has_fields()) return;
   const auto given_name = fields.need("name", "chassis.z");
   const auto text = given_name ? given_name->text() : std::nullopt;
@@ -301,43 +279,16 @@ std::string instance_name(std::string text, const std::string& instance) {
 }
 
 bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::Output& output) {
-  const Fields fields(value, {"unit",
-                              "every",
-                              "about",
-                              "at",
-                              "component",
-                              "along",
-                              "offset",
-                              "position",
-                              "velocity",
-                              "acceleration",
-                              "roll",
-                              "pitch",
-                              "yaw",
-                              "deflection",
-                              "displacement",
-                              "relative_to",
-                              "joint",
-                              "joint_velocity",
-                              "joint_force",
-                              "modal_amplitude",
-                              "stress",
-                              "strain",
-                              "node",
-                              "spring_force",
-                              "spring_length",
-                              "tyre_force",
-                              "axes",
-                              "angular_velocity",
-                              "centre_of_mass",
-                              "linear_momentum",
-                              "angular_momentum"});
-  const auto row = std::find_if(output_kinds.begin(), output_kinds.end(),
-                                [&](const OutputKind& k) { return fields.has(k.key); });
-  if (row == output_kinds.end()) {
-    value.error(
-        "says nothing of what it is: 'value' with an expression, or what an output would be, for example "
-        "joint: hinge");
+  const Fields fields(value, keys_with({"unit", "every"}));
+  const OutputKind* row = nullptr;
+  int given = 0;
+  for (const OutputKind& kind : output_kinds)
+    if (fields.has(kind.key)) row = &kind, ++given;
+  if (given != 1) {
+    value.error(given == 0
+                    ? "says nothing of what it is: 'value' with an expression, or what an output would be, "
+                      "for example joint: hinge"
+                    : "says several things of what it is; keep one");
     return false;
   }
   output.kind = row->kind;
