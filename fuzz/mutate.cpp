@@ -31,6 +31,11 @@
 ///   turn
 ///
 /// A mutant that is a fault is kept in the working directory as mutant-READER-NUMBER, and the exit code is 1.
+/// The last line says which took longest and with which a process had come to the most memory.
+///
+/// Some readers try a file in a process that says nothing of its crash: under sanitizers their reports are
+/// seen with ASAN_OPTIONS=log_path=PLACE:allocator_may_return_null=1 only, which also lets what wants too
+/// much memory be refused as it is otherwise.
 namespace mimbre::fuzz {
 namespace {
 
@@ -136,14 +141,36 @@ double address_space() {
   return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-/// For the next file: what the process has used, and as much again as one may need.
+/// Of processors.
+double seconds(const rusage& used) {
+  double sum = 0;
+  for (const timeval& time : {used.ru_utime, used.ru_stime})
+    sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  return sum;
+}
+
+/// What this process has used so far, and those that it has waited for: some readers try a file in one first.
+struct Used {
+  double seconds, bytes;  ///< of processors; the most memory at any time
+};
+Used used_so_far() {
+  Used all{};
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage used{};
+    getrusage(who, &used);
+    all.seconds += seconds(used);
+    all.bytes = std::max(all.bytes, 1024.0 * static_cast<double>(used.ru_maxrss));
+  }
+  return all;
+}
+
+/// For the next file: what this process has used, and as much again as one may need.
 void bound_time() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
-  const auto seconds = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
   rlimit limit{};
   getrlimit(RLIMIT_CPU, &limit);
-  limit.rlim_cur = std::min(limit.rlim_max, seconds + 1 + cpu_seconds);
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(seconds(used)) + 1 + cpu_seconds);
   setrlimit(RLIMIT_CPU, &limit);
 }
 
@@ -161,31 +188,49 @@ struct Trial {
   std::string bytes;
 };
 
-constexpr char good = 'g', bad = 'b';
+/// Whether it was as it should be, the time it took, and the most memory that its process has had up to then.
+struct Verdict {
+  bool good;
+  Used used;
+};
 
-/// Says of each whether it was as it should be, as far as it comes.
+/// The most of something, and of which file that was.
+struct Most {
+  double value = 0;
+  std::string of = "none";
+  void see(double one, const std::string& name) {
+    if (one > value) value = one, of = name;
+  }
+};
+
+/// Says of each how it went, as far as it comes.
 [[noreturn]] void read_in_child(std::span<const Trial> trials, int pipe) {
   const rlimit core{0, 0};
   setrlimit(RLIMIT_CORE, &core);
   bound_memory();
   for (const Trial& trial : trials) {
+    const double before = used_so_far().seconds;
     bound_time();
-    char verdict = good;
+    Verdict verdict{true, {}};
     try {
       trial.reader->read(trial.bytes);
     } catch (const InputError&) {
     } catch (const std::exception& error) {
       fmt::print("not an InputError: {}\n", error.what());
       std::fflush(stdout);
-      verdict = bad;
+      verdict.good = false;
     }
-    if (write(pipe, &verdict, 1) != 1) break;
+    verdict.used = used_so_far();
+    verdict.used.seconds -= before;
+    if (write(pipe, &verdict, sizeof verdict) != sizeof verdict) break;
   }
   _exit(0);
 }
 
-/// What went wrong with the first that did, and which it is; with none, their number and an empty text.
-std::pair<std::size_t, std::string> first_fault(std::span<const Trial> trials) {
+/// What went wrong with the first that did, and which it is; with none, their number and an empty text. Calls
+/// see(index, used) for those before.
+template <class See>
+std::pair<std::size_t, std::string> first_fault(std::span<const Trial> trials, See&& see) {
   std::fflush(stdout);
   int ends[2];
   if (pipe(ends) != 0) return {0, "no pipe can be made"};
@@ -196,31 +241,37 @@ std::pair<std::size_t, std::string> first_fault(std::span<const Trial> trials) {
   }
   close(ends[1]);
   std::size_t read_well = 0;
-  char verdict = good;
-  while (child > 0 && verdict == good) {
-    const ssize_t got = read(ends[0], &verdict, 1);
+  Verdict verdict{true, {}};
+  while (child > 0 && verdict.good) {
+    const ssize_t got = read(ends[0], &verdict, sizeof verdict);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) break;
-    read_well += verdict == good;
+    if (got != sizeof verdict) break;
+    if (verdict.good) see(read_well++, verdict.used);
   }
   close(ends[0]);
   if (child < 0) return {0, "no process can be made"};
-  if (verdict == bad) kill(child, SIGKILL);
+  if (!verdict.good) kill(child, SIGKILL);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (read_well == trials.size()) return {read_well, ""};
-  if (verdict == bad) return {read_well, "is refused by another error"};
+  if (!verdict.good) return {read_well, "is refused by another error"};
   if (!WIFSIGNALED(status)) return {read_well, fmt::format("exit code {}", WEXITSTATUS(status))};
   const int signal = WTERMSIG(status);
   return {read_well, signal == SIGXCPU ? "takes too long" : fmt::format("ends by signal {}", signal)};
 }
 
-/// Calls report(index, why) for all faults.
-template <class Report>
-void find_faults(const std::vector<Trial>& trials, Report&& report) {
+/// Of one file alone.
+std::string fault_of(const Trial& trial) {
+  return first_fault(std::span(&trial, 1), [](std::size_t, const Used&) {}).second;
+}
+
+/// Calls report(index, why) for all faults, see(index, used) for the others.
+template <class Report, class See>
+void find_faults(const std::vector<Trial>& trials, Report&& report, See&& see) {
   for (std::size_t at = 0; at < trials.size();) {
-    const auto [count, why] = first_fault(std::span(trials).subspan(at));
+    const auto [count, why] = first_fault(
+        std::span(trials).subspan(at), [&](std::size_t index, const Used& used) { see(at + index, used); });
     if (!why.empty()) report(at + count, why);
     at += count + 1;
   }
@@ -244,29 +295,39 @@ int main_program(int argc, char** argv) {
   for (const Reader& reader : chosen) {
     samples.push_back(reader.samples(MIMBRE_SOURCE_DIR));
     for (const std::string& sample : samples.back()) {
-      const std::string why = first_fault(std::vector{Trial{&reader, sample}}).second;
+      const std::string why = fault_of({&reader, sample});
       if (why.empty()) continue;
       fmt::print("{}: a sample {}\n", reader.name, why);
       return 1;
     }
   }
   std::uint64_t faults = 0;
+  Most time, memory;
   for (std::uint64_t begin = first; begin < first + count; begin += at_once) {
     std::vector<Trial> trials;
     for (std::uint64_t number = begin; number < std::min(begin + at_once, first + count); ++number) {
       const std::size_t k = number % chosen.size();
       trials.push_back({&chosen[k], mutant(number, samples[k])});
     }
-    find_faults(trials, [&](std::size_t index, const std::string& why) {
-      const Trial& trial = trials[index];
-      const std::string name = fmt::format("mutant-{}-{}", trial.reader->name, begin + index);
-      std::ofstream(name, std::ios::binary) << trial.bytes;
-      const bool alone = !first_fault(std::span(&trial, 1)).second.empty();
-      fmt::print("{}: {}{}\n", name, why, alone ? "" : ", after others only");
-      ++faults;
-    });
+    const auto name_of = [&](std::size_t index) {
+      return fmt::format("mutant-{}-{}", trials[index].reader->name, begin + index);
+    };
+    find_faults(
+        trials,
+        [&](std::size_t index, const std::string& why) {
+          const std::string name = name_of(index);
+          std::ofstream(name, std::ios::binary) << trials[index].bytes;
+          const bool alone = !fault_of(trials[index]).empty();
+          fmt::print("{}: {}{}\n", name, why, alone ? "" : ", after others only");
+          ++faults;
+        },
+        [&](std::size_t index, const Used& used) {
+          time.see(used.seconds, name_of(index));
+          memory.see(used.bytes, name_of(index));
+        });
   }
-  fmt::print("{} mutants of {} readers, {} faults\n", count, chosen.size(), faults);
+  fmt::print("{} mutants of {} readers, {} faults; at most {:.2f} s ({}) and {:.0f} MB ({})\n", count,
+             chosen.size(), faults, time.value, time.of, 1e-6 * memory.value, memory.of);
   return faults > 0 ? 1 : 0;
 }
 

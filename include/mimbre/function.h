@@ -7,6 +7,9 @@
 
 namespace mimbre {
 
+class Expression;
+class FunctionData;
+
 /// A value with its first and second derivative by one variable.
 struct Jet {
   double value, first, second;
@@ -68,12 +71,13 @@ class Function {
   /// included, and nearly so for some multiples of `end`.
   Function integral(double start, double end) const;
   /// Only for the default-made function; constant(0) is not meant.
-  bool is_zero() const { return !impl_; }
-
-  struct Impl;
+  bool is_zero() const { return !data_; }
+  /// What is evaluated, as models keep it.
+  const FunctionData& data() const;
 
  private:
-  std::shared_ptr<const Impl> impl_;
+  explicit Function(FunctionData data);
+  std::shared_ptr<const FunctionData> data_;
 };
 
 /// A scalar function of several scalars, from an expression: laws that do not split into functions of one,
@@ -92,12 +96,12 @@ class Formula {
   /// ∂/∂x[0] and ∂/∂x[1], exact.
   std::pair<double, double> derivatives(const double* x) const;
   std::size_t variables() const;
-  bool is_zero() const { return !impl_; }
-
-  struct Impl;
+  bool is_zero() const { return !data_; }
+  /// What is evaluated, as models keep it.
+  const Expression& data() const;
 
  private:
-  std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<const Expression> data_;
 };
 
 }  // namespace mimbre

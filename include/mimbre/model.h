@@ -8,6 +8,7 @@
 namespace mimbre {
 
 struct Compiled;
+class Image;
 
 /// A compiled model: immutable, shareable between threads and simulations.
 class Model {
@@ -19,7 +20,7 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  const spec::Model& spec() const;
+  const spec::Model& spec() const { return spec_; }
   int bodies() const;
   int coordinates() const;  ///< velocity coordinates: joints' and modal amplitudes
   int elastic_coordinates() const;
@@ -34,11 +35,14 @@ class Model {
   };
   std::vector<JointLine> joint_lines() const;
 
-  const Compiled& compiled() const { return *compiled_; }
+  const Compiled& compiled() const;
+  /// What the step needs, as one block (model/image.h).
+  const Image& image() const { return *image_; }
 
  private:
-  explicit Model(std::unique_ptr<const Compiled> compiled);
-  std::unique_ptr<const Compiled> compiled_;
+  explicit Model(spec::Model model);
+  spec::Model spec_;
+  std::unique_ptr<const Image> image_;
 };
 
 }  // namespace mimbre

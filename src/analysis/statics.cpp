@@ -15,7 +15,7 @@ namespace mimbre {
 StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options) {
   const double start = thread_cpu_seconds();
   const Compiled& m = model->compiled();
-  const Method method = resolve_method(m.spec.simulation, options);
+  const Method method = resolve_method(m.spec().simulation, options);
   relative::RelativeSystem system(m, method.inertia);
   const auto natural = make_natural(m, method);
   State s = assembled_state(m, system);

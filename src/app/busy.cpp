@@ -1,18 +1,16 @@
 #include "app/busy.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
-#include "mimbre/text.h"
+#include "app/terminal_line.h"
 
 namespace mimbre::app {
 
 Busy::Busy(std::string what, bool wanted) : what_(std::move(what)) {
-  if (wanted && isatty(STDERR_FILENO) == 1) watcher_ = std::thread([this] { watch(); });
+  if (wanted && has_terminal_line()) watcher_ = std::thread([this] { watch(); });
 }
 
 Busy::~Busy() {
@@ -37,13 +35,10 @@ void Busy::watch() {
   std::unique_lock lock(mutex_);
   for (int seconds = 1; !ended_.wait_until(lock, start + seconds * second, [this] { return end_; });
        ++seconds) {
-    fmt::print(stderr, "\r{} … {} s (Ctrl-C stops it)\033[K", printable(what_), seconds);
-    std::fflush(stderr);
+    show_terminal_line(fmt::format("{} … {} s (Ctrl-C stops it)", what_, seconds));
     shown = true;
   }
-  if (!shown) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  if (shown) clear_terminal_line();
 }
 
 }  // namespace mimbre::app

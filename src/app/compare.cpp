@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -34,6 +36,34 @@ std::vector<std::string> missing(const Results& from, const Results& in) {
   return names;
 }
 
+/// The time of some results, s.
+struct Span {
+  double from, until;
+};
+Span span_of(const Results& results) { return {results.time[0], results.time[results.time.size() - 1]}; }
+
+/// That the run of a file did not come to its end, or nothing.
+std::string early_end(const std::string& file, const Results& results) {
+  const auto ends = [&](const char* how) {
+    return fmt::format("the run of '{}' {}: its results end at t = {:.6g} s", file, how,
+                       span_of(results).until);
+  };
+  if (results.summary_json.empty()) return ends("was cut short");
+  const Json summary = Json::parse(results.summary_json, nullptr, false);
+  if (!summary.is_object() || !summary.contains("status")) return "";
+  if (summary["status"] == "interrupted") return ends("was interrupted");
+  return summary["status"] == "failed" ? ends("failed") : "";
+}
+
+/// That a file has more than what is compared, or nothing.
+std::string left_out(const std::string& file, const Span& whole, const Span& common) {
+  const double rounding = 1e-9 * std::max(std::abs(whole.from), std::abs(whole.until));
+  if (whole.from >= common.from - rounding && whole.until <= common.until + rounding) return "";
+  return fmt::format(
+      "only t = {:.6g} to {:.6g} s is compared, which both have; '{}' goes from {:.6g} to {:.6g} s",
+      common.from, common.until, file, whole.from, whole.until);
+}
+
 int run(const Arguments& arguments) {
   if (arguments.files.size() != 2)
     throw UsageError(fmt::format(
@@ -45,12 +75,20 @@ int run(const Arguments& arguments) {
   const std::vector<ChannelDifference> differences = compare(a, b);
   if (differences.empty())
     throw InputError(Mark{}, fmt::format("'{}' and '{}' have no channel in common", first, second));
+  const Span in_a = span_of(a), in_b = span_of(b);
+  const Span common{std::max(in_a.from, in_b.from), std::min(in_a.until, in_b.until)};
+  std::vector<std::string> warnings;
+  for (const std::string& warning : {early_end(first, a), early_end(second, b), left_out(first, in_a, common),
+                                     left_out(second, in_b, common)})
+    if (!warning.empty()) warnings.push_back(warning);
   const std::vector<std::string> only_in_a = missing(a, b), only_in_b = missing(b, a);
   std::map<std::string, std::string> units;
   for (const ChannelInfo& channel : a.header.channels) units[channel.name] = channel.unit;
 
   if (arguments.json) {
     Json json = answer("compare");
+    json["from"] = common.from;
+    json["until"] = common.until;
     for (const ChannelDifference& d : differences)
       json["channels"][d.name] = {{"unit", units[d.name]},
                                   {"max_difference", d.max_difference},
@@ -60,6 +98,7 @@ int run(const Arguments& arguments) {
                                   {"relative", relative(d)}};
     json["only_in_first"] = only_in_a;
     json["only_in_second"] = only_in_b;
+    json["warnings"] = warnings;
     print_data(to_text(json) + '\n');
     return done;
   }
@@ -69,6 +108,7 @@ int run(const Arguments& arguments) {
                fmt::format("{:.6g}", d.at_time), fmt::format("{:.4g}", d.mean_difference),
                fmt::format("{:.3g}", relative(d))});
   print_data(table.text());
+  for (const std::string& warning : warnings) print_warning(warning);
   if (!only_in_a.empty()) print_warning(fmt::format("only in '{}': {}", first, fmt::join(only_in_a, ", ")));
   if (!only_in_b.empty()) print_warning(fmt::format("only in '{}': {}", second, fmt::join(only_in_b, ", ")));
   return done;

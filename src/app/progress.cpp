@@ -1,11 +1,11 @@
 #include "app/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
+
+#include "app/terminal_line.h"
 
 namespace mimbre::app {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds least_interval{100};
 
 }  // namespace
 
-Progress::Progress(bool wanted) : shown_(wanted && isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(bool wanted) : shown_(wanted && has_terminal_line()) {}
 Progress::~Progress() { clear(); }
 
 void Progress::update(double time, double end, double cpu_seconds) {
@@ -26,24 +26,22 @@ void Progress::update(double time, double end, double cpu_seconds) {
   drawn_ = true;
   const double part = end > 0 ? std::clamp(time / end, 0.0, 1.0) : 1.0;
   const int filled = static_cast<int>(part * bar_width);
-  fmt::print(stderr, "\r[{}{}] {:3.0f} %  t = {:.3f} s", std::string(filled, '#'),
-             std::string(bar_width - filled, ' '), 100 * part, time);
-  if (cpu_seconds > 0) fmt::print(stderr, "  {:.3g} x real time", time / cpu_seconds);
-  fmt::print(stderr, "\033[K");
-  std::fflush(stderr);
+  std::string line = fmt::format("[{}{}] {:3.0f} %  t = {:.3f} s", std::string(filled, '#'),
+                                 std::string(bar_width - filled, ' '), 100 * part, time);
+  if (cpu_seconds > 0) line += fmt::format("  {:.3g} x real time", time / cpu_seconds);
+  show_terminal_line(line);
 }
 
 void Progress::update(const std::string& stage, double done) {
   if (!shown_) return;
   drawn_ = true;
   const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * bar_width);
-  fmt::print(stderr, "\r[{}{}] {}\033[K", std::string(filled, '#'), std::string(bar_width - filled, ' '),
-             stage);
-  std::fflush(stderr);
+  show_terminal_line(
+      fmt::format("[{}{}] {}", std::string(filled, '#'), std::string(bar_width - filled, ' '), stage));
 }
 
 void Progress::clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) clear_terminal_line();
   drawn_ = false;
 }
 

@@ -72,6 +72,21 @@ RecordedInputs::RecordedInputs(const std::vector<std::string>& given) {
   }
 }
 
+void RecordedInputs::add(const std::string& name, std::vector<double> times, std::vector<double> values) {
+  const auto bad = [&](const std::string& what) {
+    return InputError(Mark{}, fmt::format("input '{}': {}", name, what));
+  };
+  if (times.empty() || times.size() != values.size())
+    throw bad(fmt::format("{} times and {} values; each time needs a value", times.size(), values.size()));
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (!std::isfinite(times[k]) || !std::isfinite(values[k]))
+      throw bad(fmt::format("entry {}: ({}, {}) is no finite number", k, times[k], values[k]));
+    if (k > 0 && times[k] <= times[k - 1])
+      throw bad(fmt::format("the times do not ascend: {} comes after {}", times[k], times[k - 1]));
+  }
+  tracks_.push_back({name, std::move(times), std::move(values)});
+}
+
 void RecordedInputs::attach(const Simulation& simulation) {
   for (Track& track : tracks_) {
     track.input = simulation.input(track.name);

@@ -11,7 +11,10 @@ class RecordedInputs {
  public:
   /// "NAME=FILE.csv", several: columns t and value, t ascending; a line of names may come first. Throws
   /// InputError for what is no such table, UsageError for what is no such text.
-  explicit RecordedInputs(const std::vector<std::string>& given);
+  explicit RecordedInputs(const std::vector<std::string>& given = {});
+  /// The same from memory. Throws InputError for times that do not ascend, numbers that are not finite, and
+  /// where there are not as many values as times.
+  void add(const std::string& name, std::vector<double> times, std::vector<double> values);
   const std::vector<std::string>& files() const { return files_; }
   /// Finds the inputs by their names. Throws InputError where the simulation has none.
   void attach(const Simulation& simulation);

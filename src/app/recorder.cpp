@@ -159,7 +159,7 @@ std::vector<std::string> Recorder::finish(const std::string& summary, bool whole
   const auto close = [&](auto& writer, const auto&... text) {
     if (whole) return writer.finish(text...);
     const std::string path = writer.keep(text...);
-    kept.push_back(fmt::format("{} rows in '{}'", writer.rows(), path));
+    kept.push_back(fmt::format("{} {} in '{}'", writer.rows(), writer.rows() == 1 ? "row" : "rows", path));
   };
   if (results_) keep_first([&] { close(*results_, summary); });
   if (csv_) keep_first([&] { close(*csv_); });

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +9,7 @@
 #include "app/json.h"
 #include "app/reproduce_tables.h"
 #include "app/table.h"
+#include "app/terminal_line.h"
 #include "mimbre/run.h"
 
 /// mimbre reproduce: published tables beside ours.
@@ -145,14 +144,12 @@ class StatusLine {
  public:
   ~StatusLine() { clear(); }
   void show(const std::string& line) {
-    if (!terminal_) return;
-    fmt::print(stderr, "\r{}\033[K", line);
-    std::fflush(stderr);
+    if (terminal_) show_terminal_line(line);
   }
   void clear() { show(""); }
 
  private:
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
+  bool terminal_ = has_terminal_line();
 };
 
 int list(bool as_json) {

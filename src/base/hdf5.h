@@ -98,13 +98,17 @@ inline Handle open_group(hid_t parent, const std::string& name) {
   return is_own(parent, name) ? Handle(H5Gopen2(parent, name.c_str(), H5P_DEFAULT)) : Handle();
 }
 
-/// Whether a dataset whose values lie in its own header has as many there as it announces: the library reads
-/// on beyond them.
-inline bool compact_is_whole(hid_t dataset) {
+/// Whether values of a dataset are stored where it announces some: in its own header all of them, as the
+/// library reads on beyond them; of chunks one at least, as it reads beyond the value that stands for those
+/// that are not there. (A run that was killed has announced rows whose chunks are not there yet.)
+inline bool has_values(hid_t dataset, H5D_layout_t layout) {
   const Handle type(H5Dget_type(dataset)), space(H5Dget_space(dataset));
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-  return count >= 0 && static_cast<double>(count) * static_cast<double>(H5Tget_size(type.get())) <=
-                           static_cast<double>(H5Dget_storage_size(dataset));
+  const auto stored = static_cast<double>(H5Dget_storage_size(dataset));
+  if (layout == H5D_CHUNKED) return count == 0 || stored > 0;
+  return layout == H5D_CONTIGUOUS ||
+         (layout == H5D_COMPACT && count >= 0 &&
+          static_cast<double>(count) * static_cast<double>(H5Tget_size(type.get())) <= stored);
 }
 
 /// A dataset whose data lie in this file itself; not valid where there is none.
@@ -114,10 +118,7 @@ inline Handle open_dataset(hid_t parent, const std::string& name) {
   if (!data.valid()) return {};
   const Handle properties(H5Dget_create_plist(data.get()));
   if (!properties.valid() || H5Pget_external_count(properties.get()) != 0) return {};
-  const H5D_layout_t layout = H5Pget_layout(properties.get());
-  const bool good = layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED ||
-                    (layout == H5D_COMPACT && compact_is_whole(data.get()));
-  return good ? std::move(data) : Handle();
+  return has_values(data.get(), H5Pget_layout(properties.get())) ? std::move(data) : Handle();
 }
 
 /// Whether a file of so many bytes can hold so many values of the dataset. A damaged header can announce any

@@ -7,6 +7,7 @@
 #include "math/rotation.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/spec.h"
+#include "model/rows.h"
 
 /// Inertia of flexible bodies by projection of the mesh's mass matrix, M̄ = B*ᵀ M* B* (Lugrís
 /// 2008, 2.76–2.90), evaluated node by node at every position: the cost grows with the mesh. All in body
@@ -27,7 +28,7 @@ namespace mimbre::projection {
 using Vec3d = Eigen::Vector3d;
 using Mat3d = Eigen::Matrix3d;
 using Mat12d = Eigen::Matrix<double, 12, 12>;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using mimbre::Rows;
 /// Base vectors, or the forces on them: of the origin, then of the three axes.
 using Base = std::array<Vec3d, 4>;
 using Values = std::vector<double, linalg::CacheAligned<double>>;

@@ -174,12 +174,12 @@ Constants constants(const ReducedBody& body, bool rotations) {
   c.S = Rows::Zero(3, c.stride);
   c.S_theta = Rows::Zero(3, c.stride);
   for (int i = 0; i < 3 * c.nodes; ++i) {
-    c.S.row(i % 3).head(c.modes) += product.row(translation(i));
-    if (c.rotations) c.S_theta.row(i % 3).head(c.modes) += product.row(rotation(i));
+    c.S.matrix().row(i % 3).head(c.modes) += product.row(translation(i));
+    if (c.rotations) c.S_theta.matrix().row(i % 3).head(c.modes) += product.row(rotation(i));
   }
   c.mass = Rows::Zero(c.stride, c.stride);
   const Eigen::MatrixXd modal = mesh.shapes.transpose() * product;
-  c.mass.topLeftCorner(c.modes, c.modes) = 0.5 * (modal + modal.transpose());
+  c.mass.matrix().topLeftCorner(c.modes, c.modes) = 0.5 * (modal + modal.transpose());
   c.zeros.assign(static_cast<std::size_t>(c.stride), 0.0);
   for (int k = 0; k < c.nodes; ++k)
     c.first_moment += c.sums[static_cast<std::size_t>(36) * k] * body.nodes.col(k);
@@ -194,7 +194,7 @@ std::vector<Constants> constants(const Compiled& model, spec::Simulation::Inerti
   std::vector<Diagnostic> errors;
   for (const BodyData& b : model.bodies) {
     if (b.flexible < 0) continue;
-    const spec::Body& body = model.spec.bodies[static_cast<std::size_t>(b.spec)];
+    const spec::Body& body = model.spec().bodies[static_cast<std::size_t>(b.spec)];
     Constants& c = all[static_cast<std::size_t>(b.flexible)];
     if (!body.flexible->mesh_inertia)
       errors.push_back({body.mark, fmt::format("inertia by projection needs the mesh of flexible body '{}', "

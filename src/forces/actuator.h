@@ -5,9 +5,10 @@
 namespace mimbre::forces {
 
 /// The tangents of a feedback of its own motion are added by what knows the signals (signals/feedback.h).
-inline void actuator_law(const LawContext<double>& c, ElementState<double>& s) {
+template <class T>
+void actuator_law(const LawContext<T>& c, ElementState<T>& s) {
   s.force[0] = -c.argument(0);
-  s.stiffness[0] = s.damping[0] = 0;
+  s.stiffness[0] = s.damping[0] = T(0);
 }
 
 inline void actuator_energy(const LawContext<double>&, const ElementState<double>& s, ElementEnergy& e) {

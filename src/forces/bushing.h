@@ -11,14 +11,19 @@ namespace bushing {
 /// Among the law's numbers: stiffness, damping (36 each), then of each branch stiffness and relaxation time.
 constexpr int stiffness = 0, damping = 36, branches = 72, branch_size = 37;
 
-inline int branch_count(const LawContext<double>& c) {
+template <class T>
+int branch_count(const LawContext<T>& c) {
   // States: what was measured at the start of the step, and the elongation of each branch's springs.
   return c.element.state_count == 0 ? 0 : c.element.state_count / 6 - 1;
 }
 /// With laws by axis: six elastic ones, then six dampers.
-inline bool by_axis(const LawContext<double>& c) { return c.element.functions >= 0; }
+template <class T>
+bool by_axis(const LawContext<T>& c) {
+  return c.element.functions >= 0;
+}
 
-inline void add_times(const double* matrix, const double* x, double* out) {
+template <class T>
+void add_times(const T* matrix, const T* x, T* out) {
   for (int r = 0; r < 6; ++r)
     for (int k = 0; k < 6; ++k) out[r] += matrix[6 * r + k] * x[k];
 }
@@ -32,16 +37,20 @@ inline double form(const double* matrix, const double* x) {
 
 /// Share of the change of x that a branch's springs still hold at the end of a step in which x changes
 /// evenly.
-inline double held(double step, double relaxation) {
-  const double r = step / relaxation;
-  return r > 0 ? -std::expm1(-r) / r : 1;
+template <class T>
+T held(double step, const T& relaxation) {
+  using std::expm1;
+  const T r = step / relaxation;
+  return select(r > T(0), T(-expm1(-r) / r), T(1));
 }
 }  // namespace bushing
 
-inline void bushing_law(const LawContext<double>& c, ElementState<double>& s) {
+template <class T>
+void bushing_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace bushing;
-  const double* p = c.numbers();
-  for (int k = 0; k < 6; ++k) s.force[k] = 0;
+  using std::exp;
+  const T* p = c.numbers();
+  for (int k = 0; k < 6; ++k) s.force[k] = T(0);
   for (int k = 0; k < 36; ++k) {
     s.stiffness[k] = p[stiffness + k];
     s.damping[k] = p[damping + k];
@@ -50,21 +59,21 @@ inline void bushing_law(const LawContext<double>& c, ElementState<double>& s) {
   add_times(p + damping, s.v, s.force);
   if (by_axis(c))
     for (int k = 0; k < 6; ++k) {
-      const auto [pull, slope] = c.function(k).tangent(s.x[k]);
-      const auto [resistance, viscosity] = c.function(6 + k).tangent(s.v[k]);
+      const auto [pull, slope] = tangent_at(c.function(k), s.x[k]);
+      const auto [resistance, viscosity] = tangent_at(c.function(6 + k), s.v[k]);
       s.force[k] += pull + resistance;
       s.stiffness[7 * k] += slope;
       s.damping[7 * k] += viscosity;
     }
   const int count = branch_count(c);
   if (count == 0) return;
-  const double* before = c.states;
+  const T* before = c.states;
   for (int k = 0; k < 6; ++k) s.states[k] = s.x[k];
   for (int b = 0; b < count; ++b) {
-    const double *branch = p + branches + b * branch_size, *elongation = before + 6 * (1 + b);
-    double* next = s.states + 6 * (1 + b);
-    const double relaxation = branch[36], share = c.step > 0 ? held(c.step, relaxation) : 0,
-                 kept = c.step > 0 ? std::exp(-c.step / relaxation) : 1;
+    const T *branch = p + branches + b * branch_size, *elongation = before + 6 * (1 + b);
+    T* next = s.states + 6 * (1 + b);
+    const T relaxation = branch[36], share = c.step > 0 ? held(c.step, relaxation) : T(0),
+            kept = c.step > 0 ? T(exp(-c.step / relaxation)) : T(1);
     // Exact for an x that changes evenly over the step; at rest what is held stays.
     for (int k = 0; k < 6; ++k) next[k] = kept * elongation[k] + share * (s.x[k] - before[k]);
     add_times(branch, next, s.force);

@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <type_traits>
 
+#include "math/function_values.h"
 #include "math/rotation.h"
 #include "model/compiled.h"
 
@@ -33,9 +34,8 @@ struct ElementState {
 };
 
 template <class T>
-ElementState<T> element_state(const ElementData& e, T* storage) {
+ElementState<T> element_state_at(const ElementData& e, T* p) {
   const int n = e.count;
-  T* p = storage + e.storage;
   const auto take = [&](int size) {
     T* taken = p;
     p += size;
@@ -54,20 +54,39 @@ ElementState<T> element_state(const ElementData& e, T* storage) {
   s.states = take(e.state_count);
   return s;
 }
+/// In the workspace's storage.
+template <class T>
+ElementState<T> element_state(const ElementData& e, T* storage) {
+  return element_state_at(e, storage + e.storage);
+}
+
+/// The model's numbers of laws; those of other scalars than double have to be given.
+template <class T>
+const T* numbers_of(const Compiled& model) {
+  if constexpr (std::is_same_v<T, double>)
+    return model.numbers.data();
+  else
+    return nullptr;
+}
 
 /// What a law may depend on besides what is measured.
 template <class T>
 struct LawContext {
   const Compiled& model;
   const ElementData& element;
-  T time;
-  const T* signals;      ///< all slots
-  const double* states;  ///< of this element at the start of the step
-  double step;           ///< s; 0: a position at rest, in which what relaxes has relaxed
+  double time;
+  const T* signals;  ///< all slots
+  const T* states;   ///< of this element at the start of the step
+  double step;       ///< s; 0: a position at rest, in which what relaxes has relaxed
+  const T* all_numbers = numbers_of<T>(model);
 
-  const double* numbers() const { return model.numbers.data() + element.numbers; }
-  const Function& function(int k) const { return model.functions[element.functions + k]; }
+  const T* numbers() const { return all_numbers + element.numbers; }
+  const FunctionData& function(int k) const { return model.functions[element.functions + k]; }
   const LawData* formula() const { return element.formula < 0 ? nullptr : &model.formulas[element.formula]; }
+  /// Stands beside the image.
+  const spec::UserLaw& user() const {
+    return *model.spec().elements[static_cast<std::size_t>(element.spec)].user;
+  }
   T argument(int k) const { return signals[model.arguments[element.arguments + k]]; }
 };
 

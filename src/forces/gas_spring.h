@@ -13,21 +13,26 @@ constexpr int pressure = 0, area = 1, length = 2, gas_length = 3, exponent = 4, 
 /// Shorter than this part of its column the gas is not: from there on the force stays.
 constexpr double shortest = 1e-3;
 
+template <class T>
 struct Gas {
-  double column, force, slope;  ///< m, N that pushes apart, ∂force/∂x
+  T column, force, slope;  ///< m, N that pushes apart, ∂force/∂x
 };
-inline Gas gas(const double* p, double x) {
-  const double asked = p[gas_length] + (x - p[length]), least = shortest * p[gas_length];
-  const double column = asked > least ? asked : least;
-  const double inside = p[pressure] * std::pow(p[gas_length] / column, p[exponent]);
-  const double slope = asked > least ? -p[exponent] * inside / column * p[area] : 0;
-  return {column, p[area] * (inside - p[ambient]), slope};
+template <class T>
+Gas<T> gas(const T* p, const T& x) {
+  using std::pow;
+  const T asked = p[gas_length] + (x - p[length]), least = shortest * p[gas_length];
+  const auto free = asked > least;
+  const T column = select(free, asked, least);
+  const T inside = p[pressure] * pow(T(p[gas_length] / column), p[exponent]);
+  const T slope = select(free, T(-p[exponent] * inside / column * p[area]), T(0));
+  return {column, T(p[area] * (inside - p[ambient])), slope};
 }
 }  // namespace gas_spring
 
-inline void gas_spring_law(const LawContext<double>& c, ElementState<double>& s) {
-  const double* p = c.numbers();
-  const gas_spring::Gas g = gas_spring::gas(p, s.x[0]);
+template <class T>
+void gas_spring_law(const LawContext<T>& c, ElementState<T>& s) {
+  const T* p = c.numbers();
+  const gas_spring::Gas<T> g = gas_spring::gas(p, s.x[0]);
   s.force[0] = -g.force + p[gas_spring::damping] * s.v[0];
   s.stiffness[0] = -g.slope;
   s.damping[0] = p[gas_spring::damping];
@@ -37,7 +42,7 @@ inline void gas_spring_law(const LawContext<double>& c, ElementState<double>& s)
 inline void gas_spring_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace gas_spring;
   const double* p = c.numbers();
-  const Gas g = gas(p, s.x[0]);
+  const Gas<double> g = gas(p, s.x[0]);
   const double n = p[exponent], whole = p[gas_length], ratio = g.column / whole;
   // ∫ p dV, by its logarithm where n is 1.
   const double work = std::abs(n - 1) < 1e-9 ? std::log(ratio) : (std::pow(ratio, 1 - n) - 1) / (1 - n);

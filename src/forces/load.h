@@ -5,9 +5,10 @@
 namespace mimbre::forces {
 
 /// Its direction, `linear` and `angular`, is set by what it acts on (measure.h).
-inline void load_law(const LawContext<double>& c, ElementState<double>& s) {
+template <class T>
+void load_law(const LawContext<T>& c, ElementState<T>& s) {
   s.force[0] = -c.argument(0);
-  s.stiffness[0] = s.damping[0] = 0;
+  s.stiffness[0] = s.damping[0] = T(0);
 }
 
 inline void load_energy(const LawContext<double>&, const ElementState<double>& s, ElementEnergy& e) {

@@ -5,6 +5,7 @@
 #include "forces/element.h"
 #include "forces/motion.h"
 #include "joints/kernels.h"
+#include "math/function_values.h"
 
 /// What elements measure between two frames: x, its rate v, and the directions in which a force against it
 /// acts. All vectors are in global axes.
@@ -18,8 +19,9 @@ Mat3<T> inverse_left_jacobian(const Vec3<T>& theta) {
   const RotationSeries<T> s = rotation_series<T>(phi2);
   const Mat3<T> k = skew<T>(theta);
   // 1/φ² − (1 + cos φ)/(2 φ sin φ) = (1 − sinc/(2 a))/φ², with its series where digits would be lost.
-  const T c = phi2 < T(1e-3) ? T(1. / 12) + phi2 * (T(1. / 720) + phi2 * T(1. / 30240))
-                             : (T(1) - s.sinc / (T(2) * s.a)) / phi2;
+  const T c = choose(
+      phi2 < T(1e-3), [&] { return T(T(1. / 12) + phi2 * (T(1. / 720) + phi2 * T(1. / 30240))); },
+      [&] { return T((T(1) - s.sinc / (T(2) * s.a)) / phi2); });
   return Mat3<T>::Identity() - T(0.5) * k + c * (k * k);
 }
 
@@ -28,10 +30,13 @@ template <class T>
 void measure_distance(const Motion<T>& a, const Motion<T>& b, ElementState<T>& s) {
   const Vec3<T> r = b.position - a.position, u = b.velocity - a.velocity;
   const T length = r.norm();
-  const T speed = length > T(0) ? T(0) : T(u.norm());
-  const Vec3<T> direction = length > T(0)  ? Vec3<T>(r / length)
-                            : speed > T(0) ? Vec3<T>(u / speed)
-                                           : Vec3<T>(Vec3<T>::Zero());
+  const Vec3<T> direction = choose(
+      length > T(0), [&] { return Vec3<T>(r / length); },
+      [&] {
+        const T speed = u.norm();
+        return choose(
+            speed > T(0), [&] { return Vec3<T>(u / speed); }, [] { return Vec3<T>(Vec3<T>::Zero()); });
+      });
   s.x[0] = length;
   s.v[0] = direction.dot(u);
   s.set_linear(0, direction);
@@ -47,7 +52,7 @@ void relative_velocity(const Motion<T>& a, const Motion<T>& b, Vec3<T>& d, Vec3<
 
 /// A coordinate of a joint that is cut, whose angles count turns from `last` on.
 template <class T>
-void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T>& b, double last,
+void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T& last,
                         ElementState<T>& s) {
   Vec3<T> d, u, w;
   relative_velocity(a, b, d, u, w);
@@ -63,8 +68,9 @@ void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T
   s.v[0] = linear.dot(u) + angular.dot(w);
   s.x[0] = q[e.local];
   if (is_angle(e.joint, e.local)) {
+    using std::round;
     constexpr double turn = 2 * std::numbers::pi;
-    s.x[0] += T(turn) * T(std::round((last - s.x[0]) / turn));
+    s.x[0] += T(turn) * T(round((last - s.x[0]) / turn));
   }
   s.set_linear(0, linear);
   s.set_angular(0, angular);
@@ -73,7 +79,7 @@ void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T
 /// Along a direction of a, or about it. An angle about it is that of b's turning since the assembled
 /// position, as far as that is about the direction.
 template <class T>
-void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, double last,
+void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T& last,
                   ElementState<T>& s) {
   Vec3<T> d, u, w;
   relative_velocity(a, b, d, u, w);
@@ -85,7 +91,7 @@ void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, 
     s.set_angular(0, Vec3<T>::Zero());
     return;
   }
-  using std::atan2;
+  using std::atan2, std::round;
   const Mat3<T> turned = a.rotation.transpose() * b.rotation * e.rotation.transpose().template cast<T>();
   const Vec3<T> vee(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0), turned(1, 0) - turned(0, 1));
   constexpr double turn = 2 * std::numbers::pi;
@@ -93,7 +99,7 @@ void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, 
   // Twist of the quaternion about n: of rotations about n alone it is the angle.
   const T sine = n.dot(vee), cosine = turned.trace() - n.dot(turned * n);
   s.x[0] = atan2(sine, cosine);
-  s.x[0] += T(turn) * T(std::round((last - s.x[0]) / turn));
+  s.x[0] += T(turn) * T(round((last - s.x[0]) / turn));
   s.v[0] = direction.dot(w);
   s.set_linear(0, Vec3<T>::Zero());
   s.set_angular(0, direction);
@@ -129,7 +135,7 @@ template <class T>
 void measure_height(const RoadData& road, const Vec3<T>& place, const Motion<T>& b, const T* signals,
                     ElementState<T>& s) {
   *s.surroundings =
-      road.over == spec::Road::Over::distance ? T(road.height.value(place[0])) : signals[road.slot];
+      road.over == spec::Road::Over::distance ? value_at(road.height, place[0]) : signals[road.slot];
   s.x[0] = place[2] - *s.surroundings;
   s.v[0] = b.velocity[2];  // as over a road that stands still
   s.set_linear(0, Vec3<T>::UnitZ());
@@ -138,17 +144,17 @@ void measure_height(const RoadData& road, const Vec3<T>& place, const Motion<T>&
 /// What an element that is no coordinate in the tree measures, and the way it acts.
 template <class T>
 void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const Motion<T>& b,
-             const Vec3<T>& origin, const T* signals, const double* states, ElementState<T>& s) {
+             const Vec3<T>& origin, const T* signals, const T* states, ElementState<T>& s) {
   switch (e.measure) {
     case Measure::distance:
       return measure_distance(*a, b, s);
     case Measure::height:
       return measure_height(m.roads[e.road], Vec3<T>(b.position + origin), b, signals, s);
     case Measure::coordinate:
-      measure_coordinate(e, *a, b, e.turns < 0 ? 0 : states[e.turns], s);
+      measure_coordinate(e, *a, b, e.turns < 0 ? T(0) : states[e.turns], s);
       break;
     case Measure::axis:
-      measure_axis(e, *a, b, e.turns < 0 ? 0 : states[e.turns], s);
+      measure_axis(e, *a, b, e.turns < 0 ? T(0) : states[e.turns], s);
       break;
     case Measure::relative:
       return measure_relative(e, *a, b, s);

@@ -18,18 +18,19 @@ inline double general(const LawContext<double>& c, double x, double v) {
 }
 }  // namespace spring
 
-inline void spring_law(const LawContext<double>& c, ElementState<double>& s) {
-  const double x = s.x[0], v = s.v[0];
-  const auto [pull, stiffness] = c.function(spring::elastic).tangent(x);
-  const auto [resistance, damping] = c.function(spring::damping).tangent(v);
+template <class T>
+void spring_law(const LawContext<T>& c, ElementState<T>& s) {
+  const T x = s.x[0], v = s.v[0];
+  const auto [pull, stiffness] = tangent_at(c.function(spring::elastic), x);
+  const auto [resistance, damping] = tangent_at(c.function(spring::damping), v);
   s.force[0] = pull + resistance;
   s.stiffness[0] = stiffness;
   s.damping[0] = damping;
   if (const LawData* law = c.formula()) {
-    std::array<double, Formula::most_variables> values;
-    gather<double>(*law, {x, v}, c.signals, values);
-    s.force[0] += law->formula.value(values.data());
-    const auto [k, d] = law->formula.derivatives(values.data());
+    std::array<T, Formula::most_variables> values;
+    gather<T>(*law, {x, v}, c.signals, values);
+    s.force[0] += value_at(law->formula, values.data());
+    const auto [k, d] = derivatives_at(law->formula, values.data());
     s.stiffness[0] += k;
     s.damping[0] += d;
   }
@@ -38,7 +39,7 @@ inline void spring_law(const LawContext<double>& c, ElementState<double>& s) {
 /// The potential is zero at the assembled length; of the general law what it is at rest works like a load and
 /// the rest is a damper's.
 inline void spring_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
-  const Function& elastic = c.function(spring::elastic);
+  const FunctionData& elastic = c.function(spring::elastic);
   const double start =
       c.element.measure == Measure::distance ? elastic.antiderivative(c.element.reference) : 0;
   e.stored = elastic.antiderivative(s.x[0]) - start;

@@ -13,20 +13,23 @@
 /// The laws of force elements. A new one is a file like spring.h, a row here and one in model/force_laws.h.
 namespace mimbre::forces {
 
+template <class T>
 struct LawRow {
   /// Force and tangents of what is measured, and the states at the end of the step.
-  void (*law)(const LawContext<double>&, ElementState<double>&);
-  /// After the law.
+  void (*law)(const LawContext<T>&, ElementState<T>&);
+  /// After the law, of numbers only: it is no part of a step.
   void (*energy)(const LawContext<double>&, const ElementState<double>&, ElementEnergy&);
 };
 
-inline void no_law(const LawContext<double>&, ElementState<double>& s) {
-  for (int k = 0; k < s.count; ++k) s.force[k] = 0;
-  for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = 0;
+template <class T>
+void no_law(const LawContext<T>&, ElementState<T>& s) {
+  for (int k = 0; k < s.count; ++k) s.force[k] = T(0);
+  for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = T(0);
 }
 inline void no_energy(const LawContext<double>&, const ElementState<double>&, ElementEnergy&) {}
 
-constexpr std::array<LawRow, law_table.size()> rows{{
+template <class T>
+constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {spring_law, spring_energy},
     {tyre_law, tyre_energy},
     {load_law, load_energy},

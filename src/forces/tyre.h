@@ -11,12 +11,13 @@ constexpr int stiffness = 0, radius = 1;  ///< among the law's numbers
 }
 
 /// x: height of the wheel's centre above the road.
-inline void tyre_law(const LawContext<double>& c, ElementState<double>& s) {
-  const double penetration = c.numbers()[tyre::radius] - s.x[0];
-  const bool contact = penetration > 0;
-  s.force[0] = contact ? -c.numbers()[tyre::stiffness] * penetration : 0;
-  s.stiffness[0] = contact ? c.numbers()[tyre::stiffness] : 0;
-  s.damping[0] = 0;
+template <class T>
+void tyre_law(const LawContext<T>& c, ElementState<T>& s) {
+  const T penetration = c.numbers()[tyre::radius] - s.x[0];
+  const auto contact = penetration > T(0);
+  s.force[0] = select(contact, T(-c.numbers()[tyre::stiffness] * penetration), T(0));
+  s.stiffness[0] = select(contact, c.numbers()[tyre::stiffness], T(0));
+  s.damping[0] = T(0);
 }
 
 inline void tyre_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {

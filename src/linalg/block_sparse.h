@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/array.h"
+
 /// Static block-sparse symmetric factorisation A = L D Lᵀ, the linear solver of every Newton step. All
 /// decisions (elimination order, fill, storage, which number is added where) are taken once from the pattern;
 /// the numeric part runs over small dense panels without index search, allocation, exceptions or locks, and
@@ -61,6 +63,7 @@ struct PanelUpdate {
 /// where that is faster.
 class BlockSymbolic {
  public:
+  BlockSymbolic() = default;  ///< of no unknowns
   /// Throws std::invalid_argument for a negative size or a coupling of a block that does not exist.
   explicit BlockSymbolic(const BlockPattern& pattern);
 
@@ -76,21 +79,21 @@ class BlockSymbolic {
   /// read; the others may be written.
   BlockPlace place(int i, int j) const;
 
-  const std::vector<Panel>& panels() const { return panels_; }
-  const std::vector<PanelUpdate>& updates() const { return updates_; }
+  const Array<Panel>& panels() const { return panels_; }
+  const Array<PanelUpdate>& updates() const { return updates_; }
   /// The caller's unknowns in the panels' other rows, stride - below for each panel; any unknown for padding.
-  const std::vector<int>& rows() const { return rows_; }
+  const Array<int>& rows() const { return rows_; }
   /// The caller's unknown at each place of the elimination order.
-  const std::vector<int>& unknowns() const { return unknowns_; }
+  const Array<int>& unknowns() const { return unknowns_; }
 
  private:
-  std::vector<int> start_;                      // block → first unknown, and the total
-  std::vector<std::pair<int, int>> couplings_;  // i >= j, diagonals included, sorted
-  std::vector<BlockPlace> places_;              // of couplings_
-  std::vector<Panel> panels_;
-  std::vector<PanelUpdate> updates_;
-  std::vector<int> rows_;
-  std::vector<int> unknowns_;
+  Array<int> start_{0};                   // block → first unknown, and the total
+  Array<std::pair<int, int>> couplings_;  // i >= j, diagonals included, sorted
+  Array<BlockPlace> places_;              // of couplings_
+  Array<Panel> panels_;
+  Array<PanelUpdate> updates_;
+  Array<int> rows_;
+  Array<int> unknowns_;
   std::ptrdiff_t value_count_ = 0;
 };
 

@@ -118,7 +118,6 @@ std::vector<Supernode> amalgamate(std::vector<Supernode> nodes, const std::vecto
 
 BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
   const int count = static_cast<int>(pattern.sizes.size());
-  start_.push_back(0);
   for (int size : pattern.sizes) {
     if (size < 0) throw std::invalid_argument("a block has the negative size " + std::to_string(size));
     start_.push_back(start_.back() + size);
@@ -139,7 +138,7 @@ BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
     its.erase(std::unique(its.begin(), its.end()), its.end());
   }
   std::sort(couplings_.begin(), couplings_.end());
-  couplings_.erase(std::unique(couplings_.begin(), couplings_.end()), couplings_.end());
+  couplings_.truncate(std::unique(couplings_.begin(), couplings_.end()));
 
   const std::vector<Supernode> nodes =
       amalgamate(eliminate(pattern.sizes, std::move(neighbours)), pattern.sizes);

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "base/array.h"
+
 namespace mimbre {
 
 /// A formula as instructions for a machine with a stack. Jumps only lead forward, so that one pass ends.
@@ -65,7 +67,7 @@ struct ExpressionProgram {
   };
   static constexpr std::size_t deepest_stack = 256;
 
-  std::vector<Instruction> code;
+  Array<Instruction> code;
   std::size_t stack = 0;  ///< its largest depth
 };
 

@@ -6,12 +6,8 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
-#include <variant>
 
-#include "math/function_expression.h"
-#include "math/function_integral.h"
-#include "math/function_pieces.h"
-#include "math/quadrature.h"
+#include "math/function_data.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {
@@ -38,57 +34,30 @@ Expression compiled(const std::string& text, const std::vector<std::string>& var
 }
 
 /// An expression of one variable.
-struct OneVariable {
-  OneVariable(const std::string& text, const std::string& variable) : expression(compiled(text, {variable})) {
-    for (const double x : probes) {
-      if (!std::isfinite(value(x))) continue;
-      integral_start = x;
-      return;
-    }
-    throw InputError(Mark{}, fmt::format("expression '{}' is finite at none of {} = 0, ±0.01, ±0.1, ±1, ±10",
-                                         text, variable));
+OneVariable one_variable(const std::string& text, const std::string& variable) {
+  OneVariable made{compiled(text, {variable})};
+  for (const double x : probes) {
+    if (!std::isfinite(made.value(x))) continue;
+    made.integral_start = x;
+    return made;
   }
-  double value(double x) const { return expression.value(&x); }
-  Jet jet(double x) const {
-    const Jet of{x, 1, 0};
-    return expression.jet(&of);
-  }
-
-  Expression expression;
-  double integral_start = 0;  ///< not 0 where the expression is not finite at 0, as 1/x
-};
-
-/// start + ∫ f from 0 to x.
-struct Integral {
-  Integral(const Function& of, double value_at_0, double end)
-      : f(of), start(value_at_0), table([&](double x) { return of.value(x); }, end) {}
-  Integral(const Function& of, double value_at_0) : f(of), start(value_at_0), exact(true) {}
-  double value(double x) const {
-    return start + (exact ? f.antiderivative(x) : table.value([&](double s) { return f.value(s); }, x));
-  }
-
-  Function f;
-  double start = 0;
-  bool exact = false;  ///< f knows its antiderivative
-  IntegralTable table;
-};
+  throw InputError(Mark{}, fmt::format("expression '{}' is finite at none of {} = 0, ±0.01, ±0.1, ±1, ±10",
+                                       text, variable));
+}
 
 }  // namespace
 
-struct Function::Impl {
-  explicit Impl(Pieces pieces) : kind(std::move(pieces)) {}
-  Impl(const std::string& text, const std::string& variable)
-      : kind(std::in_place_type<OneVariable>, text, variable) {}
-  explicit Impl(Integral integral) : kind(std::move(integral)) {}
-  std::variant<Pieces, OneVariable, Integral> kind;
-};
+Function::Function(FunctionData data) : data_(std::make_shared<FunctionData>(std::move(data))) {}
+
+const FunctionData& Function::data() const {
+  static const FunctionData zero;
+  return data_ ? *data_ : zero;
+}
 
 Function Function::constant(double value) { return polynomial({value}); }
 
 Function Function::linear(double slope, double zero) {
-  Function result;
-  result.impl_ = std::make_shared<Impl>(Pieces({}, {{zero, {0, slope}}}));
-  return result;
+  return Function(FunctionData(Pieces({}, {{zero, {0, slope}}})));
 }
 
 Function Function::polynomial(std::vector<double> coefficients) {
@@ -98,128 +67,67 @@ Function Function::polynomial(std::vector<double> coefficients) {
 Function Function::piecewise(std::vector<double> breaks, std::vector<std::vector<double>> pieces) {
   std::vector<Pieces::Piece> absolute;
   for (std::vector<double>& coefficients : pieces) absolute.push_back({0, std::move(coefficients)});
-  Function result;
-  result.impl_ = std::make_shared<Impl>(Pieces(std::move(breaks), absolute));
-  return result;
+  return Function(FunctionData(Pieces(breaks, absolute)));
 }
 
 Function Function::table(std::vector<double> x, std::vector<double> y, Interpolation interpolation) {
-  Function result;
-  result.impl_ =
-      std::make_shared<Impl>(interpolation == Interpolation::cubic ? cubic_table(x, y) : linear_table(x, y));
-  return result;
+  return Function(
+      FunctionData(interpolation == Interpolation::cubic ? cubic_table(x, y) : linear_table(x, y)));
 }
 
 Function Function::expression(const std::string& text, const std::string& variable) {
-  Function result;
-  result.impl_ = std::make_shared<Impl>(text, variable);
-  return result;
+  return Function(FunctionData(one_variable(text, variable)));
 }
 
 Function Function::repeated(double start, double period) const {
-  if (!impl_) return {};
-  const Pieces* pieces = std::get_if<Pieces>(&impl_->kind);
+  if (!data_) return {};
+  const Pieces* pieces = data_->pieces();
   if (!pieces)
     throw InputError(Mark{}, "an expression cannot be repeated; only tables and piecewise functions can");
-  Function result;
-  result.impl_ = std::make_shared<Impl>(pieces->repeated(start, period));
-  return result;
+  return Function(FunctionData(pieces->repeated(start, period)));
 }
 
 Function Function::integral(double start, double end) const {
-  if (!impl_) return constant(start);
-  Function result;
-  result.impl_ = std::make_shared<Impl>(
-      std::holds_alternative<Pieces>(impl_->kind) ? Integral(*this, start) : Integral(*this, start, end));
-  return result;
+  if (!data_) return constant(start);
+  IntegralFunction made{{*data_}, start, data_->pieces() != nullptr, {}};
+  if (!made.exact) made.table = IntegralTable([&](double x) { return value(x); }, end);
+  return Function(FunctionData(std::move(made)));
 }
 
-double Function::value(double x) const {
-  if (!impl_) return 0;
-  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->value(x);
-  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->value(x);
-  return std::get_if<OneVariable>(&impl_->kind)->value(x);
-}
-
-double Function::derivative(double x) const {
-  if (!impl_) return 0;
-  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->derivative(x);
-  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.value(x);
-  return std::get_if<OneVariable>(&impl_->kind)->jet(x).first;
-}
-
-double Function::second_derivative(double x) const {
-  if (!impl_) return 0;
-  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->second_derivative(x);
-  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) return integral->f.derivative(x);
-  return std::get_if<OneVariable>(&impl_->kind)->jet(x).second;
-}
-
-Jet Function::jet(double x) const {
-  if (!impl_) return {0, 0, 0};
-  if (const OneVariable* formula = std::get_if<OneVariable>(&impl_->kind)) return formula->jet(x);
-  if (const Integral* integral = std::get_if<Integral>(&impl_->kind)) {
-    const auto [rate, second] = integral->f.tangent(x);
-    return {integral->value(x), rate, second};
-  }
-  return {value(x), derivative(x), second_derivative(x)};
-}
-
-std::pair<double, double> Function::tangent(double x) const {
-  if (!impl_) return {0, 0};
-  if (const OneVariable* formula = std::get_if<OneVariable>(&impl_->kind)) {
-    const Jet jet = formula->jet(x);
-    return {jet.value, jet.first};
-  }
-  return {value(x), derivative(x)};
-}
-
-double Function::antiderivative(double x) const {
-  if (!impl_) return 0;
-  if (const Pieces* pieces = std::get_if<Pieces>(&impl_->kind)) return pieces->antiderivative(x);
-  if (const Integral* integral = std::get_if<Integral>(&impl_->kind))
-    return quadrature::integral([&](double s) { return integral->value(s); }, 0, x);
-  const OneVariable& formula = *std::get_if<OneVariable>(&impl_->kind);
-  return quadrature::integral([&](double s) { return formula.value(s); }, formula.integral_start, x);
-}
-
-struct Formula::Impl {
-  Impl(const std::string& text, const std::vector<std::string>& variables)
-      : expression(compiled(text, variables)) {
-    // All triples of these, the third for all the others too.
-    std::vector<double> x(variables.size() + 3);
-    for (const double a : probes)
-      for (const double b : probes)
-        for (const double c : probes) {
-          std::fill(x.begin(), x.end(), c);
-          x[0] = a;
-          x[1] = b;
-          if (std::isfinite(expression.value(x.data()))) return;
-        }
-    throw InputError(Mark{}, fmt::format("expression '{}' is finite nowhere between -10 and 10", text));
-  }
-  Expression expression;
-};
+double Function::value(double x) const { return data().value(x); }
+double Function::derivative(double x) const { return data().derivative(x); }
+double Function::second_derivative(double x) const { return data().second_derivative(x); }
+Jet Function::jet(double x) const { return data().jet(x); }
+std::pair<double, double> Function::tangent(double x) const { return data().tangent(x); }
+double Function::antiderivative(double x) const { return data().antiderivative(x); }
 
 Formula Formula::expression(const std::string& text, const std::vector<std::string>& variables) {
-  Formula result;
-  result.impl_ = std::make_shared<Impl>(text, variables);
-  return result;
+  Expression expression = compiled(text, variables);
+  // All triples of these, the third for all the others too.
+  std::vector<double> x(variables.size() + 3);
+  for (const double a : probes)
+    for (const double b : probes)
+      for (const double c : probes) {
+        std::fill(x.begin(), x.end(), c);
+        x[0] = a;
+        x[1] = b;
+        if (!std::isfinite(expression.value(x.data()))) continue;
+        Formula result;
+        result.data_ = std::make_shared<Expression>(std::move(expression));
+        return result;
+      }
+  throw InputError(Mark{}, fmt::format("expression '{}' is finite nowhere between -10 and 10", text));
 }
 
-double Formula::value(const double* x) const { return impl_ ? impl_->expression.value(x) : 0; }
-Jet Formula::jet(const Jet* x) const { return impl_ ? impl_->expression.jet(x) : Jet{0, 0, 0}; }
-Gradient Formula::gradient(const Gradient* x) const {
-  return impl_ ? impl_->expression.gradient(x) : Gradient{0, 0, 0};
+const Expression& Formula::data() const {
+  static const Expression zero;
+  return data_ ? *data_ : zero;
 }
-std::size_t Formula::variables() const { return impl_ ? impl_->expression.variables() : 0; }
 
-std::pair<double, double> Formula::derivatives(const double* x) const {
-  if (!impl_) return {0, 0};
-  std::array<Gradient, most_variables> of;
-  for (std::size_t k = 0; k < variables(); ++k) of[k] = {x[k], k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0};
-  const Gradient g = gradient(of.data());
-  return {g.by_first, g.by_second};
-}
+double Formula::value(const double* x) const { return data().value(x); }
+Jet Formula::jet(const Jet* x) const { return data().jet(x); }
+Gradient Formula::gradient(const Gradient* x) const { return data().gradient(x); }
+std::pair<double, double> Formula::derivatives(const double* x) const { return data().derivatives(x); }
+std::size_t Formula::variables() const { return data().variables(); }
 
 }  // namespace mimbre

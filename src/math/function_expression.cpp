@@ -312,8 +312,21 @@ Expression::Expression(const std::string& text, const std::vector<std::string>& 
   variables_ = variables.size();
 }
 
-double Expression::value(const double* variables) const { return run<double>(program_, variables); }
-Jet Expression::jet(const Jet* variables) const { return run<Jet>(program_, variables); }
-Gradient Expression::gradient(const Gradient* variables) const { return run<Gradient>(program_, variables); }
+double Expression::value(const double* variables) const {
+  return is_zero() ? 0 : run<double>(program_, variables);
+}
+Jet Expression::jet(const Jet* variables) const {
+  return is_zero() ? Jet{0, 0, 0} : run<Jet>(program_, variables);
+}
+Gradient Expression::gradient(const Gradient* variables) const {
+  return is_zero() ? Gradient{0, 0, 0} : run<Gradient>(program_, variables);
+}
+
+std::pair<double, double> Expression::derivatives(const double* variables) const {
+  std::array<Gradient, Formula::most_variables> of;
+  for (std::size_t k = 0; k < variables_; ++k) of[k] = {variables[k], k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0};
+  const Gradient g = gradient(of.data());
+  return {g.by_first, g.by_second};
+}
 
 }  // namespace mimbre

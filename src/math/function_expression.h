@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "math/expression_program.h"
@@ -12,6 +13,7 @@ namespace mimbre {
 /// of abs, min or max the mean of both sides, across a jump those of either side.
 class Expression {
  public:
+  Expression() = default;  ///< zero
   /// Throws std::invalid_argument, which says why, when the text is not a formula in these variables, has
   /// more than 10 000 characters or 100 nested levels.
   Expression(const std::string& text, const std::vector<std::string>& variables);
@@ -21,7 +23,10 @@ class Expression {
   /// With the derivatives by what the variables depend on.
   Jet jet(const Jet* variables) const;
   Gradient gradient(const Gradient* variables) const;
+  /// ∂/∂variables[0] and ∂/∂variables[1].
+  std::pair<double, double> derivatives(const double* variables) const;
   std::size_t variables() const { return variables_; }
+  bool is_zero() const { return program_.code.empty(); }
 
  private:
   ExpressionProgram program_;

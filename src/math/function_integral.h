@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include "base/array.h"
 #include "math/quadrature.h"
 
 namespace mimbre {
@@ -62,7 +62,7 @@ class IntegralTable {
     values_.push_back(values_.back() + halves);
   }
 
-  std::vector<double> edges_{0}, values_{0};
+  Array<double> edges_{0.0}, values_{0.0};
 };
 
 }  // namespace mimbre

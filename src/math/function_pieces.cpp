@@ -14,13 +14,14 @@ namespace {
 
 [[noreturn]] void refuse(std::string message) { throw InputError(Mark{}, std::move(message)); }
 
-bool all_finite(const std::vector<double>& values) {
+template <class Values>
+bool all_finite(const Values& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
 }  // namespace
 
-Pieces::Pieces(std::vector<double> breaks, const std::vector<Piece>& pieces) : breaks_(std::move(breaks)) {
+Pieces::Pieces(const std::vector<double>& breaks, const std::vector<Piece>& pieces) : breaks_(breaks) {
   if (pieces.size() != breaks_.size() + 1)
     refuse(fmt::format("a function of {} pieces needs {} breaks, not {}", pieces.size(),
                        pieces.empty() ? 0 : pieces.size() - 1, breaks_.size()));
@@ -35,7 +36,7 @@ Pieces::Pieces(std::vector<double> breaks, const std::vector<Piece>& pieces) : b
       refuse("the coefficients of a piecewise function must be finite");
     origins_.push_back(piece.origin);
     first_.push_back(coefficients_.size());
-    coefficients_.insert(coefficients_.end(), piece.coefficients.begin(), piece.coefficients.end());
+    coefficients_.append(piece.coefficients.begin(), piece.coefficients.end());
     if (piece.coefficients.empty()) coefficients_.push_back(0);
     for (std::size_t i = first_.back(); i < coefficients_.size(); ++i)
       integrals_.push_back(coefficients_[i] / static_cast<double>(i - first_.back() + 1));
@@ -53,7 +54,7 @@ Pieces::Pieces(std::vector<double> breaks, const std::vector<Piece>& pieces) : b
 Pieces Pieces::repeated(double start, double period) const {
   if (!std::isfinite(start) || !std::isfinite(period) || period <= 0)
     refuse(fmt::format("a function can be repeated with a positive period only, not {}", period));
-  if (wrap_) refuse("a repeated function cannot be repeated again");
+  if (wrap_.period > 0) refuse("a repeated function cannot be repeated again");
   Pieces result = *this;
   const double integral = integrated(start + period) - integrated(start);
   result.wrap_ = Wrap{start, period, integral};
@@ -63,13 +64,13 @@ Pieces Pieces::repeated(double start, double period) const {
 }
 
 Pieces::Wrapped Pieces::wrapped(double x) const {
-  if (!wrap_) return {x, 0};
-  const double turns = std::floor((x - wrap_->start) / wrap_->period);
-  const double within = x - turns * wrap_->period;
+  if (!(wrap_.period > 0)) return {x, 0};
+  const double turns = std::floor((x - wrap_.start) / wrap_.period);
+  const double within = x - turns * wrap_.period;
   // Rounding may leave it just outside; it stays within the period, at the end it is nearest to.
-  const double end = wrap_->start + wrap_->period;
-  if (within < wrap_->start) return {wrap_->start, turns};
-  if (within >= end) return {wrap_->start, turns + 1};
+  const double end = wrap_.start + wrap_.period;
+  if (within < wrap_.start) return {wrap_.start, turns};
+  if (within >= end) return {wrap_.start, turns + 1};
   return {within, turns};
 }
 
@@ -131,7 +132,7 @@ double Pieces::integrated(double x) const {
 
 double Pieces::antiderivative(double x) const {
   const Wrapped place = wrapped(x);
-  const double whole_periods = wrap_ ? place.turns * wrap_->integral : 0;
+  const double whole_periods = wrap_.period > 0 ? place.turns * wrap_.integral : 0;
   return whole_periods + integrated(place.x) - integral_at_zero_;
 }
 
@@ -199,7 +200,7 @@ Pieces linear_table(const std::vector<double>& x, const std::vector<double>& y) 
     breaks.push_back(x.back());
     pieces.push_back({x.back(), {y.back()}});
   }
-  return Pieces(std::move(breaks), pieces);
+  return Pieces(breaks, pieces);
 }
 
 Pieces cubic_table(const std::vector<double>& x, const std::vector<double>& y) {

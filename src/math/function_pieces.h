@@ -1,6 +1,7 @@
 #pragma once
-#include <optional>
 #include <vector>
+
+#include "base/array.h"
 
 namespace mimbre {
 
@@ -13,8 +14,9 @@ class Pieces {
     std::vector<double> coefficients;
   };
 
+  Pieces() = default;  ///< none: of no use
   /// Throws InputError when breaks do not ascend strictly, a number is not finite or the sizes do not fit.
-  Pieces(std::vector<double> breaks, const std::vector<Piece>& pieces);
+  Pieces(const std::vector<double>& breaks, const std::vector<Piece>& pieces);
 
   /// The same pieces with x wrapped into [start, start + period). Throws InputError for a bad period or when
   /// they are wrapped already.
@@ -27,8 +29,8 @@ class Pieces {
 
  private:
   struct Wrap {
-    double start, period;
-    double integral;  ///< over one period
+    double start = 0, period = 0;  ///< period 0: not wrapped
+    double integral = 0;           ///< over one period
   };
   struct Wrapped {
     double x;      ///< in [start, start + period)
@@ -39,14 +41,14 @@ class Pieces {
   double integral_from_origin(std::size_t k, double x) const;
   double integrated(double x) const;  ///< unwrapped, continuous over breaks, up to a constant
 
-  std::vector<double> breaks_;
-  std::vector<double> origins_;             ///< of piece k
-  std::vector<std::size_t> first_;          ///< piece k: coefficients_[first_[k] .. first_[k+1])
-  std::vector<double> coefficients_;        ///< ascending powers, every piece at least one
-  std::vector<double> integrals_;           ///< coefficients_[i] / (its power + 1)
-  std::vector<double> integral_at_origin_;  ///< integration constant of piece k
-  double integral_at_zero_ = 0;             ///< so that antiderivative(0) = 0
-  std::optional<Wrap> wrap_;
+  Array<double> breaks_;
+  Array<double> origins_;             ///< of piece k
+  Array<std::size_t> first_;          ///< piece k: coefficients_[first_[k] .. first_[k+1])
+  Array<double> coefficients_;        ///< ascending powers, every piece at least one
+  Array<double> integrals_;           ///< coefficients_[i] / (its power + 1)
+  Array<double> integral_at_origin_;  ///< integration constant of piece k
+  double integral_at_zero_ = 0;       ///< so that antiderivative(0) = 0
+  Wrap wrap_;
 };
 
 /// Straight lines through the points; a repeated x is a jump, and beyond a jump at an end the value stays.

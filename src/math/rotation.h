@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "math/choice.h"
+
 /// Rotations: small helpers over Eigen, for any scalar. Rotation vectors are in radians.
 namespace mimbre {
 
@@ -26,11 +28,16 @@ template <class T>
 struct RotationSeries {
   T sinc, a, b, a1, b1;
 };
+template <class Condition, class T>
+RotationSeries<T> select(const Condition& condition, const RotationSeries<T>& x, const RotationSeries<T>& y) {
+  return {select(condition, x.sinc, y.sinc), select(condition, x.a, y.a), select(condition, x.b, y.b),
+          select(condition, x.a1, y.a1), select(condition, x.b1, y.b1)};
+}
 template <class T>
 RotationSeries<T> rotation_series(const T& phi2) {
   using std::cos, std::sin, std::sqrt;
-  RotationSeries<T> s;
-  if (phi2 < T(0.09)) {
+  const auto series = [&] {
+    RotationSeries<T> s;
     const T x = phi2;
     s.sinc = T(1) - x / 6. * (T(1) - x / 20. * (T(1) - x / 42. * (T(1) - x / 72. * (T(1) - x / 110.))));
     s.a = T(0.5) *
@@ -41,15 +48,19 @@ RotationSeries<T> rotation_series(const T& phi2) {
            (T(1) - x / 15. * (T(1) - x * (3. / 112) * (T(1) - x * (2. / 135) * (T(1) - x * (5. / 528)))));
     s.b1 =
         T(-1. / 60) * (T(1) - x / 21. * (T(1) - x / 48. * (T(1) - x * (2. / 165) * (T(1) - x * (5. / 624)))));
-  } else {
+    return s;
+  };
+  const auto closed = [&] {
+    RotationSeries<T> s;
     const T phi = sqrt(phi2), sp = sin(phi), cp = cos(phi);
     s.sinc = sp / phi;
     s.a = (T(1) - cp) / phi2;
     s.b = (phi - sp) / (phi2 * phi);
     s.a1 = (s.sinc - T(2) * s.a) / phi2;
     s.b1 = (s.a - T(3) * s.b) / phi2;
-  }
-  return s;
+    return s;
+  };
+  return choose(phi2 < T(0.09), series, closed);
 }
 
 /// Rotation matrix of a rotation vector (exponential map).
@@ -107,15 +118,43 @@ Vec3<T> quaternion_log(const Quat<T>& q) {
   using std::atan2, std::sqrt;
   const Vec3<T> v(q[1], q[2], q[3]);
   const T n = v.norm();
-  const T sign = q[0] < T(0) ? T(-1) : T(1);
-  if (n < T(1e-9)) return (T(2) * sign) * v;
-  return (T(2) * atan2(n, sign * q[0]) / n * sign) * v;
+  const T sign = select(q[0] < T(0), T(-1), T(1));
+  return choose(
+      n < T(1e-9), [&] { return Vec3<T>((T(2) * sign) * v); },
+      [&] { return Vec3<T>((T(2) * atan2(n, sign * q[0]) / n * sign) * v); });
 }
 
 /// Unit quaternion of a rotation matrix.
 inline Quat<double> quaternion_of(const Mat3<double>& r) {
   const Eigen::Quaterniond q(r);
   return Quat<double>(q.w(), q.x(), q.y(), q.z()).normalized();
+}
+/// Lane by lane, as the largest component decides how it is found; with a derivative, that of ½ ω ∘ q.
+template <class T>
+Quat<T> quaternion_of(const Mat3<T>& r) {
+  Mat3<double> one;
+  Quat<T> q;
+  if constexpr (is_pack<T>) {
+    for (int i = 0; i < T::lanes; ++i) {
+      for (int k = 0; k < 9; ++k) one(k) = r(k)[i];
+      const Quat<double> of = quaternion_of(one);
+      for (int k = 0; k < 4; ++k) q[k][i] = of[k];
+    }
+  } else {
+    Mat3<double> rate;
+    for (int k = 0; k < 9; ++k) {
+      one(k) = r(k).value;
+      rate(k) = r(k).derivative;
+    }
+    const Quat<double> of = quaternion_of(one);
+    const Mat3<double> spin = rate * one.transpose();
+    const Quat<double> turned = quaternion_product<double>(
+        Quat<double>(0, 0.25 * (spin(2, 1) - spin(1, 2)), 0.25 * (spin(0, 2) - spin(2, 0)),
+                     0.25 * (spin(1, 0) - spin(0, 1))),
+        of);
+    for (int k = 0; k < 4; ++k) q[k] = T(of[k], turned[k]);
+  }
+  return q;
 }
 
 }  // namespace mimbre

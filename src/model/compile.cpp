@@ -14,6 +14,7 @@
 #include "model/compiled.h"
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
+#include "model/image.h"
 #include "model/topology.h"
 
 namespace mimbre {
@@ -22,13 +23,13 @@ namespace {
 /// Builds the flat arrays from the spec and its tree.
 class Compiler {
  public:
-  explicit Compiler(spec::Model model) {
-    c_.spec = std::move(model);
-    c_.gravity = c_.spec.gravity;
+  explicit Compiler(spec::Model& model) : spec_(model) {
+    c_.beside = &model;
+    c_.gravity = model.gravity;
   }
 
-  std::unique_ptr<const Compiled> run() {
-    topology_ = find_topology(c_.spec);
+  std::unique_ptr<const Image> run() {
+    topology_ = find_topology(spec_);
     bodies();
     plan_signals(c_);
     frames();
@@ -47,17 +48,17 @@ class Compiler {
     }
     matrix();
     scales();
-    return std::make_unique<const Compiled>(std::move(c_));
+    return std::make_unique<const Image>(c_);
   }
 
  private:
   void bodies() {
-    const auto& spec_bodies = c_.spec.bodies;
+    const auto& spec_bodies = spec_.bodies;
     c_.body_of_spec.assign(spec_bodies.size(), -1);
     std::map<const ReducedBody*, int> known;
     for (const Topology::Branch& branch : topology_.branches) {
       const spec::Body& s = spec_bodies[branch.body];
-      const spec::Joint& joint = c_.spec.joints[branch.joint];
+      const spec::Joint& joint = spec_.joints[branch.joint];
       const JointInfo& info = joint_info(joint.type);
       BodyData b;
       b.spec = branch.body;
@@ -95,21 +96,21 @@ class Compiler {
   int tree_body(const spec::Frame& f) const { return f.body < 0 ? -1 : c_.body_of_spec[f.body]; }
 
   void frames() {
-    const auto& spec_frames = c_.spec.frames;
+    const auto& spec_frames = spec_.frames;
     std::set<int> needed, full;
     for (const Topology::Branch& b : topology_.branches) {
-      const spec::Joint& j = c_.spec.joints[b.joint];
+      const spec::Joint& j = spec_.joints[b.joint];
       full.insert(b.reversed ? j.frame_b : j.frame_a);
     }
-    for (int k : topology_.cut_joints) full.insert({c_.spec.joints[k].frame_a, c_.spec.joints[k].frame_b});
-    for (const auto& s : c_.spec.springs) needed.insert({s.frame_a, s.frame_b});
-    for (const auto& l : c_.spec.loads) full.insert(l.frame);
-    for (const auto& t : c_.spec.tyres) needed.insert(t.frame);
-    for (const auto& e : c_.spec.elements)
+    for (int k : topology_.cut_joints) full.insert({spec_.joints[k].frame_a, spec_.joints[k].frame_b});
+    for (const auto& s : spec_.springs) needed.insert({s.frame_a, s.frame_b});
+    for (const auto& l : spec_.loads) full.insert(l.frame);
+    for (const auto& t : spec_.tyres) needed.insert(t.frame);
+    for (const auto& e : spec_.elements)
       if (e.on != spec::Element::On::coordinate)
         (e.on == spec::Element::On::line ? needed : full).insert({e.frame_a, e.frame_b});
     for (const int sensor : seen_within_a_step(c_)) {
-      const spec::Output& o = c_.spec.sensors[sensor];
+      const spec::Output& o = spec_.sensors[sensor];
       const auto add = [&](int frame) {
         if (frame >= 0) full.insert(frame);
       };
@@ -139,29 +140,29 @@ class Compiler {
     for (int b = -1; b < nb; ++b) add_frames(false, b);
     for (int b = 0; b < nb; ++b) {
       BodyData& body = c_.bodies[b];
-      const spec::Joint& j = c_.spec.joints[body.joint_spec];
+      const spec::Joint& j = spec_.joints[body.joint_spec];
       body.inboard_frame = c_.frame_of_spec[body.reversed ? j.frame_b : j.frame_a];
       body.outboard_frame = c_.frame_of_spec[body.reversed ? j.frame_a : j.frame_b];
     }
   }
 
   FrameData frame_data(int k) const {
-    const spec::Frame& s = c_.spec.frames[k];
+    const spec::Frame& s = spec_.frames[k];
     FrameData f;
     f.spec = k;
     f.body = tree_body(s);
     f.position = s.pose.position;
     f.rotation = s.pose.rotation;
     if (f.body < 0 || c_.bodies[f.body].flexible < 0 || s.flexible_frame < 0) return f;
-    const BodyFrame& r = c_.spec.bodies[s.body].flexible->frames[s.flexible_frame];
+    const BodyFrame& r = spec_.bodies[s.body].flexible->frames[s.flexible_frame];
     if (r.X.isZero(0) && r.X_theta.isZero(0)) return f;
     f.flexible = c_.bodies[f.body].flexible;
     const int stride = c_.flexible[f.flexible].stride;
-    const auto& second = c_.spec.bodies[s.body].flexible->second_order;
+    const auto& second = spec_.bodies[s.body].flexible->second_order;
     f.X = padded(second ? second->frame_shapes[s.flexible_frame] : r.X, stride);
     f.X_theta = padded(r.X_theta, stride);
     f.turns = !r.X_theta.isZero(0);
-    const ReducedBody& body = *c_.spec.bodies[s.body].flexible;
+    const ReducedBody& body = *spec_.bodies[s.body].flexible;
     f.turn = static_cast<FrameTurn>(body.boundary_rotation);
     if (body.ancf) {
       f.turn = FrameTurn::slope;
@@ -230,7 +231,7 @@ class Compiler {
 
   /// On a coordinate of a joint, in the tree or cut.
   ElementData on_coordinate(int joint, int coordinate) const {
-    const spec::Joint& j = c_.spec.joints[joint];
+    const spec::Joint& j = spec_.joints[joint];
     ElementData e;
     e.measure = Measure::coordinate;
     e.joint_spec = joint;
@@ -253,7 +254,7 @@ class Compiler {
   }
 
   void elements() {
-    const spec::Model& s = c_.spec;
+    const spec::Model& s = spec_;
     for (int k = 0; k < static_cast<int>(s.springs.size()); ++k) {
       const spec::Spring& spring = s.springs[k];
       ElementData e;
@@ -272,7 +273,7 @@ class Compiler {
                                                   spring.name));
       add_element(std::move(e));
     }
-    for (const spec::Road& r : s.roads) c_.roads.push_back({r.over, r.height, 0});
+    for (const spec::Road& r : s.roads) c_.roads.push_back({r.over, r.height.data(), 0});
     place_roads(c_);
     c_.first_tyre = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.tyres.size()); ++k) {
@@ -320,7 +321,7 @@ class Compiler {
 
   ElementData other_element(int k) {
     using On = spec::Element::On;
-    const spec::Element& s = c_.spec.elements[k];
+    const spec::Element& s = spec_.elements[k];
     ElementData e;
     if (s.on == On::coordinate) {
       e = on_coordinate(s.joint, s.coordinate);
@@ -347,7 +348,9 @@ class Compiler {
     e.argument_count = static_cast<int>(s.arguments.size());
     e.arguments = static_cast<int>(c_.arguments.size());
     for (const spec::Source& source : s.arguments) add_argument(c_, slot_of(c_, source));
-    e.user = s.user;
+    e.user = s.user != nullptr;
+    e.sampled = s.user && s.user->sampled;
+    e.elastic = s.user && s.user->elastic;
     if (!s.branches.empty()) e.state_count += 6 * (1 + static_cast<int>(s.branches.size()));
     if (s.user) e.state_count += static_cast<int>(s.user->states.size()) + (s.user->sampled ? e.count : 0);
     if (e.law == static_cast<int>(Law::actuator) && !s.arguments.empty()) {
@@ -375,12 +378,12 @@ class Compiler {
 
   int add_numbers(const std::vector<double>& numbers) {
     const int first = static_cast<int>(c_.numbers.size());
-    c_.numbers.insert(c_.numbers.end(), numbers.begin(), numbers.end());
+    c_.numbers.append(numbers.begin(), numbers.end());
     return first;
   }
   int add_functions(const std::vector<Function>& functions) {
     const int first = static_cast<int>(c_.functions.size());
-    c_.functions.insert(c_.functions.end(), functions.begin(), functions.end());
+    for (const Function& f : functions) c_.functions.push_back(f.data());
     return first;
   }
 
@@ -393,9 +396,9 @@ class Compiler {
 
   /// Of a frame in the assembled position.
   spec::Pose global_pose(int frame) const {
-    const spec::Frame& f = c_.spec.frames[frame];
+    const spec::Frame& f = spec_.frames[frame];
     if (f.body < 0) return f.pose;
-    const spec::Pose& body = c_.spec.bodies[f.body].pose;
+    const spec::Pose& body = spec_.bodies[f.body].pose;
     return {body.position + body.rotation * f.pose.position, body.rotation * f.pose.rotation};
   }
   double assembled_distance(int frame_a, int frame_b) const {
@@ -404,14 +407,15 @@ class Compiler {
 
   void loops_and_drives() {
     for (int k : topology_.cut_joints) {
-      const spec::Joint& j = c_.spec.joints[k];
+      const spec::Joint& j = spec_.joints[k];
       LoopData loop;
       loop.joint_spec = k;
       loop.frame_a = c_.frame_of_spec[j.frame_a];
       loop.frame_b = c_.frame_of_spec[j.frame_b];
       loop.first_equation = c_.equations;
       loop.count = joint_info(j.type).equations;
-      loop.closure = joint_info(j.type).closure;
+      const auto& closure = joint_info(j.type).closure;
+      loop.closure.assign(closure.begin(), closure.begin() + loop.count);
       loop.path = make_path(loop.frame_a, loop.frame_b);
       loop.jacobian = add_jacobian(loop.path, loop.count);
       c_.equations += loop.count;
@@ -419,7 +423,7 @@ class Compiler {
     }
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
       const BodyData& body = c_.bodies[b];
-      const auto& drives = c_.spec.joints[body.joint_spec].drives;
+      const auto& drives = spec_.joints[body.joint_spec].drives;
       for (int k = 0; k < static_cast<int>(drives.size()); ++k) {
         const int coordinate = drives[k].coordinate;
         c_.drives.push_back({body.joint_spec, b, body.q + coordinate, body.v + coordinate, c_.equations++,
@@ -440,22 +444,22 @@ class Compiler {
     };
     for (const auto& l : c_.loops) couple(l.path);
     for (const auto& e : c_.elements) couple(e.path);
-    c_.symbolic = std::make_shared<const linalg::BlockSymbolic>(pattern);
+    c_.symbolic = linalg::BlockSymbolic(pattern);
 
     const auto find_places = [&](Path& path) {
       for (std::size_t i = 0; i < path.entries.size(); ++i)
         for (std::size_t j = 0; j <= i; ++j)
-          path.places.push_back(c_.symbolic->place(path.entries[i].body, path.entries[j].body));
+          path.places.push_back(c_.symbolic.place(path.entries[i].body, path.entries[j].body));
     };
     for (auto& l : c_.loops) find_places(l.path);
     for (auto& e : c_.elements) find_places(e.path);
     c_.mass_places.resize(c_.bodies.size());
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
-      c_.diagonal.push_back(c_.symbolic->place(b, b));
+      c_.diagonal.push_back(c_.symbolic.place(b, b));
       for (int frame = c_.bodies[b].inboard_frame; c_.frames[frame].body >= 0;
            frame = c_.bodies[c_.frames[frame].body].inboard_frame) {
         const int a = c_.frames[frame].body;
-        c_.mass_places[b].push_back({a, c_.frames[frame].subspace, c_.symbolic->place(a, b)});
+        c_.mass_places[b].push_back({a, c_.frames[frame].subspace, c_.symbolic.place(a, b)});
       }
     }
   }
@@ -485,6 +489,7 @@ class Compiler {
     }
   }
 
+  spec::Model& spec_;
   Compiled c_;
   Topology topology_;
   std::vector<std::pair<int, std::vector<double>>> pending_states_;  ///< of user laws: where, what
@@ -492,37 +497,37 @@ class Compiler {
 
 }  // namespace
 
-Model::Model(std::unique_ptr<const Compiled> compiled) : compiled_(std::move(compiled)) {}
+Model::Model(spec::Model model) : spec_(std::move(model)), image_(Compiler(spec_).run()) {}
 Model::~Model() = default;
 
 std::shared_ptr<const Model> Model::compile(spec::Model model) {
   check_spec(model);
-  return std::shared_ptr<const Model>(new Model(Compiler(std::move(model)).run()));
+  return std::shared_ptr<const Model>(new Model(std::move(model)));
 }
 
-const spec::Model& Model::spec() const { return compiled_->spec; }
-int Model::bodies() const { return static_cast<int>(compiled_->bodies.size()); }
-int Model::coordinates() const { return compiled_->velocities; }
+const Compiled& Model::compiled() const { return image_->model(); }
+int Model::bodies() const { return static_cast<int>(compiled().bodies.size()); }
+int Model::coordinates() const { return compiled().velocities; }
 int Model::elastic_coordinates() const {
   int n = 0;
-  for (const BodyData& b : compiled_->bodies) n += b.modes;
+  for (const BodyData& b : compiled().bodies) n += b.modes;
   return n;
 }
-int Model::constraints() const { return compiled_->equations; }
+int Model::constraints() const { return compiled().equations; }
 
 std::vector<Model::JointLine> Model::joint_lines() const {
-  const Compiled& c = *compiled_;
+  const Compiled& c = compiled();
   std::vector<JointLine> lines;
   const auto body_name = [&](int b) {
-    return b < 0 ? std::string("ground") : c.spec.bodies[c.bodies[b].spec].name;
+    return b < 0 ? std::string("ground") : c.spec().bodies[c.bodies[b].spec].name;
   };
   for (int b = 0; b < bodies(); ++b) {
-    const spec::Joint& j = c.spec.joints[c.bodies[b].joint_spec];
+    const spec::Joint& j = c.spec().joints[c.bodies[b].joint_spec];
     lines.push_back({j.name, std::string(joint_info(j.type).name), body_name(c.bodies[b].parent),
                      body_name(b), false, joint_info(j.type).velocities, 0});
   }
   for (const LoopData& l : c.loops) {
-    const spec::Joint& j = c.spec.joints[l.joint_spec];
+    const spec::Joint& j = c.spec().joints[l.joint_spec];
     lines.push_back({j.name, std::string(joint_info(j.type).name), body_name(c.frames[l.frame_a].body),
                      body_name(c.frames[l.frame_b].body), true, 0, l.count});
   }

@@ -40,7 +40,7 @@ bool is_of_motion(Kind kind) {
 
 class Planner {
  public:
-  explicit Planner(Compiled& c) : c_(c), s_(c.spec), d_(c.signals) {}
+  explicit Planner(Compiled& c) : c_(c), s_(c.spec()), d_(c.signals) {}
 
   void run() {
     d_.slot_of_signal.assign(s_.signals.size(), -1);
@@ -79,7 +79,7 @@ class Planner {
  private:
   int hold(std::initializer_list<double> values) {
     const int first = static_cast<int>(d_.start.size());
-    d_.start.insert(d_.start.end(), values);
+    d_.start.append(values.begin(), values.end());
     return first;
   }
 
@@ -96,7 +96,7 @@ class Planner {
     d_.slot_of_signal[k] = d_.slots;
     const int held = hold({0, 0});
     d_.held.push_back({d_.slots++, held, false, -1});
-    d_.sampled.push_back({k, held, s.every, s.law.formula, {}});
+    d_.sampled.push_back({k, held, s.every, s.law.formula.data(), {}});
   }
 
   /// Signals after those that they need; sampled ones are known before.
@@ -132,8 +132,8 @@ class Planner {
     });
   }
 
-  void make(int k, std::vector<SignalsData::Made>& list) {
-    SignalsData::Made made{d_.slots++, {s_.signals[k].law.formula, {}}};
+  void make(int k, Array<SignalsData::Made>& list) {
+    SignalsData::Made made{d_.slots++, {s_.signals[k].law.formula.data(), {}}};
     for (const Source& a : s_.signals[k].law.arguments) made.law.slots.push_back(slot_of(c_, a));
     d_.slot_of_signal[k] = made.slot;
     list.push_back(std::move(made));
@@ -153,7 +153,7 @@ class Planner {
   }
 
   int of_time(const Function& f) {
-    d_.of_time.push_back({d_.slots, f});
+    d_.of_time.push_back({d_.slots, f.data()});
     return d_.slots++;
   }
 
@@ -210,7 +210,9 @@ void plan_signals(Compiled& c) {
   c.signals.seen = std::move(planner.seen_);
 }
 
-std::vector<int> seen_within_a_step(const Compiled& c) { return c.signals.seen; }
+std::vector<int> seen_within_a_step(const Compiled& c) {
+  return {c.signals.seen.begin(), c.signals.seen.end()};
+}
 
 bool is_of_frame(Kind kind) {
   return kind == Kind::position || kind == Kind::velocity || kind == Kind::angular_velocity ||
@@ -232,7 +234,7 @@ int slot_of(const Compiled& c, const Source& source) {
 }
 
 int load_slot(const Compiled& c, int load) {
-  const int signal = c.spec.loads[load].signal;
+  const int signal = c.spec().loads[load].signal;
   return signal >= 0 ? c.signals.slot_of_signal[signal] : c.signals.slot_of_load[load];
 }
 
@@ -244,7 +246,7 @@ void place_roads(Compiled& c) {
 
 int add_formula(Compiled& c, const spec::Law& law) {
   if (law.formula.is_zero()) return -1;
-  LawData data{law.formula, {}};
+  LawData data{law.formula.data(), {}};
   for (const Source& a : law.arguments) data.slots.push_back(slot_of(c, a));
   c.formulas.push_back(std::move(data));
   return static_cast<int>(c.formulas.size()) - 1;
@@ -258,7 +260,7 @@ int add_argument(Compiled& c, int slot) {
 void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_element,
                    const std::function<ElementData(int joint, int coordinate)>& on_coordinate) {
   for (const int sensor : c.signals.seen) {
-    const spec::Output& o = c.spec.sensors[sensor];
+    const spec::Output& o = c.spec().sensors[sensor];
     SensorData d;
     d.kind = o.kind;
     d.component = o.component;
@@ -293,13 +295,13 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
                                 "see it at instants, by a signal with `every: 0.01`",
                                 o.name));
       if (f.flexible >= 0) {
-        const Eigen::RowVectorXd row = o.direction.transpose() * f.X;
+        const Eigen::RowVectorXd row = o.direction.transpose() * f.X.matrix();
         d.shapes.assign(row.data(), row.data() + c.bodies[f.body].modes);
       }
     }
     if (o.kind == Kind::modal_amplitude) {
       d.body = c.body_of_spec[o.item];
-      if (const auto& body = c.spec.bodies[o.item].flexible) {
+      if (const auto& body = c.spec().bodies[o.item].flexible) {
         const Eigen::RowVectorXd row = body->user_from_modal.row(o.component);
         d.shapes.assign(row.data(), row.data() + row.size());
       }

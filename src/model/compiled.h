@@ -6,24 +6,20 @@
 #include <cmath>
 #include <limits>
 
-#include <memory>
-#include <string>
-#include <vector>
-
+#include "base/array.h"
 #include "joints/table.h"
 #include "linalg/block_sparse.h"
+#include "math/function_data.h"
 #include "mimbre/spec.h"
+#include "model/rows.h"
 
-/// What the step needs, made once by compile(): flat, constant, in tree order (parent before child), free of
-/// names and types. "Common point" below is the point, moving with the mechanism, to which all Cartesian
-/// quantities refer.
+/// What the step needs, made once by compile() and then put into one block of memory (model/image.h): flat,
+/// constant, in tree order (parent before child), free of names and types. "Common point" below is the point,
+/// moving with the mechanism, to which all Cartesian quantities refer.
 namespace mimbre {
 
 using Vec3d = Eigen::Vector3d;
 using Mat3d = Eigen::Matrix3d;
-/// Six rows of one value per column, each row contiguous and padded, so that loops over columns vectorise.
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 constexpr int pad(int n) { return (n + 7) / 8 * 8; }
 
 /// Gauss points of a planar beam element by absolute nodal coordinates, as weights of its eight amplitudes
@@ -42,7 +38,7 @@ struct AncfElement {
 /// Geometric stiffness (GeometricStiffness), the matrices one below the other.
 struct GeometricData {
   int modes = 0;
-  std::vector<int> loads;
+  Array<int> loads;
   int inertial = 0;     ///< of these the first: loads of inertia and gravity
   Rows stiffness;       ///< loads · modes × stride
   Rows boundary_loads;  ///< count × stride: R
@@ -58,7 +54,7 @@ struct FlexibleData {
   int modes = 0;       ///< of the blocks below: amplitudes and their products (dynamics/amplitudes.h)
   int amplitudes = 0;  ///< coordinates
   int stride = 0;
-  std::vector<std::array<int, 2>> products;
+  Array<std::array<int, 2>> products;
   Rows S;           ///< 3 × stride
   Rows S_position;  ///< 9 × stride: row 3 i + j is row j of S̄^i
   Rows S_modes;     ///< stride rows (l) × 9 stride: block 3 i + j of row l holds S^ij(l, ·)
@@ -71,7 +67,7 @@ struct FlexibleData {
   bool diagonal_stiffness = false;   ///< stiffness and damping are diagonal
   bool nonlinear_stiffness = false;  ///< products have stiffness
   /// Not empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at y = 0.
-  std::vector<AncfElement> ancf;
+  Array<AncfElement> ancf;
   double ancf_damping = 0;  ///< s
   GeometricData geometric;  ///< empty: stress does not stiffen
 };
@@ -138,10 +134,10 @@ struct PathEntry {
 
 /// The bodies that matter between two frames, leaf to root, and their places in the matrix.
 struct Path {
-  std::vector<PathEntry> entries;
+  Array<PathEntry> entries;
   int width = 0;  ///< padded total size of the entries
   /// place of block (entries[i], entries[j]), j ≤ i, index i (i + 1) / 2 + j
-  std::vector<linalg::BlockPlace> places;
+  Array<linalg::BlockPlace> places;
 };
 
 /// A cut joint: equations [first, first + count) between two frames.
@@ -150,7 +146,7 @@ struct LoopData {
   int frame_a = -1, frame_b = -1;
   int first_equation = 0;
   int count = 0;
-  std::array<LoopClosure, 6> closure{};
+  Array<LoopClosure> closure;
   double scale[6] = {1, 1, 1, 1, 1, 1};  ///< of the penalty: length² for angles
   Path path;
   int jacobian = 0;  ///< offset of its rows in the workspace
@@ -206,8 +202,8 @@ struct ElementData {
   int states = 0, state_count = 0;
   int feedback = -1;   ///< slot of a signal that its own motion may decide
   int own_states = 0;  ///< of these the first that is the law's, behind the turns
-  std::shared_ptr<const spec::UserLaw> user;
-  bool marked = false;  ///< a change of its tangent may ask for a new matrix
+  bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and what it says
+  bool marked = false;                                  ///< a change of its tangent may ask for a new matrix
   // In the step.
   int storage = 0;  ///< of its ElementState
   Path path;
@@ -221,15 +217,15 @@ inline int element_storage(const ElementData& e) {
 
 /// A formula of own variables and signals.
 struct LawData {
-  Formula formula;
-  std::vector<int> slots;  ///< behind its own variables
+  Expression formula;
+  Array<int> slots;  ///< behind its own variables
 };
 
 /// What a step sees of time, inputs and sensors is one vector of numbered slots. Slot 0 is the time.
 struct SignalsData {
   struct OfTime {
     int slot;
-    Function function;
+    FunctionData function;
   };
   /// What the host sets: at `held` the value and when it was last changed, or for a straight line value,
   /// time, next value, next time.
@@ -251,29 +247,29 @@ struct SignalsData {
   struct Sampled {
     int spec, held;
     double every;
-    Formula formula;
+    Expression formula;
     struct Argument {
       int slot, sensor;  ///< one of them is -1
     };
-    std::vector<Argument> arguments;
+    Array<Argument> arguments;
   };
   struct Sensor {
     int slot, sensor;
   };
   int slots = 1;
   int first_moving = 1;  ///< slot from which on they are of sensors and of what follows from them
-  std::vector<OfTime> of_time;
-  std::vector<Held> held;
-  std::vector<Made> fixed;  ///< of time and inputs, in the order in which they need each other
-  std::vector<Integral> integrals;
-  std::vector<Sensor> sensors;
-  std::vector<Made> moving;  ///< of sensors, in that order
-  std::vector<Sampled> sampled;
-  std::vector<int> seen;  ///< sensors of the spec that are seen within a step
+  Array<OfTime> of_time;
+  Array<Held> held;
+  Array<Made> fixed;  ///< of time and inputs, in the order in which they need each other
+  Array<Integral> integrals;
+  Array<Sensor> sensors;
+  Array<Made> moving;  ///< of sensors, in that order
+  Array<Sampled> sampled;
+  Array<int> seen;  ///< sensors of the spec that are seen within a step
   // By what they belong to in the spec.
-  std::vector<int> slot_of_input, slot_of_signal, slot_of_sensor, slot_of_load, slot_of_road;
-  std::vector<std::vector<int>> slot_of_drive;  ///< by joint
-  std::vector<double> start;                    ///< of the block that is held
+  Array<int> slot_of_input, slot_of_signal, slot_of_sensor, slot_of_load, slot_of_road;
+  Array<Array<int>> slot_of_drive;  ///< by joint
+  Array<double> start;              ///< of the block that is held
 };
 
 /// A component of the motion that signals see.
@@ -285,14 +281,14 @@ struct SensorData {
   bool own_axes = false;
   Vec3d direction = Vec3d::Zero();
   double offset = 0;
-  int body = -1;               ///< of amplitudes
-  std::vector<double> shapes;  ///< amplitude and deflection: Σ shapes[k] y[k]
+  int body = -1;         ///< of amplitudes
+  Array<double> shapes;  ///< amplitude and deflection: Σ shapes[k] y[k]
 };
 
 struct RoadData {
   spec::Road::Over over = spec::Road::Over::distance;
-  Function height;  ///< over distance
-  int slot = 0;     ///< of its height, over time
+  FunctionData height;  ///< over distance
+  int slot = 0;         ///< of its height, over time
 };
 
 /// Off-diagonal block (ancestor, body) of the mass matrix.
@@ -303,39 +299,42 @@ struct MassPlace {
 };
 
 struct Compiled {
-  spec::Model spec;
+  /// What people need stands beside it, of this process: names, marks and texts, and laws that users wrote.
+  const spec::Model* beside = nullptr;
+  const spec::Model& spec() const { return *beside; }
+
   int positions = 0, velocities = 0, equations = 0;
   Vec3d gravity = Vec3d::Zero();
 
-  std::vector<BodyData> bodies;   ///< tree order
-  std::vector<int> body_of_spec;  ///< spec body → tree body
-  std::vector<FrameData> frames;  ///< by body; frames that dynamics needs first
-  int dynamic_frames = 0;  ///< frames [0, dynamic_frames) are needed in the step, the others for output
-  std::vector<int> frame_of_spec;  ///< spec frame → frame
+  Array<BodyData> bodies;    ///< tree order
+  Array<int> body_of_spec;   ///< spec body → tree body
+  Array<FrameData> frames;   ///< by body; frames that dynamics needs first
+  int dynamic_frames = 0;    ///< frames [0, dynamic_frames) are needed in the step, the others for output
+  Array<int> frame_of_spec;  ///< spec frame → frame
   int first_ground_frame = 0, last_ground_frame = 0;
-  std::vector<FlexibleData> flexible;
-  std::vector<MotionSubspace> subspaces;
+  Array<FlexibleData> flexible;
+  Array<MotionSubspace> subspaces;
   int subspace_storage = 0;
   int jacobian_storage = 0;
-  std::vector<std::vector<MassPlace>> mass_places;  ///< by body: its ancestors, nearest first
-  std::vector<linalg::BlockPlace> diagonal;         ///< by body
+  Array<Array<MassPlace>> mass_places;  ///< by body: its ancestors, nearest first
+  Array<linalg::BlockPlace> diagonal;   ///< by body
 
-  std::vector<LoopData> loops;
-  std::vector<DriveData> drives;
-  std::vector<RoadData> roads;
+  Array<LoopData> loops;
+  Array<DriveData> drives;
+  Array<RoadData> roads;
   /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements.
-  std::vector<ElementData> elements;
+  Array<ElementData> elements;
   int first_tyre = 0, first_load = 0, first_joint_spring = 0, first_other = 0;
   int element_storage = 0;
-  std::vector<double> numbers;      ///< of laws
-  std::vector<Function> functions;  ///< likewise
-  std::vector<LawData> formulas;    ///< likewise
-  std::vector<int> arguments;       ///< likewise: slots
-  std::vector<double> states;       ///< of laws, at the start
+  Array<double> numbers;          ///< of laws
+  Array<FunctionData> functions;  ///< likewise
+  Array<LawData> formulas;        ///< likewise
+  Array<int> arguments;           ///< likewise: slots
+  Array<double> states;           ///< of laws, at the start
   SignalsData signals;
-  std::vector<SensorData> sensors;  ///< those that are seen within a step
+  Array<SensorData> sensors;  ///< those that are seen within a step
 
-  std::shared_ptr<const linalg::BlockSymbolic> symbolic;
+  linalg::BlockSymbolic symbolic;
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
 };

@@ -10,7 +10,7 @@ namespace mimbre {
 
 Rows padded(const Eigen::MatrixXd& m, int stride) {
   Rows rows = Rows::Zero(m.rows(), stride);
-  rows.leftCols(m.cols()) = m;
+  rows.matrix().leftCols(m.cols()) = m;
   return rows;
 }
 
@@ -61,7 +61,7 @@ GeometricData geometric_data(const ReducedBody& reduced, int stride) {
   g.mean_motion = padded(mean_motion(reduced), stride);
   g.stiffness = Rows::Zero(static_cast<Eigen::Index>(body.loads.size()) * modes, stride);
   for (std::size_t k = 0; k < body.loads.size(); ++k)
-    g.stiffness.block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
+    g.stiffness.matrix().block(static_cast<Eigen::Index>(k) * modes, 0, modes, modes) = body.stiffness[k];
   g.inertial = static_cast<int>(std::count_if(body.loads.begin(), body.loads.end(),
                                               [](int l) { return l < GeometricStiffness::boundary; }));
   g.boundary_loads = padded(body.boundary_loads, stride);
@@ -88,20 +88,20 @@ FlexibleData flexible_data(const ReducedBody& body) {
   const int s = f.stride = pad(n);
   f.S = padded(S, s);
   f.S_position = Rows::Zero(9, s);
-  for (int i = 0; i < 3; ++i) f.S_position.middleRows(3 * i, 3).leftCols(n) = S_position[i];
+  for (int i = 0; i < 3; ++i) f.S_position.matrix().middleRows(3 * i, 3).leftCols(n) = S_position[i];
   f.S_modes = Rows::Zero(s, 9 * s);
   f.coriolis = Rows::Zero(s, 3 * s);
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) f.S_modes.block(0, (3 * i + j) * s, n, n) = S_modes[i][j];
+    for (int j = 0; j < 3; ++j) f.S_modes.matrix().block(0, (3 * i + j) * s, n, n) = S_modes[i][j];
     const int b = (i + 1) % 3, c = (i + 2) % 3;
-    f.coriolis.block(0, i * s, n, n) = S_modes[b][c] - S_modes[c][b];
+    f.coriolis.matrix().block(0, i * s, n, n) = S_modes[b][c] - S_modes[c][b];
   }
   f.mass = Rows::Zero(s, s);
   f.stiffness = Rows::Zero(s, s);
   f.damping = Rows::Zero(s, s);
-  f.mass.topLeftCorner(n, n) = mass;
-  f.stiffness.topLeftCorner(n, n) = stiffness;
-  f.damping.topLeftCorner(body.modes, body.modes) = body.damping;
+  f.mass.matrix().topLeftCorner(n, n) = mass;
+  f.stiffness.matrix().topLeftCorner(n, n) = stiffness;
+  f.damping.matrix().topLeftCorner(body.modes, body.modes) = body.damping;
   const auto diagonal = [](const Eigen::MatrixXd& m) {
     const Eigen::MatrixXd off = m - Eigen::MatrixXd(m.diagonal().asDiagonal());
     return off.cwiseAbs().maxCoeff() <= 1e-10 * std::max(1e-300, m.diagonal().cwiseAbs().maxCoeff());

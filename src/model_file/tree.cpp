@@ -206,8 +206,9 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
   if (text.starts_with("\x89HDF"))
     throw InputError({file, 0, 0},
                      "is an HDF5 file, such as results or a reduced body, and no model file (YAML)");
-  const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  if (const std::size_t bad = first_not_utf8(text); bad != std::string::npos && !utf16)
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') != std::string::npos)
+    throw InputError({file, 1, 1}, "this is UTF-16, or no text at all; save the file as UTF-8");
+  if (const std::size_t bad = first_not_utf8(text); bad != std::string::npos)
     throw InputError(place_of(text, bad, file),
                      fmt::format("the byte 0x{:02X} is no UTF-8; save the file as UTF-8",
                                  static_cast<unsigned char>(text[bad])));

@@ -9,14 +9,15 @@ namespace mimbre {
 
 /// A sensor's value. `frame(k)`: Motion of a frame, positions relative to `origin`; `measured(k)`:
 /// ElementState of an element; `amplitudes(body)`: its amplitudes.
-template <class Frame, class Measured, class Amplitudes>
-double sensor_value(const SensorData& s, const Vec3d& origin, const Frame& frame, const Measured& measured,
-                    const Amplitudes& amplitudes) {
+template <class T, class Frame, class Measured, class Amplitudes>
+T sensor_value(const SensorData& s, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
+               const Amplitudes& amplitudes) {
   using Kind = spec::Output::Kind;
+  using std::atan2, std::hypot;
   const auto shapes = [&] {
-    if (s.shapes.empty()) return 0.0;
-    const double* y = amplitudes(s.body);
-    double sum = 0;
+    if (s.shapes.empty()) return T(0);
+    const T* y = amplitudes(s.body);
+    T sum(0);
     for (std::size_t k = 0; k < s.shapes.size(); ++k) sum += s.shapes[k] * y[k];
     return sum;
   };
@@ -26,25 +27,25 @@ double sensor_value(const SensorData& s, const Vec3d& origin, const Frame& frame
     case Kind::velocity:
       return frame(s.frame).velocity[s.component];
     case Kind::angular_velocity: {
-      const Motion<double> here = frame(s.frame);
-      return (s.own_axes ? Vec3d(here.rotation.transpose() * here.omega) : here.omega)[s.component];
+      const Motion<T> here = frame(s.frame);
+      return (s.own_axes ? Vec3<T>(here.rotation.transpose() * here.omega) : here.omega)[s.component];
     }
     case Kind::roll: {
-      const Mat3d r = frame(s.frame).rotation;
-      return std::atan2(r(2, 1), r(2, 2));
+      const Mat3<T> r = frame(s.frame).rotation;
+      return atan2(r(2, 1), r(2, 2));
     }
     case Kind::pitch: {
-      const Mat3d r = frame(s.frame).rotation;
-      return std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2)));
+      const Mat3<T> r = frame(s.frame).rotation;
+      return atan2(T(-r(2, 0)), T(hypot(r(2, 1), r(2, 2))));
     }
     case Kind::yaw: {
-      const Mat3d r = frame(s.frame).rotation;
-      return std::atan2(r(1, 0), r(0, 0));
+      const Mat3<T> r = frame(s.frame).rotation;
+      return atan2(r(1, 0), r(0, 0));
     }
     case Kind::displacement: {
-      const Motion<double> reference = frame(s.reference);
-      return s.direction.dot(reference.rotation.transpose() *
-                             (frame(s.frame).position - reference.position)) +
+      const Motion<T> reference = frame(s.reference);
+      return s.direction.template cast<T>().dot(reference.rotation.transpose() *
+                                                (frame(s.frame).position - reference.position)) +
              s.offset;
     }
     case Kind::joint_position:
@@ -58,13 +59,13 @@ double sensor_value(const SensorData& s, const Vec3d& origin, const Frame& frame
     case Kind::modal_amplitude:
       return shapes();
     default:
-      return std::numeric_limits<double>::quiet_NaN();  // refused by the compiler
+      return T(std::numeric_limits<double>::quiet_NaN());  // refused by the compiler
   }
 }
 
-template <class Frame, class Measured, class Amplitudes>
-void sense(const Compiled& m, const Vec3d& origin, const Frame& frame, const Measured& measured,
-           const Amplitudes& amplitudes, SignalValues& s) {
+template <class T, class Frame, class Measured, class Amplitudes>
+void sense(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
+           const Amplitudes& amplitudes, SignalValues<T>& s) {
   for (const SignalsData::Sensor& sensor : m.signals.sensors)
     s.value[sensor.slot] = sensor_value(m.sensors[sensor.sensor], origin, frame, measured, amplitudes);
   for (const SignalsData::Made& f : m.signals.moving) s.value[f.slot] = signal_value(f.law, s);
@@ -72,8 +73,8 @@ void sense(const Compiled& m, const Vec3d& origin, const Frame& frame, const Mea
 
 /// ∂(slot)/∂x and ∂/∂v of the coordinate or length that element `of` measures, by way of the signals: what a
 /// controller of an actuator's own motion adds to the tangents.
-inline std::pair<double, double> feedback(const Compiled& m, const ElementData& of, int slot,
-                                          SignalValues& s) {
+template <class T>
+std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, SignalValues<T>& s) {
   using Kind = spec::Output::Kind;
   const auto same = [&](const SensorData& sensor) {
     if (sensor.element < 0) return false;
@@ -85,22 +86,22 @@ inline std::pair<double, double> feedback(const Compiled& m, const ElementData& 
   bool any = false;
   for (const SignalsData::Sensor& sensor : m.signals.sensors) {
     const SensorData& d = m.sensors[sensor.sensor];
-    Gradient g{s.value[sensor.slot], 0, 0};
+    GradientOf<T> g{s.value[sensor.slot], T(0), T(0)};
     if (same(d)) {
       const bool rate = d.kind == Kind::joint_velocity || d.kind == Kind::element_rate;
-      (rate ? g.by_second : g.by_first) = 1;
+      (rate ? g.by_second : g.by_first) = T(1);
       any = true;
     }
     s.gradients[sensor.slot] = g;
   }
-  if (!any) return {0, 0};
-  std::array<Gradient, Formula::most_variables> x;
+  if (!any) return {T(0), T(0)};
+  std::array<GradientOf<T>, Formula::most_variables> x;
   for (const SignalsData::Made& f : m.signals.moving) {
     for (std::size_t k = 0; k < f.law.slots.size(); ++k) {
       const int at = f.law.slots[k];
-      x[k] = at < m.signals.first_moving ? Gradient{s.value[at], 0, 0} : s.gradients[at];
+      x[k] = at < m.signals.first_moving ? GradientOf<T>{s.value[at], T(0), T(0)} : s.gradients[at];
     }
-    s.gradients[f.slot] = f.law.formula.gradient(x.data());
+    s.gradients[f.slot] = gradient_at<T>(f.law.formula, x.data());
   }
   return {s.gradients[slot].by_first, s.gradients[slot].by_second};
 }

@@ -18,7 +18,7 @@ constexpr double close_enough = 1e-8;  ///< m, m/s
 void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
                Eigen::VectorXd& velocity_weight) {
   for (const BodyData& b : m.bodies) {
-    const spec::Joint& joint = m.spec.joints[b.joint_spec];
+    const spec::Joint& joint = m.spec().joints[b.joint_spec];
     const JointInfo& info = joint_info(joint.type);
     // Modes start straight and at rest unless the loops need them.
     position_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
@@ -41,7 +41,7 @@ void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
       s.v[b.v + k] = *joint.initial_velocity[k];
     }
   }
-  SignalValues signals(m);
+  SignalValues<double> signals(m);
   fix_signals(m.signals, 0, signals);
   for (const DriveData& d : m.drives) {
     s.q[d.q] = signals.value[d.slot];
@@ -66,7 +66,7 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
     for (const LoopData& l : m.loops)
       for (int r = 0; r < l.count; ++r)
         if (std::abs(violation[l.first_equation + r]) >= 0.99 * gap) {
-          const spec::Joint& j = m.spec.joints[l.joint_spec];
+          const spec::Joint& j = m.spec().joints[l.joint_spec];
           return InputError(
               j.mark, fmt::format("the loop through joint '{}' {}: {:.3g} {} is left; check the points "
                                   "and axes of the joints in the loop and the initial values that are given",
@@ -118,13 +118,13 @@ std::string start_at_equilibrium(relative::RelativeSystem& system, State& s) {
   const Eigen::VectorXd velocities = s.v;
   const StaticsStatus status = equilibrium(nullptr, system, s);
   if (!status.converged)
-    throw InputError({m.spec.file, 0, 0},
+    throw InputError({m.spec().file, 0, 0},
                      fmt::format("`initial: equilibrium`: {}; start from the assembled position instead",
                                  explain_imbalance(m, nullptr, status)));
   s.v = velocities;
   const double gap = close_velocities(system, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
   if (!(gap < close_enough))
-    throw InputError({m.spec.file, 0, 0}, "the initial velocities contradict the constraints");
+    throw InputError({m.spec().file, 0, 0}, "the initial velocities contradict the constraints");
   return explain_instability(m, nullptr, status);
 }
 

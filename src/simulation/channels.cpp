@@ -22,7 +22,8 @@ std::string names(const Compiled& m, const spec::Output& o) {
   if (o.bodies.empty()) return "all bodies";
   std::string text;
   for (const int b : o.bodies)
-    text += fmt::format("{}'{}'", text.empty() ? "" : ", ", m.spec.bodies[static_cast<std::size_t>(b)].name);
+    text +=
+        fmt::format("{}'{}'", text.empty() ? "" : ", ", m.spec().bodies[static_cast<std::size_t>(b)].name);
   return text;
 }
 
@@ -57,9 +58,9 @@ ComponentNames component_names(const ElementData& e, int k) {
 
 ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
   static const char* const axes[] = {"x", "y", "z"};
-  const auto frame = [&] { return m.spec.frames[o.item].name; };
-  const auto joint = [&] { return m.spec.joints[o.item].name; };
-  const auto angle = [&] { return is_angle(m.spec.joints[o.item].type, o.component); };
+  const auto frame = [&] { return m.spec().frames[o.item].name; };
+  const auto joint = [&] { return m.spec().joints[o.item].name; };
+  const auto angle = [&] { return is_angle(m.spec().joints[o.item].type, o.component); };
   switch (o.kind) {
     case Kind::position:
       return {o.name, "m", fmt::format("global {} of '{}'", axes[o.component], frame())};
@@ -85,22 +86,22 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
           fmt::format("reaction {} of joint '{}' on its second body, at the joint's point there, {} of the "
                       "global axes{}",
                       o.component < 3 ? "force" : "moment", joint(), axes[o.component % 3],
-                      joint_note(m.spec.joints[o.item].type))};
+                      joint_note(m.spec().joints[o.item].type))};
     case Kind::deflection:
       return {o.name, "m", fmt::format("deflection of '{}'", frame())};
     case Kind::displacement:
-      return {
-          o.name, "m",
-          fmt::format("displacement of '{}' in the axes of '{}'", frame(), m.spec.frames[o.reference].name)};
+      return {o.name, "m",
+              fmt::format("displacement of '{}' in the axes of '{}'", frame(),
+                          m.spec().frames[o.reference].name)};
     case Kind::modal_amplitude:
-      return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec.bodies[o.item].name)};
+      return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec().bodies[o.item].name)};
     case Kind::stress:
     case Kind::strain: {
       const bool stress = o.kind == Kind::stress;
       const std::string what = o.direction.isZero(0) ? fmt::format("{} {}", stress ? "stress" : "strain",
                                                                    stress_components[o.component])
                                                      : "elongation";
-      const spec::Body& body = m.spec.bodies[o.item];
+      const spec::Body& body = m.spec().bodies[o.item];
       std::string place = "largest";
       if (o.node >= 0 && body.flexible)
         place = body.flexible->node_labels.empty()
@@ -109,17 +110,17 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       return {o.name, stress ? "Pa" : "1", fmt::format("{} of '{}', {}", what, body.name, place)};
     }
     case Kind::spring_force:
-      return {o.name, "N", fmt::format("tension of spring '{}'", m.spec.springs[o.item].name)};
+      return {o.name, "N", fmt::format("tension of spring '{}'", m.spec().springs[o.item].name)};
     case Kind::spring_length:
-      return {o.name, "m", fmt::format("length of spring '{}'", m.spec.springs[o.item].name)};
+      return {o.name, "m", fmt::format("length of spring '{}'", m.spec().springs[o.item].name)};
     case Kind::tyre_force:
-      return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec.tyres[o.item].name)};
+      return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec().tyres[o.item].name)};
     case Kind::signal:
-      return {o.name, m.spec.signals[o.item].unit.empty() ? "1" : m.spec.signals[o.item].unit,
-              fmt::format("signal '{}'", m.spec.signals[o.item].name)};
+      return {o.name, m.spec().signals[o.item].unit.empty() ? "1" : m.spec().signals[o.item].unit,
+              fmt::format("signal '{}'", m.spec().signals[o.item].name)};
     case Kind::input:
-      return {o.name, m.spec.inputs[o.item].unit.empty() ? "1" : m.spec.inputs[o.item].unit,
-              fmt::format("input '{}'", m.spec.inputs[o.item].name)};
+      return {o.name, m.spec().inputs[o.item].unit.empty() ? "1" : m.spec().inputs[o.item].unit,
+              fmt::format("input '{}'", m.spec().inputs[o.item].name)};
     case Kind::element_force:
     case Kind::element_measure:
     case Kind::element_rate: {
@@ -191,7 +192,7 @@ std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
 Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   for (const BodyData& b : m.bodies)
     if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
-  for (const spec::Output& o : m.spec.outputs) {
+  for (const spec::Output& o : m.spec().outputs) {
     info_.push_back(output_info(m, o));
     mass_of_output_.push_back(bodies_of(m, o));
     if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
@@ -199,29 +200,29 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   output_count_ = static_cast<int>(info_.size());
   joints_.add_info(info_);
   joint_count_ = static_cast<int>(info_.size()) - output_count_;
-  for (const spec::Spring& s : m.spec.springs) {
+  for (const spec::Spring& s : m.spec().springs) {
     info_.push_back(
         {fmt::format("spring.{}.force", s.name), "N", fmt::format("tension of spring '{}'", s.name)});
     info_.push_back(
         {fmt::format("spring.{}.length", s.name), "m", fmt::format("length of spring '{}'", s.name)});
   }
-  for (const spec::Tyre& t : m.spec.tyres)
+  for (const spec::Tyre& t : m.spec().tyres)
     info_.push_back(
         {fmt::format("tyre.{}.vertical", t.name), "N", fmt::format("vertical force of tyre '{}'", t.name)});
-  for (const spec::Tyre& t : m.spec.tyres)
+  for (const spec::Tyre& t : m.spec().tyres)
     info_.push_back({fmt::format("tyre.{}.road", t.name), "m",
                      fmt::format("global z of the road under tyre '{}'", t.name)});
   for (int l = m.first_load; l < m.first_joint_spring; ++l)
     for (const bool moment : {false, true})
       for (int axis = 0; axis < 3 && !given(m.elements[l], moment).isZero(0); ++axis) {
-        const std::string& name = m.spec.loads[m.elements[l].spec].name;
+        const std::string& name = m.spec().loads[m.elements[l].spec].name;
         const char* const what = moment ? "moment" : "force";
         info_.push_back({fmt::format("load.{}.{}.{}", name, what, "xyz"[axis]), moment ? "N m" : "N",
                          fmt::format("{} of load '{}', {} of the global axes", what, name, "xyz"[axis])});
       }
-  for (std::size_t k = 0; k < m.spec.elements.size(); ++k) {
+  for (std::size_t k = 0; k < m.spec().elements.size(); ++k) {
     const ElementData& e = m.elements[m.first_other + k];
-    const spec::Element& element = m.spec.elements[k];
+    const spec::Element& element = m.spec().elements[k];
     for (int c = 0; c < e.count; ++c) {
       const ComponentNames called = component_names(e, c);
       const std::string of = fmt::format("{}.{}", element.law, element.name), who = element_name(m, e);
@@ -231,10 +232,10 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
                        fmt::format("what {} measures", who)});
     }
   }
-  for (const spec::Input& i : m.spec.inputs)
+  for (const spec::Input& i : m.spec().inputs)
     info_.push_back({fmt::format("input.{}", i.name), i.unit.empty() ? "1" : i.unit,
                      fmt::format("{} '{}'", i.tunable ? "parameter" : "input", i.name)});
-  for (const spec::Signal& i : m.spec.signals)
+  for (const spec::Signal& i : m.spec().signals)
     if (i.named)
       info_.push_back({fmt::format("signal.{}", i.name), i.unit.empty() ? "1" : i.unit,
                        fmt::format("signal '{}'", i.name)});
@@ -244,8 +245,8 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
   info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
   info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
   reaction_.assign(info_.size(), 0);
-  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k)
-    reaction_[k] = m.spec.outputs[k].kind == Kind::joint_force;
+  for (std::size_t k = 0; k < m.spec().outputs.size(); ++k)
+    reaction_[k] = m.spec().outputs[k].kind == Kind::joint_force;
   joints_.for_reactions(info_.data() + output_count_, [&](const std::string&, ChannelInfo& channel) {
     reaction_[static_cast<std::size_t>(&channel - info_.data())] = 1;
   });
@@ -311,7 +312,7 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
              o.offset;
     }
     case Kind::modal_amplitude: {
-      const spec::Body& body = m.spec.bodies[o.item];
+      const spec::Body& body = m.spec().bodies[o.item];
       if (!body.flexible) return 0;
       const BodyData& b = m.bodies[m.body_of_spec[o.item]];
       return body.flexible->user_from_modal.row(o.component)
@@ -319,7 +320,7 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
     }
     case Kind::stress:
     case Kind::strain: {
-      const spec::Body& body = m.spec.bodies[o.item];
+      const spec::Body& body = m.spec().bodies[o.item];
       if (!body.flexible) return 0;
       const BodyData& b = m.bodies[m.body_of_spec[o.item]];
       return stress_or_strain(o, *body.flexible, s.q.segment(b.q + b.joint_positions, b.modes));
@@ -355,9 +356,9 @@ void Channels::mark_undetermined(const Redundancy& redundancy) {
   const auto open = [&](const std::string& joint) {
     return among(redundancy.joints, joint) || among(redundancy.nearly_joints, joint);
   };
-  for (std::size_t k = 0; k < model_.spec.outputs.size(); ++k) {
-    const spec::Output& o = model_.spec.outputs[k];
-    if (o.kind == Kind::joint_force && open(model_.spec.joints[o.item].name)) mark(info_[k]);
+  for (std::size_t k = 0; k < model_.spec().outputs.size(); ++k) {
+    const spec::Output& o = model_.spec().outputs[k];
+    if (o.kind == Kind::joint_force && open(model_.spec().joints[o.item].name)) mark(info_[k]);
   }
   joints_.for_reactions(info_.data() + output_count_, [&](const std::string& joint, ChannelInfo& channel) {
     if (open(joint)) mark(channel);
@@ -371,8 +372,8 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
   row.time = s.time;
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
   Eigen::Index at = 0;
-  for (std::size_t k = 0; k < m.spec.outputs.size(); ++k)
-    row.channels[at++] = value(m.spec.outputs[k], mass_of_output_[k], system, s);
+  for (std::size_t k = 0; k < m.spec().outputs.size(); ++k)
+    row.channels[at++] = value(m.spec().outputs[k], mass_of_output_[k], system, s);
   joints_.sample(system, s, row.channels.data() + at);
   at += joint_count_;
   const auto element = [&](int k) { return element_state(m.elements[k], w.elements.data()); };
@@ -390,7 +391,7 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
       at += 3;
     }
   }
-  for (std::size_t k = 0; k < m.spec.elements.size(); ++k) {
+  for (std::size_t k = 0; k < m.spec().elements.size(); ++k) {
     const ElementState<const double> state = element(m.first_other + static_cast<int>(k));
     for (int c = 0; c < state.count; ++c) {
       row.channels[at++] = -state.force[c];
@@ -398,17 +399,17 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
     }
   }
   for (const int slot : m.signals.slot_of_input) row.channels[at++] = w.signals.value[slot];
-  for (std::size_t k = 0; k < m.spec.signals.size(); ++k)
-    if (m.spec.signals[k].named) row.channels[at++] = w.signals.value[m.signals.slot_of_signal[k]];
+  for (std::size_t k = 0; k < m.spec().signals.size(); ++k)
+    if (m.spec().signals[k].named) row.channels[at++] = w.signals.value[m.signals.slot_of_signal[k]];
   for (const EnergyTerm& term : energy_terms) row.channels[at++] = e.*term.value;
   row.channels[at++] = statistics.iterations;
   row.channels[at++] = statistics.position_violation;
   row.channels[at++] = statistics.velocity_violation;
 
-  row.poses.resize(7, static_cast<Eigen::Index>(m.spec.bodies.size()));
+  row.poses.resize(7, static_cast<Eigen::Index>(m.spec().bodies.size()));
   row.modes.resize(modes_);
   Eigen::Index mode = 0;
-  for (std::size_t k = 0; k < m.spec.bodies.size(); ++k) {
+  for (std::size_t k = 0; k < m.spec().bodies.size(); ++k) {
     const BodyData& b = m.bodies[m.body_of_spec[k]];
     const auto& motion = w.bodies[m.body_of_spec[k]];
     row.poses.col(static_cast<Eigen::Index>(k)).head<3>() = motion.position + w.origin;
@@ -423,7 +424,7 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
 
 std::vector<BodyDrawing> Channels::drawings() const {
   std::vector<BodyDrawing> drawings;
-  for (const spec::Body& body : model_.spec.bodies) {
+  for (const spec::Body& body : model_.spec().bodies) {
     BodyDrawing d;
     d.name = body.name;
     d.shapes = body.shapes;
@@ -454,7 +455,7 @@ std::vector<BodyDrawing> Channels::drawings() const {
 
 std::vector<RoadDrawing> Channels::roads() const {
   std::vector<RoadDrawing> roads;
-  for (const spec::Road& road : model_.spec.roads) {
+  for (const spec::Road& road : model_.spec().roads) {
     if (road.over != spec::Road::Over::distance) continue;
     const int count = 2000;
     RoadDrawing drawing{road.name, Eigen::Matrix2Xd(2, count + 1)};

@@ -53,7 +53,7 @@ std::string drawn_open(relative::RelativeSystem& system, const State& s) {
       largest = std::max(largest, phi);
     }
     if (distance <= noticeable * extent && angle <= noticeable) continue;
-    joints.push_back(fmt::format("'{}'", m.spec.joints[l.joint_spec].name));
+    joints.push_back(fmt::format("'{}'", m.spec().joints[l.joint_spec].name));
     gap = std::max(gap, distance);
     turn = std::max(turn, angle);
   }
@@ -74,7 +74,8 @@ std::string drawn_open(relative::RelativeSystem& system, const State& s) {
                   gap > noticeable * extent ? fmt::format("{:.3g} m", gap) : fmt::format("{:.3g} rad", turn),
                   count == 1 ? "it" : "them");
   if (farthest > 0 && body >= 0)
-    text += fmt::format("joints of body '{}' by {:.3g} m", m.spec.bodies[m.bodies[body].spec].name, farthest);
+    text +=
+        fmt::format("joints of body '{}' by {:.3g} m", m.spec().bodies[m.bodies[body].spec].name, farthest);
   else
     text += "bodies by angles only";
   return text + "; where that was not meant, check the points and axes of the loop's joints";

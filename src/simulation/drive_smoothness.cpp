@@ -85,7 +85,7 @@ std::vector<std::string> drive_warnings(const Compiled& m, double end) {
   std::vector<std::string> all;
   for (const DriveData& d : m.drives) {
     // What inputs do is not known before.
-    SignalValues signals(m);
+    SignalValues<double> signals(m);
     const auto position = [&](double t) {
       fix_signals(m.signals, t, signals);
       return signals.value[d.slot];
@@ -96,8 +96,8 @@ std::vector<std::string> drive_warnings(const Compiled& m, double end) {
     all.push_back(fmt::format(
         "the drive of joint '{}' {} by {:.3g} at t = {:.4g} s: that takes {}, of which joint forces in the "
         "results show nothing or what the step makes of it; {}",
-        m.spec.joints[d.joint_spec].name, jump ? "jumps" : "changes its speed at once", worst.size, worst.at,
-        jump ? "an infinite force" : "a blow, a force without bound for no time",
+        m.spec().joints[d.joint_spec].name, jump ? "jumps" : "changes its speed at once", worst.size,
+        worst.at, jump ? "an infinite force" : "a blow, a force without bound for no time",
         "use `interpolation: cubic` or an expression with continuous speed"));
   }
   return all;

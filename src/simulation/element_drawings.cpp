@@ -33,7 +33,7 @@ std::string joint_spring_kind(spec::JointType type, int coordinate, bool elastic
 class Collector {
  public:
   Collector(const Compiled& model, const std::vector<BodyDrawing>& bodies)
-      : model_(model), bodies_(bodies), place_(model.spec.frames.size(), -1) {}
+      : model_(model), bodies_(bodies), place_(model.spec().frames.size(), -1) {}
 
   void add(const std::string& name, const std::string& kind, int frame_a, int frame_b, double size = 0) {
     const int a = frame(frame_a), b = frame(frame_b);
@@ -49,7 +49,7 @@ class Collector {
     int& place = place_[static_cast<std::size_t>(of_spec)];
     if (place >= 0) return place;
     place = static_cast<int>(drawn.frames.size());
-    const spec::Frame& f = model_.spec.frames[of_spec];
+    const spec::Frame& f = model_.spec().frames[of_spec];
     const FrameData& data = model_.frames[model_.frame_of_spec[of_spec]];
     const int modes = f.body == spec::ground ? 0 : bodies_[static_cast<std::size_t>(f.body)].modes;
     FrameDrawing drawing{f.name, f.body, f.pose, Eigen::MatrixXd::Zero(6, modes)};
@@ -58,8 +58,8 @@ class Collector {
       const Eigen::Index count = std::min<Eigen::Index>(modes, shapes.cols());
       drawing.motion.block(row, 0, 3, count) = shapes.leftCols(count);
     };
-    if (data.flexible >= 0) fill(0, data.X);
-    if (data.flexible >= 0 && data.turns) fill(3, data.X_theta);
+    if (data.flexible >= 0) fill(0, data.X.matrix());
+    if (data.flexible >= 0 && data.turns) fill(3, data.X_theta.matrix());
     drawn.frames.push_back(std::move(drawing));
     return place;
   }
@@ -73,12 +73,12 @@ class Collector {
 
 ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDrawing>& bodies) {
   Collector all(model, bodies);
-  for (const spec::Joint& joint : model.spec.joints)
+  for (const spec::Joint& joint : model.spec().joints)
     all.add(joint.name, std::string(joint_info(joint.type).name), joint.frame_a, joint.frame_b);
-  for (const spec::Spring& spring : model.spec.springs)
+  for (const spec::Spring& spring : model.spec().springs)
     all.add(spring.name, spring_kind(!spring.elastic.is_zero(), !spring.damping.is_zero()), spring.frame_a,
             spring.frame_b);
-  for (const spec::Joint& joint : model.spec.joints)
+  for (const spec::Joint& joint : model.spec().joints)
     for (const spec::JointSpring& spring : joint.springs) {
       const bool elastic = !spring.elastic.is_zero(), damping = !spring.damping.is_zero();
       if (elastic || damping)
@@ -86,11 +86,11 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
                 joint.frame_b);
     }
   // Those on joints and at one place have no length to draw.
-  for (const spec::Element& e : model.spec.elements)
+  for (const spec::Element& e : model.spec().elements)
     if (e.on == spec::Element::On::line) all.add(e.name, "actuator", e.frame_a, e.frame_b);
-  for (const spec::Load& load : model.spec.loads) all.add(load.name, "load", load.frame, -1);
-  for (const spec::Tyre& tyre : model.spec.tyres) {
-    const bool moves = model.spec.roads[tyre.road].over == spec::Road::Over::time;
+  for (const spec::Load& load : model.spec().loads) all.add(load.name, "load", load.frame, -1);
+  for (const spec::Tyre& tyre : model.spec().tyres) {
+    const bool moves = model.spec().roads[tyre.road].over == spec::Road::Over::time;
     all.add(tyre.name, moves ? "tyre on rig" : "tyre", tyre.frame, -1, tyre.radius);
   }
   return std::move(all.drawn);

@@ -139,7 +139,7 @@ namespace {
 double stored_at(const LawContext<double>& c, ElementState<double> s, double x) {
   s.x = &x;
   ElementEnergy energy;
-  forces::rows[static_cast<std::size_t>(c.element.law)].energy(c, s, energy);
+  forces::rows<double>[static_cast<std::size_t>(c.element.law)].energy(c, s, energy);
   return energy.stored;
 }
 
@@ -153,7 +153,7 @@ void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w,
   EnergyBalance& e = balance_;
   Flow& f = flows_[k];
   ElementEnergy now;
-  forces::rows[static_cast<std::size_t>(d.law)].energy(context, s, now);
+  forces::rows<double>[static_cast<std::size_t>(d.law)].energy(context, s, now);
   if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, h, f);
   (d.measure == Measure::height ? e.tyres : e.springs) += now.stored;
   if (started_) {
@@ -256,7 +256,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
       }
       double work = 0;
       for (int k = 0; k < f.modes; ++k) {
-        first += y[k] * inertia.S.col(k);
+        first += y[k] * inertia.S.matrix().col(k);
         double elastic = 0, damping = forces[k];
         if (f.diagonal_stiffness) {
           elastic = f.stiffness(k, k) * y[k];

@@ -18,7 +18,7 @@ std::vector<std::string> moved_without_mass(const Compiled& m) {
     if (m.bodies[k].parent >= 0) carried[static_cast<std::size_t>(m.bodies[k].parent)] += carried[k];
   std::vector<std::string> names;
   for (std::size_t k = 0; k < m.bodies.size(); ++k)
-    if (carried[k] == 0 && m.bodies[k].size() > 0) names.push_back(m.spec.bodies[m.bodies[k].spec].name);
+    if (carried[k] == 0 && m.bodies[k].size() > 0) names.push_back(m.spec().bodies[m.bodies[k].spec].name);
   return names;
 }
 
@@ -98,7 +98,7 @@ std::string explain_imbalance(const Compiled& model, const natural::NaturalSyste
         "no static equilibrium was found: body '{}' floats freely, and nothing holds it against a force or "
         "moment "
         "of {:.3g} (N or Nm); join it to the ground or to a body that is, or carry it by springs",
-        model.spec.bodies[body->spec].name, status.residual);
+        model.spec().bodies[body->spec].name, status.residual);
   return fmt::format(
       "no static equilibrium was found: unbalanced force {:.3g}, the largest in {} (does anything hold it?), "
       "constraints off by {:.3g} after {} iterations",
@@ -128,7 +128,7 @@ std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& 
       "at t = {:.6g} s the mechanism goes through a singular position (a change point), where reactions grow "
       "beyond all bounds and no step resolves them: joint '{}' would bear {:.3g} N and {:.3g} Nm; there and "
       "wherever it happens again the reactions that are left without them are given",
-      r.time, model.spec.joints[static_cast<std::size_t>(r.joint)].name, r.force, r.moment);
+      r.time, model.spec().joints[static_cast<std::size_t>(r.joint)].name, r.force, r.moment);
 }
 
 }  // namespace mimbre

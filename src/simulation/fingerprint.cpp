@@ -37,7 +37,7 @@ void add_forces(Hash64& hash, const Compiled& m, spec::Simulation::Inertia inert
       a[k] = random(10) * scale[static_cast<std::size_t>(k)];
     }
     for (double& multiplier : multipliers) multiplier = random(m.mass_scale);
-    const double time = state * m.spec.simulation.end / states;
+    const double time = state * m.spec().simulation.end / states;
     system.retract(start.data(), x.data(), q.data());
     system.begin_step(q.data());
     system.residual(time, q.data(), v.data(), a.data(), multipliers.data(), 0, r.data());
@@ -51,7 +51,7 @@ void add_forces(Hash64& hash, const Compiled& m, spec::Simulation::Inertia inert
 
 std::uint64_t fingerprint(const Compiled& m, const Method& method, const std::vector<ChannelInfo>& channels) {
   Hash64 hash;
-  hash.add(m.spec.text);
+  hash.add(m.spec().text);
   for (const ChannelInfo& channel : channels)
     hash.add(channel.name + '\n' + channel.unit + '\n' + channel.meaning);
   for (const int size : {m.positions, m.velocities, m.equations}) hash.add(static_cast<double>(size));

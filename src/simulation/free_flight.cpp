@@ -95,7 +95,7 @@ FreeFlight::FreeFlight(const Compiled& model)
   rates_.setZero(model.velocities);
 }
 
-bool FreeFlight::loaded(const FreeGroup& group, const SignalValues& signals) const {
+bool FreeFlight::loaded(const FreeGroup& group, const SignalValues<double>& signals) const {
   // What motion decides is known with the forces only.
   return std::any_of(group.loads.begin(), group.loads.end(), [&](int slot) {
     return slot >= model_.signals.first_moving || signals.value[slot] != 0;

@@ -39,7 +39,7 @@ class FreeFlight {
            double h, State& state);
 
  private:
-  bool loaded(const FreeGroup& group, const SignalValues& signals) const;
+  bool loaded(const FreeGroup& group, const SignalValues<double>& signals) const;
   void find_gains(relative::RelativeSystem& observer, const State& relative, double h);
   void set_rates(const State& relative, double h);
 

@@ -27,7 +27,7 @@ RelativeMotion relative_motion(const Motion<double>& a, const Motion<double>& b)
 }  // namespace
 
 JointObserver::JointObserver(const Compiled& m)
-    : model_(m), body_(m.spec.joints.size(), -1), loop_(m.spec.joints.size(), -1) {
+    : model_(m), body_(m.spec().joints.size(), -1), loop_(m.spec().joints.size(), -1) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b) body_[m.bodies[b].joint_spec] = static_cast<int>(b);
   for (std::size_t l = 0; l < m.loops.size(); ++l) loop_[m.loops[l].joint_spec] = static_cast<int>(l);
 }
@@ -35,7 +35,7 @@ JointObserver::JointObserver(const Compiled& m)
 JointCoordinates JointObserver::coordinates(int joint, const relative::RelativeSystem& system,
                                             const State& s) const {
   JointCoordinates out;
-  const spec::Joint& of = model_.spec.joints[joint];
+  const spec::Joint& of = model_.spec().joints[joint];
   const JointInfo& info = joint_info(of.type);
   if (body_[joint] >= 0) {
     const BodyData& b = model_.bodies[body_[joint]];
@@ -80,14 +80,14 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
       moment -= on.force[0] * on.angular_of(0) - w.frames[e.frame_b].position.cross(acting);
     }
   }
-  const int frame = model_.frame_of_spec[model_.spec.joints[joint].frame_b];
+  const int frame = model_.frame_of_spec[model_.spec().joints[joint].frame_b];
   const Motion<double> b = relative::output_motion(system, frame, s.q.data(), s.v.data(), s.a.data());
   moment -= b.position.cross(force);
   return {force, moment, b.rotation.transpose() * force, b.rotation.transpose() * moment};
 }
 
 ChannelInfo::Alike JointObserver::alike(int joint, int position) const {
-  const spec::JointType type = model_.spec.joints[joint].type;
+  const spec::JointType type = model_.spec().joints[joint].type;
   const JointInfo& info = joint_info(type);
   if (info.quaternion >= 0 && position >= info.quaternion && position < info.quaternion + 4)
     return ChannelInfo::Alike::sign;
@@ -97,8 +97,8 @@ ChannelInfo::Alike JointObserver::alike(int joint, int position) const {
 void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
   static const char* const axes[] = {"x", "y", "z"};
   static const char* const quaternion[] = {"w", "x", "y", "z"};
-  for (std::size_t j = 0; j < model_.spec.joints.size(); ++j) {
-    const spec::Joint& joint = model_.spec.joints[j];
+  for (std::size_t j = 0; j < model_.spec().joints.size(); ++j) {
+    const spec::Joint& joint = model_.spec().joints[j];
     const bool cut = body_[j] < 0;
     const JointInfo& info = joint_info(joint.type);
     const std::string prefix = fmt::format("joint.{}.", joint.name);
@@ -136,7 +136,7 @@ void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
 
 void JointObserver::for_reactions(
     ChannelInfo* channels, const std::function<void(const std::string& joint, ChannelInfo&)>& visit) const {
-  for (const spec::Joint& joint : model_.spec.joints) {
+  for (const spec::Joint& joint : model_.spec().joints) {
     const JointInfo& info = joint_info(joint.type);
     channels += info.positions + info.velocities;
     for (int k = 0; k < 12; ++k) visit(joint.name, *channels++);
@@ -144,8 +144,8 @@ void JointObserver::for_reactions(
 }
 
 void JointObserver::sample(const relative::RelativeSystem& system, const State& s, double* values) const {
-  for (int j = 0; j < static_cast<int>(model_.spec.joints.size()); ++j) {
-    const JointInfo& info = joint_info(model_.spec.joints[j].type);
+  for (int j = 0; j < static_cast<int>(model_.spec().joints.size()); ++j) {
+    const JointInfo& info = joint_info(model_.spec().joints[j].type);
     const JointCoordinates c = coordinates(j, system, s);
     values = std::copy_n(c.positions.begin(), info.positions, values);
     values = std::copy_n(c.rates.begin(), info.velocities, values);

@@ -11,8 +11,8 @@ std::string relative_name(const Compiled& m, int coordinate) {
   for (const BodyData& b : m.bodies)
     if (coordinate >= b.v && coordinate < b.v + b.size()) {
       const int k = coordinate - b.v;
-      if (k < b.joint_velocities) return fmt::format("joint '{}'", m.spec.joints[b.joint_spec].name);
-      return fmt::format("mode {} of body '{}'", k - b.joint_velocities + 1, m.spec.bodies[b.spec].name);
+      if (k < b.joint_velocities) return fmt::format("joint '{}'", m.spec().joints[b.joint_spec].name);
+      return fmt::format("mode {} of body '{}'", k - b.joint_velocities + 1, m.spec().bodies[b.spec].name);
     }
   return "the model";
 }
@@ -20,7 +20,7 @@ std::string relative_name(const Compiled& m, int coordinate) {
 std::string natural_name(const natural::NaturalSystem& system, int coordinate) {
   const int body = coordinate < 0 ? -1 : system.body_of(coordinate);
   if (body < 0) return "the model";
-  return fmt::format("body '{}'", system.model().spec.bodies[system.model().bodies[body].spec].name);
+  return fmt::format("body '{}'", system.model().spec().bodies[system.model().bodies[body].spec].name);
 }
 
 }  // namespace
@@ -30,13 +30,13 @@ std::string coordinate_name(const Compiled& m, const natural::NaturalSystem* nat
 }
 
 std::string equation_name(const Compiled& m, const natural::NaturalSystem* natural, int equation) {
-  const auto joint = [&](int spec) { return fmt::format("joint '{}'", m.spec.joints[spec].name); };
+  const auto joint = [&](int spec) { return fmt::format("joint '{}'", m.spec().joints[spec].name); };
   if (natural) {
     const natural::Layout& l = natural->layout();
     for (std::size_t b = 0; b < l.bodies.size(); ++b)
       if (equation >= l.bodies[b].first_equation &&
           equation < l.bodies[b].first_equation + static_cast<int>(l.bodies[b].rigidity.size()))
-        return fmt::format("the rigidity of body '{}'", m.spec.bodies[m.bodies[b].spec].name);
+        return fmt::format("the rigidity of body '{}'", m.spec().bodies[m.bodies[b].spec].name);
     for (const natural::Joint& j : l.joints)
       if (equation >= j.first_equation && equation < j.first_equation + j.count) return joint(j.spec);
     if (equation >= l.first_drive)
@@ -55,16 +55,16 @@ std::string element_name(const Compiled& m, const ElementData& e) {
   const bool of_joint = e.measure == Measure::coordinate;
   switch (static_cast<Law>(e.law)) {
     case Law::spring:
-      return of_joint ? fmt::format("the spring of joint '{}'", m.spec.joints[e.joint_spec].name)
-                      : fmt::format("spring '{}'", m.spec.springs[e.spec].name);
+      return of_joint ? fmt::format("the spring of joint '{}'", m.spec().joints[e.joint_spec].name)
+                      : fmt::format("spring '{}'", m.spec().springs[e.spec].name);
     case Law::tyre:
-      return fmt::format("tyre '{}'", m.spec.tyres[e.spec].name);
+      return fmt::format("tyre '{}'", m.spec().tyres[e.spec].name);
     case Law::load:
-      return fmt::format("load '{}'", m.spec.loads[e.spec].name);
+      return fmt::format("load '{}'", m.spec().loads[e.spec].name);
     case Law::sensor:
       return "a sensor";
     default:
-      return fmt::format("{} '{}'", law_info(e.law).name, m.spec.elements[e.spec].name);
+      return fmt::format("{} '{}'", law_info(e.law).name, m.spec().elements[e.spec].name);
   }
 }
 
@@ -73,7 +73,7 @@ std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {
     case EnergyMeter::Place::Kind::element:
       return element_name(m, m.elements[place.index]);
     case EnergyMeter::Place::Kind::body:
-      return fmt::format("body '{}'", m.spec.bodies[m.bodies[place.index].spec].name);
+      return fmt::format("body '{}'", m.spec().bodies[m.bodies[place.index].spec].name);
     case EnergyMeter::Place::Kind::none:
       break;
   }

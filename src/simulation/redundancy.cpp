@@ -52,7 +52,7 @@ std::vector<double> borne(relative::RelativeSystem& system, const State& s,
   const Compiled& m = system.model();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities), none = Eigen::VectorXd::Zero(m.equations);
   Eigen::VectorXd r(m.velocities);
-  std::vector<Vec3d> force(m.spec.joints.size(), Vec3d::Zero()), moment = force;
+  std::vector<Vec3d> force(m.spec().joints.size(), Vec3d::Zero()), moment = force;
   const auto add_transmitted = [&](const Eigen::VectorXd& forces, double sign) {
     system.residual(s.time, s.q.data(), rest.data(), rest.data(), forces.data(), 0, r.data());
     for (std::size_t i = 0; i < m.bodies.size(); ++i) {
@@ -80,7 +80,7 @@ std::vector<double> borne(relative::RelativeSystem& system, const State& s,
 /// Joints that bear more than `negligible` of the largest wrench where forces go round that no load asks for.
 std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
                             const linalg::SparseQr& qr, double negligible) {
-  std::vector<bool> marked(system.model().spec.joints.size(), false);
+  std::vector<bool> marked(system.model().spec().joints.size(), false);
   const auto count = static_cast<Eigen::Index>(qr.dependent().size());
   if (count == 0) return marked;
   for (const double seed : {0.0, 1.0}) {
@@ -117,8 +117,8 @@ Redundancy find_redundancy(relative::RelativeSystem& system, const State& s) {
     nearly = concerned(system, s, jacobian, loose, 1e-3);
   }
   for (std::size_t j = 0; j < surely.size(); ++j) {
-    if (surely[j]) out.joints.push_back(m.spec.joints[j].name);
-    if (nearly[j]) out.nearly_joints.push_back(m.spec.joints[j].name);
+    if (surely[j]) out.joints.push_back(m.spec().joints[j].name);
+    if (nearly[j]) out.nearly_joints.push_back(m.spec().joints[j].name);
   }
   return out;
 }

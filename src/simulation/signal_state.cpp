@@ -34,7 +34,7 @@ const SignalsData::Held& held(const Compiled& m, int input) {
 
 void set_held_input(const Compiled& m, int input, double value, double step, State& state) {
   const SignalsData::Held& h = held(m, input);
-  const spec::Input& range = m.spec.inputs[static_cast<std::size_t>(input)];
+  const spec::Input& range = m.spec().inputs[static_cast<std::size_t>(input)];
   value = std::clamp(value, range.min, range.max);
   double* at = state.u.data() + h.held;
   if (!h.linear) {
@@ -59,13 +59,14 @@ Sampler::Sampler(const Compiled& m) : model_(m) {
   for (const SignalsData::Sampled& s : m.signals.sampled) {
     Signal signal{&s, {}, {}};
     for (const SignalsData::Sampled::Argument& a : s.arguments) {
-      signal.sensors.push_back(a.sensor < 0 ? nullptr : &m.spec.sensors[static_cast<std::size_t>(a.sensor)]);
+      signal.sensors.push_back(a.sensor < 0 ? nullptr
+                                            : &m.spec().sensors[static_cast<std::size_t>(a.sensor)]);
       signal.mass_of.push_back(a.sensor < 0 ? std::vector<int>() : bodies_of(m, *signal.sensors.back()));
     }
     signals_.push_back(std::move(signal));
   }
   for (std::size_t k = 0; k < m.elements.size(); ++k)
-    if (m.elements[k].user && m.elements[k].user->sampled) laws_.push_back(static_cast<int>(k));
+    if (m.elements[k].sampled) laws_.push_back(static_cast<int>(k));
 }
 
 void Sampler::sample(const Channels& channels, relative::RelativeSystem& system, const State& seen,
@@ -91,13 +92,11 @@ void Sampler::sample(const Channels& channels, relative::RelativeSystem& system,
     double* own = state.z.data() + e.states + e.own_states;
     std::array<double, forces::user::most_arguments> next{};
     const LawContext<double> context = law_context(model_, e, w.signals);
-    ElementData shifted = e;
-    shifted.own_states += e.count;  // the force that is kept comes first
+    // The force that is kept comes first.
     const forces::user::Answer answer =
-        forces::user::call({model_, shifted, context.time, context.signals, context.states, context.step},
-                           s.x, s.v, next.data());
+        forces::user::call(context, s.x, s.v, context.states + e.own_states + e.count, next.data());
     std::copy_n(answer.force, e.count, own);
-    std::copy_n(next.data(), e.user->states.size(), own + e.count);
+    std::copy_n(next.data(), context.user().states.size(), own + e.count);
   }
 }
 

@@ -32,7 +32,7 @@ struct Simulation::Impl {
   Impl(std::shared_ptr<const Model> m, const RunOptions& options)
       : model(std::move(m)),
         compiled(model->compiled()),
-        method(resolve_method(compiled.spec.simulation, options)),
+        method(resolve_method(compiled.spec().simulation, options)),
         mechanism(compiled, method),
         steps(mechanism, method),
         channels(compiled),
@@ -301,7 +301,7 @@ double Simulation::value(Channel channel) {
 }
 
 Simulation::Body Simulation::body(const std::string& name) const {
-  return {find(impl_->compiled.spec.bodies, name, "body")};
+  return {find(impl_->compiled.spec().bodies, name, "body")};
 }
 
 spec::Pose Simulation::pose(Body body) {
@@ -312,7 +312,7 @@ spec::Pose Simulation::pose(Body body) {
   return {motion.position + w.origin, motion.rotation};
 }
 
-const std::vector<spec::Input>& Simulation::inputs() const { return impl_->compiled.spec.inputs; }
+const std::vector<spec::Input>& Simulation::inputs() const { return impl_->compiled.spec().inputs; }
 
 int Simulation::input(const std::string& name) const {
   return find(inputs(), name, "input or tunable parameter");
@@ -334,8 +334,8 @@ void Simulation::sample(ResultsRow& row) { impl_->show_reactions(row); }
 ResultsHeader Simulation::header(const std::string& options_json) const {
   const Impl& s = *impl_;
   ResultsHeader h;
-  h.title = s.compiled.spec.title;
-  h.model_text = s.compiled.spec.text;
+  h.title = s.compiled.spec().title;
+  h.model_text = s.compiled.spec().text;
   h.options_json = options_json;
   h.step = step_size();
   h.channels = s.channels.info();
@@ -360,7 +360,7 @@ std::vector<std::string> Simulation::warnings() const {
   if (unresolved) all.push_back(explain_unresolved(s.compiled, *unresolved));
   // At rest there is nothing at play but round-off.
   if (const std::string text = s.observers.energy_warning(s.steps); !text.empty()) all.push_back(text);
-  if (const double end = std::max(s.compiled.spec.simulation.end, time()); end > s.drives_until) {
+  if (const double end = std::max(s.compiled.spec().simulation.end, time()); end > s.drives_until) {
     s.drives = drive_warnings(s.compiled, end);
     s.drives_until = end;
   }

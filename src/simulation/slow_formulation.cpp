@@ -31,7 +31,7 @@ double operations(const linalg::BlockSymbolic& symbolic) {
 std::string explain_slow_formulation(const Simulation& simulation) {
   if (simulation.method().formulation != spec::Simulation::Formulation::relative) return {};
   const Compiled& m = simulation.model().compiled();
-  const double relative = operations(*m.symbolic);
+  const double relative = operations(m.symbolic);
   if (!(relative > many)) return {};
   const double natural = operations(*natural::Layout(m).symbolic);
   if (!(relative > times * natural)) return {};

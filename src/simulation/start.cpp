@@ -22,7 +22,7 @@ Start start(Mechanism& mechanism, const Method& method, bool warns) {
   };
   State assembled = assembled_state(m, observer);
   if (warns) warn(drawn_open(observer, assembled));
-  if (m.spec.simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
+  if (m.spec().simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
   mechanism.seen = assembled;
   if (m.equations > 0) {
     found.redundancy = find_redundancy(observer, assembled);
@@ -32,7 +32,7 @@ Start start(Mechanism& mechanism, const Method& method, bool warns) {
   start_signals(m, mechanism.state);
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))
-    throw InputError({m.spec.file, 0, 0}, explain_undetermined_start(m));
+    throw InputError({m.spec().file, 0, 0}, explain_undetermined_start(m));
   if (method.integrator == spec::Simulation::Integrator::conserve && !m.drives.empty())
     warn(fmt::format(
         "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "

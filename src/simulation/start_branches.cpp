@@ -43,7 +43,7 @@ std::string explain_branches(relative::RelativeSystem& system, const State& s) {
       "at the start the mechanism can go several ways (a singular position), and its initial velocities are "
       "those of none: the first step is a blow at joint '{}'; give the velocity of one joint more, as the "
       "motion has it, or start beside this position",
-      m.spec.joints[static_cast<std::size_t>(left.loop->joint_spec)].name);
+      m.spec().joints[static_cast<std::size_t>(left.loop->joint_spec)].name);
 }
 
 }  // namespace mimbre

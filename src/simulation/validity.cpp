@@ -23,7 +23,7 @@ constexpr int most_load_modes = 4;
 /// Whether a bracket joins the body to another flexible one.
 bool is_piece(const Compiled& m, int body) {
   const auto flexible = [&](int b) { return b >= 0 && m.bodies[b].modes > 0; };
-  for (const spec::Joint& joint : m.spec.joints) {
+  for (const spec::Joint& joint : m.spec().joints) {
     if (joint.type != spec::JointType::bracket) continue;
     const int a = m.frames[m.frame_of_spec[joint.frame_a]].body,
               b = m.frames[m.frame_of_spec[joint.frame_b]].body;
@@ -36,7 +36,7 @@ bool is_piece(const Compiled& m, int body) {
 /// them.
 bool passes_motion_on(const Compiled& m, int body) {
   int joints = 0;
-  for (const spec::Joint& joint : m.spec.joints)
+  for (const spec::Joint& joint : m.spec().joints)
     for (const int frame : {joint.frame_a, joint.frame_b})
       if (m.frames[m.frame_of_spec[frame]].body == body) ++joints;
   return joints > 1;
@@ -57,7 +57,7 @@ void keep(Validity::Peak& peak, double value, double time, double limit, double&
 
 BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
   const BodyData& b = m.bodies[index];
-  const spec::Body& spec = m.spec.bodies[b.spec];
+  const spec::Body& spec = m.spec().bodies[b.spec];
   const ReducedBody& body = *spec.flexible;
   worst_.body = spec.name;
   modes_ = body.modes;

@@ -36,8 +36,8 @@ class FiniteElements : public ProgramTest {
   }
 
   int shell(const std::string& commands) const {
-    write_file(folder / "commands.sh", "set -e\nhere=$PWD\nmimbre() { \"" MIMBRE_PROGRAM
-                                       "\" \"$@\" >> \"$here/out.txt\" 2>> \"$here/err.txt\"; }\n" +
+    write_file(folder / "commands.sh", "set -e\nhere=$PWD\nmimbre() { \"" + program_path() +
+                                           "\" \"$@\" >> \"$here/out.txt\" 2>> \"$here/err.txt\"; }\n" +
                                            commands);
     return std::system(("cd '" + folder.string() + "' && sh commands.sh").c_str());
   }

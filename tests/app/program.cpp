@@ -13,6 +13,11 @@ void write_file(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+std::string program_path() {
+  const char* const given = std::getenv("MIMBRE_PROGRAM");
+  return given ? given : MIMBRE_PROGRAM;
+}
+
 void ProgramTest::SetUp() {
   std::string name = (fs::temp_directory_path() / "mimbre-app-XXXXXX").string();
   ASSERT_NE(mkdtemp(name.data()), nullptr);
@@ -22,6 +27,11 @@ void ProgramTest::SetUp() {
 }
 
 void ProgramTest::TearDown() {
+  // Of a test that gave up.
+  for (const pid_t child : running_) {
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+  }
   std::error_code ignored;
   fs::remove_all(folder, ignored);
 }
@@ -31,21 +41,28 @@ pid_t ProgramTest::start(const std::vector<std::string>& arguments,
   std::vector<char*> argv{const_cast<char*>("mimbre")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  const std::string path = program_path();
   const pid_t child = fork();
+  if (child > 0) running_.insert(child);
   if (child != 0) return child;
   if (chdir(folder.c_str()) != 0) _exit(126);
   const int out = open("out.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const int err = open("err.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
+  // As from a terminal, even where the tests run under nohup. What never ends shall not fill the disk.
+  for (const int of : {SIGHUP, SIGINT, SIGTERM}) signal(of, SIG_DFL);
+  const rlimit limit{600, 600};
+  setrlimit(RLIMIT_CPU, &limit);
   if (prepare) prepare();
-  execv(MIMBRE_PROGRAM, argv.data());
+  execv(path.c_str(), argv.data());
   _exit(127);
 }
 
 Outcome ProgramTest::wait_for(pid_t child) const {
   int status = 0;
   waitpid(child, &status, 0);
+  running_.erase(child);
   Outcome outcome;
   if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);

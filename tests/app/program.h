@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -34,7 +35,10 @@ struct Outcome {
   test::Json json() const { return test::Json::parse(out); }
 };
 
-/// A folder that goes when the test ends; the program runs in it.
+/// The program that is tested: MIMBRE_PROGRAM in the environment, else the one of this build.
+std::string program_path();
+
+/// A folder that goes when the test ends, as do programs that still run; the program runs in it.
 class ProgramTest : public ::testing::Test {
  protected:
   void SetUp() override;
@@ -46,6 +50,9 @@ class ProgramTest : public ::testing::Test {
   Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const;
 
   fs::path folder;
+
+ private:
+  mutable std::set<pid_t> running_;  ///< started and not waited for
 };
 
 /// A body on a hinge with the axis y: the angle is zero when it points along x, and it hangs at pi/2.

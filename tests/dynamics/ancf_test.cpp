@@ -58,7 +58,7 @@ FlexibleData free_element(double length, double damping = 0) {
     m.joints.push_back(joint);
     return Model::compile(m);
   }();
-  AncfElement second = model->compiled().flexible.at(0).ancf.at(1);
+  AncfElement second = model->compiled().flexible[0].ancf[1];
   second.amplitudes = e.amplitudes;
   f.ancf = {second};
   f.ancf_damping = damping;

@@ -369,7 +369,8 @@ TEST(GeometricStiffnessInMotion, ForcesAtTheBoundaryHaveAnEnergy) {
   };
   Random random(5);
   VectorXd y = VectorXd::Zero(s);
-  y.head(n) = random.values(n, 0.02).cwiseQuotient(f.stiffness.diagonal().head(n).cwiseSqrt() / 1000);
+  y.head(n) =
+      random.values(n, 0.02).cwiseQuotient(f.stiffness.matrix().diagonal().head(n).cwiseSqrt() / 1000);
   const VectorXd force = forces(y);
   AlignedVector<double> tangent(static_cast<std::size_t>(n) * s);
   geometric::stiffness<double>(g, {Vec3d::Zero(), Vec3d::Zero(), Vec3d::Zero()}, y.data(), tangent.data(),

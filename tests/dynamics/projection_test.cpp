@@ -138,12 +138,13 @@ void expect_dense(const Constants& c, const Dense& d, Random& random) {
   const MatrixXd B = d.B(m.y.head(n)), projected = B.transpose() * d.mass * B;
 
   projection::Mat12d mass;
-  projection::Rows coupling(12, s);
+  Rows::Values coupling(12, s);
   projection::base_mass(c, w, m.y.data(), mass, coupling.data());
   EXPECT_LT(relative_difference(mass, projected.topLeftCorner<12, 12>(), 0), 1e-13);
   EXPECT_LT(relative_difference(coupling.leftCols(n), projected.topRightCorner(12, n), 0), 1e-13);
   EXPECT_TRUE(coupling.rightCols(s - n).isZero(0));
-  EXPECT_LT(relative_difference(c.mass.topLeftCorner(n, n), projected.bottomRightCorner(n, n), 0), 1e-13);
+  EXPECT_LT(relative_difference(c.mass.matrix().topLeftCorner(n, n), projected.bottomRightCorner(n, n), 0),
+            1e-13);
 
   VectorXd x(12 + n);
   x << stacked(m.b), m.ydd.head(n);
@@ -171,18 +172,18 @@ void expect_dense(const Constants& c, const Dense& d, Random& random) {
   ASSERT_TRUE(c.plain);
   Vec3d first;
   Mat3d second;
-  projection::Rows integrals(9, s);
+  Rows::Values integrals(9, s);
   projection::rigid_mass(c, w, m.y.data(), first, second, integrals.data());
   MatrixXd assembled(6 + n, 6 + n);
   assembled.block<3, 3>(0, 0) = c.total_mass * Mat3d::Identity();
   assembled.block<3, 3>(0, 3) = -skew<double>(first);
   assembled.block<3, 3>(3, 3) = second.trace() * Mat3d::Identity() - second;
-  assembled.block(0, 6, 3, n) = c.S.leftCols(n);
+  assembled.block(0, 6, 3, n) = c.S.matrix().leftCols(n);
   for (int a = 0; a < 3; ++a) {
     const int i = (a + 1) % 3, j = (a + 2) % 3;
     assembled.block(3 + a, 6, 1, n) = (integrals.row(3 * i + j) - integrals.row(3 * j + i)).leftCols(n);
   }
-  assembled.bottomRightCorner(n, n) = c.mass.topLeftCorner(n, n);
+  assembled.bottomRightCorner(n, n) = c.mass.matrix().topLeftCorner(n, n);
   assembled.triangularView<Eigen::StrictlyLower>() = assembled.transpose();
   EXPECT_LT(relative_difference(assembled, M, 0), 1e-12);
 
@@ -223,7 +224,7 @@ class Bricks : public testing::TestWithParam<unsigned> {
   Constants c = projection::constants(body, true);
   int n = body.modes, s = f.stride;
   Motion m = random_motion(random, n, 0.2);
-  projection::Rows integrals{9, s};
+  Rows::Values integrals{9, s};
 
   void SetUp() override {
     ASSERT_EQ(check(body), std::vector<std::string>());
@@ -247,7 +248,7 @@ TEST_P(Bricks, RelativeInertiaByIntegralsIsThatByProjection) {
 
   Vec3d first;
   Mat3d second;
-  projection::Rows rows(9, s);
+  Rows::Values rows(9, s);
   projection::rigid_mass(c, w, m.y.data(), first, second, rows.data());
   EXPECT_LT(relative_difference(first, data.first_moment + times(f.S, m.y.data()), 0), 1e-12);
   EXPECT_LT(
@@ -255,8 +256,8 @@ TEST_P(Bricks, RelativeInertiaByIntegralsIsThatByProjection) {
           second, deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data()), 0),
       1e-12);
   EXPECT_LT(relative_difference(rows, integrals, 0), 1e-12);
-  EXPECT_LT(relative_difference(c.S, f.S, 0), 1e-12);
-  EXPECT_LT(relative_difference(c.mass, f.mass, 0), 1e-12);
+  EXPECT_LT(relative_difference(c.S.matrix(), f.S.matrix(), 0), 1e-12);
+  EXPECT_LT(relative_difference(c.mass.matrix(), f.mass.matrix(), 0), 1e-12);
   EXPECT_NEAR(c.total_mass / body.mass, 1, 1e-13);
 }
 
@@ -267,10 +268,10 @@ TEST_P(Bricks, NaturalInertiaByIntegralsIsThatByProjection) {
   const Vec3d first = data.first_moment + times(f.S, m.y.data());
   const Mat3d second = deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
   const auto S = [&](int i) { return integrals.middleRows<3>(3 * i).leftCols(n); };
-  const MatrixXd S0 = f.S.leftCols(n);
+  const MatrixXd S0 = f.S.matrix().leftCols(n);
 
   projection::Mat12d mass, expected;
-  projection::Rows coupling(12, s);
+  Rows::Values coupling(12, s);
   projection::base_mass(c, w, m.y.data(), mass, coupling.data());
   expected.topLeftCorner<3, 3>() = body.mass * Mat3d::Identity();
   for (int i = 0; i < 3; ++i) {
@@ -341,7 +342,7 @@ Differences beam_differences(int elements, double section_size, bool rotations) 
   modal(m.y);
   modal(m.yd);
   modal(m.ydd);
-  projection::Rows integrals(9, s), rows(9, s);
+  Rows::Values integrals(9, s), rows(9, s);
   deformed_integrals<double>(f, m.y.data(), integrals.data());
   const Constants c = projection::constants(body, rotations);
   projection::Work w;

@@ -73,7 +73,7 @@ TEST_P(RelativeSystem, RatesOfTheEquations) {
   // At rest only drives move.
   VectorXd moving = VectorXd::Zero(p.equations);
   for (const DriveData& d : p.m.drives) {
-    const spec::Joint& joint = p.m.spec.joints[static_cast<std::size_t>(d.joint_spec)];
+    const spec::Joint& joint = p.m.spec().joints[static_cast<std::size_t>(d.joint_spec)];
     const auto drive = std::find_if(joint.drives.begin(), joint.drives.end(),
                                     [&](const spec::Drive& x) { return x.coordinate == d.local; });
     moving[d.equation] =
@@ -176,12 +176,12 @@ TEST_P(RelativeSystem, PowerBalance) {
   double dissipated = 0, done = 0;
   for (int i = 0; i < static_cast<int>(p.m.bodies.size()); ++i) {
     const auto& flexible =
-        p.m.spec.bodies[static_cast<std::size_t>(p.m.bodies[static_cast<std::size_t>(i)].spec)].flexible;
+        p.m.spec().bodies[static_cast<std::size_t>(p.m.bodies[static_cast<std::size_t>(i)].spec)].flexible;
     if (flexible) dissipated += p.modes(i, v, true).dot(flexible->damping * p.modes(i, v, true));
   }
   for (const ElementData& e : p.m.elements) {
     if (e.law != static_cast<int>(Law::spring)) continue;
-    const Function& damping = p.m.functions[static_cast<std::size_t>(e.functions) + 1];
+    const FunctionData& damping = p.m.functions[static_cast<std::size_t>(e.functions) + 1];
     if (e.measure == Measure::coordinate) {
       dissipated += damping.value(v[e.v]) * v[e.v];
       continue;
@@ -191,12 +191,12 @@ TEST_P(RelativeSystem, PowerBalance) {
       return VectorXd::Constant(1, p.spring_length(e));
     };
     const double rate = p.rate(r.q, v, a, length)[0];
-    const spec::Law& law = p.m.spec.springs[static_cast<std::size_t>(e.spec)].general;
+    const spec::Law& law = p.m.spec().springs[static_cast<std::size_t>(e.spec)].general;
     const double general = law.formula.value(std::array{length(r.q, v, 0)[0], rate, t}.data());
     dissipated += (damping.value(rate) + general) * rate;
   }
   p.kinematics(r.q, v, a, t);
-  for (const spec::Load& l : p.m.spec.loads) {
+  for (const spec::Load& l : p.m.spec().loads) {
     const auto frame_index = static_cast<std::size_t>(p.m.frame_of_spec[static_cast<std::size_t>(l.frame)]);
     const auto& frame = p.system.workspace().frames[frame_index];
     const Mat3d turn = l.follower ? frame.rotation : Mat3d(Mat3d::Identity());
@@ -255,7 +255,7 @@ TEST_P(RelativeSystem, TangentsOfForces) {
   MatrixXd stiffness = MatrixXd::Zero(p.n, p.n), damping = stiffness;
   for (const BodyData& b : p.m.bodies) {
     if (b.modes == 0) continue;
-    const ReducedBody& f = *p.m.spec.bodies[static_cast<std::size_t>(b.spec)].flexible;
+    const ReducedBody& f = *p.m.spec().bodies[static_cast<std::size_t>(b.spec)].flexible;
     const int k = b.v + b.joint_velocities;
     stiffness.block(k, k, b.modes, b.modes) += f.stiffness;
     damping.block(k, k, b.modes, b.modes) += f.damping;
@@ -272,7 +272,7 @@ TEST_P(RelativeSystem, TangentsOfForces) {
       };
       const Eigen::RowVectorXd J = p.gradient(r.q, length);
       const double l = length(r.q)[0], rate = J.dot(v), h = 1e-5;
-      const spec::Law& law = p.m.spec.springs[static_cast<std::size_t>(e.spec)].general;
+      const spec::Law& law = p.m.spec().springs[static_cast<std::size_t>(e.spec)].general;
       const auto tension = [&](double x, double u) {
         return functions[0].value(x) + functions[1].value(u) +
                law.formula.value(std::array{x, u, 0.0}.data());
@@ -280,7 +280,7 @@ TEST_P(RelativeSystem, TangentsOfForces) {
       stiffness += (tension(l + h, rate) - tension(l - h, rate)) / (2 * h) * J.transpose() * J;
       damping += (tension(l, rate + h) - tension(l, rate - h)) / (2 * h) * J.transpose() * J;
     } else if (e.measure == Measure::height) {
-      const spec::Tyre& t = p.m.spec.tyres[static_cast<std::size_t>(e.spec)];
+      const spec::Tyre& t = p.m.spec().tyres[static_cast<std::size_t>(e.spec)];
       const auto height = [&](const VectorXd& q) {
         p.kinematics(q, p.zero, p.zero);
         return VectorXd::Constant(
@@ -359,7 +359,7 @@ TEST_P(RelativeSystem, MovingTheWholeModelChangesNothing) {
   here.system.begin_step(s.q.data());
   ASSERT_TRUE(solve_accelerations(here.system, s));
 
-  spec::Model moved = r.compiled().spec;
+  spec::Model moved = r.compiled().spec();
   const spec::Pose pose{{1e5, -2e4, 300}, random.rotation()};
   moved.gravity = pose.rotation * moved.gravity;
   for (spec::Body& b : moved.bodies) b.pose = after(pose, b.pose);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,7 +13,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "linalg/block_factor_impl.h"
 #include "math/decompositions.h"
+#include "math/dual.h"
+#include "math/pack.h"
 
 namespace mimbre::linalg {
 namespace {
@@ -319,6 +323,73 @@ TEST(BlockSparse, NoticesNaNAnywhere) {
   }
 }
 
+/// Four matrices at once; a lane that cannot be divided by spoils no other.
+TEST(BlockSparse, LanesAreMatricesOfTheirOwn) {
+  Random random(12);
+  for (const BlockPattern& pattern : patterns()) {
+    const BlockSymbolic symbolic(pattern);
+    const int n = symbolic.size();
+    if (n == 0) continue;
+    BlockFactor<Pack<4>> factor(symbolic);
+    factor.set_zero();
+    std::array<Eigen::MatrixXd, 4> a;
+    std::vector<Pack<4>> x(static_cast<std::size_t>(n));
+    std::array<Eigen::VectorXd, 4> expected;
+    const int bad = below(random, 5), unknown = below(random, n);
+    for (int i = 0; i < 4; ++i) {
+      const auto lane = static_cast<std::size_t>(i);
+      a[lane] = random_matrix(pattern, i % 2 == 1, random);
+      expected[lane] = Eigen::VectorXd::NullaryExpr(n, [&] { return uniform(random); });
+      for (int k = 0; k < n; ++k) x[static_cast<std::size_t>(k)][i] = expected[lane][k];
+      expected[lane] = solved(pattern, a[lane], expected[lane]);
+      if (i == bad) {
+        a[lane].row(unknown).setZero();
+        a[lane].col(unknown).setZero();
+      }
+      std::vector<double> values(static_cast<std::size_t>(symbolic.value_count()), 0.0);
+      assemble(symbolic, pattern, a[lane], values.data());
+      for (std::size_t k = 0; k < values.size(); ++k) factor.values()[k][i] = values[k];
+    }
+    const FactorStatus status = factor.factor();
+    EXPECT_EQ(status.unknown, bad < 4 ? unknown : -1);
+    factor.solve(x.data());
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < n && i != bad; ++k)
+        EXPECT_NEAR(x[static_cast<std::size_t>(k)][i], expected[static_cast<std::size_t>(i)][k], 1e-12);
+    if (bad < 4) {
+      EXPECT_TRUE(std::isnan(x[static_cast<std::size_t>(unknown)][bad]));
+    }
+  }
+}
+
+/// A x = b: A x' = b' − A' x.
+TEST(BlockSparse, SolutionsOfDualNumbersHaveTheirDerivative) {
+  Random random(13);
+  for (const BlockPattern& pattern : patterns()) {
+    const BlockSymbolic symbolic(pattern);
+    const int n = symbolic.size();
+    BlockFactor<Dual> factor(symbolic);
+    factor.set_zero();
+    const Eigen::MatrixXd a = random_matrix(pattern, true, random), by = random_matrix(pattern, true, random);
+    std::vector<double> values(static_cast<std::size_t>(symbolic.value_count()), 0.0), rates = values;
+    assemble(symbolic, pattern, a, values.data());
+    assemble(symbolic, pattern, by, rates.data());
+    for (std::size_t k = 0; k < values.size(); ++k) factor.values()[k] = Dual(values[k], rates[k]);
+    const auto any = [&] { return uniform(random); };
+    const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, any), b1 = Eigen::VectorXd::NullaryExpr(n, any);
+    std::vector<Dual> x;
+    for (int k = 0; k < n; ++k) x.push_back(Dual(b[k], b1[k]));
+    EXPECT_TRUE(factor.factor().ok());
+    factor.solve(x.data());
+    const Eigen::VectorXd solution = solved(pattern, a, b),
+                          derivative = solved(pattern, a, b1 - by * solution);
+    for (int k = 0; k < n; ++k) {
+      EXPECT_NEAR(x[static_cast<std::size_t>(k)].value, solution[k], 1e-12);
+      EXPECT_NEAR(x[static_cast<std::size_t>(k)].derivative, derivative[k], 1e-11);
+    }
+  }
+}
+
 TEST(BlockSparse, StoresNoMoreThanTheStructureNeeds) {
   const auto chain = [](int blocks) {
     BlockPattern pattern{std::vector<int>(blocks, 3), {}};
@@ -338,10 +409,10 @@ TEST(BlockSparse, StoresNoMoreThanTheStructureNeeds) {
 
 TEST(BlockSparse, EliminatesLeavesFirst) {
   const BlockPattern chain{{1, 1, 1, 1}, {{0, 1}, {1, 2}, {2, 3}}};
-  EXPECT_EQ(BlockSymbolic(chain).unknowns(), (std::vector<int>{3, 2, 1, 0}));
+  EXPECT_EQ(BlockSymbolic(chain).unknowns(), (Array<int>{3, 2, 1, 0}));
   // Too large to be merged: the leaves of a star precede its centre.
   const BlockPattern star{{30, 40, 40, 40}, {{0, 1}, {0, 2}, {0, 3}}};
-  const std::vector<int> order = BlockSymbolic(star).unknowns();
+  const Array<int> order = BlockSymbolic(star).unknowns();
   EXPECT_GE(order.front(), 30);
   EXPECT_EQ(order.back(), 29);
 }

@@ -32,7 +32,7 @@ void expect_same(const Model& built, const Model& read) {
   ASSERT_EQ(a.bodies.size(), b.bodies.size());
   for (std::size_t k = 0; k < a.bodies.size(); ++k) {
     const BodyData &c = a.bodies[k], &d = b.bodies[k];
-    EXPECT_EQ(a.spec.bodies[c.spec].name, b.spec.bodies[d.spec].name);
+    EXPECT_EQ(a.spec().bodies[c.spec].name, b.spec().bodies[d.spec].name);
     EXPECT_EQ(c.parent, d.parent);
     EXPECT_EQ(c.joint, d.joint);
     EXPECT_EQ(c.reversed, d.reversed);
@@ -42,12 +42,12 @@ void expect_same(const Model& built, const Model& read) {
   }
   ASSERT_EQ(a.frames.size(), b.frames.size());
   for (std::size_t k = 0; k < a.frames.size(); ++k) {
-    EXPECT_EQ(a.spec.frames[a.frames[k].spec].name, b.spec.frames[b.frames[k].spec].name);
+    EXPECT_EQ(a.spec().frames[a.frames[k].spec].name, b.spec().frames[b.frames[k].spec].name);
     EXPECT_EQ(a.frames[k].body, b.frames[k].body);
     EXPECT_EQ(a.frames[k].position, b.frames[k].position);
     EXPECT_EQ(a.frames[k].rotation, b.frames[k].rotation);
     EXPECT_EQ(a.frames[k].flexible, b.frames[k].flexible);
-    EXPECT_EQ(a.frames[k].X, b.frames[k].X);
+    EXPECT_EQ(a.frames[k].X.matrix(), b.frames[k].X.matrix());
   }
   EXPECT_EQ(a.loops.size(), b.loops.size());
   EXPECT_EQ(a.drives.size(), b.drives.size());

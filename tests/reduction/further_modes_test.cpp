@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -315,7 +316,7 @@ std::pair<std::string, std::string> array(const std::string& name, const std::st
 class UserModesFile : public testing::Test {
  protected:
   void SetUp() override {
-    path = testing::TempDir() + "/mimbre-user-modes.csv";
+    path = fmt::format("{}/mimbre-user-modes-{}.csv", testing::TempDir(), getpid());
     mesh.nodes = Eigen::Matrix3Xd::Zero(3, 2);
     mesh.labels = {7, 9};
   }
@@ -347,7 +348,7 @@ TEST_F(UserModesFile, IsATableByNodeAndDirection) {
 }
 
 TEST_F(UserModesFile, IsNumPysArrays) {
-  path = testing::TempDir() + "/mimbre-user-modes.npz";
+  path = fmt::format("{}/mimbre-user-modes-{}.npz", testing::TempDir(), getpid());
   using Integers = std::vector<std::int64_t>;
   const auto label = array("label", "<i8", "(3,)", Integers{9, 7, 7}),
              direction = array("direction", "<i8", "(3,)", Integers{3, 1, 6});
@@ -389,7 +390,7 @@ TEST_F(UserModesFile, RubbishGetsClearErrors) {
   EXPECT_THAT(error("7,x,nan\n"), HasSubstr("'nan' is no number"));
   EXPECT_THAT(error("7,x,0\n"), HasSubstr("mode 1 moves nothing"));
   EXPECT_THROW(fe::read_user_modes("/nowhere/modes.csv", mesh), InputError);
-  path = testing::TempDir() + "/mimbre-user-modes.npz";
+  path = fmt::format("{}/mimbre-user-modes-{}.npz", testing::TempDir(), getpid());
   EXPECT_NE(error("this is no archive"), "read");
 }
 

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -141,8 +142,8 @@ TEST_F(ModesReport, ContradictionsAreRefused) {
 
 TEST(FileFormat, TellsBodiesFromResults) {
   const auto folder = std::filesystem::path(testing::TempDir());
-  const std::string body = (folder / "format_body.h5").string(),
-                    results = (folder / "format_run.h5").string();
+  const std::string of = "format_" + std::to_string(getpid()), body = (folder / (of + "_body.h5")).string(),
+                    results = (folder / (of + "_run.h5")).string();
   save(three_masses(), body);
   ResultsWriter(results, {}).finish("");
   EXPECT_TRUE(hdf5::file_format(body).starts_with("mimbre-reduced-body-"));

@@ -1,6 +1,7 @@
 #include "mimbre/vtk.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
@@ -84,7 +85,8 @@ std::vector<Number> array(const std::string& file, const std::string& name) {
 }
 
 TEST(Vtk, HasTheMotionDeflectionAndStressOfEveryInstant) {
-  const fs::path folder = fs::path(testing::TempDir()) / "mimbre-vtk" / "deeper";
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("mimbre-vtk-" + std::to_string(getpid())) / "deeper";
   fs::remove_all(folder);
   const std::string path = write_vtk(small_run(), folder.string());
   const std::string list = text_of(path);
@@ -111,7 +113,7 @@ TEST(Vtk, HasTheMotionDeflectionAndStressOfEveryInstant) {
 }
 
 TEST(Vtk, TakesInstantsEvenlyAndSaysWhereItCannotWrite) {
-  const fs::path folder = fs::path(testing::TempDir()) / "mimbre-vtk-few";
+  const fs::path folder = fs::path(testing::TempDir()) / ("mimbre-vtk-few-" + std::to_string(getpid()));
   fs::remove_all(folder);
   VtkOptions options;
   options.most_instants = 2;

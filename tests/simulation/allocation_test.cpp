@@ -141,7 +141,7 @@ TEST_P(Allocation, NoneWithInputsSetAndChannelsRead) {
   double sum = 0;
   for (const Simulation::Channel channel : channels) sum += s.value(channel);
   long all = 0;
-  for (int step = 0; step < 300; ++step) {
+  for (int step = 0; step < 1000; ++step) {
     bool ok = true;
     allocations = 0;
     counting = true;

@@ -168,7 +168,7 @@ MatrixXd Probe::projected_mass(const VectorXd& q) {
   int at = 0;
   for (int i = 0; i < static_cast<int>(m.bodies.size()); ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const MatrixXd body = body_mass_matrix(m.spec.bodies[static_cast<std::size_t>(m.bodies[index].spec)],
+    const MatrixXd body = body_mass_matrix(m.spec().bodies[static_cast<std::size_t>(m.bodies[index].spec)],
                                            system.workspace().bodies[index].rotation, modes(i, q, false));
     M += R.middleRows(at, body.rows()).transpose() * body * R.middleRows(at, body.rows());
     at += static_cast<int>(body.rows());
@@ -184,7 +184,7 @@ double Probe::kinetic(const VectorXd& q, const VectorXd& v) {
     const auto& motion = system.workspace().bodies[index];
     VectorXd u(6 + m.bodies[index].modes);
     u << motion.velocity, motion.omega, modes(i, v, true);
-    energy += 0.5 * u.dot(body_mass_matrix(m.spec.bodies[static_cast<std::size_t>(m.bodies[index].spec)],
+    energy += 0.5 * u.dot(body_mass_matrix(m.spec().bodies[static_cast<std::size_t>(m.bodies[index].spec)],
                                            motion.rotation, modes(i, q, false)) *
                           u);
   }
@@ -203,7 +203,7 @@ double Probe::potential(const VectorXd& q) {
   double energy = 0;
   for (int i = 0; i < static_cast<int>(m.bodies.size()); ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const spec::Body& body = m.spec.bodies[static_cast<std::size_t>(m.bodies[index].spec)];
+    const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(m.bodies[index].spec)];
     double mass = body.mass;
     Vec3d first = body.mass * body.com;
     if (body.flexible) {
@@ -216,11 +216,11 @@ double Probe::potential(const VectorXd& q) {
   }
   for (const ElementData& e : m.elements) {
     if (e.law == static_cast<int>(Law::spring)) {
-      const Function& elastic = m.functions[static_cast<std::size_t>(e.functions)];
+      const FunctionData& elastic = m.functions[static_cast<std::size_t>(e.functions)];
       energy += elastic.antiderivative(e.measure == Measure::distance ? spring_length(e) : q[e.q]);
     }
     if (e.law != static_cast<int>(Law::tyre)) continue;
-    const spec::Tyre& t = m.spec.tyres[static_cast<std::size_t>(e.spec)];
+    const spec::Tyre& t = m.spec().tyres[static_cast<std::size_t>(e.spec)];
     const Vec3d wheel = w.frames[static_cast<std::size_t>(e.frame_b)].position + w.origin;
     const double penetration =
         t.radius - (wheel[2] - m.roads[static_cast<std::size_t>(e.road)].height.value(wheel[0]));

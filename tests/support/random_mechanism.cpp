@@ -98,7 +98,7 @@ VectorXd random_increment(const Compiled& m, Random& random, double size) {
   VectorXd x = random.values(m.velocities, size);
   for (const BodyData& b : m.bodies) {
     if (b.modes == 0) continue;
-    const ReducedBody& r = *m.spec.bodies[b.spec].flexible;
+    const ReducedBody& r = *m.spec().bodies[b.spec].flexible;
     double largest = 1e-9;
     for (const BodyFrame& f : r.frames)
       largest = std::max({largest, f.X.cwiseAbs().maxCoeff(), f.X_theta.cwiseAbs().maxCoeff()});
@@ -154,7 +154,7 @@ std::vector<spec::Pose> frame_poses(const std::shared_ptr<const Model>& model, c
   const VectorXd zero = VectorXd::Zero(m.velocities);
   system.kinematics(0, q.data(), zero.data(), zero.data());
   std::vector<spec::Pose> poses;
-  for (std::size_t k = 0; k < m.spec.frames.size(); ++k) {
+  for (std::size_t k = 0; k < m.spec().frames.size(); ++k) {
     const auto motion =
         relative::output_motion(system, m.frame_of_spec[k], q.data(), zero.data(), zero.data());
     poses.push_back({motion.position, motion.rotation});

@@ -59,7 +59,7 @@ export class ModePlayer {
     this.root.append(element("h2", { class: "unseen" }, "Mode shape"), holder, element("div", { class: "row transport" }, this.play, this.slider));
     this.view = this.makeView(holder);
     if (this.view) this.root.append(this.settings(this.view));
-    this.root.append(this.numbers, element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom"), element("p", { class: "hint fingers" }, "One finger turns, two move and zoom"));
+    this.root.append(this.numbers, element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom"), element("p", { class: "hint fingers" }, "One finger scrolls the page or turns the picture sideways, two move and zoom it. After a tap one finger turns it every way until you touch something else"));
     this.clock.onChange(() => this.changed());
     document.addEventListener("keydown", (event) => this.key(event));
     this.clock.set(1);

@@ -55,7 +55,7 @@ export class Player {
     const key = (name: string) => element("kbd", {}, name);
     this.root.append(
       element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step; in the picture the arrows turn it"),
-      element("p", { class: "hint fingers" }, "One finger turns, two move and zoom; a tap says what is there"),
+      element("p", { class: "hint fingers" }, "One finger scrolls the page or turns the picture sideways, two move and zoom it. A tap says what is there, and one finger then turns it every way until you touch something else"),
     );
     clock.onChange(() => this.changed());
     this.changed();

@@ -13,6 +13,7 @@ import { amplitudesAt, poseAt, valueAt } from "./interpolate";
 import { amplitudesOf, Placement, posesAt, type Pose } from "./placement";
 import { lengthAlong, slideOf } from "./slidingSpring";
 import { finiteProfile, gridView, niceLength, roadView } from "./surroundings";
+import { turnAfterTap } from "./touch";
 
 const bodyColors = ["#7c93b2", "#d08c60", "#7fa883", "#b07aa1", "#c9a94f", "#6fa8b5", "#b8736f", "#8f8f8f"];
 
@@ -146,6 +147,7 @@ export class View3D {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", () => this.request());
+    turnAfterTap(this.controls); // which take every touch
 
     const { animation, bodies } = report;
     const { position } = poseAt(animation, animation.time[0] ?? 0, 0);

@@ -75,7 +75,7 @@ class Builder {
   Builder(const Compiled& model, Layout& layout) : m_(model), l_(layout) {}
 
   void run() {
-    if (!m_.bodies.empty()) l_.origin = m_.spec.bodies[m_.bodies.front().spec].pose.position;
+    if (!m_.bodies.empty()) l_.origin = m_.spec().bodies[m_.bodies.front().spec].pose.position;
     find_sides();
     l_.bodies.resize(m_.bodies.size());
     slots_.resize(m_.bodies.size());
@@ -97,7 +97,7 @@ class Builder {
   void find_sides() {
     sides_.resize(m_.bodies.size());
     const auto add = [&](int joint) {
-      const spec::Joint& j = m_.spec.joints[joint];
+      const spec::Joint& j = m_.spec().joints[joint];
       if (joint_info(j.type).equations == 0) return;
       const int a = m_.frame_of_spec[j.frame_a], b = m_.frame_of_spec[j.frame_b];
       if (m_.frames[a].body >= 0) sides_[m_.frames[a].body].push_back({joint, a, b});
@@ -115,7 +115,7 @@ class Builder {
     bool axis[3] = {false, false, false};
   };
   Coincidence coincidence(int joint) const {
-    const JointInfo& info = joint_info(m_.spec.joints[joint].type);
+    const JointInfo& info = joint_info(m_.spec().joints[joint].type);
     int distances = 0, angles = 0, angles_of[3] = {0, 0, 0};
     for (int k = 0; k < info.equations; ++k)
       if (info.closure[k].kind == LoopClosure::Kind::distance)
@@ -386,7 +386,7 @@ class Builder {
 
   void joints() {
     const auto add = [&](int spec) {
-      const spec::Joint& j = m_.spec.joints[spec];
+      const spec::Joint& j = m_.spec().joints[spec];
       const JointInfo& info = joint_info(j.type);
       Joint joint;
       joint.spec = spec;
@@ -438,7 +438,7 @@ class Builder {
   void coordinates() {
     for (int b = 0; b < count(); ++b) {
       const BodyData& body = m_.bodies[b];
-      const spec::Joint& j = m_.spec.joints[body.joint_spec];
+      const spec::Joint& j = m_.spec().joints[body.joint_spec];
       l_.joint_coordinates.push_back(
           {b, m_.frame_of_spec[j.frame_a], m_.frame_of_spec[j.frame_b], l_.positions});
       l_.positions += body.joint_positions;

@@ -42,7 +42,7 @@ struct Workspace {
   AlignedVector<T> modal;                       ///< residual's forces on padded modal amplitudes
   AlignedVector<T> integrals;                   ///< S'^i of one flexible body
   AlignedVector<T> elements;                    ///< ElementState of each, by forces
-  SignalValues signals;  ///< by kinematics (what time decides) and forces (what motion decides)
+  SignalValues<double> signals;  ///< by kinematics (what time decides) and forces (what motion decides)
   std::vector<T> phi, phi_dot, phi_ddot;
   AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
   AlignedVector<T> local;      ///< a stencil's dense matrix

@@ -7,9 +7,10 @@
 namespace mimbre::relative {
 
 /// What every element measures. Writes their states but for forces and tangents.
-inline void measure_elements(const Compiled& m, Workspace<double>& w, const double* q, const double* v) {
+template <class T>
+void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v) {
   for (const ElementData& e : m.elements) {
-    ElementState<double> s = element_state(e, w.elements.data());
+    ElementState<T> s = element_state(e, w.elements.data());
     if (e.body >= 0) {
       s.x[0] = q[e.q];
       s.v[0] = v[e.v];
@@ -21,42 +22,43 @@ inline void measure_elements(const Compiled& m, Workspace<double>& w, const doub
 }
 
 /// Values of the sensors and of what follows from them.
-inline void sense(const Compiled& m, Workspace<double>& w, const double* q) {
+template <class T>
+void sense(const Compiled& m, Workspace<T>& w, const T* q) {
   if (m.signals.sensors.empty()) return;
   mimbre::sense(
-      m, w.origin, [&](int frame) -> const Motion<double>& { return w.frames[frame]; },
+      m, w.origin, [&](int frame) -> const Motion<T>& { return w.frames[frame]; },
       [&](int element) { return element_state(m.elements[element], w.elements.data()); },
       [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
 }
 
 /// Clears the wrenches, then adds those of all elements; `generalised` (size velocities) is set to minus the
 /// forces on coordinates of the tree. Writes the elements' states, whose tangents the matrix uses.
-inline void forces(const Compiled& m, Workspace<double>& w, double time, const double* q, const double* v,
-                   double* generalised) {
+template <class T>
+void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, T* generalised) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
   }
-  for (int k = 0; k < m.velocities; ++k) generalised[k] = 0;
+  for (int k = 0; k < m.velocities; ++k) generalised[k] = T(0);
   fix_signals(m.signals, time, w.signals);
   measure_elements(m, w, q, v);
   sense(m, w, q);
   for (const ElementData& e : m.elements) {
-    ElementState<double> s = element_state(e, w.elements.data());
+    ElementState<T> s = element_state(e, w.elements.data());
     evaluate_law(m, e, w.signals, s);
     if (e.body >= 0) {
       generalised[e.v] += s.force[0];
       continue;
     }
     for (int k = 0; k < s.count; ++k) {
-      const Vec3d force = s.force[k] * s.linear_of(k);
+      const Vec3<T> force = s.force[k] * s.linear_of(k);
       w.wrenches[e.frame_b].force -= force;
       if (e.frame_a >= 0) w.wrenches[e.frame_a].force += force;
       if (!has_moment(e.measure)) continue;
-      const Vec3d moment = s.force[k] * s.angular_of(k);
+      const Vec3<T> moment = s.force[k] * s.angular_of(k);
       w.wrenches[e.frame_b].moment -= moment;
       if (e.frame_a < 0) continue;
-      const Vec3d arm = w.frames[e.frame_b].position - w.frames[e.frame_a].position;
+      const Vec3<T> arm = w.frames[e.frame_b].position - w.frames[e.frame_a].position;
       w.wrenches[e.frame_a].moment += moment + arm.cross(force);
     }
   }

@@ -149,7 +149,7 @@ void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, cons
   for (int k = m.first_ground_frame; k < m.last_ground_frame; ++k) {
     Motion<T>& f = w.frames[k];
     f.rotation = m.frames[k].rotation.template cast<T>();
-    f.position = (m.frames[k].position - w.origin).template cast<T>();
+    f.position = m.frames[k].position.template cast<T>() - w.origin;
     f.velocity.setZero();
     f.omega.setZero();
     f.acceleration = no_gravity;

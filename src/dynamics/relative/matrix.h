@@ -1,4 +1,6 @@
 #pragma once
+#include <type_traits>
+
 #include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
 #include "dynamics/relative/workspace.h"
@@ -161,7 +163,7 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       if (w.projections.empty()) {
         first += times(f.S, y);
         second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
-      } else {
+      } else if constexpr (std::is_same_v<T, double>) {
         body_mass = constant.mass;
         projection::rigid_mass(w.projections[b.flexible], w.projection, y, first, second, integrals);
       }
@@ -205,12 +207,16 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
       add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
       for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
       const FlexibleData& f = m.flexible[b.flexible];
-      const T* modal_mass =
-          f.products.empty() ? constant_inertia(m, w, b).modal_mass.data() : w.folded.data();
-      for (int c = 0; c < b.modes; ++c)
-        for (int r = 0; r < b.modes; ++r)
-          values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
-                 (b.joint_velocities + c) * diagonal.col_stride] += modal_mass[r * f.stride + c];
+      const auto add = [&](const auto* modal_mass) {
+        for (int c = 0; c < b.modes; ++c)
+          for (int r = 0; r < b.modes; ++r)
+            values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
+                   (b.joint_velocities + c) * diagonal.col_stride] += modal_mass[r * f.stride + c];
+      };
+      if (f.products.empty())
+        add(constant_inertia(m, w, b).modal_mass.data());
+      else
+        add(w.folded.data());
     }
     add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
     for (const MassPlace& place : m.mass_places[i]) {
@@ -319,9 +325,9 @@ template <class T>
 void add_element(const Compiled& m, const ElementData& e, const ElementState<T>& s,
                  const MatrixWeights& weights, const T* rows, T* weighted, T* values) {
   const int width = e.path.width, n = e.count;
-  bool any = false;
-  for (int k = 0; k < n * n; ++k) any = any || s.stiffness[k] != T(0) || s.damping[k] != T(0);
-  if (!any) return;
+  bool acts = false;
+  for (int k = 0; k < n * n; ++k) acts = acts || any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0));
+  if (!acts) return;
   for (int r = 0; r < n; ++r) {
     T* out = weighted + r * width;
     for (int c = 0; c < n; ++c) {

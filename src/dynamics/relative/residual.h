@@ -1,4 +1,6 @@
 #pragma once
+#include <type_traits>
+
 #include "dynamics/amplitudes.h"
 #include "dynamics/elasticity.h"
 #include "dynamics/flexible.h"
@@ -125,7 +127,7 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
         T* integrals = w.integrals.data() + w.integral_offset[i];
         deformed_integrals<T>(f, y, integrals);
         inertia = flexible_inertia<T>(b, f, integrals, y, yd, ydd, acc, omega, alpha, elastic);
-      } else {
+      } else if constexpr (std::is_same_v<T, double>) {
         const projection::Wrench wrench = projection::inertia_wrench(w.projections[b.flexible], w.projection,
                                                                      acc, omega, alpha, y, yd, ydd, elastic);
         inertia = {wrench.force, wrench.moment};

@@ -6,56 +6,13 @@
 #include <cmath>
 #include <limits>
 
-#include "dynamics/relative/constraints.h"
-#include "dynamics/relative/forces.h"
-#include "dynamics/relative/kinematics.h"
-#include "dynamics/relative/matrix.h"
-#include "dynamics/relative/residual.h"
+#include "dynamics/relative/assembly.h"
+#include "dynamics/relative/evaluation.h"
+#include "dynamics/relative/retract.h"
+#include "dynamics/relative/workspace_impl.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre::relative {
-
-template <class T>
-Workspace<T>::Workspace(const Compiled& m) : signals(m) {
-  // NaN everywhere, so that a value read before it is written shows.
-  const T nan = T(std::numeric_limits<double>::quiet_NaN());
-  const Vec3<T> nan3 = Vec3<T>::Constant(nan);
-  const Mat3<T> nan33 = Mat3<T>::Constant(nan);
-  bodies.assign(m.bodies.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
-  frames.assign(m.frames.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
-  joint_angular.assign(m.velocities, nan3);
-  joint_linear.assign(m.velocities, nan3);
-  wrenches.assign(m.frames.size(), {nan3, nan3});
-  transmitted.assign(m.bodies.size(), {nan3, nan3});
-  phi.assign(m.equations, nan);
-  phi_dot.assign(m.equations, nan);
-  phi_ddot.assign(m.equations, nan);
-  covector_linear.assign(m.equations, nan3);
-  covector_angular.assign(m.equations, nan3);
-  elements.assign(m.element_storage, nan);
-  subspaces.assign(m.subspace_storage, nan);
-  jacobian.assign(m.jacobian_storage, nan);
-  weighted.assign(m.jacobian_storage, nan);
-  composites.assign(m.bodies.size(), {nan, nan3, nan33});
-  stress.assign(m.bodies.size(), {nan3, nan3, nan3});
-  int widest = 8, elastic = 0, integral = 0;
-  for (const BodyData& b : m.bodies) {
-    widest = std::max(widest, pad(b.size()));
-    elastic_offset.push_back(elastic);
-    integral_offset.push_back(integral);
-    if (b.modes == 0) continue;
-    widest = std::max(widest, m.flexible[b.flexible].stride);
-    elastic += 6 * pad(b.size());
-    integral += 9 * m.flexible[b.flexible].stride;
-  }
-  subspace_forces.assign(6 * widest, nan);
-  elastic_forces.assign(elastic, nan);
-  integrals.assign(integral, nan);
-  scratch.assign(24 * widest, nan);
-  output.assign(3 * widest, nan);
-  folded.assign(static_cast<std::size_t>(widest) * widest, nan);
-  geometric_scratch.assign(geometric::scratch(m), nan);
-}
 
 template struct Workspace<double>;
 
@@ -81,15 +38,27 @@ Scales scales_of(const Compiled& m) {
   return s;
 }
 
+/// Tangents that the matrix is assembled with, remembered.
+struct KeptMarks {
+  TangentMarks& marks;
+  double* next_beam;
+  void element(std::size_t k, const ElementState<double>& state, const MatrixWeights& weights) {
+    marks.element(k) = element_tangent(state, weights);
+  }
+  void beam(const FlexibleData& f, const double* y) {
+    ancf::keep_marks(f, y, next_beam);
+    next_beam += ancf::marks(f);
+  }
+};
+
 }  // namespace
 
 RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia inertia)
     : model_(model),
       work_(model),
-      factor_(*model.symbolic),
+      factor_(model.symbolic),
       penalty_(model.equations),
       mu_(model.equations),
-      weight_(8),
       scales_(scales_of(model)),
       marks_(model) {
   for (const LoopData& loop : model.loops)
@@ -101,7 +70,7 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   if (work_.projections.empty()) return;
   for (const BodyData& b : model.bodies) {
     if (b.flexible < 0 || work_.projections[b.flexible].plain) continue;
-    const spec::Body& body = model.spec.bodies[b.spec];
+    const spec::Body& body = model.spec().bodies[b.spec];
     throw InputError(body.mark,
                      fmt::format("the mesh of flexible body '{}' has nodes whose mass depends on the "
                                  "direction, which relative coordinates cannot project; use inertia: "
@@ -110,109 +79,22 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   }
 }
 
-void RelativeSystem::begin_step(const double* q) {
-  // The first body's joint frame: for a floating root its own origin, otherwise a point on the ground near
-  // it.
-  if (model_.bodies.empty()) return;
-  const BodyData& root = model_.bodies.front();
-  const FrameData& base = model_.frames[root.inboard_frame];
-  Vec3d at = Vec3d::Zero();
-  if (root.joint == spec::JointType::floating && !root.reversed)
-    at = Vec3d(q[root.q], q[root.q + 1], q[root.q + 2]);
-  work_.origin = base.position + base.rotation * at;
-}
+void RelativeSystem::begin_step(const double* q) { set_origin<double>(model_, work_, q); }
 
 [[gnu::flatten]] void RelativeSystem::kinematics(double t, const double* q, const double* v,
                                                  const double* a) {
-  relative::kinematics<double>(model_, work_, q, v, a);
-  fix_signals(model_.signals, t, work_.signals);
-  relative::constraints<double>(model_, work_, q, v, a);
+  evaluate_motion<double>(model_, work_, t, q, v, a);
 }
 
 [[gnu::flatten]] void RelativeSystem::residual(double t, const double* q, const double* v, const double* a,
                                                const double* multipliers, double factor, double* r) {
-  kinematics(t, q, v, a);
-  forces(model_, work_, t, q, v, r);
-  for (int k = 0; k < model_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
-  apply_multipliers<double>(model_, work_, mu_.data(), r);
-  relative::residual<double>(model_, work_, q, v, a, r);
+  evaluate<double>(model_, work_, penalty_.data(), t, q, v, a, multipliers, factor, mu_.data(), r);
 }
 
 void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
-  motion_subspaces<double>(model_, work_, q);
-  relative::jacobian<double>(model_, work_);
   factor_.set_zero();
-  double* values = factor_.values();
-  mass<double>(model_, work_, q, values);
-  double* marks = marks_.ancf();
-  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
-    const BodyData& b = model_.bodies[i];
-    if (b.modes == 0) continue;
-    const FlexibleData& f = model_.flexible[b.flexible];
-    const linalg::BlockPlace& place = model_.diagonal[i];
-    double* out = values + place.offset;
-    const int n0 = b.joint_velocities;
-    if (!f.geometric.empty()) {
-      double* y = work_.scratch.data();
-      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-      geometric::stiffness<double>(f.geometric, work_.stress[i], y, work_.folded.data(),
-                                   work_.geometric_scratch.data());
-      for (int c = 0; c < b.modes; ++c)
-        for (int r = 0; r < b.modes; ++r)
-          out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
-              weights.stiffness * work_.folded[r * f.stride + c];
-    }
-    if (!f.ancf.empty()) {
-      double* y = work_.scratch.data();
-      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-      ancf::keep_marks(f, y, marks);
-      marks += ancf::marks(f);
-      ancf::add_tangent(f, y, weights.stiffness, weights.damping, [&](int r, int c, double x) {
-        out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] += x;
-      });
-    } else if (f.diagonal_stiffness) {
-      for (int k = 0; k < b.modes; ++k)
-        out[(n0 + k) * (place.row_stride + place.col_stride)] +=
-            weights.damping * f.damping(k, k) + weights.stiffness * f.stiffness(k, k);
-    } else {
-      const double* stiffness = f.stiffness.data();
-      if (!f.products.empty()) {
-        double* y = work_.scratch.data();
-        copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-        extend(f, y);
-        fold(f, y, f.stiffness, work_.folded.data());
-        if (f.nonlinear_stiffness) add_curvature(f, y, 1.0, work_.folded.data());
-        stiffness = work_.folded.data();
-      }
-      for (int c = 0; c < b.modes; ++c)
-        for (int r = 0; r < b.modes; ++r)
-          out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
-              weights.damping * f.damping(r, c) + weights.stiffness * stiffness[r * f.stride + c];
-    }
-  }
-  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
-    const ElementData& e = model_.elements[k];
-    const ElementState<double> state = element_state(e, work_.elements.data());
-    if (e.marked) marks_.element(k) = element_tangent(state, weights);
-    if (e.body >= 0) {
-      const linalg::BlockPlace& place = model_.diagonal[e.body];
-      values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
-          weights.damping * state.damping[0] + weights.stiffness * state.stiffness[0];
-    } else if (!e.path.entries.empty()) {
-      add_element<double>(model_, e, state, weights, work_.jacobian.data() + e.jacobian,
-                          work_.weighted.data(), values);
-    }
-  }
-  for (const LoopData& loop : model_.loops) {
-    for (int r = 0; r < loop.count; ++r) weight_[r] = weights.penalty * penalty_[loop.first_equation + r];
-    add_squares<double>(model_, loop.path, work_.jacobian.data() + loop.jacobian, loop.count, weight_.data(),
-                        work_.weighted.data(), values);
-  }
-  for (const DriveData& d : model_.drives) {
-    const linalg::BlockPlace& place = model_.diagonal[d.body];
-    values[place.offset + d.local * (place.row_stride + place.col_stride)] +=
-        weights.penalty * penalty_[d.equation];
-  }
+  relative::assemble<double>(model_, work_, q, weights, penalty_.data(), factor_.values(),
+                             KeptMarks{marks_, marks_.ancf()});
 }
 
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
@@ -222,7 +104,7 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
 
 void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
   assemble(q, weights);
-  linalg::to_dense(*model_.symbolic, factor_.values(), out);
+  linalg::to_dense(model_.symbolic, factor_.values(), out);
 }
 
 bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
@@ -232,7 +114,7 @@ bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weigh
 }
 
 void RelativeSystem::multiply(const double* x, double* y) const {
-  linalg::multiply(*model_.symbolic, factor_.values(), x, y);
+  linalg::multiply(model_.symbolic, factor_.values(), x, y);
 }
 
 void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
@@ -277,52 +159,10 @@ void RelativeSystem::temper_prediction(double h, double* x) const {
 }
 
 void RelativeSystem::retract(const double* q, const double* x, double* out) const {
-  for (const BodyData& b : model_.bodies) {
-    const JointInfo& info = joint_info(b.joint);
-    const double* qb = q + b.q;
-    const double* xb = x + b.v;
-    double* ob = out + b.q;
-    const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
-    for (int k = 0; k < plain; ++k) ob[k] = qb[k] + xb[k];
-    if (info.quaternion >= 0) {
-      const double* p = qb + info.quaternion;
-      const double* t = xb + info.rotation;
-      Quat<double> r = quaternion_product<double>(Quat<double>(p[0], p[1], p[2], p[3]),
-                                                  quaternion_exp<double>(Vec3d(t[0], t[1], t[2])));
-      r.normalize();
-      for (int k = 0; k < 4; ++k) ob[info.quaternion + k] = r[k];
-    }
-    for (int k = 0; k < b.modes; ++k)
-      ob[info.positions + k] = qb[info.positions + k] + xb[info.velocities + k];
-  }
+  relative::retract<double>(model_, q, x, out);
 }
 
-void RelativeSystem::compose(double* x, const double* d) const {
-  for (const BodyData& b : model_.bodies) {
-    const JointInfo& info = joint_info(b.joint);
-    double* xb = x + b.v;
-    const double* db = d + b.v;
-    const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
-    for (int k = 0; k < plain; ++k) xb[k] += db[k];
-    if (info.quaternion >= 0) {
-      double* t = xb + info.rotation;
-      const double* s = db + info.rotation;
-      const Vec3d u(t[0], t[1], t[2]), v(s[0], s[1], s[2]);
-      Vec3d sum;
-      if (u.squaredNorm() + v.squaredNorm() < 1e-3) {
-        // log(exp u exp v) to third order (Baker, Campbell, Hausdorff): enough for a step of Newton's method,
-        // as the positions follow from x itself.
-        const Vec3d uv = u.cross(v);
-        sum = u + v + 0.5 * uv + (1. / 12) * (u.cross(uv) - v.cross(uv));
-      } else {
-        sum = quaternion_log<double>(
-            quaternion_product<double>(quaternion_exp<double>(u), quaternion_exp<double>(v)));
-      }
-      for (int k = 0; k < 3; ++k) t[k] = sum[k];
-    }
-    for (int k = 0; k < b.modes; ++k) xb[info.velocities + k] += db[info.velocities + k];
-  }
-}
+void RelativeSystem::compose(double* x, const double* d) const { relative::compose<double>(model_, x, d); }
 
 Motion<double> output_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
                              const double* a) {

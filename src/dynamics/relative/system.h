@@ -55,7 +55,7 @@ class RelativeSystem final : public System {
   const Compiled& model_;
   Workspace<double> work_;
   linalg::BlockFactor<double> factor_;
-  std::vector<double> penalty_, mu_, weight_;
+  std::vector<double> penalty_, mu_;
   Scales scales_;
   TangentMarks marks_;
 };

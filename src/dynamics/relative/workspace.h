@@ -15,7 +15,7 @@ template <class T>
 struct Workspace {
   explicit Workspace(const Compiled& model);
 
-  Vec3d origin = Vec3d::Zero();        ///< the common point, global; by set_origin
+  Vec3<T> origin = Vec3<T>::Zero();    ///< the common point, global; by set_origin
   std::vector<Motion<T>> bodies;       ///< by kinematics
   std::vector<Motion<T>> frames;       ///< by kinematics (dynamic ones), by frame_motion (others)
   std::vector<Vec3<T>> joint_angular;  ///< velocities × 1: column of a joint coordinate, by kinematics
@@ -31,7 +31,7 @@ struct Workspace {
   std::vector<Vec3<T>> covector_angular;
 
   AlignedVector<T> elements;  ///< ElementState of each, by forces
-  SignalValues signals;       ///< by kinematics (what time decides) and forces (what motion decides)
+  SignalValues<T> signals;    ///< by kinematics (what time decides) and forces (what motion decides)
 
   AlignedVector<T>
       subspaces;  ///< Compiled::subspaces, six rows each (linear 3, angular 3), by motion_subspaces()

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace mimbre::app {
+
+/// The program: finds the command, runs it, tells what goes wrong. Returns the exit code.
+int main_program(int argc, char** argv);
+
+}  // namespace mimbre::app

@@ -1,0 +1,97 @@
+#pragma once
+#include "dynamics/ancf.h"
+#include "dynamics/geometric.h"
+#include "dynamics/relative/kinematics.h"
+#include "dynamics/relative/matrix.h"
+
+/// The leading matrix of a Newton step.
+namespace mimbre::relative {
+
+/// Where nothing asks later whether tangents have changed.
+struct NoMarks {
+  template <class T>
+  void element(std::size_t, const ElementState<T>&, const MatrixWeights&) {}
+  template <class T>
+  void beam(const FlexibleData&, const T*) {}
+};
+
+/// Adds M + damping·C + stiffness·K + penalty·Φzᵀ α Φz (α: `penalty`) to the sparse values at the last
+/// evaluation's state, with q as given there. `marks` sees the tangents that may change at once.
+template <class T, class Marks>
+void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeights& weights,
+              const double* penalty, T* values, Marks marks) {
+  motion_subspaces<T>(m, w, q);
+  jacobian<T>(m, w);
+  mass<T>(m, w, q, values);
+  for (std::size_t i = 0; i < m.bodies.size(); ++i) {
+    const BodyData& b = m.bodies[i];
+    if (b.modes == 0) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    const linalg::BlockPlace& place = m.diagonal[i];
+    T* out = values + place.offset;
+    const int n0 = b.joint_velocities;
+    if (!f.geometric.empty()) {
+      T* y = w.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+      geometric::stiffness<T>(f.geometric, w.stress[i], y, w.folded.data(), w.geometric_scratch.data());
+      for (int c = 0; c < b.modes; ++c)
+        for (int r = 0; r < b.modes; ++r)
+          out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
+              weights.stiffness * w.folded[r * f.stride + c];
+    }
+    if (!f.ancf.empty()) {
+      T* y = w.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+      marks.beam(f, y);
+      ancf::add_tangent(f, y, weights.stiffness, weights.damping, [&](int r, int c, const T& x) {
+        out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] += x;
+      });
+    } else if (f.diagonal_stiffness) {
+      for (int k = 0; k < b.modes; ++k)
+        out[(n0 + k) * (place.row_stride + place.col_stride)] +=
+            weights.damping * f.damping(k, k) + weights.stiffness * f.stiffness(k, k);
+    } else {
+      const auto add = [&](const auto* stiffness) {
+        for (int c = 0; c < b.modes; ++c)
+          for (int r = 0; r < b.modes; ++r)
+            out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
+                weights.damping * f.damping(r, c) + weights.stiffness * stiffness[r * f.stride + c];
+      };
+      if (f.products.empty()) {
+        add(f.stiffness.data());
+        continue;
+      }
+      T* y = w.scratch.data();
+      copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+      extend(f, y);
+      fold(f, y, f.stiffness, w.folded.data());
+      if (f.nonlinear_stiffness) add_curvature(f, y, T(1), w.folded.data());
+      add(w.folded.data());
+    }
+  }
+  for (std::size_t k = 0; k < m.elements.size(); ++k) {
+    const ElementData& e = m.elements[k];
+    const ElementState<T> state = element_state(e, w.elements.data());
+    if (e.marked) marks.element(k, state, weights);
+    if (e.body >= 0) {
+      const linalg::BlockPlace& place = m.diagonal[e.body];
+      values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
+          weights.damping * state.damping[0] + weights.stiffness * state.stiffness[0];
+    } else if (!e.path.entries.empty()) {
+      add_element<T>(m, e, state, weights, w.jacobian.data() + e.jacobian, w.weighted.data(), values);
+    }
+  }
+  for (const LoopData& loop : m.loops) {
+    T weight[6];
+    for (int r = 0; r < loop.count; ++r) weight[r] = weights.penalty * penalty[loop.first_equation + r];
+    add_squares<T>(m, loop.path, w.jacobian.data() + loop.jacobian, loop.count, weight, w.weighted.data(),
+                   values);
+  }
+  for (const DriveData& d : m.drives) {
+    const linalg::BlockPlace& place = m.diagonal[d.body];
+    values[place.offset + d.local * (place.row_stride + place.col_stride)] +=
+        weights.penalty * penalty[d.equation];
+  }
+}
+
+}  // namespace mimbre::relative

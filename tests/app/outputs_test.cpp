@@ -1,0 +1,121 @@
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include "app/program.h"
+#include "mimbre/results.h"
+
+/// Where outputs go: through links, to devices, over older files, and never over an input.
+namespace mimbre::app_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Outputs : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_file(folder / "pendulum.yaml", pendulum);
+  }
+  std::string at(const std::string& name) const { return (folder / name).string(); }
+  int mode(const std::string& name) const {
+    return static_cast<int>(fs::status(at(name)).permissions() & fs::perms::all);
+  }
+};
+
+/// As root, too, who may put anything in a device's place.
+TEST_F(Outputs, ADeviceStaysOne) {
+  if (mknod(at("null").c_str(), S_IFCHR | 0666, makedev(1, 3)) != 0) GTEST_SKIP() << "no devices can be made";
+  const Outcome results = run({"run", "pendulum.yaml", "-q", "-o", "null"});
+  EXPECT_EQ(results.code, 3);
+  EXPECT_THAT(results.err, HasSubstr("'null': it is not a plain file"));
+  EXPECT_TRUE(fs::is_character_file(at("null")));
+  EXPECT_EQ(run({"run", "pendulum.yaml", "-q", "--csv", "null"}).code, 0);
+  EXPECT_TRUE(fs::is_character_file(at("null")));
+}
+
+TEST_F(Outputs, LinksAreFollowedAndModesKept) {
+  fs::create_directory(folder / "far");
+  for (const char* name : {"a.h5", "a.csv", "a.html"}) {
+    write_file(folder / "far" / name, "older");
+    chmod(at(std::string("far/") + name).c_str(), 0600);
+    fs::create_symlink(fs::path("far") / name, folder / name);
+  }
+  write_file(folder / "victim", "precious");
+  fs::create_symlink("victim", folder / "a.csv.part");
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-q", "-o", "a.h5", "--csv", "a.csv"}).code, 0);
+  ASSERT_EQ(run({"report", "a.h5", "-o", "a.html"}).code, 0);
+  EXPECT_EQ(read_results(at("far/a.h5")).time.size(), 101);
+  EXPECT_EQ(csv_rows(at("far/a.csv")).size(), 101u);
+  EXPECT_THAT(read_file(at("far/a.html")), HasSubstr("<html"));
+  for (const char* name : {"a.h5", "a.csv", "a.html"}) {
+    EXPECT_TRUE(fs::is_symlink(folder / name)) << name;
+    EXPECT_EQ(mode(std::string("far/") + name), 0600) << name;
+  }
+  EXPECT_EQ(read_file(folder / "victim"), "precious");
+}
+
+TEST_F(Outputs, AFirstStepThatFailsLeavesOlderFilesWhole) {
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-q", "-o", "out.h5", "--csv", "out.csv"}).code, 0);
+  const std::string h5 = read_file(folder / "out.h5"), csv = read_file(folder / "out.csv");
+  std::string failing = pendulum;
+  const std::string axis = "axis: [0, 1, 0]";
+  failing.insert(failing.find(axis) + axis.size(), ", drive: {position: \"t < 0.005 ? 0 : 1e200*t^3\"}");
+  write_file(folder / "failing.yaml", failing);
+  const Outcome outcome = run({"run", "failing.yaml", "-q", "-o", "out.h5", "--csv", "out.csv"});
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("1 row in 'out.part-"));
+  EXPECT_TRUE(read_file(folder / "out.h5") == h5);
+  EXPECT_TRUE(read_file(folder / "out.csv") == csv);
+}
+
+/// An older table is not that of newer results: what belongs to them is said, and where it is.
+TEST_F(Outputs, AnOlderTableIsNotTakenForThatOfNewerResults) {
+  write_file(folder / "out.csv", "older");
+  const pid_t child = start({"run", "pendulum.yaml", "--until", "1e8", "--set", "interval=1", "-q", "-o",
+                             "out.h5", "--csv", "out.csv"});
+  for (int k = 0; k < 2000 && !fs::exists(folder / "out.h5"); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGHUP);
+  const Outcome outcome = wait_for(child);
+  EXPECT_EQ(outcome.code, 3);
+  const std::string rows = std::to_string(read_results(at("out.h5")).time.size());
+  EXPECT_THAT(outcome.err,
+              HasSubstr("is kept: " + rows + " rows in 'out.h5', " + rows + " rows in 'out.part-"));
+  EXPECT_EQ(read_file(folder / "out.csv"), "older");
+}
+
+/// By its own name, by a link, by a second name.
+TEST_F(Outputs, NoCommandWritesOverItsInput) {
+  ASSERT_EQ(run({"reduce", MIMBRE_SOURCE_DIR "/tests/data/gmsh/block-22.msh", "--material", "2.1e11,0.3,7850",
+                 "--interface", "left=group:left", "--modes", "2", "--no-cache", "-o", "arm.h5"})
+                .signal,
+            0);
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-q", "-o", "run.h5"}).code, 0);
+  for (const char* name : {"pendulum.yaml", "arm.h5", "run.h5"}) {
+    fs::create_symlink(name, folder / (std::string("link-") + name));
+    fs::create_hard_link(folder / name, folder / (std::string("hard-") + name));
+  }
+  const std::string model = read_file(folder / "pendulum.yaml"), body = read_file(folder / "arm.h5"),
+                    results = read_file(folder / "run.h5");
+  for (const char* same : {"", "link-", "hard-"})
+    for (std::vector<std::string> command : {std::vector<std::string>{"run", "pendulum.yaml", "-q", "-o"},
+                                             {"run", "pendulum.yaml", "-q", "--csv"},
+                                             {"run", "pendulum.yaml", "-q", "--every", "1", "--save-state"},
+                                             {"convert", "arm.h5", "--to", "fem", "-o"},
+                                             {"report", "arm.h5", "-o"},
+                                             {"report", "run.h5", "-o"},
+                                             {"report", "run.h5", "run.h5", "-o"}}) {
+      command.push_back(same + command[1]);
+      const Outcome outcome = run(command);
+      EXPECT_EQ(outcome.code, 2) << command[0] << ' ' << command.back() << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr("would be overwritten"));
+    }
+  EXPECT_TRUE(read_file(folder / "pendulum.yaml") == model);
+  EXPECT_TRUE(read_file(folder / "arm.h5") == body);
+  EXPECT_TRUE(read_file(folder / "run.h5") == results);
+}
+
+}  // namespace
+}  // namespace mimbre::app_test

@@ -1,0 +1,432 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "dynamics/relative/assembly.h"
+#include "dynamics/relative/evaluation.h"
+#include "dynamics/relative/retract.h"
+#include "dynamics/relative/workspace_impl.h"
+#include "linalg/block_factor_impl.h"
+#include "support/models.h"
+#include "support/random_mechanism.h"
+
+/// The kernels of a step over packs of lanes, where each lane has to be the step of a number, and over dual
+/// numbers, whose derivatives have to be those of what the kernels compute.
+namespace mimbre::test {
+namespace {
+
+using Lanes = Pack<4>;
+
+/// Everything that a Newton step depends on.
+template <class T>
+struct Given {
+  std::vector<T> q, v, a, multipliers, held, states, numbers;
+
+  /// Calls f with each array of this and of others.
+  template <class F, class... Others>
+  void each(const F& f, Others&... others) {
+    f(q, others.q...);
+    f(v, others.v...);
+    f(a, others.a...);
+    f(multipliers, others.multipliers...);
+    f(held, others.held...);
+    f(states, others.states...);
+    f(numbers, others.numbers...);
+  }
+};
+
+/// What it gives.
+template <class T>
+struct Made {
+  std::vector<T> residual, phi, elements, signals, matrix, increment, moved, composed;
+
+  template <class F>
+  void each(const F& f) const {
+    f("residual", residual);
+    f("equations", phi);
+    f("elements", elements);
+    f("signals", signals);
+    f("matrix", matrix);
+    f("increment", increment);
+    f("positions", moved);
+    f("composed increment", composed);
+  }
+};
+
+constexpr double now = 0.013, step = 0.01, penalty_factor = 1e6;
+
+/// One Newton step by the rule of index 3, as RelativeSystem makes it.
+template <class T>
+Made<T> newton_step(const Compiled& m, const Given<T>& g) {
+  std::vector<double> penalty(static_cast<std::size_t>(m.equations));
+  for (const LoopData& loop : m.loops)
+    for (int r = 0; r < loop.count; ++r)
+      penalty[static_cast<std::size_t>(loop.first_equation + r)] = m.mass_scale * loop.scale[r];
+  for (const DriveData& d : m.drives) penalty[static_cast<std::size_t>(d.equation)] = m.mass_scale * d.scale;
+  const double h2 = step * step / 4;
+  const MatrixWeights weights{step / 2, h2, penalty_factor * h2};
+
+  const auto n = static_cast<std::size_t>(m.velocities);
+  relative::Workspace<T> w(m);
+  w.signals.enter(g.held.data(), g.states.data(), step);
+  w.signals.numbers = g.numbers.data();
+  linalg::BlockFactor<T> factor(m.symbolic);
+  Made<T> made;
+  std::vector<T> mu(static_cast<std::size_t>(m.equations));
+  made.residual.resize(n);
+  relative::set_origin<T>(m, w, g.q.data());
+  relative::evaluate<T>(m, w, penalty.data(), now, g.q.data(), g.v.data(), g.a.data(), g.multipliers.data(),
+                        penalty_factor, mu.data(), made.residual.data());
+  factor.set_zero();
+  relative::assemble<T>(m, w, g.q.data(), weights, penalty.data(), factor.values(), relative::NoMarks{});
+  made.matrix.resize(n * n);
+  linalg::to_dense(m.symbolic, factor.values(), made.matrix.data());
+  made.phi.assign(w.phi.begin(), w.phi.end());
+  made.elements.assign(w.elements.begin(), w.elements.end());
+  made.signals = w.signals.value;
+  EXPECT_TRUE(factor.factor().ok());
+  for (const T& r : made.residual) made.increment.push_back(-h2 * r);
+  factor.solve(made.increment.data());
+  made.moved.resize(g.q.size());
+  relative::retract<T>(m, g.q.data(), made.increment.data(), made.moved.data());
+  made.composed = made.increment;
+  relative::compose<T>(m, made.composed.data(), g.v.data());
+  return made;
+}
+
+/// A state off the assembled one, with other inputs, states and numbers of laws than the model's.
+Given<double> given(const Compiled& m, Random& random, double size) {
+  const auto values = [&](int count, double most) {
+    const VectorXd x = random.values(count, most);
+    return std::vector<double>(x.begin(), x.end());
+  };
+  Given<double> g;
+  const VectorXd start = assembled_position(m), x = random_increment(m, random, size),
+                 rates = random_increment(m, random, 1), second = random_increment(m, random, 3);
+  g.q.resize(static_cast<std::size_t>(m.positions));
+  relative::retract<double>(m, start.data(), x.data(), g.q.data());
+  g.v.assign(rates.begin(), rates.end());
+  g.a.assign(second.begin(), second.end());
+  g.multipliers = values(m.equations, 5);
+  g.held.assign(m.signals.start.begin(), m.signals.start.end());
+  for (double& u : g.held) u += random.number(-0.2, 0.2);
+  for (const SignalsData::Held& h : m.signals.held)
+    if (h.linear) {
+      // From one instant to another around now.
+      g.held[static_cast<std::size_t>(h.held) + 1] = now - random.number(0.001, 0.01);
+      g.held[static_cast<std::size_t>(h.held) + 3] = now + random.number(0.001, 0.01);
+    }
+  g.states.assign(m.states.begin(), m.states.end());
+  for (double& z : g.states) z += random.number(-0.1, 0.1);
+  g.numbers.assign(m.numbers.begin(), m.numbers.end());
+  for (double& p : g.numbers) p *= random.number(0.9, 1.1);
+  return g;
+}
+
+/// The compiler may contract products and sums of numbers and of lanes in different places, so that they
+/// differ by round-off: of what is solved for, by as much as the matrix makes of that.
+void expect_lanes_are_steps(const Compiled& m, unsigned seed, double size) {
+  Random random(seed);
+  std::vector<Given<double>> each;
+  for (int i = 0; i < 4; ++i) each.push_back(given(m, random, i == 2 ? 0.01 * size : size));
+  Given<Lanes> lanes;
+  lanes.each(
+      [](std::vector<Lanes>& all, auto& a, auto& b, auto& c, auto& d) {
+        for (std::size_t k = 0; k < a.size(); ++k) {
+          Lanes x;
+          x[0] = a[k], x[1] = b[k], x[2] = c[k], x[3] = d[k];
+          all.push_back(x);
+        }
+      },
+      each[0], each[1], each[2], each[3]);
+  const Made<Lanes> of = newton_step(m, lanes);
+  std::vector<double> scales;
+  of.each([&](const char*, const std::vector<Lanes>& x) {
+    double most = 0;
+    for (const Lanes& value : x)
+      for (const double lane : value.lane)
+        if (std::isfinite(lane)) most = std::max(most, std::abs(lane));
+    scales.push_back(most);
+  });
+  for (int i = 0; i < 4; ++i) {
+    const Made<double> one = newton_step(m, each[static_cast<std::size_t>(i)]);
+    std::vector<const std::vector<double>*> expected;
+    one.each([&](const char*, const std::vector<double>& x) { expected.push_back(&x); });
+    std::size_t next = 0;
+    of.each([&](const char* name, const std::vector<Lanes>& found) {
+      const double scale = scales[next];
+      const std::vector<double>& x = *expected[next++];
+      ASSERT_EQ(found.size(), x.size());
+      const std::string what = name;
+      const bool solved = what == "increment" || what == "positions" || what == "composed increment";
+      const double tolerance = (solved ? 1e-9 : 1e-13) * scale;
+      double most = 0;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        if (std::isnan(x[k]) && std::isnan(found[k][i])) continue;  // never written
+        const double off = std::abs(found[k][i] - x[k]);
+        most = std::isnan(off) ? off : std::max(most, off);
+        if (std::isnan(most)) break;
+      }
+      EXPECT_LE(most, tolerance) << what << ", lane " << i;
+    });
+  }
+}
+
+/// Along a line through the states, the inputs or the numbers of laws.
+enum class By { state, input, number };
+
+void expect_derivatives(const Compiled& m, unsigned seed, double size, By by) {
+  Random random(seed);
+  Given<double> at = given(m, random, size), along;
+  const auto direction = [&](std::size_t count, bool moves, double most) {
+    const VectorXd x = random.values(static_cast<int>(count), moves ? most : 0);
+    return std::vector<double>(x.begin(), x.end());
+  };
+  const VectorXd increment = random_increment(m, random, by == By::state ? 1 : 0);
+  along.v = direction(at.v.size(), by == By::state, 1);
+  along.a = direction(at.a.size(), by == By::state, 1);
+  along.multipliers = direction(at.multipliers.size(), by == By::state, 1);
+  along.states = direction(at.states.size(), by == By::state, 1);
+  along.held = direction(at.held.size(), by == By::input, 1);
+  along.numbers = direction(at.numbers.size(), by == By::number, 1);
+  for (std::size_t k = 0; k < along.numbers.size(); ++k) along.numbers[k] *= 0.1 * at.numbers[k];
+  // What inputs are held from and to is in fractions of a step.
+  for (const SignalsData::Held& h : m.signals.held)
+    if (h.linear)
+      along.held[static_cast<std::size_t>(h.held) + 1] = along.held[static_cast<std::size_t>(h.held) + 3] = 0;
+
+  const auto moved = [&](double s) {
+    Given<double> g = at;
+    const auto add = [s](std::vector<double>& x, const std::vector<double>& d) {
+      for (std::size_t k = 0; k < d.size(); ++k) x[k] += s * d[k];
+    };
+    g.each(add, along);
+    const VectorXd x = s * increment;
+    relative::retract<double>(m, at.q.data(), x.data(), g.q.data());
+    return newton_step(m, g);
+  };
+  Given<Dual> dual;
+  dual.each(
+      [](std::vector<Dual>& all, auto& x, auto& d) {
+        for (std::size_t k = 0; k < x.size(); ++k) all.push_back(Dual(x[k], k < d.size() ? d[k] : 0));
+      },
+      at, along);
+  std::vector<Dual> x;
+  for (const double d : increment) x.push_back(Dual(0, d));
+  relative::retract<Dual>(m, dual.q.data(), x.data(), dual.q.data());
+  const Made<Dual> found = newton_step(m, dual);
+
+  // Romberg's extrapolation of central differences.
+  constexpr int levels = 3;
+  const double widest = 4e-4;
+  std::vector<Made<double>> up, down;
+  for (int l = 0; l < levels; ++l) {
+    up.push_back(moved(widest / (1 << l)));
+    down.push_back(moved(-widest / (1 << l)));
+  }
+  std::size_t part = 0;
+  found.each([&](const char* name, const std::vector<Dual>& of) {
+    const auto values = [&](const Made<double>& made) {
+      const std::vector<double>* result = nullptr;
+      std::size_t at_part = 0;
+      made.each([&](const char*, const std::vector<double>& value) {
+        if (at_part++ == part) result = &value;
+      });
+      return *result;
+    };
+    double scale = 0, most = 0;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      if (std::isnan(of[k].value)) continue;
+      std::array<double, levels> table;
+      for (int l = 0; l < levels; ++l) {
+        const auto j = static_cast<std::size_t>(l);
+        table[j] = (values(up[j])[k] - values(down[j])[k]) / (2 * widest / (1 << l));
+      }
+      for (int order = 1; order < levels; ++order)
+        for (int l = levels - 1; l >= order; --l) {
+          const auto j = static_cast<std::size_t>(l);
+          table[j] += (table[j] - table[j - 1]) / ((1 << 2 * order) - 1);
+        }
+      scale = std::max({scale, std::abs(table.back()), std::abs(of[k].value)});
+      const double off = std::abs(of[k].derivative - table.back());
+      most = std::isnan(off) || std::isnan(most) ? std::numeric_limits<double>::quiet_NaN()
+                                                 : std::max(most, off);
+    }
+    const std::string what = name;
+    const bool solved = what == "increment" || what == "positions" || what == "composed increment";
+    EXPECT_LE(most, (solved ? 1e-7 : 1e-9) * scale) << name;
+    ++part;
+  });
+}
+
+struct Mechanism {
+  const char* name;
+  std::function<std::shared_ptr<const Model>()> model;
+  double size;  ///< of increments away from the assembled position
+};
+
+std::shared_ptr<const Model> random_model(unsigned seed, const std::function<void(RandomOptions&)>& set) {
+  RandomOptions options;
+  options.springs = options.damping = options.loads = true;
+  set(options);
+  return random_mechanism(seed, options).model;
+}
+
+/// A four-bar with inputs of both kinds, controllers, actuators, a bushing with a branch, a drive that
+/// follows an input, a spring whose law takes one.
+std::shared_ptr<const Model> driven_four_bar() {
+  std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});
+  text.insert(text.find("joints:"), "  fan: {mass: 0.1, com: [0.6, 0, 0.3], inertia: [1e-4, 1e-4, 1e-4]}\n");
+  return model_of(text + R"yaml(
+  fan: {type: revolute, between: [rocker, fan], at: [0.6, 0, 0.3], axis: [0, 1, 0], drive: {speed: "3*wind"}}
+inputs:
+  wanted: {start: 0.2, range: [-1, 1]}
+  wind: {start: 1, hold: linear}
+signals:
+  error: wanted - angle
+  lift: {value: "2*height", every: 0.015}
+  angle: {joint: crank}
+  rate: {joint_velocity: crank}
+  rock: {joint: rocker}
+  height: {position: coupler, component: z}
+actuators:
+  motor: {joint: crank, torque: "20*error*(1 + error*wind) - 2*rate"}
+  brake: {joint: rocker, torque: "-0.5*rock"}
+  piston: {between: [ground, coupler], at: [[0.3, 0, 0.9], [0.3, 0, 0.35]], force: "lift + wind"}
+  twist: {between: [ground, rocker], at: [1, 0, 0], about: [0, 1, 0], torque: "0.1*sin(9*t)"}
+bushings:
+  mount:
+    between: [crank, coupler]
+    at: [0.1, 0, 0.3]
+    stiffness: [40, 40, 60, 1, 1, 1]
+    damping: [1, 1, 1, 0.1, 0.1, 0.1]
+    maxwell: [{stiffness: [50, 30, 20, 1, 1, 1], relaxation: 0.03}]
+gas_springs:
+  strut: {between: [ground, rocker], at: [[1, 0, 0.9], [0.8, 0, 0.3]], pressure: 2e4, area: 1e-3, length: 0.6, exponent: 1.3, gas_length: 0.4, damping: 2}
+springs:
+  tuned: {between: [ground, rocker], at: [[1, 0, 0.4], [0.6, 0, 0.3]], elastic: "30*(l - 0.3)", damping: "0.1*v*wind"}
+)yaml");
+}
+
+class ScalarCore : public testing::TestWithParam<Mechanism> {};
+
+TEST_P(ScalarCore, LanesAreStepsOfNumbers) {
+  const std::shared_ptr<const Model> model = GetParam().model();
+  for (unsigned seed = 1; seed <= 3; ++seed) expect_lanes_are_steps(model->compiled(), seed, GetParam().size);
+}
+
+TEST_P(ScalarCore, DerivativesByTheState) {
+  const std::shared_ptr<const Model> model = GetParam().model();
+  for (unsigned seed = 1; seed <= 3; ++seed)
+    expect_derivatives(model->compiled(), seed, GetParam().size, By::state);
+}
+
+TEST_P(ScalarCore, DerivativesByInputsAndNumbers) {
+  const std::shared_ptr<const Model> model = GetParam().model();
+  for (const By by : {By::input, By::number})
+    for (unsigned seed = 1; seed <= 3; ++seed)
+      expect_derivatives(model->compiled(), seed, GetParam().size, by);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mechanisms, ScalarCore,
+    testing::Values(Mechanism{"driven_four_bar", driven_four_bar, 0.2},
+                    Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
+                    Mechanism{"tree",
+                              [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },
+                              0.5},
+                    Mechanism{"loops",
+                              [] {
+                                return random_model(5, [](RandomOptions& o) {
+                                  o.flexible_share = 0;
+                                  o.loops = 3;
+                                  o.drives = true;
+                                });
+                              },
+                              0.5},
+                    Mechanism{"flexible_bodies",
+                              [] {
+                                return random_model(7, [](RandomOptions& o) {
+                                  o.flexible_share = 0.8;
+                                  o.loops = 1;
+                                  o.tyres = true;
+                                });
+                              },
+                              0.3},
+                    Mechanism{"foreshortening",
+                              [] {
+                                return random_model(8, [](RandomOptions& o) {
+                                  o.flexible_share = 1;
+                                  o.stiffening = fe::Stiffening::foreshortening;
+                                });
+                              },
+                              0.2},
+                    Mechanism{"nonlinear_stiffness",
+                              [] {
+                                return random_model(9, [](RandomOptions& o) {
+                                  o.flexible_share = 1;
+                                  o.stiffening = fe::Stiffening::nonlinear_stiffness_2;
+                                });
+                              },
+                              0.2},
+                    Mechanism{"absolute_nodal_coordinates",
+                              [] {
+                                return example("spin-up-beam/beam-2d.yaml", {{"method", "ancf"}});
+                              },
+                              0.001}),
+    [](const auto& mechanism) { return mechanism.param.name; });
+
+/// A law that users write for numbers: of lanes one after the other; of dual numbers its force has the
+/// derivative that its tangents say.
+std::shared_ptr<const Model> four_bar_with_users_law() {
+  spec::Model model = driven_four_bar()->spec();
+  auto law = std::make_shared<spec::UserLaw>();
+  law->states = {0.3};
+  law->evaluate = [](spec::LawCall& call) {
+    const double x = call.x[0], v = call.v[0];
+    call.force[0] = 50 * x * x + 2 * v + 3 * call.states[0] * call.signals[0];
+    call.stiffness[0] = 100 * x;
+    call.damping[0] = 2;
+    call.next[0] = call.states[0] + call.step * x;
+  };
+  spec::Element element;
+  element.name = "own";
+  element.law = "user";
+  element.user = law;
+  element.frame_a = model.springs.front().frame_a;
+  element.frame_b = model.springs.front().frame_b;
+  element.arguments = {{spec::Source::Kind::input, 0}};
+  model.elements.push_back(element);
+  return Model::compile(std::move(model));
+}
+
+TEST(ScalarCoreOfUsersLaws, LanesAreStepsOfNumbers) {
+  const std::shared_ptr<const Model> model = four_bar_with_users_law();
+  for (unsigned seed = 1; seed <= 3; ++seed) expect_lanes_are_steps(model->compiled(), seed, 0.2);
+}
+
+TEST(ScalarCoreOfUsersLaws, ForceHasTheDerivativeOfItsTangents) {
+  const std::shared_ptr<const Model> model = four_bar_with_users_law();
+  const Compiled& m = model->compiled();
+  const ElementData& e = m.elements.back();
+  std::vector<double> storage(static_cast<std::size_t>(m.element_storage));
+  std::vector<Dual> dual(storage.size());
+  ElementState<Dual> s = element_state(e, dual.data());
+  std::vector<Dual> signals(static_cast<std::size_t>(m.signals.slots), Dual(0.7)),
+      states(static_cast<std::size_t>(e.state_count), Dual(0.3));
+  s.x[0] = Dual(0.4, 2);
+  s.v[0] = Dual(-0.1, 5);
+  const std::vector<Dual> numbers(m.numbers.begin(), m.numbers.end());
+  forces::user_law(LawContext<Dual>{m, e, 0.0, signals.data(), states.data(), 0.01, numbers.data()}, s);
+  EXPECT_NEAR(s.force[0].value, 50 * 0.16 - 0.2 + 3 * 0.3 * 0.7, 1e-14);
+  EXPECT_NEAR(s.force[0].derivative, 100 * 0.4 * 2 + 2 * 5, 1e-14);
+  // How it varies with a signal the law does not say.
+  signals[static_cast<std::size_t>(m.arguments[static_cast<std::size_t>(e.arguments)])].derivative = 1;
+  forces::user_law(LawContext<Dual>{m, e, 0.0, signals.data(), states.data(), 0.01, numbers.data()}, s);
+  EXPECT_TRUE(std::isnan(s.force[0].derivative));
+}
+
+}  // namespace
+}  // namespace mimbre::test
