@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages configure build demo test bench lint format clean
+.PHONY: help packages configure build python demo test bench lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
@@ -22,6 +22,11 @@ configure: packages
 build: configure ## Build everything (the program: build/release/mimbre)
 	@cmake --build $(BUILD) --parallel $(JOBS)
 
+python: configure ## Install the Python package into build/python-env
+	@scripts/python-env >/dev/null
+	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) build/python-env/bin/python -m pip install --quiet --disable-pip-version-check --no-deps \
+	  --no-build-isolation --force-reinstall .
+
 demo: configure ## Run a vehicle over stairs and make report.html, with plots and an animation
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
 	@mkdir -p results
@@ -32,6 +37,7 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 
 # The checks of the sources come before the tests, so that the last lines are the summary of ctest.
 test: build ## Build everything, check the formatting and the order of the folders, run all tests
+	@$(MAKE) --no-print-directory python
 	@scripts/check-format
 	@scripts/check-includes
 	@ctest --test-dir $(BUILD) --output-on-failure --parallel $(JOBS)

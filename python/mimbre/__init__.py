@@ -1,0 +1,67 @@
+"""Flexible multibody systems in real time.
+
+    model = mimbre.Model.from_file("pendulum.yaml")
+    run = model.run(until=5)
+    run["angle"], run.time
+
+SI units and radians throughout."""
+
+from ._core import version as _version
+from .analysis import (
+    Apart,
+    Difference,
+    Equilibrium,
+    HotSpot,
+    Mode,
+    Selection,
+    Verification,
+    compare,
+    convert,
+    select,
+    static,
+    stress,
+)
+from .builder import ModelBuilder, Subsystem
+from .ensemble import samples, sweep
+from .errors import Diagnostic, InputError, Interrupted, SimulationError, SweepInterrupted, UnknownName
+from .laws import law_signature
+from .model import Model
+from .reduction import Check, Interface, ReducedBody, reduce
+from .run import Channel, Run
+from .simulation import Simulation
+
+__version__ = _version()
+
+__all__ = [
+    "Apart",
+    "Channel",
+    "Check",
+    "Diagnostic",
+    "Difference",
+    "Equilibrium",
+    "HotSpot",
+    "InputError",
+    "Interface",
+    "Interrupted",
+    "Mode",
+    "Model",
+    "ModelBuilder",
+    "ReducedBody",
+    "Run",
+    "Selection",
+    "Simulation",
+    "SimulationError",
+    "Subsystem",
+    "SweepInterrupted",
+    "UnknownName",
+    "Verification",
+    "compare",
+    "convert",
+    "law_signature",
+    "reduce",
+    "samples",
+    "select",
+    "static",
+    "stress",
+    "sweep",
+]

@@ -1,0 +1,76 @@
+"""Arguments of people, checked before the library sees them."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._core import did_you_mean
+from .errors import InputError, UnknownName
+
+
+def number(name: str, value: object) -> float:
+    """A finite number, of Python or NumPy."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        raise InputError(f"{name}: a number is needed, not {described(value)}")
+    result = float(value)
+    if not math.isfinite(result):
+        raise InputError(f"{name}: is {result}; a finite number is needed")
+    return result
+
+
+def given(name: str, value: object) -> float | None:
+    """A finite number, or nothing."""
+    return None if value is None else number(name, value)
+
+
+def array(name: str, value: Any, dimensions: int = 1) -> npt.NDArray[np.float64]:
+    """Finite numbers in so many dimensions."""
+    try:
+        result = np.asarray(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: an array of numbers is needed, not {described(value)}") from None
+    if result.ndim != dimensions:
+        raise InputError(f"{name}: an array of {dimensions} dimensions is needed, not of shape {result.shape}")
+    if not np.isfinite(result).all():
+        raise InputError(f"{name}: entry {np.argmax(~np.isfinite(result))} is not finite")
+    return result
+
+
+def text(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{name}: a text is needed, not {described(value)}")
+    if "\0" in value:
+        raise InputError(f"{name}: a text without zero bytes is needed")
+    return value
+
+
+def path(name: str, value: object) -> str:
+    """A file's name, as text or as a pathlib.Path."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{name}: a file's name is needed, not {described(value)}")
+    return text(name, os.fspath(value))
+
+
+def known(what: str, name: object, names: Iterable[str]) -> str:
+    """One of the names that there are."""
+    all_names = list(names)
+    if isinstance(name, str) and name in all_names:
+        return name
+    near = did_you_mean(name, all_names) if isinstance(name, str) else ""
+    there = ", ".join(all_names[:20]) + (", …" if len(all_names) > 20 else "")
+    error = UnknownName(f"there is no {what} {name!r}{near}; there {'are: ' + there if there else 'is none'}")
+    raise error
+
+
+def described(value: object) -> str:
+    shown = repr(value)
+    return f"{shown[:60]}{'…' if len(shown) > 60 else ''} ({type(value).__name__})"

@@ -1,0 +1,351 @@
+"""Models in code, by names, in the words of model files."""
+
+from __future__ import annotations
+
+import copy
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _checks, _yaml, laws
+from ._yaml import Place
+from .errors import InputError
+from .model import Model
+from .reduction import ReducedBody
+
+if TYPE_CHECKING:
+    from typing import Literal
+
+    from typing_extensions import Unpack
+
+    from . import words
+
+_file = "<built in Python>"
+_order = (
+    "parameters",
+    "require",
+    "materials",
+    "sections",
+    "bodies",
+    "frames",
+    "joints",
+    "springs",
+    "bushings",
+    "gas_springs",
+    "loads",
+    "roads",
+    "tyres",
+    "inputs",
+    "signals",
+    "actuators",
+    "subsystems",
+    "instances",
+    "outputs",
+)
+_lists = ("require", "outputs")
+
+
+class Part:
+    """What a model and a subsystem can both have. A thing is added with its name and the keys that it has in a model
+    file (docs/model-file.md), as arguments: numbers, texts with units or expressions, lists, arrays, dictionaries.
+    Things may name each other in any order; what is wrong with them is said when the model is compiled, all at
+    once, with the line of Python that added the thing."""
+
+    def __init__(self) -> None:
+        self._things: dict[str, dict[str, tuple[object, Place]]] = {}
+
+    def add_body(self, name: str, /, **keys: Unpack[words.Body]) -> None:
+        """Rigid: mass, com, inertia. Flexible: `reduced`, a ReducedBody or a file of one, or `flexible`, beams; with
+        `frame`, where its tangent frame lies."""
+        self._add("bodies", name, keys)
+
+    def add_frame(self, name: str, /, **keys: Unpack[words.Frame]) -> None:
+        """A point with axes on a body that others can name."""
+        self._add("frames", name, keys)
+
+    def add_joint(self, name: str, /, **keys: Unpack[words.Joint]) -> None:
+        """Joins two bodies, frames or nodes (BODY.NODE)."""
+        self._add("joints", name, keys)
+
+    def add_spring(self, name: str, /, **keys: Unpack[words.Spring]) -> None:
+        """Pulls two points towards each other, and damps."""
+        self._add("springs", name, keys)
+
+    def add_bushing(self, name: str, /, **keys: Unpack[words.Bushing]) -> None:
+        """Springs and dampers in all six directions between two bodies."""
+        self._add("bushings", name, keys)
+
+    def add_gas_spring(self, name: str, /, **keys: Unpack[words.GasSpring]) -> None:
+        self._add("gas_springs", name, keys)
+
+    def add_load(self, name: str, /, **keys: Unpack[words.Load]) -> None:
+        """A force or moment on a point, as a function of time."""
+        self._add("loads", name, keys)
+
+    def add_tyre(self, name: str, /, **keys: Unpack[words.Tyre]) -> None:
+        self._add("tyres", name, keys)
+
+    def add_actuator(self, name: str, /, **keys: Unpack[words.Actuator]) -> None:
+        """A force or torque by an expression of time, inputs, signals and outputs."""
+        self._add("actuators", name, keys)
+
+    def add_law(
+        self,
+        name: str,
+        /,
+        *,
+        force: laws.Function | None = None,
+        torque: laws.Function | None = None,
+        signals: Sequence[str] = (),
+        states: Sequence[float] = (),
+        stores: bool = False,
+        **where: Unpack[laws.Where],
+    ) -> None:
+        """A force, or a torque about an angle, by a function, where an actuator would act: on a `joint`, or `between`
+        two points. It counts as a spring's does: against what is measured.
+
+        A function of Python is called once a step with time, measure, rate and the `signals`; a compiled one (of
+        ctypes or Numba, or an address) stands inside the iteration, with its tangents. See docs/python.md."""
+        place = _caller()
+        if (force is None) == (torque is None):
+            raise _yaml.error(place, f"law '{name}': needs 'force' or 'torque', one of them: a function")
+        try:
+            made = laws.law(name, force if torque is None else torque, signals, states, stores)
+        except InputError as error:
+            raise _yaml.error(place, f"law '{name}': {error}") from None
+        self._add("actuators", name, {**where, "force" if torque is None else "torque": made})
+
+    def add_input(self, name: str, start: float | None = None, /, **keys: Unpack[words.InputKeys]) -> None:
+        """A value from outside, which is set between steps; it starts with `start`."""
+        self._add("inputs", name, keys, "start", start)
+
+    def add_signal(self, name: str, value: str | float | None = None, /, **keys: Unpack[words.SignalKeys]) -> None:
+        """An expression of time, inputs, signals and outputs."""
+        self._add("signals", name, keys, "value", value)
+
+    def add_parameter(self, name: str, value: float | str | bool | None = None, /, **keys: Any) -> None:
+        """A value that expressions may use; with `tunable=True` it can be set between steps, as an input."""
+        self._add("parameters", name, keys, "value", value)
+
+    def add_material(self, name: str, /, **keys: Unpack[words.Material]) -> None:
+        self._add("materials", name, keys)
+
+    def add_section(self, name: str, /, **keys: Unpack[words.Section]) -> None:
+        """The cross section of beams."""
+        self._add("sections", name, keys)
+
+    def add_output(self, name: str, /, **keys: Unpack[words.Output]) -> None:
+        """A channel with a name of its own: `add_output("z", position="chassis", component="z")`."""
+        self._add("outputs", name, keys)
+
+    def require(self, that: str, message: str) -> None:
+        """What parameters must fulfil, and what is said otherwise."""
+        self._add("require", str(len(self._things.get("require", {}))), {"that": that, "message": message})
+
+    def _add(self, section: str, name: str, keys: Mapping[str, object], alone: str = "", value: object = None) -> None:
+        place = _caller()
+        things = self._things.setdefault(section, {})
+        what = section.removesuffix("s") if section != "bodies" else "body"
+        if not isinstance(name, str) or not name:
+            raise _yaml.error(place, f"{what}: its name is a text, not {_checks.described(name)}")
+        if name in things:
+            first = things[name][1]
+            raise _yaml.error(
+                place,
+                f"{what} '{name}': is added twice (first in {first.file}:{first.line}); remove or rename one",
+            )
+        thing: object = {key.removesuffix("_"): copy.deepcopy(v) for key, v in keys.items()}
+        if alone and value is not None:
+            thing = {alone: value, **keys} if keys else value
+        things[name] = (thing, place)
+
+
+class Subsystem(Part):
+    """A part of a model that is written once and placed several times, with its own names: inside, names mean its own
+    things first, then the model's."""
+
+
+class ModelBuilder(Part):
+    """Builds a model:
+
+    m = mimbre.ModelBuilder("Pendulum")
+    m.add_body("bar", mass=0.6, com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_output("angle", joint="hinge")
+    run = m.compile().run(until=5)
+    """
+
+    def __init__(
+        self,
+        title: str = "",
+        *,
+        gravity: words.Vector | None = None,
+        initial: Literal["assembled", "equilibrium"] | None = None,
+    ) -> None:
+        super().__init__()
+        self._head: dict[str, tuple[object, Place]] = {}
+        for key, value in {"title": title or None, "gravity": gravity, "initial": initial}.items():
+            if value is not None:
+                self._head[key] = (value, _caller())
+        self._simulation: tuple[object, Place] | None = None
+
+    def set_simulation(self, **keys: Unpack[words.Simulation]) -> None:
+        """Step, end and method of runs that do not say them."""
+        self._simulation = (dict(keys), _caller())
+
+    def add_road(self, name: str, /, **keys: Unpack[words.Road]) -> None:
+        self._add("roads", name, keys)
+
+    def place(
+        self,
+        name: str,
+        subsystem: Subsystem | Callable[..., object],
+        *,
+        at: words.Vector | None = None,
+        mirror: str | None = None,
+        rotate: words.Vector | None = None,
+        **parameters: Any,
+    ) -> None:
+        """Places a subsystem, moved, mirrored first ("y": y to −y) and turned by a rotation vector; its things are then
+        called NAME.THING. A function makes one: it is called with an empty Subsystem and the parameters; those of a
+        Subsystem are its `add_parameter`s."""
+        placed: dict[str, object] = {"at": at, "mirror": mirror, "rotate": rotate}
+        if isinstance(subsystem, Subsystem):
+            placed["with"] = parameters or None
+        elif callable(subsystem):
+            part = Subsystem()
+            subsystem(part, **parameters)
+            subsystem = part
+        else:
+            raise _yaml.error(
+                _caller(),
+                f"instance '{name}': a Subsystem, or a function that fills one, is needed, "
+                f"not {_checks.described(subsystem)}",
+            )
+        of = self._template(subsystem, name)
+        self._add(
+            "instances",
+            name,
+            {"of": of, **{key: value for key, value in placed.items() if value is not None}},
+        )
+
+    def _template(self, part: Subsystem, name: str) -> str:
+        """The name of a template like this one, which is added where there is none."""
+        templates = self._things.setdefault("subsystems", {})
+        text = self._text_of(part)
+        for known, (template, _) in templates.items():
+            if isinstance(template, Subsystem) and (template is part or self._text_of(template) == text):
+                return known
+        templates[name] = (part, _caller())
+        return name
+
+    # What it makes
+
+    def compile(self) -> Model:
+        """The model. Raises InputError with every mistake, by the lines of Python that they are in."""
+        writer, bodies = self._written()
+        own = tempfile.TemporaryDirectory(prefix="mimbre-") if bodies else None
+        folder = Path(own.name) if own else Path.cwd()
+        _save(bodies, folder)
+        try:
+            model = Model._parsed(writer.text, _file, folder, {}, own, self._laws())
+        except InputError as error:
+            raise type(error)(_yaml.in_python(error.diagnostics, _file, writer.places)) from None
+        model._warnings = list(_yaml.in_python(model._warnings, _file, writer.places))
+        return model
+
+    def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The model file that says the same; with `path` it is written there, with the reduced bodies beside it."""
+        laws.refuse_in_file(self._laws())
+        writer, bodies = self._written()
+        if path is not None:
+            target = Path(_checks.path("path", path))
+            _save(bodies, target.parent)
+            target.write_text(writer.text, encoding="utf-8")
+        return writer.text
+
+    def _written(self) -> tuple[_yaml.Writer, dict[str, ReducedBody]]:
+        bodies: dict[str, ReducedBody] = {}
+
+        def special(value: object) -> object | None:
+            """A reduced body's file, which is written beside the model's; of a law, a force that it replaces."""
+            if isinstance(value, laws.Law):
+                return 0
+            if not isinstance(value, ReducedBody):
+                return None
+            name = value.name or "body"
+            file, count = f"{name}.h5", 1
+            while bodies.get(file, value) is not value:
+                count += 1
+                file = f"{name}-{count}.h5"
+            bodies[file] = value
+            return file
+
+        writer = _yaml.Writer(special)
+        writer.add("mimbre", 1)
+        for key, (value, place) in self._head.items():
+            writer.add(key, value, place=place)
+        self._write_things(writer, self, 0)
+        if self._simulation:
+            writer.add("simulation", self._simulation[0], place=self._simulation[1])
+        return writer, bodies
+
+    def _write_things(self, writer: _yaml.Writer, part: Part, indent: int) -> None:
+        for section in _order:
+            things = part._things.get(section)
+            if not things:
+                continue
+            writer.section(" " * indent + section)
+            for name, (thing, place) in things.items():
+                what = f"{section.removesuffix('s') if section != 'bodies' else 'body'} '{name}'"
+                if isinstance(thing, Subsystem):
+                    writer.section(" " * (indent + 2) + _yaml.scalar(name))
+                    self._write_things(writer, thing, indent + 4)
+                elif section in _lists:
+                    named = {"name": name} if section == "outputs" else {}
+                    writer.item({**named, **dict(thing)}, indent + 2, place, what)  # type: ignore[call-overload]
+                else:
+                    writer.add(name, thing, indent + 2, place, what)
+
+    def _text_of(self, part: Part) -> str:
+        writer = _yaml.Writer(_told_apart)
+        self._write_things(writer, part, 0)
+        return writer.text
+
+    def _laws(self) -> list[laws.Placed]:
+        """Those of the model and of the subsystems in it."""
+        found = [("", law) for law in _laws_of(self)]
+        for name, (instance, _) in self._things.get("instances", {}).items():
+            template = self._things["subsystems"][instance["of"]][0]  # type: ignore[index]
+            if isinstance(template, Subsystem):
+                found += [(f"{name}.", law) for law in _laws_of(template)]
+        return found
+
+
+def _laws_of(part: Part) -> list[laws.Law]:
+    keys = (thing for thing, _ in part._things.get("actuators", {}).values())
+    return [law for thing in keys if isinstance(thing, dict) for law in thing.values() if isinstance(law, laws.Law)]
+
+
+def _told_apart(value: object) -> object | None:
+    """A text for what is no plain value, equal where it is the same."""
+    if isinstance(value, laws.Law):
+        return value.like
+    return f"{id(value)}" if isinstance(value, ReducedBody) else None
+
+
+def _save(bodies: Mapping[str, ReducedBody], folder: Path) -> None:
+    for file, body in bodies.items():
+        body.save(folder / file)
+
+
+def _caller() -> Place:
+    """The line outside of this package that called it."""
+    here = os.path.dirname(__file__)
+    frame = sys._getframe(1)
+    while frame.f_back and os.path.dirname(frame.f_code.co_filename) == here:
+        frame = frame.f_back
+    return Place(frame.f_code.co_filename, frame.f_lineno)

@@ -1,0 +1,418 @@
+"""Many runs of a model: over grids, lists and samples of its parameters."""
+
+from __future__ import annotations
+
+import concurrent.futures as futures
+import hashlib
+import itertools
+import json
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _checks, _core
+from .errors import InputError, SweepInterrupted
+from .model import Model
+from .study import LOST, NOT_RUN, Floats, Row, Study, Value, reductions, run_rows, words
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import scipy.stats.qmc
+    import xarray as xr
+    from typing_extensions import Unpack
+
+    from .model import Input
+    from .simulation import Method
+
+    Reduction = str | Callable[[Any], Any]
+    Parameters = (
+        Mapping[str, Value | Sequence[Value] | npt.NDArray[Any]]
+        | Sequence[Mapping[str, Value]]
+        | tuple[Sequence[str], npt.ArrayLike]
+        | pd.DataFrame
+    )
+
+
+def samples(
+    sampler: scipy.stats.qmc.QMCEngine, count: int, ranges: Mapping[str, tuple[float, float]]
+) -> list[dict[str, float]]:
+    """So many points of a sampler of scipy.stats.qmc (Sobol, LatinHypercube, …) in the ranges of parameters, for
+    `sweep`."""
+    lows = [_checks.number(f"ranges: {name}", low) for name, (low, _) in ranges.items()]
+    highs = [_checks.number(f"ranges: {name}", high) for name, (_, high) in ranges.items()]
+    points = np.asarray(sampler.random(count))
+    if points.shape != (count, len(ranges)):
+        raise InputError(f"samples: the sampler has {points.shape[1]} dimensions, and there are {len(ranges)} ranges")
+    return [
+        dict(zip(ranges, map(float, low_to_high), strict=True))
+        for low_to_high in lows + points * np.subtract(highs, lows)
+    ]
+
+
+def sweep(
+    model: Model | str | os.PathLike[str],
+    parameters: Parameters,
+    *,
+    outputs: Sequence[str] | None = None,
+    reduce: Reduction | Sequence[Reduction] = "last",
+    inputs: Mapping[str, Input] | None = None,
+    until: float | None = None,
+    executor: Any = None,
+    store: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **method: Unpack[Method],
+) -> xr.Dataset:
+    """Runs a model, or that of a file, for many values of its parameters, on all cores.
+
+    parameters: names with lists of values, of which each combination is run; a list of dictionaries (as of
+        `mimbre.samples`), a table of pandas, or (names, array), of which each row is run. Tunable parameters and inputs
+        are set without compiling the model anew.
+    outputs: channels; default: the model's outputs.
+    reduce: what is kept of each channel's history: "max", "min", "mean", "rms", "last", or a function of the history;
+        of several there is a dimension `reduction`. "history" keeps all instants.
+    executor: a Dask Client or an executor of concurrent.futures that does the work; default: threads.
+    store: an HDF5 file that is written while the sweep runs; where it is there, only what is not in it is run.
+    progress: is called with how many runs are done, and how many there are.
+
+    The data set has the parameters as coordinates: as dimensions of their own of a grid, else over `run`. A run that
+    fails is a row with its `status` and `message`. Ctrl-C raises SweepInterrupted: `error.data` has what was done."""
+    model = model if isinstance(model, Model) else Model.from_file(model)
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress: a function is needed, not {_checks.described(progress)}")
+    names, grid, rows = _rows(parameters)
+    study, units = _study(model, names, rows, outputs, reduce, inputs, until, method)
+    table = Table(study, len(rows))
+    file = None
+    if store is not None:
+        from .store import Store
+
+        columns = {name: [row[name] for row in rows] for name in names}
+        file = Store(_checks.path("store", store), _fingerprint(study, rows), columns)
+        file.read(table)
+
+    def take(done: list[Row]) -> None:
+        new = [row.index for row in done if table.take(row)]
+        if file is not None and new:
+            file.write(table, new)
+        if progress is not None:
+            progress(int(np.count_nonzero(table.status != NOT_RUN)), len(rows))
+
+    waiting = [(index, row) for index, row in enumerate(rows) if table.status[index] == NOT_RUN]
+    # Those of one model one after another, so that it need not be kept for long.
+    waiting.sort(key=lambda item: sorted((name, str(value)) for name, value in study.compiled_with(item[1]).items()))
+    try:
+        if executor is None:
+            _by_threads(study, waiting, take)
+        else:
+            _by_executor(study, waiting, take, executor)
+    except KeyboardInterrupt:
+        done = int(np.count_nonzero(table.status != NOT_RUN))
+        data = table.dataset(names, grid, rows, units)
+        raise SweepInterrupted(f"interrupted after {done} of {len(rows)} runs", data) from None
+    finally:
+        if file is not None:
+            file.close()
+    return table.dataset(names, grid, rows, units)
+
+
+class Table:
+    """The rows of a sweep so far."""
+
+    def __init__(self, study: Study, count: int) -> None:
+        self.study = study
+        self.status = np.zeros(count, np.uint8)
+        self.messages = [""] * count
+        self.time: Floats | None = None
+        self.values: Floats | None = None
+        if study.reduce is not None:
+            self._allocate(len(study.reduce))
+
+    def _allocate(self, last: int) -> None:
+        self.values = np.full((len(self.status), len(self.study.outputs), last), np.nan)
+
+    def take(self, row: Row) -> bool:
+        """Whether it is new: what is done again, as a worker died that had done it, counts once."""
+        if self.status[row.index] != NOT_RUN or row.status == NOT_RUN:
+            return False
+        self.status[row.index] = row.status
+        self.messages[row.index] = row.message
+        if row.values is None:
+            return True
+        if row.time is not None:
+            if self.time is None:
+                self.time = row.time
+                self._allocate(len(row.time))
+            elif not np.array_equal(self.time, row.time):
+                self.status[row.index] = words.index("failed")
+                self.messages[row.index] = "its instants are others than those of the first run; give step= and until="
+                return True
+        assert self.values is not None
+        self.values[row.index] = row.values
+        return True
+
+    def dataset(
+        self, names: Sequence[str], grid: dict[str, list[Value]] | None, rows: list[dict[str, Value]], units: _Units
+    ) -> xr.Dataset:
+        import xarray as xr
+
+        if self.values is None:  # no run ended well
+            self._allocate(0)
+            self.time = np.zeros(0)
+        assert self.values is not None
+        dims = list(grid) if grid is not None else ["run"]
+        shape = tuple(map(len, grid.values())) if grid is not None else (len(rows),)
+        coordinates: dict[str, Any] = (
+            {name: np.array(values) for name, values in grid.items()}
+            if grid is not None
+            else {name: ("run", np.array([row[name] for row in rows])) for name in names}
+        )
+        last: list[str] = []
+        if self.study.reduce is None:
+            last = ["time"]
+            coordinates["time"] = ("time", self.time, {"units": "s"})
+        elif len(self.study.reduce) > 1:
+            last = ["reduction"]
+            coordinates["reduction"] = [_name(one) for one in self.study.reduce]
+        # What a function makes of a history may be of another unit.
+        kept = self.study.reduce is None or all(isinstance(one, str) for one in self.study.reduce)
+        variables: dict[str, Any] = {}
+        for k, name in enumerate(self.study.outputs):
+            values = self.values[:, k, :] if last else self.values[:, k, 0]
+            unit, meaning = units[name]
+            attributes = {"units": unit, "long_name": meaning} if kept else {"long_name": meaning}
+            variables[name] = (dims + last, values.reshape(shape + values.shape[1:]), attributes)
+        variables["status"] = (dims, np.array(words)[self.status].reshape(shape))
+        variables["message"] = (dims, np.array(self.messages, dtype=np.str_).reshape(shape))
+        attributes = {"title": self.study.model.title}
+        if self.study.reduce is not None and len(self.study.reduce) == 1:
+            attributes["reduction"] = _name(self.study.reduce[0])
+        return xr.Dataset(variables, coordinates, attributes)
+
+
+# Who does it
+
+_Waiting = list[tuple[int, dict[str, Value]]]
+_Take = Callable[[list[Row]], None]
+
+
+def _by_threads(study: Study, waiting: _Waiting, take: _Take) -> None:
+    """Over one constant model; runs leave the interpreter to each other."""
+    stop = threading.Event()
+    cores = len(os.sched_getaffinity(0))
+    queue = deque(waiting)
+    with futures.ThreadPoolExecutor(cores, "mimbre-sweep") as pool:
+        running: set[futures.Future[Row]] = set()
+        try:
+            while queue or running:
+                while queue and len(running) < 2 * cores:
+                    running.add(pool.submit(study.row, *queue.popleft(), stop))
+                done, running = futures.wait(running, return_when=futures.FIRST_COMPLETED)
+                take([future.result() for future in done])
+        except BaseException:
+            stop.set()
+            for future in running:
+                future.cancel()
+            take([future.result() for future in futures.wait(running).done if not future.cancelled()])
+            raise
+
+
+def _by_executor(study: Study, waiting: _Waiting, take: _Take, executor: Any) -> None:
+    """In tasks of some rows, a few at a time, so that neither a scheduler nor a network has much to hold. The rows of a
+    task that is lost, as its worker died, are tried again one by one, each at most three times."""
+    workers = getattr(executor, "_max_workers", None) or 8
+    if hasattr(executor, "get_executor"):  # a Dask Client
+        workers = sum(executor.ncores().values()) or 8
+        executor = executor.get_executor(pure=False)
+    if not isinstance(executor, futures.Executor):
+        raise InputError(
+            f"executor: a Dask Client or an executor of concurrent.futures is needed, not {_checks.described(executor)}"
+        )
+    size = min(max(len(waiting) // (8 * workers), 1), 32)
+    queue = deque((waiting[k : k + size], 3) for k in range(0, len(waiting), size))
+    running: dict[futures.Future[list[Row]], tuple[_Waiting, int]] = {}
+
+    def lost(chunk: _Waiting, tries: int, error: BaseException) -> None:
+        if tries > 0:
+            queue.extend(([item], tries) for item in chunk)
+        else:
+            message = f"its worker was lost: {type(error).__name__}: {error}"
+            take([Row(index, LOST, message) for index, _ in chunk])
+
+    try:
+        while queue or running:
+            while queue and len(running) < 2 * workers:
+                chunk, tries = queue.popleft()
+                try:
+                    running[executor.submit(run_rows, study, chunk)] = (chunk, tries)
+                except (RuntimeError, OSError) as error:  # an executor that has come to its end
+                    lost(chunk, 0, error)
+            if not running:
+                continue
+            for future in futures.wait(running, return_when=futures.FIRST_COMPLETED).done:
+                chunk, tries = running.pop(future)
+                try:
+                    rows = future.result()
+                except (Exception, futures.CancelledError) as error:
+                    lost(chunk, tries - 1, error)
+                else:
+                    take(rows)
+    finally:
+        for future in running:
+            future.cancel()
+
+
+# What is asked for
+
+_Units = dict[str, tuple[str, str]]
+
+
+def _rows(parameters: Any) -> tuple[list[str], dict[str, list[Value]] | None, list[dict[str, Value]]]:
+    """Names, the values of a grid, and the parameters of each run."""
+    if hasattr(parameters, "to_dict") and hasattr(parameters, "columns"):
+        parameters = parameters.to_dict("records")
+    if isinstance(parameters, Mapping):
+        grid = {_name_of(name): _values(name, values) for name, values in parameters.items()}
+        return list(grid), grid, [dict(zip(grid, row, strict=True)) for row in itertools.product(*grid.values())]
+    if isinstance(parameters, tuple) and len(parameters) == 2:
+        names = [_name_of(name) for name in parameters[0]]
+        points = np.asarray(parameters[1])
+        if points.ndim != 2 or points.shape[1] != len(names):
+            raise InputError(
+                f"parameters: an array of runs × {len(names)} is needed for {', '.join(names)}, not one of shape "
+                f"{points.shape}"
+            )
+        parameters = [dict(zip(names, row, strict=True)) for row in points.tolist()]
+    if not isinstance(parameters, Sequence) or not all(isinstance(row, Mapping) for row in parameters):
+        raise InputError(
+            "parameters: names with lists of values, as {'stairs': [0.1, 0.2]}, or a list of dictionaries are needed, "
+            f"not {_checks.described(parameters)}"
+        )
+    rows = [{_name_of(name): _value(name, value) for name, value in row.items()} for row in parameters]
+    names = list(rows[0]) if rows else []
+    for k, row in enumerate(rows):
+        if row.keys() != rows[0].keys():
+            raise InputError(f"parameters: run {k} has {', '.join(row)}, and run 0 has {', '.join(names)}")
+    return names, None, rows
+
+
+def _name_of(name: object) -> str:
+    return _checks.text("parameters", name)
+
+
+def _values(name: str, values: Any) -> list[Value]:
+    single = isinstance(values, str | bytes) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0
+    return [_value(name, value) for value in ([values] if single else values)]
+
+
+def _value(name: object, value: object) -> Value:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str | bool | int):
+        return value
+    return _checks.number(f"parameters: {name}", value)
+
+
+def _study(
+    model: Model,
+    names: list[str],
+    rows: list[dict[str, Value]],
+    outputs: Sequence[str] | None,
+    reduce: Any,
+    inputs: Mapping[str, Input] | None,
+    until: float | None,
+    method: Method,
+) -> tuple[Study, _Units]:
+    """Checks what would be wrong for every run."""
+    simulation = model.simulation(**method)
+    until = _checks.given("until", until)
+    inputs = dict(inputs or {})
+    for name in inputs:
+        _checks.known("input or tunable parameter", name, model.inputs)
+        if name in names:
+            raise InputError(f"inputs: {name!r} is one of the parameters; it can have one value only")
+    handles = {name: simulation.input(name) for name in names if name in model.inputs}
+    live = {
+        name: (handle.min, handle.max)
+        for name, handle in handles.items()
+        # An equilibrium is that of the values that the model is compiled with.
+        if not (handle.tunable and model._compiled.starts_at_equilibrium)
+    }
+    if isinstance(outputs, str):
+        outputs = [outputs]
+    chosen = list(model.outputs if outputs is None else outputs)
+    for name in chosen:
+        _checks.known("channel", name, simulation.channel_names())
+    if not chosen:
+        raise InputError("outputs: the model has none; give the names of channels")
+    study = Study(model, chosen, _reductions(reduce), live, inputs, until, method)
+    if rows:
+        _known_parameters(model, study.compiled_with(rows[0]))
+    taken = {"status", "message", "run", "time", "reduction", *names}
+    for name in chosen:
+        if name in taken:
+            raise InputError(
+                f"outputs: {name!r} is the name of something else in the data set; name the output otherwise"
+            )
+    channels = {name: simulation.channel(name) for name in chosen}
+    return study, {name: (channel.unit, channel.meaning) for name, channel in channels.items()}
+
+
+def _known_parameters(model: Model, parameters: dict[str, Value]) -> None:
+    """A name that the model does not have is wrong in every run; a value may be wrong in some."""
+    try:
+        model._with(parameters)
+    except InputError as error:
+        if any("there is no parameter" in diagnostic.message for diagnostic in error.diagnostics):
+            raise
+
+
+def _reductions(reduce: Any) -> list[Reduction] | None:
+    if isinstance(reduce, str) and reduce == "history":
+        return None
+    chosen = [reduce] if isinstance(reduce, str) or callable(reduce) else list(reduce)
+    for one in chosen:
+        if isinstance(one, str):
+            _checks.known("reduction", one, reductions)
+        elif not callable(one):
+            raise InputError(f"reduce: a name or a function of a history is needed, not {_checks.described(one)}")
+    if not chosen or len({_name(one) for one in chosen}) < len(chosen):
+        raise InputError("reduce: names of reductions are needed, each once")
+    return chosen
+
+
+def _name(one: Reduction) -> str:
+    return one if isinstance(one, str) else getattr(one, "__name__", repr(one))
+
+
+def _fingerprint(study: Study, rows: list[dict[str, Value]]) -> dict[str, str]:
+    """What makes a study another one. Functions count by their names."""
+
+    def text(value: object) -> str:
+        return _name(value) if callable(value) else repr(value)
+
+    _, files = study.model._files()
+    content = [study.model._text, sorted(study.model.parameters.items())]
+    content += [(name, hashlib.sha256(data).hexdigest()) for name, data in sorted(files.items())]
+    inputs = {
+        name: [np.asarray(part).tolist() for part in value] if isinstance(value, tuple) else text(value)
+        for name, value in study.inputs.items()
+    }
+    return {
+        "model": _digest(content),
+        "parameters": _digest(rows),
+        "outputs": _digest(study.outputs),
+        "reduce": _digest(None if study.reduce is None else [text(one) for one in study.reduce]),
+        "inputs": _digest(inputs),
+        "until": repr(study.until),
+        "method": json.dumps(dict(study.method), sort_keys=True, default=repr),
+        "version": _core.version(),
+    }
+
+
+def _digest(value: object) -> str:
+    return hashlib.sha256(json.dumps(value).encode()).hexdigest()

@@ -1,0 +1,283 @@
+"""A model: read, run, written."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _checks, _core, analysis, laws
+from .analysis import Verification
+from .errors import Diagnostic, InputError, Interrupted, SimulationError
+from .run import Run
+from .simulation import Method, Simulation, checked_method
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    #: What an input has: a value, times and values, or a function of time that is asked at every step.
+    Input = float | tuple[npt.ArrayLike, npt.ArrayLike] | Callable[[float], float]
+
+
+class Model:
+    """A compiled model: constant, so that threads and simulations may share it. `from_file` reads one, a
+    `ModelBuilder` builds one."""
+
+    _compiled: _core.Model
+    _text: str  # of the model file alone
+    _folder: Path  # from which it names other files
+    _own: tempfile.TemporaryDirectory[str] | None  # that folder, where only this model has it
+    _laws: list[laws.Placed]  # which the text cannot say
+    _warnings: list[Diagnostic]
+
+    def __init__(self) -> None:
+        raise InputError("a Model is read by Model.from_file(path) or built by a ModelBuilder; it cannot be made empty")
+
+    @classmethod
+    def _parsed(
+        cls,
+        text: str,
+        name: str,
+        folder: Path,
+        parameters: dict[str, str],
+        own: tempfile.TemporaryDirectory[str] | None = None,
+        functions: Sequence[laws.Placed] = (),
+    ) -> Model:
+        """The model that a text says; `name` stands for the file in messages, `functions` for laws."""
+        compiled = _core.parse(text, name, str(folder), parameters, laws.placed(functions))
+        return cls._of(compiled, text, folder, own, functions)
+
+    @classmethod
+    def _of(
+        cls,
+        compiled: _core.Model,
+        text: str,
+        folder: Path,
+        own: tempfile.TemporaryDirectory[str] | None = None,
+        functions: Sequence[laws.Placed] = (),
+    ) -> Model:
+        model = object.__new__(cls)
+        model._compiled = compiled
+        model._text = text
+        model._folder = folder
+        model._own = own
+        model._laws = list(functions)
+        model._warnings = [Diagnostic(*warning) for warning in compiled.warnings]
+        return model
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str], /, **parameters: float | str | bool) -> Model:
+        """Reads a model file (docs/model-file.md). The others are parameters of the file by name, with a number, or a
+        text as the file would have it. Raises InputError with every mistake that was found."""
+        file = _checks.path("path", path)
+        compiled = _core.load(file, _texts(parameters))
+        return cls._of(compiled, Path(file).read_bytes().decode(), Path(file).absolute().parent)
+
+    @classmethod
+    def from_text(cls, text: str, /, **parameters: float | str | bool) -> Model:
+        """The same from the text of a model file; files that it names are found from the working directory."""
+        return cls._parsed(_checks.text("text", text), "<text>", Path.cwd(), _texts(parameters))
+
+    def _with(self, parameters: Mapping[str, float | str | bool]) -> Model:
+        """The same with parameters of its file replaced, compiled anew."""
+        texts = {**self.parameters, **_texts(parameters)}
+        return Model._parsed(self._text, self._compiled.file, self._folder, texts, self._own)
+
+    # What it is
+
+    @property
+    def title(self) -> str:
+        return self._compiled.title
+
+    @property
+    def bodies(self) -> list[str]:
+        return self._compiled.bodies
+
+    @property
+    def joints(self) -> list[str]:
+        return self._compiled.joints
+
+    @property
+    def inputs(self) -> list[str]:
+        """Inputs and tunable parameters."""
+        return self._compiled.inputs
+
+    @property
+    def outputs(self) -> list[str]:
+        return self._compiled.outputs
+
+    @property
+    def coordinates(self) -> int:
+        """Velocity coordinates: joints' and modal amplitudes."""
+        return self._compiled.coordinates
+
+    @property
+    def elastic_coordinates(self) -> int:
+        return self._compiled.elastic_coordinates
+
+    @property
+    def constraints(self) -> int:
+        return self._compiled.constraints
+
+    @property
+    def parameters(self) -> dict[str, str]:
+        """Those that were replaced."""
+        return self._compiled.parameters
+
+    @property
+    def warnings(self) -> list[Diagnostic]:
+        """What was suspicious while the model was read."""
+        return list(self._warnings)
+
+    def __repr__(self) -> str:
+        return (
+            f"<mimbre.Model {self.title!r}: {len(self.bodies)} bodies, {len(self.joints)} joints, "
+            f"{self.coordinates} coordinates>"
+        )
+
+    # What it does
+
+    def simulation(self, **method: Unpack[Method]) -> Simulation:
+        """The model in motion, to be stepped."""
+        return Simulation(self, **method)
+
+    def run(
+        self,
+        *,
+        until: float | None = None,
+        inputs: Mapping[str, Input] | None = None,
+        progress: Callable[[float], object] | None = None,
+        **method: Unpack[Method],
+    ) -> Run:
+        """Simulates to the time `until` (s; default: the model's end), as `mimbre run` does, to the same bits.
+
+        inputs: by name a number, (times, values), or a function of time that is called before each step.
+        progress: is called now and then with the time (s).
+
+        Ctrl-C raises Interrupted, a step that fails SimulationError: `error.run` has what was computed until then."""
+        if progress is not None and not callable(progress):
+            raise InputError(f"progress: a function of time is needed, not {_checks.described(progress)}")
+        tables, functions = _inputs(inputs)
+        finished = _core.run(
+            self._compiled, checked_method(method), _checks.given("until", until), tables, functions, progress
+        )
+        run = Run(finished.results, finished.measured_json)
+        if isinstance(finished.raised, KeyboardInterrupt):
+            raise Interrupted(finished.message, run) from None
+        if isinstance(finished.raised, BaseException):
+            raise finished.raised
+        if finished.status != "ok":
+            error = SimulationError(finished.message)
+            error.run = run
+            raise error
+        return run
+
+    def verify(self, *, until: float | None = None, refine: bool = True, **method: Unpack[Method]) -> Verification:
+        """Runs the model in both formulations and compares them, as `mimbre verify`; `refine`: at shorter steps too."""
+        return analysis.verify(self, until=until, refine=refine, **method)
+
+    # Elsewhere
+
+    def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The model file's text; with `path` it is written there, with bodies that only the model has beside it. A
+        model that is read from it is the same, to the bit."""
+        laws.refuse_in_file(self._laws)
+        if self.parameters:
+            replaced = ", ".join(f"{name}={value}" for name, value in self.parameters.items())
+            raise InputError(
+                f"to_yaml: the model was read with {replaced}, which its file does not say; "
+                "give the file and these parameters to Model.from_file instead"
+            )
+        if path is not None:
+            target = Path(_checks.path("path", path))
+            top, files = self._files()
+            if target.absolute().parent != self._folder:
+                if top != self._folder:
+                    raise InputError(
+                        f"to_yaml: the model names files outside of its folder; write it into {self._folder}"
+                    )
+                _write(files, target.parent)
+            target.write_bytes(self._text.encode())
+        return self._text
+
+    def _files(self) -> tuple[Path, dict[str, bytes]]:
+        """A folder that has the model's and all files that it names, and these by their names from there."""
+        paths = [Path(os.path.normpath(Path(file).absolute())) for file in self._compiled.other_files]
+        top = Path(os.path.commonpath([self._folder, *paths]))
+        return top, {str(path.relative_to(top)): path.read_bytes() for path in paths}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        top, files = self._files()
+        place = str(self._folder.relative_to(top))
+        return _unpickled, (self._text, self._compiled.file, self.parameters, place, files, self._laws)
+
+
+def _write(files: Mapping[str, bytes], folder: Path) -> None:
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+
+def _unpickled(
+    text: str,
+    name: str,
+    parameters: dict[str, str],
+    place: str,
+    files: dict[str, bytes],
+    functions: Sequence[laws.Placed] = (),
+) -> Model:
+    """In another process, or on another machine, the files lie in a folder of the model's own."""
+    own = tempfile.TemporaryDirectory(prefix="mimbre-")
+    folder = Path(own.name, place)
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(files, Path(own.name))
+    return Model._parsed(text, name, folder, parameters, own, functions)
+
+
+def _texts(parameters: Mapping[str, object]) -> dict[str, str]:
+    """Parameters as a model file would have them."""
+    texts = {}
+    for name, value in parameters.items():
+        if isinstance(value, bool):
+            texts[name] = "true" if value else "false"
+        elif isinstance(value, str):
+            texts[name] = _checks.text(name, value)
+        else:
+            number = _checks.number(f"parameter {name!r}", value)
+            texts[name] = str(int(number)) if isinstance(value, int | np.integer) else repr(number)
+    return texts
+
+
+def _inputs(
+    inputs: Mapping[str, Input] | None,
+) -> tuple[list[tuple[str, list[float], list[float]]], list[tuple[str, Any]]]:
+    """Those that are tables, and those that are functions."""
+    tables, functions = [], []
+    if inputs is not None and not isinstance(inputs, Mapping):
+        raise InputError(
+            f"inputs: names with values are needed, as {{'throttle': 0.5}}, not {_checks.described(inputs)}"
+        )
+    for name, value in (inputs or {}).items():
+        name = _checks.text("inputs", name)
+        what = f"input {name!r}"
+        if callable(value):
+            functions.append((name, value))
+        elif isinstance(value, tuple):
+            if len(value) != 2:
+                raise InputError(f"{what}: (times, values) are needed, not {len(value)} things")
+            tables.append(
+                (
+                    name,
+                    _checks.array(f"{what}: times", value[0]).tolist(),
+                    _checks.array(f"{what}: values", value[1]).tolist(),
+                )
+            )
+        else:
+            tables.append((name, [0.0], [_checks.number(what, value)]))
+    return tables, functions

@@ -1,0 +1,393 @@
+"""Bodies that bend, from finite elements: files, matrices, meshes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _checks, _core
+from .errors import InputError
+
+if TYPE_CHECKING:
+    Nodes = str | npt.ArrayLike
+
+Floats = npt.NDArray[np.float64]
+
+_motions = ("x", "y", "z", "rx", "ry", "rz")
+_bases = ("craig_bampton", "free_interface", "krylov")
+_frames = ("tangent", "centre_of_mass", "mean_axis")
+_units = {"SI": (1.0, 1.0, 1.0), "mm": (1e-3, 1e3, 1.0), "in": (0.0254, 175.126835, 1.0)}
+
+
+class Check(NamedTuple):
+    """A line of a certificate."""
+
+    name: str
+    passed: bool
+    detail: str
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Where a joint or a force takes hold of a body: nodes that are tied to a point."""
+
+    #: `set:NAME`, `group:NAME`, `nodes:FILE`, `box(x0,y0,z0, x1,y1,z1)`, `cylinder(px,py,pz, ax,ay,az, r)`, or the
+    #: nodes' labels (of arrays: their row numbers).
+    nodes: Nodes
+    #: The nodes move as one rigid body with the point (RBE2), or it moves as they do in the mean (RBE3).
+    tie: Literal["rigid", "mean"] = "rigid"
+    #: Default: the mean of the nodes; in the file's unit of length.
+    point: npt.ArrayLike | None = None
+    #: Columns are its x, y and z in body axes.
+    axes: npt.ArrayLike | None = None
+    #: Motions of x y z rx ry rz that a joint leaves free: no static modes, dynamic modes have them.
+    free: Iterable[str] = ()
+    #: Motions that never happen.
+    held: Iterable[str] = ()
+
+
+class ReducedBody:
+    """A body that moves with a few modes: `reduce` makes one, a model takes it (`add_body(..., reduced=body)`)."""
+
+    def __init__(self, compiled: _core.ReducedBody, reduction: _core.Reduction | None = None) -> None:
+        self._compiled = compiled
+        self._reduction = reduction
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> ReducedBody:
+        """Reads .h5 (docs/reduced-body-format.md), MBDyn's .fem, or .sid."""
+        return cls(_core.read_body(_checks.path("path", path)))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes it, by the ending: .h5, .fem, .sid."""
+        self._compiled.save(_checks.path("path", path))
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Writes a page with its certificate and its modes, animated."""
+        self._compiled.write_report(_checks.path("path", path))
+
+    @property
+    def name(self) -> str:
+        return self._compiled.name
+
+    @property
+    def mass(self) -> float:
+        """kg"""
+        return self._compiled.mass
+
+    @property
+    def modes(self) -> int:
+        return self._compiled.modes
+
+    @property
+    def mode_names(self) -> list[str]:
+        return self._compiled.mode_names
+
+    @property
+    def mass_matrix(self) -> Floats:
+        return self._compiled.mass_matrix
+
+    @property
+    def stiffness(self) -> Floats:
+        return self._compiled.stiffness
+
+    @property
+    def damping(self) -> Floats:
+        return self._compiled.damping
+
+    @property
+    def nodes(self) -> Floats:
+        """Points of its picture, nodes × 3, body axes, m."""
+        return self._compiled.nodes.T
+
+    @property
+    def shapes(self) -> Floats:
+        """Displacements of these points, nodes × 3 × modes."""
+        shapes = self._compiled.node_shapes
+        return shapes.reshape(-1, 3, shapes.shape[1])
+
+    @property
+    def frames(self) -> dict[str, Floats]:
+        """Where joints and forces can take hold: positions, body axes, m."""
+        return self._compiled.frames
+
+    @property
+    def checks(self) -> list[Check]:
+        """The certificate of its reduction."""
+        return [Check(*check) for check in self._compiled.checks]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all of the certificate's checks are passed."""
+        return all(check.passed for check in self.checks)
+
+    @property
+    def frequencies(self) -> Floats:
+        """Of the dynamic modes with interfaces held, Hz; of a body that was made here."""
+        return self._made().frequencies
+
+    @property
+    def free_frequencies(self) -> Floats:
+        """Elastic modes of the full model, free, Hz; of a body that was made here."""
+        return self._made().free_frequencies
+
+    @property
+    def reduced_free_frequencies(self) -> Floats:
+        """The same of the reduced body."""
+        return self._made().reduced_free_frequencies
+
+    @property
+    def effective_mass(self) -> Floats:
+        """Of the dynamic modes: % of the mass in x y z, of the moments of inertia in rx ry rz; modes × 6."""
+        return self._made().effective_mass
+
+    def _made(self) -> _core.Reduction:
+        if self._reduction is None:
+            raise InputError("the body was read from a file, which has its modes but not the full model's frequencies")
+        return self._reduction
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> ReducedBody:
+        return self  # nothing of it changes
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("a ReducedBody is saved with save(path), not pickled")
+
+    def __repr__(self) -> str:
+        return f"<mimbre.ReducedBody {self.name!r}: {self.modes} modes, {self.mass:g} kg>"
+
+
+def reduce(
+    source: str | os.PathLike[str] | Any = None,
+    *,
+    interfaces: Mapping[str, Interface | Nodes],
+    stiffness: Any = None,
+    mass: Any = None,
+    nodes: Any = None,
+    dofs: Any = None,
+    materials: Mapping[str, tuple[float, float, float]] | tuple[float, float, float] | None = None,
+    thickness: Mapping[str, float] | float = 0.0,
+    units: Literal["SI", "mm", "in"] = "SI",
+    name: str | None = None,
+    modes: int = 10,
+    basis: Literal["craig_bampton", "free_interface", "krylov"] = "craig_bampton",
+    frame: Literal["tangent", "centre_of_mass", "mean_axis"] = "tangent",
+    max_frequency: float = 0.0,
+    krylov_frequency: float = 0.0,
+    effective_mass: float = 0.0,
+    damping: float = 0.0,
+    geometric_stiffness: bool = False,
+    free_modes: int = 10,
+    loads: Mapping[str, tuple[Nodes, npt.ArrayLike]] | None = None,
+    user_modes: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    progress: Callable[[str, float], object] | None = None,
+) -> ReducedBody:
+    """Reduces a finite-element model to a body, with a certificate; as `mimbre reduce` (docs/finite-elements.md).
+
+    The model is one of
+    - source: a file (.msh, .inp, .mtx, .npz, .pch …), with `mass`, `nodes` and `dofs` as files where it needs them;
+    - source: a meshio mesh (its `cell_sets` or blocks make the groups, its `point_sets` the node sets), with materials;
+    - stiffness, mass: SciPy matrices (full symmetric, free), nodes: points × 3, dofs: rows × 2, node and direction
+      (0-2 displacements, 3-5 rotations) of each; default: 3 or 6 a node, in their order.
+
+    interfaces: by name an Interface, or its nodes; a tangent frame moves with the first.
+    materials: Young's modulus, Poisson's ratio, density (SI), of all or by group; thickness of shells likewise.
+    loads: by name nodes and a force that is spread on them: how it deflects the body becomes a mode.
+    user_modes: dofs (rows × 2) and shapes (rows × modes).
+    progress: is called with what is being done and how much of it is."""
+    if not isinstance(interfaces, Mapping) or not interfaces:
+        raise InputError("interfaces: at least one is needed, as {'pivot': 'set:pivot'}")
+    options = _core.ReductionOptions()
+    options.basis = _index("basis", basis, _bases)
+    options.frame = _index("frame", frame, _frames)
+    options.modes = _count("modes", modes)
+    options.free_modes = _count("free_modes", free_modes)
+    options.max_frequency = _at_least_0("max_frequency", max_frequency)
+    options.krylov_frequency = _at_least_0("krylov_frequency", krylov_frequency)
+    options.effective_mass = _at_least_0("effective_mass", effective_mass)
+    options.damping = _at_least_0("damping", damping)
+    options.geometric_stiffness = bool(geometric_stiffness)
+    options.interfaces = [_interface(_checks.text("interfaces", key), value) for key, value in interfaces.items()]
+    options.loads = [
+        (_checks.text("loads", key), _selection(f"load {key!r}", where), _vector(f"load {key!r}", force))
+        for key, (where, force) in (loads or {}).items()
+    ]
+    if user_modes is not None:
+        options.user_dofs = _dofs("user_modes", user_modes[0])
+        options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", user_modes[1], 2))
+    options.report = progress
+    model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, units)
+    reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
+    return ReducedBody(reduction.body, reduction)
+
+
+def _model(
+    source: Any,
+    stiffness: Any,
+    mass: Any,
+    nodes: Any,
+    dofs: Any,
+    materials: dict[str, tuple[float, float, float]],
+    thickness: Any,
+    units: str,
+) -> tuple[_core.FeModel, str]:
+    """The finite-element model, and what it may be called."""
+    factors = _units[_checks.known("unit system", units, _units)]
+    if isinstance(source, str | os.PathLike):
+        given = (mass, nodes, dofs)
+        names = ("mass", "nodes", "dofs")
+        a, b, c = ("" if file is None else _checks.path(name, file) for name, file in zip(names, given, strict=True))
+        return _core.read_fe(_checks.path("source", source), a, b, c, materials, factors), Path(source).stem
+    if source is not None:
+        return _mesh(source, materials, thickness), "body"
+    if stiffness is None or mass is None or nodes is None:
+        raise InputError("reduce: a file, a mesh, or stiffness, mass and nodes are needed")
+    points = np.asfortranarray(_checks.array("nodes", nodes, 2))
+    if points.shape[1] != 3:
+        raise InputError(f"nodes: three coordinates each are needed, not {points.shape[1]}")
+    k, m = _sparse("stiffness", stiffness), _sparse("mass", mass)
+    if dofs is None:
+        per_node, rest = divmod(k.shape[0], len(points)) if len(points) else (0, 1)
+        if rest or per_node not in (3, 6):
+            raise InputError(
+                f"dofs: {k.shape[0]} rows are not 3 or 6 for each of {len(points)} nodes; say of which "
+                "node and direction each is"
+            )
+        dofs = np.stack(np.divmod(np.arange(k.shape[0]), per_node), axis=1)
+    return _core.fe_from_matrices(k, m, points, _dofs("dofs", dofs)), "body"
+
+
+def _mesh(mesh: Any, materials: dict[str, tuple[float, float, float]], thickness: Any) -> _core.FeModel:
+    """The model of a mesh as meshio has it. Blocks of points and lines only make node sets."""
+    try:
+        points, blocks = mesh.points, mesh.cells
+    except AttributeError:
+        raise InputError(f"reduce: a file's name or a meshio mesh is needed, not {_checks.described(mesh)}") from None
+    groups, sets = (
+        [],
+        {name: np.asarray(nodes).tolist() for name, nodes in getattr(mesh, "point_sets", {}).items()},
+    )
+    names = ["" for _ in blocks]
+    for name, members in getattr(mesh, "cell_sets", {}).items():
+        for k, cells in enumerate(members):
+            if cells is None or not len(cells):
+                continue
+            sets[name] = sorted(
+                {*sets.get(name, []), *np.unique(blocks[k].data[np.asarray(cells, dtype=int)]).tolist()}
+            )
+            if len(cells) == len(blocks[k].data):
+                names[k] = name
+    solid = any(block.type.startswith(("tetra", "hexahedron", "wedge")) for block in blocks)
+    for name, block in zip(names, blocks, strict=True):
+        if block.type in ("vertex", "line", "line3") or (solid and block.type.startswith(("triangle", "quad"))):
+            continue
+        depth = thickness.get(name, 0.0) if isinstance(thickness, Mapping) else thickness
+        groups.append((block.type, name, np.asarray(block.data).ravel().tolist(), _checks.number("thickness", depth)))
+    return _core.fe_from_mesh(np.asfortranarray(_checks.array("points", points, 2)), groups, materials, sets)
+
+
+def _interface(name: str, given: object) -> tuple[Any, ...]:
+    interface = given if isinstance(given, Interface) else Interface(given)  # type: ignore[arg-type]
+    what = f"interface {name!r}"
+    motions = [0] * 6
+    for words, kind in ((interface.free, 1), (interface.held, 2)):
+        for word in words.split(",") if isinstance(words, str) else words:
+            k = _index(what, word, _motions)
+            if motions[k] not in (0, kind):
+                raise InputError(f"{what}: {word} is free and held at once")
+            motions[k] = kind
+    axes = None if interface.axes is None else np.asfortranarray(_checks.array(f"{what}: axes", interface.axes, 2))
+    if axes is not None and (
+        axes.shape != (3, 3) or not np.allclose(axes.T @ axes, np.eye(3), atol=1e-9) or np.linalg.det(axes) < 0
+    ):
+        raise InputError(f"{what}: axes are the columns of a 3 × 3 rotation matrix")
+    point = None if interface.point is None else _vector(f"{what}: point", interface.point)
+    return (
+        name,
+        _selection(what, interface.nodes),
+        _index(f"{what}: tie", interface.tie, ("rigid", "mean")) == 1,
+        point,
+        axes,
+        motions,
+    )
+
+
+def _selection(what: str, nodes: object) -> str | list[int]:
+    if isinstance(nodes, str):
+        return _checks.text(what, nodes)
+    labels = np.asarray(nodes)
+    if labels.ndim != 1 or not len(labels) or not np.issubdtype(labels.dtype, np.integer):
+        raise InputError(
+            f"{what}: a selection such as 'set:NAME', or a list of nodes' numbers is needed, "
+            f"not {_checks.described(nodes)}"
+        )
+    return [int(label) for label in labels]
+
+
+def _dofs(what: str, given: object) -> list[tuple[int, int]]:
+    dofs = np.asarray(given)
+    if dofs.ndim != 2 or dofs.shape[1] != 2 or not np.issubdtype(dofs.dtype, np.integer):
+        raise InputError(
+            f"{what}: rows of two whole numbers are needed, node and direction, not {_checks.described(given)}"
+        )
+    if dofs.size and (np.abs(dofs) >= 2**31).any():
+        raise InputError(f"{what}: numbers below 2**31 are needed")
+    return [(int(node), int(direction)) for node, direction in dofs]
+
+
+def _sparse(what: str, given: Any) -> Any:
+    """A SciPy matrix by columns, of finite numbers, as the library takes it."""
+    import scipy.sparse
+
+    try:
+        matrix = scipy.sparse.csc_matrix(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: a SciPy matrix is needed, not {_checks.described(given)}") from None
+    if not np.isfinite(matrix.data).all():
+        raise InputError(f"{what}: has entries that are not finite")
+    matrix.sum_duplicates()
+    difference = abs(matrix - matrix.T).max() if matrix.shape[0] == matrix.shape[1] and matrix.nnz else 0.0
+    if matrix.shape[0] != matrix.shape[1] or difference > 1e-9 * abs(matrix).max():
+        raise InputError(f"{what}: a symmetric matrix is needed, full (both triangles)")
+    return matrix
+
+
+def _materials(given: Any) -> dict[str, tuple[float, float, float]]:
+    named = given if isinstance(given, Mapping) else {} if given is None else {"": given}
+    materials = {}
+    for name, values in named.items():
+        numbers = _checks.array(f"material {name!r}", values)
+        if len(numbers) != 3:
+            raise InputError(f"material {name!r}: Young's modulus, Poisson's ratio and density are needed")
+        materials[_checks.text("materials", name)] = (numbers[0].item(), numbers[1].item(), numbers[2].item())
+    return materials
+
+
+def _vector(what: str, given: object) -> Floats:
+    vector = _checks.array(what, given)
+    if len(vector) != 3:
+        raise InputError(f"{what}: three numbers are needed, not {len(vector)}")
+    return vector
+
+
+def _index(what: str, word: object, words: tuple[str, ...]) -> int:
+    return words.index(_checks.known(f"{what}:", word, words))
+
+
+def _count(what: str, given: object) -> int:
+    value = _checks.number(what, given)
+    if value != int(value) or not 0 <= value <= 1000:
+        raise InputError(f"{what}: is {value:g}; a whole number from 0 to 1000 is needed")
+    return int(value)
+
+
+def _at_least_0(what: str, given: object) -> float:
+    value = _checks.number(what, given)
+    if value < 0:
+        raise InputError(f"{what}: is {value:g}; it cannot be below 0")
+    return value

@@ -1,0 +1,92 @@
+"""A model in motion, step by step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _checks, _core
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from typing import Literal
+
+    from typing_extensions import Self, Unpack
+
+    from .model import Model
+
+
+class Method(TypedDict, total=False):
+    """How a model is computed, where the model is not to say it (docs/model-file.md, `simulation`)."""
+
+    step: float  #: s
+    formulation: Literal["relative", "natural"]
+    inertia: Literal["integrals", "projection", "projection_translations"]
+    formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
+    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve"]
+    rho: float
+    xi: float
+    tolerance: float
+
+
+_words = ("formulation", "inertia", "formalism", "integrator")
+_numbers = ("step", "rho", "xi", "tolerance")
+
+
+def checked_method(method: Method) -> _core.Method:
+    given: dict[str, Any] = {}
+    for name, value in method.items():
+        if name not in _words + _numbers:
+            near = _core.did_you_mean(name, [*_words, *_numbers])
+            raise InputError(f"there is no option {name!r}{near}; there are: {', '.join(_numbers + _words)}")
+        if value is not None:
+            given[name] = _checks.text(name, value) if name in _words else _checks.number(name, value)
+    return _core.method(**given)
+
+
+class Simulation(_core.Simulation):
+    """A compiled model in motion. One thread at a time may use it; any number of simulations share a model.
+
+    `step()` and `step_until()` leave the interpreter to other threads. What is asked for by name at every step is
+    faster by handle: `throttle = sim.input("throttle")`, then `throttle.value = 0.5`; `z = sim.channel("chassis.z")`,
+    then `z.value`; or many at once by `input_array` and `channel_array`."""
+
+    def __init__(self, model: Model, **method: Unpack[Method]) -> None:
+        super().__init__(model._compiled, checked_method(method))
+        self._model = model
+        self._method = method
+
+    @property
+    def model(self) -> Model:
+        return self._model
+
+    def pose(self, body: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Position (m) and rotation matrix of a body's frame now, global."""
+        position, rotation = self.pose_parts(body)
+        return np.array(position), np.array(rotation).reshape(3, 3)
+
+    def clone(self) -> Self:
+        """Another simulation in the same state: both go on to the same bits."""
+        other = type(self)(self._model, **self._method)
+        other.restore(self.save())
+        return other
+
+    def __copy__(self) -> Self:
+        return self.clone()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self.clone()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (type(self), self._model, self._method, self.save())
+
+    def __repr__(self) -> str:
+        return f"<mimbre.Simulation of {self._model.title!r} at t = {self.time:g} s>"
+
+
+def _unpickled(kind: type[Simulation], model: Model, method: Method, state: bytes) -> Simulation:
+    simulation = kind(model, **method)
+    simulation.restore(state)
+    return simulation

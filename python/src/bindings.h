@@ -1,0 +1,19 @@
+#pragma once
+#include <nanobind/nanobind.h>
+
+/// The module mimbre._core: what of the library Python sees, one function for each file beside this one. It
+/// is thin: words, units and labels are given by the Python files, which are the package's interface.
+namespace mimbre::python {
+
+namespace nb = nanobind;
+
+void bind_analysis(nb::module_& module);
+void bind_errors(nb::module_& module);
+void bind_model(nb::module_& module);
+void bind_reduction(nb::module_& module);
+void bind_results(nb::module_& module);
+void bind_run(nb::module_& module);
+void bind_simulation(nb::module_& module);
+void bind_user_law(nb::module_& module);
+
+}  // namespace mimbre::python

@@ -1,0 +1,15 @@
+#include "bindings.h"
+
+NB_MODULE(_core, module) {
+  module.doc() = "The compiled part of mimbre; use `import mimbre`.";
+  // Exceptions that are kept until the end keep their runs: no fault of the module.
+  nanobind::set_leak_warnings(false);
+  mimbre::python::bind_errors(module);
+  mimbre::python::bind_user_law(module);
+  mimbre::python::bind_model(module);
+  mimbre::python::bind_reduction(module);
+  mimbre::python::bind_results(module);
+  mimbre::python::bind_run(module);
+  mimbre::python::bind_simulation(module);
+  mimbre::python::bind_analysis(module);
+}

@@ -1,0 +1,100 @@
+#include "mimbre/results.h"
+
+#include <fmt/format.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+
+#include "bindings.h"
+#include "mimbre/report.h"
+
+namespace mimbre::python {
+namespace {
+
+/// What NumPy sees of memory that belongs to a Results.
+using View1 = nb::ndarray<nb::numpy, const double, nb::ndim<1>>;
+using View2 = nb::ndarray<nb::numpy, const double, nb::ndim<2>>;
+using Copy3 = nb::ndarray<nb::numpy, double, nb::ndim<3>>;
+using Self = nb::handle_t<Results>;
+
+const Results& get(Self self) { return nb::cast<const Results&>(self); }
+
+View1 time_of(Self self) {
+  const Results& results = get(self);
+  return View1(results.time.data(), {static_cast<std::size_t>(results.time.size())}, self);
+}
+
+View1 column_of(Self self, Eigen::Index column) {
+  const Results& results = get(self);
+  if (column < 0 || column >= results.channels.cols())
+    throw nb::index_error(fmt::format("there is no channel number {}", column).c_str());
+  return View1(results.channels.col(column).data(), {static_cast<std::size_t>(results.channels.rows())},
+               self);
+}
+
+View2 modes_of(Self self) {
+  const Eigen::MatrixXd& modes = get(self).modes;
+  return View2(modes.data(), {static_cast<std::size_t>(modes.rows()), static_cast<std::size_t>(modes.cols())},
+               self, {1, modes.rows()});
+}
+
+/// Instants × bodies × (position, quaternion w x y z).
+Copy3 poses_of(const Results& results) {
+  const std::size_t instants = results.poses.size(), bodies = results.header.bodies.size(),
+                    size = instants * bodies * 7;
+  auto values = std::make_unique<double[]>(size);
+  double* to = values.get();
+  for (const auto& poses : results.poses) to = std::copy(poses.data(), poses.data() + poses.size(), to);
+  const nb::capsule owner(values.get(), [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  return Copy3(values.release(), {instants, bodies, 7}, owner);
+}
+
+void write(const Results& results, const std::string& path) {
+  const nb::gil_scoped_release others_run;
+  ResultsWriter writer(path, results.header);
+  for (Eigen::Index k = 0; k < results.time.size(); ++k)
+    writer.add({results.time[k], results.channels.row(k).transpose(),
+                results.poses[static_cast<std::size_t>(k)], results.modes.row(k).transpose()});
+  writer.finish(results.summary_json);
+}
+
+}  // namespace
+
+void bind_results(nb::module_& module) {
+  nb::class_<Results>(module, "Results", "Everything of a run.")
+      .def_prop_ro("title", [](const Results& r) { return r.header.title; })
+      .def_prop_ro("model_text", [](const Results& r) { return r.header.model_text; })
+      .def_prop_ro("options_json", [](const Results& r) { return r.header.options_json; })
+      .def_prop_ro("summary_json", [](const Results& r) { return r.summary_json; })
+      .def_prop_ro("step", [](const Results& r) { return r.header.step; })
+      .def_prop_ro("time", &time_of, nb::rv_policy::automatic)
+      .def_prop_ro(
+          "channels",
+          [](const Results& r) {
+            std::vector<std::tuple<std::string, std::string, std::string>> list;
+            for (const ChannelInfo& c : r.header.channels) list.emplace_back(c.name, c.unit, c.meaning);
+            return list;
+          },
+          "Name, unit and meaning of each.")
+      .def_prop_ro("bodies",
+                   [](const Results& r) {
+                     std::vector<std::string> names;
+                     for (const BodyDrawing& body : r.header.bodies) names.push_back(body.name);
+                     return names;
+                   })
+      .def("column", &column_of, nb::arg("column"), "A channel, without a copy.")
+      .def_prop_ro("modes", &modes_of, nb::rv_policy::automatic)
+      .def_prop_ro("poses", &poses_of, nb::rv_policy::automatic)
+      .def("write", &write, nb::arg("path"))
+      .def(
+          "report", [](const Results& r) { return report_html(r); }, nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "write_report", [](const Results& r, const std::string& path) { write_report(r, path); },
+          nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+  module.def("read_results", &read_results, nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+}
+
+}  // namespace mimbre::python

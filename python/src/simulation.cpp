@@ -1,0 +1,278 @@
+#include "mimbre/simulation.h"
+
+#include <fmt/format.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+
+#include "app/common.h"
+#include "attention.h"
+#include "bindings.h"
+#include "loaded_model.h"
+
+namespace mimbre::python {
+namespace {
+
+/// Numbers of Python that stand for inputs or channels: those are taken from there before each step, these
+/// are put there after it.
+struct Live {
+  std::vector<int> numbers;
+  std::shared_ptr<std::vector<double>> values;
+};
+
+/// A Simulation for Python: one thread at a time, which others are told instead of crashing.
+class Stepper {
+ public:
+  Stepper(const LoadedModel& loaded, const MethodChoice& method)
+      : simulation_([&] {
+          const nb::gil_scoped_release others_run;
+          return Simulation(loaded.model, method.options(loaded.model->spec().simulation));
+        }()) {}
+
+  /// The simulation, for this thread alone as long as the turn lasts.
+  class Turn {
+   public:
+    explicit Turn(Stepper& stepper) : stepper_(stepper) {
+      if (stepper.taken_.exchange(true))
+        throw app::Failure("another thread is stepping this simulation; clone() makes one of its own");
+    }
+    ~Turn() { stepper_.taken_ = false; }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    Simulation* operator->() const { return &stepper_.simulation_; }
+    Simulation& operator*() const { return stepper_.simulation_; }
+
+   private:
+    Stepper& stepper_;
+  };
+
+  void step(std::int64_t count) {
+    go([&](Simulation& simulation, Attention& attention) {
+      StepReport report;
+      for (std::int64_t k = 0; k < count && report.ok(); ++k) {
+        if (k > 0 && attention.stop()) break;
+        report = one_step([&] { return simulation.step(); });
+      }
+      return report;
+    });
+  }
+
+  /// With the steps of a run to `time`: a rest that is no whole step is one, or, less than a thousandth of a
+  /// step, goes to the last.
+  void step_until(double time) {
+    go([&](Simulation& simulation, Attention& attention) {
+      StepReport report;
+      const double rest = time - simulation.time(), step = simulation.step_size();
+      if (!std::isfinite(time) || rest < 0)
+        throw InputError(Mark{},
+                         fmt::format("step_until: {} s is not after now, t = {} s", time, simulation.time()));
+      if (rest == 0) return report;
+      const double steps = std::max(1.0, std::ceil(rest / step - 1e-3));
+      for (double k = 1; k <= steps && report.ok(); ++k) {
+        if (k > 1 && attention.stop()) break;
+        report = one_step([&] { return k < steps ? simulation.step() : simulation.step_to(time); });
+      }
+      return report;
+    });
+  }
+
+  nb::bytes save() {
+    const std::vector<std::byte> block = Turn(*this)->save().bytes();
+    return nb::bytes(block.data(), block.size());
+  }
+  void restore(const nb::bytes& block) {
+    const Turn turn(*this);
+    turn->restore(
+        Simulation::Snapshot::from_bytes({reinterpret_cast<const std::byte*>(block.c_str()), block.size()}));
+    put_channels();
+  }
+
+  /// An array that inputs are taken from before each step, or that has channels' values after it.
+  using Array = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+  Array live_inputs(const std::vector<std::string>& names) {
+    const Turn turn(*this);
+    Live live{{}, std::make_shared<std::vector<double>>()};
+    for (const std::string& name : names) live.numbers.push_back(turn->input(name));
+    for (const int input : live.numbers) live.values->push_back(turn->input_value(input));
+    return array(inputs_.emplace_back(std::move(live)));
+  }
+  Array live_channels(const std::vector<std::string>& names) {
+    const Turn turn(*this);
+    Live live{{}, std::make_shared<std::vector<double>>(names.size())};
+    for (const std::string& name : names) live.numbers.push_back(turn->channel(name).index);
+    channels_.push_back(live);
+    put_channels();
+    return array(live);
+  }
+
+ private:
+  /// Steps without the interpreter's lock, then tells what went wrong.
+  template <class Steps>
+  void go(const Steps& steps) {
+    const Turn turn(*this);
+    Attention attention;
+    StepReport report;
+    {
+      const nb::gil_scoped_release others_run;
+      report = steps(*turn, attention);
+    }
+    put_channels();
+    attention.raise();
+    if (!report.ok()) throw app::Failure(turn->explain(report));
+  }
+
+  template <class Step>
+  StepReport one_step(const Step& step) {
+    for (const Live& live : inputs_)
+      for (std::size_t k = 0; k < live.numbers.size(); ++k) {
+        const double value = (*live.values)[k];
+        if (!std::isfinite(value))
+          throw InputError(Mark{}, fmt::format("input '{}': is {}; a finite number is needed",
+                                               name_of(live.numbers[k]), value));
+        simulation_.set_input(live.numbers[k], value);
+      }
+    return step();
+  }
+
+  std::string name_of(int input) const { return simulation_.inputs()[static_cast<std::size_t>(input)].name; }
+
+  void put_channels() {
+    for (const Live& live : channels_)
+      for (std::size_t k = 0; k < live.numbers.size(); ++k)
+        (*live.values)[k] = simulation_.value({live.numbers[k]});
+  }
+
+  /// The memory outlives the simulation where Python still looks at it.
+  static Array array(const Live& live) {
+    auto owner = std::make_unique<std::shared_ptr<std::vector<double>>>(live.values);
+    const nb::capsule capsule(
+        owner.get(), [](void* p) noexcept { delete static_cast<std::shared_ptr<std::vector<double>>*>(p); });
+    owner.release();
+    return Array(live.values->data(), {live.values->size()}, capsule);
+  }
+
+  Simulation simulation_;
+  std::vector<Live> inputs_, channels_;
+  std::atomic<bool> taken_{false};
+};
+
+using Turn = Stepper::Turn;
+
+/// An input of one simulation, found once.
+struct InputHandle {
+  Stepper* stepper;
+  int number;
+
+  double get() const { return Turn(*stepper)->input_value(number); }
+  void set(double value) const {
+    const Turn turn(*stepper);
+    if (!std::isfinite(value))
+      throw InputError(Mark{},
+                       fmt::format("input '{}': is {}; a finite number is needed", info(turn).name, value));
+    turn->set_input(number, value);
+  }
+  spec::Input information() const { return info(Turn(*stepper)); }
+
+ private:
+  const spec::Input& info(const Turn& turn) const { return turn->inputs()[static_cast<std::size_t>(number)]; }
+};
+
+struct ChannelHandle {
+  Stepper* stepper;
+  int number;
+
+  double get() const { return Turn(*stepper)->value({number}); }
+  ChannelInfo information() const { return Turn(*stepper)->channels()[static_cast<std::size_t>(number)]; }
+};
+
+std::map<std::string, double> energy_of(Stepper& stepper) {
+  const Turn turn(stepper);
+  std::map<std::string, double> terms;
+  for (const EnergyTerm& term : energy_terms) terms[term.name] = turn->energy().*term.value;
+  return terms;
+}
+
+/// Position, and rotation matrix by rows.
+auto pose_of(Stepper& stepper, const std::string& body) {
+  const Turn turn(stepper);
+  const spec::Pose pose = turn->pose(turn->body(body));
+  std::vector<double> position(pose.position.data(), pose.position.data() + 3), rotation;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) rotation.push_back(pose.rotation(row, column));
+  return std::tuple(position, rotation);
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& module) {
+  nb::class_<InputHandle>(module, "Input", "An input or a tunable parameter of a simulation.")
+      .def_prop_rw("value", &InputHandle::get, &InputHandle::set,
+                   "Its value; what is set is kept within its range and counts from the next step on.")
+      .def_prop_ro("name", [](const InputHandle& i) { return i.information().name; })
+      .def_prop_ro("unit", [](const InputHandle& i) { return i.information().unit; })
+      .def_prop_ro("min", [](const InputHandle& i) { return i.information().min; })
+      .def_prop_ro("max", [](const InputHandle& i) { return i.information().max; })
+      .def_prop_ro("tunable", [](const InputHandle& i) { return i.information().tunable; });
+  nb::class_<ChannelHandle>(module, "ChannelNow", "A channel of a simulation.")
+      .def_prop_ro("value", &ChannelHandle::get, "Its value now.")
+      .def_prop_ro("name", [](const ChannelHandle& c) { return c.information().name; })
+      .def_prop_ro("unit", [](const ChannelHandle& c) { return c.information().unit; })
+      .def_prop_ro("meaning", [](const ChannelHandle& c) { return c.information().meaning; });
+  nb::class_<Stepper>(module, "Simulation", "A compiled model in motion.")
+      .def(nb::init<const LoadedModel&, const MethodChoice&>(), nb::arg("model"), nb::arg("method"))
+      .def("step", &Stepper::step, nb::arg("count") = 1,
+           "Makes a step, or `count` of them. Raises SimulationError where one fails: then the state is that "
+           "before it.")
+      .def("step_until", &Stepper::step_until, nb::arg("time"),
+           "Steps to that time (s), as a run does: the last step is shorter where it is no whole number.")
+      .def_prop_ro(
+          "time", [](Stepper& s) { return Turn(s)->time(); }, "s")
+      .def_prop_ro(
+          "step_size", [](Stepper& s) { return Turn(s)->step_size(); }, "s")
+      .def_prop_ro("coordinates", [](Stepper& s) { return Turn(s)->coordinates(); })
+      .def_prop_ro("energy", &energy_of, "Terms of the energy balance so far, J.")
+      .def_prop_ro("warnings", [](Stepper& s) { return Turn(s)->warnings(); })
+      .def_prop_ro(
+          "fingerprint", [](Stepper& s) { return Turn(s)->fingerprint(); }, "Tells models and methods apart.")
+      .def(
+          "input",
+          [](Stepper& s, const std::string& name) {
+            return InputHandle{&s, Turn(s)->input(name)};
+          },
+          nb::arg("name"), nb::keep_alive<0, 1>(), "The input, or tunable parameter, of that name.")
+      .def(
+          "channel",
+          [](Stepper& s, const std::string& name) {
+            return ChannelHandle{&s, Turn(s)->channel(name).index};
+          },
+          nb::arg("name"), nb::keep_alive<0, 1>(), "The channel of that name.")
+      .def("input_array", &Stepper::live_inputs, nb::arg("names"),
+           "An array whose values these inputs have from the next step on, at each step.")
+      .def("channel_array", &Stepper::live_channels, nb::arg("names"),
+           "An array that has these channels' values now, and after each step.")
+      .def("input_names",
+           [](Stepper& s) {
+             std::vector<std::string> names;
+             for (const spec::Input& input : Turn(s)->inputs()) names.push_back(input.name);
+             return names;
+           })
+      .def("channel_names",
+           [](Stepper& s) {
+             std::vector<std::string> names;
+             for (const ChannelInfo& channel : Turn(s)->channels()) names.push_back(channel.name);
+             return names;
+           })
+      .def("pose_parts", &pose_of, nb::arg("body"))
+      .def("save", &Stepper::save, "Everything that the next step depends on, for restore().")
+      .def("restore", &Stepper::restore, nb::arg("state"),
+           "Goes back to a saved state; the same bits follow from there.");
+}
+
+}  // namespace mimbre::python

@@ -1,0 +1,114 @@
+"""The program's other commands as functions: the same answers."""
+
+from __future__ import annotations
+
+import json
+
+import mimbre
+import numpy as np
+import pytest
+from conftest import program
+
+
+def test_the_static_equilibrium_is_the_program_s(examples):
+    path = examples / "iltis/suspension.yaml"
+    found = mimbre.static(mimbre.Model.from_file(path, drop=0.1))
+    said = json.loads(program("static", path, "--set", "drop=0.1", "--json"))
+    assert found.outputs == said["outputs"]
+    assert found.units == said["units"]
+    assert found["tyre.force"] == said["outputs"]["tyre.force"]
+    assert (found.stable, found.iterations) == (said["stable"], said["iterations"])
+    with pytest.raises(KeyError, match=r"did you mean 'tyre.force'"):
+        found["tyre.forc"]
+
+
+def test_the_equilibrium_of_a_model_in_code():
+    """A weight on a spring."""
+    m = mimbre.ModelBuilder()
+    m.add_body("mass", mass=2, com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("guide", type="prismatic", between=["ground", "mass"], at=[0, 0, 0], axis=[0, 0, 1])
+    m.add_spring("s", between=["ground", "mass"], at=[[0, 0, 1], [0, 0, 0]], elastic={"stiffness": 100, "zero": 1})
+    m.add_output("z", joint="guide")
+    assert mimbre.static(m.compile())["z"] == pytest.approx(-2 * 9.81 / 100)
+
+
+def test_verify_is_the_program_s(examples):
+    path = examples / "tutorial/pendulum.yaml"
+    found = mimbre.Model.from_file(path).verify(until=0.5, step=0.01)
+    said = json.loads(program("verify", path, "--until", 0.5, "--step", 0.01, "--json", "-q"))
+    assert found.agree is said["agree"] is True
+    assert found.refinement_ratio == said["refinement_ratio"]
+    assert found.verdict == said["verdict"]
+    assert found.failures == []
+    assert all(channel.agrees for channel in found.channels.values())
+    with pytest.raises(mimbre.InputError, match="both formulations"):
+        mimbre.Model.from_file(path).verify(formulation="natural")
+
+
+def test_compare_is_the_program_s(pendulum, tmp_path):
+    a, b = pendulum.run(until=1), pendulum.run(until=1, step=0.02)
+    found = mimbre.compare(a, b)
+    a.save(tmp_path / "a.h5")
+    b.save(tmp_path / "b.h5")
+    said = json.loads(program("compare", tmp_path / "a.h5", tmp_path / "b.h5", "--json"))["channels"]
+    assert set(found) == set(said)
+    for name, d in found.items():
+        assert (d.unit, d.max_difference, d.mean_difference, d.time, d.amplitude) == (
+            said[name]["unit"],
+            said[name]["max_difference"],
+            said[name]["mean_difference"],
+            said[name]["at_time"],
+            said[name]["amplitude"],
+        )
+        assert np.isinf(d.relative) or d.relative == said[name]["relative"]
+    assert mimbre.compare(tmp_path / "a.h5", a)["angle"].max_difference == 0
+    with pytest.raises(mimbre.InputError):
+        mimbre.compare(a, 3)  # type: ignore[arg-type]
+
+
+def test_stress_is_the_program_s(examples, pendulum, tmp_path):
+    run = mimbre.Model.from_file(examples / "solid-arm/suspension.yaml").run(until=0.2)
+    run.save(tmp_path / "run.h5")
+    found = mimbre.stress(tmp_path / "run.h5", spots=3)
+    said = json.loads(program("stress", tmp_path / "run.h5", "--json", "--spots", 3))["bodies"]
+    assert list(found) == [body["name"] for body in said]
+    for body in said:
+        for spot, wanted in zip(found[body["name"]], body["hot_spots"], strict=True):
+            assert spot.node == wanted["node"]
+            assert list(spot.position) == wanted["position"]
+            assert (spot.von_mises, spot.time, spot.stress) == (wanted["von_mises"], wanted["time"], wanted["stress"])
+    name = next(iter(found))
+    # A file has amplitudes in single precision.
+    assert mimbre.stress(run)[name][0].von_mises == pytest.approx(found[name][0].von_mises, rel=1e-6)
+    assert list(mimbre.stress(tmp_path / "run.h5", [name])) == [name]
+    with pytest.raises(mimbre.UnknownName, match="there is no body with stress 'nobody'"):
+        mimbre.stress(run, ["nobody"])
+    with pytest.raises(mimbre.InputError, match="no body has stress modes"):
+        mimbre.stress(pendulum.run(until=0.1))
+
+
+def test_select_is_the_program_s(examples, tmp_path):
+    path = examples / "iltis/suspension.yaml"
+    found = mimbre.select(mimbre.Model.from_file(path), "front_left.arm", error=0.05, until=0.5)
+    said = json.loads(
+        program(
+            "select", path, "--body", "front_left.arm", "--error", 5, "--end", 0.5, "-o", tmp_path / "b.h5", "--json"
+        )
+    )
+    assert found.body.modes == said["modes"]
+    assert found.achieved_error == pytest.approx(said["achieved_error"] / 100)
+    assert [mode.name for mode in found.kept] == [mode["name"] for mode in said["kept"]]
+    assert np.array_equal(found.body.stiffness, mimbre.ReducedBody.open(tmp_path / "b.h5").stiffness)
+    with pytest.raises(mimbre.UnknownName, match=r"did you mean 'front_left.arm'"):
+        mimbre.select(mimbre.Model.from_file(path), "front_left.arn")
+
+
+def test_convert_is_the_program_s(examples, tmp_path):
+    path = examples / "solid-arm/arm.h5"
+    body = mimbre.convert(path, tmp_path / "arm.sid", stress=False)
+    program("convert", path, "--to", "sid", "--no-stress", "-o", tmp_path / "theirs.sid")
+    assert (tmp_path / "arm.sid").read_bytes() == (tmp_path / "theirs.sid").read_bytes()
+    assert body.modes == mimbre.ReducedBody.open(tmp_path / "arm.sid").modes
+    mimbre.convert(body, tmp_path / "arm.fem")
+    with pytest.raises(mimbre.InputError):
+        mimbre.convert(path, tmp_path / "arm.txt")

@@ -1,0 +1,133 @@
+"""Sweeps: the values of single runs, by threads, processes and from a store."""
+
+from __future__ import annotations
+
+import concurrent.futures as futures
+import multiprocessing
+import os
+import signal
+
+import mimbre
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import qmc
+
+FILE = """
+mimbre: 1
+parameters: {k: {value: 2, min: 0, max: 10, tunable: true}, mass: {value: 0.6, min: 0.1, max: 5}}
+bodies: {bar: {mass: mass, com: [0.5, 0, 0], inertia: [1.0e-5, 0.05, 0.05]}}
+joints: {hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}}
+actuators: {motor: {joint: hinge, torque: "-k*angle"}}
+outputs: [{name: angle, joint: hinge}, {name: z, position: bar, component: z}]
+simulation: {step: 0.01, end: 0.5}
+"""
+GRID = {"k": [0.5, 1, 3.5], "mass": [0.6, 1.2]}
+
+
+@pytest.fixture
+def model() -> mimbre.Model:
+    return mimbre.Model.from_text(FILE)
+
+
+def test_a_grid_has_the_values_of_single_runs(model):
+    counts = []
+    data = mimbre.sweep(model, GRID, reduce=["max", "min", "mean", "rms", "last"], progress=lambda *n: counts.append(n))
+    assert data["angle"].dims == ("k", "mass", "reduction")
+    assert data["angle"].attrs["units"] == "rad"
+    assert (data.status == "ok").all()
+    assert counts[-1] == (6, 6)
+    for k in GRID["k"]:
+        for mass in GRID["mass"]:
+            angle = np.asarray(mimbre.Model.from_text(FILE, k=k, mass=mass).run()["angle"])
+            wanted = [angle.max(), angle.min(), angle.mean(), np.sqrt(np.mean(angle**2)), angle[-1]]
+            assert np.array_equal(data["angle"].sel(k=k, mass=mass), wanted)
+
+
+def test_histories_functions_lists_and_samples(model):
+    rows = mimbre.samples(qmc.Sobol(2, rng=1), 4, {"k": (1, 5), "mass": (0.5, 1)})
+    data = mimbre.sweep(model, rows, outputs="z", reduce="history", until=0.2)
+    assert data["z"].dims == ("run", "time")
+    for k, row in enumerate(rows):
+        assert 1 <= row["k"] <= 5
+        assert np.array_equal(data["z"][k], model._with(row).run(until=0.2)["z"])
+    table = (["k", "mass"], [[row["k"], row["mass"]] for row in rows])
+    assert mimbre.sweep(model, table, outputs=["z"], reduce=np.ptp, until=0.2)["z"].to_numpy() == pytest.approx(
+        np.ptp(data["z"].to_numpy(), axis=1)
+    )
+
+
+def test_failures_are_rows_with_their_reason(model):
+    data = mimbre.sweep(model, {"mass": [0.6, -1.0, 1.0]})
+    assert list(data.status) == ["ok", "rejected", "ok"]
+    assert "from 0.1 to 5" in str(data.message[1].item())
+    assert np.isnan(data["angle"][1])
+    assert "from 0 to 10" in str(mimbre.sweep(model, {"k": [11]}).message[0].item())
+
+    def picky(history):
+        raise ZeroDivisionError("nothing there")
+
+    assert "nothing there" in str(mimbre.sweep(model, {"k": [1]}, reduce=picky).message[0].item())
+
+
+def test_a_store_is_taken_up_where_it_ended(model, tmp_path):
+    path = tmp_path / "study.h5"
+
+    def interrupt(done, total):
+        if done >= 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(mimbre.SweepInterrupted) as stopped:
+        mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}, store=path, progress=interrupt)
+    done = int((stopped.value.data.status == "ok").sum())
+    assert 3 <= done < 40
+    counts = []
+    data = mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}, store=path, progress=lambda *n: counts.append(n[0]))
+    assert counts[0] > done
+    assert sum(np.diff([done, *counts])) == 40 - done
+    xr.testing.assert_identical(data, mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}))
+    counts.clear()
+    again = mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}, store=path, progress=lambda *n: counts.append(n))
+    xr.testing.assert_identical(data, again)
+    assert not counts  # nothing was run
+    with pytest.raises(mimbre.InputError, match=r"another study: there until"):
+        mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}, store=path, until=0.1)
+
+
+def test_processes_give_the_same_bits(model):
+    with futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+        xr.testing.assert_identical(mimbre.sweep(model, GRID, executor=pool), mimbre.sweep(model, GRID))
+
+
+def test_mistakes_are_told_before_anything_runs(model):
+    for arguments, message in (
+        ({"parameters": {"mas": [1]}}, "there is no parameter 'mas'"),
+        ({"parameters": 3}, "names with lists of values"),
+        ({"parameters": [{"k": 1}, {"mass": 1}]}, "run 1 has mass"),
+        ({"parameters": GRID, "outputs": ["angel"]}, "did you mean 'angle'"),
+        ({"parameters": GRID, "reduce": "maximum"}, "there is no reduction"),
+        ({"parameters": GRID, "inputs": {"k": 1}}, "one of the parameters"),
+        ({"parameters": GRID, "executor": 5}, "a Dask Client or an executor"),
+        ({"parameters": {"k": [float("nan")]}}, "finite"),
+    ):
+        with pytest.raises(mimbre.InputError, match=message):
+            mimbre.sweep(model, **arguments)
+
+
+def test_a_dask_cluster_that_loses_a_worker_loses_no_row(model):
+    distributed = pytest.importorskip("distributed")
+    rows = {"k": np.linspace(0, 10, 120)}
+    with (
+        distributed.LocalCluster(3, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        victims = list(client.run(os.getpid).values())
+
+        def kill(done, total):
+            if victims and done > 10:
+                os.kill(victims.pop(), signal.SIGKILL)
+                victims.clear()
+
+        data = mimbre.sweep(model, rows, executor=client, until=5, progress=kill)
+    assert not victims
+    xr.testing.assert_identical(data, mimbre.sweep(model, rows, until=5))

@@ -1,0 +1,180 @@
+"""Mistakes that people make, and what they are told."""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+from pathlib import Path
+
+import mimbre
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+
+def body(m: mimbre.ModelBuilder, **keys):
+    m.add_body("bar", **{"mass": 1, "com": [0.5, 0, 0], "inertia": [0.01, 0.1, 0.1], **keys})
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    return m.compile()
+
+
+M = mimbre.Model
+PENDULUM = "examples/tutorial/pendulum.yaml"
+MISTAKES = {
+    "a file that is not there": (lambda p, f: M.from_file("pendulumm.yaml"), "there is no such file"),
+    "no file's name": (lambda p, f: M.from_file(5), "a file's name is needed, not 5 (int)"),
+    "a parameter that is not there": (lambda p, f: M.from_file(f, lenght=2), "did you mean 'length'?"),
+    "a parameter out of range": (lambda p, f: M.from_file(f, length=20), "20 is not a number from 0.1 to 10"),
+    "a parameter of the wrong type": (
+        lambda p, f: M.from_file(f, length=[1]),
+        "a number is needed, not [1] (list)",
+    ),
+    "no constructor": (lambda p, f: M(), "Model.from_file(path)"),
+    "a text as a time": (lambda p, f: p.run(until="5"), "until: a number is needed, not '5' (str)"),
+    "a time before the start": (lambda p, f: p.run(until=-1), "until: is -1; a number of seconds from 0"),
+    "a time that is none": (lambda p, f: p.run(until=float("nan")), "until: is nan; a finite number"),
+    "no step": (lambda p, f: p.run(step=0), "step: is 0; a number of seconds above 0"),
+    "a step longer than the run": (
+        lambda p, f: p.run(step=3, until=2),
+        "give a shorter step or a later until",
+    ),
+    "a method that is not there": (lambda p, f: p.run(formulation="relativ"), "did you mean 'relative'?"),
+    "an option that is not there": (lambda p, f: p.run(integratr="hht"), "did you mean 'integrator'?"),
+    "options that contradict": (
+        lambda p, f: p.run(integrator="newmark", rho=0.5),
+        "rho belongs to generalized_alpha and hht",
+    ),
+    "a radius out of range": (lambda p, f: p.run(rho=2), "rho: is 2; a number from 0 to 1"),
+    "an input that is not there": (lambda p, f: p.run(inputs={"torqe": 1}), "torq"),
+    "inputs that are no mapping": (lambda p, f: p.run(inputs=[1]), "inputs: names with values are needed"),
+    "an input's list without times": (
+        lambda p, f: p.run(inputs={"torque": ([0, 1], [1])}),
+        "2 times and 1 values",
+    ),
+    "an input's times that do not ascend": (
+        lambda p, f: p.run(inputs={"torque": ([1, 0], [1, 1])}),
+        "times do not ascend",
+    ),
+    "an input that is not finite": (lambda p, f: p.run(inputs={"torque": np.inf}), "input 'torque': is inf"),
+    "a channel that is not there": (lambda p, f: p.run()["angel"], "did you mean 'angle'?"),
+    "a channel by number": (lambda p, f: p.run()[0], "there is no channel 0"),
+    "a handle that is not there": (lambda p, f: p.simulation().channel("angel"), "did you mean 'angle'?"),
+    "an input's handle that is not there": (lambda p, f: p.simulation().input("torq"), "torq"),
+    "back in time": (lambda p, f: p.simulation().step_until(-1), "is not after now"),
+    "a mass below zero": (lambda p, f: body(mimbre.ModelBuilder(), mass=-1), "mass"),
+    "a mass that is no number": (
+        lambda p, f: body(mimbre.ModelBuilder(), mass=float("nan")),
+        "body 'bar': mass: is nan",
+    ),
+    "a unit that does not fit": (lambda p, f: body(mimbre.ModelBuilder(), mass="5 mm"), "mass"),
+    "a vector of two": (lambda p, f: body(mimbre.ModelBuilder(), com=[1, 2]), "com"),
+    "an object in a model": (
+        lambda p, f: body(mimbre.ModelBuilder(), com=object()),
+        "is no number, text, list or map",
+    ),
+    "no interface": (lambda p, f: mimbre.reduce("x.inp", interfaces={}), "at least one is needed"),
+    "a mesh that is not there": (lambda p, f: mimbre.reduce("x.inp", interfaces={"a": "set:a"}), "x.inp"),
+    "matrices without nodes": (
+        lambda p, f: mimbre.reduce(stiffness=np.eye(3), mass=np.eye(3), interfaces={"a": [0]}),
+        "stiffness, mass and nodes are needed",
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_told(pendulum, examples, mistake):
+    make, said = MISTAKES[mistake]
+    with pytest.raises(mimbre.InputError) as wrong:
+        make(pendulum, examples / "tutorial/pendulum.yaml")
+    assert said in str(wrong.value)
+    assert wrong.value.diagnostics
+    assert all(isinstance(d, mimbre.Diagnostic) and d.message for d in wrong.value.diagnostics)
+
+
+def test_a_mistake_in_a_file_has_its_place(tmp_path):
+    path = tmp_path / "bad.yaml"
+    path.write_text("mimbre: 1\nbodies:\n  bar: {mass: heavy}\n  rod: {mas: 1}\n", encoding="utf-8")
+    with pytest.raises(mimbre.InputError) as wrong:
+        mimbre.Model.from_file(path)
+    places = {(d.file, d.line) for d in wrong.value.diagnostics}
+    assert {(str(path), 3), (str(path), 4)} <= places
+    again = pickle.loads(pickle.dumps(wrong.value))
+    assert again.diagnostics == wrong.value.diagnostics
+    assert str(again) == str(wrong.value)
+
+
+def test_an_unknown_name_is_a_key_error_too(pendulum):
+    with pytest.raises(KeyError):
+        pendulum.run()["angel"]
+
+
+ANYTHING = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.text(max_size=8),
+    st.binary(max_size=8),
+    st.lists(st.floats(), max_size=4),
+    st.dictionaries(st.text(max_size=4), st.floats(), max_size=3),
+    st.just(object()),
+    st.builds(np.zeros, st.lists(st.integers(0, 3), max_size=3)),
+    st.complex_numbers(),
+    st.just(print),
+)
+
+
+@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_no_argument_crashes_the_interpreter(pendulum, tmp_path, data):
+    """Everything is called with anything; what is wrong is an exception."""
+    anything = data.draw(st.lists(ANYTHING, min_size=4, max_size=4))
+    a, b, c, d = anything
+    sim = pendulum.simulation()
+    run = pendulum.run(until=0.02)
+    keys = st.sampled_from(["mass", "com", "inertia", "reduced", "flexible", "frame", "shapes"])
+    chosen = {data.draw(keys): a, data.draw(keys): b}
+
+    def build():
+        m = mimbre.ModelBuilder("x" if a is None else a)
+        m.add_body("bar", **chosen)
+        m.add_output("o", position=c)
+        m.compile()
+
+    calls = [
+        lambda: mimbre.Model.from_text(a, **{"k": b}),
+        lambda: pendulum.run(until=min(a, 1.0), step=b, rho=c),
+        lambda: pendulum.run(inputs=a),
+        lambda: pendulum.run(inputs={"torque": a}, until=0.02),
+        lambda: pendulum.run(inputs={"torque": (a, b)}, until=0.02),
+        lambda: pendulum.run(formulation=a, integrator=b, until=0.02),
+        lambda: sim.step(a if not isinstance(a, int) else a % 100),
+        lambda: sim.step_until(a if not isinstance(a, float | int) else min(a, 1.0)),
+        lambda: sim.restore(a),
+        lambda: sim.input(a),
+        lambda: sim.channel(a),
+        lambda: setattr(sim.input("torque"), "value", a),
+        lambda: sim.input_array(a),
+        lambda: sim.channel_array(a),
+        lambda: sim.pose(a),
+        lambda: run[a],
+        lambda: run.poses(a),
+        lambda: mimbre.Run.open(a),
+        lambda: run.plot(a),
+        build,
+        lambda: mimbre.reduce(a, interfaces=b, modes=c),
+        lambda: mimbre.reduce(stiffness=a, mass=b, nodes=c, interfaces={"i": d}),
+        lambda: mimbre.reduce(stiffness=np.eye(6), mass=np.eye(6), nodes=np.zeros((2, 3)), dofs=a, interfaces={"i": b}),
+        lambda: mimbre.ReducedBody.open(a),
+        lambda: mimbre.Simulation(a, step=b),
+        lambda: mimbre.Simulation.__new__(mimbre.Simulation).step(),
+    ]
+    with contextlib.suppress(Exception):  # and not the end of the process
+        data.draw(st.sampled_from(calls))()
+
+
+def test_names_of_files_may_be_paths(pendulum, tmp_path):
+    run = pendulum.run(until=0.1)
+    run.save(Path(tmp_path) / "run.h5")
+    assert mimbre.Run.open(Path(tmp_path) / "run.h5").title == "Pendulum"

@@ -1,0 +1,81 @@
+"""The package as a whole: types, style, what it says of itself."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import re
+import subprocess
+import sys
+
+import mimbre
+import pytest
+from conftest import program, top
+
+PYTHON = ("python", "examples/python", "bench/python", "scripts/python-words")
+
+
+def passes(*command: str) -> None:
+    done = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False, cwd=top)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_types_are_right():
+    """In the strict sense of mypy, with the stubs as they are installed."""
+    passes("-m", "mypy", "-p", "mimbre")
+    passes("-m", "mypy", "examples/python", "bench/python", "python/tests/typed_use.py")
+
+
+def test_style_is_kept():
+    passes("-m", "ruff", "check", *PYTHON)
+    passes("-m", "ruff", "format", "--check", "--diff", *PYTHON)
+
+
+def test_the_words_are_those_of_the_schema():
+    passes("scripts/python-words", "--check")
+
+
+def test_versions_agree():
+    assert mimbre.__version__ == importlib.metadata.version("mimbre")
+    assert mimbre.__version__ in program("--version")
+
+
+@pytest.mark.parametrize("name", [path.name for path in sorted((top / "examples/python").glob("*.py"))])
+def test_an_example_runs(name, tmp_path):
+    """In a folder with what it reads, to which it may write."""
+    (tmp_path / "examples").symlink_to(top / "examples")
+    done = subprocess.run(
+        [sys.executable, top / "examples/python" / name],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_code_of_the_documentation_runs(tmp_path, monkeypatch):
+    """What README.md and docs/python.md show of models and runs."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    (tmp_path / "examples").symlink_to(top / "examples")
+    readme = (top / "README.md").read_text(encoding="utf-8").split("## From Python")[1].split("## From C++")[0]
+    names: dict[str, object] = {}
+    for code in re.findall(r"```python\n(.*?)```", readme, re.DOTALL):
+        exec(code, names)
+    docs = (top / "docs/python.md").read_text(encoding="utf-8")
+    m = mimbre.ModelBuilder()
+    m.add_body("bar", mass=0.6, com=[0, 0, -0.5], inertia=[0.1, 0.1, 0.1])
+    m.add_body("frame", mass=10, com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_input("torque", 0.0)
+    m.add_actuator("motor", joint="hinge", torque="torque")
+    m.add_output("angle", joint="hinge")
+    m.add_output("rate", joint_velocity="hinge")
+    monkeypatch.chdir(top / "examples/solid-arm")
+    blocks = [code for code in re.findall(r"```python\n(.*?)```", docs, re.DOTALL) if "from_file" not in code]
+    assert len(blocks) == 5
+    for code in blocks:
+        exec(code, {"mimbre": mimbre, "m": m, "model": m.compile()})

@@ -1,0 +1,155 @@
+"""Simulations, step by step: handles, states, copies."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import subprocess
+import sys
+import threading
+
+import mimbre
+import numpy as np
+import pytest
+
+
+def test_steps_are_those_of_a_run(pendulum):
+    run = pendulum.run(until=0.515)
+    sim = pendulum.simulation()
+    angle = sim.channel("angle")
+    values = [angle.value]
+    for _ in range(51):
+        sim.step()
+        values.append(angle.value)
+    sim.step_until(0.515)
+    values.append(angle.value)
+    assert np.array_equal(values, run["angle"])
+    other = pendulum.simulation()
+    other.step_until(0.515)
+    assert other.time == run.time[-1]
+    assert other.channel("angle").value == run["angle"][-1]
+    other = pendulum.simulation()
+    other.step(51)
+    assert other.channel("angle").value == run["angle"][51]
+
+
+def test_inputs_and_parameters_by_handle(pendulum):
+    sim = pendulum.simulation()
+    torque, k = sim.input("torque"), sim.input("k")
+    assert (torque.name, torque.min, torque.max, torque.tunable) == ("torque", -1, 1, False)
+    assert k.tunable
+    torque.value = 5
+    assert torque.value == 1  # kept within its range
+    k.value = 3.5
+    sim.step(10)
+    run = pendulum.run(inputs={"torque": 1, "k": 3.5}, until=0.1)
+    assert sim.channel("angle").value == run["angle"][-1]
+    assert sim.channel("angle").unit == "rad"
+    with pytest.raises(mimbre.InputError, match="nan"):
+        torque.value = float("nan")
+    assert torque.value == 1
+
+
+def test_arrays_of_inputs_and_channels_are_live(pendulum):
+    sim = pendulum.simulation()
+    u = sim.input_array(["torque", "k"])
+    y = sim.channel_array(["angle", "rate", "z"])
+    u[:] = 0.5, 1.5
+    address = y.__array_interface__["data"][0]
+    sim.step(20)
+    run = pendulum.run(inputs={"torque": 0.5, "k": 1.5}, until=0.2)
+    assert np.array_equal(y, [run[name][-1] for name in ("angle", "rate", "z")])
+    assert y.__array_interface__["data"][0] == address
+    u[0] = np.nan
+    with pytest.raises(mimbre.InputError, match=r"'torque': is nan"):
+        sim.step()
+    del sim
+    assert np.isfinite(y).all()  # the memory outlives the simulation
+
+
+def test_a_restored_state_goes_on_to_the_same_bits(pendulum, examples):
+    vehicle = mimbre.Model.from_file(examples / "iltis/vehicle.yaml")
+    for model, channel in ((pendulum, "angle"), (vehicle, "chassis.z")):
+        sim = model.simulation()
+        sim.step(15)
+        state = sim.save()
+        assert isinstance(state, bytes)
+        z = sim.channel_array([channel])
+        sim.step(15)
+        wanted = z.copy()
+        sim.restore(state)
+        sim.step(15)
+        assert z == wanted
+        for other in (sim.clone(), copy.copy(sim), copy.deepcopy(sim), pickle.loads(pickle.dumps(sim))):
+            assert other.time == sim.time
+            assert other.channel(channel).value == wanted[0]
+            assert other.save() == sim.save()
+
+
+def test_a_pickled_simulation_goes_on_in_another_process(examples, tmp_path):
+    sim = mimbre.Model.from_file(examples / "solid-arm/suspension.yaml").simulation(step=0.002)
+    sim.step(5)
+    (tmp_path / "sim").write_bytes(pickle.dumps(sim))
+    sim.step(5)
+    code = f"import pickle; s = pickle.load(open({str(tmp_path / 'sim')!r}, 'rb')); s.step(5); print(s.save().hex())"
+    other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert other.stdout.strip() == sim.save().hex()
+
+
+def test_a_state_of_another_model_is_refused(pendulum, examples):
+    other = mimbre.Model.from_file(examples / "tutorial/pendulum.yaml").simulation()
+    sim = pendulum.simulation()
+    for state in (
+        other.save(),
+        b"",
+        b"x" * 1000,
+        sim.save()[:-1],
+        sim.save()[:50] + b"\xff" + sim.save()[51:],
+    ):
+        with pytest.raises(mimbre.InputError):
+            sim.restore(state)
+    sim.step()
+
+
+def test_one_simulation_is_for_one_thread(pendulum):
+    """Others are told instead of crashing."""
+    sim = pendulum.simulation()
+    thread = threading.Thread(target=lambda: sim.step(300_000))
+    thread.start()
+    refused = 0
+    while thread.is_alive():
+        try:
+            _ = sim.time
+        except mimbre.SimulationError as error:
+            assert "another thread" in str(error)  # noqa: PT017
+            refused += 1
+    thread.join()
+    assert refused > 0
+    assert sim.time == pytest.approx(3000)
+
+
+def test_a_failed_step_leaves_the_state(pendulum):
+    m = mimbre.ModelBuilder()
+    m.add_body("bar", mass=1, com=[0.5, 0, 0], inertia=[1e-3, 0.1, 0.1])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_actuator("motor", joint="hinge", torque="t < 0.1 ? 0 : sqrt(0.1 - t)")
+    sim = m.compile().simulation()
+    with pytest.raises(mimbre.SimulationError):
+        sim.step(100)
+    time = sim.time
+    with pytest.raises(mimbre.SimulationError):
+        sim.step()
+    assert sim.time == time
+
+
+def test_energy_pose_and_names(pendulum):
+    sim = pendulum.simulation()
+    sim.step(30)
+    assert sim.energy["kinetic"] > 0
+    position, rotation = sim.pose("bar")
+    assert position[2] == sim.channel("z").value
+    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert sim.input_names() == ["torque", "k"] or sorted(sim.input_names()) == ["k", "torque"]
+    assert "angle" in sim.channel_names()
+    assert "0.3" in repr(sim)
+    assert sim.model is pendulum
