@@ -24,6 +24,9 @@ struct ModeSelectionOptions {
   RunOptions run;
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;
+  /// Called at every instant of output of the runs, if given. What it throws ends the selection; no
+  /// std::runtime_error, which is what a run that fails throws.
+  std::function<void()> attend;
 };
 
 /// Amplitudes of one body in a run, modes × instants.

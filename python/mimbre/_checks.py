@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import numbers
 import os
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -48,9 +48,20 @@ def array(name: str, value: Any, dimensions: int = 1) -> npt.NDArray[np.float64]
 def text(name: str, value: object) -> str:
     if not isinstance(value, str):
         raise InputError(f"{name}: a text is needed, not {described(value)}")
-    if "\0" in value:
-        raise InputError(f"{name}: a text without zero bytes is needed")
+    if not _writable(value):
+        raise InputError(f"{name}: {value!r} is no text that can be written: it has zero bytes or lone surrogates")
     return value
+
+
+def _writable(text: str) -> bool:
+    return "\0" not in text and not any("\ud800" <= letter <= "\udfff" for letter in text)
+
+
+def flag(name: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name}: True or False is needed, not {described(value)}")
+    return bool(value)
 
 
 def path(name: str, value: object) -> str:
@@ -60,12 +71,22 @@ def path(name: str, value: object) -> str:
     return text(name, os.fspath(value))
 
 
+Called = TypeVar("Called", bound="Callable[..., object] | None")
+
+
+def callback(progress: Called) -> Called:
+    """A function that is told how far long work is, or nothing."""
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress: a function is needed, not {described(progress)}")
+    return progress
+
+
 def known(what: str, name: object, names: Iterable[str]) -> str:
     """One of the names that there are."""
     all_names = list(names)
     if isinstance(name, str) and name in all_names:
         return name
-    near = did_you_mean(name, all_names) if isinstance(name, str) else ""
+    near = did_you_mean(name, all_names) if isinstance(name, str) and _writable(name) else ""
     there = ", ".join(all_names[:20]) + (", …" if len(all_names) > 20 else "")
     error = UnknownName(f"there is no {what} {name!r}{near}; there {'are: ' + there if there else 'is none'}")
     raise error

@@ -4,7 +4,7 @@ objects."""
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from . import _checks, _core
 from .errors import InputError
 from .reduction import ReducedBody
 from .run import Floats, Run
-from .simulation import Method, checked_method
+from .simulation import Method, checked_method, compiled
 
 if TYPE_CHECKING:
     from typing import Literal
@@ -41,7 +41,7 @@ class Equilibrium:
 
 def static(model: Model, **method: Unpack[Method]) -> Equilibrium:
     """The static equilibrium, as `mimbre static`. Raises SimulationError where none is found."""
-    found = _core.static_equilibrium(_model(model), checked_method(method))
+    found = _core.static_equilibrium(compiled(model), checked_method(method))
     outputs = {name: value for name, value, _ in found.outputs}
     units = {name: unit for name, _, unit in found.outputs}
     return Equilibrium(outputs, units, found.iterations, found.residual, found.stable, found.warnings)
@@ -70,11 +70,20 @@ class Verification:
     warnings: list[str]
 
 
-def verify(model: Model, *, until: float | None = None, refine: bool = True, **method: Unpack[Method]) -> Verification:
-    """Runs the model in both formulations and compares them, as `mimbre verify`; `refine`: at shorter steps too."""
+def verify(
+    model: Model,
+    *,
+    until: float | None = None,
+    refine: bool = True,
+    progress: Callable[[float], object] | None = None,
+    **method: Unpack[Method],
+) -> Verification:
+    """Runs the model in both formulations and compares them, as `mimbre verify`; `refine`: at shorter steps too.
+    `progress` is called with the time, s, that the run at hand has reached; there are two to six runs."""
     if "formulation" in method:
         raise InputError("verify: is of both formulations; leave 'formulation' out")
-    found = _core.verify(_model(model), checked_method(method), _checks.given("until", until), bool(refine))
+    end, refined = _checks.given("until", until), _checks.flag("refine", refine)
+    found = _core.verify(compiled(model), checked_method(method), end, refined, _checks.callback(progress))
     channels = {channel[0]: Apart(*channel[1:]) for channel in found.channels}
     return Verification(found.agree, found.verdict, found.ratio, channels, found.failures, found.warnings)
 
@@ -95,6 +104,17 @@ class Difference:
         if self.amplitude == 0:
             return 0.0 if self.max_difference == 0 else float("inf")
         return self.max_difference / self.amplitude
+
+
+def report(runs: Mapping[str, Run | str | os.PathLike[str]], path: str | os.PathLike[str]) -> None:
+    """Writes a page that draws runs, or results files, over each other, as `mimbre report A.h5 B.h5`; the first is what
+    the others are compared to, the names are their labels."""
+    if not isinstance(runs, Mapping):
+        raise InputError(
+            f"runs: names with runs are needed, {{'before': a, 'after': b}}, not {_checks.described(runs)}"
+        )
+    labelled = [(_checks.text("runs", label), _run(f"run '{label}'", run)._results) for label, run in runs.items()]
+    _core.write_comparison(labelled, _checks.path("path", path))
 
 
 def compare(a: Run | str | os.PathLike[str], b: Run | str | os.PathLike[str]) -> dict[str, Difference]:
@@ -177,23 +197,26 @@ def select(
     keep: Literal["combinations", "modes"] = "combinations",
     pre: Literal["candidates", "rigid"] = "candidates",
     until: float | None = None,
+    progress: Callable[[str, float], object] | None = None,
     **method: Unpack[Method],
 ) -> Selection:
     """Makes a body with the fewest modes whose deflections are within `error` (a ratio) of those with all, as `mimbre
-    select`. Raises SimulationError where none reaches it."""
+    select`. `progress` is called with what is being done and how much of it is. Raises SimulationError where no
+    selection reaches the error."""
     share, end = _checks.number("error", error), _checks.given("until", until)
     if not 0 < share <= 1:
         raise InputError(f"error: is {share:g}; a ratio above 0 and up to 1 is needed")
     if end is not None and end <= 0:
         raise InputError(f"until: is {end:g} s; a time above 0 is needed")
     found = _core.select(
-        _model(model),
+        compiled(model),
         checked_method(method),
         _checks.known("body", body, model.bodies),
         share,
         _checks.known("way to keep modes", keep, ("combinations", "modes")) == "combinations",
         _checks.known("ranking", pre, ("candidates", "rigid")) == "rigid",
         end,
+        _checks.callback(progress),
     )
     kept, dropped = ([Mode(*mode) for mode in modes] for modes in (found.kept, found.dropped))
     errors = (found.estimated_error, found.achieved_error)
@@ -209,13 +232,6 @@ def convert(
         body = ReducedBody(_core.without_stress(body._compiled))
     body.save(target)
     return body
-
-
-def _model(model: object) -> _core.Model:
-    compiled = getattr(model, "_compiled", None)
-    if not isinstance(compiled, _core.Model):
-        raise InputError(f"model: a mimbre.Model is needed, not {_checks.described(model)}")
-    return compiled
 
 
 def _run(name: str, run: object) -> Run:

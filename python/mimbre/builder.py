@@ -157,7 +157,13 @@ class Part:
                 place,
                 f"{what} '{name}': is added twice (first in {first.file}:{first.line}); remove or rename one",
             )
-        thing: object = {key.removesuffix("_"): copy.deepcopy(v) for key, v in keys.items()}
+        try:
+            _checks.text("its name", name)
+            thing: object = {key.removesuffix("_"): copy.deepcopy(v) for key, v in keys.items()}
+        except InputError as error:
+            raise _yaml.error(place, f"{what}: {error}") from None
+        except Exception as error:  # of objects that cannot be copied, such as modules
+            raise _yaml.error(place, f"{what} '{name}': {error}") from None
         if alone and value is not None:
             thing = {alone: value, **keys} if keys else value
         things[name] = (thing, place)
@@ -187,8 +193,8 @@ class ModelBuilder(Part):
     ) -> None:
         super().__init__()
         self._head: dict[str, tuple[object, Place]] = {}
-        for key, value in {"title": title or None, "gravity": gravity, "initial": initial}.items():
-            if value is not None:
+        for key, value in {"title": title, "gravity": gravity, "initial": initial}.items():
+            if value is not None and not (isinstance(value, str) and not value):
                 self._head[key] = (value, _caller())
         self._simulation: tuple[object, Place] | None = None
 

@@ -89,11 +89,12 @@ def law(name: str, function: object, signals: Sequence[str], states: Sequence[fl
         raise InputError(f"a function, of Python or a compiled one, is needed, not {_checks.described(function)}")
     if isinstance(signals, str):
         raise InputError(f"signals: a list of names is needed, not {_checks.described(signals)}")
-    if address is None and stores:
+    stored = _checks.flag("stores", stores)
+    if address is None and stored:
         raise InputError("stores: belongs to compiled laws; what a function of Python does counts as work")
     names = tuple(_checks.text("signals", signal) for signal in signals)
     values = tuple(_checks.array("states", states).tolist())
-    return Law(name, function, address, names, values, bool(stores))
+    return Law(name, function, address, names, values, stored)
 
 
 def _address(function: Any) -> int | None:

@@ -160,11 +160,14 @@ class Model:
         progress: is called now and then with the time (s).
 
         Ctrl-C raises Interrupted, a step that fails SimulationError: `error.run` has what was computed until then."""
-        if progress is not None and not callable(progress):
-            raise InputError(f"progress: a function of time is needed, not {_checks.described(progress)}")
         tables, functions = _inputs(inputs)
         finished = _core.run(
-            self._compiled, checked_method(method), _checks.given("until", until), tables, functions, progress
+            self._compiled,
+            checked_method(method),
+            _checks.given("until", until),
+            tables,
+            functions,
+            _checks.callback(progress),
         )
         run = Run(finished.results, finished.measured_json)
         if isinstance(finished.raised, KeyboardInterrupt):

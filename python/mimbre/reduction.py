@@ -220,7 +220,7 @@ def reduce(
     if user_modes is not None:
         options.user_dofs = _dofs("user_modes", user_modes[0])
         options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", user_modes[1], 2))
-    options.report = progress
+    options.report = _checks.callback(progress)
     model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, units)
     reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
     return ReducedBody(reduction.body, reduction)

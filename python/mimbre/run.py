@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _checks, _core
+from .errors import InputError
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -164,6 +165,20 @@ class Run(Mapping[str, Channel]):
             coords={"time": ("time", self.time, {"units": "s", "long_name": "time"})},
             attrs={"title": self.title, "step": self.step},
         )
+
+    def export(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        instants: int = 500,
+        progress: Callable[[float], object] | None = None,
+    ) -> str:
+        """Writes motion, deflection and stress for ParaView (VTK) into a folder, as `mimbre export`, at no more than
+        `instants` instants. Returns the name of the file to open. `progress` is called with the share that is done."""
+        most = _checks.number("instants", instants)
+        if most != int(most) or not 2 <= most <= 1_000_000:
+            raise InputError(f"instants: is {most:g}; a whole number from 2 to 1000000 is needed")
+        return self._results.export_vtk(_checks.path("folder", folder), int(most), _checks.callback(progress))
 
     # Pictures
 

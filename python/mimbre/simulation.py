@@ -46,6 +46,14 @@ def checked_method(method: Method) -> _core.Method:
     return _core.method(**given)
 
 
+def compiled(model: object) -> _core.Model:
+    """What a model holds, or the error of what is none."""
+    held = getattr(model, "_compiled", None)
+    if not isinstance(held, _core.Model):
+        raise InputError(f"model: a mimbre.Model is needed, not {_checks.described(model)}")
+    return held
+
+
 class Simulation(_core.Simulation):
     """A compiled model in motion. One thread at a time may use it; any number of simulations share a model.
 
@@ -54,7 +62,7 @@ class Simulation(_core.Simulation):
     then `z.value`; or many at once by `input_array` and `channel_array`."""
 
     def __init__(self, model: Model, **method: Unpack[Method]) -> None:
-        super().__init__(model._compiled, checked_method(method))
+        super().__init__(compiled(model), checked_method(method))
         self._model = model
         self._method = method
 
@@ -64,7 +72,7 @@ class Simulation(_core.Simulation):
 
     def pose(self, body: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Position (m) and rotation matrix of a body's frame now, global."""
-        position, rotation = self.pose_parts(body)
+        position, rotation = self.pose_parts(_checks.text("body", body))
         return np.array(position), np.array(rotation).reshape(3, 3)
 
     def clone(self) -> Self:

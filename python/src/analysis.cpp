@@ -48,7 +48,7 @@ StaticResult equilibrium(const LoadedModel& loaded, const MethodChoice& method) 
 }
 
 Verification verification(const LoadedModel& loaded, const MethodChoice& method, std::optional<double> until,
-                          bool refine) {
+                          bool refine, const std::optional<nb::callable>& progress) {
   const spec::Simulation& given = loaded.model->spec().simulation;
   VerifyOptions options;
   options.run = method.options(given);
@@ -56,8 +56,12 @@ Verification verification(const LoadedModel& loaded, const MethodChoice& method,
                until);  // else refused
   options.end = until.value_or(-1);
   options.refine = refine;
-  Attention attention;
+  double reached = 0;
+  Attention attention([&] {
+    if (progress) (*progress)(reached);
+  });
   options.stop = [&] { return attention.stop(); };
+  options.progress = [&](double time, double, double) { reached = time; };
   Verification result = computed(Mark{}, [&] { return verify(loaded.model, options); });
   attention.raise();
   return result;
@@ -106,7 +110,8 @@ std::map<std::string, std::vector<Spot>> spots_of(const Results& results, int mo
 }
 
 ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, const std::string& body,
-                        double error, bool combinations, bool rigid, std::optional<double> end) {
+                        double error, bool combinations, bool rigid, std::optional<double> end,
+                        const std::optional<nb::callable>& progress) {
   const spec::Model& model = loaded.model->spec();
   const auto at = std::find_if(model.bodies.begin(), model.bodies.end(),
                                [&](const spec::Body& other) { return other.name == body; });
@@ -118,7 +123,22 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
   options.end = end.value_or(0);
   options.run = method.options(model.simulation);
   const int number = static_cast<int>(at - model.bodies.begin());
-  ModeSelection result = computed(at->mark, [&] { return select_mechanism_modes(model, number, options); });
+  Attention attention;
+  struct Stopped {};
+  options.attend = [&] {
+    if (attention.stop()) throw Stopped();
+  };
+  if (progress)
+    options.progress = [&](const std::string& stage, double done) {
+      attention.call([&] { (*progress)(stage, done); });
+      options.attend();
+    };
+  ModeSelection result;
+  try {
+    result = computed(at->mark, [&] { return select_mechanism_modes(model, number, options); });
+  } catch (const Stopped&) {
+    attention.raise();
+  }
   if (!result.reached)
     throw app::Failure(
         fmt::format("no selection of the {} modes reaches {:.3g} %; the last {} are off by "
@@ -168,7 +188,7 @@ void bind_analysis(nb::module_& module) {
       .def_prop_ro("failures", &Verification::failures)
       .def_prop_ro("warnings", &Verification::warnings);
   module.def("verify", &verification, nb::arg("model"), nb::arg("method"), nb::arg("until").none(),
-             nb::arg("refine"));
+             nb::arg("refine"), nb::arg("progress").none());
 
   module.def("compare", &differences_of, nb::arg("a"), nb::arg("b"));
   module.def("stress", &spots_of, nb::arg("results"), nb::arg("most"), nb::arg("apart"));
@@ -182,7 +202,7 @@ void bind_analysis(nb::module_& module) {
       .def_ro("candidates", &ModeSelection::candidates)
       .def_ro("runs", &ModeSelection::runs);
   module.def("select", &selection, nb::arg("model"), nb::arg("method"), nb::arg("body"), nb::arg("error"),
-             nb::arg("combinations"), nb::arg("rigid"), nb::arg("end").none());
+             nb::arg("combinations"), nb::arg("rigid"), nb::arg("end").none(), nb::arg("progress").none());
   module.def("without_stress", &without_stress, nb::arg("body"));
 }
 

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "bindings.h"
 #include "mimbre/report.h"
+#include "mimbre/vtk.h"
 
 namespace mimbre::python {
 namespace {
@@ -61,6 +66,28 @@ void write(const Results& results, const std::string& path) {
   writer.finish(results.summary_json);
 }
 
+/// `progress` is called with the share that is done.
+std::string export_vtk(const Results& results, const std::string& folder, int instants,
+                       const std::optional<nb::callable>& progress) {
+  VtkOptions options;
+  options.most_instants = instants;
+  options.progress = [&](double done) {  // what Python raises leaves the older files as they were
+    const nb::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+    if (progress) (*progress)(done);
+  };
+  const nb::gil_scoped_release others_run;
+  return write_vtk(results, folder, options);
+}
+
+void write_comparison_of(const std::vector<std::pair<std::string, const Results*>>& runs,
+                         const std::string& path) {
+  const nb::gil_scoped_release others_run;
+  std::vector<ComparedRun> compared;
+  for (const auto& [label, results] : runs) compared.push_back({*results, {}, label});
+  write_comparison(compared, path);
+}
+
 }  // namespace
 
 void bind_results(nb::module_& module) {
@@ -93,7 +120,9 @@ void bind_results(nb::module_& module) {
           "report", [](const Results& r) { return report_html(r); }, nb::call_guard<nb::gil_scoped_release>())
       .def(
           "write_report", [](const Results& r, const std::string& path) { write_report(r, path); },
-          nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
+          nb::arg("path"), nb::call_guard<nb::gil_scoped_release>())
+      .def("export_vtk", &export_vtk, nb::arg("folder"), nb::arg("instants"), nb::arg("progress").none());
+  module.def("write_comparison", &write_comparison_of, nb::arg("runs"), nb::arg("path"));
   module.def("read_results", &read_results, nb::arg("path"), nb::call_guard<nb::gil_scoped_release>());
 }
 

@@ -19,8 +19,7 @@ def examples() -> Path:
     return top / "examples"
 
 
-@pytest.fixture(scope="session")
-def pendulum() -> mimbre.Model:
+def made_pendulum() -> mimbre.Model:
     """One coordinate, one output `angle`, an input and a tunable parameter that turn it."""
     m = mimbre.ModelBuilder("Pendulum")
     m.add_parameter("k", 2.0, min=0, max=10, tunable=True)
@@ -33,6 +32,11 @@ def pendulum() -> mimbre.Model:
     m.add_output("z", position="bar", component="z")
     m.set_simulation(step=0.01, end=2)
     return m.compile()
+
+
+@pytest.fixture(scope="session")
+def pendulum() -> mimbre.Model:
+    return made_pendulum()
 
 
 def program(*arguments: object, code: int = 0) -> str:

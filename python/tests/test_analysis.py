@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import mimbre
 import numpy as np
@@ -112,3 +114,77 @@ def test_convert_is_the_program_s(examples, tmp_path):
     mimbre.convert(body, tmp_path / "arm.fem")
     with pytest.raises(mimbre.InputError):
         mimbre.convert(path, tmp_path / "arm.txt")
+
+
+def test_long_work_tells_how_far_it_is_and_can_be_stopped(examples, tmp_path):
+    path = examples / "iltis/suspension.yaml"
+    model = mimbre.Model.from_file(path)
+    told: list[object] = []
+    mimbre.select(
+        model, "front_left.arm", error=0.05, until=0.2, progress=lambda stage, done: told.append((stage, done))
+    )
+    assert told[0] == ("run with all modes", 0)
+    assert all(0 <= done <= 1 for _, done in told)  # type: ignore[misc]
+
+    class Enough(Exception):
+        pass
+
+    def enough(*_: object) -> None:
+        raise Enough
+
+    run = mimbre.Model.from_file(examples / "tutorial/pendulum.yaml").run(until=0.5)
+    kept = tmp_path / "kept"
+    opened = run.export(kept)
+    before = {file.name: file.read_bytes() for file in kept.iterdir()}
+    for work in (
+        lambda: mimbre.select(model, "front_left.arm", progress=enough),
+        lambda: model.verify(progress=enough),
+        lambda: run.export(kept, progress=enough),
+    ):
+        with pytest.raises(Enough):
+            work()
+    assert {file.name: file.read_bytes() for file in kept.iterdir()} == before
+    assert opened == str(kept / "run.pvd")
+    for call in (model.verify, lambda progress: mimbre.select(model, "front_left.arm", progress=progress), model.run):
+        with pytest.raises(mimbre.InputError, match="progress: a function is needed, not 3"):
+            call(progress=3)
+
+
+@pytest.mark.parametrize("work", ["model.verify(until=1000)", "mimbre.select(model, 'front_left.arm', until=1000)"])
+def test_ctrl_c_ends_long_work(examples, work):
+    program = (
+        "import mimbre, threading, _thread, time\n"
+        f"model = mimbre.Model.from_file({str(examples / 'iltis/suspension.yaml')!r})\n"
+        "threading.Timer(0.5, _thread.interrupt_main).start()\n"
+        f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
+    assert ended.stdout == "stopped\n"
+
+
+def test_the_files_for_paraview_are_the_program_s(examples, tmp_path):
+    run = mimbre.Model.from_file(examples / "tutorial/pendulum.yaml").run(until=0.5)
+    run.save(tmp_path / "run.h5")
+    run = mimbre.Run.open(tmp_path / "run.h5")
+    run.export(tmp_path / "ours", instants=5)
+    program("export", tmp_path / "run.h5", "--vtk", tmp_path / "theirs", "--instants", 5)
+    ours, theirs = (
+        {file.name: file.read_bytes() for file in (tmp_path / name).iterdir()} for name in ("ours", "theirs")
+    )
+    assert ours == theirs
+    assert len(ours) > 5
+    with pytest.raises(mimbre.InputError, match="whole number from 2"):
+        run.export(tmp_path / "ours", instants=1)
+
+
+def test_a_page_of_several_runs(pendulum, tmp_path):
+    fine, coarse = pendulum.run(until=0.5), pendulum.run(until=0.5, step=0.02)
+    coarse.save(tmp_path / "coarse.h5")
+    mimbre.report({"one step": fine, "twice that": tmp_path / "coarse.h5"}, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "one step" in page
+    assert "twice that" in page
+    with pytest.raises(mimbre.InputError, match="two"):
+        mimbre.report({"alone": fine}, tmp_path / "page.html")
+    with pytest.raises(mimbre.InputError, match="names with runs"):
+        mimbre.report([fine, coarse], tmp_path / "page.html")  # type: ignore[arg-type]

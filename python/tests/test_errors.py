@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import pickle
 from pathlib import Path
 
 import mimbre
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 
 def body(m: mimbre.ModelBuilder, **keys):
@@ -107,71 +104,6 @@ def test_a_mistake_in_a_file_has_its_place(tmp_path):
 def test_an_unknown_name_is_a_key_error_too(pendulum):
     with pytest.raises(KeyError):
         pendulum.run()["angel"]
-
-
-ANYTHING = st.one_of(
-    st.none(),
-    st.booleans(),
-    st.integers(),
-    st.floats(),
-    st.text(max_size=8),
-    st.binary(max_size=8),
-    st.lists(st.floats(), max_size=4),
-    st.dictionaries(st.text(max_size=4), st.floats(), max_size=3),
-    st.just(object()),
-    st.builds(np.zeros, st.lists(st.integers(0, 3), max_size=3)),
-    st.complex_numbers(),
-    st.just(print),
-)
-
-
-@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data())
-def test_no_argument_crashes_the_interpreter(pendulum, tmp_path, data):
-    """Everything is called with anything; what is wrong is an exception."""
-    anything = data.draw(st.lists(ANYTHING, min_size=4, max_size=4))
-    a, b, c, d = anything
-    sim = pendulum.simulation()
-    run = pendulum.run(until=0.02)
-    keys = st.sampled_from(["mass", "com", "inertia", "reduced", "flexible", "frame", "shapes"])
-    chosen = {data.draw(keys): a, data.draw(keys): b}
-
-    def build():
-        m = mimbre.ModelBuilder("x" if a is None else a)
-        m.add_body("bar", **chosen)
-        m.add_output("o", position=c)
-        m.compile()
-
-    calls = [
-        lambda: mimbre.Model.from_text(a, **{"k": b}),
-        lambda: pendulum.run(until=min(a, 1.0), step=b, rho=c),
-        lambda: pendulum.run(inputs=a),
-        lambda: pendulum.run(inputs={"torque": a}, until=0.02),
-        lambda: pendulum.run(inputs={"torque": (a, b)}, until=0.02),
-        lambda: pendulum.run(formulation=a, integrator=b, until=0.02),
-        lambda: sim.step(a if not isinstance(a, int) else a % 100),
-        lambda: sim.step_until(a if not isinstance(a, float | int) else min(a, 1.0)),
-        lambda: sim.restore(a),
-        lambda: sim.input(a),
-        lambda: sim.channel(a),
-        lambda: setattr(sim.input("torque"), "value", a),
-        lambda: sim.input_array(a),
-        lambda: sim.channel_array(a),
-        lambda: sim.pose(a),
-        lambda: run[a],
-        lambda: run.poses(a),
-        lambda: mimbre.Run.open(a),
-        lambda: run.plot(a),
-        build,
-        lambda: mimbre.reduce(a, interfaces=b, modes=c),
-        lambda: mimbre.reduce(stiffness=a, mass=b, nodes=c, interfaces={"i": d}),
-        lambda: mimbre.reduce(stiffness=np.eye(6), mass=np.eye(6), nodes=np.zeros((2, 3)), dofs=a, interfaces={"i": b}),
-        lambda: mimbre.ReducedBody.open(a),
-        lambda: mimbre.Simulation(a, step=b),
-        lambda: mimbre.Simulation.__new__(mimbre.Simulation).step(),
-    ]
-    with contextlib.suppress(Exception):  # and not the end of the process
-        data.draw(st.sampled_from(calls))()
 
 
 def test_names_of_files_may_be_paths(pendulum, tmp_path):

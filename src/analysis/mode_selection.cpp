@@ -97,6 +97,7 @@ void record_run(const spec::Model& model, const ModeSelectionOptions& options,
       if (!report.ok()) throw std::runtime_error(simulation.explain(report));
     }
     if (k % stride != 0) continue;
+    if (options.attend) options.attend();
     simulation.sample(row);
     record(row);
   }
