@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import mimbre
 import numpy as np
 import pytest
@@ -216,6 +217,7 @@ def attack(pendulum: mimbre.Model, folder: Path, data: st.DataObject) -> str:
         all_calls[name]()
     except Exception as error:
         outcome = type(error).__name__
+    plt.close("all")
     return f"{name}: {outcome}"
 
 
