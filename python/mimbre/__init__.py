@@ -14,6 +14,7 @@ from .analysis import (
     HotSpot,
     Mode,
     Selection,
+    StressHistory,
     Verification,
     compare,
     convert,
@@ -21,6 +22,7 @@ from .analysis import (
     select,
     static,
     stress,
+    stress_history,
 )
 from .builder import ModelBuilder, Subsystem
 from .ensemble import samples, sweep
@@ -52,6 +54,7 @@ __all__ = [
     "Selection",
     "Simulation",
     "SimulationError",
+    "StressHistory",
     "Subsystem",
     "SweepInterrupted",
     "UnknownName",
@@ -65,5 +68,6 @@ __all__ = [
     "select",
     "static",
     "stress",
+    "stress_history",
     "sweep",
 ]

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from . import _checks, _core
 from .errors import InputError
 from .reduction import ReducedBody
@@ -165,6 +167,42 @@ def stress(
 def _spot(node: int, position: Floats, von_mises: float, time: float, values: Sequence[float]) -> HotSpot:
     x, y, z = (float(value) for value in position)
     return HotSpot(node, (x, y, z), von_mises, time, dict(zip(stress_components, values, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class StressHistory:
+    """The stress of a body's surface over a run."""
+
+    time: Floats  #: s
+    nodes: list[int]  #: in the file of the mesh
+    positions: Floats  #: nodes × 3, undeformed, body axes, m
+    stress: Floats  #: instants × nodes × 6: xx, yy, zz, xy, yz, zx, body axes, Pa
+
+    @property
+    def von_mises(self) -> Floats:
+        """Instants × nodes, Pa."""
+        xx, yy, zz, xy, yz, zx = np.moveaxis(self.stress, 2, 0)
+        shear = xy**2 + yz**2 + zx**2
+        squares: Floats = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * shear
+        return np.sqrt(squares)
+
+
+def stress_history(run: Run | str | os.PathLike[str], body: str, nodes: Sequence[int] | None = None) -> StressHistory:
+    """The stress of a body over a run, at `nodes` of its mesh or (default) at all of its surface."""
+    results = _run("run", run)._results
+    there = {name: (first, modes) for name, first, modes in results.stressed_bodies}
+    first, modes = there[_checks.known("body with stress", body, there)]
+    points, labels, shapes = results.body_stress(body)
+    shapes = shapes.reshape(len(points), 6, modes)
+    if nodes is not None:
+        rows = {label: row for row, label in enumerate(labels)}
+        missing = [node for node in nodes if node not in rows]
+        if missing:
+            raise InputError(f"nodes: {missing[0]!r} is not on the surface of '{body}', which has {len(labels)} nodes")
+        chosen = [rows[node] for node in nodes]
+        points, shapes, labels = points[chosen], shapes[chosen], [labels[row] for row in chosen]
+    amplitudes = results.modes[:, first : first + modes]
+    return StressHistory(np.array(results.time), labels, points, np.einsum("tm,ncm->tnc", amplitudes, shapes))
 
 
 @dataclass(frozen=True)

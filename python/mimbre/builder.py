@@ -99,24 +99,29 @@ class Part:
         *,
         force: laws.Function | None = None,
         torque: laws.Function | None = None,
+        wrench: laws.Function | None = None,
         signals: Sequence[str] = (),
         states: Sequence[float] = (),
         stores: bool = False,
         **where: Unpack[laws.Where],
     ) -> None:
         """A force, or a torque about an angle, by a function, where an actuator would act: on a `joint`, or `between`
-        two points. It counts as a spring's does: against what is measured.
+        two points; or a wrench, three forces and three torques at once, where a bushing would act, `between` two
+        frames. It counts as a spring's does: against what is measured.
 
         A function of Python is called once a step with time, measure, rate and the `signals`; a compiled one (of
         ctypes or Numba, or an address) stands inside the iteration, with its tangents. See docs/python.md."""
         place = _caller()
-        if (force is None) == (torque is None):
-            raise _yaml.error(place, f"law '{name}': needs 'force' or 'torque', one of them: a function")
+        functions = {"force": force, "torque": torque, "stiffness": wrench}
+        given = [(key, function) for key, function in functions.items() if function is not None]
+        if len(given) != 1:
+            raise _yaml.error(place, f"law '{name}': needs 'force', 'torque' or 'wrench', one of them: a function")
+        ((key, function),) = given
         try:
-            made = laws.law(name, force if torque is None else torque, signals, states, stores)
+            made = laws.law(name, function, signals, states, stores, wrench is not None)
         except InputError as error:
             raise _yaml.error(place, f"law '{name}': {error}") from None
-        self._add("actuators", name, {**where, "force" if torque is None else "torque": made})
+        self._add("actuators" if wrench is None else "bushings", name, {**where, key: made})
 
     def add_input(self, name: str, start: float | None = None, /, **keys: Unpack[words.InputKeys]) -> None:
         """A value from outside, which is set between steps; it starts with `start`."""
@@ -279,7 +284,7 @@ class ModelBuilder(Part):
         def special(value: object) -> object | None:
             """A reduced body's file, which is written beside the model's; of a law, a force that it replaces."""
             if isinstance(value, laws.Law):
-                return 0
+                return [0] * 6 if value.between_frames else 0
             if not isinstance(value, ReducedBody):
                 return None
             name = value.name or "body"
@@ -332,7 +337,7 @@ class ModelBuilder(Part):
 
 
 def _laws_of(part: Part) -> list[laws.Law]:
-    keys = (thing for thing, _ in part._things.get("actuators", {}).values())
+    keys = (thing for section in ("actuators", "bushings") for thing, _ in part._things.get(section, {}).values())
     return [law for thing in keys if isinstance(thing, dict) for law in thing.values() if isinstance(law, laws.Law)]
 
 

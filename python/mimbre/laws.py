@@ -33,11 +33,12 @@ class Law:
     signals: tuple[str, ...]
     states: tuple[float, ...]
     stores: bool
+    between_frames: bool  #: six components at once
 
     @property
     def like(self) -> str:
         """Equal of laws that do the same."""
-        return repr((id(self.function), self.address, self.signals, self.states, self.stores))
+        return repr((id(self.function), self.address, self.signals, self.states, self.stores, self.between_frames))
 
     def made(self) -> _core.UserLaw:
         signals, states = list(self.signals), list(self.states)
@@ -54,11 +55,20 @@ class Law:
                 f"law '{self.name}': is compiled, and stands at an address of this process; another one has to build "
                 "the model itself"
             )
-        return Law, (self.name, self.function, self.address, self.signals, self.states, self.stores)
+        return Law, (
+            self.name,
+            self.function,
+            self.address,
+            self.signals,
+            self.states,
+            self.stores,
+            self.between_frames,
+        )
 
 
 class Where(TypedDict, total=False):
-    """Where a law acts: on a coordinate of a joint, or between two points, along their line, along or about an axis."""
+    """Where a law acts: on a coordinate of a joint, or between two points, along their line, along or about an axis; a
+    wrench between two frames, in axes `x`, `y`, `z` of the first."""
 
     joint: str
     coordinate: int
@@ -66,6 +76,9 @@ class Where(TypedDict, total=False):
     at: Sequence[Any]
     along: words.Vector
     about: words.Vector
+    x: words.Vector
+    y: words.Vector
+    z: words.Vector
 
 
 #: A law where a model has it: the instance of a subsystem ("front_left.", or "" for the model), and the law.
@@ -73,7 +86,10 @@ Placed = tuple[str, Law]
 
 
 def placed(laws: Sequence[Placed]) -> list[_core.PlacedLaw]:
-    return [_core.PlacedLaw(instance, law.name, law.made()) for instance, law in laws]
+    return [
+        _core.PlacedLaw("bushing" if law.between_frames else "actuator", instance, law.name, law.made())
+        for instance, law in laws
+    ]
 
 
 def refuse_in_file(laws: Sequence[Placed]) -> None:
@@ -82,7 +98,14 @@ def refuse_in_file(laws: Sequence[Placed]) -> None:
         raise InputError(f"to_yaml: a model file cannot say a law that is a function: {names}")
 
 
-def law(name: str, function: object, signals: Sequence[str], states: Sequence[float], stores: bool) -> Law:
+def law(
+    name: str,
+    function: object,
+    signals: Sequence[str],
+    states: Sequence[float],
+    stores: bool,
+    between_frames: bool,
+) -> Law:
     """Checks what a builder was given."""
     address = _address(function)
     if address is None and not callable(function):
@@ -94,7 +117,7 @@ def law(name: str, function: object, signals: Sequence[str], states: Sequence[fl
         raise InputError("stores: belongs to compiled laws; what a function of Python does counts as work")
     names = tuple(_checks.text("signals", signal) for signal in signals)
     values = tuple(_checks.array("states", states).tolist())
-    return Law(name, function, address, names, values, stored)
+    return Law(name, function, address, names, values, stored, between_frames)
 
 
 def _address(function: Any) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -86,7 +87,7 @@ class Model:
     def _with(self, parameters: Mapping[str, float | str | bool]) -> Model:
         """The same with parameters of its file replaced, compiled anew."""
         texts = {**self.parameters, **_texts(parameters)}
-        return Model._parsed(self._text, self._compiled.file, self._folder, texts, self._own)
+        return Model._parsed(self._text, self._compiled.file, self._folder, texts, self._own, self._laws)
 
     # What it is
 
@@ -159,7 +160,8 @@ class Model:
         inputs: by name a number, (times, values), or a function of time that is called before each step.
         progress: is called now and then with the time (s).
 
-        Ctrl-C raises Interrupted, a step that fails SimulationError: `error.run` has what was computed until then."""
+        Ctrl-C raises Interrupted, a step that fails SimulationError; what a function raises, of an input or a law,
+        comes through. `error.run` of each has what was computed until then."""
         tables, functions = _inputs(inputs)
         finished = _core.run(
             self._compiled,
@@ -173,6 +175,8 @@ class Model:
         if isinstance(finished.raised, KeyboardInterrupt):
             raise Interrupted(finished.message, run) from None
         if isinstance(finished.raised, BaseException):
+            with contextlib.suppress(AttributeError):  # of an exception that has a `run` of its own
+                finished.raised.run = run  # type: ignore[attr-defined]
             raise finished.raised
         if finished.status != "ok":
             error = SimulationError(finished.message)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -113,6 +114,21 @@ class ReducedBody:
         return shapes.reshape(-1, 3, shapes.shape[1])
 
     @property
+    def labels(self) -> list[int]:
+        """Of these points in the file of their mesh, or their row numbers in arrays; empty: unknown."""
+        return list(self._compiled.node_labels)
+
+    @property
+    def stress(self) -> Floats | None:
+        """Of these points by the modes, nodes × 6 × modes: xx yy zz xy yz zx, body axes, Pa; None: unknown."""
+        return _by_points(self._compiled.stress)
+
+    @property
+    def strain(self) -> Floats | None:
+        """Likewise; shear strains twice the tensor's entries."""
+        return _by_points(self._compiled.strain)
+
+    @property
     def frames(self) -> dict[str, Floats]:
         """Where joints and forces can take hold: positions, body axes, m."""
         return self._compiled.frames
@@ -162,6 +178,10 @@ class ReducedBody:
         return f"<mimbre.ReducedBody {self.name!r}: {self.modes} modes, {self.mass:g} kg>"
 
 
+def _by_points(rows: Floats) -> Floats | None:
+    return rows.reshape(-1, 6, rows.shape[1]) if rows.size else None
+
+
 def reduce(
     source: str | os.PathLike[str] | Any = None,
     *,
@@ -185,6 +205,8 @@ def reduce(
     free_modes: int = 10,
     loads: Mapping[str, tuple[Nodes, npt.ArrayLike]] | None = None,
     user_modes: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    stress: Any = None,
+    stress_nodes: str | os.PathLike[str] | Iterable[int] | None = None,
     progress: Callable[[str, float], object] | None = None,
 ) -> ReducedBody:
     """Reduces a finite-element model to a body, with a certificate; as `mimbre reduce` (docs/finite-elements.md).
@@ -199,6 +221,9 @@ def reduce(
     materials: Young's modulus, Poisson's ratio, density (SI), of all or by group; thickness of shells likewise.
     loads: by name nodes and a force that is spread on them: how it deflects the body becomes a mode.
     user_modes: dofs (rows × 2) and shapes (rows × modes).
+    stress: of another program, stress by displacements, a SciPy matrix or an .npz file of one: rows xx yy zz xy yz zx
+        of each node, columns as those of the stiffness matrix. Bodies of elements have theirs without it.
+    stress_nodes: the nodes of its rows, labels or a file of them; default: all, in order.
     progress: is called with what is being done and how much of it is."""
     if not isinstance(interfaces, Mapping) or not interfaces:
         raise InputError("interfaces: at least one is needed, as {'pivot': 'set:pivot'}")
@@ -221,7 +246,11 @@ def reduce(
         options.user_dofs = _dofs("user_modes", user_modes[0])
         options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", user_modes[1], 2))
     options.report = _checks.callback(progress)
+    if stress is None and stress_nodes is not None:
+        raise InputError("stress_nodes: says which nodes the rows of `stress` belong to, which is not given")
     model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, units)
+    if stress is not None:
+        options.stress = _stress(model, stress, stress_nodes, _units[units])
     reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
     return ReducedBody(reduction.body, reduction)
 
@@ -291,6 +320,29 @@ def _mesh(mesh: Any, materials: dict[str, tuple[float, float, float]], thickness
     return _core.fe_from_mesh(np.asfortranarray(_checks.array("points", points, 2)), groups, materials, sets)
 
 
+def _stress(model: _core.FeModel, stress: Any, nodes: Any, units: tuple[float, float, float]) -> _core.StressMatrix:
+    """The library reads it as SciPy writes it."""
+    with tempfile.TemporaryDirectory(prefix="mimbre-") as folder:
+        matrix, table = Path(folder, "stress.npz"), Path(folder, "nodes.csv")
+        if isinstance(stress, str | os.PathLike):
+            matrix = Path(_checks.path("stress", stress))
+        else:
+            import scipy.sparse
+
+            scipy.sparse.save_npz(matrix, _finite("stress", stress), compressed=False)
+        if isinstance(nodes, str | os.PathLike):
+            table = Path(_checks.path("stress_nodes", nodes))
+        elif nodes is not None:
+            labels = _selection("stress_nodes", np.asarray(nodes))
+            table.write_text("\n".join(map(str, labels)), encoding="ascii")
+        try:
+            return _core.read_stress(model, str(matrix), "" if nodes is None else str(table), units)
+        except InputError as error:
+            if Path(folder) not in (matrix.parent, table.parent):
+                raise
+            raise InputError("\n".join(f"stress: {wrong.message}" for wrong in error.diagnostics)) from None
+
+
 def _interface(name: str, given: object) -> tuple[Any, ...]:
     interface = given if isinstance(given, Interface) else Interface(given)  # type: ignore[arg-type]
     what = f"interface {name!r}"
@@ -341,7 +393,16 @@ def _dofs(what: str, given: object) -> list[tuple[int, int]]:
 
 
 def _sparse(what: str, given: Any) -> Any:
-    """A SciPy matrix by columns, of finite numbers, as the library takes it."""
+    """Symmetric, as the library takes it."""
+    matrix = _finite(what, given)
+    difference = abs(matrix - matrix.T).max() if matrix.shape[0] == matrix.shape[1] and matrix.nnz else 0.0
+    if matrix.shape[0] != matrix.shape[1] or difference > 1e-9 * abs(matrix).max():
+        raise InputError(f"{what}: a symmetric matrix is needed, full (both triangles)")
+    return matrix
+
+
+def _finite(what: str, given: Any) -> Any:
+    """A SciPy matrix by columns, of finite numbers."""
     import scipy.sparse
 
     try:
@@ -351,9 +412,6 @@ def _sparse(what: str, given: Any) -> Any:
     if not np.isfinite(matrix.data).all():
         raise InputError(f"{what}: has entries that are not finite")
     matrix.sum_duplicates()
-    difference = abs(matrix - matrix.T).max() if matrix.shape[0] == matrix.shape[1] and matrix.nnz else 0.0
-    if matrix.shape[0] != matrix.shape[1] or difference > 1e-9 * abs(matrix).max():
-        raise InputError(f"{what}: a symmetric matrix is needed, full (both triangles)")
     return matrix
 
 

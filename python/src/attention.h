@@ -34,15 +34,21 @@ class Attention {
     try {
       function();
     } catch (nanobind::python_error& error) {
-      error.restore();
-      PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
-      PyErr_Fetch(&type, &value, &trace);
-      PyErr_NormalizeException(&type, &value, &trace);
-      if (trace) PyException_SetTraceback(value, trace);
-      raised_ = nanobind::steal(value);
-      Py_XDECREF(type);
-      Py_XDECREF(trace);
+      keep(error);
     }
+  }
+
+  /// Keeps what Python raised.
+  void keep(nanobind::python_error& error) {
+    const nanobind::gil_scoped_acquire locked;
+    error.restore();
+    PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
+    PyErr_Fetch(&type, &value, &trace);
+    PyErr_NormalizeException(&type, &value, &trace);
+    if (trace) PyException_SetTraceback(value, trace);
+    raised_ = nanobind::steal(value);
+    Py_XDECREF(type);
+    Py_XDECREF(trace);
   }
 
   /// Raises what Python raised. Needs the interpreter's lock.

@@ -86,6 +86,15 @@ FeModel read(const std::string& path, const std::string& mass, const std::string
   });
 }
 
+fe::StressMatrix read_stress(const FeModel& model, const std::string& path, const std::string& nodes,
+                             const Units& units) {
+  const nb::gil_scoped_release others_run;
+  return checked([&] {
+    return fe::read_stress_matrix(path, nodes, model.mesh, model.matrices, model.file_dofs,
+                                  {units[0], units[1], units[2]});
+  });
+}
+
 fe::SolidMesh mesh_of(const Eigen::MatrixX3d& nodes) {
   fe::SolidMesh mesh;
   mesh.nodes = nodes.transpose();
@@ -259,6 +268,9 @@ void bind_reduction(nb::module_& module) {
       });
   module.def("read_fe", &read, nb::arg("path"), nb::arg("mass"), nb::arg("nodes"), nb::arg("dofs"),
              nb::arg("materials"), nb::arg("units"));
+  nb::class_<fe::StressMatrix>(module, "StressMatrix", "Stress by displacements as another program has it.");
+  module.def("read_stress", &read_stress, nb::arg("model"), nb::arg("path"), nb::arg("nodes"),
+             nb::arg("units"));
   module.def("fe_from_matrices", &from_matrices, nb::arg("stiffness"), nb::arg("mass"), nb::arg("nodes"),
              nb::arg("dofs"));
   module.def("fe_from_mesh", &from_mesh, nb::arg("nodes"), nb::arg("groups"), nb::arg("materials"),
@@ -285,6 +297,9 @@ void bind_reduction(nb::module_& module) {
       .def_rw("effective_mass", &Options::effective_mass)
       .def_rw("damping", &Options::stiffness_damping)
       .def_rw("geometric_stiffness", &Options::geometric_stiffness)
+      .def_prop_rw(
+          "stress", [](const Options& o) { return o.stress; },
+          [](Options& o, const fe::StressMatrix& stress) { o.stress = stress; })
       .def_rw("report", &Options::report);
   nb::class_<fe::ReductionResult>(module, "Reduction")
       .def_prop_ro("body", [](const fe::ReductionResult& r) { return std::make_shared<ReducedBody>(r.body); })
@@ -304,6 +319,9 @@ void bind_reduction(nb::module_& module) {
       .def_ro("damping", &ReducedBody::damping)
       .def_ro("nodes", &ReducedBody::nodes)
       .def_ro("node_shapes", &ReducedBody::node_shapes)
+      .def_ro("node_labels", &ReducedBody::node_labels)
+      .def_ro("stress", &ReducedBody::stress)
+      .def_ro("strain", &ReducedBody::strain)
       .def_ro("first_moment", &ReducedBody::first_moment)
       .def_ro("second_moment", &ReducedBody::second_moment)
       .def_ro("eigenfrequencies", &ReducedBody::eigenfrequencies)

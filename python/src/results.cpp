@@ -1,6 +1,7 @@
 #include "mimbre/results.h"
 
 #include <fmt/format.h>
+#include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -55,6 +56,28 @@ Copy3 poses_of(const Results& results) {
   for (const auto& poses : results.poses) to = std::copy(poses.data(), poses.data() + poses.size(), to);
   const nb::capsule owner(values.get(), [](void* p) noexcept { delete[] static_cast<double*>(p); });
   return Copy3(values.release(), {instants, bodies, 7}, owner);
+}
+
+/// Bodies that have stress: name, the first of their modes among all, how many they have.
+std::vector<std::tuple<std::string, Eigen::Index, int>> stressed_bodies(const Results& results) {
+  std::vector<std::tuple<std::string, Eigen::Index, int>> list;
+  Eigen::Index first = 0;
+  for (const BodyDrawing& body : results.header.bodies) {
+    if (body.stress.size() > 0) list.emplace_back(body.name, first, body.modes);
+    first += body.modes;
+  }
+  return list;
+}
+
+/// Points × 3, their labels (numbers where these are not known), 6·points × modes.
+auto body_stress(const Results& results, const std::string& name) {
+  for (const BodyDrawing& body : results.header.bodies) {
+    if (body.name != name) continue;
+    std::vector<std::int64_t> labels = body.labels;
+    for (std::int64_t k = std::ssize(labels); k < body.points.cols(); ++k) labels.push_back(k);
+    return std::tuple(Eigen::MatrixX3d(body.points.transpose()), labels, body.stress);
+  }
+  throw nb::key_error(name.c_str());
 }
 
 void write(const Results& results, const std::string& path) {
@@ -115,6 +138,8 @@ void bind_results(nb::module_& module) {
       .def("column", &column_of, nb::arg("column"), "A channel, without a copy.")
       .def_prop_ro("modes", &modes_of, nb::rv_policy::automatic)
       .def_prop_ro("poses", &poses_of, nb::rv_policy::automatic)
+      .def_prop_ro("stressed_bodies", &stressed_bodies)
+      .def("body_stress", &body_stress, nb::arg("body"))
       .def("write", &write, nb::arg("path"))
       .def(
           "report", [](const Results& r) { return report_html(r); }, nb::call_guard<nb::gil_scoped_release>())

@@ -142,7 +142,12 @@ app::Ending simulate(Simulation& simulation, const RunPlan& plan, Inputs& inputs
   };
   while (totals.steps < plan.steps) {
     const std::int64_t row = plan.next_row(totals.steps);
-    const StepReport report = advance(simulation, plan, row, totals, stop);
+    StepReport report;
+    try {
+      report = advance(simulation, plan, row, totals, stop);
+    } catch (nb::python_error& error) {  // of a law, before its step was made
+      attention.keep(error);
+    }
     if (!report.ok()) return stopped({"failed", simulation.explain(report)});
     if (totals.steps < row)
       return stopped({"interrupted",

@@ -1,12 +1,14 @@
 #include "user_law.h"
 
 #include <fmt/format.h>
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "bindings.h"
@@ -52,8 +54,24 @@ UserLaw compiled_law(std::uintptr_t address, const nb::object& keep, const std::
   nb::raise_python_error();
 }
 
+/// What is measured, for a function of Python: a number, or an array of six.
+nb::object measured(const double* values, int components) {
+  if (components == 1) return nb::float_(*values);
+  using Array = nb::ndarray<nb::numpy, const double, nb::ndim<1>>;
+  return nb::cast(Array(values, {static_cast<std::size_t>(components)}), nb::rv_policy::copy);
+}
+
+/// So many finite numbers, or nothing; one stands alone.
+std::optional<std::vector<double>> numbers(const nb::object& given, std::size_t count, bool alone) {
+  std::vector<double> values(1);
+  if (!(alone ? nb::try_cast(given, values[0]) : nb::try_cast(given, values))) return {};
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (values.size() != count || !std::all_of(values.begin(), values.end(), finite)) return {};
+  return values;
+}
+
 /// function(time, x, v, *signals) → force; with states function(time, x, v, *signals, states) → force,
-/// states.
+/// states. Between frames x, v and the force are arrays of six.
 struct Asked {
   std::string name;
   PyObject* function;  ///< which `held` keeps
@@ -62,29 +80,29 @@ struct Asked {
   /// Throws what the function raises. That is before the step, which is then not made.
   void operator()(spec::LawCall& call) const {
     const nb::gil_scoped_acquire locked;
+    const int n = call.components;
     nb::list arguments;
-    for (const double value : {call.time, *call.x, *call.v}) arguments.append(value);
+    arguments.append(call.time);
+    arguments.append(measured(call.x, n));
+    arguments.append(measured(call.v, n));
     for (std::size_t k = 0; k < signals; ++k) arguments.append(call.signals[k]);
     if (states > 0) arguments.append(std::vector<double>(call.states, call.states + states));
-    nb::object returned = nb::borrow<nb::callable>(function)(*nb::tuple(arguments));
-    double force = 0;
-    if (states == 0) {
-      if (!nb::try_cast(returned, force) || !std::isfinite(force))
-        refuse(name, call.time, "a finite number", returned);
-    } else {
-      std::pair<double, std::vector<double>> both;
-      const bool good = nb::isinstance<nb::tuple>(returned) && nb::len(returned) == 2 &&
-                        nb::try_cast(nb::object(returned[0]), both.first) &&
-                        nb::try_cast(nb::object(returned[1]), both.second);
-      const auto finite = [](double value) { return std::isfinite(value); };
-      if (!good || both.second.size() != states || !finite(both.first) ||
-          !std::all_of(both.second.begin(), both.second.end(), finite))
-        refuse(name, call.time, fmt::format("(force, {} states) of finite numbers", states).c_str(),
-               returned);
-      force = both.first;
-      std::copy(both.second.begin(), both.second.end(), call.next);
-    }
-    *call.force = force;
+    const nb::object returned = nb::borrow<nb::callable>(function)(*nb::tuple(arguments));
+    const bool pair = states > 0 && nb::isinstance<nb::tuple>(returned) && nb::len(returned) == 2;
+    std::optional<std::vector<double>> force, next = std::vector<double>();
+    if (states == 0 || pair)
+      force = numbers(pair ? nb::object(returned[0]) : returned, static_cast<std::size_t>(n), n == 1);
+    if (pair) next = numbers(returned[1], states, false);
+    if (!force || !next) refuse(name, call.time, wanted(n).c_str(), returned);
+    std::copy(force->begin(), force->end(), call.force);
+    std::copy(next->begin(), next->end(), call.next);
+  }
+
+  std::string wanted(int components) const {
+    if (states > 0)
+      return fmt::format("({}, {} states) of finite numbers",
+                         components == 1 ? "force" : "six forces and torques", states);
+    return components == 1 ? "a finite number" : "six finite numbers, of force and torque,";
   }
 };
 
@@ -126,10 +144,11 @@ void put_laws(spec::Model& model, const std::vector<PlacedLaw>& laws) {
   for (const PlacedLaw& placed : laws) {
     const std::string name = placed.instance + placed.name;
     for (spec::Element& element : model.elements) {
-      if (element.law != "actuator" || element.name != name) continue;
+      if (element.law != placed.section || element.name != name) continue;
       element.law = "user";
       element.user = placed.law.law;
       element.arguments.clear();
+      element.numbers.clear();
       for (const std::string& signal : placed.law.signals)
         element.arguments.push_back(source(model, placed, signal, element.mark));
       model.text += fmt::format("# The force of {} was a function, which is not said here.\n", name);
@@ -139,7 +158,7 @@ void put_laws(spec::Model& model, const std::vector<PlacedLaw>& laws) {
 
 void bind_user_law(nb::module_& module) {
   nb::class_<UserLaw>(module, "UserLaw", "A force law that is a function.");
-  nb::class_<PlacedLaw>(module, "PlacedLaw").def(nb::init<std::string, std::string, UserLaw>());
+  nb::class_<PlacedLaw>(module, "PlacedLaw").def(nb::init<std::string, std::string, std::string, UserLaw>());
   module.def("compiled_law", &compiled_law, nb::arg("address"), nb::arg("keep"), nb::arg("signals"),
              nb::arg("states"), nb::arg("stores"));
   module.def("sampled_law", &sampled_law, nb::arg("name"), nb::arg("function"), nb::arg("signals"),

@@ -13,8 +13,9 @@ struct UserLaw {
   std::vector<std::string> signals;  ///< or inputs
 };
 
-/// Where a model has one: in place of the actuator that stands for it in the model's text.
+/// Where a model has one: in place of the actuator or bushing that stands for it in the model's text.
 struct PlacedLaw {
+  std::string section;   ///< "actuator" or "bushing"
   std::string instance;  ///< "front_left.", of which names mean its own things first; empty: the model
   std::string name;      ///< there
   UserLaw law;

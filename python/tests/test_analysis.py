@@ -83,6 +83,20 @@ def test_stress_is_the_program_s(examples, pendulum, tmp_path):
     # A file has amplitudes in single precision.
     assert mimbre.stress(run)[name][0].von_mises == pytest.approx(found[name][0].von_mises, rel=1e-6)
     assert list(mimbre.stress(tmp_path / "run.h5", [name])) == [name]
+    # Over time: the same at that node and instant, and nowhere more.
+    history = mimbre.stress_history(run, name)
+    worst = mimbre.stress(run)[name][0]
+    von_mises = history.von_mises
+    assert von_mises.max() == pytest.approx(worst.von_mises, rel=1e-9)
+    instant, column = np.unravel_index(von_mises.argmax(), von_mises.shape)
+    assert history.time[instant] == worst.time
+    assert history.nodes[column] == worst.node
+    assert history.positions[column] == pytest.approx(worst.position)
+    assert history.stress[instant, column] == pytest.approx(list(worst.stress.values()), rel=1e-9, abs=1e-3)
+    one = mimbre.stress_history(run, name, nodes=[worst.node])
+    assert np.allclose(one.stress[:, 0], history.stress[:, column], rtol=1e-12, atol=1e-6)
+    with pytest.raises(mimbre.InputError, match="-5 is not on the surface"):
+        mimbre.stress_history(run, name, nodes=[-5])
     with pytest.raises(mimbre.UnknownName, match="there is no body with stress 'nobody'"):
         mimbre.stress(run, ["nobody"])
     with pytest.raises(mimbre.InputError, match="no body has stress modes"):

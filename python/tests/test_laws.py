@@ -25,6 +25,17 @@ void pull(double time, double step, const double *x, const double *v, const doub
           double *force, double *stiffness, double *damping, double *next, double *stored, double *dissipating) {
   force[0] = signals[0] - 2 * signals[1];
 }
+void mount(double time, double step, const double *x, const double *v, const double *signals, const double *states,
+           double *force, double *stiffness, double *damping, double *next, double *stored, double *dissipating) {
+  const double k[6] = {800, 700, 500, 30, 20, 40}, c[6] = {3, 4, 5, 0.1, 0.2, 0.3};
+  for (int i = 0; i < 6; ++i) {
+    stiffness[7 * i] = k[i];
+    damping[7 * i] = c[i];
+    dissipating[i] = c[i] * v[i];
+    force[i] = k[i] * x[i] + dissipating[i];
+    stored[0] += k[i] * x[i] * x[i] / 2;
+  }
+}
 """
 
 
@@ -116,6 +127,62 @@ def test_laws_take_signals(compiled):
         m.compile()
 
 
+STIFFNESS, DAMPING = [800, 700, 500, 30, 20, 40], [3, 4, 5, 0.1, 0.2, 0.3]
+
+
+def mounted() -> mimbre.ModelBuilder:
+    """A free body beside its mount, which is missing, and turned."""
+    m = mimbre.ModelBuilder("Mounted")
+    m.add_body("block", mass=2, com=[0.1, 0.02, 0], inertia=[0.1, 0.2, 0.3])
+    m.add_joint("free", type="floating", between=["ground", "block"], position=[0.01, 0, 0.02, 0.1, 0.2, 0])
+    m.add_output("z", position="block", component="z")
+    m.add_output("roll", roll="block")
+    m.set_simulation(step=0.002, end=1)
+    return m
+
+
+@pytest.mark.parametrize("formulation", ["relative", "natural"])
+def test_a_compiled_wrench_is_a_bushing(compiled, formulation):
+    """All six components at once, in the first frame's axes, with their energy."""
+    law, bushing = mounted(), mounted()
+    where = {"between": ["ground", "block"], "at": [0, 0, 0.1], "x": [0, 1, 0.5], "y": [1, 0, 0]}
+    law.add_law("mount", wrench=compiled.mount, stores=True, **where)
+    bushing.add_bushing("mount", stiffness=STIFFNESS, damping=DAMPING, **where)
+    runs = [m.compile().run(formulation=formulation) for m in (law, bushing)]
+    for name in ("z", "roll", "energy.springs", "energy.dissipated"):
+        first, second = ((run[name] - run[name][0]) for run in runs)
+        assert np.ptp(first) > 1e-3
+        assert np.abs(first - second).max() < 1e-9, name
+
+
+def test_a_sampled_wrench_holds_a_body():
+    seen = []
+
+    def mount(t, x, v, states):
+        seen.append((x.shape, v.shape, states))
+        return STIFFNESS * x + 4 * np.array(DAMPING) * v, [states[0] + 1]
+
+    m = mounted()
+    m.add_law("mount", wrench=mount, between=["ground", "block"], at=[0, 0, 0], states=[0.0])
+    m.set_simulation(step=5e-4, end=6)
+    run = m.compile().run()
+    assert run["user.mount.force.z"][-1] == pytest.approx(2 * 9.81, rel=1e-3)
+    assert seen[3] == ((6,), (6,), [3.0])
+    sag = mounted()
+    sag.add_bushing("mount", between=["ground", "block"], at=[0, 0, 0], stiffness=STIFFNESS, damping=DAMPING)
+    assert run["z"][-1] == pytest.approx(mimbre.static(sag.compile())["z"], rel=1e-2)
+
+
+@pytest.mark.parametrize("value", [1.0, [1, 2, 3], [0, 0, 0, 0, 0, np.nan], np.zeros((2, 3)), None])
+def test_a_wrench_has_six_numbers(value):
+    m = mounted()
+    m.add_law("mount", wrench=lambda t, x, v: value, between=["ground", "block"], at=[0, 0, 0])
+    with pytest.raises(ValueError, match=r"(?s)law 'mount': .* six finite numbers, of force and torque, is needed"):
+        m.compile().run()
+    with pytest.raises(mimbre.InputError, match="'force', 'torque' or 'wrench', one of them"):
+        m.add_law("both", wrench=lambda t, x, v: value, force=lambda t, x, v: 0, between=["ground", "block"])
+
+
 def test_a_sampled_law_closes_a_loop():
     """A controller holds the weight; it is asked once a step, and the integral of its error is a state."""
     calls = []
@@ -152,6 +219,9 @@ def test_an_exception_in_a_law_ends_the_run():
     with pytest.raises(RuntimeError, match="the valve is stuck") as stopped:
         model.run()
     assert stopped.traceback[-1].name == "law"
+    done = stopped.value.run  # type: ignore[attr-defined]
+    assert done.time[-1] == pytest.approx(0.102)
+    assert np.array_equal(done["z"], with_laws(lambda t, z, v: 100 * z).run(until=0.102)["z"])
     sim = model.simulation()
     with pytest.raises(RuntimeError, match="the valve is stuck"):
         sim.step(500)
@@ -199,6 +269,20 @@ def test_a_model_with_laws_is_pickled_where_it_can_be(compiled):
     with pytest.raises(mimbre.InputError, match=r"cannot say a law that is a function: 's0'"):
         model.to_yaml()
     assert "The force of s0 was a function" in model.run(until=0.01).model_text
+
+
+def test_laws_stay_where_a_parameter_is_another():
+    def swept(mass: object) -> mimbre.ModelBuilder:
+        m = weight()
+        m.add_parameter("extra", 1.0)
+        m.add_body("load", mass=mass, com=[0, 0, 0], inertia=[1, 1, 1])
+        m.add_joint("on", type="fixed", between=["mass", "load"], at=[0, 0, 0])
+        m.add_law("s", force=lambda t, z, v: 500 * z + 9 * v, joint="guide")
+        return m
+
+    data = mimbre.sweep(swept("extra").compile(), {"extra": [1.0, 3.0]}, outputs=["z"])
+    for extra in (1.0, 3.0):
+        assert data["z"].sel(extra=extra).item() == swept(extra).compile().run()["z"][-1]
 
 
 def test_laws_count_in_what_else_is_asked(compiled):

@@ -151,6 +151,56 @@ def test_matrices_are_those_of_their_files(mesh, tmp_path):
     assert here.frequencies == pytest.approx(files.frequencies, rel=1e-10)
 
 
+def stress_along(points):
+    """Axial stress by the difference to the next node along the bar: none of it in rigid motions."""
+    count = len(points)
+    rows = {tuple(np.round(point, 9)): k for k, point in enumerate(points)}
+    step = np.diff(np.unique(points[:, 0]))[0]
+    stress = scipy.sparse.lil_matrix((6 * count, 3 * count))
+    for k, point in enumerate(points):
+        sign = 1 if point[0] + step < points[:, 0].max() + 1e-9 else -1
+        other = rows[tuple(np.round(point + sign * step * np.eye(3)[0], 9))]
+        stress[6 * k, 3 * other] = STEEL[0] / (sign * step)
+        stress[6 * k, 3 * k] = -STEEL[0] / (sign * step)
+    return stress.tocsr()
+
+
+def test_stress_of_another_program(mesh, tmp_path):
+    """A matrix of SciPy, in memory or in its file, of all nodes or of some."""
+    points, cells = mesh.points, mesh.cells[0].data
+    k, m = assembled(points, cells)
+    nodes = {name: mesh.point_sets[name] for name in ("root", "tip")}
+    stress = stress_along(points)
+
+    def made(**keys):
+        return mimbre.reduce(stiffness=k, mass=m, nodes=points, interfaces=nodes, modes=4, **keys)
+
+    assert made().stress is None
+    body = made(stress=stress)
+    assert [check.passed for check in body.checks if check.name == "stress matrix"] == [True]
+    count = len(points)
+    assert body.stress.shape == (count, 6, body.modes)
+    assert body.strain is None
+    moved = stress @ body.shapes.reshape(3 * count, body.modes)
+    assert np.allclose(body.stress.reshape(6 * count, body.modes), moved, atol=1e-9 * np.abs(moved).max())
+    scipy.sparse.save_npz(tmp_path / "s.npz", stress)
+    assert np.array_equal(made(stress=tmp_path / "s.npz").stress, body.stress)
+    some = [17, 4]
+    part = made(stress=stress.tolil().reshape(count, -1).tocsr()[some].reshape(12, 3 * count), stress_nodes=some)
+    assert part.labels == some
+    assert np.allclose(part.stress, body.stress[some], rtol=1e-9, atol=1e-6)
+    for wrong, said in (
+        ({"stress": stress[:-1]}, "stress: has 485 rows where the model's 81 nodes need 486"),
+        ({"stress": stress[:, :-1]}, "stress: has 242 columns where the model has 243 dofs"),
+        ({"stress": np.nan * stress}, "stress: has entries that are not finite"),
+        ({"stress": stress[:12], "stress_nodes": [1, 1]}, "node 1 is there twice"),
+        ({"stress_nodes": [1]}, "which is not given"),
+        ({"stress": "stress.txt"}, "is no sparse matrix by its name"),
+    ):
+        with pytest.raises(mimbre.InputError, match=said):
+            made(**wrong)
+
+
 def cantilever(body):
     m = mimbre.ModelBuilder("Cantilever", gravity=[0, 0, 0])
     m.add_body("beam", reduced=body, frame={"at": [0, 0, 0]})
