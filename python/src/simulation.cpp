@@ -1,6 +1,7 @@
 #include "mimbre/simulation.h"
 
 #include <fmt/format.h>
+#include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
@@ -11,11 +12,13 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "app/common.h"
 #include "attention.h"
 #include "bindings.h"
 #include "loaded_model.h"
+#include "picture.h"
 
 namespace mimbre::python {
 namespace {
@@ -83,6 +86,15 @@ class Stepper {
     });
   }
 
+  /// The same without the interpreter's lock; what went wrong, nothing where it went well.
+  std::string step_or_say(std::int64_t count) {
+    const Turn turn(*this);
+    StepReport report;
+    for (std::int64_t k = 0; k < count && report.ok(); ++k) report = one_step([&] { return turn->step(); });
+    put_channels();
+    return report.ok() ? std::string() : turn->explain(report);
+  }
+
   nb::bytes save() {
     const std::vector<std::byte> block = Turn(*this)->save().bytes();
     return nb::bytes(block.data(), block.size());
@@ -92,6 +104,12 @@ class Stepper {
     turn->restore(
         Simulation::Snapshot::from_bytes({reinterpret_cast<const std::byte*>(block.c_str()), block.size()}));
     put_channels();
+  }
+
+  Picture lines() {
+    const Turn turn(*this);
+    if (!header_) header_ = turn->header("");
+    return picture(*turn, *header_);
   }
 
   /// An array that inputs are taken from before each step, or that has channels' values after it.
@@ -160,6 +178,7 @@ class Stepper {
 
   Simulation simulation_;
   std::vector<Live> inputs_, channels_;
+  std::optional<ResultsHeader> header_;  ///< where pictures were asked for
   std::atomic<bool> taken_{false};
 };
 
@@ -191,6 +210,16 @@ struct ChannelHandle {
   double get() const { return Turn(*stepper)->value({number}); }
   ChannelInfo information() const { return Turn(*stepper)->channels()[static_cast<std::size_t>(number)]; }
 };
+
+/// Steps one after another; what went wrong with each.
+std::vector<std::string> step_all(const std::vector<Stepper*>& steppers, std::int64_t count) {
+  for (const Stepper* stepper : steppers)
+    if (!stepper) throw InputError(Mark{}, "step_all: simulations are needed, not None");
+  const nb::gil_scoped_release others_run;
+  std::vector<std::string> failures;
+  for (Stepper* stepper : steppers) failures.push_back(stepper->step_or_say(count));
+  return failures;
+}
 
 std::map<std::string, double> energy_of(Stepper& stepper) {
   const Turn turn(stepper);
@@ -270,9 +299,16 @@ void bind_simulation(nb::module_& module) {
              return names;
            })
       .def("pose_parts", &pose_of, nb::arg("body"))
+      .def(
+          "lines", &Stepper::lines,
+          "By body its name and the ends of the lines that draw it now, one pair after the other, global, m.")
       .def("save", &Stepper::save, "Everything that the next step depends on, for restore().")
       .def("restore", &Stepper::restore, nb::arg("state"),
            "Goes back to a saved state; the same bits follow from there.");
+  module.def(
+      "step_all", &step_all, nb::arg("simulations"), nb::arg("count"),
+      "Makes so many steps with each of them, and leaves the interpreter to others meanwhile. What went "
+      "wrong with each, empty where nothing did.");
 }
 
 }  // namespace mimbre::python

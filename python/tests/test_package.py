@@ -8,7 +8,9 @@ import re
 import subprocess
 import sys
 
+import jupytext
 import mimbre
+import nbclient
 import pytest
 from conftest import program, top
 
@@ -40,7 +42,24 @@ def test_versions_agree():
     assert mimbre.__version__ in program("--version")
 
 
-@pytest.mark.parametrize("name", [path.name for path in sorted((top / "examples/python").glob("*.py"))])
+examples = sorted((top / "examples/python").glob("*.py"))
+notebooks = [path for path in examples if "# %%" in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("name", [path.name for path in notebooks])
+def test_a_notebook_runs(name, tmp_path):
+    """In a kernel, every cell of it."""
+    (tmp_path / "examples").symlink_to(top / "examples")
+    notebook = jupytext.read(top / "examples/python" / name)
+    assert [cell.cell_type for cell in notebook.cells].count("markdown") >= 2
+    client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}})
+    client.execute()
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert any(output.output_type == "stream" for output in shown)
+    assert any("image/png" in output.get("data", {}) for output in shown)
+
+
+@pytest.mark.parametrize("name", [path.name for path in examples if path not in notebooks])
 def test_an_example_runs(name, tmp_path):
     """In a folder with what it reads, to which it may write."""
     (tmp_path / "examples").symlink_to(top / "examples")
@@ -70,12 +89,12 @@ def test_code_of_the_documentation_runs(tmp_path, monkeypatch):
     m.add_body("bar", mass=0.6, com=[0, 0, -0.5], inertia=[0.1, 0.1, 0.1])
     m.add_body("frame", mass=10, com=[0, 0, 0], inertia=[1, 1, 1])
     m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
-    m.add_input("torque", 0.0)
+    m.add_input("torque", 0.0, range=[-1000, 1000])
     m.add_actuator("motor", joint="hinge", torque="torque")
     m.add_output("angle", joint="hinge")
     m.add_output("rate", joint_velocity="hinge")
     monkeypatch.chdir(top / "examples/solid-arm")
     blocks = [code for code in re.findall(r"```python\n(.*?)```", docs, re.DOTALL) if "from_file" not in code]
-    assert len(blocks) == 5
+    assert len(blocks) == 6
     for code in blocks:
         exec(code, {"mimbre": mimbre, "m": m, "model": m.compile()})

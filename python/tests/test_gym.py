@@ -1,0 +1,235 @@
+"""Environments of Gymnasium: its own checks, one against many, seeds, failures."""
+
+from __future__ import annotations
+
+import warnings
+
+import gymnasium
+import mimbre
+import mimbre.gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+
+@pytest.fixture(scope="module")
+def cart() -> mimbre.Model:
+    """A pole on a cart, which starts as a parameter of its file says; `k` is a spring that can be tuned."""
+    m = mimbre.ModelBuilder("Cart-pole")
+    m.add_parameter("start", 0.1)
+    m.add_parameter("k", 2.0, min=0, max=10, tunable=True)
+    m.add_input("force", 0.0, range=[-10, 10], unit="N")
+    m.add_input("free", 0.0)
+    m.add_body("cart", mass=1, com=[0, 0, 0], inertia=[0.01, 0.01, 0.01], shapes=[{"box": [0.3, 0.2, 0.1]}])
+    m.add_body("pole", mass=0.1, com=[0, 0, 0.5], inertia=[0.01, 0.01, 1e-5])
+    m.add_joint("rail", type="prismatic", between=["ground", "cart"], at=[0, 0, 0], axis=[1, 0, 0])
+    m.add_joint("pin", type="revolute", between=["cart", "pole"], at=[0, 0, 0], axis=[0, 1, 0], position="start")
+    m.add_actuator("motor", joint="rail", force="force - k*place")
+    m.add_output("place", joint="rail")
+    m.add_output("angle", joint="pin")
+    m.add_signal("reward", "-angle^2 - place^2")
+    m.add_signal("fallen", "angle^2 > 0.25 ? 1 : 0")
+    m.set_simulation(step=0.01)
+    return m.compile()
+
+
+def said(**more):
+    return {
+        "actions": ["force"],
+        "observations": ["place", "angle"],
+        "reward": "signal.reward",
+        "terminate": "signal.fallen",
+        "time_limit": 0.8,
+        "skip": 2,
+        "randomise": {"start": (-0.2, 0.2), "k": [1, 2.5]},
+        **more,
+    }
+
+
+def test_gymnasium_s_check_passes(cart):
+    env = mimbre.gym.make(cart, render_mode="rgb_array", **said())
+    assert env.action_space == gymnasium.spaces.Box(-10, 10, (1,), np.float64)
+    assert env.observation_space.shape == (2,)
+    assert env.metadata["render_fps"] == 50
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        check_env(env)
+    narrow = mimbre.gym.make(cart, **said(actions={"force": (-1, 2)}, observations={"place": (-5, 5)}))
+    assert (narrow.action_space.low, narrow.action_space.high) == (-1, 2)
+    assert (narrow.observation_space.low, narrow.observation_space.high) == (-5, 5)
+
+
+def same(one, other) -> bool:
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, np.ndarray) and one.dtype == object:
+        return all(same(a, b) for a, b in zip(one, other, strict=True))
+    return bool(np.all(one == other))
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("randomise", [{"start": (-0.2, 0.2), "k": [1, 2.5]}, {"k": (1.0, 2.0)}, {}])
+def test_many_are_as_so_many_ones(cart, mode, threads, randomise):
+    """To the bit, with episodes that end in their time or before, and begin again."""
+    keys = said(randomise=randomise)
+    ones = gymnasium.vector.SyncVectorEnv([lambda: mimbre.gym.make(cart, **keys)] * 5, autoreset_mode=mode)
+    many = mimbre.gym.make_vec(cart, 5, autoreset_mode=mode, threads=threads, **keys)
+    assert many.action_space == ones.action_space
+    assert many.observation_space == ones.observation_space
+    random = np.random.default_rng(3)
+    wanted, found = ones.reset(seed=7), many.reset(seed=7)
+    ended = 0
+    for _ in range(60):
+        assert all(same(a, b) for a, b in zip(wanted, found, strict=True))
+        actions = random.uniform(-12, 12, (5, 1))
+        wanted, found = ones.step(actions), many.step(actions)
+        ended += np.count_nonzero(found[2] | found[3])
+    assert ended >= 5
+    many.close()
+
+
+def episode(env, seed, actions):
+    seen = [env.reset(seed=seed)[0]]
+    for action in actions:
+        observation, reward, *_ = env.step(action)
+        seen.append(np.append(observation, reward))
+    return np.concatenate(seen)
+
+
+def test_seeds_repeat(cart):
+    actions = np.random.default_rng(0).uniform(-1, 1, (20, 1))
+    env, other = (mimbre.gym.make(cart, **said()) for _ in range(2))
+    first = episode(env, 1, actions)
+    assert not np.array_equal(episode(env, 2, actions), first)
+    assert np.array_equal(episode(env, 1, actions), first)
+    assert np.array_equal(episode(other, 1, actions), first)
+
+
+def test_an_episode_is_the_simulation(cart):
+    """The steps and the reward are those that can be had without Gymnasium; a function gives what a channel does."""
+    env = mimbre.gym.make(
+        cart, **said(randomise=None, reward=lambda now: -(now["angle"] ** 2) - now.observation[0] ** 2)
+    )
+    sim = cart.simulation()
+    observation, info = env.reset(options={"k": 3})
+    assert info == {"parameters": {"k": 3}}
+    sim.input("k").value = 3
+    for n in range(40):
+        sim.input("force").value = 10
+        sim.step(2)
+        observation, reward, terminated, truncated, info = env.step(np.array([20.0]))  # beyond its range
+        assert np.array_equal(observation, [sim.channel("place").value, sim.channel("angle").value])
+        assert reward == pytest.approx(sim.channel("signal.reward").value, rel=1e-12)
+        assert info == {}
+        assert terminated == (abs(observation[1]) > 0.5)
+        assert truncated == (n == 39)
+        if terminated:
+            break
+    assert env.simulation.time == sim.time
+
+
+def test_a_failed_step_ends_the_episode():
+    m = mimbre.ModelBuilder()
+    m.add_input("limit", 1.0, range=[0, 1])
+    m.add_body("bar", mass=1, com=[0.5, 0, 0], inertia=[1e-3, 0.1, 0.1])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_actuator("motor", joint="hinge", torque="sqrt(limit - t)")
+    m.add_output("angle", joint="hinge")
+    m.set_simulation(step=0.01)
+    keys = {"actions": ["limit"], "observations": ["angle"], "reward": "angle", "failure_reward": -7, "skip": 5}
+    env = mimbre.gym.make(m.compile(), **keys)
+    env.reset()
+    assert env.step([1.0])[4] == {}
+    observation, reward, terminated, truncated, info = env.step([0.0])
+    assert np.isfinite(observation).all()
+    assert (reward, terminated, truncated) == (-7, True, False)
+    assert "t = 0.06 s" in info["failure"]
+    envs = mimbre.gym.make_vec(m.compile(), 2, **keys)
+    envs.reset()
+    envs.step([[1.0], [1.0]])
+    _, rewards, terminations, _, infos = envs.step([[1.0], [0.0]])
+    assert terminations.tolist() == [False, True]
+    assert rewards[1] == -7
+    assert infos["failure"].tolist() == [None, info["failure"]]
+    assert envs.step([[1.0], [1.0]])[0][1] == 0  # begun again
+
+
+def test_functions_that_raise_are_heard(cart):
+    def reward(now):
+        raise RuntimeError("no such prize")
+
+    env = mimbre.gym.make(cart, **said(reward=reward))
+    env.reset()
+    with pytest.raises(RuntimeError, match="no such prize"):
+        env.step([0.0])
+    env = mimbre.gym.make(cart, **said(reward=lambda now: float("nan")))
+    env.reset()
+    with pytest.raises(ValueError, match=r"reward: at t = 0.02 s its function gave nan; a finite number is needed"):
+        env.step([0.0])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"actions": ["forc"]}, r"no input or tunable parameter 'forc' \(did you mean 'force'\?\)"),
+        ({"actions": ["free"]}, r"'free' has no range.*\{'free': \(low, high\)\}"),
+        ({"actions": "force"}, "a list of names"),
+        ({"actions": ["force", "force"]}, "a name stands there twice"),
+        ({"actions": {"force": (1, 1)}}, r"\(low, high\) is needed"),
+        ({"actions": []}, "at least one"),
+        ({"observations": ["angel"]}, "did you mean 'angle'"),
+        ({"reward": "signal.rewards"}, "did you mean 'signal.reward'"),
+        ({"reward": None}, "reward: a function or a channel's name"),
+        ({"terminate": 3}, "terminate: a function or a channel's name"),
+        ({"skip": 1.5}, "skip: is 1.5"),
+        ({"skip": 0}, "skip: is 0"),
+        ({"time_limit": 0.001}, "at least the 0.02 s of an action"),
+        ({"randomise": {"force": (0, 1)}}, "'force' is an action"),
+        ({"randomise": {"k": (0, 11)}}, "k: is .*; a number from 0 to 10"),
+        ({"randomise": {"k": 3}}, r"k: \(low, high\), a list of values or a function"),
+        ({"randomise": {"starts": (0, 1)}}, "starts"),
+        ({"randomise": [1]}, "names with ranges"),
+        ({"step": -1}, "step: is -1"),
+        ({"view": "xx"}, "two of the axes"),
+        ({"render_mode": "human"}, "there is no render mode 'human'"),
+    ],
+)
+def test_what_is_wrong_is_said(cart, wrong, message):
+    with pytest.raises(mimbre.InputError, match=message):
+        mimbre.gym.make(cart, **said(**wrong))
+
+
+def test_misuse_is_told(cart):
+    env, envs = mimbre.gym.make(cart, **said()), mimbre.gym.make_vec(cart, 2, **said())
+    for one in (env, envs):
+        with pytest.raises(gymnasium.error.ResetNeeded):
+            one.step(one.action_space.sample())
+    for one, options in ((env, {"kk": 1}), (envs, {"force": 1}), (envs, {"k": -1}), (envs, {"reset_mask": [1, 2]})):
+        with pytest.raises(mimbre.InputError):
+            one.reset(options=options)
+    env.reset()
+    envs.reset()
+    for action in ([1.0, 2.0], [[1.0]], [np.nan], ["x"], None):
+        with pytest.raises(mimbre.InputError, match="action"):
+            env.step(action)
+    with pytest.raises(mimbre.InputError, match=r"of shape \(2, 1\) is needed"):
+        envs.step([[1.0]])
+    with pytest.raises(mimbre.InputError, match="num_envs: is 0"):
+        mimbre.gym.make_vec(cart, 0, **said())
+
+
+def test_an_image(cart):
+    env = mimbre.gym.make(cart, **said(render_mode="rgb_array", randomise=None))
+    env.reset()
+    image = env.render()
+    assert image.shape == (360, 480, 3)
+    assert image.dtype == np.uint8
+    # The box of the cart and the line of the pole.
+    lines = {name: np.array(ends) for name, ends in env.simulation.lines()}
+    assert lines["cart"].shape == (24, 3)
+    assert np.ptp(lines["cart"], axis=0) == pytest.approx([0.3, 0.2, 0.1])
+    for _ in range(10):
+        env.step([10.0])
+    assert (env.render() != image).any()
+    assert mimbre.gym.make(cart, **said()).render() is None
