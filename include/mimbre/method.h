@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <optional>
+#include <string>
 
 #include "mimbre/spec.h"
 
@@ -21,7 +23,10 @@ struct RunOptions {
   /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
   /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
   int substeps = 0;
-  double end = -1;       ///< s; negative: from the file, or the default
+  double end = -1;  ///< s; negative: from the file, or the default
+  /// What inputs and tunable parameters start with, by name, within their ranges; others as the model says.
+  /// The start, its equilibrium and all that is observed there are those of a model with these values.
+  std::map<std::string, double> inputs;
   bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
   // What is watched while stepping; what is not costs nothing.
   /// The energy balance. Substeps need it, and so does the integrator `conserve`: they imply it.

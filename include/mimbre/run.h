@@ -16,6 +16,8 @@ struct RunPlan {
   /// The step after which the next row is due, where `made` steps have been made: the first one at or after
   /// the next multiple of the output interval, or the last one.
   std::int64_t next_row(std::int64_t made) const;
+  /// How many rows there are, with that of the start.
+  std::int64_t rows() const;
 };
 /// Steps to `end` (s). What is left of a step at the end is made as a shorter step, or, where it is less than
 /// a thousandth, added to the last. Throws InputError when the step is longer than the run, or there are too

@@ -58,7 +58,8 @@ struct Redundancy {
 class Simulation {
  public:
   /// Closes the loops, finds consistent velocities, the equilibrium if asked for, and accelerations.
-  /// Throws InputError when the loops do not close or the given initial values contradict each other.
+  /// Throws InputError when the loops do not close, the given initial values contradict each other, or there
+  /// is no input that RunOptions::inputs names.
   explicit Simulation(std::shared_ptr<const Model> model, const RunOptions& options = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -129,7 +130,8 @@ class Simulation {
     int index = -1;
   };
   Channel channel(const std::string& name) const;
-  /// A channel's value now. Allocates nothing: what channels have in common is evaluated once per step.
+  /// A channel's value now. Allocates nothing, and evaluates what the channel needs: kinematics, forces or
+  /// reactions, once per step for all channels.
   double value(Channel channel);
   /// The same for bodies, of the model as it was given.
   struct Body {

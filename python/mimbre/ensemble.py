@@ -7,7 +7,6 @@ import hashlib
 import itertools
 import json
 import os
-import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -17,6 +16,7 @@ import numpy.typing as npt
 
 from . import _checks, _core
 from .errors import InputError, SweepInterrupted
+from .history_folder import HistoryFolder
 from .model import Model
 from .study import LOST, NOT_RUN, Floats, Row, Study, Value, reductions, run_rows, words
 
@@ -62,8 +62,10 @@ def sweep(
     reduce: Reduction | Sequence[Reduction] = "last",
     inputs: Mapping[str, Input] | None = None,
     until: float | None = None,
+    workers: int | None = None,
     executor: Any = None,
     store: str | os.PathLike[str] | None = None,
+    histories: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], object] | None = None,
     **method: Unpack[Method],
 ) -> xr.Dataset:
@@ -75,8 +77,11 @@ def sweep(
     outputs: channels; default: the model's outputs.
     reduce: what is kept of each channel's history: "max", "min", "mean", "rms", "last", or a function of the history;
         of several there is a dimension `reduction`. "history" keeps all instants.
-    executor: a Dask Client or an executor of concurrent.futures that does the work; default: threads.
+    workers: so many threads; default: one for each core.
+    executor: a Dask Client or an executor of concurrent.futures that does the work in the place of threads.
     store: an HDF5 file that is written while the sweep runs; where it is there, only what is not in it is run.
+    histories: a folder where who makes a run writes its outputs at all instants, in a file of its own; other machines
+        must have it at the same place.
     progress: is called with how many runs are done, and how many there are.
 
     The data set has the parameters as coordinates: as dimensions of their own of a grid, else over `run`. A run that
@@ -86,6 +91,7 @@ def sweep(
         raise InputError(f"progress: a function is needed, not {_checks.described(progress)}")
     names, grid, rows = _rows(parameters)
     study, units = _study(model, names, rows, outputs, reduce, inputs, until, method)
+    threads = _threads(workers, executor)
     table = Table(study, len(rows))
     file = None
     if store is not None:
@@ -94,6 +100,8 @@ def sweep(
         columns = {name: [row[name] for row in rows] for name in names}
         file = Store(_checks.path("store", store), _fingerprint(study, rows), columns)
         file.read(table)
+    if histories is not None:
+        study.histories = HistoryFolder.of(_checks.path("histories", histories), table)
 
     def take(done: list[Row]) -> None:
         new = [row.index for row in done if table.take(row)]
@@ -107,7 +115,7 @@ def sweep(
     waiting.sort(key=lambda item: sorted((name, str(value)) for name, value in study.compiled_with(item[1]).items()))
     try:
         if executor is None:
-            _by_threads(study, waiting, take)
+            _by_threads(study, waiting, take, threads)
         else:
             _by_executor(study, waiting, take, executor)
     except KeyboardInterrupt:
@@ -155,6 +163,14 @@ class Table:
         self.values[row.index] = row.values
         return True
 
+    def ended_well(self) -> list[int]:
+        rows: list[int] = np.flatnonzero(self.status == words.index("ok")).tolist()
+        return rows
+
+    def forget(self, index: int) -> None:
+        """It is to be run again."""
+        self.status[index] = NOT_RUN
+
     def dataset(
         self, names: Sequence[str], grid: dict[str, list[Value]] | None, rows: list[dict[str, Value]], units: _Units
     ) -> xr.Dataset:
@@ -200,16 +216,25 @@ _Waiting = list[tuple[int, dict[str, Value]]]
 _Take = Callable[[list[Row]], None]
 
 
-def _by_threads(study: Study, waiting: _Waiting, take: _Take) -> None:
+def _threads(workers: int | None, executor: Any) -> int:
+    if workers is None:
+        return len(os.sched_getaffinity(0))
+    if not isinstance(workers, int | np.integer) or isinstance(workers, bool) or workers < 1:
+        raise InputError(f"workers: a number of threads from 1 is needed, not {_checks.described(workers)}")
+    if executor is not None:
+        raise InputError("workers: an executor has its own; give one of both")
+    return int(workers)
+
+
+def _by_threads(study: Study, waiting: _Waiting, take: _Take, threads: int) -> None:
     """Over one constant model; runs leave the interpreter to each other."""
-    stop = threading.Event()
-    cores = len(os.sched_getaffinity(0))
+    stop = _core.Stop()
     queue = deque(waiting)
-    with futures.ThreadPoolExecutor(cores, "mimbre-sweep") as pool:
+    with futures.ThreadPoolExecutor(threads, "mimbre-sweep") as pool:
         running: set[futures.Future[Row]] = set()
         try:
             while queue or running:
-                while queue and len(running) < 2 * cores:
+                while queue and len(running) < 2 * threads:
                     running.add(pool.submit(study.row, *queue.popleft(), stop))
                 done, running = futures.wait(running, return_when=futures.FIRST_COMPLETED)
                 take([future.result() for future in done])
@@ -336,12 +361,7 @@ def _study(
         if name in names:
             raise InputError(f"inputs: {name!r} is one of the parameters; it can have one value only")
     handles = {name: simulation.input(name) for name in names if name in model.inputs}
-    live = {
-        name: (handle.min, handle.max)
-        for name, handle in handles.items()
-        # An equilibrium is that of the values that the model is compiled with.
-        if not (handle.tunable and model._compiled.starts_at_equilibrium)
-    }
+    live = {name: (handle.min, handle.max) for name, handle in handles.items()}
     if isinstance(outputs, str):
         outputs = [outputs]
     chosen = list(model.outputs if outputs is None else outputs)

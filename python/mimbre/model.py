@@ -157,7 +157,8 @@ class Model:
     ) -> Run:
         """Simulates to the time `until` (s; default: the model's end), as `mimbre run` does, to the same bits.
 
-        inputs: by name a number, (times, values), or a function of time that is called before each step.
+        inputs: by name a number, (times, values), or a function of time that is called before each step. They count
+            from the start on, with its equilibrium.
         progress: is called now and then with the time (s).
 
         Ctrl-C raises Interrupted, a step that fails SimulationError; what a function raises, of an input or a law,

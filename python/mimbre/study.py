@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from .errors import InputError, SimulationError
-from .model import Model
+from .model import Model, _inputs
+from .simulation import checked_method
 
 if TYPE_CHECKING:
+    from .history_folder import HistoryFolder
     from .model import Input
-    from .run import Run
     from .simulation import Method
 
 Value = float | int | str | bool
@@ -49,10 +51,6 @@ class Row:
     time: Floats | None = None  #: the instants, where histories are kept
 
 
-class _Stop(Exception):
-    """Ends a run that nobody waits for any more."""
-
-
 @dataclass
 class Study:
     """All that a worker must know. It is pickled once; a process keeps it, with the models that it compiled."""
@@ -64,6 +62,7 @@ class Study:
     inputs: Mapping[str, Input]
     until: float | None
     method: Method
+    histories: HistoryFolder | None = None
     _variants: OrderedDict[tuple[tuple[str, Value], ...], _Variant] = field(default_factory=OrderedDict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _pickled: bytes = b""
@@ -72,35 +71,41 @@ class Study:
         """Those that need a model of their own."""
         return {name: value for name, value in parameters.items() if name not in self.live}
 
-    def row(self, index: int, parameters: Mapping[str, Value], stop: threading.Event | None = None) -> Row:
-        """Runs one. What goes wrong is in the row."""
-        try:
-            run = self._run(parameters, stop)
-            values = self._reduced(run)
-        except _Stop:
+    def __post_init__(self) -> None:
+        self._tables, self._functions = _inputs(self.inputs)
+        self._method = checked_method(self.method)
+
+    def row(self, index: int, parameters: Mapping[str, Value], stop: _core.Stop | None = None) -> Row:
+        """Runs one, unless it is to stop. What goes wrong is in the row."""
+        stop = stop or _core.Stop()
+        if stop.is_set:
             return Row(index, NOT_RUN)
+        try:
+            found = self._run(parameters, stop)
+            if found.status == "interrupted":
+                return Row(index, NOT_RUN)
+            if found.status != "ok":
+                return Row(index, FAILED, found.message)
+            if self.histories is not None:
+                self.histories.write(index, parameters, self.outputs, found)
+            return Row(index, OK, "", self._reduced(found), np.array(found.time) if self.reduce is None else None)
         except InputError as error:
             return Row(index, REJECTED, str(error))
         except SimulationError as error:
             return Row(index, FAILED, str(error))
         except Exception as error:
             return Row(index, FAILED, f"{type(error).__name__}: {error}")
-        return Row(index, OK, "", values, np.array(run.time) if self.reduce is None else None)
 
-    def _run(self, parameters: Mapping[str, Value], stop: threading.Event | None) -> Run:
-        live: dict[str, Any] = {name: value for name, value in parameters.items() if name in self.live}
-        for name, value in live.items():
-            low, high = self.live[name]
-            if not isinstance(value, int | float) or not low <= value <= high:
+    def _run(self, parameters: Mapping[str, Value], stop: _core.Stop) -> _core.Histories:
+        """Of the outputs alone."""
+        tables = list(self._tables)
+        for name, (low, high) in self.live.items():
+            value = parameters[name]
+            if isinstance(value, str) or not low <= value <= high:
                 raise InputError(f"{name}: is {value!r}; a number from {low:g} to {high:g} is needed")
-
-        def watch(time: float) -> None:
-            if stop is not None and stop.is_set():
-                raise _Stop
-
-        watch(0)
-        model = self._model(self.compiled_with(parameters))
-        return model.run(until=self.until, inputs={**self.inputs, **live}, progress=watch, **self.method)
+            tables.append((name, [0.0], [float(value)]))
+        compiled = self._model(self.compiled_with(parameters))._compiled
+        return _core.histories(compiled, self._method, self.until, tables, self._functions, self.outputs, stop)
 
     def _model(self, parameters: dict[str, Value]) -> Model:
         """Compiled once, by the thread that needs it first; the last few are kept."""
@@ -117,15 +122,24 @@ class Study:
                 variant.model = self.model._with(parameters)
             return variant.model
 
-    def _reduced(self, run: Run) -> Floats:
+    def _reduced(self, found: _core.Histories) -> Floats:
         if self.reduce is None:
-            return np.array([run[name] for name in self.outputs])
+            return np.array(found.values)
         functions = [reductions[one] if isinstance(one, str) else one for one in self.reduce]
-        return np.array([[float(function(run[name])) for function in functions] for name in self.outputs])
+        return np.array([[float(function(history)) for function in functions] for history in found.values])
 
     def __reduce__(self) -> tuple[Any, ...]:
         if not self._pickled:
-            parts = (self.model, self.outputs, self.reduce, self.live, dict(self.inputs), self.until, self.method)
+            parts = (
+                self.model,
+                self.outputs,
+                self.reduce,
+                self.live,
+                dict(self.inputs),
+                self.until,
+                self.method,
+                self.histories,
+            )
             self._pickled = _pickler()(parts)
         return _known, (hashlib.sha256(self._pickled).digest(), self._pickled)
 

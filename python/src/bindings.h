@@ -9,6 +9,7 @@ namespace nb = nanobind;
 
 void bind_analysis(nb::module_& module);
 void bind_errors(nb::module_& module);
+void bind_histories(nb::module_& module);
 void bind_model(nb::module_& module);
 void bind_reduction(nb::module_& module);
 void bind_results(nb::module_& module);

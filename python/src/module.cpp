@@ -10,6 +10,7 @@ NB_MODULE(_core, module) {
   mimbre::python::bind_reduction(module);
   mimbre::python::bind_results(module);
   mimbre::python::bind_run(module);
+  mimbre::python::bind_histories(module);
   mimbre::python::bind_simulation(module);
   mimbre::python::bind_analysis(module);
 }

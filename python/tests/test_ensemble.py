@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 
+import h5py
 import mimbre
 import numpy as np
 import pytest
@@ -57,6 +58,69 @@ def test_histories_functions_lists_and_samples(model):
     )
 
 
+def test_channels_alone_have_the_values_that_they_have_among_all(examples):
+    """Also of redundant constraints and of an equilibrium: kinematics, forces and reactions, in any order."""
+    for name in ("iltis/vehicle.yaml", "double-four-bar/mechanism.yaml", "bricard/mechanism.yaml"):
+        model = mimbre.Model.from_file(examples / name)
+        for formulation in ("relative", "natural"):
+            run = model.run(until=0.3, formulation=formulation)
+            for names in (list(run), list(run)[::-7]):
+                data = mimbre.sweep(model, [{}], outputs=names, reduce="history", until=0.3, formulation=formulation)
+                for channel in names:
+                    assert np.array_equal(data[channel][0], run[channel], equal_nan=True), (name, channel)
+
+
+STARTS = """
+mimbre: 1
+parameters: {k: {value: 2, min: 0, max: 10, tunable: true}, stiff: {value: 500, min: 1, max: 1000, tunable: true}}
+inputs: {angle: {start: 0.1, hold: linear}, push: 0}
+bodies:
+  bar: {mass: 0.6, com: [0.5, 0, 0], inertia: [1.0e-5, 0.05, 0.05]}
+  tip: {mass: 0.1, com: [1, 0, 0], inertia: [1.0e-3, 1.0e-3, 1.0e-3]}
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}
+  crank: {type: revolute, between: [bar, tip], at: [1, 0, 0], axis: [0, 1, 0], drive: {position: angle}}
+actuators: {motor: {joint: hinge, torque: "push - k*angle_now"}}
+springs: {spring: {between: [ground, bar], at: [[0.5, 0, 1], [0.5, 0, 0]], elastic: "stiff*(l - 0.9)"}}
+signals: {angle_now: {joint: hinge}}
+outputs: [{name: a, joint: hinge}]
+initial: INITIAL
+simulation: {step: 0.01, end: 0.1}
+"""
+
+
+@pytest.mark.parametrize("initial", ["assembled", "equilibrium"])
+def test_inputs_count_from_the_first_instant_on(initial):
+    """Reactions, energies, driven positions and the equilibrium are those of a model that was made with them."""
+    text = STARTS.replace("INITIAL", initial)
+    model = mimbre.Model.from_text(text)
+    made = mimbre.Model.from_text(text.replace("start: 0.1", "start: 0.2").replace("push: 0", "push: 3"), k=7, stiff=80)
+    inputs = {"k": 7, "stiff": 80, "angle": 0.2, "push": 3}
+    wanted, run = made.run(), model.run(inputs=inputs)
+    data = mimbre.sweep(model, [inputs], outputs=list(wanted), reduce="history")
+    for name in wanted:
+        assert np.array_equal(run[name], wanted[name], equal_nan=True), name
+        assert np.array_equal(data[name][0], wanted[name], equal_nan=True), name
+    other = model.run()
+    assert other["joint.hinge.force.z"][0] != wanted["joint.hinge.force.z"][0]
+    called = []
+    by_function = model.run(inputs={**inputs, "push": lambda time: called.append(time) or 3.0})
+    assert np.array_equal(by_function["a"], wanted["a"])
+    assert called[0] == 0
+
+
+def test_a_model_compiled_anew_keeps_its_laws():
+    m = mimbre.ModelBuilder("Held")
+    m.add_parameter("mass", 1.0, min=0.1, max=5)
+    m.add_body("bar", mass="mass", com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("slide", type="prismatic", between=["ground", "bar"], at=[0, 0, 0], axis=[1, 0, 0])
+    m.add_law("push", joint="slide", force=lambda time, x, v: -2.0)
+    m.add_output("x", joint="slide")
+    m.set_simulation(step=0.01, end=1)
+    data = mimbre.sweep(m.compile(), {"mass": [1.0, 2.0]})
+    assert data["x"].to_numpy() == pytest.approx([1.0, 0.5], rel=1e-3)
+
+
 def test_failures_are_rows_with_their_reason(model):
     data = mimbre.sweep(model, {"mass": [0.6, -1.0, 1.0]})
     assert list(data.status) == ["ok", "rejected", "ok"]
@@ -94,6 +158,35 @@ def test_a_store_is_taken_up_where_it_ended(model, tmp_path):
         mimbre.sweep(model, {"k": np.linspace(0, 10, 40)}, store=path, until=0.1)
 
 
+def test_workers_leave_histories(model, tmp_path):
+    """Of threads and of processes, beside what is reduced; what is missing is run again."""
+    plain = mimbre.sweep(model, GRID)
+    folder, store = tmp_path / "histories", tmp_path / "study.h5"
+    xr.testing.assert_identical(mimbre.sweep(model, GRID, histories=folder, store=store, workers=1), plain)
+
+    def check():
+        files = sorted(folder.iterdir())
+        assert [file.name for file in files] == [f"run-{k:06}.h5" for k in range(6)]
+        for file in files:
+            with h5py.File(file) as run:
+                wanted = mimbre.Model.from_text(FILE, k=run.attrs["k"], mass=run.attrs["mass"]).run()
+                assert np.array_equal(run["time"], wanted.time)
+                assert np.array_equal(run["angle"], wanted["angle"])
+
+    check()
+    (folder / "run-000003.h5").unlink()
+    counts = []
+    mimbre.sweep(model, GRID, histories=folder, store=store, progress=lambda *n: counts.append(n))
+    assert counts == [(6, 6)]
+    check()
+    with pytest.raises(mimbre.InputError, match="has runs of another sweep"):
+        mimbre.sweep(model, GRID, histories=folder)
+    with futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+        mimbre.sweep(model, GRID, histories=tmp_path / "others", executor=pool)
+    folder = tmp_path / "others"
+    check()
+
+
 def test_processes_give_the_same_bits(model):
     with futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
         xr.testing.assert_identical(mimbre.sweep(model, GRID, executor=pool), mimbre.sweep(model, GRID))
@@ -108,6 +201,9 @@ def test_mistakes_are_told_before_anything_runs(model):
         ({"parameters": GRID, "reduce": "maximum"}, "there is no reduction"),
         ({"parameters": GRID, "inputs": {"k": 1}}, "one of the parameters"),
         ({"parameters": GRID, "executor": 5}, "a Dask Client or an executor"),
+        ({"parameters": GRID, "workers": 0}, "a number of threads from 1"),
+        ({"parameters": GRID, "workers": 2, "executor": 5}, "give one of both"),
+        ({"parameters": GRID, "histories": __file__}, "is no folder"),
         ({"parameters": {"k": [float("nan")]}}, "finite"),
     ):
         with pytest.raises(mimbre.InputError, match=message):

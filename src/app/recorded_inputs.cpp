@@ -87,6 +87,12 @@ void RecordedInputs::add(const std::string& name, std::vector<double> times, std
   tracks_.push_back({name, std::move(times), std::move(values)});
 }
 
+std::map<std::string, double> RecordedInputs::start() {
+  std::map<std::string, double> values;
+  for (Track& track : tracks_) values[track.name] = value(track, 0);
+  return values;
+}
+
 void RecordedInputs::attach(const Simulation& simulation) {
   for (Track& track : tracks_) {
     track.input = simulation.input(track.name);

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ class RecordedInputs {
   /// where there are not as many values as times.
   void add(const std::string& name, std::vector<double> times, std::vector<double> values);
   const std::vector<std::string>& files() const { return files_; }
+  /// What they are at the start, for RunOptions::inputs.
+  std::map<std::string, double> start();
   /// Finds the inputs by their names. Throws InputError where the simulation has none.
   void attach(const Simulation& simulation);
   /// Before each step: an input that is constant gets the last value that is not after now, one in straight

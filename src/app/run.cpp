@@ -182,6 +182,7 @@ int run(const Arguments& given_arguments) {
   RunOptions options = run_options(arguments.method, given);
   options.step = arguments.step.value_or(0);
   options.end = arguments.until.value_or(-1);
+  options.inputs = inputs.start();
   const RunPlan plan = planned(given, options, arguments.step, arguments.until);
   const std::unique_ptr<Simulation> made = [&] {
     const Busy busy("assembling the mechanism", !arguments.quiet);
@@ -217,12 +218,10 @@ int run(const Arguments& given_arguments) {
   }
   Progress progress(!arguments.quiet);
   Ending ending = simulate(simulation, plan, inputs, recorder, progress, saving, totals, [&] {
-    if (saved) {
+    if (saved)
       recorder.take_over(*saved, rows);
-    } else {
-      inputs.set(simulation);
+    else
       recorder.record(simulation);
-    }
   });
   progress.clear();
 

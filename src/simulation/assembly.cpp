@@ -15,7 +15,7 @@ namespace {
 constexpr double close_enough = 1e-8;  ///< m, m/s
 
 /// Sets what the user gave of a joint's positions and velocities; weights 0 mark given ones.
-void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
+void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen::VectorXd& position_weight,
                Eigen::VectorXd& velocity_weight) {
   for (const BodyData& b : m.bodies) {
     const spec::Joint& joint = m.spec().joints[b.joint_spec];
@@ -41,7 +41,6 @@ void set_given(const Compiled& m, State& s, Eigen::VectorXd& position_weight,
       s.v[b.v + k] = *joint.initial_velocity[k];
     }
   }
-  SignalValues<double> signals(m);
   fix_signals(m.signals, 0, signals);
   for (const DriveData& d : m.drives) {
     s.q[d.q] = signals.value[d.slot];
@@ -59,7 +58,7 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
   s.algorithmic.setZero(m.velocities);
   s.multipliers.setZero(m.equations);
   Eigen::VectorXd position_weight = Eigen::VectorXd::Ones(m.velocities), velocity_weight = position_weight;
-  set_given(m, s, position_weight, velocity_weight);
+  set_given(m, system.workspace().signals, s, position_weight, velocity_weight);
   system.begin_step(s.q.data());
 
   const auto where = [&](double gap, const double* violation, const char* what, const char* unit) {

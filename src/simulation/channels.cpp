@@ -177,6 +177,25 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
   return extreme;
 }
 
+/// What an output shows must be evaluated first.
+Channels::Needs needs_of(Kind kind) {
+  switch (kind) {
+    case Kind::joint_force:
+      return Channels::Needs::reactions;
+    case Kind::spring_force:
+    case Kind::spring_length:
+    case Kind::tyre_force:
+    case Kind::signal:
+    case Kind::input:
+    case Kind::element_force:
+    case Kind::element_measure:
+    case Kind::element_rate:
+      return Channels::Needs::forces;
+    default:
+      return Channels::Needs::motion;
+  }
+}
+
 }  // namespace
 
 std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
@@ -189,66 +208,100 @@ std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
   return bodies;
 }
 
+void Channels::add(Part::Kind kind, int item, Needs needs, std::size_t first) {
+  const int count = static_cast<int>(info_.size() - first);
+  if (count == 0) return;
+  part_of_.resize(info_.size(), static_cast<int>(parts_.size()));
+  parts_.push_back({kind, item, static_cast<int>(first), count, needs});
+}
+
 Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
+  using Of = Part::Kind;
   for (const BodyData& b : m.bodies)
     if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
-  for (const spec::Output& o : m.spec().outputs) {
-    info_.push_back(output_info(m, o));
+  const auto add_with = [&](Of kind, int item, Needs needs, const auto& describe) {
+    const std::size_t first = info_.size();
+    describe();
+    add(kind, item, needs, first);
+  };
+  for (int k = 0; k < static_cast<int>(m.spec().outputs.size()); ++k) {
+    const spec::Output& o = m.spec().outputs[static_cast<std::size_t>(k)];
+    add_with(Of::output, k, needs_of(o.kind), [&] { info_.push_back(output_info(m, o)); });
     mass_of_output_.push_back(bodies_of(m, o));
     if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
   }
   output_count_ = static_cast<int>(info_.size());
-  joints_.add_info(info_);
-  joint_count_ = static_cast<int>(info_.size()) - output_count_;
-  for (const spec::Spring& s : m.spec().springs) {
-    info_.push_back(
-        {fmt::format("spring.{}.force", s.name), "N", fmt::format("tension of spring '{}'", s.name)});
-    info_.push_back(
-        {fmt::format("spring.{}.length", s.name), "m", fmt::format("length of spring '{}'", s.name)});
+  for (int j = 0; j < static_cast<int>(m.spec().joints.size()); ++j) {
+    add_with(Of::joint, j, Needs::motion, [&] { joints_.add_motion_info(j, info_); });
+    add_with(Of::reaction, j, Needs::reactions, [&] { joints_.add_reaction_info(j, info_); });
   }
-  for (const spec::Tyre& t : m.spec().tyres)
-    info_.push_back(
-        {fmt::format("tyre.{}.vertical", t.name), "N", fmt::format("vertical force of tyre '{}'", t.name)});
-  for (const spec::Tyre& t : m.spec().tyres)
-    info_.push_back({fmt::format("tyre.{}.road", t.name), "m",
-                     fmt::format("global z of the road under tyre '{}'", t.name)});
+  for (int k = 0; k < m.first_tyre; ++k)
+    add_with(Of::spring, k, Needs::forces, [&] {
+      const std::string& name = m.spec().springs[static_cast<std::size_t>(k)].name;
+      info_.push_back(
+          {fmt::format("spring.{}.force", name), "N", fmt::format("tension of spring '{}'", name)});
+      info_.push_back(
+          {fmt::format("spring.{}.length", name), "m", fmt::format("length of spring '{}'", name)});
+    });
+  const auto tyre = [&](int k) -> const std::string& {
+    return m.spec().tyres[static_cast<std::size_t>(k - m.first_tyre)].name;
+  };
+  for (int k = m.first_tyre; k < m.first_load; ++k)
+    add_with(Of::tyre, k, Needs::forces, [&] {
+      info_.push_back({fmt::format("tyre.{}.vertical", tyre(k)), "N",
+                       fmt::format("vertical force of tyre '{}'", tyre(k))});
+    });
+  for (int k = m.first_tyre; k < m.first_load; ++k)
+    add_with(Of::road, k, Needs::forces, [&] {
+      info_.push_back({fmt::format("tyre.{}.road", tyre(k)), "m",
+                       fmt::format("global z of the road under tyre '{}'", tyre(k))});
+    });
   for (int l = m.first_load; l < m.first_joint_spring; ++l)
-    for (const bool moment : {false, true})
-      for (int axis = 0; axis < 3 && !given(m.elements[l], moment).isZero(0); ++axis) {
-        const std::string& name = m.spec().loads[m.elements[l].spec].name;
-        const char* const what = moment ? "moment" : "force";
-        info_.push_back({fmt::format("load.{}.{}.{}", name, what, "xyz"[axis]), moment ? "N m" : "N",
-                         fmt::format("{} of load '{}', {} of the global axes", what, name, "xyz"[axis])});
-      }
+    add_with(Of::load, l, Needs::forces, [&] {
+      for (const bool moment : {false, true})
+        for (int axis = 0; axis < 3 && !given(m.elements[l], moment).isZero(0); ++axis) {
+          const std::string& name = m.spec().loads[m.elements[l].spec].name;
+          const char* const what = moment ? "moment" : "force";
+          info_.push_back({fmt::format("load.{}.{}.{}", name, what, "xyz"[axis]), moment ? "N m" : "N",
+                           fmt::format("{} of load '{}', {} of the global axes", what, name, "xyz"[axis])});
+        }
+    });
   for (std::size_t k = 0; k < m.spec().elements.size(); ++k) {
-    const ElementData& e = m.elements[m.first_other + k];
+    const int number = m.first_other + static_cast<int>(k);
+    const ElementData& e = m.elements[number];
     const spec::Element& element = m.spec().elements[k];
-    for (int c = 0; c < e.count; ++c) {
-      const ComponentNames called = component_names(e, c);
-      const std::string of = fmt::format("{}.{}", element.law, element.name), who = element_name(m, e);
-      info_.push_back({fmt::format("{}.force{}", of, called.name), called.force,
-                       fmt::format("force of {}, positive where it drives what it measures on", who)});
-      info_.push_back({fmt::format("{}.measure{}", of, called.name), called.measure,
-                       fmt::format("what {} measures", who)});
-    }
+    add_with(Of::element, number, Needs::forces, [&] {
+      for (int c = 0; c < e.count; ++c) {
+        const ComponentNames called = component_names(e, c);
+        const std::string of = fmt::format("{}.{}", element.law, element.name), who = element_name(m, e);
+        info_.push_back({fmt::format("{}.force{}", of, called.name), called.force,
+                         fmt::format("force of {}, positive where it drives what it measures on", who)});
+        info_.push_back({fmt::format("{}.measure{}", of, called.name), called.measure,
+                         fmt::format("what {} measures", who)});
+      }
+    });
   }
-  for (const spec::Input& i : m.spec().inputs)
-    info_.push_back({fmt::format("input.{}", i.name), i.unit.empty() ? "1" : i.unit,
-                     fmt::format("{} '{}'", i.tunable ? "parameter" : "input", i.name)});
-  for (const spec::Signal& i : m.spec().signals)
-    if (i.named)
-      info_.push_back({fmt::format("signal.{}", i.name), i.unit.empty() ? "1" : i.unit,
-                       fmt::format("signal '{}'", i.name)});
-  for (const EnergyTerm& term : energy_terms)
-    info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
-  info_.push_back({"solver.iterations", "1", "iterations of the last step"});
-  info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
-  info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
-  reaction_.assign(info_.size(), 0);
-  for (std::size_t k = 0; k < m.spec().outputs.size(); ++k)
-    reaction_[k] = m.spec().outputs[k].kind == Kind::joint_force;
-  joints_.for_reactions(info_.data() + output_count_, [&](const std::string&, ChannelInfo& channel) {
-    reaction_[static_cast<std::size_t>(&channel - info_.data())] = 1;
+  for (std::size_t k = 0; k < m.spec().inputs.size(); ++k)
+    add_with(Of::input, m.signals.slot_of_input[k], Needs::forces, [&] {
+      const spec::Input& i = m.spec().inputs[k];
+      info_.push_back({fmt::format("input.{}", i.name), i.unit.empty() ? "1" : i.unit,
+                       fmt::format("{} '{}'", i.tunable ? "parameter" : "input", i.name)});
+    });
+  for (std::size_t k = 0; k < m.spec().signals.size(); ++k)
+    add_with(Of::signal, m.signals.slot_of_signal[k], Needs::forces, [&] {
+      const spec::Signal& i = m.spec().signals[k];
+      if (i.named)
+        info_.push_back({fmt::format("signal.{}", i.name), i.unit.empty() ? "1" : i.unit,
+                         fmt::format("signal '{}'", i.name)});
+    });
+  add_with(Of::energy, 0, Needs::motion, [&] {
+    for (const EnergyTerm& term : energy_terms)
+      info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
+  });
+  add_with(Of::solver, 0, Needs::motion, [&] {
+    info_.push_back({"solver.iterations", "1", "iterations of the last step"});
+    info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
+    info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
   });
 }
 
@@ -349,20 +402,79 @@ void Channels::mark_undetermined(const Redundancy& redundancy) {
   const auto among = [&](const std::vector<std::string>& joints, const std::string& name) {
     return std::find(joints.begin(), joints.end(), name) != joints.end();
   };
-  const auto mark = [](ChannelInfo& channel) {
-    channel.meaning += ", the smallest of those that redundant constraints leave open";
-    channel.determined = false;
+  const auto mark = [&](const Part& part, int joint) {
+    const std::string& name = model_.spec().joints[static_cast<std::size_t>(joint)].name;
+    if (!among(redundancy.joints, name) && !among(redundancy.nearly_joints, name)) return;
+    for (int k = part.first; k < part.first + part.count; ++k) {
+      ChannelInfo& channel = info_[static_cast<std::size_t>(k)];
+      channel.meaning += ", the smallest of those that redundant constraints leave open";
+      channel.determined = false;
+    }
   };
-  const auto open = [&](const std::string& joint) {
-    return among(redundancy.joints, joint) || among(redundancy.nearly_joints, joint);
-  };
-  for (std::size_t k = 0; k < model_.spec().outputs.size(); ++k) {
-    const spec::Output& o = model_.spec().outputs[k];
-    if (o.kind == Kind::joint_force && open(model_.spec().joints[o.item].name)) mark(info_[k]);
+  for (const Part& part : parts_) {
+    if (part.kind == Part::Kind::reaction) mark(part, part.item);
+    if (part.kind != Part::Kind::output) continue;
+    const spec::Output& o = model_.spec().outputs[static_cast<std::size_t>(part.item)];
+    if (o.kind == Kind::joint_force) mark(part, o.item);
   }
-  joints_.for_reactions(info_.data() + output_count_, [&](const std::string& joint, ChannelInfo& channel) {
-    if (open(joint)) mark(channel);
-  });
+}
+
+void Channels::read(const Part& part, relative::RelativeSystem& system, const State& s,
+                    const EnergyBalance& e, const Statistics& statistics, double* channels) const {
+  const Compiled& m = model_;
+  const auto& w = system.workspace();
+  const auto element = [&] { return element_state(m.elements[part.item], w.elements.data()); };
+  double* to = channels + part.first;
+  switch (part.kind) {
+    case Part::Kind::output: {
+      const auto k = static_cast<std::size_t>(part.item);
+      *to = value(m.spec().outputs[k], mass_of_output_[k], system, s);
+      return;
+    }
+    case Part::Kind::joint:
+      return joints_.read_motion(part.item, system, s, to);
+    case Part::Kind::reaction:
+      return joints_.read_reaction(part.item, system, s, to);
+    case Part::Kind::spring:
+      to[0] = element().force[0];
+      to[1] = element().x[0];
+      return;
+    case Part::Kind::tyre:
+      *to = -element().force[0];
+      return;
+    case Part::Kind::road:
+      *to = *element().surroundings;
+      return;
+    case Part::Kind::load: {
+      const ElementState<const double> l = element();
+      for (const bool moment : {false, true}) {
+        if (given(m.elements[part.item], moment).isZero(0)) continue;
+        Vec3d::Map(to) = -l.force[0] * (moment ? l.angular_of(0) : l.linear_of(0));
+        to += 3;
+      }
+      return;
+    }
+    case Part::Kind::element: {
+      const ElementState<const double> state = element();
+      for (int c = 0; c < state.count; ++c) {
+        *to++ = -state.force[c];
+        *to++ = state.x[c];
+      }
+      return;
+    }
+    case Part::Kind::input:
+    case Part::Kind::signal:
+      *to = w.signals.value[part.item];
+      return;
+    case Part::Kind::energy:
+      for (const EnergyTerm& term : energy_terms) *to++ = e.*term.value;
+      return;
+    case Part::Kind::solver:
+      to[0] = statistics.iterations;
+      to[1] = statistics.position_violation;
+      to[2] = statistics.velocity_violation;
+      return;
+  }
 }
 
 void Channels::sample(relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
@@ -371,40 +483,7 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
   const auto& w = system.workspace();
   row.time = s.time;
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
-  Eigen::Index at = 0;
-  for (std::size_t k = 0; k < m.spec().outputs.size(); ++k)
-    row.channels[at++] = value(m.spec().outputs[k], mass_of_output_[k], system, s);
-  joints_.sample(system, s, row.channels.data() + at);
-  at += joint_count_;
-  const auto element = [&](int k) { return element_state(m.elements[k], w.elements.data()); };
-  for (int k = 0; k < m.first_tyre; ++k) {
-    row.channels[at++] = element(k).force[0];
-    row.channels[at++] = element(k).x[0];
-  }
-  for (int k = m.first_tyre; k < m.first_load; ++k) row.channels[at++] = -element(k).force[0];
-  for (int k = m.first_tyre; k < m.first_load; ++k) row.channels[at++] = *element(k).surroundings;
-  for (int k = m.first_load; k < m.first_joint_spring; ++k) {
-    const ElementState<const double> l = element(k);
-    for (const bool moment : {false, true}) {
-      if (given(m.elements[k], moment).isZero(0)) continue;
-      row.channels.segment<3>(at) = -l.force[0] * (moment ? l.angular_of(0) : l.linear_of(0));
-      at += 3;
-    }
-  }
-  for (std::size_t k = 0; k < m.spec().elements.size(); ++k) {
-    const ElementState<const double> state = element(m.first_other + static_cast<int>(k));
-    for (int c = 0; c < state.count; ++c) {
-      row.channels[at++] = -state.force[c];
-      row.channels[at++] = state.x[c];
-    }
-  }
-  for (const int slot : m.signals.slot_of_input) row.channels[at++] = w.signals.value[slot];
-  for (std::size_t k = 0; k < m.spec().signals.size(); ++k)
-    if (m.spec().signals[k].named) row.channels[at++] = w.signals.value[m.signals.slot_of_signal[k]];
-  for (const EnergyTerm& term : energy_terms) row.channels[at++] = e.*term.value;
-  row.channels[at++] = statistics.iterations;
-  row.channels[at++] = statistics.position_violation;
-  row.channels[at++] = statistics.velocity_violation;
+  for (const Part& part : parts_) read(part, system, s, e, statistics, row.channels.data());
 
   row.poses.resize(7, static_cast<Eigen::Index>(m.spec().bodies.size()));
   row.modes.resize(modes_);

@@ -18,17 +18,46 @@ class Channels {
   explicit Channels(const Compiled& model);
   const std::vector<ChannelInfo>& info() const { return info_; }
   int output_count() const { return output_count_; }
-  /// Whether a channel is what a joint bears.
-  bool shows_reaction(int channel) const { return reaction_[static_cast<std::size_t>(channel)] != 0; }
+
+  /// What of a state must be evaluated for a channel; each includes those before.
+  enum class Needs { motion, forces, reactions };
+  /// Channels next to each other that are read together.
+  struct Part {
+    enum class Kind {
+      output,
+      joint,
+      reaction,
+      spring,
+      tyre,
+      road,
+      load,
+      element,
+      input,
+      signal,
+      energy,
+      solver
+    };
+    Kind kind;
+    int item;  ///< the output, joint, element, slot
+    int first, count;
+    Needs needs;
+  };
+  const std::vector<Part>& parts() const { return parts_; }
+  /// The number of a channel's part.
+  int part_of(int channel) const { return part_of_[static_cast<std::size_t>(channel)]; }
 
   struct Statistics {
     double iterations = 0, position_violation = 0, velocity_violation = 0;
   };
-  /// The system's last evaluation must be a residual of this state with its accelerations and multipliers;
-  /// its scratch is used.
+  /// Puts a part's channels to their places among all. The system's last evaluation must be what the part
+  /// needs: kinematics, or a residual, of this state with its accelerations and multipliers. Its scratch is
+  /// used.
+  void read(const Part& part, relative::RelativeSystem& system, const State& state,
+            const EnergyBalance& energy, const Statistics& statistics, double* channels) const;
+  /// All of them, with poses and amplitudes, after a residual.
   void sample(relative::RelativeSystem& system, const State& state, const EnergyBalance& energy,
               const Statistics& statistics, ResultsRow& row) const;
-  /// One output's value, under the same conditions; `mass_of`: bodies_of() it.
+  /// One output's value, likewise; `mass_of`: bodies_of() it.
   double value(const spec::Output& output, const std::vector<int>& mass_of, relative::RelativeSystem& system,
                const State& state) const;
   /// Says in the meaning of reactions which rigid bodies do not determine.
@@ -38,14 +67,16 @@ class Channels {
   std::vector<RoadDrawing> roads() const;
 
  private:
+  void add(Part::Kind kind, int item, Needs needs, std::size_t first);
+
   const Compiled& model_;
   std::vector<ChannelInfo> info_;
+  std::vector<Part> parts_;
+  std::vector<int> part_of_;
   std::vector<std::vector<int>> mass_of_output_;  ///< by output: compiled bodies
   int output_count_ = 0;
   int modes_ = 0;
   JointObserver joints_;
-  int joint_count_ = 0;         // their channels
-  std::vector<char> reaction_;  // by channel
 };
 
 }  // namespace mimbre

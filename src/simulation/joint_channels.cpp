@@ -94,65 +94,60 @@ ChannelInfo::Alike JointObserver::alike(int joint, int position) const {
   return body_[joint] < 0 && is_angle(type, position) ? ChannelInfo::Alike::turns : ChannelInfo::Alike::value;
 }
 
-void JointObserver::add_info(std::vector<ChannelInfo>& channels) const {
-  static const char* const axes[] = {"x", "y", "z"};
+void JointObserver::add_motion_info(int j, std::vector<ChannelInfo>& channels) const {
   static const char* const quaternion[] = {"w", "x", "y", "z"};
-  for (std::size_t j = 0; j < model_.spec().joints.size(); ++j) {
-    const spec::Joint& joint = model_.spec().joints[j];
-    const bool cut = body_[j] < 0;
-    const JointInfo& info = joint_info(joint.type);
-    const std::string prefix = fmt::format("joint.{}.", joint.name);
-    const auto numbered = [&](int k) { return info.velocities > 1 ? fmt::format(".{}", k) : std::string(); };
-    for (int k = 0, plain = 0; k < info.positions; ++k) {
-      const int q = info.quaternion < 0 ? -1 : k - info.quaternion;
-      if (q >= 0 && q < 4) {
-        channels.push_back({fmt::format("{}rotation.{}", prefix, quaternion[q]), "1",
-                            fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
-                                        quaternion[q], joint.name)});
-        channels.back().alike = alike(static_cast<int>(j), k);
-        continue;
-      }
-      const bool angle = is_angle(joint.type, plain);
-      channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)), angle ? "rad" : "m",
-                          fmt::format("coordinate {} of joint '{}'{}", plain, joint.name,
-                                      cut && angle ? ", which is cut: within ±π" : "")});
-      channels.back().alike = alike(static_cast<int>(j), k);
-      ++plain;
+  const spec::Joint& joint = model_.spec().joints[j];
+  const bool cut = body_[j] < 0;
+  const JointInfo& info = joint_info(joint.type);
+  const std::string prefix = fmt::format("joint.{}.", joint.name);
+  const auto numbered = [&](int k) { return info.velocities > 1 ? fmt::format(".{}", k) : std::string(); };
+  for (int k = 0, plain = 0; k < info.positions; ++k) {
+    const int q = info.quaternion < 0 ? -1 : k - info.quaternion;
+    if (q >= 0 && q < 4) {
+      channels.push_back({fmt::format("{}rotation.{}", prefix, quaternion[q]), "1",
+                          fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
+                                      quaternion[q], joint.name)});
+      channels.back().alike = alike(j, k);
+      continue;
     }
-    for (int k = 0; k < info.velocities; ++k)
-      channels.push_back({fmt::format("{}velocity{}", prefix, numbered(k)),
-                          is_angle(joint.type, k) ? "rad/s" : "m/s",
-                          fmt::format("rate of coordinate {} of joint '{}'", k, joint.name)});
-    for (const bool own : {false, true})
-      for (const bool moment : {false, true})
-        for (const char* axis : axes)
-          channels.push_back(
-              {fmt::format("{}{}{}.{}", prefix, moment ? "moment" : "force", own ? "_joint" : "", axis),
-               moment ? "N m" : "N",
-               fmt::format("reaction {} of joint '{}' on its second body, {} {}", moment ? "moment" : "force",
-                           joint.name, axis, own ? "of the joint's own axes there" : "of the global axes")});
+    const bool angle = is_angle(joint.type, plain);
+    channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)), angle ? "rad" : "m",
+                        fmt::format("coordinate {} of joint '{}'{}", plain, joint.name,
+                                    cut && angle ? ", which is cut: within ±π" : "")});
+    channels.back().alike = alike(j, k);
+    ++plain;
   }
+  for (int k = 0; k < info.velocities; ++k)
+    channels.push_back({fmt::format("{}velocity{}", prefix, numbered(k)),
+                        is_angle(joint.type, k) ? "rad/s" : "m/s",
+                        fmt::format("rate of coordinate {} of joint '{}'", k, joint.name)});
 }
 
-void JointObserver::for_reactions(
-    ChannelInfo* channels, const std::function<void(const std::string& joint, ChannelInfo&)>& visit) const {
-  for (const spec::Joint& joint : model_.spec().joints) {
-    const JointInfo& info = joint_info(joint.type);
-    channels += info.positions + info.velocities;
-    for (int k = 0; k < 12; ++k) visit(joint.name, *channels++);
-  }
+void JointObserver::add_reaction_info(int j, std::vector<ChannelInfo>& channels) const {
+  const std::string& joint = model_.spec().joints[j].name;
+  for (const bool own : {false, true})
+    for (const bool moment : {false, true})
+      for (const char* axis : {"x", "y", "z"})
+        channels.push_back(
+            {fmt::format("joint.{}.{}{}.{}", joint, moment ? "moment" : "force", own ? "_joint" : "", axis),
+             moment ? "N m" : "N",
+             fmt::format("reaction {} of joint '{}' on its second body, {} {}", moment ? "moment" : "force",
+                         joint, axis, own ? "of the joint's own axes there" : "of the global axes")});
 }
 
-void JointObserver::sample(const relative::RelativeSystem& system, const State& s, double* values) const {
-  for (int j = 0; j < static_cast<int>(model_.spec().joints.size()); ++j) {
-    const JointInfo& info = joint_info(model_.spec().joints[j].type);
-    const JointCoordinates c = coordinates(j, system, s);
-    values = std::copy_n(c.positions.begin(), info.positions, values);
-    values = std::copy_n(c.rates.begin(), info.velocities, values);
-    const JointReaction r = reaction(j, system, s);
-    for (const Vec3d* v : {&r.force, &r.moment, &r.force_joint, &r.moment_joint})
-      values = std::copy_n(v->data(), 3, values);
-  }
+void JointObserver::read_motion(int joint, const relative::RelativeSystem& system, const State& s,
+                                double* values) const {
+  const JointInfo& info = joint_info(model_.spec().joints[joint].type);
+  const JointCoordinates c = coordinates(joint, system, s);
+  values = std::copy_n(c.positions.begin(), info.positions, values);
+  std::copy_n(c.rates.begin(), info.velocities, values);
+}
+
+void JointObserver::read_reaction(int joint, const relative::RelativeSystem& system, const State& s,
+                                  double* values) const {
+  const JointReaction r = reaction(joint, system, s);
+  for (const Vec3d* v : {&r.force, &r.moment, &r.force_joint, &r.moment_joint})
+    values = std::copy_n(v->data(), 3, values);
 }
 
 }  // namespace mimbre

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -38,12 +37,14 @@ class JointObserver {
   /// What says the same as a coordinate's value.
   ChannelInfo::Alike alike(int joint, int position) const;
 
-  /// The standard channels of all joints, and their values in the same order.
-  void add_info(std::vector<ChannelInfo>& channels) const;
-  void sample(const relative::RelativeSystem& system, const State& state, double* values) const;
-  /// Visits the reactions among the channels that add_info() added, with their joints' names.
-  void for_reactions(ChannelInfo* channels,
-                     const std::function<void(const std::string& joint, ChannelInfo&)>& visit) const;
+  /// The standard channels of a joint: of its motion, and of what it transmits.
+  void add_motion_info(int joint, std::vector<ChannelInfo>& channels) const;
+  void add_reaction_info(int joint, std::vector<ChannelInfo>& channels) const;
+  /// Their values, in the same order.
+  void read_motion(int joint, const relative::RelativeSystem& system, const State& state,
+                   double* values) const;
+  void read_reaction(int joint, const relative::RelativeSystem& system, const State& state,
+                     double* values) const;
 
  private:
   const Compiled& model_;

@@ -1,8 +1,12 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <string>
+#include <vector>
 
 #include "dynamics/natural/system.h"
 #include "integrate/stepper.h"
+#include "mimbre/diagnostics.h"
 #include "simulation/energy.h"
 
 /// What numbers of the step are called, for messages.
@@ -20,5 +24,16 @@ std::string element_name(const Compiled& model, const ElementData& element);
 
 /// What stores energy.
 std::string place_name(const Compiled& model, const EnergyMeter::Place& place);
+
+/// Place of the item of that name. Throws InputError, with names that are like it, where there is none.
+template <class Items>
+int find_by_name(const Items& items, const std::string& name, const char* what) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    if (items[k].name == name) return static_cast<int>(k);
+    names.push_back(items[k].name);
+  }
+  throw InputError(Mark{}, fmt::format("there is no {} '{}'{}", what, name, did_you_mean(name, names)));
+}
 
 }  // namespace mimbre

@@ -44,6 +44,12 @@ std::int64_t RunPlan::next_row(std::int64_t made) const {
   return next < static_cast<double>(steps) ? static_cast<std::int64_t>(next) : steps;
 }
 
+std::int64_t RunPlan::rows() const {
+  std::int64_t count = 1;
+  for (std::int64_t made = 0; made < steps; made = next_row(made)) ++count;
+  return count;
+}
+
 double real_time_factor(const RunTotals& totals, double simulated) {
   if (totals.steps == 0 || !(totals.cpu_seconds > 0)) return std::numeric_limits<double>::quiet_NaN();
   return simulated / totals.cpu_seconds;

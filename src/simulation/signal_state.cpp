@@ -1,13 +1,43 @@
 #include "simulation/signal_state.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/names.h"
+
 namespace mimbre {
 
-void start_signals(const Compiled& m, State& state) {
+namespace {
+
+const SignalsData::Held& held(const Compiled& m, int input) {
+  const auto& all = m.signals.held;
+  return *std::find_if(all.begin(), all.end(), [&](const SignalsData::Held& h) { return h.input == input; });
+}
+
+double within_range(const Compiled& m, int input, double value) {
+  const spec::Input& range = m.spec().inputs[static_cast<std::size_t>(input)];
+  return std::clamp(value, range.min, range.max);
+}
+
+}  // namespace
+
+int find_input(const Compiled& m, const std::string& name) {
+  return find_by_name(m.spec().inputs, name, "input or tunable parameter");
+}
+
+void start_signals(const Compiled& m, const std::map<std::string, double>& inputs, State& state) {
   state.u = Eigen::Map<const Eigen::VectorXd>(m.signals.start.data(), std::ssize(m.signals.start));
   state.z = Eigen::Map<const Eigen::VectorXd>(m.states.data(), std::ssize(m.states));
+  for (const auto& [name, value] : inputs) {
+    const int input = find_input(m, name);
+    if (!std::isfinite(value))
+      throw InputError(Mark{}, fmt::format("input '{}': is {}; a finite number is needed", name, value));
+    const SignalsData::Held& h = held(m, input);
+    state.u[h.held] = within_range(m, input, value);
+    if (h.linear) state.u[h.held + 2] = state.u[h.held];
+  }
 }
 
 void commit_signals(const Compiled& m, const relative::RelativeSystem& system, State& state) {
@@ -23,19 +53,9 @@ void commit_signals(const Compiled& m, const relative::RelativeSystem& system, S
   }
 }
 
-namespace {
-
-const SignalsData::Held& held(const Compiled& m, int input) {
-  const auto& all = m.signals.held;
-  return *std::find_if(all.begin(), all.end(), [&](const SignalsData::Held& h) { return h.input == input; });
-}
-
-}  // namespace
-
 void set_held_input(const Compiled& m, int input, double value, double step, State& state) {
   const SignalsData::Held& h = held(m, input);
-  const spec::Input& range = m.spec().inputs[static_cast<std::size_t>(input)];
-  value = std::clamp(value, range.min, range.max);
+  value = within_range(m, input, value);
   double* at = state.u.data() + h.held;
   if (!h.linear) {
     // A jump: the step starts from accelerations with the new value. Who sets an input before every step has

@@ -1,4 +1,6 @@
 #pragma once
+#include <map>
+#include <string>
 #include <vector>
 
 #include "dynamics/relative/system.h"
@@ -8,8 +10,11 @@
 /// What the state keeps of inputs, sampled signals and force elements, from step to step.
 namespace mimbre {
 
-/// Inputs at their start values, laws at theirs.
-void start_signals(const Compiled& model, State& state);
+/// The number of an input or a tunable parameter. Throws InputError where there is none.
+int find_input(const Compiled& model, const std::string& name);
+
+/// Laws at their start values, and inputs, but for those given (RunOptions::inputs).
+void start_signals(const Compiled& model, const std::map<std::string, double>& inputs, State& state);
 
 /// After a step, or at the start: the system's last forces are of this state. Takes over the states of force
 /// elements at its end, and moves integrals of signals on.

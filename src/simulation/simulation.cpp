@@ -15,6 +15,7 @@
 #include "simulation/explain.h"
 #include "simulation/fingerprint.h"
 #include "simulation/mechanism.h"
+#include "simulation/names.h"
 #include "simulation/observers.h"
 #include "simulation/redundancy.h"
 #include "simulation/shown_reactions.h"
@@ -37,7 +38,7 @@ struct Simulation::Impl {
         steps(mechanism, method),
         channels(compiled),
         sampler(compiled),
-        begin(timed([&] { return start(mechanism, method, method.warnings); })),
+        begin(timed([&] { return start(mechanism, method, options.inputs, method.warnings); })),
         observers(mechanism, method, redundant()),
         reactions(mechanism, method, redundant()) {
     channels.mark_undetermined(begin.redundancy);
@@ -63,7 +64,7 @@ struct Simulation::Impl {
     if (method.energies) steps.start();
     observers.start(mechanism, steps.meter());
     reactions.forget_unresolved();
-    shown = Shown::nothing;
+    look_anew();
   }
 
   /// Signals and laws that are evaluated at instants, before the step that sees them.
@@ -76,7 +77,7 @@ struct Simulation::Impl {
 
   StepReport step(double length) {
     sample_signals();
-    shown = Shown::nothing;
+    look_anew();
     const auto start = method.profile ? Clock::now() : Clock::time_point();
     const StepReport report = steps.step(length);
     if (report.ok()) observers.watch(mechanism, steps.meter());
@@ -91,34 +92,65 @@ struct Simulation::Impl {
     reactions.transfer(transfer);
   }
 
-  /// What of the state has been evaluated for those who look at it; each includes those before.
-  enum class Shown { nothing, motion, forces, reactions };
+  /// The state is another one: nothing of it has been evaluated for those who look at it.
+  void look_anew() {
+    shown = Shown::nothing;
+    ++instant;
+  }
 
   void show_motion() {
     if (shown >= Shown::motion) return;
     mechanism.observe_afresh();
     shown = Shown::motion;
+    seen_by = &mechanism.observer;
+    seen = &mechanism.view();
   }
 
-  void fill_row(relative::RelativeSystem& system, const State& state, ResultsRow& out) {
-    const StepStatus& last = steps.last();
-    channels.sample(system, state, method.energies ? steps.meter().balance() : unknown_energies(),
-                    {static_cast<double>(last.iterations), last.position_violation, last.velocity_violation},
-                    out);
-  }
-
-  void show_reactions(ResultsRow& out) {
-    show_motion();
-    relative::RelativeSystem& system = reactions.find(mechanism);
-    fill_row(system, reactions.state(), out);
-  }
-
-  void show_forces(ResultsRow& out) {
+  void show_forces() {
+    if (shown >= Shown::forces) return;
     show_motion();
     const State& s = mechanism.view();
     mechanism.observer.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0,
                                 scratch.data());
-    fill_row(mechanism.observer, s, out);
+    shown = Shown::forces;
+  }
+
+  void show_reactions() {
+    if (shown >= Shown::reactions) return;
+    show_motion();
+    seen_by = &reactions.find(mechanism);
+    seen = &reactions.state();
+    shown = Shown::reactions;
+  }
+
+  const EnergyBalance& energies() const {
+    return method.energies ? steps.meter().balance() : unknown_energies();
+  }
+  Channels::Statistics statistics() const {
+    const StepStatus& last = steps.last();
+    return {static_cast<double>(last.iterations), last.position_violation, last.velocity_violation};
+  }
+
+  double value(int channel) {
+    const int number = channels.part_of(channel);
+    std::int64_t& at = read_at[static_cast<std::size_t>(number)];
+    if (at != instant) {
+      const Channels::Part& part = channels.parts()[static_cast<std::size_t>(number)];
+      switch (part.needs) {
+        case Channels::Needs::motion:
+          show_motion();
+          break;
+        case Channels::Needs::forces:
+          show_forces();
+          break;
+        case Channels::Needs::reactions:
+          show_reactions();
+          break;
+      }
+      channels.read(part, *seen_by, *seen, energies(), statistics(), values.data());
+      at = instant;
+    }
+    return values[static_cast<std::size_t>(channel)];
   }
 
   static const EnergyBalance& unknown_energies() {
@@ -141,8 +173,14 @@ struct Simulation::Impl {
   const Start begin;
   Observers observers;
   ShownReactions reactions;
-  Shown shown = Shown::nothing;
-  ResultsRow row;  ///< what value() reads from, as far as it is shown
+  /// What of the state has been evaluated for those who look at it; each includes those before.
+  enum class Shown { nothing, motion, forces, reactions } shown = Shown::nothing;
+  relative::RelativeSystem* seen_by = nullptr;  ///< which has it
+  const State* seen = nullptr;                  ///< as it is there
+  std::int64_t instant = 0;                     ///< counts states that were looked at
+  std::vector<std::int64_t> read_at = std::vector<std::int64_t>(channels.parts().size(), -1);
+  std::vector<double> values =
+      std::vector<double>(channels.info().size());  ///< of parts read at this instant
   Eigen::VectorXd scratch = Eigen::VectorXd(compiled.velocities);
   double step_seconds = 0;
   std::vector<std::string> drives;  ///< what was said of them, found when first asked for
@@ -266,42 +304,18 @@ void Simulation::restore(const Snapshot& c) {
 const std::vector<ChannelInfo>& Simulation::channels() const { return impl_->channels.info(); }
 int Simulation::output_count() const { return impl_->channels.output_count(); }
 
-namespace {
-
-/// Place of the item of that name.
-template <class Items>
-int find(const Items& items, const std::string& name, const char* what) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < items.size(); ++k) {
-    if (items[k].name == name) return static_cast<int>(k);
-    names.push_back(items[k].name);
-  }
-  throw InputError(Mark{}, fmt::format("there is no {} '{}'{}", what, name, did_you_mean(name, names)));
-}
-
-}  // namespace
-
 Simulation::Channel Simulation::channel(const std::string& name) const {
-  return {find(channels(), name, "channel")};
+  return {find_by_name(channels(), name, "channel")};
 }
 
 double Simulation::value(Channel channel) {
-  Impl& s = *impl_;
   if (channel.index < 0 || channel.index >= static_cast<int>(channels().size()))
     return std::numeric_limits<double>::quiet_NaN();
-  const bool reaction = s.channels.shows_reaction(channel.index);
-  if (reaction && s.shown < Impl::Shown::reactions) {
-    s.show_reactions(s.row);
-    s.shown = Impl::Shown::reactions;
-  } else if (s.shown < Impl::Shown::forces) {
-    s.show_forces(s.row);
-    s.shown = Impl::Shown::forces;
-  }
-  return s.row.channels[channel.index];
+  return impl_->value(channel.index);
 }
 
 Simulation::Body Simulation::body(const std::string& name) const {
-  return {find(impl_->compiled.spec().bodies, name, "body")};
+  return {find_by_name(impl_->compiled.spec().bodies, name, "body")};
 }
 
 spec::Pose Simulation::pose(Body body) {
@@ -314,22 +328,25 @@ spec::Pose Simulation::pose(Body body) {
 
 const std::vector<spec::Input>& Simulation::inputs() const { return impl_->compiled.spec().inputs; }
 
-int Simulation::input(const std::string& name) const {
-  return find(inputs(), name, "input or tunable parameter");
-}
+int Simulation::input(const std::string& name) const { return find_input(impl_->compiled, name); }
 
 void Simulation::set_input(int input, double value) {
   Impl& s = *impl_;
   set_held_input(s.compiled, input, value, s.method.step, s.mechanism.state);
   s.mechanism.enter(0);
-  s.shown = Impl::Shown::nothing;
+  s.look_anew();
 }
 
 double Simulation::input_value(int input) const {
   return held_input_value(impl_->compiled, input, impl_->mechanism.state);
 }
 
-void Simulation::sample(ResultsRow& row) { impl_->show_reactions(row); }
+void Simulation::sample(ResultsRow& row) {
+  Impl& s = *impl_;
+  s.show_motion();
+  relative::RelativeSystem& system = s.reactions.find(s.mechanism);
+  s.channels.sample(system, s.reactions.state(), s.energies(), s.statistics(), row);
+}
 
 ResultsHeader Simulation::header(const std::string& options_json) const {
   const Impl& s = *impl_;
@@ -379,7 +396,7 @@ Redundancy Simulation::redundancy() {
   Redundancy redundancy = find_redundancy(s.mechanism.observer, s.mechanism.view());
   std::copy(before.begin(), before.end(), marks.begin());
   s.mechanism.observe();
-  s.shown = Impl::Shown::nothing;
+  s.look_anew();
   return redundancy;
 }
 

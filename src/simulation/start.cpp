@@ -13,13 +13,17 @@
 
 namespace mimbre {
 
-Start start(Mechanism& mechanism, const Method& method, bool warns) {
+Start start(Mechanism& mechanism, const Method& method, const std::map<std::string, double>& inputs,
+            bool warns) {
   const Compiled& m = mechanism.model;
   relative::RelativeSystem& observer = mechanism.observer;
   Start found;
   const auto warn = [&](const std::string& text) {
     if (warns && !text.empty()) found.warnings.push_back(text);
   };
+  start_signals(m, inputs, mechanism.state);
+  const Eigen::VectorXd u = mechanism.state.u, z = mechanism.state.z;
+  observer.enter(u.data(), z.data(), 0);
   State assembled = assembled_state(m, observer);
   if (warns) warn(drawn_open(observer, assembled));
   if (m.spec().simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
@@ -29,7 +33,8 @@ Start start(Mechanism& mechanism, const Method& method, bool warns) {
     warn(explain_near_redundancy(found.redundancy));
   }
   mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
-  start_signals(m, mechanism.state);
+  mechanism.state.u = u;
+  mechanism.state.z = z;
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))
     throw InputError({m.spec().file, 0, 0}, explain_undetermined_start(m));

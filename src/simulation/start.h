@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,10 @@ struct Start {
 };
 
 /// Puts a mechanism where it starts: loops closed, consistent velocities, the equilibrium if asked for,
-/// accelerations. Throws InputError when the loops do not close or the given initial values contradict each
-/// other. `warns`: also looks for what is worth a warning and nothing else.
-Start start(Mechanism& mechanism, const Method& method, bool warns);
+/// accelerations. Throws InputError when the loops do not close, the given initial values contradict each
+/// other, or there is no such input. `inputs`: RunOptions::inputs; `warns`: also looks for what is worth a
+/// warning and nothing else.
+Start start(Mechanism& mechanism, const Method& method, const std::map<std::string, double>& inputs,
+            bool warns);
 
 }  // namespace mimbre

@@ -162,6 +162,53 @@ simulation: {step: 0.001, end: 1}
   EXPECT_NEAR(channel(simulation, "f"), 30, 1e-9);
 }
 
+/// What inputs start with counts at the start: the same bits as of a model that says so.
+TEST_P(Signals, InputsAreSetBeforeTheStart) {
+  const std::string text = R"y(
+mimbre: 1
+parameters: {k: {value: 100, tunable: true, min: 0, max: 500}}
+inputs: {place: {start: 0, hold: linear}, push: {start: 0, range: [-10, 10]}}
+bodies:
+  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+  b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+joints:
+  slide: {type: prismatic, between: [ground, a], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: place}}
+  guide: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1]}
+actuators: {motor: {joint: guide, force: push}}
+springs:
+  spring: {between: [a, b], at: [[0, 0, 2], [0, 0, 0]], elastic: "k*(l - 1)"}
+initial: equilibrium
+simulation: {step: 0.01, end: 1}
+)y";
+  std::string made = text;
+  for (const auto& [from, to] :
+       {std::pair("value: 100", "value: 300"), std::pair("start: 0, hold", "start: 0.3, hold"),
+        std::pair("start: 0, range", "start: 4, range")})
+    made.replace(made.find(from), std::string(from).size(), to);
+  RunOptions options;
+  options.formulation = GetParam();
+  Simulation wanted(model_of(made), options);
+  const auto model = model_of(text);
+  options.inputs = {{"k", 300}, {"place", 0.3}, {"push", 4}};
+  Simulation simulation(model, options);
+  ResultsRow a, b;
+  for (int k = 0; k < 5; ++k) {
+    wanted.sample(a);
+    simulation.sample(b);
+    for (Eigen::Index c = 0; c < a.channels.size(); ++c)
+      EXPECT_EQ(a.channels[c], b.channels[c]) << simulation.channels()[static_cast<std::size_t>(c)].name;
+    ASSERT_TRUE(wanted.step().ok() && simulation.step().ok());
+  }
+  EXPECT_NEAR(channel(simulation, "joint.slide.position"), 0.3, 1e-12);
+  options.inputs = {{"push", 40}};
+  Simulation within(model, options);
+  EXPECT_EQ(within.input_value(within.input("push")), 10);
+  options.inputs = {{"pusch", 1}};
+  EXPECT_THROW(Simulation(model, options), InputError);
+  options.inputs = {{"push", std::nan("")}};
+  EXPECT_THROW(Simulation(model, options), InputError);
+}
+
 /// A speed that a signal says is a rate that the drive follows.
 TEST_P(Signals, DrivesFollowThem) {
   Simulation simulation = simulation_of(R"y(

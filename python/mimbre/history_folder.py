@@ -1,0 +1,58 @@
+"""Histories of a sweep's runs, each in a file that its worker writes, so that nobody has to hold them all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from . import _core
+    from .ensemble import Table
+
+
+@dataclass(frozen=True)
+class HistoryFolder:
+    """A folder with `run-000012.h5` and so on: `time` (s), the outputs by name, and the parameters as attributes."""
+
+    folder: str
+
+    @classmethod
+    def of(cls, folder: str, table: Table) -> HistoryFolder:
+        """Made where it is not there. Rows of `table` whose file is missing are to be run again; refuses a folder
+        with files that the table does not know."""
+        path = Path(folder).absolute()
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"histories: {folder} is no folder, and cannot be made one: {error.strerror}") from None
+        there = {int(file.stem.removeprefix("run-")) for file in path.glob("run-[0-9]*.h5")}
+        done = set(table.ended_well())
+        if there and not done:
+            raise InputError(
+                f"histories: {folder} has runs of another sweep; give an empty folder, or the store= that goes with it"
+            )
+        for index in done - there:
+            table.forget(index)
+        return cls(str(path))
+
+    def path(self, index: int) -> Path:
+        return Path(self.folder, f"run-{index:06}.h5")
+
+    def write(self, index: int, parameters: Mapping[str, Any], outputs: Sequence[str], found: _core.Histories) -> None:
+        """Whole or not at all, so that of a worker that is killed no half file stays."""
+        import h5py
+
+        target = self.path(index)
+        unfinished = target.with_name(f".{target.name}.{os.getpid()}")
+        with h5py.File(unfinished, "w") as file:
+            for name, value in parameters.items():
+                file.attrs[name] = value
+            file["time"] = found.time
+            for name, history in zip(outputs, found.values, strict=True):
+                file[name] = history
+        os.replace(unfinished, target)
