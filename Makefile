@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages configure build python demo test bench lint format clean
+.PHONY: help packages configure build python docs demo test bench lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
@@ -26,6 +26,10 @@ python: configure ## Install the Python package into build/python-env
 	@scripts/python-env >/dev/null
 	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) build/python-env/bin/python -m pip install --quiet --disable-pip-version-check --no-deps \
 	  --no-build-isolation --force-reinstall .
+
+docs: python ## Make the documentation's site, build/docs/index.html
+	@scripts/docs
+	@echo "Made build/docs/index.html."
 
 demo: configure ## Run a vehicle over stairs and make report.html, with plots and an animation
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program

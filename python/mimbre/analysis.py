@@ -31,18 +31,41 @@ class Equilibrium:
     """A model at rest: `equilibrium["chassis.z"]` is an output there."""
 
     outputs: dict[str, float]
+    """Values of the model's outputs, by name."""
     units: dict[str, str]
+    """Their units."""
     iterations: int
+    """That finding it took."""
     residual: float
-    stable: bool  #: no small disturbance grows
+    """What is left of the equations, relative."""
+    stable: bool
+    """No small disturbance grows."""
     warnings: list[str]
+    """What was suspicious."""
 
     def __getitem__(self, name: str) -> float:
         return self.outputs[_checks.known("output", name, self.outputs)]
 
 
 def static(model: Model, **method: Unpack[Method]) -> Equilibrium:
-    """The static equilibrium, as `mimbre static`. Raises SimulationError where none is found."""
+    """The static equilibrium, as `mimbre static`.
+
+    Args:
+        model: a Model.
+        **method: see `Method`.
+
+    Returns:
+        The outputs at rest, and whether the rest is stable.
+
+    Raises:
+        SimulationError: none was found.
+
+    Example:
+        ```python
+        rest = mimbre.static(model)
+        print(rest["chassis.z"], rest.units["chassis.z"], rest.stable)
+        ```
+    """
     found = _core.static_equilibrium(compiled(model), checked_method(method))
     outputs = {name: value for name, value, _ in found.outputs}
     units = {name: unit for name, _, unit in found.outputs}
@@ -54,10 +77,15 @@ class Apart:
     """How far a channel lies apart in the two formulations, at the shortest step that was made."""
 
     unit: str
+    """Of the channel."""
     max_difference: float
-    scale: float  #: that differences are measured by
-    time: float  #: of the largest, s
+    """The largest difference, in that unit."""
+    scale: float
+    """What differences are measured by, in that unit."""
+    time: float
+    """Of the largest difference, s."""
     agrees: bool
+    """Whether they are near enough."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +93,17 @@ class Verification:
     """A model in both formulations."""
 
     agree: bool
+    """Whether the formulations agree in all channels."""
     verdict: str
-    refinement_ratio: float | None  #: of the differences, with half the step: about 4
+    """The same in a sentence."""
+    refinement_ratio: float | None
+    """How many times smaller differences are with half the step: about 4."""
     channels: dict[str, Apart]
+    """How far each channel lies apart, by name."""
     failures: list[str]
+    """Runs that failed, and how."""
     warnings: list[str]
+    """What was suspicious."""
 
 
 def verify(
@@ -95,10 +129,15 @@ class Difference:
     """Of a channel of two runs."""
 
     unit: str
+    """Of the channel."""
     max_difference: float
+    """The largest difference, in that unit."""
     mean_difference: float
-    time: float  #: of the largest, s
-    amplitude: float  #: largest value in the first
+    """The mean of the differences' sizes, in that unit."""
+    time: float
+    """Of the largest difference, s."""
+    amplitude: float
+    """The largest size of a value in the first run, in that unit."""
 
     @property
     def relative(self) -> float:
@@ -120,8 +159,24 @@ def report(runs: Mapping[str, Run | str | os.PathLike[str]], path: str | os.Path
 
 
 def compare(a: Run | str | os.PathLike[str], b: Run | str | os.PathLike[str]) -> dict[str, Difference]:
-    """The differences of two runs, or results files, in the channels that both have, as `mimbre compare`; `a` is the
-    reference."""
+    """The differences of two runs in the channels that both have, as `mimbre compare`.
+
+    Args:
+        a: the reference, a Run or a results file.
+        b: the other.
+
+    Returns:
+        By the channel's name how far they differ.
+
+    Raises:
+        InputError: the runs have no channel in common, or a file is none of results.
+
+    Example:
+        ```python
+        fine, coarse = model.run(step=0.005), model.run(step=0.01)
+        print(mimbre.compare(fine, coarse)["angle"].max_difference)
+        ```
+    """
     first, second = _run("a", a), _run("b", b)
     found = _core.compare(first._results, second._results)
     if not found:
@@ -134,11 +189,16 @@ def compare(a: Run | str | os.PathLike[str], b: Run | str | os.PathLike[str]) ->
 class HotSpot:
     """Where a body was stressed most, Pa, body axes."""
 
-    node: int  #: in the file of the mesh
-    position: tuple[float, float, float]  #: m
+    node: int
+    """Its number in the file of the mesh."""
+    position: tuple[float, float, float]
+    """m"""
     von_mises: float
-    time: float  #: s
-    stress: dict[str, float]  #: xx, yy, zz, xy, yz, zx
+    """Pa"""
+    time: float
+    """s"""
+    stress: dict[str, float]
+    """xx, yy, zz, xy, yz, zx, Pa"""
 
 
 def stress(
@@ -148,8 +208,26 @@ def stress(
     spots: int = 5,
     apart: float | None = None,
 ) -> dict[str, list[HotSpot]]:
-    """Where and when the bodies of a run were stressed most, descending, as `mimbre stress`. `apart`: least distance
-    between spots, m."""
+    """Where and when the bodies of a run were stressed most, as `mimbre stress`.
+
+    Args:
+        run: a Run or a results file.
+        bodies: names; default: all that have stress modes.
+        spots: how many of each body, 1 to 1000.
+        apart: least distance between spots, m.
+
+    Returns:
+        By the body's name its spots, the highest stress first.
+
+    Raises:
+        InputError: no body has stress modes, or one of the names is not there.
+
+    Example:
+        ```python
+        worst = mimbre.stress(run, ["arm"], spots=1)["arm"][0]
+        print(worst.node, worst.von_mises, worst.time)
+        ```
+    """
     most, distance = _checks.number("spots", spots), _checks.given("apart", apart) or 0.0
     if most != int(most) or not 1 <= most <= 1000:
         raise InputError(f"spots: is {most:g}; a whole number from 1 to 1000 is needed")
@@ -210,8 +288,11 @@ class Mode:
     """A candidate of a selection."""
 
     name: str
-    frequency: float  #: Hz
-    participation: float  #: error where it alone is dropped
+    """What it is called."""
+    frequency: float
+    """Hz"""
+    participation: float
+    """The error where it alone is dropped, a ratio."""
 
 
 @dataclass(frozen=True)
@@ -219,12 +300,19 @@ class Selection:
     """A body with as few modes as its mechanism needs."""
 
     body: ReducedBody
+    """With the modes that were kept."""
     kept: list[Mode]
+    """Modes that it has."""
     dropped: list[Mode]
+    """Modes that it has not."""
     estimated_error: float
+    """As foreseen, a ratio."""
     achieved_error: float
+    """In a run of the mechanism with the new body, a ratio."""
     candidates: int
-    runs: int  #: of the mechanism
+    """How many modes there were."""
+    runs: int
+    """How many runs of the mechanism it took."""
 
 
 def select(
@@ -238,9 +326,25 @@ def select(
     progress: Callable[[str, float], object] | None = None,
     **method: Unpack[Method],
 ) -> Selection:
-    """Makes a body with the fewest modes whose deflections are within `error` (a ratio) of those with all, as `mimbre
-    select`. `progress` is called with what is being done and how much of it is. Raises SimulationError where no
-    selection reaches the error."""
+    """Makes a body with the fewest modes that a mechanism needs, as `mimbre select`.
+
+    Args:
+        model: the mechanism, with a body of many modes.
+        body: its name there.
+        error: how far its deflections may be from those with all modes, a ratio above 0 up to 1.
+        keep: "combinations" of modes, or "modes" as they are.
+        pre: how they are ranked: by runs with the "candidates", or with a "rigid" body.
+        until: end of the runs, s; default: the model's.
+        progress: is called with what is being done and how much of it is, 0 to 1.
+        **method: see `Method`.
+
+    Returns:
+        The body, and what was kept and dropped.
+
+    Raises:
+        InputError: there is no such body, or an option does not fit.
+        SimulationError: no choice reaches the error.
+    """
     share, end = _checks.number("error", error), _checks.given("until", until)
     if not 0 < share <= 1:
         raise InputError(f"error: is {share:g}; a ratio above 0 and up to 1 is needed")
@@ -264,7 +368,19 @@ def select(
 def convert(
     source: ReducedBody | str | os.PathLike[str], target: str | os.PathLike[str], *, stress: bool = True
 ) -> ReducedBody:
-    """Writes a reduced body in the format of the target's ending, .h5, .fem or .sid, as `mimbre convert`; the body."""
+    """Writes a reduced body in another format, as `mimbre convert`.
+
+    Args:
+        source: a ReducedBody or a file of one.
+        target: the file to write; its ending says the format: .h5, .fem (MBDyn) or .sid.
+        stress: with its stress modes, where the format has them.
+
+    Returns:
+        The body.
+
+    Raises:
+        InputError: the source is no reduced body, or there is no format of that ending.
+    """
     body = source if isinstance(source, ReducedBody) else ReducedBody.open(source)
     if not stress:
         body = ReducedBody(_core.without_stress(body._compiled))

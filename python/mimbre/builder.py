@@ -50,46 +50,92 @@ _lists = ("require", "outputs")
 
 class Part:
     """What a model and a subsystem can both have. A thing is added with its name and the keys that it has in a model
-    file (docs/model-file.md), as arguments: numbers, texts with units or expressions, lists, arrays, dictionaries.
+    file (docs/model-keys.md), as arguments: numbers (SI), texts with units or expressions, lists, arrays, dictionaries.
     Things may name each other in any order; what is wrong with them is said when the model is compiled, all at
-    once, with the line of Python that added the thing."""
+    once, with the line of Python that added the thing. A name that is used twice raises InputError at once."""
 
     def __init__(self) -> None:
         self._things: dict[str, dict[str, tuple[object, Place]]] = {}
 
     def add_body(self, name: str, /, **keys: Unpack[words.Body]) -> None:
-        """Rigid: mass, com, inertia. Flexible: `reduced`, a ReducedBody or a file of one, or `flexible`, beams; with
-        `frame`, where its tangent frame lies."""
+        """A rigid or a flexible body.
+
+        Args:
+            name: by which others name it.
+            **keys: of `body` in the model file. Rigid: mass (kg), com (3, m), inertia about it (3 or 6, kg m²).
+                Flexible: `reduced`, a ReducedBody or a file of one, or `flexible`, beams; with `frame`, where its
+                tangent frame lies.
+
+        Example:
+            ```python
+            m.add_body("bar", mass="600 g", com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
+            m.add_body("arm", reduced=mimbre.ReducedBody.open("arm.h5"), frame={"at": [0, 0, 0]})
+            ```
+        """
         self._add("bodies", name, keys)
 
     def add_frame(self, name: str, /, **keys: Unpack[words.Frame]) -> None:
-        """A point with axes on a body that others can name."""
+        """A point with axes on a body that others can name: body, at (3, m, global), x, y, z (directions)."""
         self._add("frames", name, keys)
 
     def add_joint(self, name: str, /, **keys: Unpack[words.Joint]) -> None:
-        """Joins two bodies, frames or nodes (BODY.NODE)."""
+        """Joins two bodies, frames or nodes (BODY.NODE).
+
+        Args:
+            name: by which outputs and actuators name it.
+            **keys: of `joint` in the model file: type, between (two names), at (3, m, global), axis (a direction),
+                drive, spring, position and velocity (m, rad, and per s).
+
+        Example:
+            ```python
+            m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+            m.add_joint("slide", type="prismatic", between=["bar", "block"], at=[1, 0, 0], axis=[1, 0, 0],
+                        drive={"position": "0.1*sin(t)"})
+            ```
+        """
         self._add("joints", name, keys)
 
     def add_spring(self, name: str, /, **keys: Unpack[words.Spring]) -> None:
-        """Pulls two points towards each other, and damps."""
+        """Pulls two points towards each other, and damps: between, at (two points, m), elastic (a law of the length, m,
+        giving N), damping (of its rate, m/s).
+
+        Example:
+            ```python
+            m.add_spring("coil", between=["ground", "arm"], at=[[0, 0, 1], [0.5, 0, 0]],
+                         elastic={"stiffness": "20 kN/m", "zero": 0.9}, damping=500)
+            ```
+        """
         self._add("springs", name, keys)
 
     def add_bushing(self, name: str, /, **keys: Unpack[words.Bushing]) -> None:
-        """Springs and dampers in all six directions between two bodies."""
+        """Springs and dampers in all six directions between two bodies: stiffness (of x y z rx ry rz, N/m and N m/rad,
+        or 6 × 6), damping likewise, in axes of the first body."""
         self._add("bushings", name, keys)
 
     def add_gas_spring(self, name: str, /, **keys: Unpack[words.GasSpring]) -> None:
+        """Pushes two points apart by enclosed gas: between, at, pressure (Pa) at the length (m), area (m²) and
+        gas_length (m) of the column."""
         self._add("gas_springs", name, keys)
 
     def add_load(self, name: str, /, **keys: Unpack[words.Load]) -> None:
-        """A force or moment on a point, as a function of time."""
+        """A force (3, N) or moment (3, N m) on a point, times `scale`, a function of time; global axes, or turning with
+        the body as a `follower`."""
         self._add("loads", name, keys)
 
     def add_tyre(self, name: str, /, **keys: Unpack[words.Tyre]) -> None:
+        """A vertical spring on a road: on (a body), at (3, m), road, stiffness (N/m), radius (m)."""
         self._add("tyres", name, keys)
 
     def add_actuator(self, name: str, /, **keys: Unpack[words.Actuator]) -> None:
-        """A force or torque by an expression of time, inputs, signals and outputs."""
+        """A force (N) or torque (N m) by an expression of time, inputs, signals and outputs, on a `joint` or `between`
+        two points.
+
+        Example:
+            ```python
+            m.add_input("throttle", 0.0, range=[0, 1])
+            m.add_actuator("motor", joint="hinge", torque="20*throttle")
+            ```
+        """
         self._add("actuators", name, keys)
 
     def add_law(
@@ -110,7 +156,26 @@ class Part:
         frames. It counts as a spring's does: against what is measured.
 
         A function of Python is called once a step with time, measure, rate and the `signals`; a compiled one (of
-        ctypes or Numba, or an address) stands inside the iteration, with its tangents. See docs/python.md."""
+        ctypes or Numba, or an address) stands inside the iteration, with its tangents. See docs/python.md.
+
+        Args:
+            name: by which messages and channels name it.
+            force: f(time in s, length in m, rate in m/s, *signals) → N; of states too, see below.
+            torque: the same of an angle, rad and rad/s → N m; one of the two.
+            signals: names of signals, inputs and tunable parameters whose values are further arguments.
+            states: start values of what it remembers: it is given their list last, and gives (force, states).
+            stores: of a compiled one: it says what energy it stores.
+            **where: joint, or between, at, along, about.
+
+        Raises:
+            InputError: both of force and torque or none, or what is no function.
+
+        Example:
+            ```python
+            m.add_law("stop", force=lambda t, x, v: min(0.0, 1e4 * (x - 0.5)), between=["ground", "bar"],
+                      at=[[0, 0, 1], [1, 0, 0]])
+            ```
+        """
         place = _caller()
         functions = {"force": force, "torque": torque, "stiffness": wrench}
         given = [(key, function) for key, function in functions.items() if function is not None]
@@ -124,11 +189,17 @@ class Part:
         self._add("actuators" if wrench is None else "bushings", name, {**where, key: made})
 
     def add_input(self, name: str, start: float | None = None, /, **keys: Unpack[words.InputKeys]) -> None:
-        """A value from outside, which is set between steps; it starts with `start`."""
+        """A value from outside, which is set between steps; it starts with `start`.
+
+        Args:
+            name: by which laws, signals and runs name it.
+            start: its value until it is set.
+            **keys: range (least, largest), unit, hold ("constant" or "linear"), about.
+        """
         self._add("inputs", name, keys, "start", start)
 
     def add_signal(self, name: str, value: str | float | None = None, /, **keys: Unpack[words.SignalKeys]) -> None:
-        """An expression of time, inputs, signals and outputs."""
+        """An expression of time, inputs, signals and outputs: `every` (s) evaluates it at instants only."""
         self._add("signals", name, keys, "value", value)
 
     def add_parameter(self, name: str, value: float | str | bool | None = None, /, **keys: Any) -> None:
@@ -136,14 +207,23 @@ class Part:
         self._add("parameters", name, keys, "value", value)
 
     def add_material(self, name: str, /, **keys: Unpack[words.Material]) -> None:
+        """Of beams: young (Pa), poisson, density (kg/m³)."""
         self._add("materials", name, keys)
 
     def add_section(self, name: str, /, **keys: Unpack[words.Section]) -> None:
-        """The cross section of beams."""
+        """The cross section of beams: type round, tube or rectangle and its sizes (m), or area (m²), Iy, Iz, J (m⁴)."""
         self._add("sections", name, keys)
 
     def add_output(self, name: str, /, **keys: Unpack[words.Output]) -> None:
-        """A channel with a name of its own: `add_output("z", position="chassis", component="z")`."""
+        """A channel with a name of its own.
+
+        Example:
+            ```python
+            m.add_output("z", position="chassis", component="z")
+            m.add_output("angle", joint="hinge")
+            m.add_output("pin.fx", joint_force="pin", component="fx")
+            ```
+        """
         self._add("outputs", name, keys)
 
     def require(self, that: str, message: str) -> None:
@@ -175,18 +255,31 @@ class Part:
 
 
 class Subsystem(Part):
-    """A part of a model that is written once and placed several times, with its own names: inside, names mean its own
-    things first, then the model's."""
+    """A part of a model that is written once and placed several times (`ModelBuilder.place`), with its own names:
+    inside, names mean its own things first, then the model's. It has all methods of ModelBuilder that add things but
+    roads."""
 
 
 class ModelBuilder(Part):
-    """Builds a model:
+    """Builds a model. A thing is added with its name and the keys that it has in a model file (docs/model-keys.md), as
+    arguments: numbers (SI), texts with units or expressions, lists, arrays, dictionaries; a key that is a word of
+    Python has an underscore behind it (`as_`). Things may name each other in any order; what is wrong with them is said
+    by `compile`, all at once, with the line of Python that added the thing. A name that is used twice raises InputError
+    at once.
 
-    m = mimbre.ModelBuilder("Pendulum")
-    m.add_body("bar", mass=0.6, com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
-    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
-    m.add_output("angle", joint="hinge")
-    run = m.compile().run(until=5)
+    Args:
+        title: what the model calls itself.
+        gravity: 3, m/s²; default: [0, 0, -9.81].
+        initial: "assembled" (default), or "equilibrium".
+
+    Example:
+        ```python
+        m = mimbre.ModelBuilder("Pendulum")
+        m.add_body("bar", mass=0.6, com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
+        m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+        m.add_output("angle", joint="hinge")
+        run = m.compile().run(until=5)
+        ```
     """
 
     def __init__(
@@ -204,10 +297,11 @@ class ModelBuilder(Part):
         self._simulation: tuple[object, Place] | None = None
 
     def set_simulation(self, **keys: Unpack[words.Simulation]) -> None:
-        """Step, end and method of runs that do not say them."""
+        """Step (s), end (s) and method of runs that do not say them: the keys of `simulation` in the model file."""
         self._simulation = (dict(keys), _caller())
 
     def add_road(self, name: str, /, **keys: Unpack[words.Road]) -> None:
+        """What tyres roll on: over ("distance" or "time"), points (n × 2: m or s, height in m), repeat."""
         self._add("roads", name, keys)
 
     def place(
@@ -220,9 +314,28 @@ class ModelBuilder(Part):
         rotate: words.Vector | None = None,
         **parameters: Any,
     ) -> None:
-        """Places a subsystem, moved, mirrored first ("y": y to −y) and turned by a rotation vector; its things are then
-        called NAME.THING. A function makes one: it is called with an empty Subsystem and the parameters; those of a
-        Subsystem are its `add_parameter`s."""
+        """Places a subsystem; its things are then called NAME.THING.
+
+        Args:
+            name: of this place.
+            subsystem: a Subsystem, or a function that fills one: it is called with an empty Subsystem and parameters.
+            at: where its origin goes, 3, m.
+            mirror: before it is turned and moved: "y" is y to −y; also "x", "z", "xy" and so on.
+            rotate: rotation vector, 3, rad.
+            **parameters: of the function; of a Subsystem those of its `add_parameter`.
+
+        Raises:
+            InputError: neither a Subsystem nor a function.
+
+        Example:
+            ```python
+            def wheel(part, radius=0.3):
+                part.add_body("hub", mass=20, com=[0, 0.7, 0], inertia=[1, 2, 1])
+
+            m.place("left", wheel, at=[1, 0, 0], radius=0.31)
+            m.place("right", wheel, at=[1, 0, 0], mirror="y")
+            ```
+        """
         placed: dict[str, object] = {"at": at, "mirror": mirror, "rotate": rotate}
         if isinstance(subsystem, Subsystem):
             placed["with"] = parameters or None
@@ -256,7 +369,11 @@ class ModelBuilder(Part):
     # What it makes
 
     def compile(self) -> Model:
-        """The model. Raises InputError with every mistake, by the lines of Python that they are in."""
+        """Checks everything and makes the model.
+
+        Raises:
+            InputError: with every mistake, by the lines of Python that they are in.
+        """
         writer, bodies = self._written()
         own = tempfile.TemporaryDirectory(prefix="mimbre-") if bodies else None
         folder = Path(own.name) if own else Path.cwd()
@@ -269,7 +386,17 @@ class ModelBuilder(Part):
         return model
 
     def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The model file that says the same; with `path` it is written there, with the reduced bodies beside it."""
+        """The model file that says the same.
+
+        Args:
+            path: where it is written too, with the reduced bodies beside it.
+
+        Returns:
+            The text.
+
+        Raises:
+            InputError: the model has laws that are functions, which a file cannot say.
+        """
         laws.refuse_in_file(self._laws())
         writer, bodies = self._written()
         if path is not None:

@@ -41,8 +41,21 @@ if TYPE_CHECKING:
 def samples(
     sampler: scipy.stats.qmc.QMCEngine, count: int, ranges: Mapping[str, tuple[float, float]]
 ) -> list[dict[str, float]]:
-    """So many points of a sampler of scipy.stats.qmc (Sobol, LatinHypercube, …) in the ranges of parameters, for
-    `sweep`."""
+    """Points of a sampler in the ranges of parameters, for `sweep`.
+
+    Args:
+        sampler: of scipy.stats.qmc (Sobol, LatinHypercube, …), with as many dimensions as there are ranges.
+        count: how many points.
+        ranges: by the parameter's name its least and its largest value.
+
+    Returns:
+        A dictionary of the parameters for each point.
+
+    Example:
+        ```python
+        points = mimbre.samples(scipy.stats.qmc.Sobol(2), 256, {"stairs": (0.05, 0.2), "speed": (3, 8)})
+        ```
+    """
     lows = [_checks.number(f"ranges: {name}", low) for name, (low, _) in ranges.items()]
     highs = [_checks.number(f"ranges: {name}", high) for name, (_, high) in ranges.items()]
     points = np.asarray(sampler.random(count))
@@ -71,21 +84,38 @@ def sweep(
 ) -> xr.Dataset:
     """Runs a model, or that of a file, for many values of its parameters, on all cores.
 
-    parameters: names with lists of values, of which each combination is run; a list of dictionaries (as of
-        `mimbre.samples`), a table of pandas, or (names, array), of which each row is run. Tunable parameters and inputs
-        are set without compiling the model anew.
-    outputs: channels; default: the model's outputs.
-    reduce: what is kept of each channel's history: "max", "min", "mean", "rms", "last", or a function of the history;
-        of several there is a dimension `reduction`. "history" keeps all instants.
-    workers: so many threads; default: one for each core.
-    executor: a Dask Client or an executor of concurrent.futures that does the work in the place of threads.
-    store: an HDF5 file that is written while the sweep runs; where it is there, only what is not in it is run.
-    histories: a folder where who makes a run writes its outputs at all instants, in a file of its own; other machines
-        must have it at the same place.
-    progress: is called with how many runs are done, and how many there are.
+    Args:
+        model: a model, or a model file.
+        parameters: names with lists of values, of which each combination is run; a list of dictionaries (as of
+            `samples`), a table of pandas, or (names, array of runs × names), of which each row is run. Tunable
+            parameters and inputs are set without compiling the model anew.
+        outputs: channels; default: the model's outputs.
+        reduce: what is kept of each channel's history: "max", "min", "mean", "rms", "last", or a function of the
+            history; of several there is a dimension `reduction`. "history" keeps all instants.
+        inputs: of all runs, as `Model.run` takes them.
+        until: end of each run, s; default: the model's end.
+        workers: so many threads; default: one for each core.
+        executor: a Dask Client or an executor of concurrent.futures that does the work in the place of threads.
+        store: an HDF5 file that is written while the sweep runs; where it is there, only what is not in it is run.
+        histories: a folder where who makes a run writes its outputs at all instants, in a file of its own; other
+            machines must have it at the same place.
+        progress: is called with how many runs are done, and how many there are.
+        **method: step and method of all runs, see `Method`.
 
-    The data set has the parameters as coordinates: as dimensions of their own of a grid, else over `run`. A run that
-    fails is a row with its `status` and `message`. Ctrl-C raises SweepInterrupted: `error.data` has what was done."""
+    Returns:
+        A data set with the channels as variables and the parameters as coordinates: of a grid as dimensions of their
+            own, else over `run`. A run that fails is a row with its `status` and `message`, and NaN.
+
+    Raises:
+        InputError: what would be wrong for every run, as a name that is not there.
+        SweepInterrupted: Ctrl-C; `error.data` has what was done.
+
+    Example:
+        ```python
+        data = mimbre.sweep("vehicle.yaml", {"stairs": [0.05, 0.1, 0.2]}, outputs=["chassis.z"], reduce="max")
+        data["chassis.z"].sel(stairs=0.1)
+        ```
+    """
     model = model if isinstance(model, Model) else Model.from_file(model)
     if progress is not None and not callable(progress):
         raise InputError(f"progress: a function is needed, not {_checks.described(progress)}")

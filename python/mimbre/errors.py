@@ -16,10 +16,14 @@ if TYPE_CHECKING:
 class Diagnostic:
     """One thing that is wrong (or suspicious) in the input: where, what, and what would be right."""
 
-    file: str  #: a model file, or the Python file that built the model; empty: no file
-    line: int  #: from 1; 0: the file as a whole
-    column: int  #: from 1; 0: the line as a whole
+    file: str
+    """A model file, or the Python file that built the model; empty: no file."""
+    line: int
+    """From 1; 0: the file as a whole."""
+    column: int
+    """From 1; 0: the line as a whole."""
     message: str
+    """What is wrong, and what would be right."""
 
     def __str__(self) -> str:
         place = [self.file] if self.file else []
@@ -29,12 +33,26 @@ class Diagnostic:
 
 
 class InputError(ValueError):
-    """The input is bad. Has every mistake that was found, not only the first."""
+    """The input is bad. Has every mistake that was found, not only the first.
+
+    Args:
+        diagnostics: the mistakes, or a text.
+
+    Example:
+        ```python
+        try:
+            model = mimbre.Model.from_file("vehicle.yaml")
+        except mimbre.InputError as error:
+            for mistake in error.diagnostics:
+                print(mistake.file, mistake.line, mistake.message)
+        ```
+    """
 
     def __init__(self, diagnostics: Iterable[Diagnostic] | str) -> None:
         if isinstance(diagnostics, str):
             diagnostics = [Diagnostic("", 0, 0, diagnostics)]
         self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
+        """The mistakes, in the order of the files."""
         super().__init__("\n".join(map(str, self.diagnostics)))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Diagnostic, ...]]]:
@@ -42,7 +60,7 @@ class InputError(ValueError):
 
 
 class UnknownName(InputError, KeyError):
-    """There is nothing of that name."""
+    """There is nothing of that name. The message says which names there are, and which is near."""
 
     __str__ = ValueError.__str__  # a KeyError would put quotes around it
 
@@ -50,8 +68,8 @@ class UnknownName(InputError, KeyError):
 class SimulationError(RuntimeError):
     """The computation failed, though the input was good, as a step that does not converge."""
 
-    #: What was computed until then, where a run failed.
     run: Run | None = None
+    """What was computed until then, where a run failed."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -59,8 +77,8 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, message: str, run: Run) -> None:
         super().__init__(message)
-        #: What was computed until then.
         self.run = run
+        """What was computed until then."""
 
 
 class SweepInterrupted(KeyboardInterrupt):
@@ -68,8 +86,8 @@ class SweepInterrupted(KeyboardInterrupt):
 
     def __init__(self, message: str, data: xr.Dataset) -> None:
         super().__init__(message)
-        #: What was done until then; rows that were not run say so in `status`.
         self.data = data
+        """What was done until then; rows that were not run say so in `status`."""
 
 
 def _input_error(diagnostics: Iterable[tuple[str, int, int, str]]) -> InputError:

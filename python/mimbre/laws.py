@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 #: What `add_law` takes: a function of Python, of ctypes or of Numba, or an address.
 Function = Callable[..., Any] | int
 
-#: For `numba.cfunc(mimbre.law_signature)`: time, step, x, v, signals, states → force, stiffness, damping, next, stored,
-#: dissipating.
 law_signature = f"void(float64, float64, {', '.join(['CPointer(float64)'] * 10)})"
+"""For `numba.cfunc(mimbre.law_signature)`: time, step, x, v, signals, states → force, stiffness, damping, next, stored,
+dissipating."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,14 @@ if TYPE_CHECKING:
 
 class Model:
     """A compiled model: constant, so that threads and simulations may share it. `from_file` reads one, a
-    `ModelBuilder` builds one."""
+    `ModelBuilder` builds one. Models can be pickled, with the files that they were read from.
+
+    Example:
+        ```python
+        model = mimbre.Model.from_file("vehicle.yaml", stairs=0.2)
+        run = model.run(until=8)
+        ```
+    """
 
     _compiled: _core.Model
     _text: str  # of the model file alone
@@ -73,15 +80,36 @@ class Model:
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], /, **parameters: float | str | bool) -> Model:
-        """Reads a model file (docs/model-file.md). The others are parameters of the file by name, with a number, or a
-        text as the file would have it. Raises InputError with every mistake that was found."""
+        """Reads a model file (docs/model-file.md).
+
+        Args:
+            path: of the file.
+            **parameters: of the file, by name: a number (SI), or a text as the file would have it ("5 mm", a word).
+
+        Returns:
+            The model.
+
+        Raises:
+            InputError: with every mistake that was found, and where.
+        """
         file = _checks.path("path", path)
         compiled = _core.load(file, _texts(parameters))
         return cls._of(compiled, Path(file).read_bytes().decode(), Path(file).absolute().parent)
 
     @classmethod
     def from_text(cls, text: str, /, **parameters: float | str | bool) -> Model:
-        """The same from the text of a model file; files that it names are found from the working directory."""
+        """The model of a text.
+
+        Args:
+            text: of a model file; files that it names are found from the working directory.
+            **parameters: as `from_file` takes them.
+
+        Returns:
+            The model.
+
+        Raises:
+            InputError: with every mistake that was found, and where.
+        """
         return cls._parsed(_checks.text("text", text), "<text>", Path.cwd(), _texts(parameters))
 
     def _with(self, parameters: Mapping[str, float | str | bool]) -> Model:
@@ -93,23 +121,27 @@ class Model:
 
     @property
     def title(self) -> str:
+        """What the model calls itself."""
         return self._compiled.title
 
     @property
     def bodies(self) -> list[str]:
+        """Names, in the order of the tree."""
         return self._compiled.bodies
 
     @property
     def joints(self) -> list[str]:
+        """Names; bodies without a joint have one named BODY.floating."""
         return self._compiled.joints
 
     @property
     def inputs(self) -> list[str]:
-        """Inputs and tunable parameters."""
+        """Names of inputs and tunable parameters."""
         return self._compiled.inputs
 
     @property
     def outputs(self) -> list[str]:
+        """Names of the outputs, in the order of the model."""
         return self._compiled.outputs
 
     @property
@@ -119,15 +151,17 @@ class Model:
 
     @property
     def elastic_coordinates(self) -> int:
+        """How many of the coordinates are modal amplitudes."""
         return self._compiled.elastic_coordinates
 
     @property
     def constraints(self) -> int:
+        """Equations of cut joints and drives, redundant ones too."""
         return self._compiled.constraints
 
     @property
     def parameters(self) -> dict[str, str]:
-        """Those that were replaced."""
+        """Those of the file that were replaced, as texts."""
         return self._compiled.parameters
 
     @property
@@ -144,7 +178,18 @@ class Model:
     # What it does
 
     def simulation(self, **method: Unpack[Method]) -> Simulation:
-        """The model in motion, to be stepped."""
+        """The model in motion, to be stepped.
+
+        Args:
+            **method: step and method where the model is not to say them, see `Method`.
+
+        Returns:
+            A simulation at its start: loops closed, initial values and, where the model wants it, equilibrium found.
+
+        Raises:
+            InputError: an option that does not exist or does not fit.
+            SimulationError: no start or no equilibrium was found.
+        """
         return Simulation(self, **method)
 
     def run(
@@ -155,14 +200,28 @@ class Model:
         progress: Callable[[float], object] | None = None,
         **method: Unpack[Method],
     ) -> Run:
-        """Simulates to the time `until` (s; default: the model's end), as `mimbre run` does, to the same bits.
+        """Simulates, as `mimbre run` does, to the same bits.
 
-        inputs: by name a number, (times, values), or a function of time that is called before each step. They count
-            from the start on, with its equilibrium.
-        progress: is called now and then with the time (s).
+        Args:
+            until: the end, s; default: the model's.
+            inputs: of inputs and tunable parameters, by name: a number, (times in s, values), or a function of time
+                that is called before each step. They count from the start on, with its equilibrium.
+            progress: is called now and then with the time, s.
+            **method: step and method where the model is not to say them, see `Method`.
 
-        Ctrl-C raises Interrupted, a step that fails SimulationError; what a function raises, of an input or a law,
-        comes through. `error.run` of each has what was computed until then."""
+        Returns:
+            All channels at all instants, and a summary.
+
+        Raises:
+            InputError: an option or an input that does not exist or does not fit.
+            SimulationError: a step failed; `error.run` has what was computed until then.
+            Interrupted: Ctrl-C; `error.run` likewise, as of what a function of an input or a law raises.
+
+        Example:
+            ```python
+            run = model.run(until=2, step=0.001, inputs={"throttle": lambda t: min(t, 1)})
+            ```
+        """
         tables, functions = _inputs(inputs)
         finished = _core.run(
             self._compiled,
@@ -186,14 +245,35 @@ class Model:
         return run
 
     def verify(self, *, until: float | None = None, refine: bool = True, **method: Unpack[Method]) -> Verification:
-        """Runs the model in both formulations and compares them, as `mimbre verify`; `refine`: at shorter steps too."""
+        """Runs the model in both formulations, relative and natural coordinates, and compares them, as `mimbre verify`.
+
+        Args:
+            until: the end, s; default: the model's.
+            refine: at half the step too, so that what is an error of the step can be told from a mistake.
+            **method: step and method but `formulation`, see `Method`.
+
+        Returns:
+            The verdict, with the differences channel by channel.
+
+        Raises:
+            InputError: an option that does not exist or does not fit.
+        """
         return analysis.verify(self, until=until, refine=refine, **method)
 
     # Elsewhere
 
     def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The model file's text; with `path` it is written there, with bodies that only the model has beside it. A
-        model that is read from it is the same, to the bit."""
+        """The model file's text. A model that is read from it is the same, to the bit.
+
+        Args:
+            path: where it is written too, with bodies that only the model has beside it.
+
+        Returns:
+            The text.
+
+        Raises:
+            InputError: the model has laws that are functions or was read with other parameters: a file cannot say that.
+        """
         laws.refuse_in_file(self._laws)
         if self.parameters:
             replaced = ", ".join(f"{name}={value}" for name, value in self.parameters.items())

@@ -30,31 +30,41 @@ class Check(NamedTuple):
     """A line of a certificate."""
 
     name: str
+    """What was checked."""
     passed: bool
+    """Whether it is so."""
     detail: str
+    """By which figures."""
 
 
 @dataclass(frozen=True)
 class Interface:
     """Where a joint or a force takes hold of a body: nodes that are tied to a point."""
 
-    #: `set:NAME`, `group:NAME`, `nodes:FILE`, `box(x0,y0,z0, x1,y1,z1)`, `cylinder(px,py,pz, ax,ay,az, r)`, or the
-    #: nodes' labels (of arrays: their row numbers).
     nodes: Nodes
-    #: The nodes move as one rigid body with the point (RBE2), or it moves as they do in the mean (RBE3).
+    """`set:NAME`, `group:NAME`, `nodes:FILE`, `box(x0,y0,z0, x1,y1,z1)`, `cylinder(px,py,pz, ax,ay,az, r)`, or the
+    nodes' labels (of arrays: their row numbers)."""
     tie: Literal["rigid", "mean"] = "rigid"
-    #: Default: the mean of the nodes; in the file's unit of length.
+    """The nodes move as one rigid body with the point (RBE2), or it moves as they do in the mean (RBE3)."""
     point: npt.ArrayLike | None = None
-    #: Columns are its x, y and z in body axes.
+    """3, in the file's unit of length; default: the mean of the nodes."""
     axes: npt.ArrayLike | None = None
-    #: Motions of x y z rx ry rz that a joint leaves free: no static modes, dynamic modes have them.
+    """3 × 3, columns are its x, y and z in body axes; default: those of the body."""
     free: Iterable[str] = ()
-    #: Motions that never happen.
+    """Motions of x y z rx ry rz that a joint leaves free: no static modes, dynamic modes have them."""
     held: Iterable[str] = ()
+    """Motions that never happen."""
 
 
 class ReducedBody:
-    """A body that moves with a few modes: `reduce` makes one, a model takes it (`add_body(..., reduced=body)`)."""
+    """A body that moves with a few modes: `reduce` makes one, a model takes it.
+
+    Example:
+        ```python
+        arm = mimbre.ReducedBody.open("arm.h5")
+        m.add_body("arm", reduced=arm, frame={"at": [0, 0, 0]})
+        ```
+    """
 
     def __init__(self, compiled: _core.ReducedBody, reduction: _core.Reduction | None = None) -> None:
         self._compiled = compiled
@@ -62,11 +72,11 @@ class ReducedBody:
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> ReducedBody:
-        """Reads .h5 (docs/reduced-body-format.md), MBDyn's .fem, or .sid."""
+        """Reads .h5 (docs/reduced-body-format.md), MBDyn's .fem, or .sid; InputError where it is none."""
         return cls(_core.read_body(_checks.path("path", path)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes it, by the ending: .h5, .fem, .sid."""
+        """Writes it, by the ending: .h5, .fem, .sid; InputError of any other."""
         self._compiled.save(_checks.path("path", path))
 
     def report(self, path: str | os.PathLike[str]) -> None:
@@ -75,6 +85,7 @@ class ReducedBody:
 
     @property
     def name(self) -> str:
+        """What it calls itself."""
         return self._compiled.name
 
     @property
@@ -84,22 +95,27 @@ class ReducedBody:
 
     @property
     def modes(self) -> int:
+        """How many modes it has, n."""
         return self._compiled.modes
 
     @property
     def mode_names(self) -> list[str]:
+        """Of the n modes, in the order of the matrices."""
         return self._compiled.mode_names
 
     @property
     def mass_matrix(self) -> Floats:
+        """Of the modal amplitudes, n × n."""
         return self._compiled.mass_matrix
 
     @property
     def stiffness(self) -> Floats:
+        """Of the modal amplitudes, n × n."""
         return self._compiled.stiffness
 
     @property
     def damping(self) -> Floats:
+        """Of the modal amplitudes, n × n."""
         return self._compiled.damping
 
     @property
@@ -211,20 +227,52 @@ def reduce(
 ) -> ReducedBody:
     """Reduces a finite-element model to a body, with a certificate; as `mimbre reduce` (docs/finite-elements.md).
 
-    The model is one of
-    - source: a file (.msh, .inp, .mtx, .npz, .pch …), with `mass`, `nodes` and `dofs` as files where it needs them;
-    - source: a meshio mesh (its `cell_sets` or blocks make the groups, its `point_sets` the node sets), with materials;
-    - stiffness, mass: SciPy matrices (full symmetric, free), nodes: points × 3, dofs: rows × 2, node and direction
-      (0-2 displacements, 3-5 rotations) of each; default: 3 or 6 a node, in their order.
+    The model is a file, a meshio mesh, or matrices of SciPy. Ctrl-C ends the reduction at the next stage.
 
-    interfaces: by name an Interface, or its nodes; a tangent frame moves with the first.
-    materials: Young's modulus, Poisson's ratio, density (SI), of all or by group; thickness of shells likewise.
-    loads: by name nodes and a force that is spread on them: how it deflects the body becomes a mode.
-    user_modes: dofs (rows × 2) and shapes (rows × modes).
-    stress: of another program, stress by displacements, a SciPy matrix or an .npz file of one: rows xx yy zz xy yz zx
-        of each node, columns as those of the stiffness matrix. Bodies of elements have theirs without it.
-    stress_nodes: the nodes of its rows, labels or a file of them; default: all, in order.
-    progress: is called with what is being done and how much of it is."""
+    Args:
+        source: a file (.msh, .inp, .mtx, .npz, .pch …), with `mass`, `nodes` and `dofs` as files where it needs them;
+            or a meshio mesh (its `cell_sets` or blocks make the groups, its `point_sets` the node sets).
+        interfaces: by name an Interface, or its nodes; a tangent frame moves with the first.
+        stiffness: in place of a source a SciPy matrix, full symmetric and free, rows × rows.
+        mass: likewise; of a file that has none, a file.
+        nodes: points × 3, m; of a file that has none, a file.
+        dofs: rows × 2, node and direction (0-2 displacements, 3-5 rotations) of each; default: 3 or 6 a node, in their
+            order; of a file that has none, a file.
+        materials: Young's modulus (Pa), Poisson's ratio, density (kg/m³), of all or by group.
+        thickness: of shells, of all or by group, in the mesh's unit of length.
+        units: of the file: "SI", "mm" (mm, N, t) or "in" (in, lbf).
+        name: of the body; default: the file's.
+        modes: how many dynamic modes, 0 to 1000.
+        basis: "craig_bampton", "free_interface" or "krylov".
+        frame: what the body's frame moves with: "tangent" (the first interface), "centre_of_mass" or "mean_axis".
+        max_frequency: all dynamic modes up to this, Hz, in place of `modes`.
+        krylov_frequency: about which the Krylov basis matches the response, Hz.
+        effective_mass: only those dynamic modes that reach this share of the body's mass, %.
+        damping: β of C = β K, s.
+        geometric_stiffness: tension and compression change the stiffness.
+        free_modes: how many free modes of full and reduced model the certificate compares.
+        loads: by name nodes and a force (3, N) that is spread on them: how it deflects the body becomes a mode.
+        user_modes: dofs (rows × 2) and shapes (rows × modes).
+        stress: of another program, stress by displacements, a SciPy matrix or an .npz file of one: rows xx yy zz xy yz
+            zx of each node, columns as those of the stiffness matrix. Bodies of elements have theirs without it.
+        stress_nodes: the nodes of its rows, labels or a file of them; default: all, in order.
+        progress: is called with what is being done and how much of it is, 0 to 1.
+
+    Returns:
+        The body, with `checks`, `passed` and frequencies.
+
+    Raises:
+        InputError: the model, an interface or an option is bad: what, and what would be right.
+
+    Example:
+        ```python
+        arm = mimbre.reduce(
+            "arm.msh", materials=(2.1e11, 0.3, 7850), modes=10,
+            interfaces={"front": "group:front", "ball": "group:ball"},
+        )
+        print(arm.passed, arm.frequencies)
+        ```
+    """
     if not isinstance(interfaces, Mapping) or not interfaces:
         raise InputError("interfaces: at least one is needed, as {'pivot': 'set:pivot'}")
     options = _core.ReductionOptions()

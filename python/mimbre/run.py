@@ -41,7 +41,16 @@ class Channel(np.ndarray[tuple[Any, ...], np.dtype[np.float64]]):
 
 class Run(Mapping[str, Channel]):
     """A run: `run["chassis.z"]` is the history of a channel at the instants `run.time`. Arrays are the run's own
-    memory, without a copy, and cannot be written to."""
+    memory, without a copy, and cannot be written to. A name that is not there raises UnknownName.
+
+    Example:
+        ```python
+        run = mimbre.Model.from_file("vehicle.yaml").run()
+        print(run["chassis.z"].max(), run["chassis.z"].unit)
+        run.to_pandas().to_csv("vehicle.csv")
+        run.report("vehicle.html")
+        ```
+    """
 
     def __init__(self, results: _core.Results, measured: str = "") -> None:
         self._results = results
@@ -50,7 +59,7 @@ class Run(Mapping[str, Channel]):
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Run:
-        """The run in a results file that this package or `mimbre run` wrote."""
+        """The run in a results file (HDF5) that this package or `mimbre run` wrote; InputError where it is none."""
         return cls(_core.read_results(_checks.path("path", path)))
 
     # Channels
@@ -79,10 +88,12 @@ class Run(Mapping[str, Channel]):
 
     @property
     def units(self) -> dict[str, str]:
+        """The channels' units, by name."""
         return {name: unit for name, unit, _ in self._results.channels}
 
     @property
     def meanings(self) -> dict[str, str]:
+        """What the channels are, by name."""
         return {name: meaning for name, _, meaning in self._results.channels}
 
     @property
@@ -92,6 +103,7 @@ class Run(Mapping[str, Channel]):
 
     @property
     def bodies(self) -> list[str]:
+        """Names of the bodies, for `poses`."""
         return self._results.bodies
 
     def poses(self, body: str) -> Floats:
@@ -101,18 +113,19 @@ class Run(Mapping[str, Channel]):
 
     @property
     def modes(self) -> Floats:
-        """Amplitudes of all flexible bodies one after another, instants × modes."""
+        """Amplitudes of all flexible bodies one after another, instants × modes: m, rad, or factors of shapes."""
         return self._results.modes
 
     # What it was
 
     @property
     def title(self) -> str:
+        """The model's title."""
         return self._results.title
 
     @property
     def step(self) -> float:
-        """s"""
+        """The step, s."""
         return self._results.step
 
     @property
@@ -125,6 +138,7 @@ class Run(Mapping[str, Channel]):
 
     @property
     def warnings(self) -> list[str]:
+        """What was suspicious about the run."""
         warnings: list[str] = self.summary.get("warnings", [])
         return warnings
 
@@ -136,7 +150,7 @@ class Run(Mapping[str, Channel]):
 
     @property
     def model_text(self) -> str:
-        """The model file."""
+        """The text of the model file."""
         return self._results.model_text
 
     # Elsewhere
@@ -183,7 +197,15 @@ class Run(Mapping[str, Channel]):
     # Pictures
 
     def plot(self, *names: str, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Draws channels over time; without names the model's outputs. Returns Matplotlib's axes."""
+        """Draws channels over time.
+
+        Args:
+            *names: of channels; without any the model's outputs.
+            ax: Matplotlib's axes to draw on; default: new ones.
+
+        Returns:
+            The axes.
+        """
         import matplotlib.pyplot as plt
 
         chosen = [self[name] for name in names or self.summary.get("outputs", {})]
@@ -207,7 +229,7 @@ class Run(Mapping[str, Channel]):
         self._results.write_report(_checks.path("path", path))
 
     def show(self, height: int = 700) -> Page:
-        """The same page inside a notebook (Jupyter, JupyterLab, VS Code)."""
+        """The same page inside a notebook (Jupyter, JupyterLab, VS Code), `height` pixels high."""
         return Page(self._results.report(), height)
 
 

@@ -19,16 +19,25 @@ if TYPE_CHECKING:
 
 
 class Method(TypedDict, total=False):
-    """How a model is computed, where the model is not to say it (docs/model-file.md, `simulation`)."""
+    """How a model is computed, where the model is not to say it: further arguments of `run`, `simulation`, `static` and
+    others (docs/model-file.md, `simulation`)."""
 
-    step: float  #: s
+    step: float
+    """s"""
     formulation: Literal["relative", "natural"]
+    """Coordinates."""
     inertia: Literal["integrals", "projection", "projection_translations"]
+    """Of flexible bodies."""
     formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
+    """How constraints enter the equations."""
     integrator: Literal["generalized_alpha", "newmark", "hht", "conserve"]
+    """How steps are made."""
     rho: float
+    """Of generalized_alpha (0 to 1) and hht (0.5 to 1): spectral radius, 1 damps nothing."""
     xi: float
+    """Of newmark: 0, the trapezoidal rule, or less, which damps."""
     tolerance: float
+    """Of the iterations of a step, relative."""
 
 
 _words = ("formulation", "inertia", "formalism", "integrator")
@@ -59,7 +68,25 @@ class Simulation(_core.Simulation):
 
     `step()` and `step_until()` leave the interpreter to other threads. What is asked for by name at every step is
     faster by handle: `throttle = sim.input("throttle")`, then `throttle.value = 0.5`; `z = sim.channel("chassis.z")`,
-    then `z.value`; or many at once by `input_array` and `channel_array`."""
+    then `z.value`; or many at once by `input_array` and `channel_array`.
+
+    Args:
+        model: what moves.
+        **method: step and method where the model is not to say them, see `Method`.
+
+    Raises:
+        InputError: an option that does not exist or does not fit.
+        SimulationError: no start was found; of `step` that it failed.
+
+    Example:
+        ```python
+        sim = model.simulation(step=0.001)
+        torque, angle = sim.input("torque"), sim.channel("angle")
+        for _ in range(1000):
+            torque.value = -20 * angle.value
+            sim.step()
+        ```
+    """
 
     def __init__(self, model: Model, **method: Unpack[Method]) -> None:
         super().__init__(compiled(model), checked_method(method))
@@ -68,10 +95,11 @@ class Simulation(_core.Simulation):
 
     @property
     def model(self) -> Model:
+        """What moves."""
         return self._model
 
     def pose(self, body: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Position (m) and rotation matrix of a body's frame now, global."""
+        """Position (3, m) and rotation matrix (3 × 3, its columns the frame's axes) of a body's frame now, global."""
         position, rotation = self.pose_parts(_checks.text("body", body))
         return np.array(position), np.array(rotation).reshape(3, 3)
 

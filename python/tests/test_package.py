@@ -14,7 +14,7 @@ import nbclient
 import pytest
 from conftest import program, top
 
-PYTHON = ("python", "examples/python", "bench/python", "scripts/python-words")
+PYTHON = ("python", "examples/python", "bench/python", "docs/site", "scripts/python-words")
 
 
 def passes(*command: str) -> None:
@@ -25,7 +25,7 @@ def passes(*command: str) -> None:
 def test_types_are_right():
     """In the strict sense of mypy, with the stubs as they are installed."""
     passes("-m", "mypy", "-p", "mimbre")
-    passes("-m", "mypy", "examples/python", "bench/python", "python/tests/typed_use.py")
+    passes("-m", "mypy", "examples/python", "bench/python", "docs/site", "python/tests/typed_use.py")
 
 
 def test_style_is_kept():

@@ -1,0 +1,58 @@
+"""Which files of the repository are pages of the site: those that people read, in the places that they have there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files, InclusionLevel
+
+top = Path(__file__).resolve().parents[2]
+node = top / "build/docs-node/node_modules"
+
+_pages = ("README.md", "docs/*.md", "examples/*/README.md", "src/*/README.md", "web/README.md")
+_pictures = ("docs/*.png",)
+_assets = {
+    "assets/katex/katex.min.css": node / "katex/dist/katex.min.css",
+    "assets/iframe-worker.js": node / "iframe-worker/shim/index.js",
+}
+_languages = {".yaml": "yaml", ".py": "python", ".cpp": "cpp", ".geo": "text"}
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    examples = [f"examples/{folder.name}/README.md" for folder in _examples()]
+    for entry in config.nav or []:
+        if "Examples" in entry:
+            entry["Examples"] = examples
+    return config
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    paths = [path for pattern in (*_pages, *_pictures) for path in sorted(top.glob(pattern))]
+    for path in paths:
+        files.append(File.generated(config, path.relative_to(top).as_posix(), abs_src_path=str(path)))
+    for folder in _examples():
+        files.remove(page := files.src_uris[f"examples/{folder.name}/README.md"])
+        files.append(File.generated(config, page.src_uri, content=_with_files(folder)))
+    fonts = {f"assets/katex/fonts/{font.name}": font for font in (node / "katex/dist/fonts").glob("*.woff2")}
+    for name, path in {**_assets, **fonts}.items():
+        files.append(File.generated(config, name, abs_src_path=str(path), inclusion=InclusionLevel.NOT_IN_NAV))
+    return files
+
+
+def _examples() -> list[Path]:
+    return [page.parent for page in sorted(top.glob("examples/*/README.md"))]
+
+
+def shown(folder: Path) -> list[Path]:
+    """The files of an example that its page shows."""
+    return [path for path in sorted(folder.iterdir()) if path.suffix in _languages]
+
+
+def _with_files(folder: Path) -> str:
+    """The page of an example, with its files behind it."""
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    for path in shown(folder):
+        content = path.read_text(encoding="utf-8")
+        text += f"\n## {path.name}\n\n````{_languages[path.suffix]}\n{content.rstrip()}\n````\n"
+    return text
