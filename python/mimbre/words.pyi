@@ -19,55 +19,87 @@ Vector: TypeAlias = Sequence[Number] | Array
 Points: TypeAlias = Sequence[Sequence[Number] | Array] | Array
 
 class ParameterKeys(TypedDict, total=False):
+    # A number (SI), an expression of the parameters above, a word, or true or false.
     value: Required[float | str | bool]
+    # The words that it may be.
     choices: Sequence[str]
+    # The least value.
     min: Number
+    # The largest value.
     max: Number
+    # Whole numbers only.
     integer: bool
+    # What it is, for people.
     about: str
+    # May be set between steps; laws and signals alone may use it.
     tunable: Flag
 
 Parameter: TypeAlias = float | str | bool | ParameterKeys
 
 class Requirement(TypedDict, total=False):
+    # An expression of parameters that must not be 0.
     that: Required[Number]
+    # What is said otherwise.
     message: Required[str]
 
 class Material(TypedDict, total=False):
     """Pa, –, kg/m³"""
+    # Young's modulus, Pa.
     young: Required[Number]
+    # Poisson's ratio.
     poisson: Required[Number]
+    # kg/m³.
     density: Required[Number]
 
 class Section(TypedDict, total=False):
     type: Literal["round", "tube", "rectangle"]
+    # Outer diameter, m.
     diameter: Number
     # Along the element's y and z: kA of Timoshenko's theory.
     shear_areas: Sequence[Number] | Array
+    # m.
     inner_diameter: Number
+    # Along the element's y, m.
     width: Number
+    # Along the element's z, m.
     height: Number
+    # m².
     area: Number
+    # Second moment of area about y, m⁴.
     Iy: Number
+    # Second moment of area about z, m⁴.
     Iz: Number
+    # Torsion constant, m⁴.
     J: Number
 
 class Pose(TypedDict, total=False):
+    # Origin, m, global in the assembled position.
     at: Vector
+    # Direction of the x axis.
     x: Vector
+    # Direction of the y axis.
     y: Vector
+    # Direction of the z axis.
     z: Vector
 
 class Shape(TypedDict, total=False):
+    # Edges along x, y, z, m.
     box: Vector
+    # Radius and length, m.
     cylinder: Sequence[Number] | Array
+    # Radius, m.
     sphere: Number
+    # Centre, m, global.
     at: Vector
+    # The cylinder's axis.
     axis: Vector
+    # The box's x axis.
     x: Vector
+    # The box's y axis.
     y: Vector
 
 class NodeKeys(TypedDict, total=False):
+    # m, global; with `on`: beside the bar, rigidly joined to it.
     at: Vector
     # Bar and part of its length.
     on: Sequence[Any] | Array
@@ -77,32 +109,49 @@ Node: TypeAlias = Vector | NodeKeys
 Bar = TypedDict("Bar", {"from": Required[str], "to": Required[str], "elements": Number, "section": str, "material": str, "beam_theory": Literal["euler_bernoulli", "rayleigh", "timoshenko"] | str, "y": Vector}, total=False)
 
 class StaticMode(TypedDict, total=False):
+    # Whose displacement or rotation by one unit gives the shape.
     node: Required[str]
+    # Direction of the displacement, global.
     along: Vector
+    # Axis of the rotation, global.
     about: Vector
+    # All six of the node.
     all: Flag
+    # What the mode is called.
     name: str
     # Left out where this is false (0).
     when: Flag
 
 class FlexibleAxialModesKeys(TypedDict, total=False):
+    # How many.
     count: Required[Number]
+    # Of the bar: free or held.
     end: Literal["held", "free"] | str
 
 class FlexibleSubstructuresKeys(TypedDict, total=False):
+    # How many pieces.
     count: Required[Number]
     # Of every piece but the last; default: as the last.
     dynamic_modes: Number
 
 class Flexible(TypedDict, total=False):
+    # Default of the bars.
     material: str
+    # Default of the bars.
     section: str
+    # Named points, which are frames BODY.NODE too.
     nodes: Required[Mapping[str, Node]]
+    # Beams between nodes, by name.
     bars: Required[Mapping[str, Bar]]
+    # Nodes that the tangent frame holds.
     clamped: Required[Sequence[str]]
+    # Unit displacements and rotations through which forces come in.
     static_modes: Sequence[StaticMode]
+    # How many of the lowest modes with the nodes of static modes held; 0 to 500.
     dynamic_modes: Number
+    # β of C = β K, s.
     stiffness_damping: Number
+    # Normal of the plane in which alone it moves, along an axis of its frame.
     planar: Vector
     # What bending does along the beam. Or text with $parameter or 'condition ? word : word'.
     stiffening: Literal["linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2", "geometric_stiffness"] | str
@@ -123,29 +172,46 @@ class Flexible(TypedDict, total=False):
     substructures: Number | FlexibleSubstructuresKeys
 
 class BodyRigid(TypedDict, total=False):
+    """Its description as a rigid body."""
+    # kg.
     mass: Required[Number]
+    # Centre of mass, m, global.
     com: Vector
     # Ixx Iyy Izz [Ixy Ixz Iyz] about the centre of mass, axes of the body's frame.
     inertia: Sequence[Number] | Array
 
 class Body(TypedDict, total=False):
+    # kg.
     mass: Number
+    # Centre of mass, m, global.
     com: Vector
     # Ixx Iyy Izz [Ixy Ixz Iyz] about the centre of mass, axes of the body's frame.
     inertia: Sequence[Number] | Array
+    # rigid, flexible or reduced, where it has several descriptions.
     as_: str
+    # Its frame; default: at the centre of mass, global axes; of a flexible body its tangent frame.
     frame: Pose
+    # Its description as a rigid body.
     rigid: BodyRigid
+    # Its description by beams.
     flexible: Flexible
+    # A reduced body's file, found from the model's folder.
     reduced: str | ReducedBody
+    # For drawing only.
     shapes: Sequence[Shape]
+    # For drawing only: lists of points, m, global.
     lines: Sequence[Sequence[Vector] | Array]
 
 class Frame(TypedDict, total=False):
+    # On which it is; ground is the world.
     body: Required[str]
+    # Origin, m, global; on a flexible body a node lies there.
     at: Required[Vector]
+    # Direction of the x axis.
     x: Vector
+    # Direction of the y axis.
     y: Vector
+    # Direction of the z axis.
     z: Vector
 
 Between: TypeAlias = Sequence[str]
@@ -153,95 +219,157 @@ Between: TypeAlias = Sequence[str]
 InitialValues: TypeAlias = Number | Sequence[float | str | None]
 
 class LawKeysPieces(TypedDict, total=False):
+    # Where the piece ends; the last has none.
     until: Number
+    # Coefficients, of the variable itself.
     polynomial: Required[Sequence[Number] | Array]
 
 class LawKeys(TypedDict, total=False):
+    # N/m or N m/rad.
     stiffness: Number
+    # Length or angle without force, m or rad.
     zero: Number
+    # Of damping, N s/m or N m s/rad.
     coefficient: Number
+    # Force, N, or torque, N m.
     constant: Number
+    # Coefficients from the constant one on.
     polynomial: Sequence[Number] | Array
+    # One polynomial after another.
     pieces: Sequence[LawKeysPieces]
+    # Points [x, y] with ascending x.
     table: Points
+    # Between the points; cubic is monotone.
     interpolation: Literal["linear", "cubic"]
 
 Law: TypeAlias = str | float | LawKeys
 
 class Drive(TypedDict, total=False):
     """A prescribed coordinate, by its position or by its speed; an expression is one of t."""
+    # Law or expression of t, m or rad.
     position: Law
     # Instead of the position, which then starts from the joint's `position` (or 0).
     speed: Law
+    # Which of several coordinates of the joint, from 0.
     coordinate: Number
 
 class JointSpring(TypedDict, total=False):
+    # N/m or N m/rad.
     stiffness: Number
+    # N s/m or N m s/rad, or a law of the rate.
     damping: Law
+    # Coordinate without force, m or rad.
     zero: Number
+    # Law of the coordinate, in place of a stiffness.
     elastic: Law
+    # Which of several coordinates of the joint, from 0.
     coordinate: Number
 
 class Joint(TypedDict, total=False):
+    # Which motions it leaves.
     type: Required[Literal["fixed", "bracket", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "floating"]]
+    # Two bodies, frames or nodes; coordinates are those of the second relative to the first.
     between: Required[Between]
+    # Its point, m, global; where frames are named they say it.
     at: Vector
+    # z of the joint, global: of rotation, of translation, of a plane its normal; of a universal joint the
+    # first.
     axis: Vector
+    # Second axis of a universal joint.
     axis2: Vector
+    # Whether it may be or is cut where loops are closed.
     cut: Literal["automatic", "never", "always"]
+    # Initial coordinates, m or rad; null: free to be found.
     position: InitialValues
+    # Initial rates, m/s or rad/s.
     velocity: InitialValues
+    # Prescribed motion.
     drive: Drive | Sequence[Drive]
+    # Springs and dampers on its coordinates.
     spring: JointSpring | Sequence[JointSpring]
 
 class Spring(TypedDict, total=False):
+    # Two bodies, frames or nodes.
     between: Required[Between]
+    # Two points, m, global; null: at a frame, or at the origin of a body's frame.
     at: Sequence[Vector | None] | Array
+    # Law of the length (m), N; pulling is positive.
     elastic: Law
+    # Law of its rate (m/s), N, or a number, N s/m.
     damping: Law
     # Tension, an expression of l (length), v (rate) and t (time).
     force: str | float
 
 class Load(TypedDict, total=False):
+    # A body, frame or node.
     on: Required[str]
+    # Its point on a body, m, global.
     at: Vector
+    # N, global.
     force: Vector
+    # N m, global.
     moment: Vector
+    # Times this: a law or expression of t; default: 1.
     scale: Law
+    # Whether it turns with the body.
     follower: Flag
 
 class Road(TypedDict, total=False):
+    # Height over distance or over time.
     over: Required[Literal["distance", "time"]]
+    # [m or s, height in m]; a repeated first number is a jump.
     points: Points
+    # Period, m or s.
     repeat: Number
     # Of a road over time, instead of points: an expression of t, inputs and signals.
     height: str | float
 
 class Tyre(TypedDict, total=False):
+    # A body.
     on: Required[str]
+    # Its centre, m, global.
     at: Vector
+    # Name of a road.
     road: Required[str]
+    # N/m.
     stiffness: Required[Number]
+    # m.
     radius: Required[Number]
 
 class Output(TypedDict, total=False):
+    # Point on a body, m, global.
     at: Vector
+    # x y z, fx … mz, xx …, or a number from 0.
     component: str | int
+    # Direction, global in the assembled position.
     along: Vector
+    # Is added.
     offset: Number
+    # Of a frame or body, m, global.
     position: str
+    # m/s, global.
     velocity: str
+    # m/s², global.
     acceleration: str
+    # rad.
     roll: str
+    # rad.
     pitch: str
+    # rad.
     yaw: str
+    # Of a point of a flexible body, m.
     deflection: str
+    # Of a frame in the axes of `relative_to`, m.
     displacement: str
     # Of a displacement: the frame in whose axes it is seen.
     relative_to: str
+    # Its coordinate, m or rad.
     joint: str
+    # Its rate, m/s or rad/s.
     joint_velocity: str
+    # Force (N) or moment (N m) on the joint's second body, global.
     joint_force: str
+    # Of a flexible body: m, rad, or 1.
     modal_amplitude: str
     # A body of `mimbre reduce`; its largest von Mises stress, or what component, node and at say.
     stress: str
@@ -249,9 +377,13 @@ class Output(TypedDict, total=False):
     strain: str
     # Of a stress or strain: the node's number in the body's mesh.
     node: Number
+    # N; tension is positive.
     spring_force: str
+    # m.
     spring_length: str
+    # N, upwards.
     tyre_force: str
+    # rad/s.
     angular_velocity: str
     # Of an angular velocity: global axes, or the frame's own.
     axes: Literal["global", "own"]
@@ -261,17 +393,25 @@ class Output(TypedDict, total=False):
     linear_momentum: str | Sequence[str]
     # Likewise; about their centre of mass, or about the fixed point `about`.
     angular_momentum: str | Sequence[str]
+    # Fixed point that moments of momentum are taken about, m.
     about: Vector
 
 class Integrator(TypedDict, total=False):
+    # How steps are made.
     type: Required[Literal["generalized_alpha", "newmark", "hht", "conserve"]]
+    # Spectral radius of generalized_alpha (0 to 1) and hht (0.5 to 1); 1 damps nothing.
     rho: Number
+    # Of newmark: 0, or less, which damps.
     xi: Number
 
 class Simulation(TypedDict, total=False):
+    # s; default: 0.01.
     step: Number
+    # s; default: 10.
     end: Number
+    # Of the rows of results, s; default: every step.
     output_interval: Number
+    # How steps are made.
     integrator: Integrator
     # Coordinates: of the joints (relative), or points and unit vectors (natural).
     formulation: Literal["relative", "natural"]
@@ -280,17 +420,27 @@ class Simulation(TypedDict, total=False):
     inertia: Literal["integrals", "projection", "projection_translations"]
     # How the constraints enter the equations of motion.
     formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
+    # Of the iterations, relative; default: 1e-5.
     tolerance: Number
+    # Weight of the constraints; default: that of the formalism.
     penalty: Number
+    # Of a step.
     max_iterations: Number
+    # Parts in which an inaccurate step is made again; 1: never.
     substeps: Number
 
 class Actuator(TypedDict, total=False):
+    # On whose coordinate it acts.
     joint: str
+    # Which of several, from 0.
     coordinate: Number
+    # Two bodies, frames or nodes that it acts between.
     between: Between
+    # Their points, m, global.
     at: Sequence[Any] | Array
+    # Direction of the force, turning with the first body.
     along: Vector
+    # Axis of the torque, turning with the first body.
     about: Vector
     # An expression of t, inputs, signals and outputs.
     force: str | float
@@ -300,87 +450,144 @@ class Actuator(TypedDict, total=False):
     moment: str | float
 
 class BushingLawsX(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLawsY(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLawsZ(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLawsRx(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLawsRy(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLawsRz(TypedDict, total=False):
+    """In this direction."""
+    # Law of the measure, N or N m.
     elastic: Law
+    # Law of its rate.
     damping: Law
 
 class BushingLaws(TypedDict, total=False):
+    """Laws of single directions, added to stiffness and damping."""
+    # In this direction.
     x: BushingLawsX
+    # In this direction.
     y: BushingLawsY
+    # In this direction.
     z: BushingLawsZ
+    # In this direction.
     rx: BushingLawsRx
+    # In this direction.
     ry: BushingLawsRy
+    # In this direction.
     rz: BushingLawsRz
 
 class BushingMaxwell(TypedDict, total=False):
     # Six numbers (of x, y, z and the turns about them), or six rows of six.
     stiffness: Required[Sequence[Number | Sequence[Number] | Array] | Array]
+    # Time of relaxation, s.
     relaxation: Required[Number]
 
 class Bushing(TypedDict, total=False):
+    # Two bodies, frames or nodes.
     between: Required[Between]
+    # Its point, m, global.
     at: Vector
+    # Direction of its x axis, on the first body.
     x: Vector
+    # Direction of its y axis.
     y: Vector
+    # Direction of its z axis.
     z: Vector
     # Six numbers (of x, y, z and the turns about them), or six rows of six.
     stiffness: Sequence[Number | Sequence[Number] | Array] | Array
     # Six numbers (of x, y, z and the turns about them), or six rows of six.
     damping: Sequence[Number | Sequence[Number] | Array] | Array
+    # Laws of single directions, added to stiffness and damping.
     laws: BushingLaws
     # Branches of a spring in row with a damper.
     maxwell: Sequence[BushingMaxwell]
 
 class InputKeys(TypedDict, total=False):
+    # For people.
     unit: str
+    # Value until it is set.
     start: Number
+    # Least and largest value.
     range: Sequence[Number] | Array
+    # Between two settings: constant, or linear over the next step.
     hold: Literal["constant", "linear"]
+    # What it is, for people.
     about: str
 
 Input: TypeAlias = Number | InputKeys
 
 class SignalKeys(TypedDict, total=False):
+    # Expression of t, signals, inputs, outputs and tunable parameters.
     value: str | float
+    # Evaluated at multiples of this only, s.
     every: Number
+    # For people.
     unit: str
+    # What it is, for people.
     about: Any
+    # Point on a body, m, global.
     at: Vector
+    # x y z, fx … mz, xx …, or a number from 0.
     component: str | int
+    # Direction, global in the assembled position.
     along: Vector
+    # Is added.
     offset: Number
+    # Of a frame or body, m, global.
     position: str
+    # m/s, global.
     velocity: str
+    # m/s², global.
     acceleration: str
+    # rad.
     roll: str
+    # rad.
     pitch: str
+    # rad.
     yaw: str
+    # Of a point of a flexible body, m.
     deflection: str
+    # Of a frame in the axes of `relative_to`, m.
     displacement: str
     # Of a displacement: the frame in whose axes it is seen.
     relative_to: str
+    # Its coordinate, m or rad.
     joint: str
+    # Its rate, m/s or rad/s.
     joint_velocity: str
+    # Force (N) or moment (N m) on the joint's second body, global.
     joint_force: str
+    # Of a flexible body: m, rad, or 1.
     modal_amplitude: str
     # A body of `mimbre reduce`; its largest von Mises stress, or what component, node and at say.
     stress: str
@@ -388,9 +595,13 @@ class SignalKeys(TypedDict, total=False):
     strain: str
     # Of a stress or strain: the node's number in the body's mesh.
     node: Number
+    # N; tension is positive.
     spring_force: str
+    # m.
     spring_length: str
+    # N, upwards.
     tyre_force: str
+    # rad/s.
     angular_velocity: str
     # Of an angular velocity: global axes, or the frame's own.
     axes: Literal["global", "own"]
@@ -404,12 +615,21 @@ class SignalKeys(TypedDict, total=False):
 Signal: TypeAlias = str | float | SignalKeys
 
 class GasSpring(TypedDict, total=False):
+    # Two bodies, frames or nodes.
     between: Required[Between]
+    # Its ends, m, global.
     at: Sequence[Vector | None] | Array
+    # Pa, at `length`.
     pressure: Required[Number]
+    # m².
     area: Required[Number]
+    # m.
     length: Required[Number]
+    # Of the column of gas at `length`, m.
     gas_length: Required[Number]
+    # Polytropic; default: 1.2.
     exponent: Number
+    # N s/m; default: 0.
     damping: Number
+    # Pa; default: 101325.
     ambient: Number
