@@ -43,9 +43,9 @@ def _table(node: Node, kinds: dict[str, Node]) -> str:
 def _rows(prefix: str, node: Node, kinds: dict[str, Node], required: set[str]) -> list[str]:
     rows = []
     for key, value in node["properties"].items():
-        needed = "required; " if key in required else ""
-        about = needed + value.get("description", "")
-        rows.append(f"| `{prefix}{key}` | {_type(value, kinds)} | {_cell(about.removesuffix('; '))} |\n")
+        needed = "**Required.** " if key in required else ""
+        about = (needed + value.get("description", "")).replace("|", "\\|")
+        rows.append(f"| `{prefix}{key}` | {_type(value, kinds)} | {about} |\n")
         for form in _inner(value):
             rows += _rows(f"{prefix}{key}.", form, kinds, set(form.get("required", [])))
     return rows
@@ -91,7 +91,3 @@ def _of(kind: str, node: Node, kinds: dict[str, Node]) -> str:
 
 def _sentence(text: str) -> str:
     return text if text.endswith((".", ":")) else text + "."
-
-
-def _cell(text: str) -> str:
-    return text[:1].upper() + text[1:].replace("|", "\\|")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
@@ -16,6 +17,7 @@ _assets = {
     "assets/katex/katex.min.css": node / "katex/dist/katex.min.css",
     "assets/iframe-worker.js": node / "iframe-worker/shim/index.js",
 }
+_wide = ("docs/coming-from.md",)  # whose tables take the place of the contents beside them
 _languages = {".yaml": "yaml", ".py": "python", ".cpp": "cpp", ".geo": "text"}
 
 
@@ -38,6 +40,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for name, path in {**_assets, **fonts}.items():
         files.append(File.generated(config, name, abs_src_path=str(path), inclusion=InclusionLevel.NOT_IN_NAV))
     return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> None:
+    if page.file.src_uri in _wide:
+        page.meta["hide"] = ["toc"]
 
 
 def _examples() -> list[Path]:

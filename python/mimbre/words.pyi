@@ -272,8 +272,8 @@ class Joint(TypedDict, total=False):
     between: Required[Between]
     # Its point, m, global; where frames are named they say it.
     at: Vector
-    # z of the joint, global: of rotation, of translation, of a plane its normal; of a universal joint the
-    # first.
+    # The joint's z axis, global: of rotation, of translation, of a plane its normal; of a universal joint
+    # the first.
     axis: Vector
     # Second axis of a universal joint.
     axis2: Vector

@@ -244,16 +244,25 @@ void bind_simulation(nb::module_& module) {
   nb::class_<InputHandle>(module, "Input", "An input or a tunable parameter of a simulation.")
       .def_prop_rw("value", &InputHandle::get, &InputHandle::set,
                    "Its value; what is set is kept within its range and counts from the next step on.")
-      .def_prop_ro("name", [](const InputHandle& i) { return i.information().name; })
-      .def_prop_ro("unit", [](const InputHandle& i) { return i.information().unit; })
-      .def_prop_ro("min", [](const InputHandle& i) { return i.information().min; })
-      .def_prop_ro("max", [](const InputHandle& i) { return i.information().max; })
-      .def_prop_ro("tunable", [](const InputHandle& i) { return i.information().tunable; });
+      .def_prop_ro(
+          "name", [](const InputHandle& i) { return i.information().name; }, "Its name in the model.")
+      .def_prop_ro(
+          "unit", [](const InputHandle& i) { return i.information().unit; }, "As the model says.")
+      .def_prop_ro(
+          "min", [](const InputHandle& i) { return i.information().min; }, "The least value.")
+      .def_prop_ro(
+          "max", [](const InputHandle& i) { return i.information().max; }, "The largest value.")
+      .def_prop_ro(
+          "tunable", [](const InputHandle& i) { return i.information().tunable; },
+          "Whether it is a tunable parameter.");
   nb::class_<ChannelHandle>(module, "ChannelNow", "A channel of a simulation.")
       .def_prop_ro("value", &ChannelHandle::get, "Its value now.")
-      .def_prop_ro("name", [](const ChannelHandle& c) { return c.information().name; })
-      .def_prop_ro("unit", [](const ChannelHandle& c) { return c.information().unit; })
-      .def_prop_ro("meaning", [](const ChannelHandle& c) { return c.information().meaning; });
+      .def_prop_ro(
+          "name", [](const ChannelHandle& c) { return c.information().name; }, "Its name.")
+      .def_prop_ro(
+          "unit", [](const ChannelHandle& c) { return c.information().unit; }, "Its unit.")
+      .def_prop_ro(
+          "meaning", [](const ChannelHandle& c) { return c.information().meaning; }, "What it is.");
   nb::class_<Stepper>(module, "Simulation", "A compiled model in motion.")
       .def(nb::init<const LoadedModel&, const MethodChoice&>(), nb::arg("model"), nb::arg("method"))
       .def("step", &Stepper::step, nb::arg("count") = 1,
@@ -262,12 +271,15 @@ void bind_simulation(nb::module_& module) {
       .def("step_until", &Stepper::step_until, nb::arg("time"),
            "Steps to that time (s), as a run does: the last step is shorter where it is no whole number.")
       .def_prop_ro(
-          "time", [](Stepper& s) { return Turn(s)->time(); }, "s")
+          "time", [](Stepper& s) { return Turn(s)->time(); }, "Where it has come to, s.")
       .def_prop_ro(
-          "step_size", [](Stepper& s) { return Turn(s)->step_size(); }, "s")
-      .def_prop_ro("coordinates", [](Stepper& s) { return Turn(s)->coordinates(); })
+          "step_size", [](Stepper& s) { return Turn(s)->step_size(); }, "The step, s.")
+      .def_prop_ro(
+          "coordinates", [](Stepper& s) { return Turn(s)->coordinates(); },
+          "Number of velocity coordinates of the formulation.")
       .def_prop_ro("energy", &energy_of, "Terms of the energy balance so far, J.")
-      .def_prop_ro("warnings", [](Stepper& s) { return Turn(s)->warnings(); })
+      .def_prop_ro(
+          "warnings", [](Stepper& s) { return Turn(s)->warnings(); }, "What was suspicious so far.")
       .def_prop_ro(
           "fingerprint", [](Stepper& s) { return Turn(s)->fingerprint(); }, "Tells models and methods apart.")
       .def(
@@ -275,36 +287,46 @@ void bind_simulation(nb::module_& module) {
           [](Stepper& s, const std::string& name) {
             return InputHandle{&s, Turn(s)->input(name)};
           },
-          nb::arg("name"), nb::keep_alive<0, 1>(), "The input, or tunable parameter, of that name.")
+          nb::arg("name"), nb::keep_alive<0, 1>(),
+          "The input, or tunable parameter, of that name; UnknownName where there is none.")
       .def(
           "channel",
           [](Stepper& s, const std::string& name) {
             return ChannelHandle{&s, Turn(s)->channel(name).index};
           },
-          nb::arg("name"), nb::keep_alive<0, 1>(), "The channel of that name.")
+          nb::arg("name"), nb::keep_alive<0, 1>(),
+          "The channel of that name; UnknownName where there is none.")
       .def("input_array", &Stepper::live_inputs, nb::arg("names"),
            "An array whose values these inputs have from the next step on, at each step.")
       .def("channel_array", &Stepper::live_channels, nb::arg("names"),
            "An array that has these channels' values now, and after each step.")
-      .def("input_names",
-           [](Stepper& s) {
-             std::vector<std::string> names;
-             for (const spec::Input& input : Turn(s)->inputs()) names.push_back(input.name);
-             return names;
-           })
-      .def("channel_names",
-           [](Stepper& s) {
-             std::vector<std::string> names;
-             for (const ChannelInfo& channel : Turn(s)->channels()) names.push_back(channel.name);
-             return names;
-           })
-      .def("pose_parts", &pose_of, nb::arg("body"))
+      .def(
+          "input_names",
+          [](Stepper& s) {
+            std::vector<std::string> names;
+            for (const spec::Input& input : Turn(s)->inputs()) names.push_back(input.name);
+            return names;
+          },
+          "Names of inputs and tunable parameters.")
+      .def(
+          "channel_names",
+          [](Stepper& s) {
+            std::vector<std::string> names;
+            for (const ChannelInfo& channel : Turn(s)->channels()) names.push_back(channel.name);
+            return names;
+          },
+          "Names of all channels.")
+      .def("pose_parts", &pose_of, nb::arg("body"),
+           "What `pose` gives, as lists of 3 and of 9 numbers, by rows.")
       .def(
           "lines", &Stepper::lines,
           "By body its name and the ends of the lines that draw it now, one pair after the other, global, m.")
-      .def("save", &Stepper::save, "Everything that the next step depends on, for restore().")
+      .def("save", &Stepper::save,
+           "Everything that the next step depends on, for restore(), in another process too.")
       .def("restore", &Stepper::restore, nb::arg("state"),
-           "Goes back to a saved state; the same bits follow from there.");
+           "Goes back to a saved state; the same bits follow from there. InputError where it is of another "
+           "model or "
+           "method, or damaged.");
   module.def(
       "step_all", &step_all, nb::arg("simulations"), nb::arg("count"),
       "Makes so many steps with each of them, and leaves the interpreter to others meanwhile. What went "
