@@ -14,8 +14,13 @@ _block = re.compile(r"^```math\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _script = """
 const katex = require("katex");
 const formulas = JSON.parse(require("fs").readFileSync(0, "utf8"));
-const made = formulas.map((formula) => katex.renderToString(formula, {displayMode: true, strict: "error"}));
-process.stdout.write(JSON.stringify(made));
+try {
+  const made = formulas.map((formula) => katex.renderToString(formula, {displayMode: true, strict: "error"}));
+  process.stdout.write(JSON.stringify(made));
+} catch (error) {
+  process.stderr.write(error.message);
+  process.exit(1);
+}
 """
 
 

@@ -10,7 +10,7 @@ from mkdocs.exceptions import PluginError
 from pages import shown, top
 from pymdownx.slugs import slugify
 
-_fence = re.compile(r"^(`{3,})(\w*)[^`]*$")
+_fence = re.compile(r"^(`{3,})([^\s`]*)[^`]*$")
 _item = re.compile(r"(?:[-*]|1\.) ")
 _link = re.compile(r"(?<!!)\[([^\]\[]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 _tabs = {"sh": "Command line", "yaml": "Model file", "python": "Python"}
@@ -34,7 +34,7 @@ def _parts(markdown: str) -> list[tuple[str | None, str]]:
         fence = _fence.match(line.rstrip())
         if not end and fence:
             end = fence[1]
-            parts.append((fence[2], line))
+            parts.append((fence[2], f"{fence[1]}{fence[2]}\n"))  # without words that are for tests
             continue
         language, text = parts[-1]
         parts[-1] = (language, text + line)
