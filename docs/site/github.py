@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 import re
+from pathlib import Path
 from typing import Any
 
 from mkdocs.exceptions import PluginError
@@ -46,7 +47,7 @@ def _parts(markdown: str) -> list[tuple[str | None, str]]:
 
 def _linked(link: re.Match[str], page: str) -> str:
     """A link to a folder is one to its README, one to an example's file to where its page shows it; what the site does
-    not have stays as text."""
+    not have stays as text. A page that is called by its file's name is called by its title."""
     text, target, anchor = link[1], link[2], link[3] or ""
     if re.match(r"\w+:", target):
         return link[0]
@@ -64,7 +65,14 @@ def _linked(link: re.Match[str], page: str) -> str:
         goal = f"{posixpath.dirname(goal)}/README.md"
     elif path.suffix not in (".md", ".png"):
         return text
+    if text == path.name and path.suffix == ".md":
+        text = _title(path)
     return f"[{text}]({posixpath.relpath(goal, folder or '.')}{anchor})"
+
+
+def _title(path: Path) -> str:
+    with path.open(encoding="utf-8") as lines:
+        return next(line.removeprefix("# ").strip() for line in lines if line.startswith("# "))
 
 
 def _lists(text: str) -> str:

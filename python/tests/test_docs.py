@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import io
 import re
 import shutil
@@ -75,3 +76,28 @@ def test_coming_from_other_programs(quiet):
     for owner, name in re.findall(r"`(mimbre|m|run|sim|model)\.(\w+)", page):
         kinds = {"m": mimbre.ModelBuilder, "run": mimbre.Run, "sim": mimbre.Simulation, "model": mimbre.Model}
         assert hasattr(kinds.get(owner, mimbre), name), f"{owner}.{name}"
+
+
+def test_the_reference_has_all_names():
+    page = (top / "docs/python-reference.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"^::: mimbre\.(\w+)$", page, re.MULTILINE))
+    assert named == set(mimbre.__all__)
+
+
+@pytest.mark.parametrize("name", mimbre.__all__)
+def test_a_name_says_what_it_is(name):
+    """All that is public of it has a text; code in the texts is code."""
+    thing = getattr(mimbre, name)
+    if isinstance(thing, str):  # a constant, whose text stands in the source
+        return
+    members = {name: thing}
+    if isinstance(thing, type):
+        own = [base for base in thing.__mro__ if base.__module__.startswith("mimbre")]
+        members.update({k: v for base in own for k, v in vars(base).items() if k[0] != "_"})
+    for member, value in members.items():
+        if not (isinstance(value, property | classmethod | type) or callable(value)):
+            continue
+        text = inspect.getdoc(value) or ""
+        assert text, f"{name}: {member} says nothing"
+        for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+            compile(inspect.cleandoc(code), member, "exec")
