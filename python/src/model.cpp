@@ -122,7 +122,9 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("outputs", [](const LoadedModel& m) { return names_of(m.model->spec().outputs); })
       .def_prop_ro("coordinates", [](const LoadedModel& m) { return m.model->coordinates(); })
       .def_prop_ro("elastic_coordinates", [](const LoadedModel& m) { return m.model->elastic_coordinates(); })
-      .def_prop_ro("constraints", [](const LoadedModel& m) { return m.model->constraints(); });
+      .def_prop_ro("constraints", [](const LoadedModel& m) { return m.model->constraints(); })
+      .def_prop_ro("starts_at_equilibrium",
+                   [](const LoadedModel& m) { return m.model->spec().simulation.start_at_equilibrium; });
   module.def("load", &load, nb::arg("path"), nb::arg("parameters"));
   module.def("parse", &parse, nb::arg("text"), nb::arg("name"), nb::arg("directory"), nb::arg("parameters"),
              nb::arg("laws") = std::vector<PlacedLaw>());
