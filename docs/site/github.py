@@ -14,6 +14,7 @@ from pymdownx.slugs import slugify
 _fence = re.compile(r"^(`{3,})([^\s`]*)[^`]*$")
 _item = re.compile(r"(?:[-*]|1\.) ")
 _link = re.compile(r"(?<!!)\[([^\]\[]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
+_comment = re.compile(r"<!--.*?-->", re.DOTALL)
 _tabs = {"sh": "Command line", "yaml": "Model file", "python": "Python"}
 _slug = slugify(case="lower")
 
@@ -23,6 +24,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     parts = _parts(markdown)
     for k, (language, text) in enumerate(parts):
         if language is None:
+            text = _comment.sub("", text)  # one at the beginning of a line would end its paragraph
             parts[k] = (None, _lists(_link.sub(lambda link: _linked(link, page.file.src_uri), text)))
     return "".join(_tabbed(parts))
 
