@@ -16,5 +16,6 @@ void bind_results(nb::module_& module);
 void bind_run(nb::module_& module);
 void bind_simulation(nb::module_& module);
 void bind_user_law(nb::module_& module);
+void bind_yaml(nb::module_& module);
 
 }  // namespace mimbre::python

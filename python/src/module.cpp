@@ -13,4 +13,5 @@ NB_MODULE(_core, module) {
   mimbre::python::bind_histories(module);
   mimbre::python::bind_simulation(module);
   mimbre::python::bind_analysis(module);
+  mimbre::python::bind_yaml(module);
 }

@@ -67,6 +67,15 @@ int run_guarded(const Command& command) {
   }
 }
 
+int sweep_is_elsewhere(bool json) {
+  const std::string message =
+      "sweep comes with the Python package: `make python` where mimbre's sources are, then "
+      "`build/python-env/bin/mimbre sweep STUDY.yaml`";
+  print_error(message);
+  if (json) print_json({{Mark{}, message}}, "sweep");
+  return bad_usage;
+}
+
 std::vector<std::string> names_of(const std::vector<Command>& commands) {
   std::vector<std::string> names;
   for (const Command& command : commands) names.push_back(command.parser.name());
@@ -91,6 +100,7 @@ int main_program(int argc, char** argv) {
       "with warnings\n"
       "where --strict was given.\n"
       "'mimbre COMMAND --help' says more about a command.\n"
+      "Many runs of a model: `mimbre sweep`, which comes with the Python package.\n"
       "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
   const std::vector<Command> commands{add_run(program),      add_check(program),   add_static(program),
                                       add_report(program),   add_compare(program), add_bench(program),
@@ -104,6 +114,7 @@ int main_program(int argc, char** argv) {
   }
   const std::string first = argv[1];
   const bool json = std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc;
+  if (first == "sweep") return sweep_is_elsewhere(json);
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
     return usage_error(fmt::format("there is no command '{}'{}", first, did_you_mean(first, names)), "",
                        json);
