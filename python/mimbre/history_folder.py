@@ -30,6 +30,8 @@ class HistoryFolder:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"histories: {folder} is no folder, and cannot be made one: {error.strerror}") from None
+        for unfinished in path.glob(".run-*.h5.*"):  # of workers that were killed
+            unfinished.unlink(missing_ok=True)
         there = {int(file.stem.removeprefix("run-")) for file in path.glob("run-[0-9]*.h5")}
         done = set(table.ended_well())
         if there and not done:

@@ -175,6 +175,7 @@ def test_workers_leave_histories(model, tmp_path):
 
     check()
     (folder / "run-000003.h5").unlink()
+    (folder / ".run-000003.h5.1").write_text("of a worker that was killed")
     counts = []
     mimbre.sweep(model, GRID, histories=folder, store=store, progress=lambda *n: counts.append(n))
     assert counts == [(6, 6)]
