@@ -18,6 +18,7 @@ from . import _checks, _core
 from .errors import InputError, SweepInterrupted
 from .history_folder import HistoryFolder
 from .model import Model
+from .simulation import checked_method
 from .study import LOST, NOT_RUN, Floats, Row, Study, Value, reductions, run_rows, words
 
 if TYPE_CHECKING:
@@ -385,6 +386,7 @@ def _study(
     """Checks what would be wrong for every run."""
     simulation = model.simulation(**method)
     until = _checks.given("until", until)
+    _core.check_run(model._compiled, checked_method(method), until)
     inputs = dict(inputs or {})
     for name in inputs:
         _checks.known("input or tunable parameter", name, model.inputs)

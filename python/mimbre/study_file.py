@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from . import _checks, _core
 from .ensemble import _known_parameters, samples
 from .errors import Diagnostic, InputError
 from .model import Model
+from .simulation import Method, checked_method
 from .study import Value, reductions
 
 VERSION = 1
@@ -238,6 +239,10 @@ class _Reader:
                 node = given["step"] if key == "step" else given["method"]
                 with self.mistakes_at(node):
                     model.simulation(**{key: arguments[key]})
+        self.throw()
+        with self.mistakes_at(given.get("step", given.get("until", top))):
+            method = {key: arguments[key] for key in ("step", *_methods) if arguments.get(key) is not None}
+            _core.check_run(model._compiled, checked_method(cast(Method, method)), arguments["until"])
         self.throw()
         return StudyFile(model, parameters, {key: value for key, value in arguments.items() if value is not None})
 

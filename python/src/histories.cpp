@@ -72,6 +72,12 @@ Histories histories(const LoadedModel& loaded, const MethodChoice& method, std::
   return std::move(*found);
 }
 
+/// Throws what is wrong with all runs that are asked for so.
+void check_run(const LoadedModel& loaded, const MethodChoice& method, std::optional<double> until) {
+  Inputs none({}, {});
+  Asked(loaded, method, until, none);
+}
+
 }  // namespace
 
 void bind_histories(nb::module_& module) {
@@ -97,6 +103,7 @@ void bind_histories(nb::module_& module) {
             return View2(h.values.data(), {h.values.size() / h.time.size(), h.time.size()}, self);
           },
           nb::rv_policy::automatic, "Channels × instants.");
+  module.def("check_run", &check_run, nb::arg("model"), nb::arg("method"), nb::arg("until").none());
   module.def("histories", &histories, nb::arg("model"), nb::arg("method"), nb::arg("until").none(),
              nb::arg("tables"), nb::arg("functions"), nb::arg("channels"), nb::arg("stop"));
 }

@@ -202,6 +202,8 @@ def test_mistakes_are_told_before_anything_runs(model):
         ({"parameters": GRID, "reduce": "maximum"}, "there is no reduction"),
         ({"parameters": GRID, "inputs": {"k": 1}}, "one of the parameters"),
         ({"parameters": GRID, "executor": 5}, "a Dask Client or an executor"),
+        ({"parameters": GRID, "step": 1.0}, "longer than the run"),
+        ({"parameters": GRID, "until": -1}, "a number of seconds from 0"),
         ({"parameters": GRID, "workers": 0}, "a number of threads from 1"),
         ({"parameters": GRID, "workers": 2, "executor": 5}, "give one of both"),
         ({"parameters": GRID, "histories": __file__}, "is no folder"),

@@ -154,6 +154,7 @@ MISTAKES = {
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nreduce: [max, history]": "stands alone",
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nuntil: soon": "a number of seconds is needed, this is 'soon'",
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nuntil: -1": "-1 s is no such time; it must be 0 or more",
+    "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nstep: 3": ":4:7: error: the step of 3 s is longer than the run",
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nstep: 0": "0 s is no such time; it must be above 0",
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nmethod: {rho: 2}": ":4:9: error: rho",
     "study: 1\nmodel: model.yaml\ngrid: {k: 1}\nmethod: {integrator: euler}": ":4:9: error: ",
