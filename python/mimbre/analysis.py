@@ -114,8 +114,18 @@ def verify(
     progress: Callable[[float], object] | None = None,
     **method: Unpack[Method],
 ) -> Verification:
-    """Runs the model in both formulations and compares them, as `mimbre verify`; `refine`: at shorter steps too.
-    `progress` is called with the time, s, that the run at hand has reached; there are two to six runs."""
+    """Runs the model in both formulations and compares them, as `mimbre verify`.
+
+    Args:
+        model: a Model.
+        until: end of the runs, s; default: the model's.
+        refine: at shorter steps too.
+        progress: is called with the time, s, that the run at hand has reached; there are two to six runs.
+        **method: see `Method`.
+
+    Returns:
+        Whether they agree, and how far each channel lies apart.
+    """
     if "formulation" in method:
         raise InputError("verify: is of both formulations; leave 'formulation' out")
     end, refined = _checks.given("until", until), _checks.flag("refine", refine)
@@ -148,8 +158,20 @@ class Difference:
 
 
 def report(runs: Mapping[str, Run | str | os.PathLike[str]], path: str | os.PathLike[str]) -> None:
-    """Writes a page that draws runs, or results files, over each other, as `mimbre report A.h5 B.h5`; the first is what
-    the others are compared to, the names are their labels."""
+    """Writes a page that draws runs over each other, as `mimbre report A.h5 B.h5`.
+
+    Args:
+        runs: at least two, or results files, by their labels; the first is what the others are compared to.
+        path: of the page, .html.
+
+    Raises:
+        InputError: fewer than two runs, or none of their channels in common.
+
+    Example:
+        ```python
+        mimbre.report({"10 ms": model.run(step=0.01), "1 ms": model.run(step=0.001)}, "steps.html")
+        ```
+    """
     if not isinstance(runs, Mapping):
         raise InputError(
             f"runs: names with runs are needed, {{'before': a, 'after': b}}, not {_checks.described(runs)}"
