@@ -244,12 +244,20 @@ class Model:
             raise error
         return run
 
-    def verify(self, *, until: float | None = None, refine: bool = True, **method: Unpack[Method]) -> Verification:
+    def verify(
+        self,
+        *,
+        until: float | None = None,
+        refine: bool = True,
+        progress: Callable[[float], object] | None = None,
+        **method: Unpack[Method],
+    ) -> Verification:
         """Runs the model in both formulations, relative and natural coordinates, and compares them, as `mimbre verify`.
 
         Args:
             until: the end, s; default: the model's.
             refine: at half the step too, so that what is an error of the step can be told from a mistake.
+            progress: is called with the time, s, that the run at hand has reached; there are two to six runs.
             **method: step and method but `formulation`, see `Method`.
 
         Returns:
@@ -258,7 +266,7 @@ class Model:
         Raises:
             InputError: an option that does not exist or does not fit.
         """
-        return analysis.verify(self, until=until, refine=refine, **method)
+        return analysis.verify(self, until=until, refine=refine, progress=progress, **method)
 
     # Elsewhere
 
