@@ -69,6 +69,8 @@ class Task:
     def drawn(self, random: np.random.Generator, given: Mapping[str, object]) -> dict[str, Value]:
         """The values of an episode, `given` ones in place of those that are drawn. All are drawn, so that what is given
         does not change the others."""
+        if not isinstance(given, Mapping):
+            raise InputError(f"options: names with values are needed, not {_checks.described(given)}")
         values = {name: _one(name, draw, random) for name, draw in self.draws.items()}
         for name, value in given.items():
             if name in self.actions:
@@ -105,8 +107,19 @@ class Episode:
 
     def _of(self, model: Model) -> None:
         self.simulation = model.simulation(**self.task.method)
+        self._connect()
+
+    def _connect(self) -> None:
         self.inputs = self.simulation.input_array(list(self.task.actions))
         self._channels = self.simulation.channel_array(self._seen)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name not in ("inputs", "_channels")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy has memory of its own, which its own simulation looks at."""
+        vars(self).update(state)
+        self._connect()
 
     def begin(self, values: Mapping[str, Value]) -> tuple[Floats, dict[str, Any]]:
         """Starts anew with these parameters and inputs; what is seen then."""
@@ -224,10 +237,11 @@ def _bounded(what: str, given: Any) -> dict[str, Bounds | None]:
     if isinstance(given, Mapping):
         result: dict[str, Bounds | None] = {}
         for name, bounds in given.items():
-            low_high = np.asarray(bounds, dtype=np.float64)
-            if low_high.shape != (2,) or not low_high[0] < low_high[1]:
+            pair = bounds if isinstance(bounds, Sequence | np.ndarray) and len(bounds) == 2 else ("", "")
+            low, high = (float(end) if isinstance(end, float | int | np.number) else math.nan for end in pair)
+            if not low < high:
                 raise InputError(f"{what}: {name!r}: (low, high) is needed, not {_checks.described(bounds)}")
-            result[_checks.text(what, name)] = (float(low_high[0]), float(low_high[1]))
+            result[_checks.text(what, name)] = (low, high)
     elif isinstance(given, str) or not isinstance(given, Sequence):
         raise InputError(f"{what}: a list of names is needed, not {_checks.described(given)}")
     else:

@@ -111,7 +111,7 @@ class Env(gymnasium.Env[Floats, Floats]):
         modes = ["rgb_array"]
         if render_mode is not None:
             _checks.known("render mode", render_mode, modes)
-        if len(view) != 2 or len(set(view) & set("xyz")) != 2:
+        if not isinstance(view, str) or len(view) != 2 or len(set(view) & set("xyz")) != 2:
             raise InputError(f"view: two of the axes x, y, z are needed, as 'xz', not {_checks.described(view)}")
         self.metadata = {"render_modes": modes, "render_fps": max(round(1 / (task.step * task.skip)), 1)}
         self.render_mode = render_mode
@@ -170,13 +170,16 @@ class VectorEnv(gymnasium.vector.VectorEnv[Floats, Floats, npt.NDArray[Any]]):
         self._over: Bools | None = None  # which episodes have ended; None: none was begun
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | np.integer[Any] | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Floats, dict[str, Any]]:
         """Begins episodes, with a seed for each, or one and those that follow it. `options`: as for one; with
         "reset_mask" those that it says."""
-        seeds = [seed + k for k in range(self.num_envs)] if isinstance(seed, int) else seed
+        alone = isinstance(seed, int | np.integer)
+        seeds: Any = [int(seed) + k for k in range(self.num_envs)] if alone else seed  # type: ignore[arg-type]
         if seeds is not None and len(seeds) != self.num_envs:
             raise InputError(f"seed: {self.num_envs} are needed, one for each environment, not {len(seeds)}")
+        if options is not None and not isinstance(options, Mapping):
+            raise InputError(f"options: names with values are needed, not {_checks.described(options)}")
         values = dict(options or {})
         mask = np.asarray(values.pop("reset_mask", np.ones(self.num_envs, dtype=np.bool_)))
         if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or (self._over is None and not mask.all()):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import warnings
 
 import gymnasium
@@ -106,6 +108,17 @@ def test_seeds_repeat(cart):
     assert np.array_equal(episode(other, 1, actions), first)
 
 
+def test_a_copy_goes_on_by_itself(cart):
+    env = mimbre.gym.make(cart, **said())
+    env.reset(seed=1)
+    env.step([3.0])
+    others = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    wanted = env.step([-5.0])
+    for other in others:
+        assert all(same(a, b) for a, b in zip(wanted, other.step([-5.0]), strict=True))
+        assert same(other.reset(seed=2)[0], env.reset(seed=2)[0])
+
+
 def test_an_episode_is_the_simulation(cart):
     """The steps and the reward are those that can be had without Gymnasium; a function gives what a channel does."""
     env = mimbre.gym.make(
@@ -177,6 +190,7 @@ def test_functions_that_raise_are_heard(cart):
         ({"actions": "force"}, "a list of names"),
         ({"actions": ["force", "force"]}, "a name stands there twice"),
         ({"actions": {"force": (1, 1)}}, r"\(low, high\) is needed"),
+        ({"actions": {"force": ("a", 1)}}, r"\(low, high\) is needed"),
         ({"actions": []}, "at least one"),
         ({"observations": ["angel"]}, "did you mean 'angle'"),
         ({"reward": "signal.rewards"}, "did you mean 'signal.reward'"),
@@ -192,6 +206,7 @@ def test_functions_that_raise_are_heard(cart):
         ({"randomise": [1]}, "names with ranges"),
         ({"step": -1}, "step: is -1"),
         ({"view": "xx"}, "two of the axes"),
+        ({"view": 3}, "two of the axes"),
         ({"render_mode": "human"}, "there is no render mode 'human'"),
     ],
 )
@@ -205,9 +220,12 @@ def test_misuse_is_told(cart):
     for one in (env, envs):
         with pytest.raises(gymnasium.error.ResetNeeded):
             one.step(one.action_space.sample())
-    for one, options in ((env, {"kk": 1}), (envs, {"force": 1}), (envs, {"k": -1}), (envs, {"reset_mask": [1, 2]})):
-        with pytest.raises(mimbre.InputError):
-            one.reset(options=options)
+    for options in ([1], {"kk": 1}, {"force": 1}, {"k": -1}):
+        for one in (env, envs):
+            with pytest.raises(mimbre.InputError):
+                one.reset(options=options)
+    with pytest.raises(mimbre.InputError, match="2 truth values are needed"):
+        envs.reset(options={"reset_mask": [1, 2]})
     env.reset()
     envs.reset()
     for action in ([1.0, 2.0], [[1.0]], [np.nan], ["x"], None):
