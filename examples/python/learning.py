@@ -78,10 +78,10 @@ print(f"begins at {info['parameters']['start']:.3f} rad, and sees", dict(zip(SEE
 # %% [markdown]
 # ## Learning
 #
-# A policy is five gains: force = gains · observation. Of 32 policies, each in an environment of its own, the six that
-# earn most say where the next 32 are looked for. All have the same angle to begin with, so that they can be compared.
+# A policy is five gains: force = gains · observation. Of 48 policies, each in an environment of its own, the eight that
+# earn most say where the next 48 are looked for. All have the same angle to begin with, so that they can be compared.
 # %%
-COUNT, BEST, GENERATIONS = 32, 6, 10
+COUNT, BEST, GENERATIONS = 48, 8, 14
 envs = mimbre.gym.make_vec(model, COUNT, **TASK)
 
 
