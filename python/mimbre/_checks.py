@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -36,7 +36,7 @@ def array(name: str, value: Any, dimensions: int = 1) -> npt.NDArray[np.float64]
     """Finite numbers in so many dimensions."""
     try:
         result = np.asarray(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: an array of numbers is needed, not {described(value)}") from None
     if result.ndim != dimensions:
         raise InputError(f"{name}: an array of {dimensions} dimensions is needed, not of shape {result.shape}")
@@ -69,6 +69,29 @@ def path(name: str, value: object) -> str:
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"{name}: a file's name is needed, not {described(value)}")
     return text(name, os.fspath(value))
+
+
+def mapping(name: str, value: object, wanted: str) -> dict[str, Any]:
+    """By names; `wanted`: what would be right."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name}: {wanted} is needed, not {described(value)}")
+    return {text(name, key): one for key, one in value.items()}
+
+
+def names(name: str, value: object) -> list[str]:
+    """A list of names, or one."""
+    if isinstance(value, str):
+        return [text(name, value)]
+    if not isinstance(value, Iterable) or getattr(value, "ndim", 1) == 0:
+        raise InputError(f"{name}: a list of names is needed, not {described(value)}")
+    return [text(name, one) for one in value]
+
+
+def pair(name: str, value: object, wanted: str) -> tuple[Any, Any]:
+    """Two things; `wanted`: what would be right."""
+    if not isinstance(value, tuple | list | np.ndarray) or getattr(value, "ndim", 1) == 0 or len(value) != 2:
+        raise InputError(f"{name}: {wanted} is needed, not {described(value)}")
+    return value[0], value[1]
 
 
 Called = TypeVar("Called", bound="Callable[..., object] | None")

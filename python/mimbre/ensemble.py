@@ -8,7 +8,7 @@ import itertools
 import json
 import os
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,13 +57,19 @@ def samples(
         points = mimbre.samples(scipy.stats.qmc.Sobol(2), 256, {"stairs": (0.05, 0.2), "speed": (3, 8)})
         ```
     """
-    lows = [_checks.number(f"ranges: {name}", low) for name, (low, _) in ranges.items()]
-    highs = [_checks.number(f"ranges: {name}", high) for name, (_, high) in ranges.items()]
-    points = np.asarray(sampler.random(count))
-    if points.shape != (count, len(ranges)):
-        raise InputError(f"samples: the sampler has {points.shape[1]} dimensions, and there are {len(ranges)} ranges")
+    given = _checks.mapping("ranges", ranges, "names with (least, largest)")
+    bounds = {name: _checks.pair(f"ranges: {name}", low_high, "(least, largest)") for name, low_high in given.items()}
+    lows, highs = ([_checks.number(f"ranges: {name}", both[side]) for name, both in bounds.items()] for side in (0, 1))
+    if not hasattr(sampler, "random"):
+        raise InputError(f"sampler: one of scipy.stats.qmc is needed, not {_checks.described(sampler)}")
+    number = _checks.number("count", count)
+    if number != int(number) or number < 0:
+        raise InputError(f"count: is {number:g}; a whole number from 0 is needed")
+    points = np.asarray(sampler.random(int(number)))
+    if points.shape != (number, len(bounds)):
+        raise InputError(f"samples: the sampler has {points.shape[-1]} dimensions, and there are {len(bounds)} ranges")
     return [
-        dict(zip(ranges, map(float, low_to_high), strict=True))
+        dict(zip(bounds, map(float, low_to_high), strict=True))
         for low_to_high in lows + points * np.subtract(highs, lows)
     ]
 
@@ -335,8 +341,11 @@ def _rows(parameters: Any) -> tuple[list[str], dict[str, list[Value]] | None, li
         grid = {_name_of(name): _values(name, values) for name, values in parameters.items()}
         return list(grid), grid, [dict(zip(grid, row, strict=True)) for row in itertools.product(*grid.values())]
     if isinstance(parameters, tuple) and len(parameters) == 2:
-        names = [_name_of(name) for name in parameters[0]]
-        points = np.asarray(parameters[1])
+        names = _checks.names("parameters", parameters[0])
+        try:
+            points = np.asarray(parameters[1])
+        except ValueError:  # rows of different lengths
+            points = np.empty(0)
         if points.ndim != 2 or points.shape[1] != len(names):
             raise InputError(
                 f"parameters: an array of runs × {len(names)} is needed for {', '.join(names)}, not one of shape "
@@ -387,16 +396,14 @@ def _study(
     simulation = model.simulation(**method)
     until = _checks.given("until", until)
     _core.check_run(model._compiled, checked_method(method), until)
-    inputs = dict(inputs or {})
+    inputs = {} if inputs is None else _checks.mapping("inputs", inputs, "names with values")
     for name in inputs:
         _checks.known("input or tunable parameter", name, model.inputs)
         if name in names:
             raise InputError(f"inputs: {name!r} is one of the parameters; it can have one value only")
     handles = {name: simulation.input(name) for name in names if name in model.inputs}
     live = {name: (handle.min, handle.max) for name, handle in handles.items()}
-    if isinstance(outputs, str):
-        outputs = [outputs]
-    chosen = list(model.outputs if outputs is None else outputs)
+    chosen = model.outputs if outputs is None else _checks.names("outputs", outputs)
     for name in chosen:
         _checks.known("channel", name, simulation.channel_names())
     if not chosen:
@@ -426,6 +433,8 @@ def _known_parameters(model: Model, parameters: dict[str, Value]) -> None:
 def _reductions(reduce: Any) -> list[Reduction] | None:
     if isinstance(reduce, str) and reduce == "history":
         return None
+    if not isinstance(reduce, Iterable) and not callable(reduce):
+        raise InputError(f"reduce: a name or a function of a history is needed, not {_checks.described(reduce)}")
     chosen = [reduce] if isinstance(reduce, str) or callable(reduce) else list(reduce)
     for one in chosen:
         if isinstance(one, str):

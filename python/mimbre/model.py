@@ -57,7 +57,7 @@ class Model:
         functions: Sequence[laws.Placed] = (),
     ) -> Model:
         """The model that a text says; `name` stands for the file in messages, `functions` for laws."""
-        compiled = _core.parse(text, name, str(folder), parameters, laws.placed(functions))
+        compiled = _core.parse(_checks.text("model", text), name, str(folder), parameters, laws.placed(functions))
         return cls._of(compiled, text, folder, own, functions)
 
     @classmethod

@@ -284,15 +284,21 @@ def reduce(
     options.krylov_frequency = _at_least_0("krylov_frequency", krylov_frequency)
     options.effective_mass = _at_least_0("effective_mass", effective_mass)
     options.damping = _at_least_0("damping", damping)
-    options.geometric_stiffness = bool(geometric_stiffness)
+    options.geometric_stiffness = _checks.flag("geometric_stiffness", geometric_stiffness)
     options.interfaces = [_interface(_checks.text("interfaces", key), value) for key, value in interfaces.items()]
     options.loads = [
-        (_checks.text("loads", key), _selection(f"load {key!r}", where), _vector(f"load {key!r}", force))
-        for key, (where, force) in (loads or {}).items()
+        (key, _selection(f"load {key!r}", where), _vector(f"load {key!r}", force))
+        for key, (where, force) in (
+            (key, _checks.pair(f"load {key!r}", load, "(nodes, force)"))
+            for key, load in _checks.mapping(
+                "loads", {} if loads is None else loads, "names with (nodes, force)"
+            ).items()
+        )
     ]
     if user_modes is not None:
-        options.user_dofs = _dofs("user_modes", user_modes[0])
-        options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", user_modes[1], 2))
+        which, shapes = _checks.pair("user_modes", user_modes, "(dofs, shapes)")
+        options.user_dofs = _dofs("user_modes", which)
+        options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", shapes, 2))
     options.report = _checks.callback(progress)
     if stress is None and stress_nodes is not None:
         raise InputError("stress_nodes: says which nodes the rows of `stress` belong to, which is not given")
@@ -417,10 +423,18 @@ def _interface(name: str, given: object) -> tuple[Any, ...]:
     )
 
 
+def _table(given: object) -> npt.NDArray[Any]:
+    """Empty where rows are of different lengths."""
+    try:
+        return np.asarray(given)
+    except ValueError:
+        return np.empty(0)
+
+
 def _selection(what: str, nodes: object) -> str | list[int]:
     if isinstance(nodes, str):
         return _checks.text(what, nodes)
-    labels = np.asarray(nodes)
+    labels = _table(nodes)
     if labels.ndim != 1 or not len(labels) or not np.issubdtype(labels.dtype, np.integer):
         raise InputError(
             f"{what}: a selection such as 'set:NAME', or a list of nodes' numbers is needed, "
@@ -430,7 +444,7 @@ def _selection(what: str, nodes: object) -> str | list[int]:
 
 
 def _dofs(what: str, given: object) -> list[tuple[int, int]]:
-    dofs = np.asarray(given)
+    dofs = _table(given)
     if dofs.ndim != 2 or dofs.shape[1] != 2 or not np.issubdtype(dofs.dtype, np.integer):
         raise InputError(
             f"{what}: rows of two whole numbers are needed, node and direction, not {_checks.described(given)}"

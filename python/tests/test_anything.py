@@ -18,6 +18,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import mimbre
+import mimbre.gym
 import numpy as np
 import pytest
 import scipy.sparse
@@ -189,6 +190,12 @@ def calls(pendulum: mimbre.Model, folder: Path, data: st.DataObject) -> Calls:
         "sweep": lambda: mimbre.sweep(pendulum, drawn(), outputs=["angle"], until=0.02),
         "sweep as": lambda: mimbre.sweep(pendulum, {"k": [1, 2]}, outputs=drawn(), reduce=drawn(), until=0.02),
         "sweep with": lambda: mimbre.sweep(pendulum, {"k": drawn()}, inputs=drawn(), until=0.02),
+        "gym": lambda: mimbre.gym.make(
+            pendulum, actions=drawn(), observations=drawn(), reward=drawn(), time_limit=drawn(), skip=within(drawn(), 9)
+        ),
+        "gym as": lambda: mimbre.gym.make_vec(
+            pendulum, within(drawn(), 3), actions=["torque"], observations=["angle"], reward=drawn(), randomise=drawn()
+        ).reset(seed=drawn()),
         "samples": lambda: mimbre.samples(drawn(), within(drawn(), 100), drawn()),
         "simulation": lambda: mimbre.Simulation(drawn(), step=drawn()),
         "unmade": lambda: mimbre.Simulation.__new__(mimbre.Simulation).step(),
