@@ -4,9 +4,9 @@
 
 namespace mimbre::fe {
 
-/// Sparse Cholesky factorisation of a symmetric finite-element matrix, of which the lower triangle is read.
-/// CHOLMOD itself chooses between its simplicial and supernodal methods; frames of beams are so sparse that
-/// it takes the simplicial one. For large models see LargeFactor.
+/// Sparse factorisation L D Lᵀ of a symmetric finite-element matrix, of which the lower triangle is read:
+/// entry by entry, for frames of beams, which are so sparse that dense blocks gain nothing. For large models
+/// see LargeFactor.
 class SymmetricSolver {
  public:
   explicit SymmetricSolver(const Eigen::SparseMatrix<double>& matrix);

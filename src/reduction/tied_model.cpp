@@ -1,6 +1,4 @@
 #include "reduction/tied_model.h"
-#include "base/helper_threads.h"
-#include "math/decompositions.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#ifdef MIMBRE_WITH_CHOLMOD
-#include <Eigen/CholmodSupport>
-#else
-#include <Eigen/SparseCholesky>
-#endif
+#include "math/decompositions.h"
 
 namespace mimbre::fe {
 
@@ -24,65 +18,6 @@ using Eigen::SparseMatrix;
 using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Row6 = Eigen::Matrix<double, 1, 6>;
-
-namespace {
-
-#ifdef MIMBRE_WITH_CHOLMOD
-using Definite = Eigen::CholmodSupernodalLLT<SparseMatrix<double>, Eigen::Lower>;
-using Indefinite = Eigen::CholmodSimplicialLDLT<SparseMatrix<double>, Eigen::Lower>;
-#else
-using Definite = Eigen::SimplicialLLT<SparseMatrix<double>, Eigen::Lower>;
-using Indefinite = Eigen::SimplicialLDLT<SparseMatrix<double>, Eigen::Lower>;
-#endif
-
-template <typename Solver>
-bool factorise(Solver& solver, const SparseMatrix<double>& lower) {
-#ifdef MIMBRE_WITH_CHOLMOD
-  // Nested dissection halves the factor of solids; the default would first try minimum degree.
-  if (lower.rows() > 20000) {
-    solver.cholmod().nmethods = 1;
-    solver.cholmod().method[0].ordering = CHOLMOD_METIS;
-    solver.cholmod().postorder = 1;
-  }
-  solver.cholmod().print = 0;
-#endif
-  solver.analyzePattern(lower);
-  solver.factorize(lower);
-  return solver.info() == Eigen::Success;
-}
-
-}  // namespace
-
-struct LargeFactor::Implementation {
-  mutable Definite definite;
-  mutable std::unique_ptr<Indefinite> indefinite;
-  double entries = 0;
-};
-
-LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what, Definiteness matrix)
-    : implementation_(std::make_unique<Implementation>()) {
-  const HelperThreads threads;
-  Implementation& own = *implementation_;
-  if (factorise(own.definite, lower)) {
-#ifdef MIMBRE_WITH_CHOLMOD
-    own.entries = own.definite.cholmod().lnz;
-#endif
-    return;
-  }
-  if (matrix == Definiteness::definite) throw std::invalid_argument(what);
-  own.indefinite = std::make_unique<Indefinite>();
-  if (!factorise(*own.indefinite, lower)) throw std::invalid_argument(what);
-#ifdef MIMBRE_WITH_CHOLMOD
-  own.entries = own.indefinite->cholmod().lnz;
-#endif
-}
-LargeFactor::~LargeFactor() = default;
-MatrixXd LargeFactor::solve(const MatrixXd& b) const {
-  const HelperThreads threads;
-  const Implementation& own = *implementation_;
-  return own.indefinite ? MatrixXd(own.indefinite->solve(b)) : MatrixXd(own.definite.solve(b));
-}
-double LargeFactor::entries() const { return implementation_->entries; }
 
 MatrixXd symmetric_times(const SparseMatrix<double>& lower, const MatrixXd& x) {
   return lower.selfadjointView<Eigen::Lower>() * x;

@@ -6,29 +6,9 @@
 
 #include "fe/block_lanczos.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/large_factor.h"
 
 namespace mimbre::fe {
-
-enum class Definiteness {
-  definite,  ///< positive; else it is an error
-  any        ///< where it is not positive definite, factors L D Lᵀ without pivots: slower, less accurate
-};
-
-/// Sparse factorisation of a large symmetric matrix (lower triangle), Cholesky's where it is positive
-/// definite.
-class LargeFactor {
- public:
-  /// Throws std::invalid_argument with `what` when there are no factors.
-  LargeFactor(const Eigen::SparseMatrix<double>& lower, const std::string& what,
-              Definiteness matrix = Definiteness::definite);
-  ~LargeFactor();
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
-  double entries() const;  ///< of the factor
-
- private:
-  struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
-};
 
 /// A model whose interfaces move as their six coordinates z say: displacements u = Tx x + Tz z, x the dofs
 /// that are left. Nodes of rigid interfaces follow z; of each mean interface six dofs ("pins") are eliminated
@@ -51,7 +31,6 @@ class TiedModel {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& f) const;
   /// Interfaces held: Txᵀ K Tx, Txᵀ M Tx.
   Pencil held() const;
-  double factor_entries() const { return factor_->entries(); }
 
  private:
   struct Tied {
