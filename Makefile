@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages configure build python docs demo test bench lint format clean
+.PHONY: help packages configure build python docs wheel sdist demo test bench lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
@@ -30,6 +30,12 @@ python: configure ## Install the Python package into build/python-env
 docs: python ## Make the documentation's site, build/docs/index.html
 	@scripts/docs
 	@echo "Made build/docs/index.html."
+
+wheel: packages ## Make a wheel that is complete in itself in dist/, and use it in a bare system (as root)
+	@JOBS=$(JOBS) scripts/wheel
+
+sdist: packages ## Make a source distribution in dist/, and install it somewhere else
+	@JOBS=$(JOBS) scripts/test-sdist
 
 demo: configure ## Run a vehicle over stairs and make report.html, with plots and an animation
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
