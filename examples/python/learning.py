@@ -11,6 +11,9 @@ import matplotlib.pyplot as plt
 import mimbre
 import mimbre.gym
 import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
 
 # %% [markdown]
 # ## The model
@@ -85,7 +88,7 @@ COUNT, BEST, GENERATIONS = 48, 8, 14
 envs = mimbre.gym.make_vec(model, COUNT, **TASK)
 
 
-def earned(gains: np.ndarray, seed: int) -> np.ndarray:
+def earned(gains: Floats, seed: int) -> Floats:
     """By each policy in one episode."""
     seen, _ = envs.reset(seed=[seed] * COUNT)
     total, going = np.zeros(COUNT), np.ones(COUNT, dtype=bool)

@@ -22,6 +22,7 @@ def passes(*command: str) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="the last NumPy and SciPy for Python 3.10 have other types")
 def test_types_are_right():
     """In the strict sense of mypy, with the stubs as they are installed."""
     passes("-m", "mypy", "-p", "mimbre")
