@@ -167,7 +167,8 @@ def test_long_work_tells_how_far_it_is_and_can_be_stopped(examples, tmp_path):
 @pytest.mark.parametrize("work", ["model.verify(until=1000)", "mimbre.select(model, 'front_left.arm', until=1000)"])
 def test_ctrl_c_ends_long_work(examples, work):
     program = (
-        "import mimbre, threading, _thread, time\n"
+        "import mimbre, signal, threading, _thread\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"model = mimbre.Model.from_file({str(examples / 'iltis/suspension.yaml')!r})\n"
         "threading.Timer(0.5, _thread.interrupt_main).start()\n"
         f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
