@@ -232,12 +232,13 @@ class Model:
             _checks.callback(progress),
         )
         run = Run(finished.results, finished.measured_json)
-        if isinstance(finished.raised, KeyboardInterrupt):
+        raised = finished.take_raised()
+        if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(finished.message, run) from None
-        if isinstance(finished.raised, BaseException):
+        if isinstance(raised, BaseException):
             with contextlib.suppress(AttributeError):  # of an exception that has a `run` of its own
-                finished.raised.run = run  # type: ignore[attr-defined]
-            raise finished.raised
+                raised.run = run  # type: ignore[attr-defined]
+            raise raised
         if finished.status != "ok":
             error = SimulationError(finished.message)
             error.run = run

@@ -9,6 +9,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/common.h"
 #include "bindings.h"
@@ -116,7 +117,10 @@ void bind_run(nb::module_& module) {
       .def_ro("status", &Finished::status)
       .def_ro("message", &Finished::message)
       .def_ro("measured_json", &Finished::measured_json)
-      .def_prop_ro("raised", [](const Finished& f) { return f.raised; });
+      .def(
+          "take_raised", [](Finished& f) { return std::exchange(f.raised, nb::none()); },
+          "What Python raised, or None. Given away: with its traceback, it may lead back here, and such a "
+          "circle would stay for ever.");
   module.def("run", &run, nb::arg("model"), nb::arg("method"), nb::arg("until").none(), nb::arg("tables"),
              nb::arg("functions"), nb::arg("progress").none());
 }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import pickle
 import subprocess
 import time
+import weakref
 
 import mimbre
 import numpy as np
@@ -300,3 +302,23 @@ def test_laws_count_in_what_else_is_asked(compiled):
         assert "the valve is stuck" in str(error)  # noqa: PT017
     else:
         assert "the valve is stuck" in found.failures[0]
+
+
+def test_a_law_that_raises_leaves_nothing_behind():
+    class Mine:
+        pass
+
+    def raised() -> weakref.ref[Mine]:
+        mine = Mine()
+        m = mimbre.ModelBuilder()
+        m.add_body("bar", mass=1, com=[0.5, 0, 0], inertia=[0.01, 0.1, 0.1])
+        m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+        m.add_law("law", joint="hinge", torque=lambda t, x, v: mine.there_is_no_such_thing)
+        with pytest.raises(AttributeError) as error:
+            m.compile().run(until=0.1, step=0.01)
+        assert len(error.value.run.time) == 1
+        return weakref.ref(mine)
+
+    left = raised()
+    gc.collect()
+    assert left() is None
