@@ -35,6 +35,8 @@ _order = (
     "springs",
     "bushings",
     "gas_springs",
+    "frictions",
+    "stops",
     "loads",
     "roads",
     "tyres",
@@ -116,6 +118,16 @@ class Part:
         """Pushes two points apart by enclosed gas: between, at, pressure (Pa) at the length (m), area (m²) and
         gas_length (m) of the column."""
         self._add("gas_springs", name, keys)
+
+    def add_friction(self, name: str, /, **keys: Unpack[words.Friction]) -> None:
+        """Dry friction that sticks, on a joint's coordinate: its limit as `force` (N) on a length or `torque` (N m)
+        about an angle, a number or an expression; static_ratio and stribeck (speed) for a higher limit at rest."""
+        self._add("frictions", name, keys)
+
+    def add_stop(self, name: str, /, **keys: Unpack[words.Stop]) -> None:
+        """Stops at the ends of a joint's travel, or of the distance of two points: lower, upper (m or rad), stiffness
+        (N/m or N m/rad), restitution of a blow."""
+        self._add("stops", name, keys)
 
     def add_load(self, name: str, /, **keys: Unpack[words.Load]) -> None:
         """A force (3, N) or moment (3, N m) on a point, times `scale`, a function of time; global axes, or turning with

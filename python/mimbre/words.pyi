@@ -633,3 +633,46 @@ class GasSpring(TypedDict, total=False):
     damping: Number
     # Pa; default: 101325.
     ambient: Number
+
+class Friction(TypedDict, total=False):
+    # On whose coordinate it acts.
+    joint: Required[str]
+    # Which of several, from 0.
+    coordinate: Number
+    # The limit in fast sliding, on a length, N: a number or an expression of t, inputs, signals and
+    # outputs.
+    force: str | float
+    # Likewise about an angle, N m.
+    torque: str | float
+    # How far the surfaces give before they slide, m or rad; default: 1e-5.
+    sticking: Number
+    # The limit at rest over that in fast sliding; default: 1.
+    static_ratio: Number
+    # Speed over which the limit falls from the one to the other, m/s or rad/s; default: 0.01.
+    stribeck: Number
+    # Damping beside, N s/m or N m s/rad; default: 0.
+    viscous: Number
+    # Time in which a vibration of what sticks dies away, s; default: 0.001.
+    settling: Number
+
+class Stop(TypedDict, total=False):
+    # On whose coordinate it acts.
+    joint: str
+    # Which of several, from 0.
+    coordinate: Number
+    # Two bodies, frames or nodes.
+    between: Between
+    # Its ends, m, global.
+    at: Sequence[Vector | None] | Array
+    # Where it begins below, m or rad, of the coordinate or the distance; default: nowhere.
+    lower: Number
+    # Where it begins above, likewise.
+    upper: Number
+    # N/m or N m/rad at `depth`, or anywhere where the exponent is 1.
+    stiffness: Required[Number]
+    # Of the force over the depth, from 1; default: 1.
+    exponent: Number
+    # At which the stiffness is that, m or rad; default: 0.001.
+    depth: Number
+    # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
+    restitution: Number

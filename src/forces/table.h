@@ -3,9 +3,11 @@
 
 #include "forces/actuator.h"
 #include "forces/bushing.h"
+#include "forces/friction.h"
 #include "forces/gas_spring.h"
 #include "forces/load.h"
 #include "forces/spring.h"
+#include "forces/stop.h"
 #include "forces/tyre.h"
 #include "forces/user.h"
 #include "model/force_laws.h"
@@ -38,6 +40,8 @@ constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {bushing_law, bushing_energy},
     {user_law, user_energy},
     {gas_spring_law, gas_spring_energy},
+    {friction_law, friction_energy},
+    {stop_law, stop_energy},
 }};
 
 }  // namespace mimbre::forces

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "math/decompositions.h"
+#include "math/restitution.h"
 #include "mimbre/model.h"
 #include "mimbre/reduced_body.h"
 #include "model/check_spec.h"
@@ -343,6 +344,7 @@ class Compiler {
     e.spec = k;
     e.marked = true;
     e.numbers = add_numbers(s.numbers);
+    if (e.law == static_cast<int>(Law::stop)) add_numbers({restitution_damping(s.numbers.back())});
     for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
     if (!s.functions.empty()) e.functions = add_functions(s.functions);
     e.argument_count = static_cast<int>(s.arguments.size());
@@ -351,6 +353,7 @@ class Compiler {
     e.user = s.user != nullptr;
     e.sampled = s.user && s.user->sampled;
     e.elastic = s.user && s.user->elastic;
+    e.state_count += law_info(e.law).states;
     if (!s.branches.empty()) e.state_count += 6 * (1 + static_cast<int>(s.branches.size()));
     if (s.user) e.state_count += static_cast<int>(s.user->states.size()) + (s.user->sampled ? e.count : 0);
     if (e.law == static_cast<int>(Law::actuator) && !s.arguments.empty()) {

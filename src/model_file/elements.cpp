@@ -217,12 +217,57 @@ void read_bushing(Builder& builder, const Part& part, const Value& value, spec::
     value.error("says no force; for example stiffness: [1e6, 1e6, 1e6, 500, 500, 500]");
 }
 
-/// A unit of the table as a quantity; any where that is no unit.
-Quantity quantity_of(std::string_view unit) {
+/// A unit of the table as a quantity; any where that is no unit. `turns`: on an angle.
+Quantity quantity_of(std::string_view unit, bool turns) {
+  if (const std::size_t bar = unit.find('|'); bar != unit.npos)
+    unit = turns ? unit.substr(bar + 1) : unit.substr(0, bar);
   if (unit.empty()) return quantity::number;
   const std::string text = "1 " + std::string(unit);
   const auto read = read_unit(text, 2, [](const std::string&) { return false; });
   return {unit, read ? std::optional(read->dimension) : std::nullopt};
+}
+
+/// The numbers of a law, where they are given.
+std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns) {
+  std::vector<double> numbers;
+  for (const LawNumber& number : law.numbers) {
+    const std::string key(number.key);
+    const Quantity of = quantity_of(number.unit, turns);
+    double read = number.otherwise;
+    if (const auto given = fields.get(key)) {
+      if (const auto x = given->number(of)) {
+        read = *x;
+        if (!(read > number.least))
+          given->error(fmt::format("{} is not more than {:.3g}", read, number.least));
+        if (read > number.most) given->error(fmt::format("{} is more than {:.3g}", read, number.most));
+      }
+    } else if (std::isnan(read)) {
+      value.error(fmt::format("'{}' is missing: {}, {}", key, number.about,
+                              number.unit.empty() ? "a number" : of.unit));
+      read = 0;
+    }
+    numbers.push_back(read);
+  }
+  return numbers;
+}
+
+/// The force that a law takes, by a number or an expression of signals.
+void read_force(Builder& builder, const Part& part, const Fields& fields, const Value& value, bool turns,
+                spec::Element& e) {
+  const char *right = turns ? "torque" : "force", *wrong = turns ? "force" : "torque";
+  if (const auto other = fields.get(wrong))
+    other->error(fmt::format("is a {} here, {}: write '{}'", right,
+                             turns ? "about an angle" : "along a length", right));
+  const auto given = fields.get(right);
+  if (!given) {
+    if (!fields.has(wrong))
+      value.error(fmt::format("'{}' is missing: a number, or an expression of t, inputs, signals and outputs",
+                              right));
+    return;
+  }
+  const int signal = anonymous_signal(builder, part, *given, fmt::format("{}.{}", e.name, right),
+                                      turns ? quantity::moment : quantity::force);
+  if (signal >= 0) e.arguments = {{spec::Source::Kind::signal, signal}};
 }
 
 /// A law that its numbers describe: along the line between two frames, or on a joint's coordinate.
@@ -231,30 +276,21 @@ void read_plain(Builder& builder, const Part& part, const LawInfo& law, const Va
   std::vector<std::string> keys;
   if (law.along) keys.insert(keys.end(), {"between", "at"});
   if (law.coordinate) keys.insert(keys.end(), {"joint", "coordinate"});
+  if (law.arguments > 0) keys.insert(keys.end(), {"force", "torque"});
   for (const LawNumber& number : law.numbers) keys.emplace_back(number.key);
   const Fields fields(value, keys);
   if (!value.has_fields()) return;
-  for (const LawNumber& number : law.numbers) {
-    const std::string key(number.key);
-    const Quantity of = quantity_of(number.unit);
-    double read = number.otherwise;
-    if (const auto given = fields.get(key)) {
-      if (const auto x = given->number(of)) {
-        read = *x;
-        if (!(read > number.least)) given->error(fmt::format("{} is not more than {}", read, number.least));
-      }
-    } else if (std::isnan(read)) {
-      value.error(fmt::format("'{}' is missing: {}, {}", key, number.about,
-                              number.unit.empty() ? "a number" : number.unit));
-      read = 0;
-    }
-    e.numbers.push_back(read);
-  }
+  bool turns = false;
   if (law.coordinate && (fields.has("joint") || !law.along)) {
-    read_coordinate_of(builder, part, fields, e);
-    return;
+    if (!read_coordinate_of(builder, part, fields, e)) return;
+    turns = is_angle(builder.model.joints[static_cast<std::size_t>(e.joint)].type, e.coordinate);
+    if (fields.has("between"))
+      value.error("acts on a 'joint', or 'between' two bodies or frames; give one of them");
+  } else {
+    std::tie(e.frame_a, e.frame_b) = read_ends(builder, part, fields, e.name, false);
   }
-  std::tie(e.frame_a, e.frame_b) = read_ends(builder, part, fields, e.name, false);
+  e.numbers = read_numbers(law, fields, value, turns);
+  if (law.arguments > 0) read_force(builder, part, fields, value, turns, e);
 }
 
 }  // namespace

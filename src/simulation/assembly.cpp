@@ -4,10 +4,12 @@
 
 #include <cmath>
 
+#include "dynamics/relative/forces.h"
 #include "integrate/initial.h"
 #include "joints/table.h"
 #include "mimbre/diagnostics.h"
 #include "simulation/explain.h"
+#include "simulation/signal_state.h"
 
 namespace mimbre {
 namespace {
@@ -50,8 +52,11 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
 
 }  // namespace
 
-State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
+State assembled_state(const Compiled& m, relative::RelativeSystem& system,
+                      const std::map<std::string, double>& inputs) {
   State s;
+  start_signals(m, inputs, s);
+  system.enter(s.u.data(), s.z.data(), 0);
   s.q.setZero(m.positions);
   s.v.setZero(m.velocities);
   s.a.setZero(m.velocities);
@@ -86,6 +91,12 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system) {
     gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   }
   if (!(gap <= close_enough)) throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s");
+  // What elements remember counts from here on, in an equilibrium that is sought too.
+  system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  Eigen::VectorXd generalised(m.velocities);
+  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), generalised.data());
+  commit_signals(m, system, s);
+  system.enter(s.u.data(), s.z.data(), 0);
   return s;
 }
 
@@ -105,6 +116,7 @@ StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSys
   const double length = observer.model().length_scale;
   if (!natural) return find_equilibrium(observer, s, length);
   State n = natural_state(*natural, observer, s);
+  natural->enter(s.u.data(), s.z.data(), 0);
   const StaticsStatus status = find_equilibrium(*natural, n, length);
   natural->to_relative(n, s);
   observer.begin_step(s.q.data());

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <string>
 
@@ -11,9 +12,12 @@
 /// Where a mechanism starts, whatever the formulation: everything begins in relative coordinates.
 namespace mimbre {
 
-/// Loops closed, velocities consistent, what the user gave kept; accelerations and multipliers zero. Throws
-/// InputError when the loops do not close or the given initial values contradict each other.
-State assembled_state(const Compiled& model, relative::RelativeSystem& system);
+/// Loops closed, velocities consistent, what the user gave kept; accelerations and multipliers zero; signals
+/// and force elements as they begin, with these inputs, which `system` evaluates from now on, as long as the
+/// state is there. Throws InputError when the loops do not close or the given initial values contradict each
+/// other.
+State assembled_state(const Compiled& model, relative::RelativeSystem& system,
+                      const std::map<std::string, double>& inputs = {});
 
 /// The system of natural coordinates where the method asks for it, else nothing.
 std::unique_ptr<natural::NaturalSystem> make_natural(const Compiled& model, const Method& method);

@@ -8,7 +8,6 @@
 #include "simulation/explain.h"
 #include "simulation/free_flight.h"
 #include "simulation/redundancy.h"
-#include "simulation/signal_state.h"
 #include "simulation/start_branches.h"
 
 namespace mimbre {
@@ -21,10 +20,7 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   const auto warn = [&](const std::string& text) {
     if (warns && !text.empty()) found.warnings.push_back(text);
   };
-  start_signals(m, inputs, mechanism.state);
-  const Eigen::VectorXd u = mechanism.state.u, z = mechanism.state.z;
-  observer.enter(u.data(), z.data(), 0);
-  State assembled = assembled_state(m, observer);
+  State assembled = assembled_state(m, observer, inputs);
   if (warns) warn(drawn_open(observer, assembled));
   if (m.spec().simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
   mechanism.seen = assembled;
@@ -33,8 +29,8 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
     warn(explain_near_redundancy(found.redundancy));
   }
   mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
-  mechanism.state.u = u;
-  mechanism.state.z = z;
+  mechanism.state.u = assembled.u;
+  mechanism.state.z = assembled.z;
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))
     throw InputError({m.spec().file, 0, 0}, explain_undetermined_start(m));

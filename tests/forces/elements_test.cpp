@@ -10,6 +10,7 @@
 
 #include "forces/measure.h"
 #include "forces/table.h"
+#include "math/restitution.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
 
@@ -337,7 +338,7 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1, 1);
   for (int round = 0; round < 200; ++round) {
-    for (const Law law : {Law::spring, Law::tyre, Law::actuator, Law::bushing}) {
+    for (const Law law : {Law::spring, Law::tyre, Law::actuator, Law::bushing, Law::friction, Law::stop}) {
       ElementData e;
       e.law = static_cast<int>(law);
       e.measure = law == Law::bushing ? Measure::relative : Measure::distance;
@@ -361,6 +362,14 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
         }
         m.numbers.back() = 0.02;
         e.state_count = 12;
+      }
+      if (law == Law::friction) {
+        m.numbers = {0.3, 1.5, 0.4, 0.2, 1e-3};
+        e.state_count = 4;
+      }
+      if (law == Law::stop) {
+        m.numbers = {-0.2, 0.3, 50, 1.7, 0.1, 0.5, restitution_damping(0.5)};
+        e.state_count = 1;
       }
       const auto n = static_cast<std::size_t>(e.count);
       std::vector<double> storage(static_cast<std::size_t>(element_storage(e)), 0), states(12, 0);

@@ -1,0 +1,94 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "forces/element.h"
+
+/// Dry friction on a joint's coordinate, with sticking. Bristles, springs with dampers, hold the surfaces
+/// together until their force reaches the limit; then the surfaces slide and the bristles stay bent. That is
+/// the return to the limit of a perfectly plastic spring in row (Simo and Hughes, Computational Inelasticity,
+/// 1998, 1.4), so that under a load below the limit, however it varies, nothing creeps. The limit goes with
+/// the speed as Stribeck's: μ(v) = 1 + (static_ratio − 1) exp(−(v/stribeck)²), times what is given.
+namespace mimbre::forces {
+
+namespace friction {
+/// Among the law's numbers. `sticking`: how far the bristles bend before they slide, at static_ratio 1.
+constexpr int sticking = 0, static_ratio = 1, stribeck = 2, viscous = 3, settling = 4;
+/// States, behind the turns: bend of the bristles, its rate, the measure at the start of the step, and
+/// whether that is known.
+constexpr int bend = 0, rate = 1, place = 2, known = 3;
+
+/// Slower than this (m/s, rad/s), what starts is at rest.
+constexpr double still = 1e-9;
+
+template <class T>
+struct Bristles {
+  T bend, rate, force;
+  T stiffness, damping;  ///< ∂force/∂x, ∂force/∂v
+};
+
+template <class T>
+Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
+  using std::exp;
+  const T* p = c.numbers();
+  const T* before = c.states + c.element.own_states;
+  const T given = c.argument(0), level = select(given > T(0), given, T(0));
+  const T moves = select(v > T(still), T(1), select(v < T(-still), T(-1), T(0)));
+  const T speed = v / p[stribeck], peak = (p[static_ratio] - T(1)) * exp(-speed * speed);
+  const T limit = level * (T(1) + peak), slope = level * peak * (T(-2) * speed / p[stribeck]);
+  const T k = level / p[sticking], viscosity = k * p[settling];
+  // What slides as it starts has bent them.
+  const auto begun = before[known] > T(0.5);
+  const T full = p[sticking] * (T(1) + peak), slides = T(moves * full);
+  const T moved = select(begun, T(x - before[place]), T(0)), bent = select(begun, before[bend], slides);
+  Bristles<T> b;
+  // Their damper's part over the step; where there is none, the rate stays.
+  const bool steps = c.step > 0;
+  const T damped = steps ? T(viscosity / c.step) : T(0), kept = steps ? T(0) : T(viscosity * before[rate]);
+  const T whole = k + damped;
+  const T trial = k * bent + whole * moved + kept;
+  // At the limit, and going on: it slides, with the tangents of that.
+  const T reach = select(T(trial * v) > T(0), T(1 - 1e-12), T(1));
+  const auto sliding = trial * trial > reach * limit * limit;
+  const T side = select(trial > T(0), T(1), T(-1));
+  // Sliding: k z + damped (z − z before) + kept = ± limit.
+  const T held = select(whole > T(0), T((side * limit - kept + damped * bent) / (whole + T(1e-300))), T(0));
+  b.bend = select(sliding, held, T(bent + moved));
+  b.rate = steps ? T((b.bend - bent) / c.step) : before[rate];
+  b.force = select(sliding, T(side * limit), trial);
+  b.stiffness = select(sliding, T(0), whole);
+  b.damping = select(sliding, T(side * slope), T(0));
+  return b;
+}
+}  // namespace friction
+
+template <class T>
+void friction_law(const LawContext<T>& c, ElementState<T>& s) {
+  using namespace friction;
+  const Bristles<T> b = bristles(c, s.x[0], s.v[0]);
+  const T viscosity = c.numbers()[viscous];
+  s.force[0] = b.force + viscosity * s.v[0];
+  s.stiffness[0] = b.stiffness;
+  s.damping[0] = b.damping + viscosity;
+  T* next = s.states + c.element.own_states;
+  next[bend] = b.bend;
+  next[rate] = b.rate;
+  next[place] = s.x[0];
+  next[known] = T(1);
+}
+
+/// The bristles store what bends them; what the surfaces slide, and what the bristles' damper takes, is lost.
+inline void friction_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace friction;
+  const double* p = c.numbers();
+  const double* before = c.states + c.element.own_states;
+  const Bristles<double> b = bristles(c, s.x[0], s.v[0]);
+  const double k = std::max(0.0, c.argument(0)) / p[sticking];
+  e.stored = 0.5 * k * b.bend * b.bend;
+  e.dissipating[0] = p[viscous] * s.v[0];
+  if (c.step <= 0 || before[known] < 0.5) return;
+  const double bent = b.bend - before[bend], slid = s.x[0] - before[place] - bent;
+  e.lost = b.force * slid + k * p[settling] * bent * bent / c.step;
+}
+
+}  // namespace mimbre::forces

@@ -1,0 +1,73 @@
+#pragma once
+#include <cmath>
+
+#include "forces/element.h"
+
+/// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
+/// Within its depth d a stop pushes back with f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl.
+/// Mech. 42, 1975), and never pulls. With c = a/v₀, v₀ the speed of the blow, a body alone leaves with
+/// exactly the share `restitution` of v₀ (math/restitution.h).
+namespace mimbre::forces {
+
+namespace stop {
+/// Among the law's numbers.
+constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4, damping = 6;  ///< a
+/// Slower than this (m/s, rad/s) no blow counts: what rests is damped.
+constexpr double slowest = 1e-2;
+
+template <class T>
+struct Push {
+  T force, elastic, along_depth, along_speed;  ///< N; the part f(d); tangents by depth and by its speed
+};
+
+/// `d`: depth, `speed`: at which it grows, `factor`: c.
+template <class T>
+Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
+  using std::pow;
+  const T none(0);
+  const auto touches = d > none;
+  if (!any(touches)) return {none, none, none, none};
+  const T n = p[exponent], inside = select(touches, d, p[depth]),
+          slope = p[stiffness] * pow(T(inside / p[depth]), T(n - T(1))), elastic = slope * inside / n,
+          damped = T(1) + factor * speed;
+  const auto pushes = select(touches, damped, none) > none;
+  return {select(pushes, T(elastic * damped), none), select(touches, elastic, none),
+          select(pushes, T(slope * damped), none), select(pushes, T(elastic * factor), none)};
+}
+
+template <class T>
+T factor_of(const LawContext<T>& c) {
+  const T blow = c.states[c.element.own_states];
+  return c.numbers()[damping] / select(blow > T(slowest), blow, T(slowest));
+}
+}  // namespace stop
+
+template <class T>
+void stop_law(const LawContext<T>& c, ElementState<T>& s) {
+  using namespace stop;
+  const T* p = c.numbers();
+  const T x = s.x[0], v = s.v[0], below = p[lower] - x, above = x - p[upper], factor = factor_of(c);
+  const Push<T> up = push(p, below, T(-v), factor), down = push(p, above, v, factor);
+  s.force[0] = down.force - up.force;
+  s.stiffness[0] = down.along_depth + up.along_depth;
+  s.damping[0] = down.along_speed + up.along_speed;
+  // The speed of the next blow, as long as there is none.
+  using std::abs;
+  const auto touches = select(below > above, below, above) > T(0);
+  s.states[c.element.own_states] = select(touches, c.states[c.element.own_states], T(abs(v)));
+}
+
+inline void stop_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace stop;
+  const double* p = c.numbers();
+  const double factor = factor_of(c);
+  for (const double side : {-1.0, 1.0}) {
+    const double d = side < 0 ? p[lower] - s.x[0] : s.x[0] - p[upper];
+    if (d <= 0) continue;
+    const Push<double> made = push(p, d, side * s.v[0], factor);
+    e.stored += made.elastic * d / (p[exponent] + 1);
+    e.dissipating[0] += side * (made.force - made.elastic);
+  }
+}
+
+}  // namespace mimbre::forces

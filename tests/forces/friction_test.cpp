@@ -1,0 +1,263 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "forces/table.h"
+#include "mimbre/model_file.h"
+#include "mimbre/simulation.h"
+
+/// Dry friction in joints: sticking that does not creep, sliding, stick–slip.
+namespace mimbre {
+namespace {
+
+using Formulation = spec::Simulation::Formulation;
+
+Simulation simulation_of(const std::string& text, Formulation formulation, double step) {
+  RunOptions options;
+  options.formulation = formulation;
+  options.step = step;
+  return Simulation(Model::compile(parse_model(text, "model.yaml", ".")), options);
+}
+
+double channel(Simulation& simulation, const std::string& name) {
+  ResultsRow row;
+  simulation.sample(row);
+  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
+    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
+  ADD_FAILURE() << "no channel " << name;
+  return NAN;
+}
+
+/// A block of 2 kg on a slope of 30 degrees, down which it slides.
+std::string slope(double coefficient, const std::string& more, const std::string& initial = "assembled") {
+  const double g = 9.81, angle = std::numbers::pi / 6, weight = 2 * g;
+  return fmt::format(R"y(
+mimbre: 1
+gravity: [{}, 0, {}]
+initial: {}
+bodies: {{block: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints: {{guide: {{type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}}}
+frictions: {{base: {{joint: guide, force: {}, {}}}}}
+outputs: [{{name: x, joint: guide}}, {{name: v, joint_velocity: guide}}]
+simulation: {{step: 0.01, end: 1}}
+)y",
+                     g * std::sin(angle), -g * std::cos(angle), initial,
+                     coefficient * weight * std::cos(angle), more);
+}
+
+class Friction : public testing::TestWithParam<Formulation> {};
+
+TEST_P(Friction, ABlockOnASlopeStaysWhereItIs) {
+  Simulation settled = simulation_of(slope(0.6, "sticking: 1e-5", "equilibrium"), GetParam(), 0.01);
+  const double start = channel(settled, "x");
+  // The bristles hold it at the part of their bend that the weight is of the limit.
+  EXPECT_NEAR(start, 1e-5 * std::tan(std::numbers::pi / 6) / 0.6, 1e-10);
+  for (int k = 0; k < 10000; ++k) ASSERT_TRUE(settled.step().ok());
+  EXPECT_NEAR(channel(settled, "x"), start, 1e-9);
+
+  Simulation dropped = simulation_of(slope(0.6, "sticking: 1e-5"), GetParam(), 0.01);
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(dropped.step().ok());
+  const double then = channel(dropped, "x");
+  for (int k = 0; k < 10000; ++k) ASSERT_TRUE(dropped.step().ok());
+  EXPECT_NEAR(channel(dropped, "x"), then, 1e-9);
+}
+
+TEST_P(Friction, AboveTheAngleOfFrictionItSlides) {
+  Simulation simulation = simulation_of(slope(0.3, "sticking: 1e-9"), GetParam(), 0.001);
+  const double angle = std::numbers::pi / 6, acceleration = 9.81 * (std::sin(angle) - 0.3 * std::cos(angle));
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(simulation.step().ok());
+  const double v = channel(simulation, "v"), x = channel(simulation, "x"), start = simulation.time(),
+               lost = simulation.energy().dissipated;
+  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(simulation.step().ok());
+  const double t = simulation.time() - start, moved = channel(simulation, "x") - x;
+  EXPECT_NEAR(channel(simulation, "v") - v, acceleration * t, 1e-6 * acceleration);
+  EXPECT_NEAR(moved, v * t + 0.5 * acceleration * t * t, 1e-6 * acceleration);
+  EXPECT_NEAR(simulation.energy().dissipated - lost, 0.3 * 2 * 9.81 * std::cos(angle) * moved, 1e-6);
+  EXPECT_NEAR(simulation.energy().numerical, 0, 1e-2);
+}
+
+/// The limit by the joint's own reaction, which a signal samples.
+TEST_P(Friction, TheJointsReactionMayBeItsLoad) {
+  const auto text = [](double coefficient) {
+    return fmt::format(R"y(
+mimbre: 1
+gravity: [4.905, 0, -8.4957092]
+bodies: {{block: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints: {{guide: {{type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}}}
+signals: {{normal: {{value: "abs(fz)", every: 0.001}}}}
+frictions: {{base: {{joint: guide, force: "{}*normal"}}}}
+outputs: [{{name: x, joint: guide}}, {{name: v, joint_velocity: guide}}, {{name: fz, joint_force: guide, component: fz}}]
+simulation: {{step: 0.001, end: 1}}
+)y",
+                       coefficient);
+  };
+  Simulation holds = simulation_of(text(0.7), GetParam(), 1e-3),
+             slides = simulation_of(text(0.3), GetParam(), 1e-3);
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(holds.step().ok());
+    ASSERT_TRUE(slides.step().ok());
+  }
+  const double x = channel(holds, "x"), v = channel(slides, "v");
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_TRUE(holds.step().ok());
+    ASSERT_TRUE(slides.step().ok());
+  }
+  EXPECT_NEAR(channel(holds, "x"), x, 1e-9);
+  EXPECT_NEAR(channel(slides, "v") - v, 4.905 - 0.3 * 8.4957092, 1e-6);
+}
+
+/// Shaken by forces that never reach the limit, and by a limit that varies, it does not creep.
+TEST_P(Friction, ShakingBelowTheLimitMovesNothing) {
+  const std::string text = R"y(
+mimbre: 1
+gravity: [0, 0, 0]
+bodies: {block: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}
+frictions: {base: {joint: guide, force: "12 + 2*sin(31*t)", sticking: 1e-5}}
+actuators: {shaker: {joint: guide, force: "4 + 4*sin(20*t)"}}
+outputs: [{name: x, joint: guide}]
+simulation: {step: 0.001, end: 1}
+)y";
+  Simulation simulation = simulation_of(text, GetParam(), 0.001);
+  const double period = 2 * std::numbers::pi;  // of both
+  double first = 0, sum = 0;
+  int count = 0;
+  for (int turn = 0; turn < 5; ++turn) {
+    sum = 0;
+    count = 0;
+    while (simulation.time() < (turn + 1) * period) {
+      ASSERT_TRUE(simulation.step().ok());
+      sum += channel(simulation, "x");
+      ++count;
+    }
+    if (turn == 0) first = sum / count;
+  }
+  EXPECT_NEAR(sum / count, first, 2e-8);
+  EXPECT_LT(std::abs(channel(simulation, "x")), 1e-5);
+}
+
+/// The period of a block on a belt, which a spring holds: it sticks until the spring pulls with the static
+/// limit, and slides, by the limit at its speed, until it has the belt's speed again; without bristles, each
+/// slide integrated to the instant at which it ends.
+double period_of(double belt, double stiffness, double level, double ratio, double stribeck) {
+  const auto limit = [&](double speed) {
+    return level * (1 + (ratio - 1) * std::exp(-std::pow(speed / stribeck, 2)));
+  };
+  double x = ratio * level / stiffness * (1 + 1e-9), v = belt, t = 0;
+  const double h = 1e-6;
+  const auto rate = [&](double at_x, double at_v) { return limit(belt - at_v) - stiffness * at_x; };
+  bool slid = false;
+  while (!slid || v < belt) {
+    const double a1 = rate(x, v), v2 = v + 0.5 * h * a1, a2 = rate(x + 0.5 * h * v, v2),
+                 v3 = v + 0.5 * h * a2, a3 = rate(x + 0.5 * h * v2, v3), v4 = v + h * a3,
+                 a4 = rate(x + h * v3, v4);
+    x += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    t += h;
+    slid = slid || v < 0;
+  }
+  return t + (ratio * level / stiffness - x) / belt;
+}
+
+TEST_P(Friction, StickSlipHasItsPeriod) {
+  const double belt = 0.1, stiffness = 100, fast = 1, ratio = 2, stribeck = 1e-3;
+  const std::string text = fmt::format(R"y(
+mimbre: 1
+gravity: [0, 0, 0]
+bodies:
+  belt: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+  block: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints:
+  run: {{type: prismatic, between: [ground, belt], at: [0, 0, 0], axis: [1, 0, 0], drive: {{position: "{}*t"}}}}
+  rub: {{type: prismatic, between: [belt, block], at: [0, 0, 0], axis: [1, 0, 0]}}
+frictions: {{dry: {{joint: rub, force: {}, static_ratio: {}, stribeck: {}, sticking: 2e-6, settling: 1e-4}}}}
+springs: {{held: {{between: [ground, block], at: [[-1, 0, 0], [0, 0, 0]], elastic: {{stiffness: {}, zero: 1}}}}}}
+outputs: [{{name: x, position: block, component: x}}, {{name: v, joint_velocity: rub}}]
+simulation: {{step: 0.0001, end: 5}}
+)y",
+                                       belt, fast, ratio, stribeck, stiffness);
+  Simulation simulation = simulation_of(text, GetParam(), 1e-4);
+  const double period = period_of(belt, stiffness, fast, ratio, stribeck);
+  std::vector<double> peaks;
+  double before = 0, last = 0;
+  while (peaks.size() < 6 && simulation.time() < 6) {
+    ASSERT_TRUE(simulation.step().ok());
+    const double x = channel(simulation, "x");
+    if (last > before && last >= x && last > 0.015) peaks.push_back(simulation.time());
+    before = last;
+    last = x;
+  }
+  ASSERT_EQ(peaks.size(), 6u);
+  EXPECT_NEAR((peaks.back() - peaks[1]) / 4, period, 2e-3 * period);
+}
+
+/// In a hinge with a torque, on a joint of the tree and on a cut one.
+TEST_P(Friction, BrakesATurningWheelInTheTimeThatItTakes) {
+  for (const bool cut : {false, true}) {
+    const std::string text = fmt::format(R"y(
+mimbre: 1
+gravity: [0, 0, 0]
+bodies: {{wheel: {{mass: 1, com: [0, 0, 0], inertia: [0.2, 0.2, 0.2]}}}}
+joints: {}
+frictions: {{brake: {{joint: axle, torque: 0.5}}}}
+outputs: [{{name: rate, joint_velocity: axle}}, {{name: angle, joint: axle}}]
+simulation: {{step: 0.001, end: 5}}
+)y",
+                                         cut ? R"y({
+  free: {type: floating, between: [ground, wheel], velocity: [0, 0, 0, 0, 10, 0]},
+  axle: {type: revolute, between: [ground, wheel], at: [0, 0, 0], axis: [0, 1, 0], cut: always}})y"
+                                             : "{axle: {type: revolute, between: [ground, wheel], at: [0, 0, "
+                                               "0], axis: [0, 1, 0], velocity: 10}}");
+    Simulation simulation = simulation_of(text, GetParam(), 0.001);
+    while (simulation.time() < 2) ASSERT_TRUE(simulation.step().ok());
+    EXPECT_NEAR(channel(simulation, "rate"), 10 - 2 * 0.5 / 0.2, 3e-4);
+    while (simulation.time() < 6) ASSERT_TRUE(simulation.step().ok());
+    EXPECT_NEAR(channel(simulation, "rate"), 0, 1e-9);
+    if (!cut) {  // whose angles count turns
+      EXPECT_NEAR(channel(simulation, "angle"), 0.5 * 0.2 * 100 / 0.5, 2e-3);
+    }
+    EXPECT_NEAR(simulation.energy().dissipated, 10, 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Friction, testing::Values(Formulation::relative, Formulation::natural));
+
+/// Whatever the motion and the limit, the surfaces take energy and give none.
+TEST(FrictionLaw, NeverFeedsEnergyIn) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1, 1);
+  Compiled m;
+  m.numbers = {1e-3, 1.5, 0.01, 0, 1e-3};
+  m.arguments = {0};
+  ElementData e;
+  e.law = static_cast<int>(Law::friction);
+  e.measure = Measure::coordinate;
+  e.count = 1;
+  e.state_count = 4;
+  const forces::LawRow<double>& row = forces::rows<double>[static_cast<std::size_t>(e.law)];
+  std::vector<double> storage(static_cast<std::size_t>(element_storage(e)), 0), states(4, 0), signals{20};
+  double x = 0;
+  for (int step = 0; step < 5000; ++step) {
+    const double h = 1e-3 * std::pow(10.0, any(random));
+    const LawContext<double> context{m, e, 0, signals.data(), states.data(), h};
+    ElementState<double> s = element_state(e, storage.data());
+    const double moved = 1e-3 * any(random) * (step % 3);
+    x += moved;
+    s.x[0] = x;
+    s.v[0] = moved / h;
+    row.law(context, s);
+    ASSERT_LE(std::abs(s.force[0]), 20 * 1.5 * (1 + 1e-12));
+    ElementEnergy energy;
+    row.energy(context, s, energy);
+    if (step > 0) {
+      ASSERT_GE(energy.lost, -1e-15) << step;
+    }
+    std::copy(s.states, s.states + 4, states.begin());
+  }
+}
+
+}  // namespace
+}  // namespace mimbre
