@@ -97,12 +97,9 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
   if (!bushing && !user && e.numbers.size() != law.numbers.size())
     thing.error(
         fmt::format("law '{}' has {} numbers, {} are given", e.law, law.numbers.size(), e.numbers.size()));
-  for (std::size_t k = 0; k < std::min(e.numbers.size(), law.numbers.size()); ++k)
-    if (const LawNumber& number = law.numbers[k];
-        !bushing && (!(e.numbers[k] > number.least) || e.numbers[k] > number.most))
-      thing.error(
-          fmt::format("{} is {}; it has to be more than {:.3g}{}", number.key, e.numbers[k], number.least,
-                      std::isfinite(number.most) ? fmt::format(" and at most {:.3g}", number.most) : ""));
+  for (std::size_t k = 0; !bushing && k < std::min(e.numbers.size(), law.numbers.size()); ++k)
+    if (const LawNumber& number = law.numbers[k]; !number.allows(e.numbers[k]))
+      thing.error(fmt::format("{} {}", number.key, wrong_number(number, e.numbers[k])));
   if (law.fault && e.numbers.size() == law.numbers.size())
     if (const std::string_view fault = law.fault(e.numbers); !fault.empty()) thing.error(std::string(fault));
   if (!e.functions.empty() && (!bushing || e.functions.size() != 12))

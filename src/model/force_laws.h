@@ -1,7 +1,10 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <array>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 
 /// What there is to say of the laws of force elements besides their formulas, which are in src/forces: the
@@ -10,13 +13,23 @@ namespace mimbre {
 
 /// A number of a law by its key in the model file.
 struct LawNumber {
-  std::string_view key;
-  std::string_view unit;  ///< "m|rad": the second on an angle
-  std::string_view about;
-  double least = -std::numeric_limits<double>::infinity();      ///< it has to be larger than this
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  std::string_view key = {};
+  std::string_view unit = {};  ///< "m|rad": the second on an angle
+  std::string_view about = {};
   double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< where it is not given; NaN: it must be
-  double most = std::numeric_limits<double>::infinity();        ///< the largest that it may be
+  double above = -none;                                         ///< it has to be more than this,
+  double least = -none, most = none;                            ///< and may be these
+
+  constexpr bool allows(double x) const { return x > above && x >= least && x <= most; }
 };
+
+/// Why it does not allow x.
+inline std::string wrong_number(const LawNumber& number, double x) {
+  if (!(x > number.above)) return fmt::format("is {}; it has to be above {}", x, number.above);
+  if (!(x >= number.least)) return fmt::format("is {}; it cannot be below {}", x, number.least);
+  return fmt::format("is {}; it can be at most {}", x, number.most);
+}
 
 struct LawInfo {
   std::string_view name;     ///< in spec::Element::law
@@ -37,36 +50,62 @@ enum class Law { spring, tyre, load, sensor, actuator, bushing, user, gas_spring
 
 /// Of a gas spring; the pressure is that at `length`.
 constexpr std::array<LawNumber, 7> gas_spring_numbers{{
-    {"pressure", "Pa", "of the gas at that length", 0},
-    {"area", "m^2", "of the piston", 0},
-    {"length", "m", "of the spring between its ends", 0},
-    {"gas_length", "m", "of the column of gas at that length", 0},
-    {"exponent", "", "1 slowly, 1.4 fast", 0, 1.2},
-    {"damping", "N s/m", "of the seals", -1e-300, 0},
-    {"ambient", "Pa", "pressure outside", -1e-300, 101325},
+    {.key = "pressure", .unit = "Pa", .about = "of the gas at that length", .above = 0},
+    {.key = "area", .unit = "m^2", .about = "of the piston", .above = 0},
+    {.key = "length", .unit = "m", .about = "of the spring between its ends", .above = 0},
+    {.key = "gas_length", .unit = "m", .about = "of the column of gas at that length", .above = 0},
+    {.key = "exponent", .about = "1 slowly, 1.4 fast", .otherwise = 1.2, .above = 0},
+    {.key = "damping", .unit = "N s/m", .about = "of the seals", .otherwise = 0, .least = 0},
+    {.key = "ambient", .unit = "Pa", .about = "pressure outside", .otherwise = 101325, .least = 0},
 }};
 
 /// Of friction in a joint.
 constexpr std::array<LawNumber, 5> friction_numbers{{
-    {"sticking", "m|rad", "that the surfaces give before they slide", 0, 1e-5},
-    {"static_ratio", "", "of the limit at rest to that in fast sliding", 1 - 1e-9, 1},
-    {"stribeck", "m/s|rad/s", "speed over which the limit falls to that in fast sliding", 0, 1e-2},
-    {"viscous", "N s/m|N m s/rad", "damping beside", -1e-300, 0},
-    {"settling", "s", "time in which a vibration of what sticks dies away", -1e-300, 1e-3},
+    {.key = "sticking",
+     .unit = "m|rad",
+     .about = "that the surfaces give before they slide",
+     .otherwise = 1e-5,
+     .above = 0},
+    {.key = "static_ratio",
+     .about = "of the limit at rest to that in fast sliding",
+     .otherwise = 1,
+     .least = 1},
+    {.key = "stribeck",
+     .unit = "m/s|rad/s",
+     .about = "speed over which the limit falls to that in fast sliding",
+     .otherwise = 1e-2,
+     .above = 0},
+    {.key = "viscous", .unit = "N s/m|N m s/rad", .about = "damping beside", .otherwise = 0, .least = 0},
+    {.key = "settling",
+     .unit = "s",
+     .about = "in which a vibration of what sticks dies away",
+     .otherwise = 1e-3,
+     .least = 0},
 }};
 
-/// Of a stop at the end of a joint's travel.
+/// Of a stop at the end of a joint's travel, or of the distance of two points; ±1e300: nowhere.
 constexpr std::array<LawNumber, 6> stop_numbers{{
-    {"lower", "m|rad", "where it begins below", -1e300, -1e299},
-    {"upper", "m|rad", "where it begins above", -1e300, 1e299},
-    {"stiffness", "N/m|N m/rad", "at the depth 'depth', or anywhere where the exponent is 1", 0},
-    {"exponent", "", "of the force over the depth; 1: linear", 1 - 1e-9, 1},
-    {"depth", "m|rad", "at which the stiffness is that", 0, 1e-3},
-    {"restitution", "", "share of the speed that is left after a blow", 0.00999, 1, 1},
+    {.key = "lower", .unit = "m|rad", .about = "where it begins below", .otherwise = -1e300},
+    {.key = "upper", .unit = "m|rad", .about = "where it begins above", .otherwise = 1e300},
+    {.key = "stiffness",
+     .unit = "N/m|N m/rad",
+     .about = "at 'depth', or anywhere where the exponent is 1",
+     .above = 0},
+    {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
+    {.key = "depth",
+     .unit = "m|rad",
+     .about = "at which the stiffness is that",
+     .otherwise = 1e-3,
+     .above = 0},
+    {.key = "restitution",
+     .about = "share of the speed that a blow leaves",
+     .otherwise = 1,
+     .least = 0.01,
+     .most = 1},
 }};
 
 constexpr std::string_view stop_fault(std::span<const double> n) {
-  if (n[0] < -1e298 && n[1] > 1e298) return "gives no end of the travel: 'lower' or 'upper' is needed";
+  if (n[0] <= -1e300 && n[1] >= 1e300) return "gives no end of the travel: 'lower' or 'upper' is needed";
   return n[0] < n[1] ? "" : "'lower' has to be below 'upper'";
 }
 

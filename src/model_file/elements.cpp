@@ -237,9 +237,7 @@ std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const
     if (const auto given = fields.get(key)) {
       if (const auto x = given->number(of)) {
         read = *x;
-        if (!(read > number.least))
-          given->error(fmt::format("{} is not more than {:.3g}", read, number.least));
-        if (read > number.most) given->error(fmt::format("{} is more than {:.3g}", read, number.most));
+        if (!number.allows(read)) given->error(wrong_number(number, read));
       }
     } else if (std::isnan(read)) {
       value.error(fmt::format("'{}' is missing: {}, {}", key, number.about,

@@ -125,8 +125,9 @@ TEST(StopFile, WhatIsWrongIsTold) {
     }
     return std::string("nothing");
   };
-  EXPECT_NE(said("joint: guide, lower: 0, stiffness: 1e5, restitution: 1.5").find("1.5 is more than 1"),
-            std::string::npos);
+  EXPECT_NE(
+      said("joint: guide, lower: 0, stiffness: 1e5, restitution: 1.5").find("is 1.5; it can be at most 1"),
+      std::string::npos);
   EXPECT_NE(said("joint: guide, lower: 0").find("'stiffness' is missing"), std::string::npos);
   EXPECT_NE(said("joint: guide, lower: 1, upper: 0, stiffness: 10").find("lower"), std::string::npos);
   EXPECT_NE(said("joint: guide, stiffness: 10").find("'lower' or 'upper'"), std::string::npos);
