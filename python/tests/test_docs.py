@@ -51,6 +51,10 @@ def test_the_tutorial(quiet):
         assert all((file[channel] == built[channel]).all() for channel in file)
 
 
+def test_the_cookbook(quiet):
+    assert run_blocks("cookbook.md", {}) == 11
+
+
 def test_the_gallery(quiet):
     """Its reports are made, of all examples."""
     (quiet / "examples").symlink_to(top / "examples")

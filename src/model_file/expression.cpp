@@ -60,7 +60,10 @@ std::string value_of_name(const std::string& name, const Scope& scope,
     throw ExpressionError(
         variables.empty()
             ? fmt::format("'{}' is a variable of laws; there is none here", name)
-            : fmt::format("'{}' is no variable of this law; it depends on {}", name, listed(variables)));
+            : fmt::format(
+                  "'{0}' is no variable of this law; it depends on {1}, and an output or signal that is "
+                  "called '{0}' needs another name to be used in it",
+                  name, listed(variables)));
   auto known = scope.names();
   known.insert(known.end(), functions.begin(), functions.end());
   const std::string hint = did_you_mean(name, known);
