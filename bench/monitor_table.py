@@ -26,9 +26,12 @@ BEAM = """
       beam: corotational"""
 
 
-def beam(name, nodes, bars, clamped, statics, linear):
+def bodies(diameter, name, nodes, bars, clamped, statics, linear, gravity=0):
+    """The beginning of a model file, up to its first body, a beam."""
     return (
-        f"""  {name}:
+        HEAD.format(gravity=gravity, diameter=diameter)
+        + f"""bodies:
+  {name}:
     frame: {{at: {list(nodes.values())[0]}}}
     flexible:
       material: steel
@@ -56,15 +59,15 @@ def swing(r, linear):
     length, d = r.uniform(0.5, 2), 0.01
     mass = lean(r) * 3 * bending(d) / length**2 / 9.81 / 2
     return (
-        HEAD.format(gravity=-9.81, diameter=d)
-        + "bodies:\n"
-        + beam(
+        bodies(
+            d,
             "rod",
             {"root": [0, 0, 0], "mid": [length / 2, 0, 0], "tip": [length, 0, 0]},
             {"a": ("root", "mid"), "b": ("mid", "tip")},
             "root",
             ["tip"],
             linear,
+            gravity=-9.81,
         )
         + f"""  ball: {{mass: {mass}, com: [{length}, 0, 0], inertia: [{1e-4 * mass}, {1e-4 * mass}, {1e-4 * mass}]}}
 joints:
@@ -81,9 +84,8 @@ def push(r, linear):
     length, d = r.uniform(0.5, 2), 0.01
     force = lean(r) * 3 * bending(d) / length**2
     return (
-        HEAD.format(gravity=0, diameter=d)
-        + "bodies:\n"
-        + beam(
+        bodies(
+            d,
             "rod",
             {"root": [0, 0, 0], "mid": [length / 2, 0, 0], "tip": [length, 0, 0]},
             {"a": ("root", "mid"), "b": ("mid", "tip")},
@@ -105,9 +107,8 @@ def held(r, linear):
     length, d = r.uniform(0.5, 2), 0.01
     force = lean(r) * 192 * bending(d) / length**2
     return (
-        HEAD.format(gravity=0, diameter=d)
-        + "bodies:\n"
-        + beam(
+        bodies(
+            d,
             "rod",
             {"root": [0, 0, 0], "mid": [length / 2, 0, 0], "tip": [length, 0, 0]},
             {"a": ("root", "mid"), "b": ("mid", "tip")},
@@ -136,9 +137,8 @@ def four_bar(r, linear):
     speed = 30 * math.sqrt(lean(r) / 0.02)
     mid = [pin[0] / 2, 0, (crank + pin[2]) / 2]
     return (
-        HEAD.format(gravity=0, diameter=d)
-        + "bodies:\n"
-        + beam(
+        bodies(
+            d,
             "coupler",
             {"left": [0, 0, crank], "mid": mid, "right": pin},
             {"a": ("left", "mid"), "b": ("mid", "right")},
@@ -165,9 +165,8 @@ def rotor(r, linear):
     critical = math.sqrt(48 * bending(d) / length**3 / mass)
     arm = lean(r) * 0.04 * length
     return (
-        HEAD.format(gravity=0, diameter=d)
-        + "bodies:\n"
-        + beam(
+        bodies(
+            d,
             "shaft",
             {"left": [0, 0, 0], "mid": [length / 2, 0, 0], "right": [length, 0, 0]},
             {"a": ("left", "mid"), "b": ("mid", "right")},

@@ -60,6 +60,9 @@ StaticsStatus find_equilibrium(System& system, State& s, double length) {
     mass.col(k) = forces(s.q, unit) - r;
     unit[k] = 0;
   }
+  // Back onto the constraints with the least motion by mass: coordinates have different units.
+  const VectorXd inertia = mass.diagonal().cwiseMax(1e-9 * std::max(1e-300, mass.diagonal().maxCoeff()));
+  const VectorXd lightness = (inertia / inertia.maxCoeff()).cwiseSqrt().cwiseInverse();
   // Typical force of a coordinate, to make residuals comparable.
   const double weight = std::max(1e-12, (mass.diagonal().cwiseAbs().maxCoeff() + 1e-6) * 9.81);
   const double negligible = 1e-9 * length;
@@ -69,7 +72,7 @@ StaticsStatus find_equilibrium(System& system, State& s, double length) {
     // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
     // redundant, both are determined.
     if (m > 0) {
-      close_positions(system, s.time, VectorXd::Ones(n), s.q, 30, negligible);
+      close_positions(system, s.time, lightness, s.q, 30, negligible);
       find_multipliers(system, s, negligible);
     }
     r = forces(s.q, zero);

@@ -12,38 +12,18 @@
 #include "forces/table.h"
 #include "math/restitution.h"
 #include "mimbre/model_file.h"
-#include "mimbre/simulation.h"
+#include "support/models.h"
+#include "support/simulate.h"
 
 /// Force elements: bushings, laws of the user, springs on cut joints, tangents and powers of all laws.
 namespace mimbre {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
-
-std::shared_ptr<const Model> model_of(const std::string& text) {
-  return Model::compile(parse_model(text, "model.yaml", "."));
-}
-
-Simulation simulation_of(std::shared_ptr<const Model> model, Formulation formulation, double step = 0) {
-  RunOptions options;
-  options.formulation = formulation;
-  options.step = step;
-  return Simulation(std::move(model), options);
-}
-
-double channel(Simulation& simulation, const std::string& name) {
-  ResultsRow row;
-  simulation.sample(row);
-  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
-    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
-  ADD_FAILURE() << "no channel " << name;
-  return NAN;
-}
+using namespace test;
 
 class Elements : public testing::TestWithParam<Formulation> {};
 
 constexpr const char* bushing_model = R"y(
-mimbre: 1
 gravity: [0, 0, 0]
 bodies: {{block: {{mass: 2, com: [0, 0, 0], inertia: [0.5, 0.8, 1.1]}}}}
 bushings:
@@ -90,7 +70,6 @@ TEST_P(Elements, MaxwellBranchesHaveTheirDynamicStiffness) {
   const double k0 = 1000, k1 = 600, tau = 0.02, amplitude = 1e-3;
   for (const double omega : {5.0, 20.0, 50.0, 120.0, 400.0}) {
     const std::string text = fmt::format(R"y(
-mimbre: 1
 gravity: [0, 0, 0]
 bodies: {{block: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
 joints:
@@ -127,7 +106,6 @@ simulation: {{step: 0.001, end: 1}}
 TEST_P(Elements, SpringsActOnCutJointsAsOnThoseOfTheTree) {
   const auto text = [](const char* cut_first, const char* cut_last) {
     return fmt::format(R"y(
-mimbre: 1
 bodies:
   crank: {{mass: 1, com: [0, 0, 0.2], inertia: [0.02, 0.02, 0.02]}}
   coupler: {{mass: 2, com: [0.5, 0, 0.4], inertia: [0.1, 0.1, 0.1]}}
@@ -164,7 +142,6 @@ simulation: {{step: 0.001, end: 1}}
 }
 
 constexpr const char* slider = R"y(
-mimbre: 1
 bodies: {mass: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
 joints: {guide: {type: prismatic, between: [ground, mass], at: [0, 0, 0], axis: [0, 0, 1]}}
 frames: {anchor: {body: ground, at: [0, 0, 1]}}
@@ -181,7 +158,7 @@ int frame_named(const spec::Model& model, const std::string& name) {
 /// A spring and damper written by the user does what the built-in one does, to the last bit; one with a state
 /// of its own remembers.
 TEST_P(Elements, AUsersLawDoesWhatABuiltInOneDoes) {
-  spec::Model model = parse_model(slider, "slider.yaml", ".");
+  spec::Model model = parse_model("mimbre: 1\n" + std::string(slider), "slider.yaml", ".");
   const int a = frame_named(model, "anchor"), b = frame_named(model, "mass");
   ASSERT_GE(a, 0);
   ASSERT_GE(b, 0);
@@ -225,7 +202,6 @@ TEST_P(Elements, AGasSpringCarriesAMass) {
   const double area = 5e-4, pressure = 4e5, ambient = 101325, n = 1.4, column = 0.25;
   const double force = area * (pressure - ambient), mass = force / 9.81;
   Simulation simulation = simulation_of(model_of(fmt::format(R"y(
-mimbre: 1
 bodies: {{mass: {{mass: {}, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
 joints: {{guide: {{type: prismatic, between: [ground, mass], at: [0, 0, 0.5], axis: [0, 0, 1], velocity: 1e-3}}}}
 gas_springs:
@@ -247,7 +223,6 @@ simulation: {{step: 0.001, end: 1}}
 /// A weight that hangs in a bushing at rest stays where its springs hold it: what relaxes has relaxed.
 TEST_P(Elements, InAnEquilibriumBranchesHaveRelaxed) {
   Simulation simulation = simulation_of(model_of(R"y(
-mimbre: 1
 bodies: {block: {mass: 3, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}}
 bushings:
   mount:
@@ -269,7 +244,7 @@ simulation: {step: 0.005, end: 1}
 
 /// A law that is sampled is asked once a step, with what is measured at its start, and remembers.
 TEST_P(Elements, ASampledLawIsAskedOnceAStep) {
-  spec::Model model = parse_model(slider, "slider.yaml", ".");
+  spec::Model model = parse_model("mimbre: 1\n" + std::string(slider), "slider.yaml", ".");
   model.gravity.setZero();
   auto calls = std::make_shared<int>(0);
   auto law = std::make_shared<spec::UserLaw>();
@@ -299,7 +274,7 @@ TEST_P(Elements, ASampledLawIsAskedOnceAStep) {
 /// What a law that is sampled throws leaves the step, which is not made; the next one is as if nothing had
 /// been.
 TEST_P(Elements, WhatASampledLawThrowsLeavesTheStateAsItWas) {
-  spec::Model model = parse_model(slider, "slider.yaml", ".");
+  spec::Model model = parse_model("mimbre: 1\n" + std::string(slider), "slider.yaml", ".");
   auto broken = std::make_shared<bool>(false);
   auto law = std::make_shared<spec::UserLaw>();
   law->sampled = true;

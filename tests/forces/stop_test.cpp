@@ -4,34 +4,17 @@
 #include <cmath>
 
 #include "math/restitution.h"
-#include "mimbre/model_file.h"
-#include "mimbre/simulation.h"
+#include "support/models.h"
+#include "support/simulate.h"
 
 /// Stops at the ends of a travel: blows, rest, depth.
 namespace mimbre {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
-
-Simulation simulation_of(const std::string& text, Formulation formulation, double step) {
-  RunOptions options;
-  options.formulation = formulation;
-  options.step = step;
-  return Simulation(Model::compile(parse_model(text, "model.yaml", ".")), options);
-}
-
-double channel(Simulation& simulation, const std::string& name) {
-  ResultsRow row;
-  simulation.sample(row);
-  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
-    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
-  ADD_FAILURE() << "no channel " << name;
-  return NAN;
-}
+using namespace test;
 
 std::string slider(const std::string& stop, double velocity, double gravity = 0) {
   return fmt::format(R"y(
-mimbre: 1
 gravity: [0, 0, {}]
 bodies: {{mass: {{mass: 3, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
 joints: {{guide: {{type: prismatic, between: [ground, mass], at: [0, 0, 0], axis: [0, 0, 1], velocity: {}}}}}
@@ -87,7 +70,6 @@ TEST_P(Stop, HoldsAWeightAtTheDepthOfItsForce) {
 /// A bump stop along the line of two points pushes them apart, and lets them go.
 TEST_P(Stop, ActsAlongALineToo) {
   const std::string text = R"y(
-mimbre: 1
 bodies: {mass: {mass: 3, com: [0, 0, 0], inertia: [1, 1, 1]}}
 joints: {guide: {type: prismatic, between: [ground, mass], at: [0, 0, 0], axis: [0, 0, 1]}}
 stops: {bump: {between: [ground, mass], at: [[0, 0, -0.5], [0, 0, 0]], lower: 0.4, stiffness: 2e4, restitution: 0.1}}
@@ -119,7 +101,7 @@ TEST(Restitution, SolvesItsEquation) {
 TEST(StopFile, WhatIsWrongIsTold) {
   const auto said = [](const std::string& stop) {
     try {
-      Model::compile(parse_model(slider(stop, 0), "m.yaml", "."));
+      model_of(slider(stop, 0));
     } catch (const InputError& error) {
       return std::string(error.what());
     }

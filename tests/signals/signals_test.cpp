@@ -7,19 +7,14 @@
 #include <thread>
 #include <vector>
 
-#include "mimbre/model_file.h"
-#include "mimbre/simulation.h"
 #include "support/models.h"
+#include "support/simulate.h"
 
 /// Inputs, signals and actuators, in both formulations.
 namespace mimbre {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
-
-std::shared_ptr<const Model> model_of(const std::string& text) {
-  return Model::compile(parse_model(text, "model.yaml", "."));
-}
+using namespace test;
 
 std::string refusal(const std::string& text) {
   try {
@@ -30,26 +25,9 @@ std::string refusal(const std::string& text) {
   return "accepted";
 }
 
-Simulation simulation_of(const std::string& text, Formulation formulation) {
-  RunOptions options;
-  options.formulation = formulation;
-  return Simulation(model_of(text), options);
-}
-
-/// The channel of that name now.
-double channel(Simulation& simulation, const std::string& name) {
-  ResultsRow row;
-  simulation.sample(row);
-  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
-    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
-  ADD_FAILURE() << "no channel " << name;
-  return NAN;
-}
-
 /// An arm of 2 kg m² about a vertical axis, which gravity does not move, and what is put behind.
 std::string arm(const std::string& more, double step = 1e-3) {
   return fmt::format(R"y(
-mimbre: 1
 bodies:
   arm: {{mass: 2, com: [0, 0, 0], inertia: [2, 2, 2]}}
 joints:
@@ -147,7 +125,6 @@ actuators:
 
 TEST_P(Signals, ParametersThatAreTunableChangeLawsBetweenSteps) {
   Simulation simulation = simulation_of(R"y(
-mimbre: 1
 parameters: {k: {value: 100, tunable: true, min: 0}, c: 2}
 bodies: {mass: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
 joints: {guide: {type: prismatic, between: [ground, mass], at: [0, 0, 0], axis: [1, 0, 0], position: 0.1}}
@@ -165,7 +142,6 @@ simulation: {step: 0.001, end: 1}
 /// What inputs start with counts at the start: the same bits as of a model that says so.
 TEST_P(Signals, InputsAreSetBeforeTheStart) {
   const std::string text = R"y(
-mimbre: 1
 parameters: {k: {value: 100, tunable: true, min: 0, max: 500}}
 inputs: {place: {start: 0, hold: linear}, push: {start: 0, range: [-10, 10]}}
 bodies:
@@ -212,7 +188,6 @@ simulation: {step: 0.01, end: 1}
 /// A speed that a signal says is a rate that the drive follows.
 TEST_P(Signals, DrivesFollowThem) {
   Simulation simulation = simulation_of(R"y(
-mimbre: 1
 inputs: {speed: {start: 2, hold: linear}}
 signals: {place: 0.1*sin(3*t)}
 bodies:
@@ -281,7 +256,6 @@ TEST(SignalErrors, NameWhatIsWrong) {
   EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, torque: \"3*anlge\"}}\n")), HasSubstr("anlge"));
   EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, force: 3}}\n")), HasSubstr("write 'torque'"));
   EXPECT_THAT(refusal(R"y(
-mimbre: 1
 parameters: {m: {value: 2, tunable: true}}
 bodies: {a: {mass: m, com: [0, 0, 0], inertia: [1, 1, 1]}}
 )y"),

@@ -353,9 +353,8 @@ TEST(Formulations, FindTheSameEquilibrium) {
     ASSERT_EQ(a.values.size(), b.values.size());
     for (int k = 0; k < a.output_count; ++k) {
       const auto& name = a.channels[static_cast<std::size_t>(k)].name;
-      // Nothing holds the car's heading on the level road but the way to the equilibrium: how the compiler
-      // rounds turns it by 0.2 µrad.
-      const double tolerance = name == "chassis.yaw" ? 2e-6 : 1e-9 * std::max(1.0, std::abs(a.values[k]));
+      // Nothing holds the car's heading on the level road but the way to the equilibrium.
+      const double tolerance = name == "chassis.yaw" ? 1e-6 : 1e-9 * std::max(1.0, std::abs(a.values[k]));
       EXPECT_NEAR(a.values[k], b.values[k], tolerance) << file << " " << name;
     }
   }

@@ -1,0 +1,31 @@
+#include "support/simulate.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/models.h"
+
+namespace mimbre::test {
+
+Simulation simulation_of(const std::shared_ptr<const Model>& model, Formulation formulation, double step) {
+  RunOptions options;
+  options.formulation = formulation;
+  options.step = step;
+  return Simulation(model, options);
+}
+
+Simulation simulation_of(const std::string& text, Formulation formulation, double step) {
+  return simulation_of(model_of(text), formulation, step);
+}
+
+double channel(Simulation& simulation, const std::string& name) {
+  ResultsRow row;
+  simulation.sample(row);
+  for (std::size_t k = 0; k < simulation.channels().size(); ++k)
+    if (simulation.channels()[k].name == name) return row.channels[static_cast<Eigen::Index>(k)];
+  ADD_FAILURE() << "no channel " << name;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace mimbre::test

@@ -1,0 +1,20 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "mimbre/simulation.h"
+
+/// Simulations of small models, and what their channels say.
+namespace mimbre::test {
+
+using Formulation = spec::Simulation::Formulation;
+
+/// `step`: s; 0: the model's.
+Simulation simulation_of(const std::shared_ptr<const Model>& model, Formulation formulation, double step = 0);
+/// Of a model file's text (support/models.h).
+Simulation simulation_of(const std::string& text, Formulation formulation, double step = 0);
+
+/// The channel of that name now; a failure where there is none.
+double channel(Simulation& simulation, const std::string& name);
+
+}  // namespace mimbre::test
