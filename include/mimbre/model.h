@@ -36,7 +36,8 @@ class Model {
   std::vector<JointLine> joint_lines() const;
 
   const Compiled& compiled() const;
-  /// What the step needs, as one block (model/image.h).
+  /// What the step needs, as one block (model/image.h): for the library itself, its type's header is not
+  /// installed.
   const Image& image() const { return *image_; }
 
  private:

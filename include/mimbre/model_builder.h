@@ -58,12 +58,16 @@ struct Joint {
   std::optional<Eigen::Vector3d> at{};    ///< needed where bodies are named, but for floating, fixed, bracket
   std::optional<Eigen::Vector3d> axis{};  ///< needed likewise; universal: the first; planar: the normal
   std::optional<Eigen::Vector3d> axis2{};  ///< universal: the second, at right angles
+  /// Of the second body, which is drawn apart from the first: its point, and its axes where they differ. To
+  /// be compiled, such a model is brought together: Model::compile(brought_together(builder.build())).
+  std::optional<Eigen::Vector3d> at_b{}, axis_b{}, axis2_b{};
   spec::Joint::Cut cut = spec::Joint::Cut::automatic;
   std::vector<spec::Drive> drives{};
   std::vector<spec::JointSpring> springs{};
   /// Initial coordinates and rates, one entry per velocity coordinate; nullopt where it is free. Rates of a
   /// floating joint: linear velocity, then angular velocity, in the axes of `in`.
   std::vector<std::optional<double>> position{}, velocity{};
+  std::vector<std::optional<double>> near{};  ///< what coordinates are that are free to be found
   std::string in{};
 };
 

@@ -134,6 +134,9 @@ struct Joint {
   /// position, at rest).
   std::vector<std::optional<double>> initial_position;
   std::vector<std::optional<double>> initial_velocity;
+  /// Near what a coordinate is where it is free to be found, likewise.
+  std::vector<std::optional<double>> near;
+  bool apart = false;  ///< the frames are those of bodies drawn apart (mimbre/assembly.h)
 };
 
 /// Translational spring–damper between two frames' origins: tension = elastic(length) + damping(rate) +

@@ -10,7 +10,8 @@
 
 namespace mimbre {
 
-/// Static equilibrium of a model: outputs by name and value. Throws std::runtime_error when it is not found.
+/// Static equilibrium of a model with the inputs of the options: outputs by name and value. Throws
+/// std::runtime_error when it is not found, InputError where loops do not close or there is no such input.
 struct StaticResult {
   std::vector<ChannelInfo> channels;
   Eigen::VectorXd values;

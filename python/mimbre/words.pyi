@@ -265,22 +265,27 @@ class JointSpring(TypedDict, total=False):
     # Which of several coordinates of the joint, from 0.
     coordinate: Number
 
+OneOrTwoVectors: TypeAlias = Vector | Sequence[Vector] | Array
+
 class Joint(TypedDict, total=False):
     # Which motions it leaves.
     type: Required[Literal["fixed", "bracket", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "floating"]]
     # Two bodies, frames or nodes; coordinates are those of the second relative to the first.
     between: Required[Between]
-    # Its point, m, global; where frames are named they say it.
-    at: Vector
+    # Its point, m, global; where frames are named they say it. Two: a point of each body, which are drawn
+    # apart and brought together.
+    at: OneOrTwoVectors
     # The joint's z axis, global: of rotation, of translation, of a plane its normal; of a universal joint
     # the first.
-    axis: Vector
+    axis: OneOrTwoVectors
     # Second axis of a universal joint.
-    axis2: Vector
+    axis2: OneOrTwoVectors
     # Whether it may be or is cut where loops are closed.
     cut: Literal["automatic", "never", "always"]
     # Initial coordinates, m or rad; null: free to be found.
     position: InitialValues
+    # Near what the initial coordinates are where they are free to be found, m or rad; null: as drawn.
+    near: InitialValues
     # Initial rates, m/s or rad/s.
     velocity: InitialValues
     # Prescribed motion.

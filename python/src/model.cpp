@@ -15,6 +15,7 @@
 
 #include "bindings.h"
 #include "loaded_model.h"
+#include "mimbre/assembly.h"
 #include "mimbre/build.h"
 #include "mimbre/method_names.h"
 #include "mimbre/model_file.h"
@@ -31,7 +32,7 @@ std::shared_ptr<LoadedModel> loaded(const Parameters& parameters, const Read& re
   const nb::gil_scoped_release others_run;
   auto result = std::make_shared<LoadedModel>();
   result->parameters = parameters;
-  result->model = Model::compile(read(*result));
+  result->model = Model::compile(brought_together(read(*result)));
   return result;
 }
 

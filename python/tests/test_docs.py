@@ -52,7 +52,7 @@ def test_the_tutorial(quiet):
 
 
 def test_the_cookbook(quiet):
-    assert run_blocks("cookbook.md", {}) == 11
+    assert run_blocks("cookbook.md", {}) == 12
 
 
 def test_the_gallery(quiet):

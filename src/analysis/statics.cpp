@@ -18,7 +18,7 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   const Method method = resolve_method(m.spec().simulation, options);
   relative::RelativeSystem system(m, method.inertia);
   const auto natural = make_natural(m, method);
-  State s = assembled_state(m, system);
+  State s = assembled_state(m, system, options.inputs);
   StaticResult result;
   const auto warn = [&](const std::string& text) {
     if (!text.empty()) result.warnings.push_back(text);

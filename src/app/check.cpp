@@ -12,6 +12,7 @@
 #include "app/json.h"
 #include "app/method_options.h"
 #include "app/table.h"
+#include "mimbre/assembly.h"
 #include "mimbre/method_names.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
@@ -65,6 +66,7 @@ struct Description {
   Method method;
   std::vector<spec::Input> inputs;  ///< tunable parameters among them
   Redundancy redundancy;
+  std::vector<AssemblyChoice> choices;
   std::vector<std::string> warnings;
 };
 
@@ -89,6 +91,7 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.method = simulation.method();
   d.inputs = simulation.inputs();
   d.redundancy = simulation.redundancy();
+  d.choices = assembly_choices(model);
   print_advice(simulation);
   d.warnings = loaded.warnings;
   for (const std::string& warning : simulation.warnings()) {
@@ -113,6 +116,14 @@ Json to_json(const Description& d, const std::string& title) {
   json["redundant"] = d.redundancy.joints;
   json["nearly_redundant_equations"] = d.redundancy.nearly;
   json["nearly_redundant"] = d.redundancy.nearly_joints;
+  json["assembly"] = Json::array();
+  for (const AssemblyChoice& c : d.choices) {
+    Json coordinates = Json::array();
+    for (const AssemblyChoice::Coordinate& k : c.coordinates)
+      coordinates.push_back(
+          {{"joint", k.joint}, {"coordinate", k.coordinate}, {"unit", k.angle ? "rad" : "m"}});
+    json["assembly"].push_back({{"loops", c.loops}, {"coordinates", coordinates}, {"ways", c.ways}});
+  }
   json["loops"] = d.loops;
   json["bodies"] = Json::array();
   for (const BodyLine& b : d.bodies)
@@ -157,6 +168,32 @@ std::string redundancy_note(const Redundancy& r) {
       r.joints.size() > named ? fmt::format(" and {} more", r.joints.size() - named) : "");
 }
 
+/// The ways in which loops of bodies that were drawn apart close.
+std::string choices_note(const std::vector<AssemblyChoice>& choices) {
+  std::string text;
+  for (const AssemblyChoice& c : choices) {
+    text += fmt::format(
+        "\nThe loop{} through {} {} in {} ways; the first is taken, `near` at a joint takes another:\n",
+        c.loops.size() == 1 ? "" : "s", fmt::join(c.loops, ", "), c.loops.size() == 1 ? "closes" : "close",
+        c.ways.size());
+    constexpr std::size_t shown = 6;
+    std::vector<std::string> heads{"joint", ""};
+    for (std::size_t w = 0; w < std::min(shown, c.ways.size()); ++w)
+      heads.push_back(fmt::format("{}", w + 1));
+    Table table(heads);
+    for (std::size_t k = 0; k < c.coordinates.size(); ++k) {
+      const AssemblyChoice::Coordinate& of = c.coordinates[k];
+      std::vector<std::string> row{
+          of.coordinate > 0 ? fmt::format("{}, coordinate {}", of.joint, of.coordinate) : of.joint,
+          of.angle ? "rad" : "m"};
+      for (std::size_t w = 0; w + 2 < heads.size(); ++w) row.push_back(fmt::format("{:.4g}", c.ways[w][k]));
+      table.add(row);
+    }
+    text += table.text();
+  }
+  return text;
+}
+
 /// What a run takes.
 std::string method_table(const Method& m) {
   Table table({"run", "", ""});
@@ -196,7 +233,7 @@ std::string to_tables(const Description& d, const std::string& title) {
   if (d.redundancy.equations > 0) line("redundant equations", d.redundancy.equations);
   if (d.redundancy.nearly > 0) line("nearly redundant equations", d.redundancy.nearly);
   return text + bodies.text() + '\n' + joints.text() + '\n' + model.text() + '\n' + method_table(d.method) +
-         redundancy_note(d.redundancy);
+         redundancy_note(d.redundancy) + choices_note(d.choices);
 }
 
 int run(const Arguments& arguments) {

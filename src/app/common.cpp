@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "app/busy.h"
+#include "mimbre/assembly.h"
 #include "mimbre/model_file.h"
 #include "mimbre/text.h"
 
@@ -43,7 +44,7 @@ LoadedModel load(const std::string& path, const std::vector<std::string>& settin
     Busy busy(fmt::format("reading {} and reducing its flexible bodies", path), !quiet);
     spec::Model spec = load_model(path, overrides(settings), &warnings, &loaded.other_files);
     busy.now(fmt::format("laying out the {} bodies", spec.bodies.size()));
-    loaded.model = Model::compile(std::move(spec));
+    loaded.model = Model::compile(brought_together(std::move(spec)));
   }
   for (const Diagnostic& warning : warnings) {
     fmt::print(stderr, "{}\n", diagnostic_line(warning, "warning"));

@@ -53,8 +53,10 @@ Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
   const T side = select(trial > T(0), T(1), T(-1));
   // Sliding: k z + damped (z − z before) + kept = ± limit.
   const T held = select(whole > T(0), T((side * limit - kept + damped * bent) / (whole + T(1e-300))), T(0));
-  b.bend = select(sliding, held, T(bent + moved));
-  b.rate = steps ? T((b.bend - bent) / c.step) : before[rate];
+  // Surfaces that nothing presses together bend nothing: a brake that opens lets go.
+  const auto pressed = level > T(0);
+  b.bend = select(pressed, select(sliding, held, T(bent + moved)), T(0));
+  b.rate = steps ? select(pressed, T((b.bend - bent) / c.step), T(0)) : before[rate];
   b.force = select(sliding, T(side * limit), trial);
   b.stiffness = select(sliding, T(0), whole);
   b.damping = select(sliding, T(side * slope), T(0));

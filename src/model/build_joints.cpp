@@ -11,18 +11,18 @@ namespace {
 using spec::JointType;
 
 /// Joint axes by the given ones, global; nothing where none are given.
-std::optional<Eigen::Matrix3d> given_axes(const Addition& addition, const build::Joint& joint) {
-  const auto name = joint_info(joint.type).name;
-  if (joint.axis2 && joint.type != JointType::universal)
-    addition.refuse("only a universal joint has a second axis");
-  if (!joint.axis) return {};
-  if (!needs_axis(joint.type)) addition.refuse(fmt::format("a {} joint has no axis", name));
-  const Eigen::Vector3d axis = addition.direction("axis", *joint.axis);
-  if (joint.type != JointType::universal) return joint_axes(joint.type, axis);
-  if (!joint.axis2) addition.refuse("'axis2' is missing; a universal joint needs it");
-  const Eigen::Vector3d second = addition.direction("axis2", *joint.axis2);
+std::optional<Eigen::Matrix3d> given_axes(const Addition& addition, JointType type,
+                                          const std::optional<Eigen::Vector3d>& given,
+                                          const std::optional<Eigen::Vector3d>& given2) {
+  if (given2 && type != JointType::universal) addition.refuse("only a universal joint has a second axis");
+  if (!given) return {};
+  if (!needs_axis(type)) addition.refuse(fmt::format("a {} joint has no axis", joint_info(type).name));
+  const Eigen::Vector3d axis = addition.direction("axis", *given);
+  if (type != JointType::universal) return joint_axes(type, axis);
+  if (!given2) addition.refuse("'axis2' is missing; a universal joint needs it");
+  const Eigen::Vector3d second = addition.direction("axis2", *given2);
   if (!perpendicular(axis, second)) addition.refuse("axis and axis2 are not perpendicular");
-  return joint_axes(joint.type, axis, second);
+  return joint_axes(type, axis, second);
 }
 
 /// Where the joint is, and the frames of both sides there.
@@ -42,7 +42,7 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   if (!joint.at && frame < 0 && !any_place)
     addition.refuse("'at' is missing; where two bodies are named the joint needs its place");
 
-  std::optional<Eigen::Matrix3d> axes = given_axes(addition, joint);
+  std::optional<Eigen::Matrix3d> axes = given_axes(addition, joint.type, joint.axis, joint.axis2);
   if (!axes && frame < 0) {
     if (needs_axis(joint.type))
       addition.refuse(fmt::format("'axis' is missing; a {} joint needs it", joint_info(joint.type).name));
@@ -52,6 +52,17 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   const Eigen::Vector3d place = joint.at     ? addition.point("at", *joint.at)
                                 : frame >= 0 ? addition.frame_pose(frame).position
                                              : addition.body_pose(b.body).position;
+  if (joint.at_b) {
+    if (!joint.at) addition.refuse("'at' is missing; 'at_b' goes with a point of the first body");
+    const std::optional<Eigen::Matrix3d> other =
+        joint.axis_b || joint.axis2_b
+            ? given_axes(addition, joint.type, joint.axis_b ? joint.axis_b : joint.axis,
+                         joint.axis2_b ? joint.axis2_b : joint.axis2)
+            : axes;
+    const int first = addition.new_frame(name + ".a", a.body, {place, *axes});
+    return {first, addition.new_frame(name + ".b", b.body, {addition.point("at_b", *joint.at_b), *other})};
+  }
+  if (joint.axis_b || joint.axis2_b) addition.refuse("'at_b' is missing; 'axis_b' and 'axis2_b' go with it");
   const auto side = [&](const Attachment& attachment, const char* letter) {
     if (attachment.frame >= 0 && !axes) return attachment.frame;
     const spec::Pose there = attachment.frame >= 0 ? addition.frame_pose(attachment.frame)
@@ -112,6 +123,8 @@ void ModelBuilder::add_joint(const std::string& name, const build::Joint& given)
   joint.springs = given.springs;
   joint.initial_position = given.position;
   joint.initial_velocity = given.velocity;
+  joint.near = given.near;
+  joint.apart = given.at_b.has_value();
   std::tie(joint.frame_a, joint.frame_b) = make_sides(addition, name, given);
   turn_velocity(addition, joint);
   addition.commit(impl_->joints, impl_->model.joints.size());

@@ -97,6 +97,7 @@ void check_joints(const spec::Model& model, std::vector<Diagnostic>& errors) {
     const JointInfo& info = joint_info(joint.type);
     check_initial(thing, "initial_position", joint.initial_position, info);
     check_initial(thing, "initial_velocity", joint.initial_velocity, info);
+    check_initial(thing, "near", joint.near, info);
     check_drives(thing, joint, info);
     check_joint_springs(thing, joint, info);
   }

@@ -30,7 +30,13 @@ std::uint64_t program() {
   Hash64 hash;
   const BuildInfo& build = build_info();
   hash.add(build.version + '\n' + build.compiler + '\n' + build.instructions);
-  hash.add(static_cast<double>(sizeof(Compiled)));
+  // What lies in its arrays may change while it stays as long as it was.
+  for (const std::size_t size :
+       {sizeof(Compiled), sizeof(BodyData), sizeof(FrameData), sizeof(FlexibleData), sizeof(AncfElement),
+        sizeof(LoopData), sizeof(DriveData), sizeof(ElementData), sizeof(LawData), sizeof(SensorData),
+        sizeof(RoadData), sizeof(FunctionData), sizeof(SignalsData::Sampled), sizeof(MotionSubspace),
+        sizeof(PathEntry), sizeof(MassPlace)})
+    hash.add(static_cast<double>(size));
   return hash.value();
 }
 

@@ -19,7 +19,7 @@ bool must_stay(const Joint& joint) {
     return std::any_of(values.begin(), values.end(), [](const auto& v) { return v.has_value(); });
   };
   return joint.cut == Joint::Cut::never || !joint.drives.empty() || given(joint.initial_position) ||
-         given(joint.initial_velocity);
+         given(joint.initial_velocity) || given(joint.near);
 }
 
 int body_a(const spec::Model& m, const Joint& j) { return m.frames[j.frame_a].body; }

@@ -64,16 +64,15 @@ std::optional<JointType> read_type(const Fields& fields) {
 
 /// Joint axes from the given axis (and universal's second), placed so that a mirrored joint's coordinates
 /// mean the same: rotation axes as pseudo-vectors, translation axes as vectors.
-std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Fields& fields, JointType type) {
-  const auto axis = fields.get("axis");
-  const auto first = axis ? axis->direction() : std::nullopt;
+std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Value& axis,
+                                         const std::optional<Value>& axis2, JointType type) {
+  const auto first = axis.direction();
   if (!first) return {};
   if (type == JointType::universal) {
-    const auto second_value = fields.need("axis2", "[0, 1, 0]");
-    const auto second = second_value ? second_value->direction() : std::nullopt;
+    const auto second = axis2 ? axis2->direction() : std::nullopt;
     if (!second) return {};
     if (!perpendicular(*first, *second)) {
-      second_value->error(
+      axis2->error(
           fmt::format("axis and axis2 are not perpendicular: {} and {}", to_text(*first), to_text(*second)));
       return {};
     }
@@ -100,6 +99,49 @@ Eigen::Matrix3d unmirrored_axes(const Part& part, JointType type, const Eigen::M
   if (type == JointType::prismatic) signs = {det, 1, 1};
   if (type == JointType::planar) signs = {1, 1, det};
   return axes * part.place.mirror.cwiseProduct(signs).asDiagonal();
+}
+
+/// The values of a key that may be given once or once for each of the two bodies.
+std::optional<std::array<Value, 2>> for_both(const Value& value) {
+  const auto items = value.list();
+  if (items.empty() || !items.front().is_list()) return {{value, value}};
+  if (items.size() == 2) return {{items[0], items[1]}};
+  value.error(fmt::format("these are {} lists; one is needed for each of the two bodies", items.size()));
+  return {};
+}
+
+bool is_pair(const Value& value) {
+  return value.is_list() && !value.list().empty() && value.list().front().is_list();
+}
+
+/// The frames of bodies that are drawn apart: `at` has a point of each where it is drawn.
+std::pair<int, int> read_apart(Builder& builder, const Part& part, const Fields& fields,
+                               const std::array<int, 2>& bodies, const std::string& name, JointType type) {
+  const std::pair<int, int> none{-1, -1};
+  const Value at = *fields.get("at");
+  const auto points = for_both(at);
+  const auto axis = fields.get("axis");
+  const auto axis2 = type == JointType::universal ? fields.need("axis2", "[0, 1, 0]") : std::nullopt;
+  if (needs_axis(type) && !axis)
+    fields.error(fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]",
+                             joint_info(type).name));
+  const auto axes = axis ? for_both(*axis) : std::nullopt;
+  const auto second = axis2 ? for_both(*axis2) : std::nullopt;
+  if (!points || (needs_axis(type) && !axes) || (type == JointType::universal && !second)) return none;
+  std::array<int, 2> made{-1, -1};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto point = (*points)[k].triple(quantity::length);
+    std::optional<Eigen::Matrix3d> rotation =
+        Eigen::Matrix3d(part.place.determinant() * part.place.rotation * part.place.mirror.asDiagonal());
+    if (axes)
+      rotation =
+          read_axes(part, (*axes)[k], second ? std::optional<Value>((*second)[k]) : std::nullopt, type);
+    if (!point || !rotation) return none;
+    const std::string frame_name = name + (k == 0 ? ".a" : ".b");
+    made[k] = builder.add_frame_at(frame_name, bodies[k], part.place.point(*point), *rotation, (*points)[k]);
+    builder.claim(builder.frame_names, part, frame_name, (*points)[k].mark(), made[k]);
+  }
+  return {made[0], made[1]};
 }
 
 /// The two frames; -1 where something is wrong.
@@ -134,6 +176,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
     axis->error(fmt::format("a {} joint has no axis", joint_info(type).name));
     return none;
   }
+  if (at && is_pair(*at)) return read_apart(builder, part, fields, {a->body, b->body}, name, type);
 
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   const bool any_place =
@@ -157,7 +200,8 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
 
   std::optional<Eigen::Matrix3d> axes;
   if (axis) {
-    axes = read_axes(part, fields, type);
+    axes = read_axes(part, *axis,
+                     type == JointType::universal ? fields.need("axis2", "[0, 1, 0]") : std::nullopt, type);
     if (!axes) return none;
   } else if (frame < 0 && needs_axis(type)) {
     fields.error(fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]",
@@ -337,10 +381,11 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
 /// A floating joint's velocities are given in global axes; the joint wants a's axes and b's axes. Its
 /// position is given in a's axes and is mirrored like the frames.
 void place_floating(const Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
-  if (const auto p = three(joint.initial_position, 0))
-    put(part.place.mirror.cwiseProduct(*p), joint.initial_position, 0);
-  if (const auto r = three(joint.initial_position, 3))
-    put(part.place.determinant() * part.place.mirror.cwiseProduct(*r), joint.initial_position, 3);
+  for (auto* position : {&joint.initial_position, &joint.near}) {
+    if (const auto p = three(*position, 0)) put(part.place.mirror.cwiseProduct(*p), *position, 0);
+    if (const auto r = three(*position, 3))
+      put(part.place.determinant() * part.place.mirror.cwiseProduct(*r), *position, 3);
+  }
   auto& velocity = joint.initial_velocity;
   if (velocity.empty()) return;
   const auto linear = three(velocity, 0), angular = three(velocity, 3);
@@ -361,8 +406,8 @@ void place_floating(const Builder& builder, const Part& part, const Value& value
 }
 
 void read_joint(Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
-  const Fields fields(
-      value, {"type", "between", "at", "axis", "axis2", "cut", "position", "velocity", "drive", "spring"});
+  const Fields fields(value, {"type", "between", "at", "axis", "axis2", "cut", "position", "velocity", "near",
+                              "drive", "spring"});
   if (!value.has_fields()) return;
   const auto type = read_type(fields);
   if (!type) {
@@ -380,6 +425,9 @@ void read_joint(Builder& builder, const Part& part, const Value& value, spec::Jo
   if (const auto spring = fields.get("spring")) read_joint_springs(builder, part, *spring, joint);
   if (const auto position = fields.get("position"))
     joint.initial_position = read_initial(*position, *type, &CoordinateUnits::position);
+  if (const auto near = fields.get("near"))
+    joint.near = read_initial(*near, *type, &CoordinateUnits::position);
+  if (const auto at = fields.get("at")) joint.apart = is_pair(*at);
   if (const auto velocity = fields.get("velocity"))
     joint.initial_velocity = read_initial(*velocity, *type, &CoordinateUnits::velocity);
   check_driven(fields, joint);

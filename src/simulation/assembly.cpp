@@ -27,15 +27,16 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
     velocity_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
     if (info.quaternion >= 0) s.q[b.q + info.quaternion] = 1;
     Vec3d turn = Vec3d::Zero();
-    for (int k = 0; k < static_cast<int>(joint.initial_position.size()); ++k) {
-      if (!joint.initial_position[k]) continue;
-      position_weight[b.v + k] = 0;
-      const bool rotation = info.quaternion >= 0 && k >= info.rotation;
-      if (rotation)
-        turn[k - info.rotation] = *joint.initial_position[k];
-      else
-        s.q[b.q + k] = *joint.initial_position[k];
-    }
+    const auto begin = [&](const std::vector<std::optional<double>>& values, double weight) {
+      for (int k = 0; k < static_cast<int>(values.size()); ++k) {
+        if (!values[k]) continue;
+        position_weight[b.v + k] = weight;
+        const bool rotation = info.quaternion >= 0 && k >= info.rotation;
+        (rotation ? turn[k - info.rotation] : s.q[b.q + k]) = *values[k];
+      }
+    };
+    begin(joint.near, 1);
+    begin(joint.initial_position, 0);
     if (info.quaternion >= 0) s.q.segment<4>(b.q + info.quaternion) = quaternion_exp<double>(turn);
     for (int k = 0; k < static_cast<int>(joint.initial_velocity.size()); ++k) {
       if (!joint.initial_velocity[k]) continue;
@@ -52,8 +53,9 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
 
 }  // namespace
 
-State assembled_state(const Compiled& m, relative::RelativeSystem& system,
-                      const std::map<std::string, double>& inputs) {
+State given_state(const Compiled& m, relative::RelativeSystem& system,
+                  const std::map<std::string, double>& inputs, Eigen::VectorXd& position_weight,
+                  Eigen::VectorXd& velocity_weight) {
   State s;
   start_signals(m, inputs, s);
   system.enter(s.u.data(), s.z.data(), 0);
@@ -62,8 +64,17 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
   s.a.setZero(m.velocities);
   s.algorithmic.setZero(m.velocities);
   s.multipliers.setZero(m.equations);
-  Eigen::VectorXd position_weight = Eigen::VectorXd::Ones(m.velocities), velocity_weight = position_weight;
+  position_weight = velocity_weight = Eigen::VectorXd::Ones(m.velocities);
   set_given(m, system.workspace().signals, s, position_weight, velocity_weight);
+  return s;
+}
+
+State assembled_state(const Compiled& m, relative::RelativeSystem& system,
+                      const std::map<std::string, double>& inputs) {
+  Eigen::VectorXd position_weight, velocity_weight;
+  State s = given_state(m, system, inputs, position_weight, velocity_weight);
+  // What it was given lies where the state is now.
+  system.enter(s.u.data(), s.z.data(), 0);
   system.begin_step(s.q.data());
 
   const auto where = [&](double gap, const double* violation, const char* what, const char* unit) {

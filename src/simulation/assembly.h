@@ -12,6 +12,13 @@
 /// Where a mechanism starts, whatever the formulation: everything begins in relative coordinates.
 namespace mimbre {
 
+/// What is given of the joints' coordinates at the start, or near what they are, with loops open; signals as
+/// they begin, and `system` evaluates with them. The weights (velocities × 1) say what may move to close
+/// loops: 1, or 0 what is given and modes.
+State given_state(const Compiled& model, relative::RelativeSystem& system,
+                  const std::map<std::string, double>& inputs, Eigen::VectorXd& position_weight,
+                  Eigen::VectorXd& velocity_weight);
+
 /// Loops closed, velocities consistent, what the user gave kept; accelerations and multipliers zero; signals
 /// and force elements as they begin, with these inputs, which `system` evaluates from now on, as long as the
 /// state is there. Throws InputError when the loops do not close or the given initial values contradict each

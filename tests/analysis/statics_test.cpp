@@ -60,6 +60,22 @@ outputs:
 )";
 }
 
+TEST(Statics, InputsAreThoseOfTheOptions) {
+  const auto model = model_of(R"(
+gravity: [0, 0, 0]
+bodies: {block: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 100}}}
+inputs: {push: {start: 0}}
+actuators: {push: {joint: guide, force: push}}
+outputs: [{name: z, joint: guide}]
+)");
+  RunOptions options;
+  options.inputs = {{"push", 25}};
+  EXPECT_NEAR(value(static_equilibrium(model, options), "z"), 0.25, 1e-9);
+  options.inputs = {{"pull", 25}};
+  EXPECT_THROW(static_equilibrium(model, options), InputError);
+}
+
 TEST(Statics, CantileverBendsAsABeam) {
   const double E = 2.1e11, I = std::numbers::pi * std::pow(0.01, 4) / 4, A = std::numbers::pi * 0.01 * 0.01,
                L = 2;

@@ -201,6 +201,35 @@ simulation: {{step: 0.001, end: 5}}
   }
 }
 
+/// A brake that was open while its wheel turned holds it where it is when it closes.
+TEST_P(Friction, ABrakeThatWasOpenHoldsWhereItCloses) {
+  Simulation simulation = simulation_of(R"y(
+gravity: [0, 0, 0]
+bodies: {wheel: {mass: 1, com: [0, 0, 0], inertia: [0.2, 0.2, 0.2]}}
+joints: {axle: {type: revolute, between: [ground, wheel], at: [0, 0, 0], axis: [0, 0, 1]}}
+inputs: {brake: {start: 0}, motor: {start: 0}}
+actuators: {motor: {joint: axle, torque: motor}}
+frictions: {brake: {joint: axle, torque: brake}}
+outputs: [{name: angle, joint: axle}, {name: rate, joint_velocity: axle}]
+simulation: {step: 0.001, end: 1}
+)y",
+                                        GetParam());
+  const auto go = [&](double brake, double motor, int steps) {
+    simulation.set_input(simulation.input("brake"), brake);
+    simulation.set_input(simulation.input("motor"), motor);
+    for (int k = 0; k < steps; ++k) ASSERT_TRUE(simulation.step().ok());
+  };
+  go(0, 2, 500);
+  go(0, -2, 500);  // at rest again, a turn of half a radian and more away
+  const double angle = channel(simulation, "angle");
+  EXPECT_GT(angle, 1);
+  EXPECT_NEAR(channel(simulation, "rate"), 0, 0.05);
+  go(10, 0, 1000);
+  EXPECT_NEAR(channel(simulation, "angle"), angle, 1e-3);
+  EXPECT_NEAR(channel(simulation, "rate"), 0, 1e-9);
+  EXPECT_NEAR(simulation.energy().numerical, 0, 1e-3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, Friction, testing::Values(Formulation::relative, Formulation::natural));
 
 /// Whatever the motion and the limit, the surfaces take energy and give none.
