@@ -22,6 +22,7 @@
 #include "mimbre/model.h"
 #include "mimbre/model_file.h"
 #include "mimbre/results.h"
+#include "mimbre/surface_mesh.h"
 #include "model_file/parse.h"
 
 namespace mimbre::fuzz {
@@ -332,6 +333,17 @@ const std::vector<Reader>& readers() {
          samples.push_back(node_table);
          return samples;
        }},
+      {"stl",
+       [](const std::string& bytes) { why_not_closed(read_surface_mesh(written(bytes, "surface.stl"))); },
+       [](const std::string& s) {
+         return files(s, {"tests/data/surfaces/block.stl", "tests/data/surfaces/block-text.stl"});
+       }},
+      {"obj",
+       [](const std::string& bytes) { why_not_closed(read_surface_mesh(written(bytes, "surface.obj"))); },
+       [](const std::string& s) { return files(s, {"tests/data/surfaces/block.obj"}); }},
+      {"glb",
+       [](const std::string& bytes) { why_not_closed(read_surface_mesh(written(bytes, "surface.glb"))); },
+       [](const std::string& s) { return files(s, {"tests/data/surfaces/block.glb"}); }},
       {"mbdyn_fem",
        [](const std::string& bytes) { read_text(bytes, [](TextFile& file) { parse_mbdyn_fem(file); }); },
        [](const std::string&) { return std::vector<std::string>{body_as(BodyFormat::fem, "sample.fem")}; }},

@@ -15,7 +15,8 @@
 
 namespace mimbre {
 struct ReducedBody;
-}
+struct SurfaceMesh;
+}  // namespace mimbre
 
 /// What the user said, with templates placed, expressions evaluated and names resolved to indices: the input
 /// of compile(). Everything of a body is in that body's own axes here; only Body::pose and ground frames are
@@ -29,10 +30,12 @@ struct Pose {
 
 /// For drawing only. A frame of the body carries it.
 struct Shape {
-  enum class Kind { box, cylinder, sphere } kind = Kind::box;
+  enum class Kind { box, cylinder, sphere, mesh } kind = Kind::box;
   Pose pose;  ///< in body axes; a cylinder's axis is z
-  Eigen::Vector3d size =
-      Eigen::Vector3d::Zero();  ///< box: edges; cylinder: radius, length, 0; sphere: radius, 0, 0
+  /// box: edges; cylinder: radius, length, 0; sphere: radius, 0, 0; mesh: factors on its coordinates, of
+  /// which negative ones mirror it
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::shared_ptr<const SurfaceMesh> mesh = nullptr;
 };
 
 struct Body {

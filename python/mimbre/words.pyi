@@ -89,13 +89,17 @@ class Shape(TypedDict, total=False):
     cylinder: Sequence[Number] | Array
     # Radius, m.
     sphere: Number
-    # Centre, m, global.
+    # A surface's file, found from the model's folder: STL, OBJ, glTF, PLY or Collada.
+    mesh: str
+    # Factors on the mesh's coordinates: 0.001 where they are millimetres; negative ones mirror.
+    scale: Number | Vector
+    # Centre, of a mesh the origin of its coordinates, m, global.
     at: Vector
     # The cylinder's axis.
     axis: Vector
-    # The box's x axis.
+    # The x axis of the box or mesh.
     x: Vector
-    # The box's y axis.
+    # The y axis of the box or mesh.
     y: Vector
 
 class NodeKeys(TypedDict, total=False):

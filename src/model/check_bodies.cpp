@@ -2,6 +2,7 @@
 
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
+#include "mimbre/surface_mesh.h"
 #include "model/checked_thing.h"
 #include "reduction/check_arrays.h"
 
@@ -69,10 +70,26 @@ bool check_flexible(const Thing& thing, const ReducedBody& body) {
   return true;
 }
 
+void check_mesh(const Thing& thing, const spec::Shape& shape) {
+  if (thing.finite("size of a shape", shape.size) && (shape.size.array() == 0).any())
+    thing.error("size of a shape is 0; the factors on a mesh's coordinates can be anything else");
+  if (!shape.mesh) return thing.error("a shape is a mesh, but has none");
+  thing.finite("mesh of a shape", shape.mesh->vertices);
+  for (const auto& triangle : shape.mesh->triangles)
+    for (const int corner : triangle)
+      if (corner < 0 || corner >= shape.mesh->vertices.cols())
+        return thing.error(fmt::format("a triangle of a shape's mesh ends at vertex {}, but it has {}",
+                                       corner, shape.mesh->vertices.cols()));
+}
+
 void check_drawing(const Thing& thing, const spec::Body& body) {
   for (const spec::Shape& shape : body.shapes) {
     thing.pose(shape.pose);
-    if (!thing.enumerator("kind of a shape", shape.kind, 3)) continue;
+    if (!thing.enumerator("kind of a shape", shape.kind, 4)) continue;
+    if (shape.kind == spec::Shape::Kind::mesh) {
+      check_mesh(thing, shape);
+      continue;
+    }
     const int sizes = shape.kind == spec::Shape::Kind::box        ? 3
                       : shape.kind == spec::Shape::Kind::cylinder ? 2
                                                                   : 1;

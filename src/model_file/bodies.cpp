@@ -7,6 +7,7 @@
 #include "joints/axes.h"
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
+#include "mimbre/surface_mesh.h"
 #include "model_file/builder.h"
 #include "reduction/mirror.h"
 
@@ -78,16 +79,52 @@ void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d*
   }
 }
 
-void read_shapes(const Value& value, const Local& local, spec::Body& body) {
+/// The surface of a file, read once.
+std::shared_ptr<const SurfaceMesh> read_mesh(Builder& builder, const Value& value) {
+  const auto path = value.word();
+  if (!path) return nullptr;
+  if (builder.directory.empty()) {
+    value.error("this model has no folder, so it cannot name other files");
+    return nullptr;
+  }
+  const auto [known, fresh] = builder.surfaces.try_emplace(*path);
+  if (!fresh) return known->second;
+  const std::string file = (std::filesystem::path(builder.directory) / *path).string();
+  builder.other_files.push_back(file);
+  try {
+    known->second = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
+  } catch (const InputError& e) {
+    for (const Diagnostic& d : e.diagnostics()) value.error(to_string(d));
+  }
+  return known->second;
+}
+
+/// Factors on a mesh's coordinates: one, or one for each of its axes.
+Eigen::Vector3d read_scale(const Fields& fields) {
+  const auto scale = fields.get("scale");
+  if (!scale) return Eigen::Vector3d::Ones();
+  const Eigen::Vector3d factors =
+      scale->is_list() ? scale->triple().value_or(Eigen::Vector3d::Ones())
+                       : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number().value_or(1)));
+  if ((factors.array() != 0).all()) return factors;
+  scale->error("is 0; a mesh in millimetres has scale: 0.001");
+  return Eigen::Vector3d::Ones();
+}
+
+void read_shapes(Builder& builder, const Value& value, const Local& local, spec::Body& body) {
   const Part& part = local.part;
   for (const Value& item : value.list()) {
-    const Fields fields(item, {"box", "cylinder", "sphere", "at", "axis", "x", "y"});
+    const Fields fields(item, {"box", "cylinder", "sphere", "mesh", "scale", "at", "axis", "x", "y"});
     spec::Shape shape;
-    const auto box = fields.get("box"), cylinder = fields.get("cylinder"), sphere = fields.get("sphere");
-    if (int(box.has_value()) + int(cylinder.has_value()) + int(sphere.has_value()) != 1) {
-      item.error("one of box: [x, y, z], cylinder: [radius, length], sphere: radius is needed");
+    const auto box = fields.get("box"), cylinder = fields.get("cylinder"), sphere = fields.get("sphere"),
+               mesh = fields.get("mesh");
+    if (int(box.has_value()) + int(cylinder.has_value()) + int(sphere.has_value()) + int(mesh.has_value()) !=
+        1) {
+      item.error(
+          "one of box: [x, y, z], cylinder: [radius, length], sphere: radius, mesh: part.stl is needed");
       continue;
     }
+    if (fields.has("scale") && !mesh) item.error("'scale' is for a mesh; the others have their size");
     std::vector<double> size;
     if (box) size = box->numbers(3, 3, quantity::length).value_or(std::vector<double>{1, 1, 1});
     if (cylinder) size = cylinder->numbers(2, 2, quantity::length).value_or(std::vector<double>{1, 1});
@@ -96,9 +133,14 @@ void read_shapes(const Value& value, const Local& local, spec::Body& body) {
       if (!(size[k] > 0)) item.error(fmt::format("size {} is not positive", size[k]));
       shape.size[static_cast<Eigen::Index>(k)] = size[k];
     }
+    if (mesh) {
+      shape.mesh = read_mesh(builder, *mesh);
+      shape.size = part.place.mirror.cwiseProduct(read_scale(fields));
+    }
     shape.kind = box        ? spec::Shape::Kind::box
                  : cylinder ? spec::Shape::Kind::cylinder
-                            : spec::Shape::Kind::sphere;
+                 : sphere   ? spec::Shape::Kind::sphere
+                            : spec::Shape::Kind::mesh;
     Eigen::Vector3d at = part.place.rotation.transpose() * (local.pose.position - part.place.translation);
     at = part.place.mirror.cwiseProduct(at);
     spec::Pose global;
@@ -110,7 +152,7 @@ void read_shapes(const Value& value, const Local& local, spec::Body& body) {
           axes_with_z(part.place.vector(axis ? axis->direction().value_or(Eigen::Vector3d::UnitZ())
                                              : Eigen::Vector3d(Eigen::Vector3d::UnitZ())));
     } else {
-      if (fields.has("axis")) item.error("'axis' is for cylinders; a box has x and y");
+      if (fields.has("axis")) item.error("'axis' is for cylinders; others have x and y");
       global = read_pose(part, fields, at);
     }
     shape.pose.position = local.pose.rotation.transpose() * (global.position - local.pose.position);
@@ -265,7 +307,7 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
         info.node_positions.push_back(frame.position);
       }
   }
-  if (const auto shapes = fields.get("shapes")) read_shapes(*shapes, local, body);
+  if (const auto shapes = fields.get("shapes")) read_shapes(builder, *shapes, local, body);
   if (const auto lines = fields.get("lines")) read_lines(*lines, local, body);
   info.failed = info.failed || as < 0;
   builder.model.bodies[static_cast<std::size_t>(index)] = std::move(body);

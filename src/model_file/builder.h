@@ -111,6 +111,7 @@ struct Builder {
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
   /// Bodies of files, by path and by which axes are mirrored.
   std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
+  std::map<std::string, std::shared_ptr<const SurfaceMesh>> surfaces;  ///< of files, by path
 
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);

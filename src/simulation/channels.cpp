@@ -501,37 +501,6 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
   }
 }
 
-std::vector<BodyDrawing> Channels::drawings() const {
-  std::vector<BodyDrawing> drawings;
-  for (const spec::Body& body : model_.spec().bodies) {
-    BodyDrawing d;
-    d.name = body.name;
-    d.shapes = body.shapes;
-    if (body.flexible) {
-      d.points = body.flexible->nodes;
-      const auto& second = body.flexible->second_order;
-      d.point_shapes = second ? second->node_shapes : body.flexible->node_shapes;
-      d.lines = body.flexible->lines;
-      d.triangles = body.flexible->triangles;
-      d.labels = body.flexible->node_labels;
-      d.stress = body.flexible->stress;
-      d.line_radius = body.flexible->line_radius;
-      d.modes = static_cast<int>(d.point_shapes.cols());
-    } else {
-      d.points.resize(3, static_cast<Eigen::Index>(2 * body.lines.size()));
-      d.point_shapes.resize(3 * d.points.cols(), 0);
-      for (std::size_t l = 0; l < body.lines.size(); ++l) {
-        const int first = static_cast<int>(2 * l);
-        d.points.col(first) = body.lines[l][0];
-        d.points.col(first + 1) = body.lines[l][1];
-        d.lines.push_back({first, first + 1});
-      }
-    }
-    drawings.push_back(std::move(d));
-  }
-  return drawings;
-}
-
 std::vector<RoadDrawing> Channels::roads() const {
   std::vector<RoadDrawing> roads;
   for (const spec::Road& road : model_.spec().roads) {

@@ -63,7 +63,6 @@ class Channels {
   /// Says in the meaning of reactions which rigid bodies do not determine.
   void mark_undetermined(const Redundancy& redundancy);
 
-  std::vector<BodyDrawing> drawings() const;
   std::vector<RoadDrawing> roads() const;
 
  private:

@@ -10,6 +10,7 @@
 
 #include "base/cpu_time.h"
 #include "base/helper_threads.h"
+#include "simulation/body_drawings.h"
 #include "simulation/channels.h"
 #include "simulation/element_drawings.h"
 #include "simulation/explain.h"
@@ -356,7 +357,7 @@ ResultsHeader Simulation::header(const std::string& options_json) const {
   h.options_json = options_json;
   h.step = step_size();
   h.channels = s.channels.info();
-  h.bodies = s.channels.drawings();
+  h.bodies = body_drawings(s.compiled.spec());
   h.roads = s.channels.roads();
   ElementDrawings drawn = element_drawings(s.compiled, h.bodies);
   h.frames = std::move(drawn.frames);

@@ -11,6 +11,7 @@
 #include "joints/table.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
+#include "mimbre/surface_mesh.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 
@@ -247,6 +248,16 @@ const std::vector<Mistake>& mistakes() {
       in("shape without size", "body", &M::bodies, "size of a shape", [](B& b, M&, Random&) { b.shapes.push_back({}); }),
       in("shape of no kind", "body", &M::bodies, "kind of a shape",
          [](B& b, M&, Random&) { b.shapes.push_back({static_cast<spec::Shape::Kind>(9), {}, {1, 1, 1}}); }),
+      in("mesh of no size", "body", &M::bodies, "size of a shape is 0",
+         [](B& b, M&, Random&) { b.shapes.push_back({spec::Shape::Kind::mesh, {}, {1, 0, 1}}); }),
+      in("mesh that is not there", "body", &M::bodies, "has none",
+         [](B& b, M&, Random&) { b.shapes.push_back({spec::Shape::Kind::mesh, {}, {1, 1, -1}}); }),
+      in("mesh with a vertex missing", "body", &M::bodies, "ends at vertex 3",
+         [](B& b, M&, Random&) {
+           b.shapes.push_back({spec::Shape::Kind::mesh, {}, {1, 1, 1}});
+           b.shapes.back().mesh = std::make_shared<const SurfaceMesh>(
+               SurfaceMesh{Eigen::Matrix3Xd::Identity(3, 3), {{0, 1, 3}}});
+         }),
       in("line", "body", &M::bodies, "line",
          [](B& b, M&, Random& r) { b.lines.push_back({Vec3d::Zero(), Vec3d(0, bad_number(r), 0)}); }),
       // Reduced bodies.
