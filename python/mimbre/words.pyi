@@ -20,7 +20,7 @@ Points: TypeAlias = Sequence[Sequence[Number] | Array] | Array
 
 class ParameterKeys(TypedDict, total=False):
     # A number (SI), an expression of the parameters above, a word, or true or false.
-    value: Required[float | str | bool]
+    value: float | str | bool
     # The words that it may be.
     choices: Sequence[str]
     # The least value.
@@ -33,6 +33,8 @@ class ParameterKeys(TypedDict, total=False):
     about: str
     # May be set between steps; laws and signals alone may use it.
     tunable: Flag
+    # The name of a body, frame, joint or another thing, in place of a value.
+    name: str
 
 Parameter: TypeAlias = float | str | bool | ParameterKeys
 

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <filesystem>
 
 #include "joints/axes.h"
 #include "math/decompositions.h"
@@ -83,13 +82,10 @@ void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d*
 std::shared_ptr<const SurfaceMesh> read_mesh(Builder& builder, const Value& value) {
   const auto path = value.word();
   if (!path) return nullptr;
-  if (builder.directory.empty()) {
-    value.error("this model has no folder, so it cannot name other files");
-    return nullptr;
-  }
-  const auto [known, fresh] = builder.surfaces.try_emplace(*path);
+  if (!has_folder(builder, value)) return nullptr;
+  const std::string file = path_of(builder, value.mark(), *path);
+  const auto [known, fresh] = builder.surfaces.try_emplace(file);
   if (!fresh) return known->second;
-  const std::string file = (std::filesystem::path(builder.directory) / *path).string();
   builder.other_files.push_back(file);
   try {
     known->second = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
@@ -182,18 +178,15 @@ void read_lines(const Value& value, const Local& local, spec::Body& body) {
 std::shared_ptr<const ReducedBody> read_reduced(Builder& builder, const Part& part, const Value& value) {
   const auto path = value.word();
   if (!path) return nullptr;
-  if (builder.directory.empty()) {
-    value.error("this model has no folder, so it cannot name other files");
-    return nullptr;
-  }
-  auto& images = builder.reduced_files[*path];
+  if (!has_folder(builder, value)) return nullptr;
+  const std::string file = path_of(builder, value.mark(), *path);
+  auto& images = builder.reduced_files[file];
   const auto image = [&](const Eigen::Vector3d& mirror) -> std::shared_ptr<const ReducedBody>& {
     return images[{mirror.x() < 0, mirror.y() < 0, mirror.z() < 0}];
   };
   try {
     auto& original = image(Eigen::Vector3d::Ones());
     if (!original) {
-      const std::string file = (std::filesystem::path(builder.directory) / *path).string();
       builder.other_files.push_back(file);
       original = std::make_shared<const ReducedBody>(load_reduced_body(file));
     }

@@ -77,6 +77,12 @@ std::optional<Value> Part::section(const std::string& key) const {
   return Value(reading, *entry->value, instance.empty() ? key : instance + ": " + key);
 }
 
+std::vector<std::string> Part::meanings(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const Part* part = this; part; part = part->outer) names.push_back(part->full_name(name));
+  return names;
+}
+
 std::vector<std::string> Names::list() const {
   std::vector<std::string> names;
   for (const auto& [name, k] : index) names.push_back(name);
@@ -99,13 +105,17 @@ bool Builder::claim(Names& names, const Part& part, const std::string& full_name
   return false;
 }
 
+int Builder::known(const Names& names, const Part& part, const std::string& name) const {
+  for (const std::string& full : part.meanings(name))
+    if (const int found = find(names.index, full); found >= 0) return found;
+  return -1;
+}
+
 int Builder::resolve(const Names& names, const Part& part, const std::string& name, const Value& value) {
-  if (!part.instance.empty())
-    if (const int own = find(names.index, part.full_name(name)); own >= 0) return own;
-  if (const int found = find(names.index, name); found >= 0) return found;
-  const auto known = names.list();
-  value.error(fmt::format("there is no {} '{}'{}{}", names.kind, name, did_you_mean(name, known),
-                          known.empty() ? "" : "; there are: " + joined(known)));
+  if (const int found = this->known(names, part, name); found >= 0) return found;
+  const auto list = names.list();
+  value.error(fmt::format("there is no {} '{}'{}{}", names.kind, name, did_you_mean(name, list),
+                          list.empty() ? "" : "; there are: " + joined(list)));
   return -1;
 }
 
@@ -160,9 +170,7 @@ std::optional<Attachment> resolve_attachment(Builder& builder, const Part& part,
   const auto name = value.word();
   if (!name) return {};
   if (*name == "ground") return Attachment{};
-  std::vector<std::string> tried;
-  if (!part.instance.empty()) tried.push_back(part.full_name(*name));
-  tried.push_back(*name);
+  const std::vector<std::string> tried = part.meanings(*name);
   for (const std::string& full : tried) {
     if (const int body = find(builder.body_names.index, full); body >= 0) return Attachment{body, -1};
     int frame = find(builder.frame_names.index, full);
@@ -207,14 +215,23 @@ int attach(Builder& builder, const Part& part, const Value& value, const std::op
   return frame;
 }
 
+bool has_folder(const Builder& builder, const Value& value) {
+  if (!builder.directory.empty()) return true;
+  value.error("this model has no folder, so it cannot name other files");
+  return false;
+}
+
+std::string path_of(const Builder& builder, const Mark& mark, const std::string& name) {
+  namespace fs = std::filesystem;
+  const bool own = mark.file.empty() || mark.file == builder.model.file;
+  const fs::path folder = own ? fs::path(builder.directory) : fs::path(mark.file).parent_path();
+  return folder == "." ? name : (folder / name).string();
+}
+
 std::optional<std::string> read_file(Builder& builder, const Value& value, const std::string& path) {
   namespace fs = std::filesystem;
-  if (builder.directory.empty()) {
-    value.error("this model has no folder, so it cannot name other files");
-    return {};
-  }
   std::error_code status;
-  const fs::path full = fs::path(builder.directory) / path;
+  const fs::path full = path;
   if (!fs::is_regular_file(full, status)) {
     value.error(fmt::format("there is no file '{}'", full.string()));
     return {};

@@ -26,10 +26,23 @@ struct NamedSection {
   fe::ShearCoefficient shear;
 };
 
+struct Part;
+
+/// Something to be placed several times.
+struct Template {
+  std::shared_ptr<const Tree> tree;  ///< null where it cannot be read
+  const Part* home = nullptr;        ///< in which it is written: it sees that part's parameters and materials
+  Mark mark;
+};
+
 /// The model itself or one instance of a template: its sections, parameters, names and place.
 struct Part {
-  std::string instance;  ///< empty for the model itself
-  std::shared_ptr<const Tree> tree;
+  std::string instance;                 ///< empty for the model itself; car.left for one within another
+  const Part* outer = nullptr;          ///< in which it stands; null for the model itself
+  const Part* home = nullptr;           ///< in which its template is written
+  std::shared_ptr<const Tree> written;  ///< as it is in the file
+  std::shared_ptr<const Tree> tree;     ///< with repeated things written out
+  std::map<std::string, Template> templates;
   Scope scope;
   Placement place;
   Reading reading;
@@ -39,6 +52,8 @@ struct Part {
   std::string full_name(const std::string& name) const {
     return instance.empty() ? name : instance + "." + name;
   }
+  /// What `name` may mean: a thing of this part first, then of those in which it stands, of the model last.
+  std::vector<std::string> meanings(const std::string& name) const;
   /// Section `key` of this part; nothing when absent.
   std::optional<Value> section(const std::string& key) const;
 };
@@ -99,7 +114,10 @@ struct Builder {
   std::vector<Diagnostic> warnings;
   std::string directory;
   std::vector<std::string> other_files;  ///< that were read
-  std::deque<Part> parts;                ///< the model first, then the instances in file order
+  std::deque<Part> parts;  ///< the model first, then the instances in file order, each before those within it
+  std::set<const Tree*> placed_templates;
+  /// Trees of further files, with what these include in place, by path; null where one cannot be read.
+  std::map<std::string, std::shared_ptr<const Tree>> files;
   spec::Model model;
   std::vector<BodyInfo> bodies;
   Names body_names{"body", {}}, frame_names{"frame", {}}, joint_names{"joint", {}},
@@ -115,9 +133,10 @@ struct Builder {
 
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);
-  /// The thing called `name` in `part`: the part's own first, then the model's. -1, and an error at `value`,
-  /// when there is none.
+  /// The thing called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
   int resolve(const Names& names, const Part& part, const std::string& name, const Value& value);
+  /// The same without an error.
+  int known(const Names& names, const Part& part, const std::string& name) const;
 
   int add_frame(spec::Frame frame);
   /// A new frame at a global place with global axes. On a flexible body a node must be there.
@@ -178,7 +197,12 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(c
                                                                                const Quantity& x,
                                                                                const Quantity& y);
 
-/// Text of a file under the builder's directory; nothing, and an error at `value`, when it cannot be read.
+/// The path of a file that is named at `mark`, from the folder of the file that names it.
+std::string path_of(const Builder& builder, const Mark& mark, const std::string& name);
+/// False, and an error at `value`, for a model that was no file: it has no folder in which others could be
+/// found.
+bool has_folder(const Builder& builder, const Value& value);
+/// Text of the file at `path`; nothing, and an error at `value`, when it cannot be read.
 std::optional<std::string> read_file(Builder& builder, const Value& value, const std::string& path);
 
 }  // namespace mimbre::model_file

@@ -138,7 +138,7 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
 void read_several_bodies(Builder& builder, const Part& part, const Value& named, spec::Output& output) {
   const bool is_list = named.is_list();
   if (!is_list && named.is_scalar() && named.tree().text == "all" &&
-      !builder.body_names.index.contains(part.full_name("all")) && !builder.body_names.index.contains("all"))
+      builder.known(builder.body_names, part, "all") < 0)
     return;
   const std::vector<Value> values = is_list ? named.list() : std::vector{named};
   if (values.empty()) return named.error("names no body; a body, a list of bodies, or all");
@@ -306,15 +306,17 @@ void read_outputs(Builder& builder) {
   std::unordered_map<const Tree*, std::size_t> group_of;
   for (const Part& part : builder.parts) {
     if (part.instance.empty() || !part.section("outputs")) continue;
-    const auto [place, first] = group_of.emplace(part.tree.get(), groups.size());
+    const auto [place, first] = group_of.emplace(part.written.get(), groups.size());
     if (first) groups.emplace_back();
     groups[place->second].push_back(&part);
   }
   for (const auto& parts : groups) {
-    const std::size_t count = parts.front()->section("outputs")->list().size();
-    for (std::size_t k = 0; k < count; ++k)
+    std::size_t most = 0;
+    for (const Part* part : parts) most = std::max(most, part->section("outputs")->list().size());
+    for (std::size_t k = 0; k < most; ++k)
       for (const Part* part : parts) {
         const Value list = *part->section("outputs");
+        if (k >= list.tree().items.size()) continue;  // they may be repeated more often in another
         read_output(builder, *part, Value(part->reading, *list.tree().items[k], list.what()));
       }
   }

@@ -14,6 +14,7 @@ struct Declaration {
   std::string what;
   const Tree* value = nullptr;
   std::vector<std::string> choices;
+  bool name = false;  ///< of a thing
   double min = -INFINITY;
   double max = INFINITY;
   bool integer = false;
@@ -50,10 +51,19 @@ std::optional<Declaration> read_declaration(const Value& value) {
     result.value = &value.tree();
     return result;
   }
-  const Fields fields(value, {"value", "choices", "min", "max", "integer", "tunable", "about"});
+  const Fields fields(value, {"value", "name", "choices", "min", "max", "integer", "tunable", "about"});
   if (!value.is_map()) {
     if (value.is_null())
       value.error("has no value; for example 1.5, or {value: rigid, choices: [rigid, flexible]}");
+    return {};
+  }
+  if (const auto name = fields.get("name")) {
+    for (const char* other : {"value", "choices", "min", "max", "integer", "tunable"})
+      if (fields.has(other)) name->error(fmt::format("a name has no '{}'", other));
+    result.name = name->is_scalar();
+    result.value = &name->tree();
+    if (result.name) return result;
+    name->error("the name of a thing is needed, such as ground");
     return {};
   }
   const auto given = fields.need("value", "1.5");
@@ -96,6 +106,12 @@ std::string range_text(const Declaration& d) {
 
 /// The value of a declared parameter from `text`; throws ExpressionError saying what would be right.
 ParameterValue value_from_text(const Declaration& d, const std::string& text, const Scope& scope) {
+  if (d.name) {
+    const std::string word = evaluate_word(text, scope);
+    if (word.empty() || word.size() > 200 || !std::all_of(word.begin(), word.end(), in_a_thing_name))
+      throw ExpressionError(fmt::format("'{}' is no name of a thing", word.substr(0, 100)));
+    return word;
+  }
   if (!d.choices.empty()) {
     const std::string word = evaluate_word(text, scope);
     if (std::find(d.choices.begin(), d.choices.end(), word) == d.choices.end())
@@ -144,6 +160,7 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
     const auto replaced = given.find(entry.key);
     ParameterValue value = 0.0;
     if (!declaration->choices.empty()) value = declaration->choices.front();
+    if (declaration->name) value = std::string("ground");
     try {
       value = value_from_text(*declaration, declaration->value->text, scope);
     } catch (const ExpressionError& e) {

@@ -7,7 +7,9 @@
 #include "model_file/builder.h"
 #include "model_file/degrees.h"
 #include "model_file/elements.h"
+#include "model_file/includes.h"
 #include "model_file/parameters.h"
+#include "model_file/repeats.h"
 #include "model_file/signals.h"
 
 namespace mimbre::model_file {
@@ -32,12 +34,11 @@ void warn_unused(Builder& builder) {
           builder.warnings.push_back({thing.mark, fmt::format("{} '{}' is not used", kind, thing.key)});
   };
   std::set<std::string> roads, templates;
+  for (const auto& [name, content] : model.templates)
+    if (builder.placed_templates.contains(content.tree.get()) || content.mark.file != builder.model.file)
+      templates.insert(name);  // an included file may have more than is needed
   for (const spec::Tyre& tyre : builder.model.tyres)
     roads.insert(builder.model.roads[static_cast<std::size_t>(tyre.road)].name);
-  if (const Tree::Entry* instances = model.tree->find("instances"))
-    for (const auto& instance : instances->value->entries)
-      if (const Tree::Entry* of = instance.value->find("of"))
-        templates.insert(evaluate_word(of->value->text, model.scope));
   warn("roads", "road", roads);
   warn("subsystems", "subsystem", templates);
   if (builder.model.outputs.empty())
@@ -55,13 +56,14 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   builder.model.text = text;
 
   Part& model = builder.parts.emplace_back();
-  model.tree = parse_yaml(text, name, builder.limits, builder.errors.list);
   model.reading = {&model.scope, &builder.errors, &builder.limits};
+  model.written = with_includes(builder, parse_yaml(text, name, builder.limits, builder.errors.list));
+  model.tree = model.written;
   const Fields fields(
-      Value(model.reading, *model.tree, "model"),
+      Value(model.reading, *model.written, "model"),
       with_element_sections(
-          {"mimbre", "title", "gravity", "parameters", "require", "materials", "sections", "bodies", "frames",
-           "joints", "springs", "loads", "roads", "tyres"},
+          {"mimbre", "title", "include", "gravity", "parameters", "require", "materials", "sections",
+           "bodies", "frames", "joints", "springs", "loads", "roads", "tyres"},
           {"inputs", "signals", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
@@ -70,6 +72,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
     read_parameters(*parameters, overrides, model.scope);
   report_unknown(overrides, model.scope, model.reading);
   if (const auto require = model.section("require")) read_requirements(*require);
+  model.tree = written_out(model.written, model.reading, model.instance);
   if (const auto title = fields.get("title")) builder.model.title = title->text().value_or("");
   if (const auto gravity = fields.get("gravity"))
     builder.model.gravity = gravity->triple(quantity::acceleration).value_or(builder.model.gravity);

@@ -9,6 +9,12 @@ struct Placement {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
+  /// Of what stands at `inner` within what stands here: p → here(inner(p)), which is of the same form.
+  Placement of(const Placement& inner) const {
+    return {mirror.cwiseProduct(inner.mirror),
+            rotation * mirror.asDiagonal() * inner.rotation * mirror.asDiagonal(), point(inner.translation)};
+  }
+
   double determinant() const { return mirror.prod(); }
   Eigen::Vector3d point(const Eigen::Vector3d& p) const {
     return rotation * mirror.cwiseProduct(p) + translation;

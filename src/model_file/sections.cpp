@@ -116,10 +116,10 @@ void read_materials_and_sections(Builder& builder, Part& part) {
         one(entry.key,
             Value(part.reading, *entry.value, fmt::format("{} '{}'", kind, part.full_name(entry.key))));
   };
-  // Inside a template the model's are known too.
-  if (!part.instance.empty()) {
-    part.materials = builder.parts.front().materials;
-    part.sections = builder.parts.front().sections;
+  // Inside a template those of where it is written are known too.
+  if (part.home) {
+    part.materials = part.home->materials;
+    part.sections = part.home->sections;
   }
   read("materials", "material", [&](const std::string& n, const Value& v) {
     part.materials[n] = read_material(v);

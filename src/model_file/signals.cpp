@@ -17,18 +17,19 @@ std::size_t dotted_end(const std::string& text, std::size_t i) {
   return end;
 }
 
-/// What a name stands for in a part: its own things first, then the model's.
+/// What a name stands for in a part.
 std::optional<spec::Source> find_source(Builder& builder, const Part& part, const std::string& name) {
   using Kind = spec::Source::Kind;
+  const std::vector<std::string> meanings = part.meanings(name);
   const auto in = [&](const Names& names, Kind kind) -> std::optional<spec::Source> {
-    for (const std::string& full : {part.full_name(name), name})
+    for (const std::string& full : meanings)
       if (const auto found = names.index.find(full); found != names.index.end())
         return spec::Source{kind, found->second};
     return {};
   };
   if (const auto source = in(builder.input_names, Kind::input)) return source;
   if (const auto source = in(builder.signal_names, Kind::signal)) return source;
-  for (const std::string& full : {part.full_name(name), name}) {
+  for (const std::string& full : meanings) {
     if (!builder.outputs_ahead.contains(full)) continue;
     const auto [place, first] = builder.sensor_of_output.emplace(full, std::ssize(builder.model.sensors));
     if (first) {

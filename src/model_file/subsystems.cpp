@@ -4,7 +4,9 @@
 
 #include "model_file/builder.h"
 #include "model_file/elements.h"
+#include "model_file/includes.h"
 #include "model_file/parameters.h"
+#include "model_file/repeats.h"
 
 /// Templates and their instances.
 namespace mimbre::model_file {
@@ -12,31 +14,49 @@ namespace {
 
 const std::vector<std::string>& template_keys() {
   static const std::vector<std::string> keys =
-      with_element_sections({"file", "mimbre", "title", "parameters", "require", "materials", "sections",
-                             "bodies", "frames", "joints", "springs", "loads", "tyres"},
-                            {"inputs", "signals", "outputs"});
+      with_element_sections({"file", "include", "mimbre", "title", "parameters", "require", "materials",
+                             "sections", "bodies", "frames", "joints", "springs", "loads", "tyres"},
+                            {"inputs", "signals", "subsystems", "instances", "outputs"});
   return keys;
 }
 
-/// The template's tree: what stands here, or the file it names.
+/// The template's tree: what stands here, or the file it names; null, and an error, where there is none.
 std::shared_ptr<const Tree> read_template(Builder& builder, const Value& value,
                                           const std::shared_ptr<const Tree>& tree) {
-  const Fields fields(value, template_keys());
-  const auto file = fields.get("file");
+  if (!value.is_map()) {
+    value.error("a template is needed: bodies, joints and so on, or {file: corner.yaml}");
+    return nullptr;
+  }
+  const auto file = Fields(value, template_keys()).get("file");
   if (!file) return tree;
-  if (value.tree().entries.size() > 1) value.error("a template is either here or in a file, not both");
-  const auto path = file->word();
-  const auto text = path ? read_file(builder, *file, *path) : std::nullopt;
-  if (!text) return nullptr;
-  const std::string name = builder.directory == "." ? *path : builder.directory + "/" + *path;
-  auto read = parse_yaml(*text, name, builder.limits, builder.errors.list);
+  if (tree->entries.size() > 1) value.error("a template is either here or in a file, not both");
+  const auto read = read_tree(builder, *file);
+  if (!read) return nullptr;
   const Value content(value.reading(), *read, value.what());
-  const Fields checked(content, template_keys());
-  if (checked.has("file")) content.error("a template's file cannot name a further file");
-  // So that the results explain themselves.
-  builder.model.text += fmt::format("\n# {}:\n# ", *path);
-  for (const char c : *text) builder.model.text += c == '\n' ? std::string("\n# ") : std::string(1, c);
-  return read;
+  if (Fields(content, template_keys()).has("file"))
+    content.error("a template's file cannot name a further file; it can include it");
+  return read->kind == Tree::Kind::map ? read : nullptr;
+}
+
+void read_templates(Builder& builder, Part& part) {
+  const auto section = part.section("subsystems");
+  if (!section) return;
+  if (!section->is_map()) return section->error("names with templates are needed");
+  for (const auto& entry : section->tree().entries) {
+    if (!check_name(part.reading, entry.key, entry.mark, "subsystem")) continue;
+    const Value value(part.reading, *entry.value, fmt::format("subsystem '{}'", part.full_name(entry.key)));
+    part.templates[entry.key] = {read_template(builder, value, entry.value), &part, entry.mark};
+  }
+}
+
+/// The template that a part calls `name`: its own, or of where it is written.
+const Template* find_template(const Part& part, const std::string& name, std::vector<std::string>& known) {
+  for (const Part* home = &part; home; home = home->home) {
+    const auto found = home->templates.find(name);
+    if (found != home->templates.end()) return &found->second;
+    for (const auto& [other, content] : home->templates) known.push_back(other);
+  }
+  return nullptr;
 }
 
 std::optional<Placement> read_placement(const Fields& fields) {
@@ -45,9 +65,10 @@ std::optional<Placement> read_placement(const Fields& fields) {
     const auto axes = mirror->word();
     if (!axes) return {};
     for (const char c : *axes) {
+      if (*axes == "none") break;
       const auto k = std::string("xyz").find(c);
       if (k == std::string::npos || axes->size() > 3) {
-        mirror->error(fmt::format("'{}' is not x, y, z or several of them such as xy", *axes));
+        mirror->error(fmt::format("'{}' is not x, y, z or several of them such as xy, or none", *axes));
         return {};
       }
       place.mirror[static_cast<Eigen::Index>(k)] = -1;
@@ -63,67 +84,84 @@ std::optional<Placement> read_placement(const Fields& fields) {
   return place;
 }
 
-}  // namespace
-
-void read_instances(Builder& builder) {
-  Part& model = builder.parts.front();
-  std::map<std::string, std::shared_ptr<const Tree>> templates;
-  std::vector<std::string> names;
-  if (const auto section = model.section("subsystems")) {
-    if (!section->is_map()) return section->error("names with templates are needed");
-    for (const auto& entry : section->tree().entries) {
-      if (!check_name(model.reading, entry.key, entry.mark, "subsystem")) continue;
-      const Value value(model.reading, *entry.value, fmt::format("subsystem '{}'", entry.key));
-      templates[entry.key] = value.is_map() ? read_template(builder, value, entry.value) : nullptr;
-      if (!value.is_map())
-        value.error("a template is needed: bodies, joints and so on, or {file: corner.yaml}");
-      names.push_back(entry.key);
-    }
+/// Values that the instance gives to parameters of its template.
+void read_own_parameters(Part& part, const std::string& of, const std::optional<Value>& with,
+                         const std::map<std::string, std::string>& given) {
+  if (const auto parameters = part.section("parameters")) read_parameters(*parameters, given, part.scope);
+  for (const auto& [key, text] : given) {
+    if (part.scope.values.contains(key)) continue;
+    std::vector<std::string> known;
+    for (const auto& [k, v] : part.scope.values) known.push_back(k);
+    with->error(fmt::format("the template '{}' has no parameter '{}'{}; {}", of, key,
+                            did_you_mean(key, known),
+                            known.empty() ? "it has none" : "it has: " + joined(known)));
   }
-  const auto section = model.section("instances");
-  if (!section) return;
-  if (!section->is_map())
-    return section->error("names with templates are needed, for example left: {of: corner}");
-  std::size_t placed = 0;
-  for (const auto& entry : section->tree().entries) {
-    if (!check_name(model.reading, entry.key, entry.mark, "instance")) continue;
-    const Value value(model.reading, *entry.value, fmt::format("instance '{}'", entry.key));
+  if (const auto require = part.section("require")) read_requirements(*require);
+}
+
+class Placer {
+ public:
+  explicit Placer(Builder& builder) : builder_(builder) {}
+
+  void place_all(Part& part, int depth) {
+    read_templates(builder_, part);
+    const auto section = part.section("instances");
+    if (!section) return;
+    if (!section->is_map())
+      return section->error("names with templates are needed, for example left: {of: corner}");
+    if (depth > builder_.limits.depth)
+      throw InputError(section->mark(),
+                       fmt::format("templates stand in each other more than {} deep", builder_.limits.depth));
+    for (const auto& entry : section->tree().entries)
+      if (check_name(part.reading, entry.key, entry.mark, "instance")) place(part, entry, depth);
+  }
+
+ private:
+  void place(Part& outer, const Tree::Entry& entry, int depth) {
+    const std::string name = outer.full_name(entry.key);
+    const Value value(outer.reading, *entry.value, fmt::format("instance '{}'", name));
     const Fields fields(value, {"of", "at", "mirror", "rotate", "with"});
-    const auto of = fields.need("of", names.empty() ? "corner" : names.front());
-    const auto name = of ? of->word() : std::nullopt;
+    const auto of = fields.need("of", outer.templates.empty() ? "corner" : outer.templates.begin()->first);
+    const auto word = of ? of->word() : std::nullopt;
     const auto place = read_placement(fields);
     const auto with = fields.get("with");
     const auto given = with ? read_given(*with) : std::map<std::string, std::string>{};
-    if (!name || !place) continue;
-    const auto found = templates.find(*name);
-    if (found == templates.end()) {
-      of->error(fmt::format("there is no subsystem '{}'{}{}", *name, did_you_mean(*name, names),
-                            names.empty() ? "" : "; there are: " + joined(names)));
-      continue;
-    }
-    if (!found->second) continue;
-    placed += found->second->size;
-    if (placed > builder.limits.nodes)
+    if (!word || !place) return;
+    std::vector<std::string> known;
+    const Template* found = find_template(outer, *word, known);
+    if (!found)
+      return of->error(fmt::format("there is no subsystem '{}'{}{}", *word, did_you_mean(*word, known),
+                                   known.empty() ? "" : "; there are: " + joined(known)));
+    if (!found->tree) return;
+    builder_.placed_templates.insert(found->tree.get());
+    for (const Part* part = &outer; part; part = part->outer)
+      if (part->written == found->tree)
+        return of->error(fmt::format("the subsystem '{}' stands in itself; that would never end", *word));
+    placed_ += found->tree->size;
+    if (placed_ > builder_.limits.nodes)
       throw InputError(entry.mark,
-                       fmt::format("the instances have more than {} values together", builder.limits.nodes));
-    Part& part = builder.parts.emplace_back();
-    part.instance = entry.key;
-    builder.errors.instances.push_back(entry.key);
-    part.tree = found->second;
-    part.place = *place;
-    part.scope.outer = &model.scope;
-    part.reading = {&part.scope, &builder.errors, &builder.limits};
-    if (const auto parameters = part.section("parameters")) read_parameters(*parameters, given, part.scope);
-    for (const auto& [key, text] : given)
-      if (!part.scope.values.contains(key)) {
-        std::vector<std::string> known;
-        for (const auto& [k, v] : part.scope.values) known.push_back(k);
-        with->error(fmt::format("the template '{}' has no parameter '{}'{}; {}", *name, key,
-                                did_you_mean(key, known),
-                                known.empty() ? "it has none" : "it has: " + joined(known)));
-      }
-    if (const auto require = part.section("require")) read_requirements(*require);
+                       fmt::format("the instances have more than {} values together", builder_.limits.nodes));
+    Part& part = builder_.parts.emplace_back();
+    part.instance = name;
+    part.outer = &outer;
+    part.home = found->home;
+    builder_.errors.instance(name);
+    part.written = part.tree = found->tree;
+    part.place = outer.outer ? outer.place.of(*place) : *place;
+    part.scope.outer = &found->home->scope;
+    part.reading = {&part.scope, &builder_.errors, &builder_.limits};
+    read_own_parameters(part, *word, with, given);
+    part.tree = written_out(part.written, part.reading, part.instance);
+    placed_ += part.tree->size - std::min(part.tree->size, found->tree->size);
+    place_all(part, depth + 1);
   }
-}
+
+  Builder& builder_;
+  std::size_t placed_ = 0;
+};
+
+}  // namespace
+
+void read_instances(Builder& builder) { Placer(builder).place_all(builder.parts.front(), 0); }
 
 }  // namespace mimbre::model_file

@@ -48,38 +48,55 @@ std::string misplaced(const std::string& key, const std::vector<std::string>& kn
     return " (a number has a decimal point, no comma)";
   if (key == "stiffness" && has("elastic")) return " (write elastic: {stiffness: .., zero: ..})";
   if (key == "coefficient" && has("damping")) return " (write damping: {coefficient: ..})";
-  if ((key == "subsystems" || key == "instances") && has("file"))
-    return " (a subsystem has none of its own: place all of them from the model)";
   return did_you_mean(key, known);
 }
 
 }  // namespace
 
-bool Errors::merged(const Mark& mark, const std::string& message) {
-  const std::string* instance = nullptr;
-  for (const std::string& name : instances)
-    if ((message.find("'" + name + ".") != std::string::npos || message.starts_with(name + ": ")) &&
-        (!instance || name.size() > instance->size()))
-      instance = &name;
-  if (!instance) return false;
+/// The message with names of instances left out and those of repeated things as they are written; `where`:
+/// the first such name.
+std::string Errors::in_common(const std::string& message, std::string& where) const {
   // Lists of what there is name the other instances' things.
   std::string words = message.substr(0, message.find("; there are: "));
-  if (words.starts_with(*instance + ": ")) words.erase(0, instance->size());
-  const std::string quoted = "'" + *instance + ".";
-  for (auto at = words.find(quoted); at != std::string::npos; at = words.find(quoted, at + 1))
-    words.erase(at + 1, instance->size());
-  for (InTemplate& known : in_templates_) {
+  const auto replace = [&](std::size_t at, std::size_t length) {
+    const std::string name = words.substr(at, length);
+    const auto found = common_.find(name);
+    if (found == common_.end()) return false;
+    if (where.empty()) where = name;
+    words.replace(at, length, found->second);
+    return true;
+  };
+  if (const auto colon = words.find(": "); colon != std::string::npos) replace(0, colon);
+  for (auto at = words.find('\''); at != std::string::npos; at = words.find('\'', at)) {
+    const bool apostrophe = at > 0 && std::isalnum(static_cast<unsigned char>(words[at - 1]));
+    const auto end = words.find('\'', ++at);
+    if (apostrophe) continue;
+    if (end == std::string::npos) break;
+    // The name itself, or what it is a part of: 'car.left.hub', 'car.left', 'car'.
+    for (auto dot = end; dot != std::string::npos && dot > at; dot = words.rfind('.', dot - 1))
+      if (replace(at, dot - at)) break;
+    at = words.find('\'', at);
+    if (at != std::string::npos) ++at;
+  }
+  return words;
+}
+
+bool Errors::merged(const Mark& mark, const std::string& message) {
+  std::string where;
+  std::string words = in_common(message, where);
+  if (where.empty()) return false;
+  for (Several& known : several_) {
     Diagnostic& first = list[known.index];
     if (known.words != words || first.mark.line != mark.line || first.mark.column != mark.column ||
         first.mark.file != mark.file)
       continue;
-    if (std::find(known.where.begin(), known.where.end(), *instance) != known.where.end()) return true;
+    if (!known.places.insert(where).second) return true;
     if (known.where.size() > 1) first.message.erase(first.message.rfind(" (likewise in "));
-    known.where.push_back(*instance);
+    known.where.push_back(where);
     first.message += fmt::format(" (likewise in {})", joined({known.where.begin() + 1, known.where.end()}));
     return true;
   }
-  in_templates_.push_back({list.size(), std::move(words), {*instance}});
+  several_.push_back({list.size(), std::move(words), {where}, {where}});
   return false;
 }
 
@@ -281,12 +298,13 @@ double Fields::number(const std::string& key, double fallback, const Quantity& o
   return value ? value->number(of).value_or(fallback) : fallback;
 }
 
+bool in_a_thing_name(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || (c & 0x80);
+}
+
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind) {
-  const auto good = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || (c & 0x80);
-  };
   if (!name.empty() && name.size() <= 100 && name[0] != '.' && name[0] != '-' &&
-      std::all_of(name.begin(), name.end(), good))
+      std::all_of(name.begin(), name.end(), in_a_thing_name))
     return true;
   reading.errors->add(
       mark, fmt::format("'{}' is no name for a {}; names have 1 to 100 letters, digits, '_', '-' or '.'",

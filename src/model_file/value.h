@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Core>
 #include <initializer_list>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,26 +15,36 @@
 namespace mimbre::model_file {
 
 /// Collects mistakes while reading goes on. Throws InputError with all of them once there are
-/// `limits.errors`. What is wrong in a template is said once, with the instances where it is.
+/// `limits.errors`. What is wrong in a template, or in what is repeated, is said once, with where it is.
 class Errors {
  public:
   explicit Errors(const Limits& limits) : limits_(limits) {}
   void add(const Mark& mark, const std::string& message);
   void throw_if_any() const;
+  /// `name`, of an instance: messages that differ by it alone, at one place, are one.
+  void instance(const std::string& name) { common_[name] = ""; }
+  /// `name`, of one of many things that are written once as `pattern`, in `instance` (empty: the model).
+  void stands_for(const std::string& name, const std::string& pattern, const std::string& instance) {
+    common_[name] = instance.empty() ? pattern : pattern.substr(instance.size() + 1);
+  }
   std::vector<Diagnostic> list;
-  std::vector<std::string> instances;  ///< names of the instances known so far
 
  private:
-  /// A mistake in a template: its place in `list`, its words without the instance's name, where it is.
-  struct InTemplate {
+  /// A mistake in what is there several times: its place in `list`, the words that all have in common, where
+  /// it is.
+  struct Several {
     std::size_t index;
     std::string words;
     std::vector<std::string> where;
+    std::set<std::string> places;
   };
   bool merged(const Mark& mark, const std::string& message);
+  std::string in_common(const std::string& message, std::string& where) const;
 
   const Limits& limits_;
-  std::vector<InTemplate> in_templates_;
+  std::map<std::string, std::string>
+      common_;  ///< what names of instances and of repeated things have in common
+  std::vector<Several> several_;
 };
 
 /// What reading a value needs beside the value: the parameters in sight and where mistakes go.
@@ -107,6 +119,8 @@ class Fields {
   Value value_;
 };
 
+/// Whether names of things may have it: letters, digits, '_', '-', '.', what is beyond ASCII.
+bool in_a_thing_name(char c);
 /// True for names that things may have; records an error otherwise.
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind);
 
