@@ -23,6 +23,7 @@
 #include "mimbre/model_file.h"
 #include "mimbre/results.h"
 #include "mimbre/surface_mesh.h"
+#include "mimbre/urdf.h"
 #include "model_file/parse.h"
 
 namespace mimbre::fuzz {
@@ -344,6 +345,10 @@ const std::vector<Reader>& readers() {
       {"glb",
        [](const std::string& bytes) { why_not_closed(read_surface_mesh(written(bytes, "surface.glb"))); },
        [](const std::string& s) { return files(s, {"tests/data/surfaces/block.glb"}); }},
+      {"urdf", [](const std::string& bytes) { convert_urdf(written(bytes, "robot.urdf")); },
+       [](const std::string& s) {
+         return files(s, {"tests/data/urdf/ur5.urdf", "tests/data/urdf/panda.urdf"});
+       }},
       {"mbdyn_fem",
        [](const std::string& bytes) { read_text(bytes, [](TextFile& file) { parse_mbdyn_fem(file); }); },
        [](const std::string&) { return std::vector<std::string>{body_as(BodyFormat::fem, "sample.fem")}; }},

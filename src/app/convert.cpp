@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 
+#include <cctype>
 #include <filesystem>
+#include <map>
 
 #include "app/common.h"
 #include "app/json.h"
 #include "app/targets.h"
 #include "mimbre/fe_import.h"
+#include "mimbre/urdf.h"
 
-/// mimbre convert: a reduced body from one format to another.
+/// mimbre convert: a reduced body from one format to another, a robot from URDF to a model file.
 namespace mimbre::app {
 namespace {
 
@@ -15,7 +18,8 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string input, output, to;
-  bool no_stress = false, json = false;
+  std::vector<std::string> packages;
+  bool no_stress = false, floating = false, keep_fixed = false, json = false;
 };
 
 fe::BodyFormat format_of(const std::string& path) {
@@ -26,7 +30,40 @@ fe::BodyFormat format_of(const std::string& path) {
   }
 }
 
-int run(const Arguments& a) {
+/// NAME=FOLDER
+std::map<std::string, std::string> packages_of(const Arguments& a) {
+  std::map<std::string, std::string> packages;
+  for (const std::string& text : a.packages) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw UsageError(fmt::format("--package {}: NAME=FOLDER is needed", text));
+    packages[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return packages;
+}
+
+int convert_robot(const Arguments& a) {
+  if (!a.to.empty() && a.to != "yaml")
+    throw UsageError(fmt::format("a robot becomes a model file: --to yaml, not {}", a.to));
+  if (a.no_stress) throw UsageError("--no-stress belongs to reduced bodies");
+  const std::string output =
+      a.output.empty() ? fs::path(a.input).replace_extension(".yaml").string() : a.output;
+  require_different(a.input, output);
+  require_writable(output);
+  const fs::path folder = fs::path(output).parent_path();
+  const ConvertedRobot robot = convert_urdf(
+      a.input, {a.floating, a.keep_fixed, packages_of(a), folder.empty() ? "." : folder.string()});
+  for (const Diagnostic& note : robot.notes) fmt::print(stderr, "{}\n", diagnostic_line(note, "note"));
+  save(robot, output);
+  print_data(made("convert", output, a.json));
+  return done;
+}
+
+int convert_body(const Arguments& a) {
+  if (a.to.empty()) throw UsageError("--to is needed: sid, fem or h5");
+  if (a.to == "yaml") throw UsageError("--to yaml is for robots (.urdf)");
+  if (a.floating || a.keep_fixed || !a.packages.empty())
+    throw UsageError("--floating, --keep-fixed and --package belong to robots (.urdf)");
   format_of(a.input);
   const std::string output =
       a.output.empty() ? fs::path(a.input).replace_extension("." + a.to).string() : a.output;
@@ -49,14 +86,29 @@ int run(const Arguments& a) {
   return done;
 }
 
+int run(const Arguments& a) {
+  std::string ending = fs::path(a.input).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".urdf" || ending == ".xacro" ? convert_robot(a) : convert_body(a);
+}
+
 }  // namespace
 
 Command add_convert(CommandLine& program) {
-  Parser parser =
-      program.add_command("convert", "Write a reduced body in another format: MBDyn's .fem, SID, HDF5");
+  Parser parser = program.add_command(
+      "convert",
+      "Write a reduced body in another format (MBDyn's .fem, SID, HDF5), or a robot in URDF as a model file");
   const auto a = std::make_shared<Arguments>();
-  parser.add_option("body", a->input, "Reduced body: .h5, .fem or .sid").required().type_name("BODY");
-  parser.add_option("--to", a->to, "Format to write").required().choice({"sid", "fem", "h5"});
+  parser.add_option("input", a->input, "Reduced body: .h5, .fem or .sid; robot: .urdf")
+      .required()
+      .type_name("FILE");
+  parser.add_option("--to", a->to, "Format to write; of a robot yaml").choice({"sid", "fem", "h5", "yaml"});
+  parser.add_flag("--floating", a->floating, "The robot's root moves freely; else the ground holds it");
+  parser.add_flag("--keep-fixed", a->keep_fixed,
+                  "Links on fixed joints stay bodies; else they become part of what carries them");
+  parser.add_option("--package", a->packages, "Folder of package://NAME, where meshes are")
+      .type_name("NAME=FOLDER")
+      .repeated();
   parser.add_flag("--no-stress", a->no_stress,
                   "Leave stress out: in SID every point with stress is a node more");
   parser.add_option("-o,--output", a->output, "File to write; default: the input's name with the new ending")
@@ -64,7 +116,8 @@ Command add_convert(CommandLine& program) {
   parser.add_flag("--json", a->json, "The file's name as JSON");
   parser.footer(
       "Prints the file's name. What a format has no place for is said in docs/reduced-body-format.md.\n"
-      "Example:\n  mimbre convert arm.h5 --to fem");
+      "Example:\n  mimbre convert arm.h5 --to fem\n"
+      "  mimbre convert robot.urdf -o robot.yaml && mimbre check robot.yaml");
   return {parser, [a] { return run(*a); }};
 }
 

@@ -1,0 +1,365 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "base/output_place.h"
+#include "math/decompositions.h"
+#include "mimbre/surface_mesh.h"
+#include "mimbre/urdf.h"
+#include "urdf/merged.h"
+#include "urdf/mesh_paths.h"
+#include "urdf/yaml_text.h"
+
+/// A robot's model file.
+namespace mimbre {
+namespace {
+
+using namespace urdf;
+namespace fs = std::filesystem;
+
+// What URDF does not say of a stop: it yields so far under the joint's effort, and takes most of a blow's
+// energy.
+constexpr double yields_by_angle = 0.01, yields_by_length = 0.001;  ///< rad, m
+constexpr double restitution = 0.1;
+constexpr double effort_unsaid = 100;  ///< N m or N
+
+/// Names that a model may have, each once.
+class Names {
+ public:
+  std::string make(const std::string& given) {
+    std::string name = given.substr(0, 90);
+    for (char& c : name)
+      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-' && c != '.' &&
+          static_cast<unsigned char>(c) < 0x80)
+        c = '_';
+    if (name.empty() || name[0] == '.' || name[0] == '-') name = "_" + name;
+    // YAML's words for other things, and the ground.
+    static const std::set<std::string> taken{"ground", "all", "null", "true", "false",
+                                             "yes",    "no",  "on",   "off"};
+    if (taken.contains(name)) name += "_";
+    std::string free = name;
+    for (int k = 2; !used_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
+    return free;
+  }
+
+ private:
+  std::set<std::string> used_;
+};
+
+class Writer {
+ public:
+  Writer(const std::string& path, const UrdfOptions& options)
+      : path_(path),
+        options_(options),
+        robot_(read_robot(path)),
+        merged_(merged(robot_, options.keep_fixed)) {
+    for (const Link& link : robot_.links) links_.push_back(places_.make(link.name));
+    for (const Joint& joint : robot_.joints) joints_.push_back(couplings_.make(joint.name));
+    // A root that is nothing but a name is the ground.
+    const MergedBody& root = merged_.bodies.front();
+    root_is_ground_ = !options.floating && root.mass == 0 && root.visuals.empty();
+  }
+
+  ConvertedRobot write() {
+    std::string text;
+    text += section("bodies", bodies());
+    text += section("frames", frames());
+    text += section("joints", joints());
+    text += section("frictions", frictions());
+    text += section("stops", stops());
+    text += mimics();
+    text += section("outputs", outputs());
+    say_left_out();
+    std::string head =
+        fmt::format("# {} as a model of mimbre.\n", comment(fs::path(path_).filename().string()));
+    for (const Diagnostic& note : result_.notes)
+      head += fmt::format("#   {}{}\n", note.mark.line > 0 ? fmt::format("line {}: ", note.mark.line) : "",
+                          comment(note.message));
+    std::string title = robot_.name.empty() ? "robot" : robot_.name;
+    std::replace(title.begin(), title.end(), '$', '_');  // which would be a parameter
+    result_.text = head + fmt::format("mimbre: 1\ntitle: {}\n\n", yaml_word(title)) + text;
+    return std::move(result_);
+  }
+
+ private:
+  static std::string section(const std::string& name, const std::string& content) {
+    return content.empty() ? "" : fmt::format("{}:\n{}\n", name, content);
+  }
+  void note(const Mark& mark, const std::string& message) { result_.notes.push_back({mark, message}); }
+  const Link& link(int index) const { return robot_.links[static_cast<std::size_t>(index)]; }
+  const std::string& name_of_link(int index) const { return links_[static_cast<std::size_t>(index)]; }
+  /// What a joint takes hold of.
+  std::string body_name(int index) const {
+    const int body = merged_.body_of[static_cast<std::size_t>(index)];
+    return body == 0 && root_is_ground_ ? "ground"
+                                        : name_of_link(merged_.bodies[static_cast<std::size_t>(body)].link);
+  }
+
+  std::string bodies() {
+    std::string text;
+    for (std::size_t k = root_is_ground_ ? 1 : 0; k < merged_.bodies.size(); ++k) {
+      const MergedBody& body = merged_.bodies[k];
+      text += fmt::format("  {}:\n    mass: {}\n    com: {}\n", yaml_word(name_of_link(body.link)),
+                          number(body.mass), point(body.com));
+      if (body.mass > 0) {
+        const Eigen::Matrix3d& J = body.inertia;
+        text +=
+            fmt::format("    inertia: {}\n", numbers({J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(0, 2), J(1, 2)}));
+      }
+      text += fmt::format("    frame: {{at: {}{}}}\n", point(body.pose.position), axes(body.pose.rotation));
+      std::string shapes;
+      for (const Visual& visual : body.visuals) shapes += shape(visual);
+      if (!shapes.empty()) text += "    shapes:\n" + shapes;
+      check(body);
+    }
+    return text;
+  }
+
+  /// What the model's check would refuse, or the motion could not bear.
+  void check(const MergedBody& body) {
+    const Link& first = link(body.link);
+    if (body.mass == 0) {
+      const int holder = robot_.held_by[static_cast<std::size_t>(body.link)];
+      const bool leaf = std::none_of(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& joint) {
+        return merged_.body_of[static_cast<std::size_t>(joint.parent)] ==
+                   merged_.body_of[static_cast<std::size_t>(body.link)] &&
+               merged_.body_of[static_cast<std::size_t>(joint.child)] !=
+                   merged_.body_of[static_cast<std::size_t>(body.link)];
+      });
+      if (leaf && holder >= 0 && robot_.joints[static_cast<std::size_t>(holder)].type != Joint::Type::fixed)
+        note(first.mark, fmt::format("link '{}' moves but has no mass: give it some before the model can run",
+                                     first.name));
+      return;
+    }
+    const Eigen::Vector3d I = eigenvalues3(body.inertia);
+    if (!(I[0] > 0) || I[0] + I[1] < I[2] * (1 - 1e-6))
+      note(first.mark,
+           fmt::format(
+               "link '{}': no matter has the principal moments {}; the model is refused until they are right",
+               first.name, list(I)));
+  }
+
+  std::string shape(const Visual& visual) {
+    const std::string place =
+        fmt::format("at: {}{}", point(visual.pose.position), axes(visual.pose.rotation));
+    const Eigen::Vector3d& size = visual.size;
+    const bool sized =
+        visual.kind == Visual::Kind::mesh ? (size.array() != 0).all() : (size.array() > 0).all();
+    if (!sized) {
+      note(visual.mark, "a <visual> of no size is left out");
+      return "";
+    }
+    switch (visual.kind) {
+      case Visual::Kind::box:
+        return fmt::format("      - {{box: {}, {}}}\n", list(size), place);
+      case Visual::Kind::cylinder:
+        return fmt::format("      - {{cylinder: {}, at: {}, axis: {}}}\n", numbers({size[0], size[1]}),
+                           point(visual.pose.position), list(Eigen::Vector3d(visual.pose.rotation.col(2))));
+      case Visual::Kind::sphere:
+        return fmt::format("      - {{sphere: {}, at: {}}}\n", number(size[0]), point(visual.pose.position));
+      case Visual::Kind::mesh:
+        break;
+    }
+    std::string ending = fs::path(visual.file).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const auto& endings = surface_mesh_endings();
+    if (ending.empty() || std::find(endings.begin(), endings.end(), ending.substr(1)) == endings.end()) {
+      note(visual.mark, fmt::format("the mesh '{}' is left out: its format is not known", visual.file));
+      return "";
+    }
+    const auto file = find_mesh(visual.file, path_, options_.packages);
+    if (!file) {
+      const std::string scheme = "package://";
+      const bool packed = visual.file.starts_with(scheme);
+      auto& [count, example] =
+          missing_[packed ? visual.file.substr(scheme.size(),
+                                               visual.file.find('/', scheme.size()) - scheme.size())
+                          : ""];
+      if (++count == 1) example = visual.file;
+      return "";
+    }
+    std::error_code unknown;
+    std::string from = *file;
+    if (!options_.folder.empty())
+      if (const fs::path near = fs::relative(*file, options_.folder, unknown); !unknown && !near.empty())
+        from = near.string();
+    return fmt::format("      - {{mesh: {}, {}{}}}\n", yaml_word(from), place,
+                       size == Eigen::Vector3d::Ones() ? "" : ", scale: " + list(size));
+  }
+
+  std::string frames() const {
+    std::string text;
+    for (const MergedBody& body : merged_.bodies)
+      for (const int index : body.frames) {
+        const Pose& pose = merged_.links[static_cast<std::size_t>(index)];
+        text += fmt::format("  {}: {{body: {}, at: {}{}}}\n", yaml_word(name_of_link(index)),
+                            yaml_word(body_name(index)), point(pose.position), axes(pose.rotation));
+      }
+    if (root_is_ground_) {
+      const MergedBody& root = merged_.bodies.front();
+      text =
+          fmt::format("  {}: {{body: ground, at: [0, 0, 0]}}\n", yaml_word(name_of_link(root.link))) + text;
+    }
+    return text;
+  }
+
+  std::string joints() {
+    std::string text;
+    if (!root_is_ground_) {
+      const std::string root = name_of_link(merged_.bodies.front().link);
+      text += fmt::format("  {}: {{type: {}, between: [ground, {}]}}\n",
+                          yaml_word(couplings_.make(root + "_to_ground")),
+                          options_.floating ? "floating" : "fixed", yaml_word(root));
+    }
+    for (const int index : robot_.order) {
+      const int holder = robot_.held_by[static_cast<std::size_t>(index)];
+      if (holder < 0) continue;
+      const Joint& joint = robot_.joints[static_cast<std::size_t>(holder)];
+      if (joint.type == Joint::Type::fixed && !options_.keep_fixed) continue;
+      text += this->joint(joint, joints_[static_cast<std::size_t>(holder)]);
+    }
+    return text;
+  }
+
+  std::string joint(const Joint& joint, const std::string& name) {
+    static constexpr const char* types[] = {"fixed",     "revolute", "revolute",
+                                            "prismatic", "floating", "planar"};
+    const Pose& child = merged_.links[static_cast<std::size_t>(joint.child)];
+    std::string text = fmt::format("  {}: {{type: {}, between: [{}, {}]", yaml_word(name),
+                                   types[static_cast<int>(joint.type)], yaml_word(body_name(joint.parent)),
+                                   yaml_word(body_name(joint.child)));
+    if (joint.type != Joint::Type::fixed && joint.type != Joint::Type::floating)
+      text += fmt::format(", at: {}, axis: {}", point(child.position),
+                          list(Eigen::Vector3d(child.rotation * joint.axis)));
+    if (joint.lower && !(*joint.lower <= 0 && *joint.upper >= 0)) {
+      const double middle = 0.5 * (*joint.lower + *joint.upper);
+      text += fmt::format(", position: {}", number(middle));
+      note(joint.mark,
+           fmt::format("joint '{}' starts at {}, in the middle between its limits, which do not include 0",
+                       joint.name, number(middle)));
+    }
+    if (joint.damping > 0 && joint.scalar())
+      text += fmt::format(", spring: {{stiffness: 0, damping: {}}}", number(joint.damping));
+    if ((joint.damping > 0 || joint.friction > 0) && !joint.scalar())
+      note(joint.mark,
+           fmt::format("damping and friction of joint '{}' are left out: it is neither a hinge nor a slide",
+                       joint.name));
+    return text + "}\n";
+  }
+
+  template <class Line>
+  std::string of_scalar_joints(const Line& line) const {
+    std::string text;
+    for (std::size_t k = 0; k < robot_.joints.size(); ++k)
+      if (robot_.joints[k].scalar()) text += line(robot_.joints[k], joints_[k]);
+    return text;
+  }
+
+  std::string frictions() {
+    return of_scalar_joints([&](const Joint& joint, const std::string& name) {
+      if (joint.friction == 0) return std::string();
+      return fmt::format("  {}: {{joint: {}, {}: {}}}\n", yaml_word(elements_.make(name + "_friction")),
+                         yaml_word(name), joint.turns() ? "torque" : "force", number(joint.friction));
+    });
+  }
+
+  std::string stops() {
+    bool any = false;
+    const std::string text = of_scalar_joints([&](const Joint& joint, const std::string& name) {
+      if (!joint.lower) return std::string();
+      any = true;
+      const double effort = joint.effort > 0 ? joint.effort : effort_unsaid;
+      return fmt::format("  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {}, restitution: {}}}\n",
+                         yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
+                         number(*joint.upper),
+                         number(effort / (joint.turns() ? yields_by_angle : yields_by_length)),
+                         number(restitution));
+    });
+    if (any)
+      note({}, fmt::format("stiffness and restitution of the stops are assumed: they yield by {} rad or {} m "
+                           "under the joint's effort ({} N m or N "
+                           "where none is said)",
+                           yields_by_angle, yields_by_length, effort_unsaid));
+    return text;
+  }
+
+  /// Couplings of joints that follow others.
+  std::string mimics() {
+    std::string text;
+    for (std::size_t k = 0; k < robot_.joints.size(); ++k) {
+      const auto& mimic = robot_.joints[k].mimic;
+      if (!mimic) continue;
+      const std::string line = fmt::format("{} = {} {} + {}", robot_.joints[k].name,
+                                           number(mimic->multiplier), mimic->joint, number(mimic->offset));
+      note(robot_.joints[k].mark, fmt::format("joint '{}' moves freely, though it should follow another: {}",
+                                              robot_.joints[k].name, line));
+    }
+    return text;
+  }
+
+  std::string outputs() const {
+    return of_scalar_joints([](const Joint&, const std::string& name) {
+      return fmt::format("  - {{name: {0}, joint: {0}}}\n", yaml_word(name));
+    });
+  }
+
+  void say_left_out() {
+    for (const auto& [package, found] : missing_) {
+      const auto& [count, example] = found;
+      const std::string what =
+          count == 1 ? fmt::format("the mesh '{}' is left out: there is no such file", example)
+                     : fmt::format("{} meshes are left out: there are no such files, for example '{}'", count,
+                                   example);
+      note({}, what + (package.empty()
+                           ? ""
+                           : fmt::format("; say where the package '{0}' is: --package {0}=FOLDER", package)));
+    }
+    std::string what;
+    for (const auto& [tag, count] : robot_.left_out)
+      what += fmt::format("{}{} <{}>", what.empty() ? "" : ", ", count, tag);
+    if (!what.empty()) note({}, "left out: " + what);
+    const auto limited = std::count_if(robot_.joints.begin(), robot_.joints.end(),
+                                       [](const Joint& joint) { return joint.effort > 0; });
+    if (limited > 0)
+      note({},
+           fmt::format(
+               "limits of effort and speed of {} joints are left out; they are a matter of what drives them",
+               limited));
+  }
+
+  const std::string& path_;
+  const UrdfOptions& options_;
+  Robot robot_;
+  MergedRobot merged_;
+  Names places_, couplings_,
+      elements_;  ///< bodies and frames share their names; joints and forces have theirs
+  std::vector<std::string> links_, joints_;
+  std::map<std::string, std::pair<int, std::string>>
+      missing_;  ///< meshes by package: how many, and one of them
+  bool root_is_ground_ = false;
+  ConvertedRobot result_;
+};
+
+}  // namespace
+
+ConvertedRobot convert_urdf(const std::string& path, const UrdfOptions& options) {
+  return Writer(path, options).write();
+}
+
+void save(const ConvertedRobot& robot, const std::string& path) {
+  try {
+    write_whole(path, robot.text);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("cannot write '{}': {}", path, error.what()));
+  }
+}
+
+}  // namespace mimbre

@@ -1,0 +1,365 @@
+#include "mimbre/urdf.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "dynamics/relative/system.h"
+#include "mimbre/model_file.h"
+#include "mimbre/simulation.h"
+
+namespace mimbre {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string data = MIMBRE_SOURCE_DIR "/tests/data/urdf/";
+
+/// A robot's file that goes with the test.
+class UrdfFile : public testing::Test {
+ protected:
+  UrdfFile() { fs::create_directories(folder_); }
+  ~UrdfFile() override { fs::remove_all(folder_); }
+  std::string file(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  ConvertedRobot convert(const std::string& content, const UrdfOptions& options = {}) const {
+    return convert_urdf(file("robot.urdf", "<robot name=\"r\">\n" + content + "</robot>\n"), options);
+  }
+  spec::Model model(const std::string& content, const UrdfOptions& options = {}) const {
+    return parse_model(convert(content, options).text, "robot.yaml", folder_.string());
+  }
+  std::string refusal(const std::string& content) const {
+    try {
+      convert(content);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing is wrong";
+  }
+  fs::path folder_ = fs::path(testing::TempDir()) / fmt::format("mimbre_urdf_{}", getpid());
+};
+
+std::string all_of(const ConvertedRobot& robot) {
+  std::string text;
+  for (const Diagnostic& note : robot.notes) text += to_string(note) + "\n";
+  return text;
+}
+
+std::string link(const std::string& name, const std::string& more = "") {
+  return fmt::format(
+      "<link name=\"{}\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"2\"/><inertia ixx=\"1\" iyy=\"1\" "
+      "izz=\"1\"/>"
+      "</inertial>{}</link>\n",
+      name, more);
+}
+std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                  const std::string& child, const std::string& more = "<axis xyz=\"0 0 1\"/>") {
+  return fmt::format("<joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/>{}</joint>\n",
+                     name, type, parent, child, more);
+}
+
+template <class Thing>
+const Thing& named(const std::vector<Thing>& things, const std::string& name) {
+  for (const Thing& thing : things)
+    if (thing.name == name) return thing;
+  throw std::runtime_error("nothing is called " + name);
+}
+
+/// What Pinocchio says of a robot (tests/urdf/reference.py).
+struct Reference {
+  struct Placed {
+    std::string name;
+    Eigen::Vector3d position;
+    Eigen::Matrix3d rotation;
+  };
+  struct Instant {
+    Eigen::VectorXd q, v, a, tau;
+    std::vector<Placed> links;
+  };
+  double mass = 0;
+  std::vector<std::string> joints;
+  std::vector<Instant> instants;
+};
+
+Reference reference(const std::string& robot) {
+  Reference result;
+  std::ifstream file(data + "reference.txt");
+  bool ours = false;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string word, name;
+    words >> word;
+    if (word == "robot") {
+      int count = 0;
+      words >> name >> count;
+      ours = name == robot;
+      if (ours) words >> result.mass;
+    }
+    if (!ours) continue;
+    if (word == "joint") result.joints.emplace_back(), words >> result.joints.back();
+    if (word == "state") result.instants.emplace_back();
+    const auto vector = [&](Eigen::VectorXd& to) {
+      to.resize(static_cast<Eigen::Index>(result.joints.size()));
+      for (double& value : to) words >> value;
+    };
+    if (word == "q") vector(result.instants.back().q);
+    if (word == "v") vector(result.instants.back().v);
+    if (word == "a") vector(result.instants.back().a);
+    if (word == "tau") vector(result.instants.back().tau);
+    if (word == "link") {
+      auto& placed = result.instants.back().links.emplace_back();
+      words >> placed.name;
+      for (double& value : placed.position) words >> value;
+      for (int k = 0; k < 9; ++k) words >> placed.rotation(k / 3, k % 3);
+    }
+  }
+  return result;
+}
+
+class PublicRobots : public testing::TestWithParam<const char*> {};
+
+/// Places of all links and torques of all joints in random motions, by an independent library.
+TEST_P(PublicRobots, MoveAsPinocchioSays) {
+  const Reference expected = reference(GetParam());
+  ASSERT_EQ(expected.instants.size(), 5u);
+  for (const bool keep_fixed : {false, true}) {
+    UrdfOptions options;
+    options.keep_fixed = keep_fixed;
+    const ConvertedRobot robot = convert_urdf(data + GetParam() + ".urdf", options);
+    if (all_of(robot).find("no matter has") != std::string::npos) {
+      // Cameras on fixed joints, whose file says what cannot be; merged with what carries them they are no
+      // matter.
+      EXPECT_TRUE(keep_fixed && GetParam() == std::string("anymal"));
+      continue;
+    }
+    spec::Model spec = parse_model(robot.text, "robot.yaml", MIMBRE_SOURCE_DIR);
+    double mass = 0;
+    for (const spec::Body& body : spec.bodies) mass += body.mass;
+    const double base = mass - expected.mass;  // which Pinocchio leaves out, since it stands
+    EXPECT_GT(base, -1e-9);
+    // Only what the links' masses need.
+    for (spec::Joint& j : spec.joints) j.springs.clear();
+    spec.elements.clear();
+    const auto model = Model::compile(spec);
+    const Compiled& c = model->compiled();
+    ASSERT_EQ(c.velocities, static_cast<int>(expected.joints.size()));
+    // The coordinate of a joint is that of the body which it carries.
+    std::vector<int> place;
+    for (const std::string& name : expected.joints) {
+      const spec::Joint& j = named(spec.joints, name);
+      const int body = spec.frames[static_cast<std::size_t>(j.frame_b)].body;
+      place.push_back(c.bodies[c.body_of_spec[static_cast<std::size_t>(body)]].v);
+    }
+    relative::RelativeSystem system(c);
+    for (const Reference::Instant& instant : expected.instants) {
+      const auto n = static_cast<Eigen::Index>(place.size());
+      Eigen::VectorXd q(n), v(n), a(n), r(n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const int at = place[static_cast<std::size_t>(k)];
+        q[at] = instant.q[k], v[at] = instant.v[k], a[at] = instant.a[k];
+      }
+      system.begin_step(q.data());
+      system.residual(0, q.data(), v.data(), a.data(), nullptr, 0, r.data());
+      const double scale = instant.tau.cwiseAbs().maxCoeff();
+      for (Eigen::Index k = 0; k < n; ++k)
+        EXPECT_NEAR(r[place[static_cast<std::size_t>(k)]], instant.tau[k], 1e-9 * scale)
+            << expected.joints[static_cast<std::size_t>(k)];
+      const auto& w = system.workspace();
+      for (const auto& placed : instant.links) {
+        if (placed.name == "world" && GetParam() == std::string("panda")) continue;
+        const spec::Frame& frame = named(spec.frames, placed.name);
+        spec::Pose pose = frame.pose;
+        if (frame.body >= 0) {
+          const auto& motion = w.bodies[c.body_of_spec[static_cast<std::size_t>(frame.body)]];
+          const Eigen::Matrix3d rotation = Eigen::Matrix3d(motion.rotation);
+          pose.position = motion.position + w.origin + rotation * frame.pose.position;
+          pose.rotation = rotation * frame.pose.rotation;
+        }
+        EXPECT_LT((pose.position - placed.position).norm(), 1e-9) << placed.name;
+        EXPECT_LT((pose.rotation - placed.rotation).norm(), 1e-9) << placed.name;
+      }
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Files, PublicRobots, testing::Values("ur5", "panda", "anymal"));
+
+TEST(PublicRobot, HasTheLimitsFrictionAndFollowersOfItsFile) {
+  const ConvertedRobot robot = convert_urdf(data + "panda.urdf");
+  const spec::Model model = parse_model(robot.text, "panda.yaml", "");
+  const spec::Element& stop = named(model.elements, "panda_joint4_stop");
+  EXPECT_EQ(stop.law, "stop");
+  EXPECT_THAT(
+      robot.text,
+      AllOf(HasSubstr("panda_joint4_stop: {joint: panda_joint4, lower: -3.0718, upper: -0.0698"),
+            HasSubstr("panda_finger_joint1_stop: {joint: panda_finger_joint1, lower: 0, upper: 0.04")));
+  ASSERT_TRUE(named(model.joints, "panda_joint4").initial_position.at(0));
+  EXPECT_NEAR(*named(model.joints, "panda_joint4").initial_position[0], -1.5708, 1e-12);
+  EXPECT_EQ(named(model.joints, "panda_finger_joint1").type, spec::JointType::prismatic);
+  EXPECT_THAT(all_of(robot), AllOf(HasSubstr("panda_finger_joint2 = 1 panda_finger_joint1 + 0"),
+                                   HasSubstr("left out: 17 <collision>"), HasSubstr("11 meshes are left out"),
+                                   HasSubstr("--package example-robot-data=FOLDER")));
+}
+
+/// The inertial's axes are turned, the visual's too, and the link hangs by a fixed joint at an angle.
+TEST_F(UrdfFile, MergedLinksKeepTheirMassAndPlace) {
+  const std::string content =
+      "<link name=\"a\"><inertial><origin xyz=\"0.1 0.2 0.3\" rpy=\"0.3 0.2 0.1\"/><mass value=\"2\"/>"
+      "<inertia ixx=\"1\" iyy=\"2\" izz=\"2.5\" ixy=\"0.1\" ixz=\"0.2\" iyz=\"0.3\"/></inertial></link>\n"
+      "<link name=\"b\"><inertial><origin xyz=\"0 0.1 0\" rpy=\"1 2 3\"/><mass value=\"3\"/>"
+      "<inertia ixx=\"2\" iyy=\"2\" izz=\"1\"/></inertial>"
+      "<visual><origin rpy=\"0 1.5707963267948966 0\"/><geometry><cylinder radius=\"0.1\" "
+      "length=\"0.5\"/></geometry></visual></link>\n" +
+      joint("ab", "fixed", "a", "b", "<origin xyz=\"1 0 0\" rpy=\"0 0 1.5707963267948966\"/>");
+  UrdfOptions floating;
+  floating.floating = true;
+  const spec::Model merged = model(content, floating);
+  floating.keep_fixed = true;
+  const spec::Model kept = model(content, floating);
+  ASSERT_EQ(merged.bodies.size(), 1u);
+  ASSERT_EQ(kept.bodies.size(), 2u);
+  // Mass, first and second moments about the origin, in global axes.
+  const auto moments = [](const spec::Model& m) {
+    double mass = 0;
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    for (const spec::Body& body : m.bodies) {
+      const Eigen::Vector3d c = body.pose.position + body.pose.rotation * body.com;
+      mass += body.mass;
+      first += body.mass * c;
+      second += body.pose.rotation * body.inertia * body.pose.rotation.transpose() +
+                body.mass * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
+    }
+    return std::tuple(mass, first, second);
+  };
+  const auto [mass, first, second] = moments(merged);
+  const auto [mass2, first2, second2] = moments(kept);
+  EXPECT_EQ(mass, 5);
+  EXPECT_EQ(mass2, 5);
+  // By hand: a's centre is (0.1, 0.2, 0.3), b's is (1, 0, 0) + (−0.1, 0, 0).
+  EXPECT_LT((first - Eigen::Vector3d(2 * 0.1 + 3 * 0.9, 2 * 0.2, 2 * 0.3)).norm(), 1e-14);
+  EXPECT_LT((first - first2).norm(), 1e-14);
+  EXPECT_LT((second - second2).norm(), 1e-13);
+  ASSERT_EQ(merged.bodies[0].shapes.size(), 1u);
+  // About z by 90°, then the cylinder's z turned about y into x: along the global y.
+  const spec::Body& body = merged.bodies[0];
+  EXPECT_LT(((body.pose.rotation * body.shapes[0].pose.rotation).col(2) - Eigen::Vector3d(0, 1, 0)).norm(),
+            1e-12);
+  EXPECT_LT((named(merged.frames, "b").pose.position - Eigen::Vector3d(1, 0, 0)).norm(), 1e-15);
+}
+
+TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
+  const std::string content =
+      link("base") + link("arm") + link("slider") + link("wheel") +
+      joint("hinge", "revolute", "base", "arm",
+            "<axis xyz=\"0 2 0\"/><limit lower=\"-1\" upper=\"0.5\" effort=\"20\" velocity=\"1\"/>"
+            "<dynamics damping=\"0.7\" friction=\"0.3\"/>") +
+      joint("rail", "prismatic", "arm", "slider", "<limit lower=\"0\" upper=\"0.2\"/>") +
+      joint("axle", "continuous", "arm", "wheel",
+            "<axis xyz=\"0 0 1\"/><limit effort=\"3\" velocity=\"1\"/>");
+  const ConvertedRobot robot = convert(content);
+  EXPECT_THAT(
+      robot.text,
+      AllOf(HasSubstr("hinge_friction: {joint: hinge, torque: 0.3}"),
+            HasSubstr("hinge_stop: {joint: hinge, lower: -1, upper: 0.5, stiffness: 2000, restitution: 0.1}"),
+            HasSubstr("rail_stop: {joint: rail, lower: 0, upper: 0.2, stiffness: 100000, restitution: 0.1}"),
+            HasSubstr("axis: [0, 1, 0], spring: {stiffness: 0, damping: 0.7}")));
+  EXPECT_THAT(all_of(robot), AllOf(HasSubstr("assumed"), HasSubstr("effort and speed of 2 joints")));
+  const spec::Model m = parse_model(robot.text, "robot.yaml", "");
+  EXPECT_EQ(m.elements.size(), 3u);
+  Simulation simulation(Model::compile(m));
+  for (int k = 0; k < 20; ++k) EXPECT_TRUE(simulation.step().ok()) << k;
+}
+
+TEST_F(UrdfFile, MeshesAreFoundByPackageAndPath) {
+  file("my_robot/meshes/arm.STL", "");
+  fs::copy_file(MIMBRE_SOURCE_DIR "/tests/data/surfaces/block.stl", folder_ / "my_robot/meshes/arm.STL",
+                fs::copy_options::overwrite_existing);
+  fs::copy_file(MIMBRE_SOURCE_DIR "/tests/data/surfaces/block.obj", folder_ / "my_robot/meshes/hand.obj");
+  const auto mesh = [](const std::string& name, const std::string& more = "") {
+    return fmt::format(
+        "<visual><origin xyz=\"0 0 1\"/><geometry><mesh filename=\"{}\"{}/></geometry></visual>", name, more);
+  };
+  const std::string robot =
+      "<robot name=\"r\">" +
+      link("arm", mesh("package://my_robot/meshes/arm.STL", " scale=\"0.001 -0.001 0.001\"") +
+                      mesh("../meshes/hand.obj") + mesh("package://other/lost.stl") +
+                      mesh("../meshes/arm.step")) +
+      "</robot>";
+  const std::string path = file("my_robot/urdf/robot.urdf", robot);
+  UrdfOptions options;
+  options.folder = folder_.string();
+  const ConvertedRobot converted = convert_urdf(path, options);
+  EXPECT_THAT(
+      converted.text,
+      AllOf(HasSubstr("{mesh: my_robot/meshes/arm.STL, at: [0, 0, 1], scale: [0.001, -0.001, 0.001]}"),
+            HasSubstr("{mesh: my_robot/meshes/hand.obj, at: [0, 0, 1]}")));
+  EXPECT_THAT(all_of(converted),
+              AllOf(HasSubstr("package://other/lost.stl"), HasSubstr("--package other=FOLDER"),
+                    HasSubstr("format is not known")));
+  EXPECT_EQ(parse_model(converted.text, "robot.yaml", folder_.string()).bodies[0].shapes.size(), 2u);
+  file("elsewhere/lost.stl", "");
+  options.packages = {{"other", (folder_ / "elsewhere").string()}};
+  EXPECT_THAT(convert_urdf(path, options).text, HasSubstr("elsewhere/lost.stl"));
+}
+
+TEST_F(UrdfFile, NamesThatAModelCannotHaveAreChanged) {
+  const spec::Model m =
+      model(link("ground") + link("left arm") + link("left/arm") + link("true") +
+            joint("a b", "revolute", "ground", "left arm") + joint("a/b", "planar", "ground", "left/arm") +
+            joint("c", "floating", "left arm", "true"));
+  std::vector<std::string> bodies, joints;
+  for (const spec::Body& body : m.bodies) bodies.push_back(body.name);
+  for (const spec::Joint& j : m.joints) joints.push_back(j.name);
+  EXPECT_THAT(bodies, testing::ElementsAre("ground_", "left_arm", "true_", "left_arm_2"));
+  EXPECT_THAT(joints, testing::ElementsAre("ground__to_ground", "a_b", "c", "a_b_2"));
+}
+
+TEST_F(UrdfFile, MistakesAreToldWithTheirPlace) {
+  EXPECT_THAT(refusal("<link"), AllOf(HasSubstr("robot.urdf:"), HasSubstr("is no XML")));
+  EXPECT_THAT(refusal(link("a") + joint("j", "revolut", "a", "a")),
+              AllOf(HasSubstr("robot.urdf:3:1: "), HasSubstr("did you mean 'revolute'")));
+  EXPECT_THAT(refusal(link("arm") + link("b") + joint("j", "fixed", "arn", "b")),
+              HasSubstr("parent link 'arn' is not there (did you mean 'arm'?)"));
+  EXPECT_THAT(refusal(link("a") + link("b") + joint("i", "fixed", "a", "b") + joint("j", "fixed", "a", "b")),
+              HasSubstr("a URDF is a tree"));
+  EXPECT_THAT(refusal(link("a") + link("b") + joint("i", "fixed", "a", "b") + joint("j", "fixed", "b", "a")),
+              HasSubstr("in a ring"));
+  EXPECT_THAT(refusal(link("a") + link("b")), HasSubstr("carried by nothing"));
+  EXPECT_THAT(refusal(link("a") + link("a")), HasSubstr("there are two links 'a'"));
+  EXPECT_THAT(refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 0\"/>")),
+              HasSubstr("the axis has no length"));
+  EXPECT_THAT(refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "<origin xyz=\"0 nan 0\"/>")),
+              HasSubstr("is not 3 finite numbers"));
+  EXPECT_THAT(
+      refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "<limit lower=\"1\" upper=\"0\"/>")),
+      HasSubstr("above the upper"));
+  EXPECT_THAT(refusal(link("a") + link("b") + joint("j", "revolute", "a", "b", "<mimic joint=\"k\"/>")),
+              HasSubstr("mimics 'k', which is not there"));
+  EXPECT_THAT(refusal("<xacro:include filename=\"x\"/>"), HasSubstr("program xacro first"));
+  EXPECT_THAT(refusal(""), HasSubstr("has no links"));
+  EXPECT_THAT(refusal("<link name=\"a\"><inertial><mass value=\"-1\"/></inertial></link>"),
+              HasSubstr("mass -1 is negative"));
+  EXPECT_THROW(convert_urdf("/nowhere/robot.urdf"), InputError);
+}
+
+TEST_F(UrdfFile, WhatCannotMoveIsTold) {
+  EXPECT_THAT(all_of(convert(link("a") + "<link name=\"b\"/>" + joint("j", "revolute", "a", "b"))),
+              HasSubstr("moves but has no mass"));
+  EXPECT_THAT(all_of(convert("<link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+                             "izz=\"9\"/></inertial></link>")),
+              HasSubstr("no matter has the principal moments"));
+}
+
+}  // namespace
+}  // namespace mimbre
