@@ -2,9 +2,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mimbre/model.h"
@@ -124,6 +126,31 @@ struct Signal {
   std::string unit{};
 };
 
+/// What makes signals of others and of what it remembers, by one of the types of src/model/block_types.h:
+/// pid, transfer_function, state_space, table, table_2d, rate_limit, delay, hysteresis, noise.
+struct Block {
+  std::string type{};                       ///< needed
+  std::vector<std::string> inputs{};        ///< formulas: of pid what is measured, then the setpoint
+  std::vector<std::string> of{};            ///< the names in them, "t" among them where it stands there
+  std::map<std::string, double> numbers{};  ///< by their names in the table; others have their defaults
+  /// transfer_function: numerator and denominator, highest powers first; state_space: A, B, C, and (they may
+  /// be left out) D and initial; table_2d: x, y, values.
+  std::map<std::string, Eigen::MatrixXd> matrices{};
+  Function function{};                 ///< of a table
+  double every = 0;                    ///< s: sampled that often; 0: continuous
+  std::vector<std::string> outputs{};  ///< names of its signals, where there are several
+  std::string unit{};
+};
+
+/// What happens when a value crosses zero.
+struct Event {
+  std::string when{};             ///< "height - 0.1"; needed
+  std::vector<std::string> of{};  ///< the names in all its formulas
+  spec::Event::Direction direction = spec::Event::Direction::either;
+  std::vector<std::pair<std::string, std::string>> set{};  ///< inputs, and formulas of what they are set to
+  bool stop = false;                                       ///< the run ends there
+};
+
 /// A force by one of the laws of src/model/force_laws.h: actuator, bushing, gas_spring, user.
 struct Element {
   std::string law{};                                   ///< needed
@@ -146,8 +173,9 @@ struct Element {
 
 /// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
-/// joint, joint_velocity, joint_force; modal_amplitude, stress, strain (of a body); centre_of_mass,
-/// linear_momentum, angular_momentum (of bodies); spring_force, spring_length; tyre_force.
+/// joint, joint_velocity, joint_acceleration, joint_force, joint_rotation, joint_quaternion; modal_amplitude,
+/// stress, strain (of a body); centre_of_mass, linear_momentum, angular_momentum (of bodies); spring_force,
+/// spring_length; tyre_force.
 struct Output {
   std::string kind{};                      ///< needed
   std::string of{};                        ///< what has it; needed
@@ -207,6 +235,9 @@ class ModelBuilder {
   void add_output(const std::string& name, const build::Output& output);
   void add_input(const std::string& name, const build::Input& input);
   void add_signal(const std::string& name, const build::Signal& signal);
+  /// Its output is a signal of that name.
+  void add_block(const std::string& name, const build::Block& block);
+  void add_event(const std::string& name, const build::Event& event);
   void add_element(const std::string& name, const build::Element& element);
 
   /// What has been added, checked as a whole. The builder may go on afterwards.

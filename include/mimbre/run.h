@@ -42,8 +42,9 @@ struct RunTotals {
 /// when nothing was measured.
 double real_time_factor(const RunTotals& totals, double simulated);
 
-/// Steps on until `until` of them are made in all (`totals` counts them), or one fails, or `stop` (where
-/// given, asked before each step) says so. The clock is read twice per call.
+/// Steps on until `until` of them are made in all (`totals` counts them), or one fails, or an event stops the
+/// run (Simulation::stopped; that step counts when it is whole), or `stop` (where given, asked before each
+/// step) says so. The clock is read twice per call.
 StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t until, RunTotals& totals,
                    const std::function<bool()>& stop = {});
 

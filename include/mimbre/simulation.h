@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -54,6 +55,15 @@ struct Redundancy {
   std::vector<std::string> nearly_joints;
 };
 
+/// An event of the model, and how often it happened so far (spec::Event).
+struct EventRecord {
+  std::string name;
+  std::int64_t count = 0;
+  double first = std::numeric_limits<double>::quiet_NaN();  ///< s, when it happened
+  double last = std::numeric_limits<double>::quiet_NaN();
+  bool stops = false;  ///< it ends a run
+};
+
 /// A compiled model in motion. One thread at a time; any number of simulations may share a Model.
 class Simulation {
  public:
@@ -64,7 +74,9 @@ class Simulation {
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 
-  /// One step. Allocates nothing, throws nothing, makes a bounded number of iterations.
+  /// One step. Allocates nothing, throws nothing, makes a bounded number of iterations. Where an event
+  /// happens within it, it is made in parts, of which one ends there; where that stops the run, it ends there
+  /// itself.
   StepReport step();
   /// The same, of the length that ends at `time` (later than now): for the rest of a run that is no whole
   /// number of steps.
@@ -76,6 +88,11 @@ class Simulation {
   /// What went wrong where, for people ("the iterations of the step to t = 1.23 s did not converge; largest
   /// correction in 'front_left.arm'").
   std::string explain(const StepReport& report) const;
+
+  /// Whether an event ended the last step and stops the run. Another step makes the rest of it.
+  bool stopped() const;
+  /// The model's events, in its order.
+  std::vector<EventRecord> events() const;
 
   /// Wall seconds spent so far in the phases of the steps, when RunOptions::profile was set: inverse
   /// dynamics, assembly and factorisation of the matrix, its solutions, kinematics of the projections, energy

@@ -104,6 +104,35 @@ struct Signal {
   Law law;            ///< without variables of its own
   double every = 0;   ///< s: evaluated that often and kept in between; 0: always
   bool named = true;  ///< by the user: it has a channel
+  int block = -1;     ///< instead of `law`: index into Model::blocks, which has an `every` of its own
+  int output = 0;     ///< of that block
+};
+
+/// What makes signals of others and of what it remembers: a controller, a filter, a delay. One of the types
+/// of src/model/block_types.h, whose row there says what the fields mean.
+struct Block {
+  std::string name;
+  Mark mark;
+  std::string type;         ///< pid, transfer_function, state_space, …
+  std::vector<Law> inputs;  ///< without variables of their own
+  std::vector<double> numbers;
+  std::vector<Eigen::MatrixXd> matrices;
+  Function function;  ///< of a table of one variable
+  double every = 0;   ///< s: sampled that often and kept in between; 0: continuous
+};
+
+/// What happens when a value crosses zero.
+struct Event {
+  std::string name;
+  Mark mark;
+  Law when;  ///< the value; without variables of its own
+  enum class Direction { either, rising, falling } direction = Direction::either;
+  struct Set {
+    int input = -1;  ///< index into Model::inputs
+    Law value;       ///< as it is at that moment
+  };
+  std::vector<Set> sets;
+  bool stop = false;  ///< the run ends there
 };
 
 struct Drive {
@@ -257,7 +286,11 @@ struct Output {
     yaw,
     joint_position,  ///< scalar coordinate `component` of a joint, plus offset
     joint_velocity,
-    joint_force,   ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
+    joint_acceleration,
+    joint_rotation,  ///< of a spherical or floating joint: rotation vector of its second body in the first's
+                     ///< axes, component 0..2, of an angle up to π
+    joint_quaternion,  ///< likewise the unit quaternion w, x, y, z, component 0..3
+    joint_force,       ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
     deflection,    ///< displacement of a flexible frame relative to its undeformed place, along `direction`
                    ///< (body axes)
     displacement,  ///< of a frame's origin as seen from the frame `reference`, from where it is undeformed in
@@ -339,6 +372,8 @@ struct Model {
   std::vector<Element> elements;
   std::vector<Input> inputs;
   std::vector<Signal> signals;
+  std::vector<Block> blocks;
+  std::vector<Event> events;
   std::vector<Output> sensors;  ///< what signals and laws see of the motion
   std::vector<Output> outputs;
   Simulation simulation;

@@ -42,6 +42,7 @@ _order = (
     "tyres",
     "inputs",
     "signals",
+    "events",
     "actuators",
     "subsystems",
     "instances",
@@ -211,8 +212,14 @@ class Part:
         self._add("inputs", name, keys, "start", start)
 
     def add_signal(self, name: str, value: str | float | None = None, /, **keys: Unpack[words.SignalKeys]) -> None:
-        """An expression of time, inputs, signals and outputs: `every` (s) evaluates it at instants only."""
+        """An expression of time, inputs, signals and outputs: `every` (s) evaluates it at instants only. Or a block, by its
+        keys: `m.add_signal("torque", pid="angle", setpoint="wanted", kp=200, ki=50)`."""
         self._add("signals", name, keys, "value", value)
+
+    def add_event(self, name: str, /, **keys: Unpack[words.Event]) -> None:
+        """What happens `when` an expression crosses zero, or what `crosses` says, in a `direction`: it may `set` inputs,
+        and `stop` the run."""
+        self._add("events", name, keys)
 
     def add_parameter(self, name: str, value: float | str | bool | None = None, /, **keys: Any) -> None:
         """A value that expressions may use; with `tunable=True` it can be set between steps, as an input."""

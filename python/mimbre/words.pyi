@@ -378,6 +378,12 @@ class Output(TypedDict, total=False):
     joint: str
     # Its rate, m/s or rad/s.
     joint_velocity: str
+    # Its acceleration, m/s² or rad/s².
+    joint_acceleration: str
+    # Rotation vector of a spherical or floating joint, x y z, rad.
+    joint_rotation: str
+    # Unit quaternion of a spherical or floating joint, w x y z.
+    joint_quaternion: str
     # Force (N) or moment (N m) on the joint's second body, global.
     joint_force: str
     # Of a flexible body: m, rad, or 1.
@@ -596,6 +602,12 @@ class SignalKeys(TypedDict, total=False):
     joint: str
     # Its rate, m/s or rad/s.
     joint_velocity: str
+    # Its acceleration, m/s² or rad/s².
+    joint_acceleration: str
+    # Rotation vector of a spherical or floating joint, x y z, rad.
+    joint_rotation: str
+    # Unit quaternion of a spherical or floating joint, w x y z.
+    joint_quaternion: str
     # Force (N) or moment (N m) on the joint's second body, global.
     joint_force: str
     # Of a flexible body: m, rad, or 1.
@@ -622,6 +634,90 @@ class SignalKeys(TypedDict, total=False):
     linear_momentum: str | Sequence[str]
     # Likewise; about their centre of mass, or about the fixed point `about`.
     angular_momentum: str | Sequence[str]
+    # A PID controller: what it measures; the setpoint is in `setpoint`.
+    pid: str | float
+    # What a PID controller aims at; default: 0.
+    setpoint: str | float
+    # Proportional gain; default: 0.
+    kp: Number
+    # Integral gain, per s; default: 0.
+    ki: Number
+    # Derivative gain, s; default: 0.
+    kd: Number
+    # Time constant of the derivative's filter, s.
+    filter: Number
+    # Limit of the controller's output; default: none.
+    lower: Number
+    # Likewise.
+    upper: Number
+    # Of the setpoint in the proportional part; default: 1.
+    setpoint_weight: Number
+    # Of the setpoint in the derivative part; default: 0.
+    derivative_weight: Number
+    # The integral part at the start; default: 0.
+    integral: Number
+    # A linear filter: its input; with `every` its polynomials are of z, else of s.
+    transfer_function: str | float
+    # Coefficients of a transfer function, that of the highest power first.
+    numerator: Sequence[Number] | Array
+    # Likewise.
+    denominator: Sequence[Number] | Array
+    # A linear system: its input, or a list of them; with `every` a difference equation.
+    state_space: str | float | Sequence[str | float]
+    # States to their rates (with `every`: to the next ones), n rows of n.
+    A: Number | Sequence[Number | Sequence[Number] | Array] | Array
+    # Inputs to the same, n rows.
+    B: Number | Sequence[Number | Sequence[Number] | Array] | Array
+    # States to outputs, a row for each.
+    C: Number | Sequence[Number | Sequence[Number] | Array] | Array
+    # Inputs to outputs; default: 0.
+    D: Number | Sequence[Number | Sequence[Number] | Array] | Array
+    # States at the start; default: 0.
+    initial: Number | Sequence[Number | Sequence[Number] | Array] | Array
+    # Names of several outputs: their signals are NAME.OUTPUT.
+    outputs: Sequence[str]
+    # A table: its input, with `points`; or two, with `x`, `y` and `values`.
+    table: str | float | Sequence[str | float]
+    # [[x, y], ..] of a table.
+    points: Points
+    # Between points; default: linear.
+    interpolation: Literal["linear", "cubic"]
+    # Places of the rows of `values`, of the first input.
+    x: Sequence[Number] | Array
+    # Places of its columns, of the second.
+    y: Sequence[Number] | Array
+    # Of a table of two inputs; between them linear in each.
+    values: Sequence[Sequence[Number] | Array] | Array
+    # Follows this no faster than it may.
+    rate_limit: str | float
+    # Largest rate upwards, per s.
+    rising: Number
+    # Largest rate downwards, per s, below 0; default: -rising.
+    falling: Number
+    # Gives this later, by `time`.
+    delay: str | float
+    # Of a delay, s; with `every` a whole number of these.
+    time: Number
+    # A relay: what it sees.
+    hysteresis: str | float
+    # From which on a relay is high.
+    rises_at: Number
+    # Down to which it stays high.
+    falls_at: Number
+    # What it gives when it is low; default: 0.
+    low: Number
+    # What it gives when it is high; default: 1.
+    high: Number
+    # 1: at the start, between the thresholds, it is high; default: 0.
+    starts_high: Number
+    # White noise, a new number `every` so often.
+    noise: Literal["normal", "uniform"]
+    # Of noise; default: 0.
+    mean: Number
+    # Standard deviation of noise; default: 1.
+    deviation: Number
+    # Of noise, a whole number; default: 0.
+    seed: Number
 
 Signal: TypeAlias = str | float | SignalKeys
 
@@ -687,3 +783,19 @@ class Stop(TypedDict, total=False):
     depth: Number
     # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
     restitution: Number
+
+class Event(TypedDict, total=False):
+    """What happens when a value crosses another."""
+    # What crosses a value: an expression of t, signals, inputs, outputs and tunable parameters.
+    when: Required[str | float]
+    # The value; default: 0.
+    crosses: Number
+    # In which it has to cross; default: either.
+    direction: Literal["either", "rising", "falling"]
+    # Inputs and tunable parameters, and what they are set to: numbers or expressions, as they are at that
+    # moment.
+    set: Mapping[str, str | float]
+    # Whether the run ends there; default: false.
+    stop: Flag
+    # What it is, for people.
+    about: Any

@@ -73,6 +73,10 @@ app::Ending simulate(Simulation& simulation, const RunPlan& plan, Inputs& inputs
       attention.keep(error);
     }
     if (!report.ok()) return stopped({"failed", simulation.explain(report)});
+    if (simulation.stopped()) {
+      rows.record(simulation);
+      return {};
+    }
     if (totals.steps < row)
       return stopped({"interrupted",
                       fmt::format("interrupted at t = {:.6g} s of {:.6g} s", simulation.time(), plan.end)});

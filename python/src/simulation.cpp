@@ -62,6 +62,7 @@ class Stepper {
       for (std::int64_t k = 0; k < count && report.ok(); ++k) {
         if (k > 0 && attention.stop()) break;
         report = one_step([&] { return simulation.step(); });
+        if (simulation.stopped()) break;
       }
       return report;
     });
@@ -81,6 +82,7 @@ class Stepper {
       for (double k = 1; k <= steps && report.ok(); ++k) {
         if (k > 1 && attention.stop()) break;
         report = one_step([&] { return k < steps ? simulation.step() : simulation.step_to(time); });
+        if (simulation.stopped()) break;
       }
       return report;
     });
@@ -267,11 +269,23 @@ void bind_simulation(nb::module_& module) {
       .def(nb::init<const LoadedModel&, const MethodChoice&>(), nb::arg("model"), nb::arg("method"))
       .def("step", &Stepper::step, nb::arg("count") = 1,
            "Makes a step, or `count` of them. Raises SimulationError where one fails: then the state is that "
-           "before it.")
+           "before it. An event that stops the run ends it there (`stopped`); the next step makes the rest.")
       .def("step_until", &Stepper::step_until, nb::arg("time"),
            "Steps to that time (s), as a run does: the last step is shorter where it is no whole number.")
       .def_prop_ro(
           "time", [](Stepper& s) { return Turn(s)->time(); }, "Where it has come to, s.")
+      .def_prop_ro(
+          "stopped", [](Stepper& s) { return Turn(s)->stopped(); },
+          "Whether an event ended the last step and stops the run.")
+      .def_prop_ro(
+          "events",
+          [](Stepper& s) {
+            nb::dict events;
+            for (const EventRecord& e : Turn(s)->events())
+              events[nb::str(e.name.c_str())] = nb::make_tuple(e.count, e.first, e.last);
+            return events;
+          },
+          "Of each event how often it happened, and when first and last (s; not a number: never).")
       .def_prop_ro(
           "step_size", [](Stepper& s) { return Turn(s)->step_size(); }, "The step, s.")
       .def_prop_ro(

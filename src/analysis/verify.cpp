@@ -46,7 +46,10 @@ Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& met
     };
     sample();
     for (const std::int64_t until : rows) {
-      const StepReport report = advance(simulation, plan, until, run.totals, options.stop);
+      StepReport report;
+      do  // Where an event would stop the run, both go on.
+        report = advance(simulation, plan, until, run.totals, options.stop);
+      while (report.ok() && simulation.stopped());
       if (!report.ok()) {
         run.failure = simulation.explain(report);
         break;

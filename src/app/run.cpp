@@ -104,6 +104,11 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inp
         recorder.record(simulation);
         recorded = row;
       }
+      if (simulation.stopped()) {
+        recorder.record(simulation);
+        if (saving.wanted()) saving.save(simulation, totals, recorder);
+        return {};
+      }
       const bool ends = interrupted() && totals.steps < plan.steps;
       if (saving.wanted() && (totals.steps == save || ends)) saving.save(simulation, totals, recorder);
       progress.update(simulation.time(), plan.end, totals.cpu_seconds);

@@ -25,6 +25,10 @@ std::array<std::pair<const char*, Validity::Peak>, 5> named(const Validity& v) {
            {"high_modes", v.high_modes}}};
 }
 
+bool stopped_by(const Simulation& simulation, const EventRecord& e) {
+  return simulation.stopped() && e.stops && e.count > 0 && e.last == simulation.time();
+}
+
 /// What linear theory neglected at worst, by flexible body.
 Json validity(const Simulation& simulation) {
   Json bodies = Json::array();
@@ -64,6 +68,18 @@ std::string worst(const std::vector<Validity>& bodies) {
   return text;
 }
 
+/// The model's events, with the times of the first and the last of each.
+Json happened(const Simulation& simulation) {
+  Json events = Json::array();
+  for (const EventRecord& e : simulation.events()) {
+    Json event{{"event", e.name}, {"count", e.count}};
+    if (e.count > 0) event.update({{"first", e.first}, {"last", e.last}});
+    if (e.stops) event["stopped"] = stopped_by(simulation, e);
+    events.push_back(std::move(event));
+  }
+  return events;
+}
+
 double per_step(std::int64_t total, const RunTotals& totals) {
   return totals.steps > 0 ? static_cast<double>(total) / static_cast<double>(totals.steps) : 0.0;
 }
@@ -89,6 +105,7 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   summary["max_velocity_violation"] = totals.max_velocity_violation;
   for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
   if (Json bodies = validity(simulation); !bodies.empty()) summary["validity"] = std::move(bodies);
+  if (Json events = happened(simulation); !events.empty()) summary["events"] = std::move(events);
   summary["warnings"] = warnings;
   ResultsRow row;
   simulation.sample(row);
@@ -141,6 +158,12 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
        "(above 1: faster than real time)");
   line("largest position violation", fmt::format("{:.3g}", totals.max_position_violation), "m");
   line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");
+  for (const EventRecord& e : simulation.events())
+    line(fmt::format("event {}", e.name).c_str(),
+         e.count > 0 ? fmt::format("{:.9g}", e.last) : fmt::format("{}", e.count),
+         e.count > 1   ? fmt::format("s  (the last of {}, the first at {:.9g} s)", e.count, e.first)
+         : e.count > 0 ? stopped_by(simulation, e) ? "s  (stopped the run)" : "s"
+                       : "times");
   for (const EnergyTerm& term : energy_terms)
     line(fmt::format("energy, {}", term.name).c_str(), number(simulation.energy().*term.value), "J");
   if (const auto bodies = simulation.validity(); !bodies.empty())

@@ -93,8 +93,15 @@ void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const
     return;
   }
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  const int count =
-      info.quaternion < 0 || output.kind == Kind::joint_velocity ? info.velocities : info.quaternion;
+  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+    if (info.quaternion < 0)
+      addition.refuse(fmt::format("a {} joint has coordinates of its own; see kind 'joint'", info.name));
+    output.component = find_component(addition, given.component,
+                                      output.kind == Kind::joint_rotation ? axes : Words{"w", "x", "y", "z"});
+    return;
+  }
+  const bool rate = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
+  const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
   if (count == 0) addition.refuse(fmt::format("a {} joint has no scalar coordinate", info.name));
   output.component = find_component(addition, given.component, numbers(count));
   output.offset = given.offset;

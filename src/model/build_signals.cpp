@@ -19,44 +19,50 @@ void ModelBuilder::add_input(const std::string& name, const build::Input& given)
   impl_->model.inputs.push_back(std::move(input));
 }
 
-void ModelBuilder::add_signal(const std::string& name, const build::Signal& given) {
-  Addition addition(*impl_, impl_->signals, name);
-  Impl& b = *impl_;
-  spec::Signal signal;
-  signal.name = name;
-  signal.unit = given.unit;
-  signal.every = given.every;
+std::vector<spec::Law> Addition::formulas(const char* what, const std::vector<std::string>& texts,
+                                          const std::vector<std::string>& of) {
+  using Kind = spec::Source::Kind;
+  ModelBuilder::Impl& b = builder_;
   std::vector<std::string> seen;
-  for (const std::string& of : given.of) {
-    using Kind = spec::Source::Kind;
-    spec::Source source;
-    if (of == "t") {
-      source.kind = Kind::time;
-    } else if (const auto input = b.inputs.index.find(of); input != b.inputs.index.end()) {
-      source = {Kind::input, input->second};
-    } else if (const auto other = b.signals.index.find(of); other != b.signals.index.end()) {
-      source = {Kind::signal, other->second};
+  std::vector<spec::Source> sources;
+  for (const std::string& name : of) {
+    if (name == "t") {
+      sources.emplace_back();
+    } else if (const auto input = b.inputs.index.find(name); input != b.inputs.index.end()) {
+      sources.push_back({Kind::input, input->second});
+    } else if (const auto other = b.signals.index.find(name); other != b.signals.index.end()) {
+      sources.push_back({Kind::signal, other->second});
     } else {
-      const int output = addition.find(b.outputs, "of", of);
-      const auto known = b.sensors.find(of);
+      const int output = find(b.outputs, "of", name);
+      const auto known = b.sensors.find(name);
       const int sensor =
           known != b.sensors.end() ? known->second : static_cast<int>(b.model.sensors.size() + seen.size());
       if (known == b.sensors.end()) seen.push_back(b.model.outputs[static_cast<std::size_t>(output)].name);
-      source = {Kind::sensor, sensor};
+      sources.push_back({Kind::sensor, sensor});
     }
-    signal.law.arguments.push_back(source);
   }
+  std::vector<spec::Law> laws;
   try {
-    signal.law.formula = Formula::expression(given.value, given.of);
+    for (const std::string& text : texts) laws.push_back({Formula::expression(text, of), sources});
   } catch (const InputError& error) {  // which does not know of whose formula it speaks
-    addition.refuse(error.diagnostics().front().message);
+    refuse(fmt::format("{}: {}", what, error.diagnostics().front().message));
   }
   for (const std::string& output : seen) {
     b.sensors[output] = static_cast<int>(b.model.sensors.size());
     b.model.sensors.push_back(b.model.outputs[static_cast<std::size_t>(b.outputs.index.at(output))]);
   }
-  addition.commit(b.signals, b.model.signals.size());
-  b.model.signals.push_back(std::move(signal));
+  return laws;
+}
+
+void ModelBuilder::add_signal(const std::string& name, const build::Signal& given) {
+  Addition addition(*impl_, impl_->signals, name);
+  spec::Signal signal;
+  signal.name = name;
+  signal.unit = given.unit;
+  signal.every = given.every;
+  signal.law = std::move(addition.formulas("value", {given.value}, given.of).front());
+  addition.commit(impl_->signals, impl_->model.signals.size());
+  impl_->model.signals.push_back(std::move(signal));
 }
 
 void ModelBuilder::add_element(const std::string& name, const build::Element& given) {

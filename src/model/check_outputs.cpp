@@ -25,7 +25,15 @@ void check_joint(const spec::Model& model, const Thing& thing, const spec::Outpu
   const spec::JointType type = model.joints[static_cast<std::size_t>(output.item)].type;
   if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
   const JointInfo& info = joint_info(type);
-  const bool rate = output.kind == Kind::joint_velocity;
+  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+    if (info.quaternion < 0)
+      thing.error(
+          fmt::format("a {} joint has no quaternion; its coordinates say how it is turned", info.name));
+    else
+      thing.between("component", output.component, 0, output.kind == Kind::joint_rotation ? 2 : 3);
+    return;
+  }
+  const bool rate = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
   const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
   if (count == 0)
     thing.error(fmt::format("a {} joint has no {} coordinate", info.name, rate ? "" : "scalar"));
@@ -114,6 +122,9 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
       return check_direction(thing, output.direction);
     case Kind::joint_position:
     case Kind::joint_velocity:
+    case Kind::joint_acceleration:
+    case Kind::joint_rotation:
+    case Kind::joint_quaternion:
     case Kind::joint_force:
       return check_joint(model, thing, output);
     case Kind::modal_amplitude:

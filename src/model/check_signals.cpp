@@ -3,6 +3,7 @@
 
 #include "joints/table.h"
 #include "model/checked_thing.h"
+#include "model/compile_blocks.h"
 #include "model/force_laws.h"
 
 /// Inputs, signals, and the force elements that have no section of their own.
@@ -26,15 +27,6 @@ void check_source(const spec::Model& model, const Thing& thing, const spec::Sour
   }
   thing.error(
       fmt::format("an argument's kind is {}, which is none of its choices", static_cast<int>(source.kind)));
-}
-
-/// `own`: variables of the law itself, which come first.
-void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own) {
-  if (law.formula.is_zero()) return;
-  for (const spec::Source& source : law.arguments) check_source(model, thing, source);
-  if (law.formula.variables() != own + law.arguments.size())
-    thing.error(fmt::format("its formula has {} variables; {} of its own and {} arguments are given",
-                            law.formula.variables(), own, law.arguments.size()));
 }
 
 void check_place(const spec::Model& model, const Thing& thing, const spec::Element& e) {
@@ -120,6 +112,14 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
 
 }  // namespace
 
+void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own) {
+  if (law.formula.is_zero()) return;
+  for (const spec::Source& source : law.arguments) check_source(model, thing, source);
+  if (law.formula.variables() != own + law.arguments.size())
+    thing.error(fmt::format("its formula has {} variables; {} of its own and {} arguments are given",
+                            law.formula.variables(), own, law.arguments.size()));
+}
+
 void check_inputs(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const spec::Input& input = model.inputs[k];
@@ -138,8 +138,14 @@ void check_signals(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.signals.size(); ++k) {
     const spec::Signal& signal = model.signals[k];
     const Thing thing(errors, "signal", signal.name, signal.mark, k);
-    if (signal.law.formula.is_zero()) thing.error("has no formula");
     thing.not_negative("every", signal.every);
+    if (signal.block != -1) {
+      if (thing.index("block", signal.block, model.blocks.size(), "blocks"))
+        thing.between("output", signal.output, 0,
+                      output_count(model.blocks[static_cast<std::size_t>(signal.block)]) - 1);
+      continue;
+    }
+    if (signal.law.formula.is_zero()) thing.error("has no formula");
     check_law(model, thing, signal.law, 0);
   }
   for (std::size_t k = 0; k < model.springs.size(); ++k)

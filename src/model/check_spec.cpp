@@ -47,6 +47,7 @@ void check_names(const spec::Model& model, std::vector<Diagnostic>& errors) {
   check_names_of("element", model.elements, errors);
   check_names_of("input", model.inputs, errors);
   check_names_of("signal", model.signals, errors);
+  check_names_of("event", model.events, errors);
   check_names_of("output", model.outputs, errors);
 }
 
@@ -56,9 +57,9 @@ void check_spec(const spec::Model& model) {
   using namespace checks;
   std::vector<Diagnostic> errors;
   if (model.bodies.empty()) errors.push_back({{model.file, 0, 0}, "the model has no body; add one"});
-  for (const auto check :
-       {check_names, check_bodies, check_frames, check_joints, check_springs, check_loads, check_roads,
-        check_tyres, check_inputs, check_signals, check_elements, check_outputs, check_simulation})
+  for (const auto check : {check_names, check_bodies, check_frames, check_joints, check_springs, check_loads,
+                           check_roads, check_tyres, check_inputs, check_signals, check_blocks, check_events,
+                           check_elements, check_outputs, check_simulation})
     check(model, errors);
   if (errors.empty()) return;
   constexpr std::size_t most = 100;

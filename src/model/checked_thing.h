@@ -97,6 +97,9 @@ inline bool sound_frame(const spec::Model& model, int frame) {
   return body >= spec::ground && body < static_cast<int>(model.bodies.size());
 }
 
+/// Of a formula and its arguments; `own`: variables of the law itself, which come first.
+void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own);
+
 // One for each kind of things.
 void check_names(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors);
@@ -108,6 +111,8 @@ void check_roads(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_tyres(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_inputs(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_signals(const spec::Model& model, std::vector<Diagnostic>& errors);
+void check_blocks(const spec::Model& model, std::vector<Diagnostic>& errors);
+void check_events(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_elements(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_outputs(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_simulation(const spec::Model& model, std::vector<Diagnostic>& errors);

@@ -6,7 +6,9 @@
 
 #include "mimbre/diagnostics.h"
 #include "mimbre/reduced_body.h"
+#include "model/compile_blocks.h"
 #include "model/force_laws.h"
+#include "model/signal_order.h"
 
 namespace mimbre {
 namespace {
@@ -45,22 +47,26 @@ class Planner {
   void run() {
     d_.slot_of_signal.assign(s_.signals.size(), -1);
     d_.slot_of_sensor.assign(s_.sensors.size(), -1);
-    moving_.assign(s_.signals.size(), 0);
     for (std::size_t k = 0; k < s_.inputs.size(); ++k) input(static_cast<int>(k));
     for (std::size_t k = 0; k < s_.signals.size(); ++k)
-      if (s_.signals[k].every > 0) sampled(static_cast<int>(k));
-    order();
-    for (const int k : order_) moving_[k] = depends_on_motion(s_.signals[k]);
-    for (const int k : order_)
-      if (!moving_[k]) make(k, d_.fixed);
+      if (s_.signals[k].block < 0 && s_.signals[k].every > 0) sampled(static_cast<int>(k));
+    for (std::size_t k = 0; k < s_.blocks.size(); ++k) block(static_cast<int>(k));
+    order_ = order_signals(s_);
+    find_moving();
+    find_smooth();
+    for (const SignalNode& node : order_.nodes)
+      if (!moves(node)) make(node, d_.fixed, d_.fixed_loops);
     functions_of_time();
     d_.first_moving = d_.slots;
     const auto see = [&](const std::vector<Source>& arguments, const std::string& who, const Mark& mark) {
       for (const Source& a : arguments)
         if (a.kind == Source::Kind::sensor) sense(a.index, who, mark);
     };
-    for (const int k : order_)
-      see(s_.signals[k].law.arguments, fmt::format("signal '{}'", s_.signals[k].name), s_.signals[k].mark);
+    for (const SignalNode& node : order_.nodes) {
+      const std::string& name = node.is_block ? s_.blocks[node.index].name : s_.signals[node.index].name;
+      see(sources_of(s_, node), fmt::format("signal '{}'", name),
+          node.is_block ? s_.blocks[node.index].mark : s_.signals[node.index].mark);
+    }
     for (const spec::Spring& spring : s_.springs)
       see(spring.general.arguments, fmt::format("spring '{}'", spring.name), spring.mark);
     for (const spec::Joint& joint : s_.joints)
@@ -68,12 +74,14 @@ class Planner {
         see(spring.general.arguments, fmt::format("the spring of joint '{}'", joint.name), joint.mark);
     for (const spec::Element& e : s_.elements)
       see(e.arguments, fmt::format("{} '{}'", e.law, e.name), e.mark);
-    for (const int k : order_)
-      if (moving_[k]) make(k, d_.moving);
-    for (SignalsData::Sampled& sampled : d_.sampled)
-      for (const Source& a : s_.signals[sampled.spec].law.arguments)
-        sampled.arguments.push_back({a.kind == Source::Kind::sensor ? -1 : slot_of(c_, a),
-                                     a.kind == Source::Kind::sensor ? a.index : -1});
+    for (const SignalNode& node : order_.nodes)
+      if (moves(node)) make(node, d_.moving, d_.moving_loops);
+    for (const MadeOf& made : made_) (*made.list)[made.at].law = within_a_step(*made.law);
+    for (std::size_t k = 0; k < d_.sampled.size(); ++k)
+      for (const spec::Law* law : sampled_laws_[k]) d_.sampled[k].inputs.push_back(seen_of(c_, *law));
+    for (std::size_t k = 0; k < s_.blocks.size(); ++k)
+      for (const spec::Law& input : s_.blocks[k].inputs)
+        if (!(s_.blocks[k].every > 0)) d_.blocks[k].laws.push_back(within_a_step(input));
   }
 
  private:
@@ -91,52 +99,98 @@ class Planner {
         {d_.slots++, linear ? hold({i.start, 0, i.start, 0}) : hold({i.start, -1e300}), linear, k});
   }
 
+  /// Slots of values that are evaluated at instants, of the laws of what they are made of.
+  void sampled_values(int values, double every, int block, std::vector<const spec::Law*> laws) {
+    const int held = static_cast<int>(d_.start.size());
+    for (int k = 0; k < values; ++k) d_.held.push_back({d_.slots++, hold({0}), false, -1});
+    hold({0, 0});
+    d_.sampled.push_back({held, values, every, block, {}});
+    sampled_laws_.push_back(std::move(laws));
+  }
+
   void sampled(int k) {
     const spec::Signal& s = s_.signals[k];
     d_.slot_of_signal[k] = d_.slots;
-    const int held = hold({0, 0});
-    d_.held.push_back({d_.slots++, held, false, -1});
-    d_.sampled.push_back({k, held, s.every, s.law.formula.data(), {}});
+    sampled_values(1, s.every, -1, {&s.law});
   }
 
-  /// Signals after those that they need; sampled ones are known before.
-  void order() {
-    std::vector<int> state(s_.signals.size(), 0), path;
-    for (int k = 0; k < static_cast<int>(s_.signals.size()); ++k) visit(k, state, path);
-  }
-  void visit(int k, std::vector<int>& state, std::vector<int>& path) {
-    const spec::Signal& s = s_.signals[k];
-    if (s.every > 0 || state[k] == 2) return;
-    if (state[k] == 1) {
-      std::string loop;
-      for (auto at = std::find(path.begin(), path.end(), k); at != path.end(); ++at)
-        loop += fmt::format("'{}' → ", s_.signals[*at].name);
-      throw InputError(s.mark,
-                       fmt::format("signals depend on each other in a circle, without a state or delay: "
-                                   "{}'{}'; evaluate one of them at instants, `every: 0.01`",
-                                   loop, s.name));
+  void block(int k) {
+    const spec::Block& s = s_.blocks[k];
+    SignalsData::Block b = compile_block(s, s_.simulation.step, d_);
+    b.slot = -1;
+    if (s.every > 0) {
+      b.slot = d_.slots;
+      std::vector<const spec::Law*> laws;
+      for (const spec::Law& input : s.inputs) laws.push_back(&input);
+      sampled_values(b.outputs, s.every, k, std::move(laws));
+      give_outputs(k, b.slot);
+    } else if (d_.clock < 0) {
+      d_.clock = hold({0, 0});
     }
-    state[k] = 1;
-    path.push_back(k);
-    for (const Source& a : s.law.arguments)
-      if (a.kind == Source::Kind::signal) visit(a.index, state, path);
-    path.pop_back();
-    state[k] = 2;
-    order_.push_back(k);
+    b.held = static_cast<int>(d_.start.size());
+    d_.start.resize(d_.start.size() + static_cast<std::size_t>(b.memory()), 0.0);
+    d_.blocks.push_back(std::move(b));
   }
 
-  char depends_on_motion(const spec::Signal& s) const {
-    return std::any_of(s.law.arguments.begin(), s.law.arguments.end(), [&](const Source& a) {
-      return a.kind == Source::Kind::sensor ||
-             (a.kind == Source::Kind::signal && s_.signals[a.index].every <= 0 && moving_[a.index]);
+  /// The signals that are a block's outputs have the slots from there on.
+  void give_outputs(int block, int slot) {
+    for (std::size_t k = 0; k < s_.signals.size(); ++k)
+      if (s_.signals[k].block == block) d_.slot_of_signal[k] = slot + s_.signals[k].output;
+  }
+
+  LawData within_a_step(const spec::Law& law) const {
+    LawData data{law.formula.data(), {}};
+    for (const Source& a : law.arguments) data.slots.push_back(slot_of(c_, a));
+    return data;
+  }
+
+  char& of(std::array<std::vector<char>, 2>& marks, const SignalNode& n) const {
+    return marks[n.is_block ? 1 : 0][static_cast<std::size_t>(n.index)];
+  }
+  bool moves(const SignalNode& n) { return of(moving_, n) != 0; }
+
+  /// Sets marks until those of all nodes agree with `rule`, of a node and what its sources have.
+  template <class Rule>
+  void spread(std::array<std::vector<char>, 2>& marks, const Rule& rule) {
+    marks = {std::vector<char>(s_.signals.size(), 0), std::vector<char>(s_.blocks.size(), 0)};
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const SignalNode& node : order_.nodes) {
+        bool any = false;
+        for (const Source& a : sources_of(s_, node))
+          if (SignalNode by{}; is_made_within_a_step(s_, a, by)) any = any || of(marks, by);
+        if (char& mark = of(marks, node); !mark && (any || rule(node))) mark = changed = true;
+      }
+    }
+  }
+
+  void find_moving() {
+    spread(moving_, [&](const SignalNode& node) {
+      const std::vector<Source> sources = sources_of(s_, node);
+      return std::any_of(sources.begin(), sources.end(),
+                         [](const Source& a) { return a.kind == Source::Kind::sensor; });
     });
   }
 
-  void make(int k, Array<SignalsData::Made>& list) {
-    SignalsData::Made made{d_.slots++, {s_.signals[k].law.formula.data(), {}}};
-    for (const Source& a : s_.signals[k].law.arguments) made.law.slots.push_back(slot_of(c_, a));
-    d_.slot_of_signal[k] = made.slot;
-    list.push_back(std::move(made));
+  void find_smooth() {
+    spread(rough_,
+           [&](const SignalNode& node) { return node.is_block && !is_smooth(s_.blocks[node.index]); });
+  }
+
+  void make(const SignalNode& node, Array<SignalsData::Made>& list, bool& loops) {
+    if (node.is_block) {
+      SignalsData::Block& b = d_.blocks[node.index];
+      b.slot = d_.slots;
+      b.ahead = order_.ahead[static_cast<std::size_t>(node.index)] != 0;
+      loops = loops || b.ahead;
+      d_.slots += b.outputs;
+      give_outputs(node.index, b.slot);
+      list.push_back({b.slot, {}, node.index});
+      return;
+    }
+    d_.slot_of_signal[node.index] = d_.slots;
+    list.push_back({d_.slots++, {}, -1});
+    made_.push_back({&list, list.size() - 1, &s_.signals[node.index].law});
   }
 
   void sense(int sensor, const std::string& who, const Mark& mark) {
@@ -157,13 +211,22 @@ class Planner {
     return d_.slots++;
   }
 
-  /// Slot of a signal that motion must not decide.
-  int fixed_signal(int signal, const std::string& who) const {
-    if (moving_[signal])
-      throw InputError(s_.signals[signal].mark,
-                       fmt::format("{} follows signal '{}', which depends on the motion at the same instant; "
-                                   "give the signal `every: 0.01`, or use an actuator",
-                                   who, s_.signals[signal].name));
+  /// Slot of a signal that motion must not decide. `derived`: its derivatives by time are needed.
+  int fixed_signal(int signal, const std::string& who, bool derived) {
+    const spec::Signal& s = s_.signals[signal];
+    SignalNode node{};
+    if (is_made_within_a_step(s_, {Source::Kind::signal, signal}, node)) {
+      if (moves(node))
+        throw InputError(
+            s.mark, fmt::format("{} follows signal '{}', which depends on the motion at the same instant; "
+                                "give the signal `every: 0.01`, or use an actuator",
+                                who, s.name));
+      if (derived && of(rough_, node))
+        throw InputError(s.mark,
+                         fmt::format("{} follows signal '{}', whose rate is not known; send it through a "
+                                     "transfer_function",
+                                     who, s.name));
+    }
     return d_.slot_of_signal[signal];
   }
 
@@ -171,8 +234,9 @@ class Planner {
     for (const spec::Load& l : s_.loads) d_.slot_of_load.push_back(l.signal >= 0 ? -1 : of_time(l.scale));
     for (const spec::Road& r : s_.roads)
       d_.slot_of_road.push_back(r.over == spec::Road::Over::distance ? -1
-                                : r.signal >= 0 ? fixed_signal(r.signal, fmt::format("road '{}'", r.name))
-                                                : of_time(r.height));
+                                : r.signal >= 0
+                                    ? fixed_signal(r.signal, fmt::format("road '{}'", r.name), false)
+                                    : of_time(r.height));
     for (const spec::Joint& joint : s_.joints) {
       d_.slot_of_drive.emplace_back();
       for (const spec::Drive& drive : joint.drives) d_.slot_of_drive.back().push_back(driven(joint, drive));
@@ -186,7 +250,7 @@ class Planner {
     if (drive.signal < 0)
       // A run may be longer than the file says: what is prepared reaches over four times that.
       return of_time(position ? drive.law : drive.law.integral(start, 4 * s_.simulation.end));
-    const int signal = fixed_signal(drive.signal, fmt::format("the drive of joint '{}'", joint.name));
+    const int signal = fixed_signal(drive.signal, fmt::format("the drive of joint '{}'", joint.name), true);
     if (position) return signal;
     d_.integrals.push_back({d_.slots, signal, hold({start, 0})});
     return d_.slots++;
@@ -195,8 +259,16 @@ class Planner {
   Compiled& c_;
   const spec::Model& s_;
   SignalsData& d_;
-  std::vector<int> order_;
-  std::vector<char> moving_;
+  SignalOrder order_;
+  std::array<std::vector<char>, 2> moving_, rough_;  ///< by signal, by block
+  std::vector<std::vector<const spec::Law*>> sampled_laws_;
+  /// Formulas in lists, which get their slots when all have them.
+  struct MadeOf {
+    Array<SignalsData::Made>* list;
+    std::size_t at;
+    const spec::Law* law;
+  };
+  std::vector<MadeOf> made_;
 
  public:
   std::vector<int> seen_;  ///< sensors of the spec
@@ -231,6 +303,14 @@ int slot_of(const Compiled& c, const Source& source) {
       return c.signals.slot_of_sensor[source.index];
   }
   return 0;
+}
+
+SignalsData::Seen seen_of(const Compiled& c, const spec::Law& law) {
+  SignalsData::Seen seen{law.formula.data(), {}};
+  for (const Source& a : law.arguments)
+    seen.arguments.push_back(
+        {a.kind == Source::Kind::sensor ? -1 : slot_of(c, a), a.kind == Source::Kind::sensor ? a.index : -1});
+  return seen;
 }
 
 int load_slot(const Compiled& c, int load) {

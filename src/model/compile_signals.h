@@ -16,6 +16,8 @@ std::vector<int> seen_within_a_step(const Compiled& c);
 bool is_of_frame(spec::Output::Kind kind);
 
 int slot_of(const Compiled& c, const spec::Source& source);
+/// A law without variables of its own, to be evaluated at instants.
+SignalsData::Seen seen_of(const Compiled& c, const spec::Law& law);
 int load_slot(const Compiled& c, int load);
 int drive_slot(const Compiled& c, int joint, int drive);
 void place_roads(Compiled& c);

@@ -237,21 +237,41 @@ struct SignalsData {
   struct Made {
     int slot;
     LawData law;
+    int block = -1;  ///< instead of the law: makes its outputs, from the slot on
+  };
+  /// A block (src/signals/blocks). At `held`: whether it has begun (0, 1); its inputs, then its states, when
+  /// the step starts.
+  struct Block {
+    int type;  ///< row of the table
+    int slot;  ///< of its first output
+    int inputs, outputs, states;
+    int held, numbers;
+    int function;         ///< -1: none
+    int matrices;         ///< of its step, in SignalValues
+    double every;         ///< s; 0: continuous
+    bool ahead;           ///< what it makes is used before it is made, in a loop that it closes
+    Array<LawData> laws;  ///< its inputs, of a continuous one
+    int memory() const { return 1 + inputs + states; }
   };
   /// ∫ of slot `rate` over time since the step's start: at `held` the value, then the time.
   struct Integral {
     int slot, rate, held;
   };
-  /// A signal that is evaluated every `every` seconds: at `held` the value, behind it when the next is due.
-  /// Arguments: slots, or sensors of the spec.
-  struct Sampled {
-    int spec, held;
-    double every;
+  /// A formula that is evaluated at instants, of slots or sensors of the spec.
+  struct Seen {
     Expression formula;
     struct Argument {
       int slot, sensor;  ///< one of them is -1
     };
     Array<Argument> arguments;
+  };
+  /// What is evaluated every `every` seconds: at `held` its values; behind them when the next are due, and
+  /// when these were made.
+  struct Sampled {
+    int held, values;
+    double every;
+    int block;           ///< -1: the value is that of the only input
+    Array<Seen> inputs;  ///< of the signal or block
   };
   struct Sensor {
     int slot, sensor;
@@ -263,7 +283,15 @@ struct SignalsData {
   Array<Made> fixed;  ///< of time and inputs, in the order in which they need each other
   Array<Integral> integrals;
   Array<Sensor> sensors;
-  Array<Made> moving;  ///< of sensors, in that order
+  Array<Made> moving;                              ///< of sensors, in that order
+  bool fixed_loops = false, moving_loops = false;  ///< some of them are blocks `ahead`
+  Array<Block> blocks;
+  Array<double> numbers;          ///< of blocks
+  Array<FunctionData> functions;  ///< likewise
+  int matrices = 0;               ///< numbers of all blocks that a step's length decides
+  /// At `clock` in what is held: the time that continuous blocks were last moved on to; behind it whether
+  /// something has jumped since then (0, 1). -1: there are none.
+  int clock = -1;
   Array<Sampled> sampled;
   Array<int> seen;  ///< sensors of the spec that are seen within a step
   // By what they belong to in the spec.

@@ -19,7 +19,7 @@ struct ModelBuilder::Impl {
   spec::Model model;
   NamedThings bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
       loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}}, inputs{"input", {}},
-      signals{"signal", {}}, elements{"element", {}};
+      signals{"signal", {}}, events{"event", {}}, elements{"element", {}};
   std::map<std::string, int> sensors;                ///< of outputs that signals see
   std::unordered_map<std::string, int> node_frames;  ///< frames of nodes, made when first used
 };
@@ -49,6 +49,10 @@ class Addition {
 
   /// The number of a thing of the kind; refuses, with names that could be meant, when there is none.
   int find(const NamedThings& things, const char* what, const std::string& name) const;
+  /// Formulas of the time, inputs, signals and outputs of these names; outputs become sensors. Refuses what
+  /// is none.
+  std::vector<spec::Law> formulas(const char* what, const std::vector<std::string>& texts,
+                                  const std::vector<std::string>& of);
   Attachment attachment(const char* what, const std::string& name);
   /// The frame that is named; of a body its own frame, or a new one at the point.
   int attach(const char* what, const std::string& name, const std::optional<Eigen::Vector3d>& at,

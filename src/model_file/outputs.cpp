@@ -44,7 +44,14 @@ void read_joint_component(const Builder& builder, const Fields& fields, spec::Ou
     return;
   }
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  const bool velocity = output.kind == Kind::joint_velocity;
+  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+    if (info.quaternion < 0)
+      return fields.error(fmt::format("a {} joint has coordinates of its own; see 'joint'", info.name));
+    output.component = output.kind == Kind::joint_rotation ? read_component(fields, {"x", "y", "z"})
+                                                           : read_component(fields, {"w", "x", "y", "z"});
+    return;
+  }
+  const bool velocity = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
   const int count = info.quaternion < 0 || velocity ? info.velocities : info.quaternion;
   if (count == 0) {
     fields.error(fmt::format("a {} joint has no scalar coordinate", info.name));

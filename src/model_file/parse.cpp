@@ -64,7 +64,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
       with_element_sections(
           {"mimbre", "title", "include", "gravity", "parameters", "require", "materials", "sections",
            "bodies", "frames", "joints", "springs", "loads", "roads", "tyres"},
-          {"inputs", "signals", "subsystems", "instances", "outputs", "initial", "simulation"}));
+          {"inputs", "signals", "events", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
 
@@ -93,6 +93,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_elements(builder, part);
   read_outputs(builder);
   for (Part& part : builder.parts) read_signals(builder, part);
+  for (Part& part : builder.parts) read_events(builder, part);
   resolve_sensors(builder);
   read_simulation(builder, model);
   if (builder.model.bodies.empty())

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model_file/blocks.h"
 #include "model_file/scanning.h"
 
 namespace mimbre::model_file {
@@ -234,13 +235,18 @@ void claim_signals(Builder& builder, Part& part) {
   if (!section) return;
   if (!section->is_map())
     return section->error("names with expressions are needed, for example torque: \"-100*angle\"");
-  for (const auto& entry : section->tree().entries) {
+  const auto claim = [&](const std::string& name, const std::string& word, const Mark& mark) {
     spec::Signal signal;
-    signal.name = part.full_name(entry.key);
-    signal.mark = entry.mark;
-    if (claim_variable(builder, builder.signal_names, part, signal.name, entry.key, entry.mark,
+    signal.name = part.full_name(name);
+    signal.mark = mark;
+    if (claim_variable(builder, builder.signal_names, part, signal.name, word, mark,
                        static_cast<int>(builder.model.signals.size())))
       builder.model.signals.push_back(std::move(signal));
+  };
+  for (const auto& entry : section->tree().entries) {
+    const std::vector<std::string> outputs = output_names(*entry.value);
+    if (outputs.empty()) claim(entry.key, entry.key, entry.mark);
+    for (const std::string& output : outputs) claim(entry.key + "." + output, output, entry.mark);
   }
 }
 
@@ -257,9 +263,29 @@ void read_signals(Builder& builder, Part& part) {
   const auto section = part.section("signals");
   if (!section || !section->is_map()) return;
   for (const auto& entry : section->tree().entries) {
-    const auto found = builder.signal_names.index.find(part.full_name(entry.key));
-    if (found == builder.signal_names.index.end()) continue;
-    const auto at = static_cast<std::size_t>(found->second);
+    const auto signal_of = [&](const std::string& name) {
+      const auto found = builder.signal_names.index.find(part.full_name(name));
+      return found == builder.signal_names.index.end()
+                 ? std::nullopt
+                 : std::optional(static_cast<std::size_t>(found->second));
+    };
+    if (const int type = block_of(*entry.value); type >= 0) {
+      std::vector<std::string> names = output_names(*entry.value);
+      for (std::string& name : names) name = entry.key + "." + name;
+      if (names.empty()) names.push_back(entry.key);
+      std::vector<std::size_t> signals;
+      for (const std::string& name : names)
+        if (const auto at = signal_of(name)) signals.push_back(*at);
+      const std::string name = part.full_name(entry.key);
+      const Value value(part.reading, *entry.value, fmt::format("signal '{}'", name));
+      if (const Tree::Entry* unit = entry.value->find("unit"))
+        for (const std::size_t k : signals) builder.model.signals[k].unit = unit->value->text;
+      if (signals.size() == names.size()) read_block(builder, part, value, name, type, signals);
+      continue;
+    }
+    const auto found = signal_of(entry.key);
+    if (!found) continue;
+    const std::size_t at = *found;
     const Value value(part.reading, *entry.value, fmt::format("signal '{}'", builder.model.signals[at].name));
     const std::vector<Variable> time = variables_of(LawOf::time);
     const auto formula = [&](const Value& text) {

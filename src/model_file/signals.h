@@ -36,6 +36,7 @@ bool claim_variable(Builder& builder, Names& names, const Part& part, const std:
 void claim_signals(Builder& builder, Part& part);
 void claim_outputs(Builder& builder, Part& part);
 void read_signals(Builder& builder, Part& part);
+void read_events(Builder& builder, Part& part);
 void resolve_sensors(Builder& builder);
 
 /// An output's description without its name, for a signal that sees it.

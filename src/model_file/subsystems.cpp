@@ -16,7 +16,7 @@ const std::vector<std::string>& template_keys() {
   static const std::vector<std::string> keys =
       with_element_sections({"file", "include", "mimbre", "title", "parameters", "require", "materials",
                              "sections", "bodies", "frames", "joints", "springs", "loads", "tyres"},
-                            {"inputs", "signals", "subsystems", "instances", "outputs"});
+                            {"inputs", "signals", "events", "subsystems", "instances", "outputs"});
   return keys;
 }
 

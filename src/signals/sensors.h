@@ -68,7 +68,32 @@ void sense(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const M
            const Amplitudes& amplitudes, SignalValues<T>& s) {
   for (const SignalsData::Sensor& sensor : m.signals.sensors)
     s.value[sensor.slot] = sensor_value(m.sensors[sensor.sensor], origin, frame, measured, amplitudes);
-  for (const SignalsData::Made& f : m.signals.moving) s.value[f.slot] = signal_value(f.law, s);
+  make_signals(m.signals, m.signals.moving, m.signals.moving_loops, s, [&](const SignalsData::Made& f) {
+    if (f.block < 0) {
+      s.value[f.slot] = signal_value(f.law, s);
+    } else {
+      const SignalsData::Block& b = m.signals.blocks[f.block];
+      make_block(m.signals, b, block_inputs(b, s).data(), s);
+    }
+  });
+}
+
+/// Gradients of a block's outputs by those of its inputs, `of` their formulas.
+template <class T, class Of>
+void block_gradients(const SignalsData& d, const SignalsData::Block& b, SignalValues<T>& s, const Of& of) {
+  const BlockInputs<T> in = block_inputs(b, s);
+  BlockCall<T> call = block_call(d, b, s);
+  call.in = in.data();
+  std::array<T, most_block_inputs * most_block_outputs> by;
+  blocks::rows<T>[static_cast<std::size_t>(b.type)].slope(call, by.data());
+  for (int r = 0; r < b.outputs; ++r) s.gradients[b.slot + r] = {s.value[b.slot + r], T(0), T(0)};
+  for (int k = 0; k < b.inputs; ++k) {
+    const GradientOf<T> g = of(b.laws[k]);
+    for (int r = 0; r < b.outputs; ++r) {
+      s.gradients[b.slot + r].by_first += by[r * b.inputs + k] * g.by_first;
+      s.gradients[b.slot + r].by_second += by[r * b.inputs + k] * g.by_second;
+    }
+  }
 }
 
 /// ∂(slot)/∂x and ∂/∂v of the coordinate or length that element `of` measures, by way of the signals: what a
@@ -95,13 +120,24 @@ std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, Sig
     s.gradients[sensor.slot] = g;
   }
   if (!any) return {T(0), T(0)};
-  std::array<GradientOf<T>, Formula::most_variables> x;
-  for (const SignalsData::Made& f : m.signals.moving) {
-    for (std::size_t k = 0; k < f.law.slots.size(); ++k) {
-      const int at = f.law.slots[k];
+  const auto gradient_of = [&](const LawData& law) {
+    std::array<GradientOf<T>, Formula::most_variables> x;
+    for (std::size_t k = 0; k < law.slots.size(); ++k) {
+      const int at = law.slots[k];
       x[k] = at < m.signals.first_moving ? GradientOf<T>{s.value[at], T(0), T(0)} : s.gradients[at];
     }
-    s.gradients[f.slot] = gradient_at<T>(f.law.formula, x.data());
+    return gradient_at<T>(law.formula, x.data());
+  };
+  // What a block makes in a loop that it closes counts as given: it is of the order of the step.
+  if (m.signals.moving_loops)
+    for (const SignalsData::Made& f : m.signals.moving)
+      for (int k = 0; f.block >= 0 && k < m.signals.blocks[f.block].outputs; ++k)
+        s.gradients[f.slot + k] = {s.value[f.slot + k], T(0), T(0)};
+  for (const SignalsData::Made& f : m.signals.moving) {
+    if (f.block < 0)
+      s.gradients[f.slot] = gradient_of(f.law);
+    else
+      block_gradients(m.signals, m.signals.blocks[f.block], s, gradient_of);
   }
   return {s.gradients[slot].by_first, s.gradients[slot].by_second};
 }

@@ -5,6 +5,7 @@
 
 #include "math/function_values.h"
 #include "model/compiled.h"
+#include "signals/blocks/rows.h"
 
 /// What a step sees of time, inputs and signals: one number per slot, with two derivatives by time of those
 /// that time and inputs alone decide.
@@ -17,7 +18,8 @@ struct SignalValues {
       : value(m.signals.slots, T(std::numeric_limits<double>::quiet_NaN())),
         rate(m.signals.slots, T(0.0)),
         second(m.signals.slots, T(0.0)),
-        gradients(m.signals.slots) {
+        gradients(m.signals.slots),
+        matrices(static_cast<std::size_t>(m.signals.matrices)) {
     if constexpr (std::is_same_v<T, double>) {
       held = m.signals.start.data();
       states = m.states.data();
@@ -27,11 +29,21 @@ struct SignalValues {
 
   std::vector<T> value, rate, second;
   std::vector<GradientOf<T>> gradients;  ///< scratch of feedback()
-  const T* held = nullptr;               ///< State::u: inputs, sampled signals, integrals
+  std::vector<double> matrices;          ///< of linear blocks, for a step of that length:
+  double matrices_of = 0;                ///< s
+  const T* held = nullptr;               ///< State::u: inputs, sampled signals, integrals, blocks
   const T* states = nullptr;             ///< State::z of force elements, at the start of the step
   const T* numbers = nullptr;            ///< Compiled::numbers of laws
   double step = 0;                       ///< s, that is made from there; 0: none
   double time = std::numeric_limits<double>::quiet_NaN();  ///< that the values are of
+  double since = 0;  ///< s, from the time that continuous blocks have their states of
+
+  template <class AnyJet>
+  void put(int slot, const AnyJet& jet) {
+    value[slot] = jet.value;
+    rate[slot] = jet.first;
+    second[slot] = jet.second;
+  }
 
   /// From now on evaluations continue from these, by a step. What depends on time is made anew when it is
   /// next asked for.
@@ -85,24 +97,135 @@ T signal_value(const LawData& law, const SignalValues<T>& s) {
   return value_at(law.formula, x.data());
 }
 
+template <class T>
+BlockCall<T> block_call(const SignalsData& d, const SignalsData::Block& b, const SignalValues<T>& s) {
+  const T* held = s.held + b.held;
+  return {d.numbers.data() + b.numbers,
+          s.matrices.data() + b.matrices,
+          b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
+          b.inputs,
+          b.outputs,
+          b.states,
+          b.every,
+          s.time,
+          s.since,
+          s.since > 0 || in_lane(held[0], 0) > 0.5,
+          held + 1 + b.inputs,
+          held + 1,
+          nullptr,
+          nullptr};
+}
+
+template <class T>
+using BlockInputs = std::array<T, most_block_inputs>;
+
+template <class T>
+BlockInputs<T> block_inputs(const SignalsData::Block& b, const SignalValues<T>& s) {
+  BlockInputs<T> in;
+  for (int k = 0; k < b.inputs; ++k) in[k] = signal_value(b.laws[k], s);
+  return in;
+}
+
+/// What a continuous block makes of these inputs.
+template <class T>
+void make_block(const SignalsData& d, const SignalsData::Block& b, const T* in, SignalValues<T>& s) {
+  BlockCall<T> call = block_call(d, b, s);
+  call.in = in;
+  call.out = s.value.data() + b.slot;
+  blocks::rows<T>[static_cast<std::size_t>(b.type)].output(call);
+}
+
+/// The same with derivatives by time; not a number where they are not known.
+template <class T>
+void make_block_jets(const SignalsData& d, const SignalsData::Block& b, SignalValues<T>& s) {
+  const auto jets = blocks::rows<T>[static_cast<std::size_t>(b.type)].jets;
+  const BlockInputs<T> in = block_inputs(b, s);
+  std::array<JetOf<T>, most_block_outputs> out;
+  if (jets) {
+    std::array<JetOf<T>, most_block_inputs> of;
+    for (int k = 0; k < b.inputs; ++k) of[k] = signal_jet(b.laws[k], s);
+    BlockCall<T> call = block_call(d, b, s);
+    call.in = in.data();
+    jets(call, of.data(), out.data());
+  } else {
+    make_block(d, b, in.data(), s);
+    const T unknown(std::numeric_limits<double>::quiet_NaN());
+    for (int k = 0; k < b.outputs; ++k) out[k] = {s.value[b.slot + k], unknown, unknown};
+  }
+  for (int k = 0; k < b.outputs; ++k) s.put(b.slot + k, out[k]);
+}
+
+/// Makes a list of signals in their order by `make_one`. Where blocks that do not feed through close loops,
+/// what they make is at first that of their inputs at the step's start, and then goes around until nothing
+/// changes any more: of a loop that is faster than the step can resolve it is not a number, and the step
+/// fails.
+template <class T, class MakeOne>
+void make_signals(const SignalsData& d, const Array<SignalsData::Made>& list, bool loops, SignalValues<T>& s,
+                  const MakeOne& make_one) {
+  constexpr int most_rounds = 60;
+  constexpr double round_off = 1e-15;
+  if (loops)
+    for (const SignalsData::Made& made : list)
+      if (made.block >= 0 && d.blocks[made.block].ahead) {
+        const SignalsData::Block& b = d.blocks[made.block];
+        make_block(d, b, s.held + b.held + 1, s);
+        for (int k = 0; k < b.outputs; ++k) s.rate[b.slot + k] = s.second[b.slot + k] = T(0);
+      }
+  for (int round = 0; round < (loops ? most_rounds : 1); ++round) {
+    bool settled = true;
+    for (const SignalsData::Made& made : list) {
+      if (made.block < 0 || !d.blocks[made.block].ahead) {
+        make_one(made);
+        continue;
+      }
+      const SignalsData::Block& b = d.blocks[made.block];
+      std::array<T, most_block_outputs> before;
+      for (int k = 0; k < b.outputs; ++k) before[k] = s.value[b.slot + k];
+      make_one(made);
+      for (int k = 0; k < b.outputs; ++k) {
+        using std::abs;
+        const T now = s.value[b.slot + k];
+        settled = settled && all(abs(T(now - before[k])) <= round_off * abs(now));
+        if (round + 1 == most_rounds && !settled)
+          s.value[b.slot + k] = T(std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    if (settled && round > 0) return;
+  }
+}
+
+/// How long ago continuous blocks had their states, and what that makes of linear ones.
+template <class T>
+void enter_blocks(const SignalsData& d, SignalValues<T>& s) {
+  if (d.clock < 0) return;
+  s.since = s.time - in_lane(s.held[d.clock], 0) > 0.5 * s.step ? s.step : 0;
+  if (s.since == 0 || s.since == s.matrices_of) return;
+  s.matrices_of = s.since;
+  for (const SignalsData::Block& b : d.blocks)
+    if (!(b.every > 0) && is_linear(b))
+      blocks::linear::discretise({b.states, b.inputs, b.outputs}, d.numbers.data() + b.numbers, s.since,
+                                 s.matrices.data() + b.matrices);
+}
+
 /// Everything that time and inputs decide, once for each time.
 template <class T>
 void fix_signals(const SignalsData& d, double time, SignalValues<T>& s) {
   if (s.time == time) return;
   s.time = time;
-  const auto put = [&](int slot, const auto& jet) {
-    s.value[slot] = jet.value;
-    s.rate[slot] = jet.first;
-    s.second[slot] = jet.second;
-  };
-  put(0, Jet{time, 1, 0});
-  for (const SignalsData::Held& h : d.held) put(h.slot, held_input(h, s.held, time));
-  for (const SignalsData::OfTime& f : d.of_time) put(f.slot, f.function.jet(time));
-  for (const SignalsData::Made& f : d.fixed) put(f.slot, signal_jet(f.law, s));
+  s.put(0, Jet{time, 1, 0});
+  for (const SignalsData::Held& h : d.held) s.put(h.slot, held_input(h, s.held, time));
+  for (const SignalsData::OfTime& f : d.of_time) s.put(f.slot, f.function.jet(time));
+  enter_blocks(d, s);
+  make_signals(d, d.fixed, d.fixed_loops, s, [&](const SignalsData::Made& f) {
+    if (f.block < 0)
+      s.put(f.slot, signal_jet(f.law, s));
+    else
+      make_block_jets(d, d.blocks[f.block], s);
+  });
   for (const SignalsData::Integral& i : d.integrals) {
     // Of what is constant or straight over the step it is exact.
     const T from = s.held[i.held], span = time - s.held[i.held + 1], now = s.value[i.rate];
-    put(i.slot, JetOf<T>{from + span * (now - 0.5 * span * s.rate[i.rate]), now, s.rate[i.rate]});
+    s.put(i.slot, JetOf<T>{from + span * (now - 0.5 * span * s.rate[i.rate]), now, s.rate[i.rate]});
   }
 }
 

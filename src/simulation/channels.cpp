@@ -80,6 +80,18 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
     case Kind::joint_velocity:
       return {o.name, angle() ? "rad/s" : "m/s",
               fmt::format("rate of coordinate {} of joint '{}'", o.component, joint())};
+    case Kind::joint_acceleration:
+      return {o.name, angle() ? "rad/s²" : "m/s²",
+              fmt::format("acceleration of coordinate {} of joint '{}'", o.component, joint())};
+    case Kind::joint_rotation:
+      return {o.name, "rad",
+              fmt::format(
+                  "rotation vector of joint '{}', its second body against the first, {} of the first's axes",
+                  joint(), axes[o.component])};
+    case Kind::joint_quaternion:
+      return {o.name, "1",
+              fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
+                          std::array{"w", "x", "y", "z"}[static_cast<std::size_t>(o.component)], joint())};
     case Kind::joint_force:
       return {
           o.name, o.component < 3 ? "N" : "N m",
@@ -177,8 +189,9 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
   return extreme;
 }
 
-/// What an output shows must be evaluated first.
-Channels::Needs needs_of(Kind kind) {
+}  // namespace
+
+Channels::Needs Channels::needs_of(Kind kind) {
   switch (kind) {
     case Kind::joint_force:
       return Channels::Needs::reactions;
@@ -195,8 +208,6 @@ Channels::Needs needs_of(Kind kind) {
       return Channels::Needs::motion;
   }
 }
-
-}  // namespace
 
 std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
   std::vector<int> bodies;
@@ -229,6 +240,7 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
     add_with(Of::output, k, needs_of(o.kind), [&] { info_.push_back(output_info(m, o)); });
     mass_of_output_.push_back(bodies_of(m, o));
     if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
+    if (o.kind == Kind::joint_quaternion) info_.back().alike = ChannelInfo::Alike::sign;
   }
   output_count_ = static_cast<int>(info_.size());
   for (int j = 0; j < static_cast<int>(m.spec().joints.size()); ++j) {
@@ -294,6 +306,14 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
         info_.push_back({fmt::format("signal.{}", i.name), i.unit.empty() ? "1" : i.unit,
                          fmt::format("signal '{}'", i.name)});
     });
+  for (std::size_t k = 0; k < m.spec().events.size(); ++k)
+    add_with(Of::event, static_cast<int>(k), Needs::motion, [&] {
+      const std::string& name = m.spec().events[k].name;
+      info_.push_back(
+          {fmt::format("event.{}", name), "1", fmt::format("how often event '{}' has happened", name)});
+      info_.push_back({fmt::format("event.{}.time", name), "s",
+                       fmt::format("when event '{}' last happened; -1: not yet", name)});
+    });
   add_with(Of::energy, 0, Needs::motion, [&] {
     for (const EnergyTerm& term : energy_terms)
       info_.push_back({fmt::format("energy.{}", term.name), "J", term.meaning});
@@ -344,6 +364,16 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
       return joints_.coordinates(o.item, system, s).positions[o.component] + o.offset;
     case Kind::joint_velocity:
       return joints_.coordinates(o.item, system, s).rates[o.component];
+    case Kind::joint_acceleration:
+      return joints_.coordinates(o.item, system, s).accelerations[o.component];
+    case Kind::joint_rotation:
+    case Kind::joint_quaternion: {
+      const int first = joint_info(m.spec().joints[o.item].type).quaternion;
+      const JointCoordinates c = joints_.coordinates(o.item, system, s);
+      const Quat<double> turn(c.positions[first], c.positions[first + 1], c.positions[first + 2],
+                              c.positions[first + 3]);
+      return o.kind == Kind::joint_quaternion ? turn[o.component] : quaternion_log<double>(turn)[o.component];
+    }
     case Kind::joint_force: {
       const JointReaction r = joints_.reaction(o.item, system, s);
       return o.component < 3 ? r.force[o.component] : r.moment[o.component - 3];
@@ -466,6 +496,12 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
     case Part::Kind::signal:
       *to = w.signals.value[part.item];
       return;
+    case Part::Kind::event: {
+      const EventRecord& event = statistics.events[static_cast<std::size_t>(part.item)];
+      to[0] = static_cast<double>(event.count);
+      to[1] = event.count > 0 ? event.last : -1;
+      return;
+    }
     case Part::Kind::energy:
       for (const EnergyTerm& term : energy_terms) *to++ = e.*term.value;
       return;

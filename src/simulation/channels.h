@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "mimbre/channels.h"
@@ -34,6 +35,7 @@ class Channels {
       element,
       input,
       signal,
+      event,
       energy,
       solver
     };
@@ -42,12 +44,14 @@ class Channels {
     int first, count;
     Needs needs;
   };
+  static Needs needs_of(spec::Output::Kind kind);
   const std::vector<Part>& parts() const { return parts_; }
   /// The number of a channel's part.
   int part_of(int channel) const { return part_of_[static_cast<std::size_t>(channel)]; }
 
   struct Statistics {
     double iterations = 0, position_violation = 0, velocity_violation = 0;
+    std::span<const EventRecord> events = {};
   };
   /// Puts a part's channels to their places among all. The system's last evaluation must be what the part
   /// needs: kinematics, or a residual, of this state with its accelerations and multipliers. Its scratch is

@@ -56,6 +56,8 @@ std::uint64_t fingerprint(const Compiled& m, const Method& method, const std::ve
     hash.add(channel.name + '\n' + channel.unit + '\n' + channel.meaning);
   for (const int size : {m.positions, m.velocities, m.equations}) hash.add(static_cast<double>(size));
   add_forces(hash, m, method.inertia);
+  for (const spec::Event& event : m.spec().events) hash.add(event.name);
+  for (const double number : m.signals.numbers) hash.add(number);
   for (const double choice :
        {static_cast<double>(method.formulation), static_cast<double>(method.inertia),
         static_cast<double>(method.formalism), static_cast<double>(method.integrator), method.step,

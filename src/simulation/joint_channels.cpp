@@ -11,17 +11,24 @@
 namespace mimbre {
 namespace {
 
-/// Rotation and displacement of frame b in a's axes, and its angular and linear velocity as a sees them.
+/// Rotation and displacement of frame b in a's axes, and its angular and linear velocity and acceleration as
+/// a sees them.
 struct RelativeMotion {
   Mat3d rotation;
-  Vec3d displacement, omega, velocity;
+  Vec3d displacement, omega, velocity, alpha, acceleration;
 };
 
 RelativeMotion relative_motion(const Motion<double>& a, const Motion<double>& b) {
   const Mat3d At = a.rotation.transpose();
-  const Vec3d d = b.position - a.position;
-  return {At * b.rotation, At * d, At * (b.omega - a.omega),
-          At * (b.velocity - a.velocity - a.omega.cross(d))};
+  const Vec3d d = b.position - a.position, omega = b.omega - a.omega,
+              velocity = b.velocity - a.velocity - a.omega.cross(d);
+  return {At * b.rotation,
+          At * d,
+          At * omega,
+          At * velocity,
+          At * (b.alpha - a.alpha - a.omega.cross(omega)),
+          At * (b.acceleration - a.acceleration - a.alpha.cross(d) - a.omega.cross(a.omega.cross(d)) -
+                2 * a.omega.cross(velocity))};
 }
 
 }  // namespace
@@ -41,6 +48,7 @@ JointCoordinates JointObserver::coordinates(int joint, const relative::RelativeS
     const BodyData& b = model_.bodies[body_[joint]];
     std::copy_n(s.q.data() + b.q, info.positions, out.positions.begin());
     std::copy_n(s.v.data() + b.v, info.velocities, out.rates.begin());
+    std::copy_n(s.a.data() + b.v, info.velocities, out.accelerations.begin());
     return out;
   }
   const auto motion = [&](int frame) {
@@ -54,6 +62,10 @@ JointCoordinates JointObserver::coordinates(int joint, const relative::RelativeS
   joint_motion<double>(of.type, out.positions.data(), rest.data(), subspace);
   for (int k = 0; k < info.velocities; ++k)
     out.rates[k] = subspace.angular.col(k).dot(r.omega) + subspace.linear.col(k).dot(r.velocity);
+  joint_motion<double>(of.type, out.positions.data(), out.rates.data(), subspace);
+  for (int k = 0; k < info.velocities; ++k)
+    out.accelerations[k] = subspace.angular.col(k).dot(r.alpha - subspace.angular_bias) +
+                           subspace.linear.col(k).dot(r.acceleration - subspace.linear_bias);
   return out;
 }
 

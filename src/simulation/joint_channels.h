@@ -12,10 +12,10 @@
 namespace mimbre {
 
 /// Coordinates of a joint as joint_motion() takes them (quaternions w, x, y, z; those of a cut joint follow
-/// from its frames, angles within ±π), and their rates.
+/// from its frames, angles within ±π), their rates, and the rates of these.
 struct JointCoordinates {
   std::array<double, 7> positions{};
-  std::array<double, 6> rates{};
+  std::array<double, 6> rates{}, accelerations{};
 };
 
 /// Force and moment about the joint's point that a joint exerts on its second body, what springs and drives

@@ -32,8 +32,12 @@ void Mechanism::enter(double step) {
   observer.enter(state.u.data(), state.z.data(), step);
 }
 
+bool Mechanism::remembers() const {
+  return state.z.size() > 0 || !model.signals.integrals.empty() || model.signals.clock >= 0;
+}
+
 void Mechanism::commit(bool known) {
-  if (state.z.size() == 0 && model.signals.integrals.empty()) return;
+  if (!remembers()) return;
   const State& s = view();
   if (!known)
     relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), generalised_.data());

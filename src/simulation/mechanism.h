@@ -21,6 +21,8 @@ struct Mechanism {
   void observe_afresh();
   /// From now on evaluations continue from the state, by a step (s; 0: none).
   void enter(double step);
+  /// Whether force elements or signals remember anything from step to step.
+  bool remembers() const;
   /// After a step, and at the start: takes over what force elements and signals remember. `known`: the
   /// observer's last forces are of the state.
   void commit(bool known);

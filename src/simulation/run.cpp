@@ -64,10 +64,11 @@ StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t unt
     totals.iterations += report.iterations;
     totals.factorisations += report.factorisations;
     if (!report.ok()) break;
-    ++totals.steps;
+    if (!simulation.stopped()) ++totals.steps;
     if (report.substeps > 1) ++totals.repeated_steps;
     totals.max_position_violation = std::max(totals.max_position_violation, report.position_violation);
     totals.max_velocity_violation = std::max(totals.max_velocity_violation, report.velocity_violation);
+    if (simulation.stopped()) break;
   }
   totals.cpu_seconds += thread_cpu_seconds() - start;
   return report;

@@ -21,6 +21,19 @@ double within_range(const Compiled& m, int input, double value) {
   return std::clamp(value, range.min, range.max);
 }
 
+/// What is held has another value from now on.
+void note_jump(const Compiled& m, State& state) {
+  if (m.signals.clock >= 0) state.u[m.signals.clock + 1] = 1;
+}
+
+/// Moves a block's memory, which is there, on to now. True where its output jumps by that.
+bool keep_block(const SignalsData::Block& b, const BlockCall<double>& call, double* held) {
+  const bool jumps = blocks::rows<double>[static_cast<std::size_t>(b.type)].keep(call, held + 1 + b.inputs);
+  if (call.h > 0 || call.sampled()) held[0] = 1;
+  std::copy_n(call.in, b.inputs, held + 1);
+  return jumps;
+}
+
 }  // namespace
 
 int find_input(const Compiled& m, const std::string& name) {
@@ -51,6 +64,28 @@ void commit_signals(const Compiled& m, const relative::RelativeSystem& system, S
     state.u[i.held] = w.signals.value[i.slot];
     state.u[i.held + 1] = state.time;
   }
+  commit_blocks(m, system, state);
+}
+
+void commit_blocks(const Compiled& m, const relative::RelativeSystem& system, State& state) {
+  const SignalsData& d = m.signals;
+  if (d.clock < 0) return;
+  const SignalValues<double>& s = system.workspace().signals;
+  state.u[d.clock] = s.time;
+  state.u[d.clock + 1] = 0;
+  for (const SignalsData::Block& b : d.blocks) {
+    if (b.every > 0) continue;
+    const BlockInputs<double> in = block_inputs(b, s);
+    BlockCall<double> call = block_call(d, b, s);
+    call.in = in.data();
+    if (!keep_block(b, call, state.u.data() + b.held)) continue;
+    state.started = false;
+    note_jump(m, state);
+  }
+}
+
+bool inputs_jumped(const Compiled& m, const State& state) {
+  return m.signals.clock >= 0 && state.u[m.signals.clock + 1] > 0;
 }
 
 void set_held_input(const Compiled& m, int input, double value, double step, State& state) {
@@ -61,7 +96,10 @@ void set_held_input(const Compiled& m, int input, double value, double step, Sta
     // A jump: the step starts from accelerations with the new value. Who sets an input before every step has
     // steps for jumps, and pays for one factorisation each.
     if (value != at[0] && state.time - at[1] > 1.5 * step) state.started = false;
-    if (value != at[0]) at[1] = state.time;
+    if (value != at[0]) {
+      at[1] = state.time;
+      note_jump(m, state);
+    }
     at[0] = value;
     return;
   }
@@ -75,36 +113,81 @@ double held_input_value(const Compiled& m, int input, const State& state) {
   return held_input(held(m, input), state.u.data(), state.time).value;
 }
 
+Seen::Seen(const Compiled& m, SignalsData::Seen data) : data_(std::move(data)) {
+  for (const SignalsData::Seen::Argument& a : data_.arguments) {
+    sensors_.push_back(a.sensor < 0 ? nullptr : &m.spec().sensors[static_cast<std::size_t>(a.sensor)]);
+    mass_of_.push_back(a.sensor < 0 ? std::vector<int>() : bodies_of(m, *sensors_.back()));
+  }
+}
+
+double Seen::value(const Channels& channels, relative::RelativeSystem& system, const State& state) const {
+  std::array<double, Formula::most_variables> x;
+  for (std::size_t k = 0; k < sensors_.size(); ++k)
+    x[k] = sensors_[k] ? channels.value(*sensors_[k], mass_of_[k], system, state)
+                       : system.workspace().signals.value[static_cast<std::size_t>(data_.arguments[k].slot)];
+  return data_.formula.value(x.data());
+}
+
 Sampler::Sampler(const Compiled& m) : model_(m) {
   for (const SignalsData::Sampled& s : m.signals.sampled) {
-    Signal signal{&s, {}, {}};
-    for (const SignalsData::Sampled::Argument& a : s.arguments) {
-      signal.sensors.push_back(a.sensor < 0 ? nullptr
-                                            : &m.spec().sensors[static_cast<std::size_t>(a.sensor)]);
-      signal.mass_of.push_back(a.sensor < 0 ? std::vector<int>() : bodies_of(m, *signal.sensors.back()));
-    }
-    signals_.push_back(std::move(signal));
+    signals_.push_back({&s, {}});
+    for (const SignalsData::Seen& input : s.inputs) signals_.back().inputs.emplace_back(m, input);
   }
   for (std::size_t k = 0; k < m.elements.size(); ++k)
     if (m.elements[k].sampled) laws_.push_back(static_cast<int>(k));
+}
+
+/// What a sampled block makes of inputs at an instant; its memory moves on.
+void Sampler::make_block(const SignalsData::Sampled& s, const double* in, double made, State& state,
+                         double* out) {
+  const SignalsData& d = model_.signals;
+  const SignalsData::Block& b = d.blocks[static_cast<std::size_t>(s.block)];
+  double* held = state.u.data() + b.held;
+  const bool begun = held[0] > 0.5;
+  // Steps come to instants but for round-off.
+  const double h = begun ? std::round((state.time - made) / s.every) * s.every : 0;
+  BlockCall<double> call{d.numbers.data() + b.numbers,
+                         nullptr,
+                         b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
+                         b.inputs,
+                         b.outputs,
+                         b.states,
+                         s.every,
+                         state.time,
+                         h,
+                         begun,
+                         held + 1 + b.inputs,
+                         held + 1,
+                         in,
+                         out};
+  blocks::rows<double>[static_cast<std::size_t>(b.type)].output(call);
+  keep_block(b, call, held);
 }
 
 void Sampler::sample(const Channels& channels, relative::RelativeSystem& system, const State& seen,
                      double step, State& state) {
   auto& w = system.workspace();
   for (const Signal& s : signals_) {
-    double* at = state.u.data() + s.data->held;
+    const SignalsData::Sampled& data = *s.data;
+    double *at = state.u.data() + data.held, &due = at[data.values], &made = at[data.values + 1];
     // Sums of steps are off their multiples by round-off.
-    if (state.time < at[1] - 1e-6 * s.data->every) continue;
-    std::array<double, Formula::most_variables> x;
-    for (std::size_t k = 0; k < s.sensors.size(); ++k)
-      x[k] = s.sensors[k] ? channels.value(*s.sensors[k], s.mass_of[k], system, seen)
-                          : w.signals.value[s.data->arguments[k].slot];
-    const double value = s.data->formula.value(x.data());
-    if (value != at[0] && s.data->every > 1.5 * step) state.started = false;  // as of inputs
-    at[0] = value;
+    if (state.time < due - 1e-6 * data.every) continue;
+    std::array<double, most_block_inputs> in;
+    std::array<double, most_block_outputs> out;
+    for (std::size_t k = 0; k < s.inputs.size(); ++k) in[k] = s.inputs[k].value(channels, system, seen);
+    if (data.block < 0)
+      out[0] = in[0];
+    else
+      make_block(data, in.data(), made, state, out.data());
+    for (int k = 0; k < data.values; ++k) {
+      if (out[k] == at[k]) continue;
+      if (data.every > 1.5 * step) state.started = false;  // as of inputs
+      note_jump(model_, state);
+      at[k] = out[k];
+    }
+    made = state.time;
     // The next instant that is a multiple of the interval.
-    at[1] = (std::floor(state.time / s.data->every + 1e-6) + 1) * s.data->every;
+    due = (std::floor(state.time / data.every + 1e-6) + 1) * data.every;
   }
   for (const int k : laws_) {
     const ElementData& e = model_.elements[static_cast<std::size_t>(k)];

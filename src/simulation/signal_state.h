@@ -20,10 +20,28 @@ void start_signals(const Compiled& model, const std::map<std::string, double>& i
 /// elements at its end, and moves integrals of signals on.
 void commit_signals(const Compiled& model, const relative::RelativeSystem& system, State& state);
 
+/// The part of that of continuous blocks: their states, and their inputs of now. Also by itself, before a
+/// step, where inputs have jumped since then.
+void commit_blocks(const Compiled& model, const relative::RelativeSystem& system, State& state);
+bool inputs_jumped(const Compiled& model, const State& state);
+
 /// Sets an input, kept in its range: at once, or on a straight line that ends a step later.
 void set_held_input(const Compiled& model, int input, double value, double step, State& state);
 /// Its value at the state's time.
 double held_input_value(const Compiled& model, int input, const State& state);
+
+/// A formula of signals and of anything that outputs show.
+class Seen {
+ public:
+  Seen(const Compiled& model, SignalsData::Seen data);
+  /// After the system's residual of that state.
+  double value(const Channels& channels, relative::RelativeSystem& system, const State& state) const;
+
+ private:
+  SignalsData::Seen data_;
+  std::vector<const spec::Output*> sensors_;  ///< by argument; null: a slot
+  std::vector<std::vector<int>> mass_of_;
+};
 
 /// Evaluates signals at instants, and laws that are sampled.
 class Sampler {
@@ -38,9 +56,11 @@ class Sampler {
  private:
   struct Signal {
     const SignalsData::Sampled* data;
-    std::vector<const spec::Output*> sensors;
-    std::vector<std::vector<int>> mass_of;
+    std::vector<Seen> inputs;
   };
+  void make_block(const SignalsData::Sampled& signal, const double* in, double made, State& state,
+                  double* out);
+
   const Compiled& model_;
   std::vector<Signal> signals_;
   std::vector<int> laws_;  ///< elements

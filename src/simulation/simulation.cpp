@@ -13,6 +13,7 @@
 #include "simulation/body_drawings.h"
 #include "simulation/channels.h"
 #include "simulation/element_drawings.h"
+#include "simulation/event_step.h"
 #include "simulation/explain.h"
 #include "simulation/fingerprint.h"
 #include "simulation/mechanism.h"
@@ -39,11 +40,13 @@ struct Simulation::Impl {
         steps(mechanism, method),
         channels(compiled),
         sampler(compiled),
+        events(compiled),
         begin(timed([&] { return start(mechanism, method, options.inputs, method.warnings); })),
         observers(mechanism, method, redundant()),
         reactions(mechanism, method, redundant()) {
     channels.mark_undetermined(begin.redundancy);
     timed([&] { observe_anew(); });
+    steps.keep_before(!events.none());
     end_helper_threads();
   }
 
@@ -66,6 +69,19 @@ struct Simulation::Impl {
     observers.start(mechanism, steps.meter());
     reactions.forget_unresolved();
     look_anew();
+    if (!events.none()) see([&](auto&... seen_now) { events.start(seen_now...); });
+    stopped = false;
+  }
+
+  /// Calls `work` with what events see: the state of now, evaluated.
+  template <class Work>
+  auto see(const Work& work)
+      -> std::invoke_result_t<Work, Channels&, relative::RelativeSystem&, const State&> {
+    if (events.needs() == Channels::Needs::reactions)
+      show_reactions();
+    else
+      show_forces();
+    return work(channels, *seen_by, *seen);
   }
 
   /// Signals and laws that are evaluated at instants, before the step that sees them.
@@ -76,14 +92,41 @@ struct Simulation::Impl {
     sampler.sample(channels, evaluated, reactions.state(), method.step, mechanism.state);
   }
 
+  /// What has jumped since the last step is what blocks start from.
+  void take_jumps() {
+    if (!inputs_jumped(compiled, mechanism.state)) return;
+    mechanism.enter(0);
+    look_anew();
+    show_forces();
+    commit_blocks(compiled, mechanism.observer, mechanism.state);
+  }
+
+  void watch() { observers.watch(mechanism, steps.meter()); }
+
   StepReport step(double length) {
+    stopped = false;
     sample_signals();
+    take_jumps();
     look_anew();
     const auto start = method.profile ? Clock::now() : Clock::time_point();
-    const StepReport report = steps.step(length);
-    if (report.ok()) observers.watch(mechanism, steps.meter());
+    StepReport report;
+    if (events.none()) {
+      report = steps.step(length);
+      if (report.ok()) watch();
+    } else {
+      EventStep<Impl> whole(*this, events, mechanism, steps, method.step);
+      stopped_step_end = on_grid(mechanism.state.time + length);
+      report = whole.to(stopped_step_end);
+      stopped = whole.stopped();
+    }
     if (method.profile) step_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return report;
+  }
+
+  /// Sums of steps drift away from their multiples by round-off.
+  double on_grid(double time) const {
+    const double multiple = std::round(time / method.step) * method.step;
+    return std::abs(time - multiple) < 1e-6 * method.step ? multiple : time;
   }
 
   /// All that is remembered beside the state and the tangent marks.
@@ -91,6 +134,8 @@ struct Simulation::Impl {
     steps.transfer(transfer);
     observers.transfer(transfer);
     reactions.transfer(transfer);
+    events.transfer(transfer);
+    if (!events.none()) transfer(stopped, stopped_step_end);
   }
 
   /// The state is another one: nothing of it has been evaluated for those who look at it.
@@ -129,7 +174,8 @@ struct Simulation::Impl {
   }
   Channels::Statistics statistics() const {
     const StepStatus& last = steps.last();
-    return {static_cast<double>(last.iterations), last.position_violation, last.velocity_violation};
+    return {static_cast<double>(last.iterations), last.position_violation, last.velocity_violation,
+            events.records()};
   }
 
   double value(int channel) {
@@ -170,7 +216,10 @@ struct Simulation::Impl {
   StepMaker steps;
   Channels channels;
   Sampler sampler;
-  double initialisation = 0;  ///< CPU seconds
+  Events events;
+  bool stopped = false;         ///< an event ended the last step before
+  double stopped_step_end = 0;  ///< s, when it would have ended
+  double initialisation = 0;    ///< CPU seconds
   const Start begin;
   Observers observers;
   ShownReactions reactions;
@@ -194,14 +243,18 @@ Simulation::Simulation(std::shared_ptr<const Model> model, const RunOptions& opt
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 
-StepReport Simulation::step() { return impl_->step(impl_->method.step); }
+StepReport Simulation::step() {
+  Impl& s = *impl_;
+  // What is left of a step that an event stopped comes first.
+  return s.step(s.stopped ? s.stopped_step_end - s.mechanism.state.time : s.method.step);
+}
 
 StepReport Simulation::step_to(double time) {
   Impl& s = *impl_;
   // Times are sums of steps: a whole step but for rounding is a whole step.
   const double h = s.method.step, rest = time - s.mechanism.state.time;
   const StepReport report = s.step(std::abs(rest - h) < 1e-6 * h ? h : rest);
-  if (report.ok()) s.mechanism.state.time = time;
+  if (report.ok() && !s.stopped) s.mechanism.state.time = time;
   return report;
 }
 
@@ -213,6 +266,9 @@ Simulation::Phases Simulation::phases() const {
           p.solution, p.kinematics,
           energy,     s.step_seconds - p.residual - p.matrix - p.solution - p.kinematics - energy};
 }
+
+bool Simulation::stopped() const { return impl_->stopped; }
+std::vector<EventRecord> Simulation::events() const { return impl_->events.records(); }
 
 double Simulation::time() const { return impl_->mechanism.state.time; }
 double Simulation::step_size() const { return impl_->method.step; }

@@ -87,8 +87,7 @@ void StepMaker::advance(StepReport& report) {
   report.equation = last_.equation;
   if (!report.ok()) return m.enter(0);
   const auto start = method_.profile ? Clock::now() : Clock::time_point();
-  const bool remembers = m.state.z.size() > 0 || !m.model.signals.integrals.empty();
-  if (m.natural && (corrects || method_.energies || method_.validity || remembers)) m.observe();
+  if (m.natural && (corrects || method_.energies || method_.validity || m.remembers())) m.observe();
   if (corrects) {
     free_flight_.end(m.observer, m.natural.get(), m.view(), integrator_->options().step, m.state);
     m.observe();
@@ -104,31 +103,35 @@ void StepMaker::advance(StepReport& report) {
   if (method_.profile) energy_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+void StepMaker::undo() {
+  mechanism_.state = state_before_;
+  mechanism_.enter(0);
+  meter_ = meter_before_;
+}
+
 StepReport StepMaker::step(double length) {
   Mechanism& m = mechanism_;
   length_ = length;
   if (length != integrator_->options().step) integrator_->set_step(length);
   StepReport report;
+  if (keeps_ || method_.substeps != 1) {
+    state_before_ = m.state;
+    meter_before_ = meter_;
+  }
   if (method_.substeps == 1) {
     advance(report);
   } else {
     // One step; where an impact made it inaccurate, or it did not converge, the same interval again in parts.
-    state_before_ = m.state;
-    meter_before_ = meter_;
     advance(report);
     if (!report.ok() || step_error() > step_tolerance()) {
-      const auto back = [&] {
-        m.state = state_before_;
-        meter_ = meter_before_;
-      };
-      back();
+      undo();
       integrator_->set_step(length / method_.substeps);
       report.substeps = method_.substeps;
       report.code = StepReport::Code::ok;
       report.position_violation = report.velocity_violation = 0;  // of what is accepted
       for (int k = 0; k < method_.substeps && report.ok(); ++k) advance(report);
       integrator_->set_step(length);
-      if (!report.ok()) back();
+      if (!report.ok()) undo();
     }
   }
   if (!report.ok()) return report;

@@ -20,6 +20,10 @@ class StepMaker {
   void start();
   /// A step of `length` seconds. What fails leaves the state as it was.
   StepReport step(double length);
+  /// From now on the state before each step is kept, for undo().
+  void keep_before(bool keep) { keeps_ = keep; }
+  /// Takes the last step back.
+  void undo();
   /// What it remembers from step to step beside the state and the system's tangent marks.
   void transfer(StateTransfer& transfer);
 
@@ -49,6 +53,7 @@ class StepMaker {
   EnergyMeter meter_, meter_before_;
   State state_before_;
   StepStatus last_;
+  bool keeps_ = false;
   double length_ = 0;
   double lifting_energy_ = 0;  ///< of the whole mechanism by its length scale, J
   double resting_energy_ = 0;

@@ -9,6 +9,7 @@
 #include "dynamics/relative/retract.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "linalg/block_factor_impl.h"
+#include "signals/blocks/rows.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 
@@ -96,6 +97,26 @@ Made<T> newton_step(const Compiled& m, const Given<T>& g) {
   return made;
 }
 
+/// What is held of blocks: places that count things or tell times, with the values of a step to now.
+std::vector<std::pair<std::size_t, double>> times_of_blocks(const Compiled& m) {
+  std::vector<std::pair<std::size_t, double>> all;
+  const auto put = [&](int at, double value) { all.emplace_back(static_cast<std::size_t>(at), value); };
+  if (m.signals.clock >= 0) {
+    put(m.signals.clock, now - step);
+    put(m.signals.clock + 1, 0);
+  }
+  for (const SignalsData::Block& b : m.signals.blocks) {
+    put(b.held, 1);
+    if (static_cast<BlockType>(b.type) != BlockType::delay) continue;
+    // Four points, the last of them at the start of the step.
+    const int states = b.held + 1 + b.inputs;
+    put(states + blocks::delay::count, 4);
+    put(states + blocks::delay::newest, 3);
+    for (int k = 0; k < 4; ++k) put(states + blocks::delay::first_point + 2 * k, now - step * (4 - k));
+  }
+  return all;
+}
+
 /// A state off the assembled one, with other inputs, states and numbers of laws than the model's.
 Given<double> given(const Compiled& m, Random& random, double size) {
   const auto values = [&](int count, double most) {
@@ -118,6 +139,7 @@ Given<double> given(const Compiled& m, Random& random, double size) {
       g.held[static_cast<std::size_t>(h.held) + 1] = now - random.number(0.001, 0.01);
       g.held[static_cast<std::size_t>(h.held) + 3] = now + random.number(0.001, 0.01);
     }
+  for (const auto& [at, value] : times_of_blocks(m)) g.held[at] = value;
   g.states.assign(m.states.begin(), m.states.end());
   for (double& z : g.states) z += random.number(-0.1, 0.1);
   g.numbers.assign(m.numbers.begin(), m.numbers.end());
@@ -196,6 +218,7 @@ void expect_derivatives(const Compiled& m, unsigned seed, double size, By by) {
   for (const SignalsData::Held& h : m.signals.held)
     if (h.linear)
       along.held[static_cast<std::size_t>(h.held) + 1] = along.held[static_cast<std::size_t>(h.held) + 3] = 0;
+  for (const auto& [at, value] : times_of_blocks(m)) along.held[at] = 0;
 
   const auto moved = [&](double s) {
     Given<double> g = at;
@@ -274,13 +297,13 @@ std::shared_ptr<const Model> random_model(unsigned seed, const std::function<voi
   return random_mechanism(seed, options).model;
 }
 
-/// A four-bar with inputs of both kinds, controllers, actuators, a bushing with a branch, a drive that
-/// follows an input, a spring whose law takes one.
+/// A four-bar with inputs of both kinds, controllers, blocks, actuators, a bushing with a branch, a drive
+/// that follows an input, a spring whose law takes one.
 std::shared_ptr<const Model> driven_four_bar() {
   std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});
   text.insert(text.find("joints:"), "  fan: {mass: 0.1, com: [0.6, 0, 0.3], inertia: [1e-4, 1e-4, 1e-4]}\n");
   return model_of(text + R"yaml(
-  fan: {type: revolute, between: [rocker, fan], at: [0.6, 0, 0.3], axis: [0, 1, 0], drive: {speed: "3*wind"}}
+  fan: {type: revolute, between: [rocker, fan], at: [0.6, 0, 0.3], axis: [0, 1, 0], drive: {speed: "3*gust"}}
 inputs:
   wanted: {start: 0.2, range: [-1, 1]}
   wind: {start: 1, hold: linear}
@@ -291,9 +314,21 @@ signals:
   rate: {joint_velocity: crank}
   rock: {joint: rocker}
   height: {position: coupler, component: z}
+  gust: {transfer_function: wind, numerator: [1], denominator: [2e-4, 0.02, 1]}
+  servo: {pid: angle, setpoint: wanted, kp: 20, ki: 30, kd: 0.5, filter: 0.004, upper: 40, lower: -40}
+  held: {pid: rock, setpoint: wanted, kp: 20, ki: 300, upper: 0.1, lower: -0.1}
+  two: {state_space: [rock, rate], A: [[0, 1], [-40, -3]], B: [[1, 0], [2, 1]], C: [[1, 0], [3, 1]], D: [[0, 1], [0, 0]], outputs: [a, b]}
+  slow: {rate_limit: "3*angle", rising: 2}
+  late: {delay: rock, time: 0.013}
+  later: {delay: rock, time: 0.004}
+  relay: {hysteresis: rock, rises_at: 0.1, falls_at: -0.1}
+  curve: {table: 3*rock, points: [[-1, 2], [0, 1], [1, 3], [2, 0]], interpolation: cubic}
+  map: {table: [angle, rate], x: [-1, 0, 1], y: [-2, 0.5, 3], values: [[1, 2, 0], [3, 1, 2], [0, 4, 1]]}
+  around: {transfer_function: "rock - 3*around", numerator: [2], denominator: [0.1, 1]}
 actuators:
   motor: {joint: crank, torque: "20*error*(1 + error*wind) - 2*rate"}
-  brake: {joint: rocker, torque: "-0.5*rock"}
+  brake: {joint: rocker, torque: "-0.5*rock + late + later*curve + 0.3*relay + 0.1*around"}
+  second: {joint: crank, torque: "servo + held + two.a*0.1 + 0.2*two.b + slow + map"}
   piston: {between: [ground, coupler], at: [[0.3, 0, 0.9], [0.3, 0, 0.35]], force: "lift + wind"}
   twist: {between: [ground, rocker], at: [1, 0, 0], about: [0, 1, 0], torque: "0.1*sin(9*t)"}
 bushings:

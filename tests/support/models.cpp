@@ -36,8 +36,19 @@ parameters: {k: {value: 30, tunable: true, min: 0}}
 inputs:
   wanted: {start: 0.2, range: [-1, 1]}
   wind: {start: 1, hold: linear}
+  turned: 0
 signals:
   error: wanted - angle
+  servo: {pid: angle, setpoint: wanted + 0.1*turned, kp: 5, ki: 8, kd: 0.2, filter: 0.02, upper: 3, lower: -3}
+  late: {delay: rock, time: 0.023}
+  lag: {transfer_function: late - 0.5*lag + gusts, numerator: [1, 3], denominator: [0.01, 0.3, 2]}
+  slow: {rate_limit: 3*angle, rising: 2}
+  relay: {hysteresis: rock, rises_at: 0.02, falls_at: -0.02}
+  sampled: {state_space: [jerk, angle], A: 0.9, B: [[0.001, 0.1]], C: 1, every: 0.012}
+  gusts: {noise: normal, deviation: 0.1, seed: 3, every: 0.01}
+events:
+  turns: {when: rate, set: {turned: angle - turned}}
+  shaken: {when: shaking, crosses: 0.3, direction: rising}
   lift: {value: 2*height + 0.01*jerk, every: 0.015}
   angle: {joint: crank}
   rate: {joint_velocity: crank}
@@ -46,7 +57,8 @@ signals:
   jerk: {value: shaking, every: 0.02}
 actuators:
   motor: {joint: crank, torque: 20*error - 2*rate}
-  brake: {joint: rocker, torque: -0.5*rock}
+  brake: {joint: rocker, torque: -0.5*rock + 0.1*lag + 0.05*relay}
+  second: {joint: crank, torque: servo + 0.1*slow + 0.1*sampled}
   piston: {between: [ground, coupler], at: [[0.3, 0, 0.9], [0.3, 0, 0.35]], force: lift + wind}
   twist: {between: [ground, rocker], at: [1, 0, 0], about: [0, 1, 0], torque: 0.1*sin(9*t)}
 bushings:

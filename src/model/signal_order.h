@@ -1,0 +1,30 @@
+#pragma once
+#include <vector>
+
+#include "mimbre/spec.h"
+
+namespace mimbre {
+
+/// A signal by a formula, or a block: what is made in every evaluation of a step.
+struct SignalNode {
+  bool is_block;
+  int index;  ///< in spec::Model
+  bool operator==(const SignalNode&) const = default;
+};
+
+struct SignalOrder {
+  std::vector<SignalNode> nodes;  ///< each behind those that it needs
+  /// By block: it closes a loop, so that what it makes is used before it is made. None of these feeds
+  /// through.
+  std::vector<char> ahead;
+};
+
+/// What it takes.
+std::vector<spec::Source> sources_of(const spec::Model& model, const SignalNode& node);
+/// What makes a source in an evaluation; none for inputs, sensors, the time, and what is sampled.
+bool is_made_within_a_step(const spec::Model& model, const spec::Source& source, SignalNode& by);
+
+/// Throws InputError, with the names, where signals need each other in a circle without a state or a delay.
+SignalOrder order_signals(const spec::Model& model);
+
+}  // namespace mimbre

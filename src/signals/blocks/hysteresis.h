@@ -1,0 +1,36 @@
+#pragma once
+#include "signals/blocks/block.h"
+
+/// A relay with two thresholds: high from `rises_at` on, low from `falls_at` on downwards, between them as
+/// before. A continuous one switches at the end of the step in which its input passes a threshold, so that
+/// nothing jumps within the iterations of a step; a sampled one at the instant that sees it.
+namespace mimbre::blocks::hysteresis {
+
+constexpr int rises_at = 0, falls_at = 1, low = 2, high = 3, starts_high = 4;  ///< numbers
+
+/// Whether it is high (1 or 0) with its input as it is now.
+template <class T>
+T decided(const BlockCall<T>& c) {
+  const T before = c.begun ? c.before[0] : T(c.numbers[starts_high]);
+  return select(c.in[0] >= T(c.numbers[rises_at]), T(1),
+                select(c.in[0] <= T(c.numbers[falls_at]), T(0), before));
+}
+
+template <class T>
+void output(const BlockCall<T>& c) {
+  const T is = c.begun && !c.sampled() ? c.before[0] : decided(c);
+  c.out[0] = select(is > T(0.5), T(c.numbers[high]), T(c.numbers[low]));
+}
+
+template <class T>
+void slope(const BlockCall<T>&, T* by) {
+  by[0] = T(0);
+}
+
+inline bool keep(const BlockCall<double>& c, double* states) {
+  const double before = c.begun ? c.before[0] : decided(c), now = decided(c);
+  states[0] = now;
+  return now != before;
+}
+
+}  // namespace mimbre::blocks::hysteresis
