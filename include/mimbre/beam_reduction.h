@@ -43,6 +43,7 @@ struct ReductionOptions {
   /// gradient of the strain energy; that of nonlinear_stiffness_1 has no lower bound and diverges.
   bool published_force = false;
   BoundaryRotation boundary_rotation = BoundaryRotation::exponential;
+  bool sections = false;  ///< with ReducedBody::sections
 };
 
 /// A node that becomes a frame of the reduced body, with its axes.

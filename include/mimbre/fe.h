@@ -19,6 +19,10 @@ struct Section {
   double Iz = 0;                    ///< m⁴, bending in the x–y plane
   double J = 0;                     ///< m⁴, torsion
   double shear_y = 0, shear_z = 0;  ///< m², shear areas kA along y and z: Timoshenko's theory needs them
+  // For stress; 0: unknown.
+  double reach_y = 0, reach_z = 0;  ///< m, from the axis to the outermost fibres
+  double torsion_modulus = 0;       ///< m³: torque over the largest shear stress
+  bool round = false;               ///< its outermost fibres are a circle; else the corners of a rectangle
 };
 
 /// What a section does as a bar bends.

@@ -163,12 +163,24 @@ struct Element {
   bool all_six = false;                ///< in all components, as a bushing always is
   std::vector<std::string> signals{};  ///< that the law takes
   std::vector<double> numbers{};       ///< of the law, in the order of its table
-  std::vector<Function> functions{};   ///< of a bushing: six elastic laws, six of damping
+  std::vector<Function> functions{};   ///< of a bushing: six elastic laws, six of damping; of a torsion
+                                       ///< spring: elastic law, damping; of a motor: its curve
   Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();  ///< of a bushing
   Eigen::Matrix<double, 6, 6> damping = Eigen::Matrix<double, 6, 6>::Zero();    ///< likewise
   std::vector<spec::MaxwellBranch> branches{};                                  ///< likewise
   std::shared_ptr<const spec::UserLaw> user{};
   std::string in{};
+  /// On a sum of joints' coordinates, by their names.
+  struct Term {
+    std::string joint{};
+    int coordinate = 0;
+    double factor = 1;
+  };
+  std::vector<Term> terms{};
+  /// Along a line over points: bodies, frames or nodes, each at a place or (none, or fewer) at its own.
+  std::vector<std::string> over{};
+  std::vector<std::optional<Eigen::Vector3d>> places{};
+  std::string on{};  ///< against the velocity of a body or frame, at `at[0]`
 };
 
 /// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,

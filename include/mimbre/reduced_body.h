@@ -94,6 +94,29 @@ struct AncfBeam {
   double stiffness_damping = 0;  ///< s: strain rates act like this many seconds of strain
 };
 
+/// What there is of a section: forces and moments, and the largest von Mises stress.
+inline constexpr std::array section_components{"N", "Vy", "Vz", "T", "My", "Mz", "von_mises"};
+
+/// Section forces of a body made of bars, linear in the loads that act on it: by equilibrium with the forces
+/// on its frames and the inertia of its distributed mass, in the undeformed shape (mode acceleration), so
+/// that they do not depend on how well the modes show its stress. The loads are, in this order: the twelve of
+/// inertia and gravity that GeometricStiffness numbers, of the body frame's own motion; the modes' second
+/// derivatives; ω_x ẏ, ω_y ẏ, ω_z ẏ (modes each); of each frame the force on it and the moment, body axes.
+struct BarSections {
+  struct Section {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, body axes
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: its normal x, y, z
+    double area = 0, Iy = 0, Iz = 0;                     ///< m², m⁴
+    // As in fe::Section; 0: unknown.
+    double reach_y = 0, reach_z = 0, torsion_modulus = 0;
+    bool round = false;
+  };
+  std::vector<Section> sections;  ///< start and end of each element of the mesh in turn
+  /// 6·sections × loads: N, Vy, Vz, T, My, Mz of each section in turn, acting on the part before it: N > 0 is
+  /// tension.
+  Eigen::MatrixXd influence;
+};
+
 /// One line of the certificate that a reduction gives.
 struct Check {
   std::string name;
@@ -141,7 +164,8 @@ struct ReducedBody {
 
   std::optional<SecondOrder> second_order;      ///< absent: linear in the amplitudes
   std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen
-  std::optional<AncfBeam> ancf;  ///< present: elastic forces are its own; `stiffness` is that at y = 0
+  std::optional<AncfBeam> ancf;         ///< present: elastic forces are its own; `stiffness` is that at y = 0
+  std::optional<BarSections> sections;  ///< absent: not of bars, not asked for, or from a file
   std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only
 
   /// Index of a frame by name, -1 when there is none.

@@ -256,19 +256,29 @@ struct MaxwellBranch {
 struct Element {
   std::string name;
   Mark mark;
-  std::string law;  ///< its name in the table: actuator, bushing, gas_spring, user
+  std::string law;  ///< its name in the table: actuator, bushing, gas_spring, cable, motor, user, …
   /// What it measures, and so where it acts: along the line between two frames; on a coordinate of a joint;
-  /// along or about an axis of frame a; or all six components of b's motion in the axes of a.
-  enum class On { line, coordinate, axis, frames } on = On::line;
+  /// along or about an axis of frame a; all six components of b's motion in the axes of a; a sum of
+  /// coordinates of joints (`terms`); the length of a line over several frames (`path`); the velocity of
+  /// frame b against the ground, in its own axes.
+  enum class On { line, coordinate, axis, frames, coordinates, path, velocity } on = On::line;
   int frame_a = -1;
   int frame_b = -1;
   int joint = -1;  ///< and its velocity coordinate
   int coordinate = 0;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< the axis, in frame a
   bool about = false;                                    ///< about it
-  std::vector<double> numbers;                           ///< of the law, as the table describes them
-  std::vector<Function> functions;                       ///< likewise
-  std::vector<Source> arguments;                         ///< signals that the law takes
+  /// factor · a joint's velocity coordinate.
+  struct Term {
+    int joint = -1;
+    int coordinate = 0;
+    double factor = 1;
+  };
+  std::vector<Term> terms;          ///< of the sum
+  std::vector<int> path;            ///< frames, two at least, from end to end
+  std::vector<double> numbers;      ///< of the law, as the table describes them
+  std::vector<Function> functions;  ///< likewise
+  std::vector<Source> arguments;    ///< signals that the law takes
   std::vector<MaxwellBranch> branches;
   std::shared_ptr<const UserLaw> user;
 };
@@ -310,7 +320,9 @@ struct Output {
     input,             ///< of Model::inputs
     element_force,     ///< component of an element's force
     element_measure,   ///< component of what it measures
-    element_rate       ///< component of its rate
+    element_rate,      ///< component of its rate
+    section_force      ///< of a flexible body made of bars: `component` (N, Vy, Vz, T, My, Mz, largest von
+                       ///< Mises stress) at `node`, the start (2 k) or end (2 k + 1) of its mesh's element k
   } kind = Kind::position;
   int item = -1;                         ///< index of the frame, joint, body, spring or tyre
   std::vector<int> bodies;               ///< empty: all of the model

@@ -37,6 +37,8 @@ _order = (
     "gas_springs",
     "frictions",
     "stops",
+    "torsion_springs",
+    "cables",
     "loads",
     "roads",
     "tyres",
@@ -44,6 +46,8 @@ _order = (
     "signals",
     "events",
     "actuators",
+    "motors",
+    "drags",
     "subsystems",
     "instances",
     "outputs",
@@ -129,6 +133,26 @@ class Part:
         """Stops at the ends of a joint's travel, or of the distance of two points: lower, upper (m or rad), stiffness
         (N/m or N m/rad), restitution of a blow."""
         self._add("stops", name, keys)
+
+    def add_torsion_spring(self, name: str, /, **keys: Unpack[words.TorsionSpring]) -> None:
+        """A spring with a damper on a sum of joints' coordinates, as an anti-roll bar is: `coordinates`, a list of
+        {joint, factor}; stiffness (N m/rad) and rest (rad), or `elastic`, a law of the sum."""
+        self._add("torsion_springs", name, keys)
+
+    def add_cable(self, name: str, /, **keys: Unpack[words.Cable]) -> None:
+        """A cable that only pulls, with one tension from end to end: over (bodies, frames or nodes), at (a place for
+        each, m), axial_stiffness (E A, N), length (m; an expression: a winch) or preload (N)."""
+        self._add("cables", name, keys)
+
+    def add_motor(self, name: str, /, **keys: Unpack[words.Motor]) -> None:
+        """A motor with a gear on a joint: `curve`, torque over speed, and `command` from -1 to 1; or `constant`,
+        `resistance` and `voltage` of a DC motor. ratio of the gear, inertia of the rotor (kg m²)."""
+        self._add("motors", name, keys)
+
+    def add_drag(self, name: str, /, **keys: Unpack[words.Drag]) -> None:
+        """Drag of the air on a point of a body, with the square of its speed against the wind: area (m²),
+        coefficients (one, or three along the frame's axes), density (kg/m³), wind (3, m/s, global)."""
+        self._add("drags", name, keys)
 
     def add_load(self, name: str, /, **keys: Unpack[words.Load]) -> None:
         """A force (3, N) or moment (3, N m) on a point, times `scale`, a function of time; global axes, or turning with

@@ -392,6 +392,9 @@ class Output(TypedDict, total=False):
     stress: str
     # Likewise; with `along` the elongation in a direction.
     strain: str
+    # A flexible body made of bars: N, Vy, Vz, T, My, Mz or von_mises in the section at the node of its
+    # bars at the place `at`.
+    section_force: str
     # Of a stress or strain: the node's number in the body's mesh.
     node: Number
     # N; tension is positive.
@@ -602,12 +605,6 @@ class SignalKeys(TypedDict, total=False):
     joint: str
     # Its rate, m/s or rad/s.
     joint_velocity: str
-    # Its acceleration, m/s² or rad/s².
-    joint_acceleration: str
-    # Rotation vector of a spherical or floating joint, x y z, rad.
-    joint_rotation: str
-    # Unit quaternion of a spherical or floating joint, w x y z.
-    joint_quaternion: str
     # Force (N) or moment (N m) on the joint's second body, global.
     joint_force: str
     # Of a flexible body: m, rad, or 1.
@@ -634,6 +631,12 @@ class SignalKeys(TypedDict, total=False):
     linear_momentum: str | Sequence[str]
     # Likewise; about their centre of mass, or about the fixed point `about`.
     angular_momentum: str | Sequence[str]
+    # Its acceleration, m/s² or rad/s².
+    joint_acceleration: str
+    # Rotation vector of a spherical or floating joint, x y z, rad.
+    joint_rotation: str
+    # Unit quaternion of a spherical or floating joint, w x y z.
+    joint_quaternion: str
     # A PID controller: what it measures; the setpoint is in `setpoint`.
     pid: str | float
     # What a PID controller aims at; default: 0.
@@ -718,6 +721,9 @@ class SignalKeys(TypedDict, total=False):
     deviation: Number
     # Of noise, a whole number; default: 0.
     seed: Number
+    # A flexible body made of bars: N, Vy, Vz, T, My, Mz or von_mises in the section at the node of its
+    # bars at the place `at`.
+    section_force: str
 
 Signal: TypeAlias = str | float | SignalKeys
 
@@ -783,6 +789,89 @@ class Stop(TypedDict, total=False):
     depth: Number
     # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
     restitution: Number
+
+class TorsionSpringCoordinates(TypedDict, total=False):
+    # Its name.
+    joint: Required[str]
+    # Which of several, from 0.
+    coordinate: Number
+    # Default: 1.
+    factor: Number
+
+class TorsionSpring(TypedDict, total=False):
+    # Whose sum it measures, each times its factor.
+    coordinates: Required[Sequence[TorsionSpringCoordinates]]
+    # N m/rad, or N/m where the first coordinate is a length.
+    stiffness: Number
+    # The sum without force, rad or m; default: 0.
+    rest: Number
+    # In place of stiffness and rest: the force over the sum.
+    elastic: Law
+    # Over the sum's rate; a number: the coefficient, N m s/rad or N s/m.
+    damping: Law
+
+class Cable(TypedDict, total=False):
+    # Bodies, frames or nodes, from end to end; those between are pulleys without friction.
+    over: Required[Sequence[str]]
+    # A place for each, m, global.
+    at: Sequence[Vector | None] | Array
+    # E A, N: tension over strain.
+    axial_stiffness: Required[Number]
+    # Of the taut cable, N s/m; default: 0.
+    damping: Number
+    # Without tension, m; a number or an expression of t, inputs, signals and outputs, as a winch has it;
+    # default: such that the preload is that of the assembled position.
+    length: str | float
+    # Tension in the assembled position, N; default: 0.
+    preload: Number
+
+class Motor(TypedDict, total=False):
+    # On whose coordinate it acts.
+    joint: Required[str]
+    # Which of several, from 0.
+    coordinate: Number
+    # Torque over speed at full command, N m over rad/s, at the motor.
+    curve: Law
+    # With a curve: from -1 to 1.
+    command: str | float
+    # With constant and resistance: V.
+    voltage: str | float
+    # Motor turns per turn of the joint, or rad/m; default: 1.
+    ratio: Number
+    # Of the rotor, kg m²; default: 0.
+    inertia: Number
+    # Of a DC motor: torque over current, N m/A, and voltage over speed, V s/rad.
+    constant: Number
+    # Of its winding, ohm.
+    resistance: Number
+    # A, of either sign; default: none.
+    current_limit: Number
+    # N m at the motor, of either sign; default: none.
+    torque_limit: Number
+    # Viscous, at the motor, N m s/rad; default: 0.
+    drag: Number
+    # Of the gear; default: 1.
+    efficiency: Number
+
+class Drag(TypedDict, total=False):
+    # A body, frame or node.
+    on: Required[str]
+    # Where on a body, m, global.
+    at: Vector
+    # Direction of the first axis, global; default: the frame's.
+    x: Vector
+    # Likewise.
+    y: Vector
+    # Likewise.
+    z: Vector
+    # That the coefficients are for, m².
+    area: Required[Number]
+    # Of the air, kg/m³; default: 1.225.
+    density: Number
+    # Along the axes; one number: the same along all.
+    coefficients: Required[Number | Vector]
+    # Its velocity, m/s, global: numbers or expressions; default: none.
+    wind: Sequence[str | float]
 
 class Event(TypedDict, total=False):
     """What happens when a value crosses another."""

@@ -1,6 +1,7 @@
 #include "analysis/rigid_response.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
@@ -136,9 +137,11 @@ class RigidModel {
     for (const spec::Load& load : model.loads)
       if (load.signal >= 0 && on_body(load.frame))
         refuse(load.mark, "load '" + load.name + "', with a signal,");
-    for (const spec::Element& e : model.elements)
-      if (e.on != spec::Element::On::coordinate && (on_body(e.frame_a) || on_body(e.frame_b)))
+    for (const spec::Element& e : model.elements) {
+      const auto touches = [&](int frame) { return frame >= 0 && on_body(frame); };
+      if (touches(e.frame_a) || touches(e.frame_b) || std::any_of(e.path.begin(), e.path.end(), touches))
         refuse(e.mark, e.law + " '" + e.name + "'");
+    }
   }
 
   bool on_body(int frame) const { return model_.frames[static_cast<std::size_t>(frame)].body == body_; }

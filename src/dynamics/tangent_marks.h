@@ -14,7 +14,7 @@ namespace mimbre {
 template <class T>
 double element_tangent(const ElementState<T>& s, const MatrixWeights& weights) {
   double sum = 0;
-  for (int k = 0; k < (s.count == 6 ? 3 : 1); ++k)
+  for (int k = 0; k < (s.count == 1 ? 1 : 3); ++k)
     sum +=
         weights.damping * s.damping[k * (s.count + 1)] + weights.stiffness * s.stiffness[k * (s.count + 1)];
   return sum;

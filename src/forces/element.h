@@ -20,6 +20,7 @@ struct ElementState {
   T *linear, *angular;  ///< n × 3: velocity and angular velocity of b against a → rate, global axes: the
                         ///< force on b is −Σ force · linear, its moment about b's origin −Σ force · angular
   T* surroundings;  ///< height of the road
+  T* acceleration;  ///< ẍ, of what has inertia
   T* states;        ///< at the end of the step
 
   using Value = std::remove_const_t<T>;
@@ -51,6 +52,7 @@ ElementState<T> element_state_at(const ElementData& e, T* p) {
   s.linear = take(3 * n);
   s.angular = take(3 * n);
   s.surroundings = take(1);
+  s.acceleration = take(1);
   s.states = take(e.state_count);
   return s;
 }
@@ -87,6 +89,7 @@ struct LawContext {
   const spec::UserLaw& user() const {
     return *model.spec().elements[static_cast<std::size_t>(element.spec)].user;
   }
+  bool has_arguments() const { return element.argument_count > 0; }
   T argument(int k) const { return signals[model.arguments[element.arguments + k]]; }
 };
 
@@ -94,7 +97,8 @@ struct LawContext {
 /// work is not that of a potential: what dissipates, and what does work like a load.
 struct ElementEnergy {
   double stored = 0;
-  double lost = 0;  ///< J, that internal states dissipated in the step
+  double lost = 0;   ///< J, that internal states dissipated in the step
+  double given = 0;  ///< J, that the step put in by what it says to the law
   double dissipating[6] = {}, working[6] = {};
 };
 

@@ -5,6 +5,7 @@
 #include "forces/element.h"
 #include "forces/motion.h"
 #include "joints/kernels.h"
+#include "joints/table.h"
 #include "math/function_values.h"
 
 /// What elements measure between two frames: x, its rate v, and the directions in which a force against it
@@ -50,6 +51,26 @@ void relative_velocity(const Motion<T>& a, const Motion<T>& b, Vec3<T>& d, Vec3<
   w = b.omega - a.omega;
 }
 
+/// The second derivative of a joint's coordinate; q: all of its positions.
+template <class T>
+T coordinate_acceleration(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T* q) {
+  Vec3<T> d, u, w;
+  relative_velocity(a, b, d, u, w);
+  const Mat3<T> At = a.rotation.transpose();
+  // Of u and w, as seen from frame a.
+  const Vec3<T> du = At * Vec3<T>(b.acceleration - a.acceleration - a.alpha.cross(d) -
+                                  a.omega.cross(Vec3<T>(a.omega.cross(d) + T(2) * u))),
+                dw = At * Vec3<T>(b.alpha - a.alpha - a.omega.cross(w));
+  T rates[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+  JointMotion<T> motion;
+  joint_motion<T>(e.joint, q, rates, motion);
+  for (int k = 0; k < joint_info(e.joint).velocities; ++k)
+    rates[k] = motion.linear.col(k).dot(At * u) + motion.angular.col(k).dot(At * w);
+  joint_motion<T>(e.joint, q, rates, motion);
+  return motion.linear.col(e.local).dot(du - motion.linear_bias) +
+         motion.angular.col(e.local).dot(dw - motion.angular_bias);
+}
+
 /// A coordinate of a joint that is cut, whose angles count turns from `last` on.
 template <class T>
 void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T& last,
@@ -67,6 +88,7 @@ void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T
   // The columns of every joint type are orthonormal.
   s.v[0] = linear.dot(u) + angular.dot(w);
   s.x[0] = q[e.local];
+  if (e.inertia >= 0) *s.acceleration = coordinate_acceleration(e, a, b, q);
   if (is_angle(e.joint, e.local)) {
     using std::round;
     constexpr double turn = 2 * std::numbers::pi;
@@ -141,7 +163,31 @@ void measure_height(const RoadData& road, const Vec3<T>& place, const Motion<T>&
   s.set_linear(0, Vec3<T>::UnitZ());
 }
 
-/// What an element that is no coordinate in the tree measures, and the way it acts.
+/// Velocity of b's origin in b's axes, as what is measured and as its rate.
+template <class T>
+void measure_velocity(const Motion<T>& b, ElementState<T>& s) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3<T> axis = b.rotation.col(k);
+    s.x[k] = s.v[k] = axis.dot(b.velocity);
+    s.set_linear(k, axis);
+  }
+}
+
+/// Σ factor · what a leg measures; after these. `storage`: of all elements' states.
+template <class T>
+void measure_sums(const Compiled& m, T* storage) {
+  for (const int k : m.sums) {
+    ElementState<T> s = element_state(m.elements[k], storage);
+    s.x[0] = s.v[0] = T(0);
+    for (const Leg& leg : m.elements[k].legs) {
+      const ElementState<T> part = element_state(m.elements[leg.element], storage);
+      s.x[0] += leg.factor * part.x[0];
+      s.v[0] += leg.factor * part.v[0];
+    }
+  }
+}
+
+/// What an element that is no coordinate in the tree, and no sum, measures, and the way it acts.
 template <class T>
 void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const Motion<T>& b,
              const Vec3<T>& origin, const T* signals, const T* states, ElementState<T>& s) {
@@ -158,6 +204,10 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
       break;
     case Measure::relative:
       return measure_relative(e, *a, b, s);
+    case Measure::velocity:
+      return measure_velocity(b, s);
+    case Measure::sum:  // measure_sums()
+      return;
     case Measure::none: {
       s.x[0] = s.v[0] = T(0);
       const Vec3<T> force = e.direction.template cast<T>(), moment = e.second.template cast<T>();
@@ -170,6 +220,10 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
 }
 
 /// Whether its force has a moment about b's origin, or about a's beyond that of its arm.
-constexpr bool has_moment(Measure m) { return m != Measure::distance && m != Measure::height; }
+constexpr bool has_moment(Measure m) {
+  return m != Measure::distance && m != Measure::height && m != Measure::velocity;
+}
+/// Whether it depends on the axes and angular velocities of its frames.
+constexpr bool needs_axes(Measure m) { return has_moment(m) || m == Measure::velocity; }
 
 }  // namespace mimbre

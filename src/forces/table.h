@@ -3,9 +3,12 @@
 
 #include "forces/actuator.h"
 #include "forces/bushing.h"
+#include "forces/cable.h"
+#include "forces/drag.h"
 #include "forces/friction.h"
 #include "forces/gas_spring.h"
 #include "forces/load.h"
+#include "forces/motor.h"
 #include "forces/spring.h"
 #include "forces/stop.h"
 #include "forces/tyre.h"
@@ -42,6 +45,10 @@ constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {gas_spring_law, gas_spring_energy},
     {friction_law, friction_energy},
     {stop_law, stop_energy},
+    {spring_law, spring_energy},
+    {cable_law, cable_energy},
+    {motor_law, motor_energy},
+    {drag_law, drag_energy},
 }};
 
 }  // namespace mimbre::forces

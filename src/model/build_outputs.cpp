@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "joints/table.h"
 #include "math/stress.h"
@@ -48,7 +49,8 @@ void check_used(const Addition& addition, const OutputKind& kind, const build::O
   const auto only = [&](bool is_given, bool is_used, const char* what, const char* belongs_to) {
     if (is_given && !is_used) addition.refuse(fmt::format("'{}' belongs to {}", what, belongs_to));
   };
-  only(given.at.has_value(), kind.of == Of::frame || stress, "at", "outputs of a body");
+  only(given.at.has_value(), kind.of == Of::frame || stress || kind.kind == Kind::section_force, "at",
+       "outputs of a body");
   only(given.along.has_value(), kind.kind == Kind::deflection || kind.kind == Kind::strain, "along",
        "'deflection' and 'strain'");
   only(!given.relative_to.empty(), kind.kind == Kind::displacement, "relative_to", "'displacement'");
@@ -127,6 +129,29 @@ int surface_node(const Addition& addition, const build::Output& given, const spe
   return static_cast<int>(nearest);
 }
 
+/// The section nearest to a place; of the two at a node the end of an element.
+void of_section(const Addition& addition, const build::Output& given, const spec::Body& body,
+                spec::Output& output) {
+  output.component =
+      find_component(addition, given.component, {section_components.begin(), section_components.end()});
+  if (!body.flexible || !body.flexible->sections)
+    addition.refuse(
+        fmt::format("body '{}' knows no section forces; reduce its bars with `sections`", given.of));
+  if (!given.at) addition.refuse("'at' is missing: a place on the axis of a bar");
+  const Eigen::Vector3d local =
+      body.pose.rotation.transpose() * (addition.point("at", *given.at) - body.pose.position);
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto& sections = body.flexible->sections->sections;
+  for (std::size_t k = 0; k < sections.size(); ++k) {
+    const double off = (sections[k].position - local).norm();
+    const double alike = 1e-9 * sections[k].position.norm();
+    if (off < nearest - alike || (k % 2 == 1 && output.node % 2 == 0 && off < nearest + alike)) {
+      nearest = std::min(nearest, off);
+      output.node = static_cast<int>(k);
+    }
+  }
+}
+
 void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const build::Output& given,
              spec::Output& output) {
   output.item = addition.find(builder.bodies, "of", given.of);
@@ -138,6 +163,7 @@ void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const 
     output.component = find_component(addition, given.component, numbers(body.flexible->modes));
     return;
   }
+  if (output.kind == Kind::section_force) return of_section(addition, given, body, output);
   Words words(stress_components.begin(), stress_components.end());
   const bool stress = output.kind == Kind::stress;
   if (!stress) words.pop_back();  // von Mises is a measure of stress

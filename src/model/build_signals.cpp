@@ -74,11 +74,30 @@ void ModelBuilder::add_element(const std::string& name, const build::Element& gi
   if (find_law(given.law) < 0) {
     std::vector<std::string> known;
     for (const LawInfo& law : law_table)
-      if (law.along || law.coordinate || law.relative) known.emplace_back(law.name);
+      if (law.along || law.coordinate || law.relative || !law.section.empty()) known.emplace_back(law.name);
     addition.refuse(fmt::format("there is no law '{}'{}", given.law, did_you_mean(given.law, known)));
   }
   const bool six = given.all_six || given.law == "bushing";
-  if (!given.joint.empty()) {
+  const bool between = !given.between[0].empty() || !given.between[1].empty();
+  if ((!given.joint.empty() || between ? 1 : 0) + (given.terms.empty() ? 0 : 1) +
+          (given.over.empty() ? 0 : 1) + (given.on.empty() ? 0 : 1) >
+      1)
+    addition.refuse(
+        "acts on a 'joint', 'between' two, on 'terms', 'over' points or 'on' one; give one of these");
+  if (!given.terms.empty()) {
+    e.on = spec::Element::On::coordinates;
+    for (const auto& term : given.terms)
+      e.terms.push_back({addition.find(impl_->joints, "terms", term.joint), term.coordinate, term.factor});
+  } else if (!given.over.empty()) {
+    e.on = spec::Element::On::path;
+    for (std::size_t k = 0; k < given.over.size(); ++k)
+      e.path.push_back(addition.attach("over", given.over[k],
+                                       k < given.places.size() ? given.places[k] : std::nullopt,
+                                       fmt::format("{}.{}", name, k + 1)));
+  } else if (!given.on.empty()) {
+    e.on = spec::Element::On::velocity;
+    e.frame_b = addition.attach("on", given.on, given.at[0], name + ".frame");
+  } else if (!given.joint.empty()) {
     if (!given.between[0].empty() || !given.between[1].empty() || six || given.along || given.about)
       addition.refuse(
           "acts on a joint, so that 'between', 'along', 'about' and 'all_six' do not belong here");

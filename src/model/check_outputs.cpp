@@ -9,6 +9,10 @@
 namespace mimbre::checks {
 namespace {
 
+int components(spec::Element::On on) {
+  return on == spec::Element::On::frames ? 6 : on == spec::Element::On::velocity ? 3 : 1;
+}
+
 using Kind = spec::Output::Kind;
 
 void check_direction(const Thing& thing, const Eigen::Vector3d& direction) {
@@ -68,6 +72,21 @@ void check_stress(const spec::Model& model, const Thing& thing, const spec::Outp
     thing.error(fmt::format("body '{}' has no {} modes; reduce its model again, with its elements",
                             body->name, stress ? "stress" : "strain"));
   thing.between("node", output.node, -1, static_cast<int>(body->flexible->nodes.cols()) - 1);
+}
+
+/// Of a rigid body they are 0, as stress is.
+void check_section_force(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  const spec::Body* body = body_of(model, thing, output.item);
+  thing.between("component", output.component, 0, static_cast<int>(section_components.size()) - 1);
+  if (!body || !body->flexible) return;
+  const auto& sections = body->flexible->sections;
+  if (!sections)
+    return thing.error(fmt::format(
+        "body '{}' knows no section forces: it is not made of bars, or was reduced without", body->name));
+  if (!thing.between("node", output.node, 0, static_cast<int>(sections->sections.size()) - 1)) return;
+  if (output.component == 6 &&
+      !(sections->sections[static_cast<std::size_t>(output.node)].torsion_modulus > 0))
+    thing.error("the section is given by area, Iy, Iz and J: its shape, and so its stress, is not known");
 }
 
 void check_motion_of_mass(const spec::Model& model, const Thing& thing, const spec::Output& output) {
@@ -132,6 +151,8 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
     case Kind::stress:
     case Kind::strain:
       return check_stress(model, thing, output);
+    case Kind::section_force:
+      return check_section_force(model, thing, output);
     case Kind::centre_of_mass:
     case Kind::linear_momentum:
     case Kind::angular_momentum:
@@ -153,9 +174,8 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
     case Kind::element_measure:
     case Kind::element_rate:
       if (thing.index("item", output.item, model.elements.size(), "elements"))
-        thing.between(
-            "component", output.component, 0,
-            model.elements[static_cast<std::size_t>(output.item)].on == spec::Element::On::frames ? 5 : 0);
+        thing.between("component", output.component, 0,
+                      components(model.elements[static_cast<std::size_t>(output.item)].on) - 1);
       return;
   }
   thing.error(fmt::format("kind is {}, which is none of its choices", static_cast<int>(output.kind)));

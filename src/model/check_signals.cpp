@@ -29,18 +29,58 @@ void check_source(const spec::Model& model, const Thing& thing, const spec::Sour
       fmt::format("an argument's kind is {}, which is none of its choices", static_cast<int>(source.kind)));
 }
 
+void check_coordinate(const spec::Model& model, const Thing& thing, int joint, int coordinate) {
+  if (!thing.index("joint", joint, model.joints.size(), "joints")) return;
+  const spec::JointType type = model.joints[static_cast<std::size_t>(joint)].type;
+  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+  const JointInfo& info = joint_info(type);
+  const int count = info.quaternion < 0 ? info.velocities : info.rotation;
+  if (count == 0)
+    thing.error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
+  else
+    thing.between("coordinate", coordinate, 0, count - 1);
+}
+
+void check_terms(const spec::Model& model, const Thing& thing, const spec::Element& e) {
+  if (e.terms.empty()) thing.error("is on no coordinate; give it terms, a joint and a factor each");
+  for (const spec::Element::Term& term : e.terms) {
+    check_coordinate(model, thing, term.joint, term.coordinate);
+    if (thing.finite("factor", term.factor) && term.factor == 0)
+      thing.error("the factor of a coordinate is 0, by which it does nothing there; leave it out");
+  }
+}
+
+void check_path(const spec::Model& model, const Thing& thing, const std::vector<int>& path) {
+  if (path.size() < 2)
+    return thing.error(fmt::format("runs over {} frames; two at least are needed", path.size()));
+  bool sound = true, moves = false;
+  for (const int frame : path)
+    sound = thing.index("path", frame, model.frames.size(), "frames") && sound_frame(model, frame) && sound;
+  if (!sound) return;
+  const auto at = [&](std::size_t k) -> const spec::Frame& {
+    return model.frames[static_cast<std::size_t>(path[k])];
+  };
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    moves = moves || at(k).body != at(0).body;
+    if (k > 0 && assembled_place(model, at(k - 1)) == assembled_place(model, at(k)))
+      thing.error(
+          fmt::format("its points {} and {} are at one place in the assembled position: there is no "
+                      "direction between them; move one",
+                      k, k + 1));
+  }
+  if (!moves) thing.error("has all of its points on one body, where it does nothing");
+}
+
 void check_place(const spec::Model& model, const Thing& thing, const spec::Element& e) {
-  if (!thing.enumerator("on", e.on, 4)) return;
-  if (e.on == spec::Element::On::coordinate) {
-    if (!thing.index("joint", e.joint, model.joints.size(), "joints")) return;
-    const spec::JointType type = model.joints[static_cast<std::size_t>(e.joint)].type;
-    if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
-    const JointInfo& info = joint_info(type);
-    const int count = info.quaternion < 0 ? info.velocities : info.rotation;
-    if (count == 0)
-      thing.error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
-    else
-      thing.between("coordinate", e.coordinate, 0, count - 1);
+  using On = spec::Element::On;
+  if (!thing.enumerator("on", e.on, 7)) return;
+  if (e.on == On::coordinate) return check_coordinate(model, thing, e.joint, e.coordinate);
+  if (e.on == On::coordinates) return check_terms(model, thing, e);
+  if (e.on == On::path) return check_path(model, thing, e.path);
+  if (e.on == On::velocity) {
+    if (thing.index("frame_b", e.frame_b, model.frames.size(), "frames") && sound_frame(model, e.frame_b) &&
+        model.frames[static_cast<std::size_t>(e.frame_b)].body == spec::ground)
+      thing.error("is on the ground, which it cannot move; give it a frame on a body");
     return;
   }
   const bool a = thing.index("frame_a", e.frame_a, model.frames.size(), "frames");
@@ -55,24 +95,39 @@ void check_place(const spec::Model& model, const Thing& thing, const spec::Eleme
     thing.error("direction has no length; give a vector such as (0, 0, 1)");
 }
 
+void check_functions(const Thing& thing, const spec::Element& e, const LawInfo& law) {
+  const std::size_t given = e.functions.size();
+  if (given != 0 && static_cast<int>(given) != law.functions)
+    return thing.error(law.functions == 0 ? fmt::format("law '{}' has no functions", law.name)
+                                          : fmt::format("law '{}' has {} functions, {} are given", law.name,
+                                                        law.functions, given));
+  if (e.law == "torsion_spring" && (given == 0 || (e.functions[0].is_zero() && e.functions[1].is_zero())))
+    thing.error("says no force; it has two functions: its elastic law, and its damper's");
+  if (e.law == "motor" && e.numbers.size() == law.numbers.size() && (given != 0) == (e.numbers[2] > 0))
+    thing.error("has a curve, or a constant and a resistance: one of both is needed");
+}
+
 void check_element(const spec::Model& model, const Thing& thing, const spec::Element& e) {
   const int row = find_law(e.law);
   std::string known;
   for (const LawInfo& info : law_table)
-    if (info.coordinate || info.relative)
+    if (info.coordinate || info.relative || !info.section.empty())
       known += fmt::format("{}'{}'", known.empty() ? "" : ", ", info.name);
   if (row < 0) return thing.error(fmt::format("there is no law '{}'; there are {}", e.law, known));
   const LawInfo& law = law_info(row);
   using On = spec::Element::On;
   const bool fits = (e.on == On::line && law.along) || (e.on == On::coordinate && law.coordinate) ||
-                    (e.on == On::axis && law.axis) || (e.on == On::frames && law.relative);
+                    (e.on == On::axis && law.axis) || (e.on == On::frames && law.relative) ||
+                    (e.on == On::coordinates && law.coordinates) || (e.on == On::path && law.path) ||
+                    (e.on == On::velocity && law.velocity);
   if (!fits) thing.error(fmt::format("law '{}' does not act there; there are {}", e.law, known));
   check_place(model, thing, e);
   for (const double number : e.numbers)
     if (!thing.finite("one of numbers", number)) break;
   for (const spec::Source& source : e.arguments) check_source(model, thing, source);
   const bool user = e.law == "user", bushing = e.law == "bushing";
-  if (user ? e.arguments.size() > 64 : static_cast<int>(e.arguments.size()) != law.arguments)
+  const bool takes_none = law.optional && e.arguments.empty();
+  if (!takes_none && (user ? e.arguments.size() > 64 : static_cast<int>(e.arguments.size()) != law.arguments))
     thing.error(fmt::format("law '{}' takes {} signals, {} are given", e.law, user ? 64 : law.arguments,
                             e.arguments.size()));
   if (user != static_cast<bool>(e.user))
@@ -94,8 +149,7 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
       thing.error(fmt::format("{} {}", number.key, wrong_number(number, e.numbers[k])));
   if (law.fault && e.numbers.size() == law.numbers.size())
     if (const std::string_view fault = law.fault(e.numbers); !fault.empty()) thing.error(std::string(fault));
-  if (!e.functions.empty() && (!bushing || e.functions.size() != 12))
-    thing.error("functions belong to a bushing: six elastic laws, then six of damping");
+  check_functions(thing, e, law);
   for (std::size_t block = 0; bushing && e.numbers.size() == 72 && block < 2; ++block) {
     const Eigen::Map<const Eigen::Matrix<double, 6, 6>> m(e.numbers.data() + 36 * block);
     if (m.allFinite() && !m.isApprox(m.transpose(), 1e-9) && !m.isZero(0))

@@ -39,6 +39,7 @@ class Compiler {
     place_sensors(
         c_, [this](ElementData e) { return add_element(std::move(e)); },
         [this](int joint, int coordinate) { return on_coordinate(joint, coordinate); });
+    legs();
     loops_and_drives();
     c_.element_storage = 0;
     for (const auto& [first, values] : pending_states_)
@@ -107,9 +108,13 @@ class Compiler {
     for (const auto& s : spec_.springs) needed.insert({s.frame_a, s.frame_b});
     for (const auto& l : spec_.loads) full.insert(l.frame);
     for (const auto& t : spec_.tyres) needed.insert(t.frame);
-    for (const auto& e : spec_.elements)
-      if (e.on != spec::Element::On::coordinate)
-        (e.on == spec::Element::On::line ? needed : full).insert({e.frame_a, e.frame_b});
+    for (const auto& e : spec_.elements) {
+      using On = spec::Element::On;
+      if (e.on == On::line) needed.insert({e.frame_a, e.frame_b});
+      if (e.on == On::axis || e.on == On::frames) full.insert({e.frame_a, e.frame_b});
+      if (e.on == On::path) needed.insert(e.path.begin(), e.path.end());
+      if (e.on == On::velocity) full.insert(e.frame_b);
+    }
     for (const int sensor : seen_within_a_step(c_)) {
       const spec::Output& o = spec_.sensors[sensor];
       const auto add = [&](int frame) {
@@ -220,7 +225,7 @@ class Compiler {
   }
 
   int add_element(ElementData e) {
-    if (e.measure != Measure::none && e.body < 0) {
+    if (e.measure != Measure::none && e.measure != Measure::sum && e.body < 0) {
       e.path = make_path(e.frame_a < 0 ? ground_frame() : e.frame_a, e.frame_b);
       e.jacobian = add_jacobian(e.path, e.count);
     }
@@ -228,6 +233,52 @@ class Compiler {
     c_.states.resize(c_.states.size() + e.state_count, 0.0);
     c_.elements.push_back(std::move(e));
     return static_cast<int>(c_.elements.size()) - 1;
+  }
+
+  /// Elements that measure the summands of each sum, behind all others, and the sum's path over their bodies.
+  void legs() {
+    for (int k = 0; k < static_cast<int>(c_.elements.size()); ++k) {
+      if (c_.elements[k].measure != Measure::sum) continue;
+      c_.sums.push_back(k);
+      const spec::Element& s = spec_.elements[c_.elements[k].spec];
+      const auto add = [&](ElementData e, double factor) {
+        e.law = static_cast<int>(Law::sensor);
+        e.leg = true;
+        const int place = add_element(std::move(e));
+        c_.elements[k].legs.push_back({place, factor, {}});
+      };
+      for (const auto& term : s.terms) add(on_coordinate(term.joint, term.coordinate), term.factor);
+      for (std::size_t i = 1; i < s.path.size(); ++i) {
+        ElementData e;
+        e.measure = Measure::distance;
+        e.frame_a = c_.frame_of_spec[s.path[i - 1]];
+        e.frame_b = c_.frame_of_spec[s.path[i]];
+        e.reference = assembled_distance(s.path[i - 1], s.path[i]);
+        add(std::move(e), 1);
+      }
+      join_legs(c_.elements[k]);
+    }
+  }
+  void join_legs(ElementData& sum) {
+    std::map<int, int, std::greater<>> offsets;  // by body, leaf to root
+    for (const Leg& leg : sum.legs) {
+      const ElementData& e = c_.elements[leg.element];
+      if (e.body >= 0) offsets[e.body] = 0;
+      for (const PathEntry& entry : e.path.entries) offsets[entry.body] = 0;
+    }
+    for (auto& [body, offset] : offsets) {
+      PathEntry entry;
+      entry.body = body;
+      entry.offset = offset = sum.path.width;
+      sum.path.width += pad(c_.bodies[body].size());
+      sum.path.entries.push_back(entry);
+    }
+    for (Leg& leg : sum.legs) {
+      const ElementData& e = c_.elements[leg.element];
+      if (e.body >= 0) leg.offsets.push_back(offsets[e.body] + e.local);
+      for (const PathEntry& entry : e.path.entries) leg.offsets.push_back(offsets[entry.body]);
+    }
+    sum.jacobian = add_jacobian(sum.path, 1);
   }
 
   /// On a coordinate of a joint, in the tree or cut.
@@ -326,6 +377,16 @@ class Compiler {
     ElementData e;
     if (s.on == On::coordinate) {
       e = on_coordinate(s.joint, s.coordinate);
+    } else if (s.on == On::coordinates) {
+      e.measure = Measure::sum;
+      e.about = is_angle(spec_.joints[s.terms.front().joint].type, s.terms.front().coordinate);
+    } else if (s.on == On::path) {
+      e.measure = Measure::sum;
+      for (std::size_t i = 1; i < s.path.size(); ++i)
+        e.reference += assembled_distance(s.path[i - 1], s.path[i]);
+    } else if (s.on == On::velocity) {
+      e.measure = Measure::velocity;
+      e.frame_b = c_.frame_of_spec[s.frame_b];
     } else {
       e.frame_a = c_.frame_of_spec[s.frame_a];
       e.frame_b = c_.frame_of_spec[s.frame_b];
@@ -345,6 +406,9 @@ class Compiler {
     e.marked = true;
     e.numbers = add_numbers(s.numbers);
     if (e.law == static_cast<int>(Law::stop)) add_numbers({restitution_damping(s.numbers.back())});
+    if (e.law == static_cast<int>(Law::cable)) add_numbers({cable_rest_length(s.numbers, e.reference)});
+    if (e.law == static_cast<int>(Law::motor))
+      if (const double inertia = motor_inertia(s.numbers); inertia > 0) e.inertia = add_numbers({inertia});
     for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
     if (!s.functions.empty()) e.functions = add_functions(s.functions);
     e.argument_count = static_cast<int>(s.arguments.size());

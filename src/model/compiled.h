@@ -170,9 +170,18 @@ enum class Measure {
   coordinate,  ///< of a joint, in the tree or cut
   height,      ///< of frame b's origin above a road
   axis,        ///< of b along, or about, a direction of frame a
-  relative     ///< of b in the axes of a: displacement and rotation vector
+  relative,    ///< of b in the axes of a: displacement and rotation vector
+  velocity,    ///< of frame b's origin against the ground, in its own axes
+  sum          ///< of what other elements, its legs, measure
 };
-constexpr int measure_size(Measure m) { return m == Measure::relative ? 6 : 1; }
+constexpr int measure_size(Measure m) { return m == Measure::relative ? 6 : m == Measure::velocity ? 3 : 1; }
+
+/// One of the summands of Measure::sum: an element that only measures, and carries its share of the force.
+struct Leg {
+  int element = -1;
+  double factor = 1;
+  Array<int> offsets;  ///< of its path's entries (of a tree coordinate: of its place) in a row of the sum
+};
 
 /// A force element: what it measures, its law and the law's constants. The laws are in src/forces, one file
 /// each, and in the table there.
@@ -204,6 +213,9 @@ struct ElementData {
   int own_states = 0;  ///< of these the first that is the law's, behind the turns
   bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and what it says
   bool marked = false;                                  ///< a change of its tangent may ask for a new matrix
+  int inertia = -1;  ///< among the model's numbers: of what is measured, kg or kg m²; -1: none
+  Array<Leg> legs;   ///< of a sum; they come behind it
+  bool leg = false;  ///< is one
   // In the step.
   int storage = 0;  ///< of its ElementState
   Path path;
@@ -212,7 +224,7 @@ struct ElementData {
 
 /// Numbers of its ElementState (forces/element.h).
 inline int element_storage(const ElementData& e) {
-  return 9 * e.count + 2 * e.count * e.count + 1 + e.state_count;
+  return 9 * e.count + 2 * e.count * e.count + 2 + e.state_count;
 }
 
 /// A formula of own variables and signals.
@@ -353,6 +365,7 @@ struct Compiled {
   /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements.
   Array<ElementData> elements;
   int first_tyre = 0, first_load = 0, first_joint_spring = 0, first_other = 0;
+  Array<int> sums;  ///< elements that are sums
   int element_storage = 0;
   Array<double> numbers;          ///< of laws
   Array<FunctionData> functions;  ///< likewise

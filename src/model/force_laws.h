@@ -38,15 +38,35 @@ struct LawInfo {
   bool coordinate = false;   ///< on a joint's coordinate,
   bool axis = false;         ///< along or about a direction,
   bool relative = false;     ///< in all six components between two frames
-  int arguments = 0;         ///< signals that it takes
+  int arguments = 0;         ///< signals that it takes,
   std::span<const LawNumber> numbers = {};
   int states = 0;  ///< that it remembers from step to step, all 0 at first
   /// What is wrong with numbers that are right one by one; empty: nothing.
   std::string_view (*fault)(std::span<const double>) = nullptr;
+  bool optional = false;     ///< signals: all of them or none
+  bool coordinates = false;  ///< may act on a sum of joints' coordinates,
+  bool path = false;         ///< along a line over several frames,
+  bool velocity = false;     ///< against the velocity of a frame
+  int functions = 0;         ///< that it has at most
 };
 
 /// The rows, and so ElementData::law. `sensor` only measures.
-enum class Law { spring, tyre, load, sensor, actuator, bushing, user, gas_spring, friction, stop };
+enum class Law {
+  spring,
+  tyre,
+  load,
+  sensor,
+  actuator,
+  bushing,
+  user,
+  gas_spring,
+  friction,
+  stop,
+  torsion_spring,
+  cable,
+  motor,
+  drag
+};
 
 /// Of a gas spring; the pressure is that at `length`.
 constexpr std::array<LawNumber, 7> gas_spring_numbers{{
@@ -109,18 +129,90 @@ constexpr std::string_view stop_fault(std::span<const double> n) {
   return n[0] < n[1] ? "" : "'lower' has to be below 'upper'";
 }
 
+/// Of a cable over points.
+constexpr std::array<LawNumber, 4> cable_numbers{{
+    {.key = "axial_stiffness", .unit = "N", .about = "E A: tension over strain", .above = 0},
+    {.key = "damping", .unit = "N s/m", .about = "of the taut cable", .otherwise = 0, .least = 0},
+    {.key = "length",
+     .unit = "m",
+     .about = "without tension; 0: such that the assembled cable has the preload",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "preload", .unit = "N", .about = "tension as assembled", .otherwise = 0, .least = 0},
+}};
+
+constexpr std::string_view cable_fault(std::span<const double> n) {
+  return n[2] > 0 && n[3] > 0 ? "has a 'length' and a 'preload', which follow from each other; keep one" : "";
+}
+
+/// The length without tension, from the numbers that are given and the length in the assembled position.
+constexpr double cable_rest_length(std::span<const double> n, double assembled) {
+  return n[2] > 0 ? n[2] : assembled / (1 + n[3] / n[0]);
+}
+
+/// Of a motor on a joint's coordinate: by `constant` and `resistance`, or by a function, its curve.
+constexpr std::array<LawNumber, 8> motor_numbers{{
+    {.key = "ratio",
+     .unit = "rad/m|",
+     .about = "of the motor's turns to the joint's coordinate",
+     .otherwise = 1},
+    {.key = "inertia", .unit = "kg m^2", .about = "of the rotor", .otherwise = 0, .least = 0},
+    {.key = "constant",
+     .unit = "N m/A",
+     .about = "torque over current, and voltage over speed",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "resistance", .unit = "ohm", .about = "of the winding", .otherwise = 0, .least = 0},
+    {.key = "current_limit", .unit = "A", .about = "of either sign", .otherwise = 1e300, .above = 0},
+    {.key = "torque_limit",
+     .unit = "N m",
+     .about = "at the motor, of either sign",
+     .otherwise = 1e300,
+     .above = 0},
+    {.key = "drag", .unit = "N m s/rad", .about = "viscous, at the motor", .otherwise = 0, .least = 0},
+    {.key = "efficiency",
+     .about = "of the gear, which takes the rest of the torque as friction",
+     .otherwise = 1,
+     .above = 0,
+     .most = 1},
+}};
+
+constexpr std::string_view motor_fault(std::span<const double> n) {
+  if (n[0] == 0) return "has the ratio 0, by which it would move nothing";
+  return (n[2] > 0) == (n[3] > 0) ? "" : "'constant' and 'resistance' go together";
+}
+
+/// Of the rotor, as the joint's coordinate feels it, kg m² or kg.
+constexpr double motor_inertia(std::span<const double> n) { return n[0] * n[0] * n[1]; }
+
+/// Of the drag of a body in air.
+constexpr std::array<LawNumber, 5> drag_numbers{{
+    {.key = "area", .unit = "m^2", .about = "that the coefficients are for", .above = 0},
+    {.key = "density", .unit = "kg/m^3", .about = "of the air", .otherwise = 1.225, .least = 0},
+    {.key = "cx", .about = "coefficient along the frame's x", .least = 0},
+    {.key = "cy", .about = "likewise y", .least = 0},
+    {.key = "cz", .about = "likewise z", .least = 0},
+}};
+
 // clang-format off
-constexpr std::array<LawInfo, 10> law_table{{
+constexpr std::array<LawInfo, 14> law_table{{
     {"spring", ""},
     {"tyre", ""},
     {"load", ""},
     {"sensor", "", true, true, true, true},
     {"actuator", "actuators", true, true, true, false, 1},
-    {"bushing", "bushings", false, false, false, true},
+    {.name = "bushing", .section = "bushings", .relative = true, .functions = 12},
     {"user", "", true, true, true, true},
     {"gas_spring", "gas_springs", true, false, false, false, 0, gas_spring_numbers},
     {"friction", "frictions", false, true, false, false, 1, friction_numbers, 4},
     {"stop", "stops", true, true, false, false, 0, stop_numbers, 1, stop_fault},
+    {.name = "torsion_spring", .section = "torsion_springs", .coordinates = true, .functions = 2},
+    {.name = "cable", .section = "cables", .arguments = 1, .numbers = cable_numbers, .states = 2,
+     .fault = cable_fault, .optional = true, .path = true},
+    {.name = "motor", .section = "motors", .coordinate = true, .arguments = 1, .numbers = motor_numbers,
+     .fault = motor_fault, .functions = 1},
+    {.name = "drag", .section = "drags", .arguments = 3, .numbers = drag_numbers, .optional = true,
+     .velocity = true},
 }};
 // clang-format on
 

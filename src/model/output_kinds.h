@@ -31,6 +31,7 @@ inline constexpr std::array output_kinds{
     OutputKind{"modal_amplitude", spec::Output::Kind::modal_amplitude, OutputKind::Of::body},
     OutputKind{"stress", spec::Output::Kind::stress, OutputKind::Of::body},
     OutputKind{"strain", spec::Output::Kind::strain, OutputKind::Of::body},
+    OutputKind{"section_force", spec::Output::Kind::section_force, OutputKind::Of::body},
     OutputKind{"centre_of_mass", spec::Output::Kind::centre_of_mass, OutputKind::Of::bodies},
     OutputKind{"linear_momentum", spec::Output::Kind::linear_momentum, OutputKind::Of::bodies},
     OutputKind{"angular_momentum", spec::Output::Kind::angular_momentum, OutputKind::Of::bodies},

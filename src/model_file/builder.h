@@ -187,6 +187,9 @@ std::optional<FlexibleDescription> read_flexible(Builder& builder, const Part& p
 /// {at, x, y, z}: axes from one or two of the vectors, global, placed.
 spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector3d& default_position);
 
+/// Whether a text is a number, or an expression of numbers and parameters alone.
+bool is_plain_number(const Value& value);
+
 /// A law (docs/model-file.md) of what `law` says, whose numbers may have the units.
 std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& units);
 /// The same for springs, where a plain number could mean a stiffness or a force and is refused.

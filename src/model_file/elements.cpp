@@ -52,8 +52,6 @@ std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& 
   return {a, b};
 }
 
-namespace {
-
 /// A frame at another's place with these global axes, on the same body.
 int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
                  const Value& value) {
@@ -61,25 +59,35 @@ int turned_frame(Builder& builder, int frame, const std::string& name, const Eig
   return builder.add_frame_at(name, body, builder.global_pose(frame).position, axes, value);
 }
 
-/// The coordinate of the joint that is named; false where that is wrong, and said.
-bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e) {
+std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields) {
+  spec::Element::Term term;
   const auto joint = fields.need("joint", "hinge");
   const auto name = joint ? joint->word() : std::nullopt;
-  e.joint = name ? builder.resolve(builder.joint_names, part, *name, *joint) : -1;
-  if (e.joint < 0) return false;
-  e.on = spec::Element::On::coordinate;
-  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(e.joint)].type);
+  term.joint = name ? builder.resolve(builder.joint_names, part, *name, *joint) : -1;
+  if (term.joint < 0) return {};
+  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(term.joint)].type);
   const int count = info.quaternion < 0 ? info.velocities : info.quaternion;
   if (count == 0) {
     joint->error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
-    return false;
+    return {};
   }
   if (const auto coordinate = fields.get("coordinate"))
-    e.coordinate = coordinate->integer(0, count - 1).value_or(0);
+    term.coordinate = coordinate->integer(0, count - 1).value_or(0);
   else if (count > 1)
     fields.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  return term;
+}
+
+bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e) {
+  const auto term = read_coordinate(builder, part, fields);
+  if (!term) return false;
+  e.on = spec::Element::On::coordinate;
+  e.joint = term->joint;
+  e.coordinate = term->coordinate;
   return true;
 }
+
+namespace {
 
 void read_actuator(Builder& builder, const Part& part, const Value& value, spec::Element& e) {
   const Fields fields(
@@ -227,7 +235,8 @@ Quantity quantity_of(std::string_view unit, bool turns) {
   return {unit, read ? std::optional(read->dimension) : std::nullopt};
 }
 
-/// The numbers of a law, where they are given.
+}  // namespace
+
 std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns) {
   std::vector<double> numbers;
   for (const LawNumber& number : law.numbers) {
@@ -248,6 +257,8 @@ std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const
   }
   return numbers;
 }
+
+namespace {
 
 /// The force that a law takes, by a number or an expression of signals.
 void read_force(Builder& builder, const Part& part, const Fields& fields, const Value& value, bool turns,
@@ -318,6 +329,14 @@ void read_elements(Builder& builder, Part& part) {
                  read_actuator(builder, part, value, e);
                else if (kind == "bushing")
                  read_bushing(builder, part, value, e);
+               else if (kind == "torsion_spring")
+                 read_torsion_spring(builder, part, value, e);
+               else if (kind == "cable")
+                 read_cable(builder, part, law, value, e);
+               else if (kind == "motor")
+                 read_motor(builder, part, law, value, e);
+               else if (kind == "drag")
+                 read_drag(builder, part, law, value, e);
                else
                  read_plain(builder, part, law, value, e);
                builder.model.elements.push_back(std::move(e));

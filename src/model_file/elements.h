@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include "model/force_laws.h"
 #include "model_file/builder.h"
 
 /// What the sections of force elements have in common.
@@ -25,6 +26,23 @@ void for_each(Builder& builder, Part& part, const std::string& key, Names& names
 /// wrong, and said.
 std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,
                               const std::string& name, bool one_place);
+
+/// A frame at another's place with these global axes, on the same body.
+int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
+                 const Value& value);
+
+/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, and said.
+std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields);
+/// Likewise as what the element acts on; false where that is wrong.
+bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e);
+
+/// The numbers of a law, where they are given. `turns`: on an angle.
+std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns);
+
+void read_torsion_spring(Builder& builder, const Part& part, const Value& value, spec::Element& e);
+void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
+void read_motor(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
+void read_drag(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
 
 /// Keys with the sections of the laws (model/force_laws.h) between them.
 std::vector<std::string> with_element_sections(std::vector<std::string> before,

@@ -101,6 +101,8 @@ std::optional<Function> expression_law(const Value& value, LawOf law, const LawU
   return {};
 }
 
+}  // namespace
+
 bool is_plain_number(const Value& value) {
   if (!value.is_scalar()) return false;
   try {
@@ -110,8 +112,6 @@ bool is_plain_number(const Value& value) {
     return false;
   }
 }
-
-}  // namespace
 
 std::optional<std::pair<std::vector<double>, std::vector<double>>> read_points(const Value& value, bool jumps,
                                                                                const Quantity& of_x,

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 
@@ -141,6 +142,46 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
   read_surface_node(builder, part, fields, *body, output);
 }
 
+/// A force or moment in a section at a node of the bars, or the stress by them. The bar that ends there,
+/// where one does; else the one that begins.
+void read_section_force(Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                        spec::Output& output) {
+  output.component = read_component(fields, {section_components.begin(), section_components.end()});
+  BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+  const auto at = fields.need("at", "[0.5, 0, 0]");
+  const auto point = at ? at->triple(quantity::length) : std::nullopt;
+  if (!point || info.failed) return;
+  if (!info.description || info.description->kind != BeamKind::reduced || info.description->in_pieces())
+    return named.error(
+        "has no section forces: they are those of a flexible body made of bars, with modes, in one piece");
+  const spec::Pose pose = builder.body_pose(output.item);
+  const Eigen::Vector3d local = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
+  info.description->options.sections = true;
+  const fe::Mesh& mesh = info.description->mesh;
+  Eigen::Index node = 0;
+  const double off = (mesh.nodes.colwise() - local).colwise().norm().minCoeff(&node);
+  for (std::size_t e = 0; e < mesh.elements.size() && output.node < 0; ++e)
+    if (mesh.elements[e].nodes[1] == node) output.node = static_cast<int>(2 * e + 1);
+  for (std::size_t e = 0; e < mesh.elements.size() && output.node < 0; ++e)
+    if (mesh.elements[e].nodes[0] == node) output.node = static_cast<int>(2 * e);
+  const double element =
+      std::sqrt((mesh.nodes.colwise() - mesh.nodes.col(node))
+                    .colwise()
+                    .squaredNorm()
+                    .unaryExpr([](double d) { return d > 0 ? d : std::numeric_limits<double>::max(); })
+                    .minCoeff());
+  const Eigen::Vector3d nearest = pose.position + pose.rotation * mesh.nodes.col(node);
+  if (off > 0.51 * element)
+    return at->error(
+        fmt::format("is {:.3g} m away from the nearest node of the bars, {}", off, to_text(nearest)));
+  if (off > 1e-6 * element)
+    builder.warnings.push_back(
+        {at->mark(),
+         fmt::format("output '{}': the section is that at the nearest node, {}; more elements have "
+                     "more nodes",
+                     output.name, to_text(nearest))});
+}
+
 /// A body, a list of bodies, or `all` of the model.
 void read_several_bodies(Builder& builder, const Part& part, const Value& named, spec::Output& output) {
   const bool is_list = named.is_list();
@@ -178,8 +219,10 @@ void read_motion_of_mass(Builder& builder, const Part& part, const Fields& field
 void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
-  const bool stress = row.kind == Kind::stress || row.kind == Kind::strain;
-  if (at && row.of != OutputKind::Of::frame && !stress) at->error("only an output of a body has a place");
+  const bool stress = row.kind == Kind::stress || row.kind == Kind::strain,
+             section = row.kind == Kind::section_force;
+  if (at && row.of != OutputKind::Of::frame && !stress && !section)
+    at->error("only an output of a body has a place");
   if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
   if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
   if (row.of == OutputKind::Of::frame) {
@@ -210,6 +253,7 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
   if (output.item < 0) return;
   if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
   if (stress) return read_stress(builder, part, fields, named, output);
+  if (section) return read_section_force(builder, part, fields, named, output);
   if (row.of == OutputKind::Of::body) {
     const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
     const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;

@@ -14,7 +14,8 @@ namespace {
 bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
   const auto near = [](const auto& x, const auto& y, double size) { return (x - y).norm() <= 1e-9 * size; };
   if (a.mesh.nodes.cols() != b.mesh.nodes.cols() || a.mesh.elements.size() != b.mesh.elements.size() ||
-      a.options.boundary.size() != b.options.boundary.size() || a.frames.size() != b.frames.size())
+      a.options.sections != b.options.sections || a.options.boundary.size() != b.options.boundary.size() ||
+      a.frames.size() != b.frames.size())
     return false;
   const double size = a.mesh.nodes.norm();
   if (!near(a.mesh.nodes, b.mesh.nodes, size)) return false;

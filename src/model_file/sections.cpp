@@ -15,14 +15,24 @@ using std::numbers::pi;
 
 fe::Section ring(double outer, double inner) {
   const double I = pi / 64 * (std::pow(outer, 4) - std::pow(inner, 4));
-  return {pi / 4 * (outer * outer - inner * inner), I, I, 2 * I};
+  fe::Section section{pi / 4 * (outer * outer - inner * inner), I, I, 2 * I};
+  section.reach_y = section.reach_z = outer / 2;
+  section.torsion_modulus = 2 * I / (outer / 2);
+  section.round = true;
+  return section;
 }
 
-/// Torsion of a rectangle: W. C. Young, Roark's Formulas, a b³ (1/3 − 0.21 b/a (1 − b⁴/12a⁴)), a ≥ b.
+/// Torsion of a rectangle: W. C. Young, Roark's Formulas, a b³ (1/3 − 0.21 b/a (1 − b⁴/12a⁴)), a ≥ b; its
+/// largest shear stress, ibid., 3T/(a b²) (1 + 0.6095 r + 0.8865 r² − 1.8023 r³ + 0.91 r⁴), r = b/a.
 fe::Section rectangle(double width, double height) {
   const double a = std::max(width, height), b = std::min(width, height);
   const double J = a * b * b * b * (1.0 / 3 - 0.21 * b / a * (1 - std::pow(b / a, 4) / 12));
-  return {width * height, width * std::pow(height, 3) / 12, height * std::pow(width, 3) / 12, J};
+  fe::Section section{width * height, width * std::pow(height, 3) / 12, height * std::pow(width, 3) / 12, J};
+  const double r = b / a;
+  section.reach_y = width / 2;
+  section.reach_z = height / 2;
+  section.torsion_modulus = a * b * b / (3 * (1 + r * (0.6095 + r * (0.8865 + r * (-1.8023 + r * 0.91)))));
+  return section;
 }
 
 double needed(const Fields& fields, const std::string& key, const std::string& example, const Quantity& of) {

@@ -20,6 +20,11 @@ void rotate_columns(Block& block, const Eigen::MatrixXd& Q) {
   block = (block * Q).eval();
 }
 
+void rotate_columns_of(Eigen::MatrixXd& matrix, Eigen::Index first, const Eigen::MatrixXd& Q) {
+  auto block = matrix.middleCols(first, Q.rows());
+  block = (block * Q).eval();
+}
+
 void make_symmetric(Eigen::MatrixXd& matrix) { matrix = (0.5 * (matrix + matrix.transpose())).eval(); }
 
 }  // namespace
@@ -65,6 +70,9 @@ void make_orthogonal(ReducedBody& body) {
     }
     rotate_columns(body.geometric->boundary_loads, Q);
   }
+  if (body.sections)
+    for (int block = 0; block < 4; ++block)
+      rotate_columns_of(body.sections->influence, GeometricStiffness::boundary + block * body.modes, Q);
   for (BodyFrame& frame : body.frames) {
     rotate_columns(frame.X, Q);
     rotate_columns(frame.X_theta, Q);

@@ -112,6 +112,7 @@ ReducedBody mirrored(const ReducedBody& body, const Vector3d& signs) {
     // A pseudo-vector: across = normal × along is mirrored as vectors are, and amplitudes keep their meaning.
     image.ancf->normal = m.pseudo_vector.cwiseProduct(body.ancf->normal);
   }
+  image.sections.reset();  // whose axes would be left-handed
   if (image.mesh_inertia) mirror_mesh(*image.mesh_inertia, m);
   return image;
 }

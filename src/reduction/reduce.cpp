@@ -8,6 +8,7 @@
 
 #include "fe/beam_element.h"
 #include "mimbre/beam_reduction.h"
+#include "reduction/bar_sections.h"
 #include "reduction/craig_bampton.h"
 #include "reduction/geometric_stiffness.h"
 #include "reduction/second_order.h"
@@ -76,6 +77,7 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   add_drawing(mesh, basis.shapes, body);
   body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
   if (geometric) body.geometric = geometric_stiffness(mesh, options, basis);
+  if (options.sections) body.sections = bar_sections(mesh, matrices, options, frames, basis.shapes);
   make_orthogonal(body);
   add_second_order(mesh, options, body);
   return body;

@@ -10,14 +10,24 @@ LawContext<T> law_context(const Compiled& m, const ElementData& e, const SignalV
 }
 
 /// Force and tangents of an element where it measures what its state says, with those of a feedback of its
-/// own motion.
+/// own motion and the force of its inertia. A sum's force is shared among its legs, which have no law.
+/// `storage`: of all elements' states.
 template <class T>
-void evaluate_law(const Compiled& m, const ElementData& e, SignalValues<T>& signals, ElementState<T>& s) {
+void evaluate_law(const Compiled& m, const ElementData& e, SignalValues<T>& signals, T* storage) {
+  if (e.leg) return;
+  ElementState<T> s = element_state(e, storage);
   forces::rows<T>[static_cast<std::size_t>(e.law)].law(law_context(m, e, signals), s);
-  if (e.feedback < 0) return;
-  const auto [by_x, by_v] = feedback(m, e, e.feedback, signals);
-  s.stiffness[0] -= by_x;
-  s.damping[0] -= by_v;
+  if (e.inertia >= 0) s.force[0] += signals.numbers[e.inertia] * *s.acceleration;
+  if (e.feedback >= 0) {
+    const auto [by_x, by_v] = feedback(m, e, e.feedback, signals);
+    s.stiffness[0] -= by_x;
+    s.damping[0] -= by_v;
+  }
+  for (const Leg& leg : e.legs) {
+    ElementState<T> share = element_state(m.elements[leg.element], storage);
+    share.force[0] = leg.factor * s.force[0];
+    share.stiffness[0] = share.damping[0] = T(0);
+  }
 }
 
 }  // namespace mimbre

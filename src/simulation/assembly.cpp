@@ -105,7 +105,7 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
   // What elements remember counts from here on, in an equilibrium that is sought too.
   system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   Eigen::VectorXd generalised(m.velocities);
-  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), generalised.data());
+  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
   commit_signals(m, system, s);
   system.enter(s.u.data(), s.z.data(), 0);
   return s;

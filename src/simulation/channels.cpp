@@ -11,6 +11,7 @@
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "simulation/names.h"
+#include "simulation/section_forces.h"
 
 namespace mimbre {
 namespace {
@@ -52,6 +53,7 @@ ComponentNames component_names(const ElementData& e, int k) {
   if (e.measure == Measure::relative)
     return k < 3 ? ComponentNames{std::string(".") + axes[k], "N", "m", "m/s"}
                  : ComponentNames{std::string(".r") + axes[k - 3], "N m", "rad", "rad/s"};
+  if (e.measure == Measure::velocity) return {std::string(".") + axes[k], "N", "m/s", "m/s"};
   const bool turns = e.measure == Measure::coordinate ? is_angle(e.joint, e.local) : e.about;
   return turns ? ComponentNames{"", "N m", "rad", "rad/s"} : ComponentNames{"", "N", "m", "m/s"};
 }
@@ -143,6 +145,13 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       if (o.kind == Kind::element_measure) return {o.name, called.measure, "what " + of + " measures"};
       return {o.name, called.rate, "rate of what " + of + " measures"};
     }
+    case Kind::section_force: {
+      const char* const unit = o.component < 3 ? "N" : o.component < 6 ? "N m" : "Pa";
+      return {o.name, unit,
+              fmt::format("{} in a section of '{}', axes of its bar, on the part before it",
+                          section_components[static_cast<std::size_t>(o.component)],
+                          m.spec().bodies[o.item].name)};
+    }
     case Kind::angular_velocity:
       return {o.name, "rad/s",
               fmt::format("angular velocity of '{}' about {} of {} axes", frame(), axes[o.component],
@@ -194,6 +203,7 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
 Channels::Needs Channels::needs_of(Kind kind) {
   switch (kind) {
     case Kind::joint_force:
+    case Kind::section_force:
       return Channels::Needs::reactions;
     case Kind::spring_force:
     case Kind::spring_length:
@@ -424,6 +434,15 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
       return element(m.first_other + o.item).x[o.component];
     case Kind::element_rate:
       return element(m.first_other + o.item).v[o.component];
+    case Kind::section_force: {
+      const spec::Body& body = m.spec().bodies[o.item];
+      if (!body.flexible) return 0;
+      const auto forces = section_forces(system, *body.flexible->sections, m.body_of_spec[o.item], o.node, s);
+      return o.component < 6
+                 ? forces[o.component]
+                 : largest_stress(body.flexible->sections->sections[static_cast<std::size_t>(o.node)],
+                                  forces);
+    }
   }
   return 0;
 }

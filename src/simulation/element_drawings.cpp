@@ -88,6 +88,8 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
   // Those on joints and at one place have no length to draw.
   for (const spec::Element& e : model.spec().elements)
     if (e.on == spec::Element::On::line) all.add(e.name, "actuator", e.frame_a, e.frame_b);
+  for (const spec::Element& e : model.spec().elements)
+    for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
   for (const spec::Load& load : model.spec().loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec().tyres) {
     const bool moves = model.spec().roads[tyre.road].over == spec::Road::Over::time;

@@ -51,6 +51,11 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
       for (int k = 0; k < f.modes; ++k) energy += 0.5 * yd[k] * dot(f.mass.data() + k * n, yd, n);
     }
   }
+  for (const ElementData& e : m.elements)
+    if (e.inertia >= 0) {
+      const double rate = element_state(e, w.elements.data()).v[0];
+      energy += 0.5 * w.signals.numbers[e.inertia] * rate * rate;
+    }
   return energy;
 }
 
@@ -158,8 +163,9 @@ void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w,
   (d.measure == Measure::height ? e.tyres : e.springs) += now.stored;
   if (started_) {
     e.dissipated += now.lost;
+    e.load_work += now.given;
     for (int c = 0; c < s.count; ++c) {
-      const double dx = s.x[c] - f.x[c];
+      const double dx = d.measure == Measure::velocity ? 0.5 * h * (s.x[c] + f.x[c]) : s.x[c] - f.x[c];
       e.dissipated += 0.5 * (now.dissipating[c] + f.dissipating[c]) * dx;
       e.load_work -= 0.5 * (now.working[c] + f.working[c]) * dx;
     }
@@ -214,7 +220,7 @@ void EnergyMeter::observe_road(std::size_t k, const LawContext<double>& context,
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = *model_;
   auto& w = system.workspace();
-  relative::forces(m, w, s.time, s.q.data(), s.v.data(), generalised_.data());
+  relative::forces(m, w, s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());
   EnergyBalance& e = balance_;
   const double h = s.time - time_;
   jump_ = most_exchanged_ = 0;

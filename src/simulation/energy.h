@@ -96,7 +96,8 @@ class EnergyMeter {
   double time_ = 0;
 };
 
-/// Kinetic energy from the bodies' motion (the last kinematics), J; uses the workspace's scratch.
+/// Kinetic energy from the bodies' motion (the last kinematics) and of what elements with inertia measure
+/// (the last forces), J; uses the workspace's scratch.
 double kinetic_energy(const Compiled& model, relative::Workspace<double>& work, const double* q,
                       const double* v);
 

@@ -51,7 +51,9 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
   };
   for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
   for (const ElementData& e : m.elements) {
-    if (e.measure == Measure::none || e.law == static_cast<int>(Law::sensor)) continue;
+    // Of a sum the legs act.
+    const bool acts = e.leg || (e.measure != Measure::sum && e.law != static_cast<int>(Law::sensor));
+    if (e.measure == Measure::none || !acts) continue;
     if (e.body >= 0) {
       if (m.bodies[e.body].parent < 0) free[e.body] = 0;
     } else if (e.frame_a < 0)
@@ -78,9 +80,9 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
       g.rigid = g.rigid && m.bodies[k].modes == 0 && (k == i || m.bodies[k].joint_velocities == 0);
     }
     for (const ElementData& e : m.elements) {
+      if (e.measure != Measure::none) continue;
       const int body = m.frames[e.frame_b].body;
-      if (e.measure == Measure::none && body >= 0 && root[body] == i)
-        g.loads.push_back(m.arguments[e.arguments]);
+      if (body >= 0 && root[body] == i) g.loads.push_back(m.arguments[e.arguments]);
     }
     if (mass > 0) groups.push_back(std::move(g));
   }

@@ -40,7 +40,8 @@ void Mechanism::commit(bool known) {
   if (!remembers()) return;
   const State& s = view();
   if (!known)
-    relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), generalised_.data());
+    relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(),
+                     generalised_.data());
   commit_signals(model, observer, state);
 }
 

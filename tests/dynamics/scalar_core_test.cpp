@@ -368,6 +368,7 @@ TEST_P(ScalarCore, DerivativesByInputsAndNumbers) {
 INSTANTIATE_TEST_SUITE_P(
     Mechanisms, ScalarCore,
     testing::Values(Mechanism{"driven_four_bar", driven_four_bar, 0.2},
+                    Mechanism{"geared_four_bar", geared_four_bar, 0.2},
                     Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
                     Mechanism{"tree",
                               [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },

@@ -313,10 +313,13 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1, 1);
   for (int round = 0; round < 200; ++round) {
-    for (const Law law : {Law::spring, Law::tyre, Law::actuator, Law::bushing, Law::friction, Law::stop}) {
+    for (const Law law : {Law::spring, Law::tyre, Law::actuator, Law::bushing, Law::friction, Law::stop,
+                          Law::torsion_spring, Law::cable, Law::motor, Law::drag}) {
       ElementData e;
       e.law = static_cast<int>(law);
-      e.measure = law == Law::bushing ? Measure::relative : Measure::distance;
+      e.measure = law == Law::bushing ? Measure::relative
+                  : law == Law::drag  ? Measure::velocity
+                                      : Measure::distance;
       e.count = measure_size(e.measure);
       m.functions = {Function::polynomial({any(random), 3, any(random), 1}).data(),
                      Function::polynomial({0, 2, 0, 1}).data()};
@@ -346,6 +349,16 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
         m.numbers = {-0.2, 0.3, 50, 1.7, 0.1, 0.5, restitution_damping(0.5)};
         e.state_count = 1;
       }
+      if (law == Law::cable) {
+        m.numbers = {40, 3, 0.2, 0, 0.2};
+        e.state_count = 2;
+      }
+      if (law == Law::motor) {
+        m.numbers = {-2, 0, 0.7, 1.3, round % 3 == 0 ? 0.5 : 1e300, round % 3 == 1 ? 0.6 : 1e300, 0.1, 0.8};
+        if (round % 2 == 0) e.functions = -1;
+      }
+      // The tangent is symmetric, and that of the force where all coefficients are the same.
+      if (law == Law::drag) m.numbers = {2, 1.2, 0.7, 0.7, 0.7};
       const auto n = static_cast<std::size_t>(e.count);
       std::vector<double> storage(static_cast<std::size_t>(element_storage(e)), 0), states(12, 0);
       for (double& s : states) s = any(random);

@@ -81,6 +81,7 @@ TEST_P(Images, OfEqualModelsAreEqual) {
 INSTANTIATE_TEST_SUITE_P(
     Mechanisms, Images,
     testing::Values(Mechanism{"controlled_four_bar", controlled_four_bar},
+                    Mechanism{"geared_four_bar", geared_four_bar},
                     Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }},
                     Mechanism{"first_random", [] { return random_model(3); }},
                     Mechanism{"second_random", [] { return random_model(14); }},

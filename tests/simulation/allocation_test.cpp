@@ -128,6 +128,8 @@ loads:
 )yaml");
   Simulation s(model, options());
   EXPECT_EQ(allocations_of(s, 200), 0);
+  Simulation geared(geared_four_bar(), options());
+  EXPECT_EQ(allocations_of(geared, 200), 0);
 }
 
 /// Inputs set before each step, and channels read after it.

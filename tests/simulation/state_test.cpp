@@ -66,6 +66,7 @@ const std::vector<Mechanism>& mechanisms() {
       {"pendulum", [] { return example("pendulum/flexible.yaml"); }},
       {"loaded_four_bar", loaded_four_bar},
       {"controlled_four_bar", controlled_four_bar},
+      {"geared_four_bar", geared_four_bar},
       {"thrown", thrown},
       {"geometric_stiffness",
        [] {

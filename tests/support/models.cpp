@@ -75,4 +75,22 @@ outputs:
 )yaml");
 }
 
+std::shared_ptr<const Model> geared_four_bar() {
+  return model_of(four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}}) + R"yaml(
+inputs:
+  throttle: {start: 0.3, range: [-1, 1]}
+  wind: {start: 4, hold: linear}
+signals: {rate: {joint_velocity: crank}}
+torsion_springs:
+  bar: {coordinates: [{joint: crank}, {joint: rocker, factor: -0.7}, {joint: crank_pin, factor: 0.2}], elastic: "3*x + 5*x^3", damping: 0.05}
+cables:
+  hoist: {over: [ground, coupler, ground, rocker], at: [[0.2, 0.1, 1], [0.3, 0, 0.35], [0.5, 0, 1], [0.6, 0, 0.3]], axial_stiffness: 60, damping: 0.4, length: "1.9 + 0.3*sin(8*t)"}
+motors:
+  dc: {joint: crank, constant: 0.02, resistance: 2, ratio: 5, inertia: 1e-4, voltage: "6*throttle - 0.1*rate", current_limit: 1.5}
+  curve: {joint: rocker, curve: {table: [[0, 0.05], [40, 0.02], [90, 0]]}, command: throttle, ratio: -8, inertia: 5e-5, drag: 1e-4, efficiency: 0.9}
+drags:
+  sail: {on: coupler, at: [0.3, 0, 0.35], x: [0.6, 0, 0.8], z: [-0.8, 0, 0.6], area: 0.1, coefficients: [0.2, 0.5, 1.2], wind: [wind, 1, "0.2*wind"]}
+)yaml");
+}
+
 }  // namespace mimbre::test

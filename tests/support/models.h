@@ -25,4 +25,8 @@ std::string four_bar_text(std::map<std::string, std::string> more = {},
 /// and about an axis, a bushing with branches, a drive that follows an input.
 std::shared_ptr<const Model> controlled_four_bar();
 
+/// A four-bar with a cut joint and elements that act on several bodies at once or have inertia: a torsion
+/// spring over joints of the tree and the cut one, a cable with a winch, motors on both, drag in a wind.
+std::shared_ptr<const Model> geared_four_bar();
+
 }  // namespace mimbre::test

@@ -8,7 +8,7 @@
 namespace mimbre::natural {
 
 /// A frame's motion with its angular velocity; without `turning` its position and velocity alone.
-/// Accelerations are left out.
+/// With `turning` accelerations too, of which gravity is not taken off.
 template <class T>
 Motion<T> motion_of_frame(const FrameMotion<T>& f, bool turning) {
   Motion<T> out;
@@ -17,6 +17,8 @@ Motion<T> motion_of_frame(const FrameMotion<T>& f, bool turning) {
   if (!turning) return out;
   out.rotation = f.axes;
   out.omega = vee<T>(f.axes_velocity * f.axes.transpose());
+  out.acceleration = f.acceleration;
+  out.alpha = vee<T>(f.axes_acceleration * f.axes.transpose());
   return out;
 }
 
@@ -30,11 +32,12 @@ inline void measure_element(const Compiled& m, const Layout& l, Workspace<double
     joint_rates<double>(e.joint, m.bodies[e.body].joint_velocities, A, B, q + c.q, rates);
     s.x[0] = q[c.q + e.local];
     s.v[0] = rates.v[e.local];
+    *s.acceleration = rates.a[e.local];
     s.set_linear(0, A.axes * rates.motion.linear.col(e.local));
     s.set_angular(0, A.axes * rates.motion.angular.col(e.local));
     return;
   }
-  const bool turning = has_moment(e.measure);
+  const bool turning = needs_axes(e.measure);
   const Motion<double> b = motion_of_frame(w.frames[e.frame_b], turning);
   Motion<double> a;
   if (e.frame_a >= 0) a = motion_of_frame(w.frames[e.frame_a], turning);
@@ -70,14 +73,17 @@ inline void act_by_element(const Compiled& m, const Workspace<double>& w, const 
 /// After kinematics; writes the elements' states, whose tangents the matrix uses.
 inline void forces(const Compiled& m, const Layout& l, Workspace<double>& w, const double* q) {
   for (const ElementData& e : m.elements) {
+    if (e.measure == Measure::sum) continue;
     ElementState<double> s = element_state(e, w.elements.data());
     measure_element(m, l, w, e, q, s);
   }
+  measure_sums(m, w.elements.data());
   sense(m, l, w);
   for (std::size_t i = 0; i < m.elements.size(); ++i) {
     const ElementData& e = m.elements[i];
-    ElementState<double> s = element_state(e, w.elements.data());
-    evaluate_law(m, e, w.signals, s);
+    evaluate_law(m, e, w.signals, w.elements.data());
+    if (e.measure == Measure::sum) continue;  // its legs act
+    const ElementState<double> s = element_state(e, w.elements.data());
     const Covector<double> on_a = collector(m, l, w, l.elements[i].body_a),
                            on_b = collector(m, l, w, l.elements[i].body_b);
     for (int k = 0; k < s.count; ++k) act_by_element(m, w, e, s, k, s.force[k], on_a, on_b);

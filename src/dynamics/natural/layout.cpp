@@ -384,6 +384,27 @@ class Builder {
     return link;
   }
 
+  /// Of a sum, over the columns of all of its legs, whose links are there.
+  Link make_sum(const ElementData& e) {
+    Link link;
+    std::vector<int>& columns = link.stencil.columns;
+    for (const Leg& leg : e.legs) {
+      const std::vector<int>& of = l_.elements[leg.element].stencil.columns;
+      columns.insert(columns.end(), of.begin(), of.end());
+    }
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    for (const Leg& leg : e.legs) {
+      std::vector<int>& places = link.legs.emplace_back();
+      for (const int column : l_.elements[leg.element].stencil.columns)
+        places.push_back(
+            static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()));
+    }
+    link.stencil.stride = pad(link.stencil.size());
+    link.jacobian = add_jacobian(link.stencil, 1);
+    return link;
+  }
+
   void joints() {
     const auto add = [&](int spec) {
       const spec::Joint& j = m_.spec().joints[spec];
@@ -446,7 +467,9 @@ class Builder {
   }
 
   void forces() {
-    for (const ElementData& e : m_.elements) l_.elements.push_back(make_link(e.frame_a, e.frame_b, e.count));
+    for (const ElementData& e : m_.elements)
+      l_.elements.push_back(e.measure == Measure::sum ? Link{} : make_link(e.frame_a, e.frame_b, e.count));
+    for (const int k : m_.sums) l_.elements[k] = make_sum(m_.elements[k]);
     const auto on_joint = [&](int body) {
       const JointCoordinate& c = l_.joint_coordinates[body];
       return make_link(c.frame_a, c.frame_b, 1);
@@ -472,7 +495,8 @@ class Builder {
     const auto use = [&](int frame, char how) { l_.frame_use[frame] = std::max(l_.frame_use[frame], how); };
     for (const Joint& j : l_.joints) use(j.frame_a, 2), use(j.frame_b, 2);
     for (const ElementData& e : m_.elements) {
-      const char how = has_moment(e.measure) ? 2 : 1;
+      if (e.measure == Measure::sum) continue;
+      const char how = needs_axes(e.measure) ? 2 : 1;
       use(e.frame_b, how);
       if (e.frame_a >= 0) use(e.frame_a, how);
     }

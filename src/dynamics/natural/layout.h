@@ -56,7 +56,8 @@ struct Link {
   int body_a = -1, body_b = -1;
   std::vector<int> columns_a, columns_b;  ///< stencil column of each unknown of the body's own stencil
   Stencil stencil;
-  int jacobian = 0;  ///< offset of its rows
+  int jacobian = 0;                    ///< offset of its rows
+  std::vector<std::vector<int>> legs;  ///< of a sum (no bodies): stencil column of each of a leg's columns
 };
 
 /// What is left of a joint where points and vectors are not shared.

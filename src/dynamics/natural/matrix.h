@@ -194,13 +194,23 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
     coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
   for (std::size_t i = 0; i < m.elements.size(); ++i) {
     const ElementData& e = m.elements[i];
-    if (e.measure == Measure::none) continue;
+    if (e.measure == Measure::none || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
     for (int k = 0; k < e.count; ++k)
       fill_row(
           m, l, w, l.elements[i],
           [&](const Covector<T>& a, const Covector<T>& b) { act_by_element(m, w, e, s, k, T(1), a, b); },
           storage + l.elements[i].jacobian + k * l.elements[i].stencil.stride);
+  }
+  for (const int k : m.sums) {
+    const Link& sum = l.elements[k];
+    T* row = storage + sum.jacobian;
+    std::fill(row, row + sum.stencil.stride, T(0));
+    for (std::size_t i = 0; i < sum.legs.size(); ++i) {
+      const Leg& leg = m.elements[k].legs[i];
+      const T* of = storage + l.elements[leg.element].jacobian;
+      for (std::size_t c = 0; c < sum.legs[i].size(); ++c) row[sum.legs[i][c]] += leg.factor * of[c];
+    }
   }
 }
 

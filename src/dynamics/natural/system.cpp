@@ -140,6 +140,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     bool any = false;
     for (int i = 0; i < e.count * e.count; ++i) {
       tangent[i] = weights.damping * state.damping[i] + weights.stiffness * state.stiffness[i];
+      if (e.inertia >= 0) tangent[i] += work_.signals.numbers[e.inertia];
       any = any || tangent[i] != 0;
     }
     if (!any) continue;

@@ -77,8 +77,12 @@ void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeight
       const linalg::BlockPlace& place = m.diagonal[e.body];
       values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
           weights.damping * state.damping[0] + weights.stiffness * state.stiffness[0];
+      if (e.inertia >= 0)
+        values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
+            w.signals.numbers[e.inertia];
     } else if (!e.path.entries.empty()) {
-      add_element<T>(m, e, state, weights, w.jacobian.data() + e.jacobian, w.weighted.data(), values);
+      add_element<T>(m, e, state, weights, w.signals.numbers, w.jacobian.data() + e.jacobian,
+                     w.weighted.data(), values);
     }
   }
   for (const LoopData& loop : m.loops) {

@@ -34,7 +34,7 @@ template <class T>
 void evaluate(const Compiled& m, Workspace<T>& w, const double* penalty, double t, const T* q, const T* v,
               const T* a, const T* multipliers, double factor, T* mu, T* r) {
   evaluate_motion<T>(m, w, t, q, v, a);
-  forces<T>(m, w, t, q, v, r);
+  forces<T>(m, w, t, q, v, a, r);
   for (int k = 0; k < m.equations; ++k) mu[k] = multipliers[k] + factor * penalty[k] * w.phi[k];
   apply_multipliers<T>(m, w, mu, r);
   residual<T>(m, w, q, v, a, r);

@@ -8,17 +8,20 @@ namespace mimbre::relative {
 
 /// What every element measures. Writes their states but for forces and tangents.
 template <class T>
-void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v) {
+void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a) {
   for (const ElementData& e : m.elements) {
+    if (e.measure == Measure::sum) continue;
     ElementState<T> s = element_state(e, w.elements.data());
     if (e.body >= 0) {
       s.x[0] = q[e.q];
       s.v[0] = v[e.v];
+      *s.acceleration = a[e.v];
       continue;
     }
     measure(m, e, e.frame_a < 0 ? nullptr : &w.frames[e.frame_a], w.frames[e.frame_b], w.origin,
             w.signals.value.data(), w.signals.states + e.states, s);
   }
+  measure_sums(m, w.elements.data());
 }
 
 /// Values of the sensors and of what follows from them.
@@ -32,20 +35,23 @@ void sense(const Compiled& m, Workspace<T>& w, const T* q) {
 }
 
 /// Clears the wrenches, then adds those of all elements; `generalised` (size velocities) is set to minus the
-/// forces on coordinates of the tree. Writes the elements' states, whose tangents the matrix uses.
+/// forces on coordinates of the tree; of inertia that elements have it takes the force for accelerations a.
+/// Writes the elements' states, whose tangents the matrix uses.
 template <class T>
-void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, T* generalised) {
+void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
+            T* generalised) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
   }
   for (int k = 0; k < m.velocities; ++k) generalised[k] = T(0);
   fix_signals(m.signals, time, w.signals);
-  measure_elements(m, w, q, v);
+  measure_elements(m, w, q, v, a);
   sense(m, w, q);
   for (const ElementData& e : m.elements) {
-    ElementState<T> s = element_state(e, w.elements.data());
-    evaluate_law(m, e, w.signals, s);
+    evaluate_law(m, e, w.signals, w.elements.data());
+    if (e.measure == Measure::sum) continue;  // its legs act
+    const ElementState<T> s = element_state(e, w.elements.data());
     if (e.body >= 0) {
       generalised[e.v] += s.force[0];
       continue;

@@ -274,6 +274,25 @@ void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, co
   }
 }
 
+/// The row of a sum, from those of its legs; `rows`: all of the elements' rows.
+template <class T>
+void sum_row(const Compiled& m, const ElementData& e, T* rows) {
+  T* out = rows + e.jacobian;
+  for (int k = 0; k < e.path.width; ++k) out[k] = T(0);
+  for (const Leg& leg : e.legs) {
+    const ElementData& of = m.elements[leg.element];
+    if (of.body >= 0) {
+      out[leg.offsets[0]] += T(leg.factor);
+      continue;
+    }
+    for (std::size_t i = 0; i < of.path.entries.size(); ++i) {
+      const PathEntry& entry = of.path.entries[i];
+      for (int k = 0; k < m.bodies[entry.body].size(); ++k)
+        out[leg.offsets[i] + k] += T(leg.factor) * rows[of.jacobian + entry.offset + k];
+    }
+  }
+}
+
 /// Jacobian rows of loops and of what elements measure, after motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
@@ -284,7 +303,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
                       w.jacobian.data() + loop.jacobian + r * loop.path.width);
     }
   for (const ElementData& e : m.elements) {
-    if (e.path.entries.empty()) continue;
+    if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
     const Vec3<T>& place = w.frames[e.frame_b].position;
     for (int k = 0; k < e.count; ++k) {
@@ -294,6 +313,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
       jacobian_row<T>(m, w, e.path, linear, angular, w.jacobian.data() + e.jacobian + k * e.path.width);
     }
   }
+  for (const int k : m.sums) sum_row<T>(m, m.elements[k], w.jacobian.data());
 }
 
 /// Adds (weighted rows)ᵀ rows, which is symmetric, to the sparse values.
@@ -320,18 +340,20 @@ void add_squares(const Compiled& m, const Path& path, const T* rows, int count, 
   add_pairs(m, path, weighted, rows, count, values);
 }
 
-/// Adds Jᵀ (damping C + stiffness K) J of an element.
+/// Adds Jᵀ (inertia + damping C + stiffness K) J of an element; what has inertia has one component.
 template <class T>
 void add_element(const Compiled& m, const ElementData& e, const ElementState<T>& s,
-                 const MatrixWeights& weights, const T* rows, T* weighted, T* values) {
+                 const MatrixWeights& weights, const T* numbers, const T* rows, T* weighted, T* values) {
   const int width = e.path.width, n = e.count;
-  bool acts = false;
+  const T inertia = e.inertia < 0 ? T(0) : numbers[e.inertia];
+  bool acts = e.inertia >= 0;
   for (int k = 0; k < n * n; ++k) acts = acts || any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0));
   if (!acts) return;
   for (int r = 0; r < n; ++r) {
     T* out = weighted + r * width;
     for (int c = 0; c < n; ++c) {
-      const T weight = weights.damping * s.damping[r * n + c] + weights.stiffness * s.stiffness[r * n + c];
+      const T weight =
+          inertia + weights.damping * s.damping[r * n + c] + weights.stiffness * s.stiffness[r * n + c];
       if (c == 0)
         for (int k = 0; k < width; ++k) out[k] = weight * rows[k];
       else

@@ -1,0 +1,69 @@
+#pragma once
+#include <algorithm>
+
+#include "forces/element.h"
+
+/// A cable over points: between its ends it runs straight from point to point, over pulleys without friction
+/// and without size, so that it has one tension. It pulls with E A times its strain, with a damper of its
+/// own, and never pushes: T = k e + d, with k = E A/l₀, the elongation e = l − l₀, and d = c ė within ± k e,
+/// so that the tension begins and ends at 0.
+namespace mimbre::forces {
+
+namespace cable {
+/// Among the law's numbers. `rest_number`: the length without tension, where no signal says it.
+constexpr int stiffness = 0, damping = 1, rest_number = 4;
+/// States: the length without tension, and the length, at the start of the step.
+constexpr int rest_before = 0, length_before = 1;
+/// A winch does not reel in more than all but this share of the length that the cable begins with.
+constexpr double least_rest = 1e-3;
+
+template <class T>
+T rest_now(const LawContext<T>& c) {
+  const T* p = c.numbers();
+  if (!c.has_arguments()) return p[rest_number];
+  const T said = c.argument(0), least = least_rest * p[rest_number];
+  return select(said > least, said, least);
+}
+
+inline double stored(double ea, double length, double rest) {
+  const double elongation = std::max(0.0, length - rest);
+  return 0.5 * ea / rest * elongation * elongation;
+}
+}  // namespace cable
+
+template <class T>
+void cable_law(const LawContext<T>& c, ElementState<T>& s) {
+  using namespace cable;
+  const T* p = c.numbers();
+  const T* before = c.states + c.element.own_states;
+  const T rest = rest_now(c), k = p[stiffness] / rest, none(0);
+  const T elongation = s.x[0] - rest;
+  const T reeled = c.step > 0 ? T((rest - before[rest_before]) / c.step) : none;
+  const T elastic = select(elongation > none, T(k * elongation), none);
+  const T damped = p[damping] * (s.v[0] - reeled);
+  const auto taut = elastic > none, over = damped > elastic, under = damped < -elastic;
+  s.force[0] = elastic + select(over, elastic, select(under, T(-elastic), damped));
+  s.stiffness[0] = select(taut, select(over, T(T(2) * k), select(under, none, k)), none);
+  s.damping[0] = select(taut, select(over, none, select(under, none, p[damping])), none);
+  T* next = s.states + c.element.own_states;
+  next[rest_before] = rest;
+  next[length_before] = s.x[0];
+}
+
+/// A winch puts in what its change of the length stores, and what the damper takes of that.
+inline void cable_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace cable;
+  const double ea = c.numbers()[stiffness], rest = rest_now(c), length = s.x[0];
+  e.stored = stored(ea, length, rest);
+  const double damped = s.force[0] - ea / rest * std::max(0.0, length - rest);
+  e.dissipating[0] = damped;
+  if (!c.has_arguments() || c.step <= 0) return;
+  const double* before = c.states + c.element.own_states;
+  const double was = before[rest_before], from = before[length_before], wound = damped * (rest - was);
+  e.given = 0.5 * (stored(ea, length, rest) - stored(ea, length, was) + stored(ea, from, rest) -
+                   stored(ea, from, was)) -
+            wound;
+  e.lost = -wound;
+}
+
+}  // namespace mimbre::forces
