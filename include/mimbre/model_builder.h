@@ -183,6 +183,41 @@ struct Element {
   std::string on{};  ///< against the velocity of a body or frame, at `at[0]`
 };
 
+/// What spheres touch; the kinds say what their sizes, heights and triangles are (spec::Surface).
+struct Surface {
+  spec::Surface::Kind kind = spec::Surface::Kind::half_space;
+  std::string on = "ground";            ///< a body, or a frame, whose place and axes then are the surface's
+  std::optional<Eigen::Vector3d> at{};  ///< on a body; default: its frame's origin
+  Axes axes{};                          ///< likewise
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m
+  Eigen::MatrixXd heights{};
+  Eigen::Vector2d spacing = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector3d> vertices{};
+  std::vector<std::array<int, 3>> triangles{};
+  std::string in{};
+};
+
+/// Spheres about points of bodies, or about all nodes of a flexible body's surface.
+struct Spheres {
+  std::string on{};                   ///< a body, frame or node; needed, or `surface_of`
+  std::vector<Eigen::Vector3d> at{};  ///< of a body; default: its frame's origin
+  std::string surface_of{};           ///< a flexible body
+  double radius = 0;                  ///< m; needed
+};
+
+/// Spheres that touch surfaces and one another. The numbers are those of contact_numbers in
+/// src/model/force_laws.h.
+struct Contact {
+  std::vector<Spheres> spheres{};       ///< needed
+  std::vector<std::string> surfaces{};  ///< needed, or `among`
+  bool among = false;                   ///< they touch one another
+  double stiffness = 0;                 ///< N/m; needed
+  double exponent = 1, depth = 1e-3, restitution = 1;
+  double friction = 0, static_ratio = 1, stribeck = 1e-2, tangential = 0.7, settling = 1e-3;
+  double rolling = 0, spinning = 0;  ///< m
+  std::string in{};
+};
+
 /// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
 /// joint, joint_velocity, joint_acceleration, joint_force, joint_rotation, joint_quaternion; modal_amplitude,
@@ -251,6 +286,8 @@ class ModelBuilder {
   void add_block(const std::string& name, const build::Block& block);
   void add_event(const std::string& name, const build::Event& event);
   void add_element(const std::string& name, const build::Element& element);
+  void add_surface(const std::string& name, const build::Surface& surface);
+  void add_contact(const std::string& name, const build::Contact& contact);
 
   /// What has been added, checked as a whole. The builder may go on afterwards.
   spec::Model build() const;

@@ -61,7 +61,8 @@ struct Frame {
   int body = ground;
   Pose pose;  ///< undeformed, in body axes (global axes for the ground)
   int flexible_frame =
-      -1;  ///< for a flexible body: index into ReducedBody::frames whose X, X_theta move this frame
+      -1;         ///< for a flexible body: index into ReducedBody::frames whose X, X_theta move this frame
+  int node = -1;  ///< likewise, where no frame does: index into ReducedBody::nodes, whose shapes move it
 };
 
 /// What an argument of a signal or of a law is.
@@ -283,6 +284,49 @@ struct Element {
   std::shared_ptr<const UserLaw> user;
 };
 
+/// What spheres touch: a solid that a frame carries, given in the axes of that frame. Distances are negative
+/// inside of it.
+struct Surface {
+  std::string name;
+  Mark mark;
+  enum class Kind {
+    half_space,  ///< all below the plane z = 0
+    box,         ///< about the origin: edges along x, y, z
+    cylinder,    ///< about the z axis and the origin: radius, length
+    capsule,     ///< likewise, with half spheres at the ends of that length
+    sphere,      ///< about the origin: radius
+    heights,     ///< all below a grid of heights z over x and y; beyond its border the border goes on
+    mesh         ///< closed, of triangles that are counterclockwise from outside
+  } kind = Kind::half_space;
+  int frame = -1;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, as the kinds say
+  /// heights(j, i) is that over x = i spacing[0], y = j spacing[1].
+  Eigen::MatrixXd heights;
+  Eigen::Vector2d spacing = Eigen::Vector2d::Zero();  ///< m
+  std::vector<Eigen::Vector3d> vertices;              ///< of a mesh, m
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// Spheres about points of bodies: about the origins of frames, or about all nodes of a flexible body's
+/// surface.
+struct Spheres {
+  std::vector<int> frames;
+  int surface_of = -1;  ///< a flexible body with a mesh
+  double radius = 0;    ///< m
+};
+
+/// Spheres that press and rub against surfaces of other bodies, and where that is said against one another.
+/// Normal force: f(d) (1 + c ḋ) of the depth d, as of a stop; tangential force: bristles that stick without
+/// creeping up to a limit in proportion to it.
+struct Contact {
+  std::string name;
+  Mark mark;
+  std::vector<Spheres> spheres;
+  std::vector<int> surfaces;    ///< indices into Model::surfaces
+  bool among = false;           ///< spheres of different bodies touch one another too
+  std::vector<double> numbers;  ///< of the law, as contact_numbers in src/model/force_laws.h describes them
+};
+
 /// A named channel of the results.
 struct Output {
   std::string name;
@@ -382,6 +426,8 @@ struct Model {
   std::vector<Road> roads;
   std::vector<Tyre> tyres;
   std::vector<Element> elements;
+  std::vector<Surface> surfaces;
+  std::vector<Contact> contacts;
   std::vector<Input> inputs;
   std::vector<Signal> signals;
   std::vector<Block> blocks;

@@ -39,6 +39,8 @@ _order = (
     "stops",
     "torsion_springs",
     "cables",
+    "surfaces",
+    "contacts",
     "loads",
     "roads",
     "tyres",
@@ -153,6 +155,23 @@ class Part:
         """Drag of the air on a point of a body, with the square of its speed against the wind: area (m²),
         coefficients (one, or three along the frame's axes), density (kg/m³), wind (3, m/s, global)."""
         self._add("drags", name, keys)
+
+    def add_surface(self, name: str, /, **keys: Unpack[words.Surface]) -> None:
+        """What spheres touch, on a body or the ground: type ("half_space", "box", "cylinder", "capsule", "sphere",
+        "heights", "mesh") with its size, on, at and axes."""
+        self._add("surfaces", name, keys)
+
+    def add_contact(self, name: str, /, **keys: Unpack[words.Contact]) -> None:
+        """Spheres that press and rub against surfaces, or (among=True) one another: spheres (on, at, radius), surfaces,
+        stiffness (N/m), restitution, friction, rolling.
+
+        Example:
+            ```python
+            m.add_surface("floor", type="half_space")
+            m.add_contact("bounce", spheres={"on": "ball", "radius": 0.1}, surfaces="floor", stiffness=1e5, friction=0.4)
+            ```
+        """
+        self._add("contacts", name, keys)
 
     def add_load(self, name: str, /, **keys: Unpack[words.Load]) -> None:
         """A force (3, N) or moment (3, N m) on a point, times `scale`, a function of time; global axes, or turning with

@@ -790,6 +790,76 @@ class Stop(TypedDict, total=False):
     # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
     restitution: Number
 
+class Surface(TypedDict, total=False):
+    # half_space: all below its plane z = 0; cylinder and capsule: about its z axis; heights: all below a
+    # grid; mesh: closed triangles.
+    type: Required[Literal["half_space", "box", "cylinder", "capsule", "sphere", "heights", "mesh"]]
+    # A body, a frame, whose place and axes are then the surface's, or ground, the default.
+    on: str
+    # Its origin, m, global; default: the body's origin. A box, cylinder, capsule or sphere is centred
+    # there, a grid begins there.
+    at: Vector
+    # Direction of its x axis, global.
+    x: Vector
+    # Direction of its y axis, global.
+    y: Vector
+    # Direction of its z axis, global: of a half-space's outward normal, of a cylinder's axis.
+    z: Vector
+    # Of a box: edges along x, y and z, m.
+    size: Vector
+    # Of a cylinder, capsule or sphere, m.
+    radius: Number
+    # Of a cylinder; of a capsule between the centres of its ends; m.
+    length: Number
+    # Of a grid: cells along x and y, m.
+    spacing: Sequence[Number] | Array
+    # Of a grid: rows along y of heights along x, m.
+    heights: Sequence[Sequence[Number] | Array] | Array
+    # Of a mesh, m, in the surface's axes.
+    vertices: Sequence[Vector] | Array
+    # Of a mesh: three vertices each, counted from 0, counterclockwise from outside.
+    triangles: Sequence[Sequence[int]]
+
+class Spheres(TypedDict, total=False):
+    # A body, frame or node (BODY.NODE).
+    on: str
+    # Centres on that body, m, global; default: its origin.
+    at: Vector | Sequence[Vector] | Array
+    # Instead: a sphere about every node of this flexible body's surface.
+    surface_of: str
+    # m.
+    radius: Required[Number]
+
+class Contact(TypedDict, total=False):
+    # Which spheres.
+    spheres: Required[Spheres | Sequence[Spheres]]
+    # Names of surfaces that they touch.
+    surfaces: str | Sequence[str]
+    # They touch one another; default: false.
+    among: Flag
+    # N/m at `depth`, or anywhere where the exponent is 1.
+    stiffness: Required[Number]
+    # Of the force over the depth, from 1; 1.5 of elastic spheres (Hertz); default: 1.
+    exponent: Number
+    # At which the stiffness is that, m; default: 0.001.
+    depth: Number
+    # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
+    restitution: Number
+    # Limit of the tangential force, by the normal one; default: 0.
+    friction: Number
+    # Of the limit at rest to that in fast sliding, from 1; default: 1.
+    static_ratio: Number
+    # Speed over which the limit falls to that in fast sliding, m/s; default: 0.01.
+    stribeck: Number
+    # Stiffness of what sticks, by that in the normal direction; default: 0.7.
+    tangential: Number
+    # Seconds in which a vibration of what sticks dies away; default: 0.001.
+    settling: Number
+    # Arm of the normal force that resists rolling, m; default: 0.
+    rolling: Number
+    # Arm of the normal force that resists turning about it, m; default: 0.
+    spinning: Number
+
 class TorsionSpringCoordinates(TypedDict, total=False):
     # Its name.
     joint: Required[str]

@@ -1,4 +1,5 @@
 #include "analysis/rigid_response.h"
+#include <algorithm>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -142,6 +143,11 @@ class RigidModel {
       if (touches(e.frame_a) || touches(e.frame_b) || std::any_of(e.path.begin(), e.path.end(), touches))
         refuse(e.mark, e.law + " '" + e.name + "'");
     }
+    for (const spec::Contact& c : model.contacts)
+      for (const spec::Spheres& set : c.spheres)
+        if (set.surface_of == body_ ||
+            std::any_of(set.frames.begin(), set.frames.end(), [&](int frame) { return on_body(frame); }))
+          refuse(c.mark, "contact '" + c.name + "'");
   }
 
   bool on_body(int frame) const { return model_.frames[static_cast<std::size_t>(frame)].body == body_; }

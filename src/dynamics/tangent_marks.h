@@ -10,7 +10,8 @@
 
 namespace mimbre {
 
-/// An element's share of the leading matrix, kg: of several components, of those that are lengths.
+/// An element's share of the leading matrix, kg: of several components, of the first three, which are
+/// lengths.
 template <class T>
 double element_tangent(const ElementState<T>& s, const MatrixWeights& weights) {
   double sum = 0;

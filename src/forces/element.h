@@ -19,7 +19,7 @@ struct ElementState {
   T* damping;           ///< n × n: ∂force/∂v, symmetric
   T *linear, *angular;  ///< n × 3: velocity and angular velocity of b against a → rate, global axes: the
                         ///< force on b is −Σ force · linear, its moment about b's origin −Σ force · angular
-  T* surroundings;  ///< height of the road
+  T* surroundings;  ///< height of the road; a surface's two tangents, in its axes
   T* acceleration;  ///< ẍ, of what has inertia
   T* states;        ///< at the end of the step
 
@@ -51,7 +51,7 @@ ElementState<T> element_state_at(const ElementData& e, T* p) {
   s.damping = take(n * n);
   s.linear = take(3 * n);
   s.angular = take(3 * n);
-  s.surroundings = take(1);
+  s.surroundings = take(surroundings_size(e.measure));
   s.acceleration = take(1);
   s.states = take(e.state_count);
   return s;

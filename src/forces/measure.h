@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "forces/element.h"
+#include "forces/measure_contact.h"
 #include "forces/motion.h"
 #include "joints/kernels.h"
 #include "joints/table.h"
@@ -41,14 +42,6 @@ void measure_distance(const Motion<T>& a, const Motion<T>& b, ElementState<T>& s
   s.x[0] = length;
   s.v[0] = direction.dot(u);
   s.set_linear(0, direction);
-}
-
-/// Velocities and angular velocity of b as a sees them, global axes.
-template <class T>
-void relative_velocity(const Motion<T>& a, const Motion<T>& b, Vec3<T>& d, Vec3<T>& u, Vec3<T>& w) {
-  d = b.position - a.position;
-  u = b.velocity - a.velocity - a.omega.cross(d);
-  w = b.omega - a.omega;
 }
 
 /// The second derivative of a joint's coordinate; q: all of its positions.
@@ -187,10 +180,11 @@ void measure_sums(const Compiled& m, T* storage) {
   }
 }
 
-/// What an element that is no coordinate in the tree, and no sum, measures, and the way it acts.
+/// What an element that is no coordinate in the tree, and no sum, measures, and the way it acts. `step`: as
+/// of LawContext.
 template <class T>
 void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const Motion<T>& b,
-             const Vec3<T>& origin, const T* signals, const T* states, ElementState<T>& s) {
+             const Vec3<T>& origin, const T* signals, const T* states, ElementState<T>& s, double step = 0) {
   switch (e.measure) {
     case Measure::distance:
       return measure_distance(*a, b, s);
@@ -208,6 +202,8 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
       return measure_velocity(b, s);
     case Measure::sum:  // measure_sums()
       return;
+    case Measure::contact:
+      return measure_contact(m.surfaces[e.surface], e, *a, b, states, step, s);
     case Measure::none: {
       s.x[0] = s.v[0] = T(0);
       const Vec3<T> force = e.direction.template cast<T>(), moment = e.second.template cast<T>();

@@ -22,4 +22,12 @@ struct Wrench {
   Vec3<T> moment;
 };
 
+/// Velocities and angular velocity of b as a sees them, global axes.
+template <class T>
+void relative_velocity(const Motion<T>& a, const Motion<T>& b, Vec3<T>& d, Vec3<T>& u, Vec3<T>& w) {
+  d = b.position - a.position;
+  u = b.velocity - a.velocity - a.omega.cross(d);
+  w = b.omega - a.omega;
+}
+
 }  // namespace mimbre

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 
+#include "forces/blow.h"
 #include "forces/element.h"
 
 /// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
@@ -12,33 +13,17 @@ namespace mimbre::forces {
 namespace stop {
 /// Among the law's numbers.
 constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4, damping = 6;  ///< a
-/// Slower than this (m/s, rad/s) no blow counts: what rests is damped.
-constexpr double slowest = 1e-2;
-
-template <class T>
-struct Push {
-  T force, elastic, along_depth, along_speed;  ///< N; the part f(d); tangents by depth and by its speed
-};
 
 /// `d`: depth, `speed`: at which it grows, `factor`: c.
 template <class T>
-Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
-  using std::pow;
-  const T none(0);
-  const auto touches = d > none;
-  if (!any(touches)) return {none, none, none, none};
-  const T n = p[exponent], inside = select(touches, d, p[depth]),
-          slope = p[stiffness] * pow(T(inside / p[depth]), T(n - T(1))), elastic = slope * inside / n,
-          damped = T(1) + factor * speed;
-  const auto pushes = select(touches, damped, none) > none;
-  return {select(pushes, T(elastic * damped), none), select(touches, elastic, none),
-          select(pushes, T(slope * damped), none), select(pushes, T(elastic * factor), none)};
+blow::Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
+  return blow::push(p[stiffness], p[exponent], p[depth], d, speed, factor);
 }
 
 template <class T>
 T factor_of(const LawContext<T>& c) {
-  const T blow = c.states[c.element.own_states];
-  return c.numbers()[damping] / select(blow > T(slowest), blow, T(slowest));
+  const T speed = c.states[c.element.own_states];
+  return blow::factor(c.numbers()[damping], speed);
 }
 }  // namespace stop
 
@@ -47,7 +32,7 @@ void stop_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace stop;
   const T* p = c.numbers();
   const T x = s.x[0], v = s.v[0], below = p[lower] - x, above = x - p[upper], factor = factor_of(c);
-  const Push<T> up = push(p, below, T(-v), factor), down = push(p, above, v, factor);
+  const blow::Push<T> up = push(p, below, T(-v), factor), down = push(p, above, v, factor);
   s.force[0] = down.force - up.force;
   s.stiffness[0] = down.along_depth + up.along_depth;
   s.damping[0] = down.along_speed + up.along_speed;
@@ -64,7 +49,7 @@ inline void stop_energy(const LawContext<double>& c, const ElementState<double>&
   for (const double side : {-1.0, 1.0}) {
     const double d = side < 0 ? p[lower] - s.x[0] : s.x[0] - p[upper];
     if (d <= 0) continue;
-    const Push<double> made = push(p, d, side * s.v[0], factor);
+    const blow::Push<double> made = push(p, d, side * s.v[0], factor);
     e.stored += made.elastic * d / (p[exponent] + 1);
     e.dissipating[0] += side * (made.force - made.elastic);
   }

@@ -5,6 +5,7 @@
 #include "forces/bushing.h"
 #include "forces/cable.h"
 #include "forces/drag.h"
+#include "forces/contact.h"
 #include "forces/friction.h"
 #include "forces/gas_spring.h"
 #include "forces/load.h"
@@ -49,6 +50,7 @@ constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {cable_law, cable_energy},
     {motor_law, motor_energy},
     {drag_law, drag_energy},
+    {contact_law, contact_energy},
 }};
 
 }  // namespace mimbre::forces

@@ -140,6 +140,14 @@ void check_frames(const spec::Model& model, std::vector<Diagnostic>& errors) {
     if (!thing.index("body", frame.body, model.bodies.size(), "bodies", spec::ground)) continue;
     if (frame.flexible_frame < -1)
       thing.error(fmt::format("flexible_frame is {}; -1 means that no modes move it", frame.flexible_frame));
+    if (frame.node != -1) {
+      const auto& flexible =
+          frame.body < 0 ? nullptr : model.bodies[static_cast<std::size_t>(frame.body)].flexible;
+      if (!flexible)
+        thing.error(fmt::format("node is {}, but it is on no flexible body; -1 means none", frame.node));
+      else
+        thing.index("node", frame.node, static_cast<std::size_t>(flexible->nodes.cols()), "nodes");
+    }
     if (frame.flexible_frame < 0 || frame.body == spec::ground) continue;
     const spec::Body& body = model.bodies[static_cast<std::size_t>(frame.body)];
     if (!body.flexible)

@@ -113,6 +113,8 @@ void check_inputs(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_signals(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_blocks(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_events(const spec::Model& model, std::vector<Diagnostic>& errors);
+void check_surfaces(const spec::Model& model, std::vector<Diagnostic>& errors);
+void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_elements(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_outputs(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_simulation(const spec::Model& model, std::vector<Diagnostic>& errors);

@@ -13,10 +13,12 @@
 #include "model/check_spec.h"
 #include "model/compile_signals.h"
 #include "model/compiled.h"
+#include "model/contact_pairs.h"
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
 #include "model/image.h"
 #include "model/topology.h"
+#include "model/triangle_mesh.h"
 
 namespace mimbre {
 namespace {
@@ -115,6 +117,8 @@ class Compiler {
       if (e.on == On::path) needed.insert(e.path.begin(), e.path.end());
       if (e.on == On::velocity) full.insert(e.frame_b);
     }
+    pairs_ = contact_pairs(spec_);
+    for (const ContactPair& pair : pairs_) full.insert({pair.frame_a, pair.frame_b});
     for (const int sensor : seen_within_a_step(c_)) {
       const spec::Output& o = spec_.sensors[sensor];
       const auto add = [&](int frame) {
@@ -159,7 +163,16 @@ class Compiler {
     f.body = tree_body(s);
     f.position = s.pose.position;
     f.rotation = s.pose.rotation;
-    if (f.body < 0 || c_.bodies[f.body].flexible < 0 || s.flexible_frame < 0) return f;
+    if (f.body < 0 || c_.bodies[f.body].flexible < 0) return f;
+    if (s.node >= 0) {
+      const ReducedBody& body = *spec_.bodies[s.body].flexible;
+      f.flexible = c_.bodies[f.body].flexible;
+      f.X = padded(
+          (body.second_order ? body.second_order->node_shapes : body.node_shapes).middleRows<3>(3 * s.node),
+          c_.flexible[f.flexible].stride);
+      return f;
+    }
+    if (s.flexible_frame < 0) return f;
     const BodyFrame& r = spec_.bodies[s.body].flexible->frames[s.flexible_frame];
     if (r.X.isZero(0) && r.X_theta.isZero(0)) return f;
     f.flexible = c_.bodies[f.body].flexible;
@@ -369,6 +382,51 @@ class Compiler {
     for (const int joint : topology_.cut_joints) joint_springs(joint);
     c_.first_other = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.elements.size()); ++k) add_element(other_element(k));
+    contacts();
+  }
+
+  void contacts() {
+    for (const spec::Surface& s : spec_.surfaces) c_.surfaces.push_back(surface_data(s));
+    std::map<double, int> spheres;  // that others touch, by radius
+    std::size_t next = 0;
+    for (int k = 0; k < static_cast<int>(spec_.contacts.size()); ++k) {
+      const spec::Contact& s = spec_.contacts[static_cast<std::size_t>(k)];
+      c_.first_of_contact.push_back(static_cast<int>(c_.elements.size()));
+      const int numbers = add_numbers(s.numbers);
+      add_numbers({restitution_damping(s.numbers[contact_restitution])});
+      const bool turning = s.numbers[contact_rolling] > 0 || s.numbers[contact_spinning] > 0;
+      for (; next < pairs_.size() && pairs_[next].contact == k; ++next) {
+        const ContactPair& pair = pairs_[next];
+        ElementData e;
+        e.law = static_cast<int>(Law::contact);
+        e.spec = k;
+        e.measure = Measure::contact;
+        e.count = turning ? 6 : 3;
+        e.marked = true;
+        e.frame_a = c_.frame_of_spec[pair.frame_a];
+        e.frame_b = c_.frame_of_spec[pair.frame_b];
+        e.radius = pair.radius;
+        e.surface = pair.surface;
+        if (e.surface < 0) {
+          const auto [it, fresh] =
+              spheres.try_emplace(pair.other_radius, static_cast<int>(c_.surfaces.size()));
+          if (fresh)
+            c_.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {it->first, 0, 0}, {}});
+          e.surface = it->second;
+        }
+        e.numbers = numbers;
+        e.state_count = turning ? contact_turning_states : law_info(e.law).states;
+        add_element(std::move(e));
+      }
+    }
+    c_.first_of_contact.push_back(static_cast<int>(c_.elements.size()));
+  }
+
+  static SurfaceData surface_data(const spec::Surface& s) {
+    SurfaceData data{static_cast<int>(s.kind), s.size, {}};
+    if (s.kind == spec::Surface::Kind::heights) data.mesh = height_mesh(s.heights, s.spacing);
+    if (s.kind == spec::Surface::Kind::mesh) data.mesh = triangle_mesh(s.vertices, s.triangles);
+    return data;
   }
 
   ElementData other_element(int k) {
@@ -547,6 +605,14 @@ class Compiler {
     }
     if (with_mass > 0) c_.mass_scale = mass / with_mass;
     if (with_length > 0) c_.length_scale = length / with_length;
+    for (ElementData& e : c_.elements) {
+      if (e.measure != Measure::contact) continue;
+      double lightness = 0;
+      for (const int frame : {e.frame_a, e.frame_b})
+        if (const int body = c_.frames[frame].body; body >= 0)
+          lightness += 1 / (c_.bodies[body].mass > 0 ? c_.bodies[body].mass : c_.mass_scale);
+      e.struck_mass = 1 / lightness;
+    }
     const double angle = c_.length_scale * c_.length_scale;
     for (LoopData& l : c_.loops)
       for (int r = 0; r < l.count; ++r)
@@ -559,6 +625,7 @@ class Compiler {
   spec::Model& spec_;
   Compiled c_;
   Topology topology_;
+  std::vector<ContactPair> pairs_;
   std::vector<std::pair<int, std::vector<double>>> pending_states_;  ///< of user laws: where, what
 };
 

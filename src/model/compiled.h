@@ -172,9 +172,15 @@ enum class Measure {
   axis,        ///< of b along, or about, a direction of frame a
   relative,    ///< of b in the axes of a: displacement and rotation vector
   velocity,    ///< of frame b's origin against the ground, in its own axes
-  sum          ///< of what other elements, its legs, measure
+  sum,         ///< of what other elements, its legs, measure
+  contact  ///< of a sphere about b against a surface in a: gap, slip in the step; where it resists rolling,
+           ///< turn in the step too
 };
 constexpr int measure_size(Measure m) { return m == Measure::relative ? 6 : m == Measure::velocity ? 3 : 1; }
+
+/// What of the surroundings an element keeps from its measure for its law: the height of the road, or the
+/// tangents of a surface in its axes.
+constexpr int surroundings_size(Measure m) { return m == Measure::contact ? 6 : 1; }
 
 /// One of the summands of Measure::sum: an element that only measures, and carries its share of the force.
 struct Leg {
@@ -200,6 +206,9 @@ struct ElementData {
   int turns = -1;    ///< of its states the one that counts turns; -1: none
   // Others.
   int road = -1;
+  int surface = -1;        ///< contact: that is touched
+  double radius = 0;       ///< contact: of the sphere
+  double struck_mass = 0;  ///< contact: of both bodies, as far as they move in a blow, kg
   Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();  ///< axis: direction; none: force and moment
   bool about = false;                                       ///< axis: turns
   bool follower = false;                                    ///< none: turns with the frame
@@ -224,7 +233,7 @@ struct ElementData {
 
 /// Numbers of its ElementState (forces/element.h).
 inline int element_storage(const ElementData& e) {
-  return 9 * e.count + 2 * e.count * e.count + 2 + e.state_count;
+  return 9 * e.count + 2 * e.count * e.count + surroundings_size(e.measure) + 1 + e.state_count;
 }
 
 /// A formula of own variables and signals.
@@ -331,6 +340,25 @@ struct RoadData {
   int slot = 0;         ///< of its height, over time
 };
 
+/// Triangles with a tree of boxes over them, and what the sign of a distance takes (forces/surfaces/mesh.h).
+struct TriangleMesh {
+  struct Node {
+    Vec3d low, high;
+    int first = 0, count = 0;  ///< of its triangles; 0: its children are at `first` and behind it
+  };
+  Array<Vec3d> vertices, vertex_normals;  ///< normals: of any length, outwards
+  Array<std::array<int, 3>> triangles;
+  Array<std::array<int, 3>> neighbours;  ///< across the edges from corners 0, 1, 2; -1: none
+  Array<Node> nodes;                     ///< the root first
+};
+
+/// What spheres touch, in the axes of its frame.
+struct SurfaceData {
+  int kind = 0;  ///< row of the table (forces/surfaces/table.h)
+  Vec3d size = Vec3d::Zero();
+  TriangleMesh mesh;
+};
+
 /// Off-diagonal block (ancestor, body) of the mass matrix.
 struct MassPlace {
   int ancestor = -1;
@@ -362,10 +390,13 @@ struct Compiled {
   Array<LoopData> loops;
   Array<DriveData> drives;
   Array<RoadData> roads;
-  /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements.
+  Array<SurfaceData> surfaces;  ///< those of the spec, then spheres that others touch
+  /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements, then every
+  /// pair of a sphere and a surface.
   Array<ElementData> elements;
   int first_tyre = 0, first_load = 0, first_joint_spring = 0, first_other = 0;
   Array<int> sums;  ///< elements that are sums
+  Array<int> first_of_contact;  ///< element of each contact of the spec, then the first behind them
   int element_storage = 0;
   Array<double> numbers;          ///< of laws
   Array<FunctionData> functions;  ///< likewise

@@ -65,7 +65,8 @@ enum class Law {
   torsion_spring,
   cable,
   motor,
-  drag
+  drag,
+  contact
 };
 
 /// Of a gas spring; the pressure is that at `length`.
@@ -194,8 +195,58 @@ constexpr std::array<LawNumber, 5> drag_numbers{{
     {.key = "cz", .about = "likewise z", .least = 0},
 }};
 
+/// Of the contact of a sphere and a surface; some of their places.
+constexpr std::size_t contact_restitution = 3, contact_rolling = 9, contact_spinning = 10;
+/// What it remembers where it resists turning; where it does not, the table says.
+constexpr int contact_turning_states = 22;
+constexpr std::array<LawNumber, 11> contact_numbers{{
+    {.key = "stiffness",
+     .unit = "N/m",
+     .about = "at 'depth', or anywhere where the exponent is 1",
+     .above = 0},
+    {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
+    {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
+    {.key = "restitution",
+     .about = "share of the speed that a blow leaves",
+     .otherwise = 1,
+     .least = 0.01,
+     .most = 1},
+    {.key = "friction",
+     .about = "limit of the tangential force, by the normal one",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "static_ratio",
+     .about = "of the limit at rest to that in fast sliding",
+     .otherwise = 1,
+     .least = 1},
+    {.key = "stribeck",
+     .unit = "m/s",
+     .about = "speed over which the limit falls to that in fast sliding",
+     .otherwise = 1e-2,
+     .above = 0},
+    {.key = "tangential",
+     .about = "stiffness of what sticks, by that in the normal direction",
+     .otherwise = 0.7,
+     .above = 0},
+    {.key = "settling",
+     .unit = "s",
+     .about = "in which a vibration of what sticks dies away",
+     .otherwise = 1e-3,
+     .least = 0},
+    {.key = "rolling",
+     .unit = "m",
+     .about = "arm of the normal force that resists rolling",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "spinning",
+     .unit = "m",
+     .about = "arm of the normal force that resists turning about it",
+     .otherwise = 0,
+     .least = 0},
+}};
+
 // clang-format off
-constexpr std::array<LawInfo, 14> law_table{{
+constexpr std::array<LawInfo, 15> law_table{{
     {"spring", ""},
     {"tyre", ""},
     {"load", ""},
@@ -213,6 +264,7 @@ constexpr std::array<LawInfo, 14> law_table{{
      .fault = motor_fault, .functions = 1},
     {.name = "drag", .section = "drags", .arguments = 3, .numbers = drag_numbers, .optional = true,
      .velocity = true},
+    {.name = "contact", .section = "", .numbers = contact_numbers, .states = 16},
 }};
 // clang-format on
 

@@ -19,7 +19,8 @@ struct ModelBuilder::Impl {
   spec::Model model;
   NamedThings bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
       loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}}, inputs{"input", {}},
-      signals{"signal", {}}, events{"event", {}}, elements{"element", {}};
+      signals{"signal", {}}, events{"event", {}}, elements{"element", {}}, surfaces{"surface", {}},
+      contacts{"contact", {}};
   std::map<std::string, int> sensors;                ///< of outputs that signals see
   std::unordered_map<std::string, int> node_frames;  ///< frames of nodes, made when first used
 };

@@ -122,8 +122,8 @@ struct Builder {
   std::vector<BodyInfo> bodies;
   Names body_names{"body", {}}, frame_names{"frame", {}}, joint_names{"joint", {}},
       spring_names{"spring", {}}, load_names{"load", {}}, road_names{"road", {}}, tyre_names{"tyre", {}},
-      output_names{"output", {}}, input_names{"input", {}}, signal_names{"signal", {}},
-      event_names{"event", {}};
+      surface_names{"surface", {}}, contact_names{"contact", {}}, output_names{"output", {}},
+      input_names{"input", {}}, signal_names{"signal", {}}, event_names{"event", {}};
   std::map<std::string, Names> element_names;        ///< by section
   std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
   std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "model_file/builder.h"
+#include "model_file/contacts.h"
 #include "model_file/degrees.h"
 #include "model_file/elements.h"
 #include "model_file/includes.h"
@@ -63,7 +64,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
       Value(model.reading, *model.written, "model"),
       with_element_sections(
           {"mimbre", "title", "include", "gravity", "parameters", "require", "materials", "sections",
-           "bodies", "frames", "joints", "springs", "loads", "roads", "tyres"},
+           "bodies", "frames", "joints", "springs", "loads", "roads", "tyres", "surfaces", "contacts"},
           {"inputs", "signals", "events", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
@@ -91,6 +92,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_loads(builder, part);
   for (Part& part : builder.parts) read_tyres(builder, part);
   for (Part& part : builder.parts) read_elements(builder, part);
+  for (Part& part : builder.parts) read_contacts(builder, part);
   read_outputs(builder);
   for (Part& part : builder.parts) read_signals(builder, part);
   for (Part& part : builder.parts) read_events(builder, part);

@@ -2,6 +2,7 @@
 
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
+#include "simulation/contact_drawings.h"
 
 namespace mimbre {
 namespace {
@@ -67,6 +68,7 @@ std::vector<BodyDrawing> body_drawings(const spec::Model& model) {
       else
         drawing.shapes.push_back(shape);
   }
+  draw_contacts(model, drawings);
   return drawings;
 }
 

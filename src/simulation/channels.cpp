@@ -10,6 +10,7 @@
 #include "dynamics/relative/momentum.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
+#include "simulation/contact_drawings.h"
 #include "simulation/names.h"
 #include "simulation/section_forces.h"
 
@@ -236,7 +237,7 @@ void Channels::add(Part::Kind kind, int item, Needs needs, std::size_t first) {
   parts_.push_back({kind, item, static_cast<int>(first), count, needs});
 }
 
-Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
+Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.spec())), joints_(m) {
   using Of = Part::Kind;
   for (const BodyData& b : m.bodies)
     if (b.modes > 0) modes_ += m.flexible[b.flexible].modes;
@@ -303,6 +304,17 @@ Channels::Channels(const Compiled& m) : model_(m), joints_(m) {
       }
     });
   }
+  for (std::size_t k = 0; k < m.spec().contacts.size(); ++k)
+    add_with(Of::contact, static_cast<int>(k), Needs::forces, [&] {
+      const std::string& name = m.spec().contacts[k].name;
+      const std::string of = fmt::format("contact.{}", name), who = fmt::format("contact '{}'", name);
+      for (const char axis : {'x', 'y', 'z'})
+        info_.push_back({fmt::format("{}.force.{}", of, axis), "N",
+                         fmt::format("force on the spheres of {}, {} of the global axes", who, axis)});
+      info_.push_back({of + ".normal", "N", fmt::format("sum of the normal forces of {}", who)});
+      info_.push_back({of + ".depth", "m", fmt::format("largest depth of {}", who)});
+      info_.push_back({of + ".count", "1", fmt::format("pairs of {} that touch", who)});
+    });
   for (std::size_t k = 0; k < m.spec().inputs.size(); ++k)
     add_with(Of::input, m.signals.slot_of_input[k], Needs::forces, [&] {
       const spec::Input& i = m.spec().inputs[k];
@@ -503,6 +515,24 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       }
       return;
     }
+    case Part::Kind::contact: {
+      const auto k = static_cast<std::size_t>(part.item);
+      Vec3d force = Vec3d::Zero();
+      double normal = 0, depth = 0, count = 0;
+      for (int pair = m.first_of_contact[k]; pair < m.first_of_contact[k + 1]; ++pair) {
+        const ElementState<const double> c = element_state(m.elements[pair], w.elements.data());
+        if (c.x[0] >= 0) continue;
+        for (int i = 0; i < 3; ++i) force -= c.force[i] * c.linear_of(i);
+        normal -= c.force[0];
+        depth = std::max(depth, -c.x[0]);
+        ++count;
+      }
+      Vec3d::Map(to) = force;
+      to[3] = normal;
+      to[4] = depth;
+      to[5] = count;
+      return;
+    }
     case Part::Kind::element: {
       const ElementState<const double> state = element();
       for (int c = 0; c < state.count; ++c) {
@@ -540,7 +570,8 @@ void Channels::sample(relative::RelativeSystem& system, const State& s, const En
   row.channels.resize(static_cast<Eigen::Index>(info_.size()));
   for (const Part& part : parts_) read(part, system, s, e, statistics, row.channels.data());
 
-  row.poses.resize(7, static_cast<Eigen::Index>(m.spec().bodies.size()));
+  row.poses.resize(7, static_cast<Eigen::Index>(m.spec().bodies.size()) + (draws_ground_ ? 1 : 0));
+  if (draws_ground_) row.poses.rightCols<1>() << 0, 0, 0, 1, 0, 0, 0;
   row.modes.resize(modes_);
   Eigen::Index mode = 0;
   for (std::size_t k = 0; k < m.spec().bodies.size(); ++k) {

@@ -33,6 +33,7 @@ class Channels {
       road,
       load,
       element,
+      contact,
       input,
       signal,
       event,
@@ -78,6 +79,7 @@ class Channels {
   std::vector<int> part_of_;
   std::vector<std::vector<int>> mass_of_output_;  ///< by output: compiled bodies
   int output_count_ = 0;
+  const bool draws_ground_;  ///< behind the bodies
   int modes_ = 0;
   JointObserver joints_;
 };

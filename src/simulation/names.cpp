@@ -61,6 +61,8 @@ std::string element_name(const Compiled& m, const ElementData& e) {
       return fmt::format("tyre '{}'", m.spec().tyres[e.spec].name);
     case Law::load:
       return fmt::format("load '{}'", m.spec().loads[e.spec].name);
+    case Law::contact:
+      return fmt::format("contact '{}'", m.spec().contacts[e.spec].name);
     case Law::sensor:
       return "a sensor";
     default:

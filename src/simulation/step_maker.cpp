@@ -26,6 +26,13 @@ constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_
 /// round-off.
 constexpr double round_off_energy = 2.5e-7;
 
+/// How often a part is divided again: so that a blow of a thousandth of the step is followed.
+constexpr int levels_of_contact = 6;
+int levels(const Compiled& model, const Method& method) {
+  if (method.substeps == 1) return 0;
+  return model.first_of_contact.back() > model.first_of_contact.front() ? levels_of_contact : 1;
+}
+
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
@@ -40,7 +47,8 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       free_flight_(mechanism.model),
       energy_keeper_(mechanism.model, free_flight_.groups()),
       meter_(mechanism.model),
-      meter_before_(mechanism.model),
+      begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_}),
+      before_{mechanism.state, meter_},
       length_(method.step) {
   const Compiled& m = mechanism.model;
   double mass = 0;
@@ -52,7 +60,8 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
 
 void StepMaker::start() {
   meter_.start(mechanism_.observer, mechanism_.view());
-  state_before_ = mechanism_.state;
+  for (Begin& begin : begins_) begin.state = mechanism_.state;
+  before_.state = mechanism_.state;
 }
 
 /// How wrong the last step may be, J: energy that the numerics put in or took out, or that a jump of a road
@@ -97,16 +106,48 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (method_.energies) meter_.update(m.observer, m.view());
+  followed_ = begins_.size() <= 1 || contact_followed(m.model, m.observer.workspace(), m.state.z.data(),
+                                                      integrator_->options().step, length_);
   m.commit(method_.energies);
   m.enter(0);
   if (conserves_) m.state.energy_error += meter_.last_input();
   if (method_.profile) energy_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void StepMaker::undo() {
-  mechanism_.state = state_before_;
+void StepMaker::back_to(const Begin& begin) {
+  mechanism_.state = begin.state;
   mechanism_.enter(0);
-  meter_ = meter_before_;
+  meter_ = begin.meter;
+}
+
+void StepMaker::undo() { back_to(before_); }
+
+/// Whether the integrator's last step was. What goes wrong beyond contacts is repeated in parts but once.
+bool StepMaker::accurate(int level) const {
+  return followed_ && (level > 0 || step_error() <= step_tolerance());
+}
+
+/// One step; where an impact made it inaccurate, or it did not converge, the same interval again in parts.
+void StepMaker::cover(double length, int level, StepReport& report) {
+  Mechanism& m = mechanism_;
+  const auto number = static_cast<std::size_t>(level);
+  if (number == begins_.size()) return advance(report);
+  begins_[number].state = m.state;
+  begins_[number].meter = meter_;
+  const StepReport before = report;
+  advance(report);
+  if (report.ok() && accurate(level)) return;
+  back_to(begins_[number]);
+  // Of what is accepted.
+  report.code = StepReport::Code::ok;
+  report.position_violation = before.position_violation;
+  report.velocity_violation = before.velocity_violation;
+  report.substeps = before.substeps + method_.substeps - 1;
+  integrator_->set_step(length / method_.substeps);
+  for (int k = 0; k < method_.substeps && report.ok(); ++k)
+    cover(length / method_.substeps, level + 1, report);
+  integrator_->set_step(length);
+  if (!report.ok()) back_to(begins_[number]);
 }
 
 StepReport StepMaker::step(double length) {
@@ -114,26 +155,11 @@ StepReport StepMaker::step(double length) {
   length_ = length;
   if (length != integrator_->options().step) integrator_->set_step(length);
   StepReport report;
-  if (keeps_ || method_.substeps != 1) {
-    state_before_ = m.state;
-    meter_before_ = meter_;
+  if (keeps_) {
+    before_.state = m.state;
+    before_.meter = meter_;
   }
-  if (method_.substeps == 1) {
-    advance(report);
-  } else {
-    // One step; where an impact made it inaccurate, or it did not converge, the same interval again in parts.
-    advance(report);
-    if (!report.ok() || step_error() > step_tolerance()) {
-      undo();
-      integrator_->set_step(length / method_.substeps);
-      report.substeps = method_.substeps;
-      report.code = StepReport::Code::ok;
-      report.position_violation = report.velocity_violation = 0;  // of what is accepted
-      for (int k = 0; k < method_.substeps && report.ok(); ++k) advance(report);
-      integrator_->set_step(length);
-      if (!report.ok()) undo();
-    }
-  }
+  cover(length, 0, report);
   if (!report.ok()) return report;
   // Sums of steps drift away from their multiples by round-off.
   const double multiple = std::round(m.state.time / length) * length;

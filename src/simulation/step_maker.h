@@ -1,8 +1,10 @@
 #pragma once
 #include <memory>
+#include <vector>
 
 #include "integrate/profiled_system.h"
 #include "mimbre/simulation.h"
+#include "simulation/contact_watch.h"
 #include "simulation/energy.h"
 #include "simulation/energy_keeper.h"
 #include "simulation/free_flight.h"
@@ -11,7 +13,8 @@
 namespace mimbre {
 
 /// Makes the steps of a mechanism: the integrator's, with the laws of free flight and of energy kept where
-/// that is asked for, and once more in parts where an impact made one inaccurate. Allocates only when made.
+/// that is asked for, and once more in parts where an impact made one inaccurate; where it has contacts,
+/// parts in parts. Allocates only when made.
 class StepMaker {
  public:
   StepMaker(Mechanism& mechanism, const Method& method);
@@ -39,7 +42,16 @@ class StepMaker {
   double energy_seconds() const { return energy_seconds_; }
 
  private:
+  /// Where a step began, and its parts, and their parts.
+  struct Begin {
+    State state;
+    EnergyMeter meter;
+  };
+
   void advance(StepReport& report);
+  void back_to(const Begin& begin);
+  void cover(double length, int level, StepReport& report);
+  bool accurate(int level) const;
   double step_error() const;
   double step_tolerance() const;
 
@@ -50,8 +62,10 @@ class StepMaker {
   const bool conserves_;
   FreeFlight free_flight_;
   EnergyKeeper energy_keeper_;
-  EnergyMeter meter_, meter_before_;
-  State state_before_;
+  EnergyMeter meter_;
+  std::vector<Begin> begins_;
+  Begin before_;  ///< of the last step, for undo()
+  bool followed_ = true;  ///< contacts in the integrator's last step
   StepStatus last_;
   bool keeps_ = false;
   double length_ = 0;

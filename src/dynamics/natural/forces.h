@@ -41,7 +41,7 @@ inline void measure_element(const Compiled& m, const Layout& l, Workspace<double
   const Motion<double> b = motion_of_frame(w.frames[e.frame_b], turning);
   Motion<double> a;
   if (e.frame_a >= 0) a = motion_of_frame(w.frames[e.frame_a], turning);
-  measure(m, e, &a, b, l.origin, w.signals.value.data(), w.signals.states + e.states, s);
+  measure(m, e, &a, b, l.origin, w.signals.value.data(), w.signals.states + e.states, s, w.signals.step);
 }
 
 inline void sense(const Compiled& m, const Layout& l, Workspace<double>& w) {

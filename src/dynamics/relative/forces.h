@@ -19,7 +19,7 @@ void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v
       continue;
     }
     measure(m, e, e.frame_a < 0 ? nullptr : &w.frames[e.frame_a], w.frames[e.frame_b], w.origin,
-            w.signals.value.data(), w.signals.states + e.states, s);
+            w.signals.value.data(), w.signals.states + e.states, s, w.signals.step);
   }
   measure_sums(m, w.elements.data());
 }

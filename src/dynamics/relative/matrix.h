@@ -293,7 +293,15 @@ void sum_row(const Compiled& m, const ElementData& e, T* rows) {
   }
 }
 
-/// Jacobian rows of loops and of what elements measure, after motion_subspaces().
+/// Whether an element has tangents now: a contact far away has none.
+template <class T>
+bool acts(const ElementState<T>& s) {
+  for (int k = 0; k < s.count * s.count; ++k)
+    if (any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0))) return true;
+  return false;
+}
+
+/// Jacobian rows of loops and of what elements with tangents measure, after motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const LoopData& loop : m.loops)
@@ -305,6 +313,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const ElementData& e : m.elements) {
     if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
+    if (!acts(s)) continue;
     const Vec3<T>& place = w.frames[e.frame_b].position;
     for (int k = 0; k < e.count; ++k) {
       const Vec3<T> linear = s.linear_of(k);
@@ -346,9 +355,7 @@ void add_element(const Compiled& m, const ElementData& e, const ElementState<T>&
                  const MatrixWeights& weights, const T* numbers, const T* rows, T* weighted, T* values) {
   const int width = e.path.width, n = e.count;
   const T inertia = e.inertia < 0 ? T(0) : numbers[e.inertia];
-  bool acts = e.inertia >= 0;
-  for (int k = 0; k < n * n; ++k) acts = acts || any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0));
-  if (!acts) return;
+  if (e.inertia < 0 && !acts(s)) return;
   for (int r = 0; r < n; ++r) {
     T* out = weighted + r * width;
     for (int c = 0; c < n; ++c) {

@@ -1,0 +1,200 @@
+#pragma once
+#include <cmath>
+
+#include "forces/blow.h"
+#include "forces/contact_states.h"
+#include "forces/element.h"
+
+/// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
+/// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
+/// limit μ N; then they slide, and the bristles stay bent: the return to the limit of a perfectly plastic
+/// spring (Simo and Hughes, Computational Inelasticity, 1998, 2.3), so that nothing below the limit creeps.
+/// Their stiffness does not depend on the normal force: what they store could not be had back otherwise.
+/// Rolling and spinning are resisted likewise, by moments up to N times an arm. The tangents leave out what
+/// the limits owe to the normal force: that is not symmetric.
+namespace mimbre::forces {
+
+namespace contact {
+/// Among the law's numbers.
+constexpr int stiffness = 0, exponent = 1, depth = 2, friction = 4, static_ratio = 5, stribeck = 6,
+              tangential = 7, settling = 8, rolling = 9, spinning = 10, damping = 11;
+
+/// Slower than this (m/s), what starts is at rest.
+constexpr double still = 1e-9;
+
+template <class T, int n>
+struct Held {
+  Eigen::Matrix<T, n, 1> bend, force;
+  Eigen::Matrix<T, n, n> tangent;
+};
+
+/// Bristles that were bent by `bent` and pulled by `pulled`, and are moved on. `firm`, `viscosity`: theirs;
+/// step 0: their damper's part of the pull stays.
+template <class T, int n>
+Held<T, n> hold(const Eigen::Matrix<T, n, 1>& bent, const Eigen::Matrix<T, n, 1>& pulled,
+                const Eigen::Matrix<T, n, 1>& moved, const T& firm, const T& viscosity, double step,
+                const T& limit) {
+  using std::sqrt;
+  using Vector = Eigen::Matrix<T, n, 1>;
+  const bool steps = step > 0;
+  const T damped = steps ? T(viscosity / step) : T(0), whole = firm + damped;
+  const Vector kept = steps ? Vector(firm * bent) : pulled, trial = kept + whole * moved;
+  const T square = trial.squaredNorm();
+  const auto sliding = square > limit * limit;
+  const T size = sqrt(select(sliding, square, T(1))), share = select(sliding, T(limit / size), T(1));
+  Held<T, n> h;
+  h.force = share * trial;
+  // Sliding: firm z + damped (z − bent) = force.
+  const T some = select(whole > T(0), whole, T(1));
+  for (int k = 0; k < n; ++k)
+    h.bend[k] = select(sliding, T((h.force[k] - kept[k] + whole * bent[k]) / some), T(bent[k] + moved[k]));
+  h.tangent = whole * share * Eigen::Matrix<T, n, n>::Identity();
+  const Vector along = trial / size;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      h.tangent(i, j) -= select(sliding, T(whole * share * along[i] * along[j]), T(0));
+  return h;
+}
+
+template <class T>
+Vec3<T> vector_at(const T* p) {
+  return {p[0], p[1], p[2]};
+}
+
+/// The axes of a contact: tangents and normal, in the surface's.
+template <class T>
+Mat3<T> axes_of(const ElementState<T>& s) {
+  Mat3<T> axes;
+  axes.col(0) = vector_at<T>(s.surroundings);
+  axes.col(1) = vector_at<T>(s.surroundings + 3);
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+/// A vector of the tangent plane that was, turned into the one that is: its part there, at its old length.
+template <class T>
+Eigen::Matrix<T, 2, 1> carried(const Mat3<T>& axes, const T* before) {
+  using std::sqrt;
+  const Vec3<T> old = vector_at<T>(before);
+  const Eigen::Matrix<T, 2, 1> part(axes.col(0).dot(old), axes.col(1).dot(old));
+  const T square = part.squaredNorm();
+  const auto some = square > T(0);
+  const T ratio = select(some, T(old.squaredNorm() / select(some, square, T(1))), T(1));
+  // Where hardly anything of it lies in the plane, its direction is anyone's guess.
+  return sqrt(select(ratio < T(4), ratio, T(4))) * part;
+}
+
+template <class T>
+blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
+  const T* p = c.numbers();
+  return blow::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
+                    blow::factor(p[damping], c.states[contact_states::blow]));
+}
+}  // namespace contact
+
+template <class T>
+void contact_law(const LawContext<T>& c, ElementState<T>& s) {
+  using namespace contact;
+  using std::abs, std::exp;
+  namespace states = contact_states;
+  using Vector2 = Eigen::Matrix<T, 2, 1>;
+  const int n = s.count;
+  for (int k = 0; k < n; ++k) s.force[k] = T(0);
+  for (int k = 0; k < n * n; ++k) s.stiffness[k] = s.damping[k] = T(0);
+  for (int k = states::bend; k < c.element.state_count; ++k) s.states[k] = T(0);
+  const auto touches = s.x[0] < T(0);
+  // The speed of the next blow, as long as there is none.
+  s.states[states::blow] = select(touches, c.states[states::blow], T(abs(s.v[0])));
+  if (!any(touches)) return;
+  const T* p = c.numbers();
+  const blow::Push<T> push = normal_push(c, s);
+  s.force[0] = -push.force;
+  s.stiffness[0] = push.along_depth;
+  s.damping[0] = push.along_speed;
+
+  const Mat3<T> axes = axes_of(s);
+  const T firm = p[tangential] * p[stiffness];
+  const T square = s.v[1] * s.v[1] + s.v[2] * s.v[2];
+  const T limit = push.force * p[friction] *
+                  (T(1) + (p[static_ratio] - T(1)) * exp(T(-square / (p[stribeck] * p[stribeck]))));
+  Vector2 bent = carried(axes, c.states + states::bend), pulled = carried(axes, c.states + states::pull);
+  if (!(c.step > 0)) {
+    // What slides as it starts has bent them.
+    const auto begins = select(c.states[states::gap] < T(0), T(0), square) > T(still * still);
+    const T size = sqrt(select(begins, square, T(1)));
+    for (int k = 0; k < 2; ++k) {
+      pulled[k] = select(begins, T(limit * s.v[1 + k] / size), pulled[k]);
+      bent[k] = select(begins, T(pulled[k] / firm), bent[k]);
+    }
+  }
+  const Held<T, 2> held =
+      hold<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), firm, T(firm * p[settling]), c.step, limit);
+  const Vec3<T> bend = axes.template leftCols<2>() * held.bend,
+                pull = axes.template leftCols<2>() * held.force;
+  for (int i = 0; i < 2; ++i) {
+    s.force[1 + i] = select(touches, held.force[i], T(0));
+    for (int j = 0; j < 2; ++j) s.stiffness[(1 + i) * n + 1 + j] = select(touches, held.tangent(i, j), T(0));
+  }
+  for (int k = 0; k < 3; ++k) {
+    s.states[states::bend + k] = select(touches, bend[k], T(0));
+    s.states[states::pull + k] = select(touches, pull[k], T(0));
+  }
+  if (n == 3) return;
+
+  const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
+                turned = axes.transpose() * vector_at<T>(c.states + states::moment);
+  const T lever = firm * T(c.element.radius), roll = lever * p[rolling], spin = lever * p[spinning];
+  const Held<T, 2> rolls =
+      hold<T, 2>(Vector2(twisted.template head<2>()), Vector2(turned.template head<2>()),
+                 Vector2(s.x[3], s.x[4]), roll, T(roll * p[settling]), c.step, T(push.force * p[rolling]));
+  using Vector1 = Eigen::Matrix<T, 1, 1>;
+  const Held<T, 1> spins = hold<T, 1>(Vector1(twisted[2]), Vector1(turned[2]), Vector1(s.x[5]), spin,
+                                      T(spin * p[settling]), c.step, T(push.force * p[spinning]));
+  for (int i = 0; i < 2; ++i) {
+    s.force[3 + i] = select(touches, rolls.force[i], T(0));
+    for (int j = 0; j < 2; ++j) s.stiffness[(3 + i) * n + 3 + j] = select(touches, rolls.tangent(i, j), T(0));
+  }
+  s.force[5] = select(touches, spins.force[0], T(0));
+  s.stiffness[5 * n + 5] = select(touches, spins.tangent(0, 0), T(0));
+  const Vec3<T> twist = axes * Vec3<T>(rolls.bend[0], rolls.bend[1], spins.bend[0]),
+                moment = axes * Vec3<T>(rolls.force[0], rolls.force[1], spins.force[0]);
+  for (int k = 0; k < 3; ++k) {
+    s.states[states::twist + k] = select(touches, twist[k], T(0));
+    s.states[states::moment + k] = select(touches, moment[k], T(0));
+  }
+}
+
+/// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the blow's take.
+inline void contact_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace contact;
+  namespace states = contact_states;
+  const double* p = c.numbers();
+  const double firm = p[tangential] * p[stiffness], lever = firm * c.element.radius;
+  const bool turning = s.count > 3;
+  const auto bristles = [&](const double* z, const Mat3d& axes) {
+    double stored = 0.5 * firm * vector_at<double>(z + states::bend).squaredNorm();
+    if (!turning) return stored;
+    const Vec3d twist = axes.transpose() * vector_at<double>(z + states::twist);
+    return stored +
+           0.5 * lever * (p[rolling] * twist.head<2>().squaredNorm() + p[spinning] * twist[2] * twist[2]);
+  };
+  const bool touches = s.x[0] < 0, touched = c.states[states::gap] < 0;
+  const Mat3d axes = touches ? axes_of<double>(s) : Mat3d(Mat3d::Identity());
+  double now = 0;
+  if (touches) {
+    const blow::Push<double> push = normal_push(c, s);
+    now = bristles(s.states, axes);
+    e.stored = push.elastic * -s.x[0] / (p[exponent] + 1) + now;
+    e.dissipating[0] = push.elastic - push.force;
+  }
+  if (c.step <= 0) return;
+  e.lost = (touched ? bristles(c.states, axes) : 0) - now;
+  if (!touches) return;
+  const Eigen::Vector2d pulled = carried<double>(axes, c.states + states::pull);
+  const Vec3d turned =
+      turning ? Vec3d(axes.transpose() * vector_at<double>(c.states + states::moment)) : Vec3d(Vec3d::Zero());
+  for (int k = 1; k < s.count; ++k)
+    e.lost += 0.5 * (s.force[k] + (k < 3 ? pulled[k - 1] : turned[k - 3])) * s.x[k];
+}
+
+}  // namespace mimbre::forces

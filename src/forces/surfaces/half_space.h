@@ -1,0 +1,13 @@
+#pragma once
+#include "forces/surfaces/touch.h"
+#include "model/compiled.h"
+
+namespace mimbre::surfaces {
+
+/// All below z = 0.
+template <class T>
+Touch<T> half_space(const SurfaceData&, const Vec3<T>& p) {
+  return {p[2], Vec3<T>::UnitZ()};
+}
+
+}  // namespace mimbre::surfaces

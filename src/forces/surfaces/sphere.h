@@ -1,0 +1,13 @@
+#pragma once
+#include "forces/surfaces/touch.h"
+#include "model/compiled.h"
+
+namespace mimbre::surfaces {
+
+/// `size`: radius.
+template <class T>
+Touch<T> sphere(const SurfaceData& s, const Vec3<T>& p) {
+  return ball(p, T(s.size[0]));
+}
+
+}  // namespace mimbre::surfaces

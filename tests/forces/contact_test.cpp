@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mimbre/diagnostics.h"
+#include "support/models.h"
+#include "support/simulate.h"
+
+/// Spheres on surfaces: blows, sticking, sliding, rolling, spinning, edges.
+namespace mimbre::test {
+namespace {
+
+/// A ball of 1 kg and radius 0.1 at a height, thrown; `velocity`: and spin.
+std::string ball(const std::string& contact, const std::string& velocity, double height,
+                 const std::string& surface = "{type: half_space}", double gravity = 0) {
+  return fmt::format(R"y(
+mimbre: 1
+gravity: [0, 0, {}]
+bodies: {{ball: {{mass: 1, com: [0, 0, {}], inertia: [0.004, 0.004, 0.004]}}}}
+joints: {{free: {{type: floating, between: [ground, ball], velocity: {}}}}}
+surfaces: {{floor: {}}}
+contacts: {{touch: {{spheres: {{on: ball, radius: 0.1}}, surfaces: floor, {}}}}}
+outputs:
+  - {{name: x, position: ball, component: x}}
+  - {{name: z, position: ball, component: z}}
+  - {{name: vx, velocity: ball, component: x}}
+  - {{name: vz, velocity: ball, component: z}}
+  - {{name: wx, angular_velocity: ball, component: x}}
+  - {{name: wy, angular_velocity: ball, component: y}}
+  - {{name: wz, angular_velocity: ball, component: z}}
+simulation: {{step: 0.001, end: 1}}
+)y",
+                     gravity, height, velocity, surface, contact);
+}
+
+void run_to(Simulation& simulation, double end) {
+  while (simulation.time() < end - 1e-9) ASSERT_TRUE(simulation.step().ok()) << simulation.time();
+}
+
+class Contact : public testing::TestWithParam<Formulation> {};
+
+/// Five speeds, two exponents, at a step that is longer than the blow itself.
+TEST_P(Contact, ABlowGivesBackTheShareThatIsAskedFor) {
+  for (const double restitution : {0.05, 0.3, 0.7, 1.0})
+    for (const double speed : {0.1, 0.5, 2.0, 8.0, 30.0})
+      for (const double exponent : {1.0, 1.5}) {
+        const double height = 0.1 + 0.0137 * speed;
+        Simulation simulation = simulation_of(
+            ball(fmt::format("stiffness: 1e6, exponent: {}, restitution: {}", exponent, restitution),
+                 fmt::format("[0, 0, {}, 0, 0, 0]", -speed), height),
+            GetParam(), 5e-3);
+        run_to(simulation, 0.05);
+        EXPECT_NEAR(channel(simulation, "vz") / speed, restitution, 1e-2) << speed << " " << exponent;
+        EXPECT_NEAR(simulation.energy().numerical, 0, 1e-2 * 0.5 * speed * speed);
+      }
+}
+
+/// From sliding without spin to rolling: 5/7 of the speed is left, and stays.
+TEST_P(Contact, ASlidingBallComesToRollWithFiveSeventhsOfItsSpeed) {
+  const double depth = 9.81 / 1e6, friction = 0.3, speed = 2;
+  Simulation simulation =
+      simulation_of(ball(fmt::format("stiffness: 1e6, restitution: 0.3, friction: {}", friction),
+                         fmt::format("[{}, 0, 0, 0, 0, 0]", speed), 0.1 - depth, "{type: half_space}", -9.81),
+                    GetParam());
+  run_to(simulation, 0.1);
+  EXPECT_NEAR(channel(simulation, "vx"), speed - friction * 9.81 * 0.1, 2e-4);
+  EXPECT_NEAR(channel(simulation, "wy"), 2.5 * friction * 9.81 * 0.1 / 0.1, 1e-2);
+  const double slid = 0.5 * (2. / 7) * speed * speed;  // J, of ½ v²
+  run_to(simulation, 0.5);
+  const double rolling = channel(simulation, "vx");
+  EXPECT_NEAR(rolling, 5. / 7 * speed, 2e-4);
+  EXPECT_NEAR(channel(simulation, "wy"), rolling / 0.1, 5e-3);
+  EXPECT_NEAR(simulation.energy().dissipated, slid, 2e-3 * slid);
+  run_to(simulation, 2);
+  EXPECT_NEAR(channel(simulation, "vx"), rolling, 1e-6);
+  EXPECT_NEAR(simulation.energy().numerical, 0, 2e-3 * slid);
+}
+
+/// A box on spheres at its lower corners, on a slope.
+std::string box_on_slope(double slope, double friction) {
+  const double sine = std::sin(slope), cosine = std::cos(slope);
+  // Its middle is 0.06 above the slope, the corners' centres 0.01, in depth by the weight.
+  const double lift = 0.06 - 0.5e-5;
+  const auto place = [&](double x, double y, double z) {
+    return fmt::format("[{}, {}, {}]", cosine * x + sine * z, y, -sine * x + cosine * z);
+  };
+  std::string corners;
+  for (const double x : {-0.1, 0.1})
+    for (const double y : {-0.1, 0.1}) corners += (corners.empty() ? "" : ", ") + place(x, y, lift - 0.05);
+  return fmt::format(R"y(
+mimbre: 1
+bodies: {{box: {{mass: 2, com: {}, inertia: [0.01, 0.01, 0.015]}}}}
+surfaces: {{slope: {{type: half_space, z: [{}, 0, {}]}}}}
+contacts: {{feet: {{spheres: {{on: box, at: [{}], radius: 0.01}}, surfaces: [slope], stiffness: 1e6, restitution: 0.3, friction: {}}}}}
+outputs: [{{name: x, position: box, component: x}}, {{name: z, position: box, component: z}}, {{name: vx, velocity: box, component: x}}, {{name: yaw, yaw: box}}]
+simulation: {{step: 0.01, end: 1}}
+)y",
+                     place(0, 0, lift), sine, cosine, corners, friction);
+}
+
+TEST_P(Contact, ABoxBelowTheAngleOfFrictionDoesNotCreep) {
+  Simulation simulation = simulation_of(box_on_slope(std::atan(0.29), 0.3), GetParam());
+  run_to(simulation, 2);
+  const double x = channel(simulation, "x"), z = channel(simulation, "z"), yaw = channel(simulation, "yaw");
+  EXPECT_NEAR(channel(simulation, "contact.feet.count"), 4, 0);
+  EXPECT_NEAR(channel(simulation, "contact.feet.normal"), 2 * 9.81 * std::cos(std::atan(0.29)), 1e-6);
+  EXPECT_NEAR(channel(simulation, "contact.feet.force.z"), 2 * 9.81, 1e-6);
+  EXPECT_NEAR(channel(simulation, "contact.feet.force.x"), 0, 1e-6);
+  run_to(simulation, 102);
+  EXPECT_NEAR(channel(simulation, "x"), x, 1e-9);
+  EXPECT_NEAR(channel(simulation, "z"), z, 1e-9);
+  EXPECT_NEAR(channel(simulation, "yaw"), yaw, 1e-9);
+}
+
+TEST_P(Contact, AboveItItSlidesAsCoulombSays) {
+  const double slope = std::atan(0.4), friction = 0.3;
+  Simulation simulation = simulation_of(box_on_slope(slope, friction), GetParam(), 1e-3);
+  run_to(simulation, 0.5);
+  const double before = channel(simulation, "vx");
+  run_to(simulation, 1);
+  EXPECT_NEAR((channel(simulation, "vx") - before) / 0.5 / std::cos(slope),
+              9.81 * (std::sin(slope) - friction * std::cos(slope)), 1e-4);
+}
+
+/// m a = −F, J α = F r − M: a = 5/7 of g times the arm by the radius. Then it rests.
+TEST_P(Contact, RollingIsResisted) {
+  const double depth = 9.81 / 1e6, arm = 1e-3;
+  Simulation simulation =
+      simulation_of(ball(fmt::format("stiffness: 1e6, restitution: 0.3, friction: 0.5, rolling: {}", arm),
+                         "[0.1, 0, 0, 0, 1, 0]", 0.1 - depth, "{type: half_space}", -9.81),
+                    GetParam());
+  run_to(simulation, 0.1);
+  const double first = channel(simulation, "vx");
+  run_to(simulation, 0.6);
+  EXPECT_NEAR((channel(simulation, "vx") - first) / 0.5, -5. / 7 * 9.81 * arm / 0.1, 1e-4);
+  run_to(simulation, 4);
+  const double x = channel(simulation, "x");
+  EXPECT_NEAR(channel(simulation, "vx"), 0, 1e-9);
+  run_to(simulation, 5);
+  EXPECT_NEAR(channel(simulation, "x"), x, 1e-9);
+}
+
+TEST_P(Contact, SpinningIsResisted) {
+  const double depth = 9.81 / 1e6, arm = 1e-3;
+  Simulation simulation =
+      simulation_of(ball(fmt::format("stiffness: 1e6, restitution: 0.3, friction: 0.5, spinning: {}", arm),
+                         "[0, 0, 0, 0, 0, 5]", 0.1 - depth, "{type: half_space}", -9.81),
+                    GetParam());
+  run_to(simulation, 1);
+  EXPECT_NEAR(channel(simulation, "wz"), 5 - arm * 9.81 / 0.004, 1e-3);
+  EXPECT_NEAR(channel(simulation, "x"), 0, 1e-9);
+  run_to(simulation, 3);
+  EXPECT_NEAR(channel(simulation, "wz"), 0, 1e-6);
+}
+
+/// Five pendulums in a row: the first hands its speed to the last.
+TEST_P(Contact, NewtonsCradle) {
+  std::string bodies, joints, spheres, outputs;
+  for (int k = 0; k < 5; ++k) {
+    const double x = 0.0505 * k;
+    bodies += fmt::format("  b{}: {{mass: 0.5, com: [{}, 0, 0], inertia: [1e-4, 1e-4, 1e-4]}}\n", k, x);
+    joints +=
+        fmt::format("  j{}: {{type: revolute, between: [ground, b{}], at: [{}, 0, 1], axis: [0, -1, 0]{}}}\n",
+                    k, k, x, k == 0 ? ", velocity: 1" : "");
+    spheres += fmt::format("{}{{on: b{}, radius: 0.025}}", k == 0 ? "" : ", ", k);
+    outputs += fmt::format("  - {{name: v{}, joint_velocity: j{}}}\n", k, k);
+  }
+  Simulation simulation = simulation_of("mimbre: 1\nbodies:\n" + bodies + "joints:\n" + joints +
+                                            "contacts: {cradle: {spheres: [" + spheres +
+                                            "], among: true, stiffness: 1e7, exponent: 1.5}}\noutputs:\n" +
+                                            outputs + "simulation: {step: 0.001, end: 1}\n",
+                                        GetParam());
+  run_to(simulation, 0.02);
+  EXPECT_NEAR(channel(simulation, "v4"), 1, 1e-2);
+  for (const char* other : {"v0", "v1", "v2", "v3"})
+    EXPECT_NEAR(channel(simulation, other), 0, 2e-2) << other;
+  // The last swings and comes back, half a period later; then the first moves.
+  const double first = 2 * std::acos(-1.0) * std::sqrt(1 / 9.81);
+  run_to(simulation, 0.75 * first);
+  EXPECT_LT(channel(simulation, "v0"), -0.05);
+  EXPECT_NEAR(channel(simulation, "v4"), 0, 5e-2);
+  EXPECT_NEAR(simulation.energy().numerical, 0, 1e-2 * 0.25);
+}
+
+/// In a step of 10 ms the ball goes 0.3 m, far through each of these.
+TEST_P(Contact, WhatIsThinIsNotGoneThrough) {
+  for (const char* surface :
+       {"{type: box, size: [1, 1, 0.002]}", "{type: cylinder, z: [0, 1, 0], radius: 0.002, length: 1}",
+        "{type: capsule, z: [0, 1, 0], radius: 0.002, length: 1}", "{type: sphere, radius: 0.002}",
+        "{type: mesh, vertices: [[-1, -1, -1e-3], [1, -1, -1e-3], [0, 1, -1e-3], [0, 0, 0]], triangles: [[0, "
+        "2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}"}) {
+    Simulation simulation = simulation_of(
+        ball("stiffness: 1e6, restitution: 0.5", "[0, 0, -30, 0, 0, 0]", 1.03, surface), GetParam(), 1e-2);
+    run_to(simulation, 0.1);
+    EXPECT_NEAR(channel(simulation, "vz"), 15, 0.3) << surface;
+    EXPECT_NEAR(channel(simulation, "vx"), 0, 1e-3) << surface;
+  }
+}
+
+/// Beside an edge the ball is thrown off along the line from the edge to its centre.
+TEST_P(Contact, AnEdgeBetweenTwoStepsThrowsOff) {
+  // The box's upper edge is at x = 0: 0.06 beside the ball's centre, so that the normal is (0.6, 0, 0.8).
+  Simulation simulation = simulation_of(ball("stiffness: 1e6", "[0.06, 0, -10, 0, 0, 0]", 1.03,
+                                             "{type: box, at: [-0.56618, 0, 0], size: [1, 1, 0.2]}"),
+                                        GetParam(), 1e-2);
+  run_to(simulation, 0.2);
+  const double x = channel(simulation, "vx"), z = channel(simulation, "vz");
+  EXPECT_NEAR(x * x + z * z, 100 + 0.0036, 1);
+  EXPECT_GT(x, 5);
+}
+
+/// A box of eight spheres that is thrown tumbling onto rough ground comes to rest on a face, and at no moment
+/// has it more energy than before.
+TEST_P(Contact, EnergyIsNeverMade) {
+  const std::string text = R"y(
+mimbre: 1
+bodies: {box: {mass: 1, com: [0, 0, 0.6], inertia: [0.004, 0.005, 0.003]}}
+joints: {free: {type: floating, between: [ground, box], velocity: [1, 0.3, 0, 3, 7, 2]}}
+surfaces: {floor: {type: half_space}}
+contacts:
+  feet:
+    spheres: {on: box, at: [[-0.1, -0.08, 0.55], [0.1, -0.08, 0.55], [-0.1, 0.08, 0.55], [0.1, 0.08, 0.55], [-0.1, -0.08, 0.65], [0.1, -0.08, 0.65], [-0.1, 0.08, 0.65], [0.1, 0.08, 0.65]], radius: 0.01}
+    surfaces: floor
+    stiffness: 2e5
+    restitution: 0.4
+    friction: 0.5
+    static_ratio: 1.3
+    rolling: 1e-4
+    spinning: 1e-4
+outputs: [{name: z, position: box, component: z}]
+simulation: {step: 0.002, end: 1}
+)y";
+  Simulation simulation = simulation_of(text, GetParam());
+  const auto total = [&] { return simulation.energy().total(); };
+  double least = total();
+  const double start = least;
+  while (simulation.time() < 4) {
+    ASSERT_TRUE(simulation.step().ok());
+    EXPECT_LT(total(), least + 2e-3 * start) << simulation.time();
+    least = std::min(least, total());
+    EXPECT_NEAR(simulation.energy().numerical, 0, 0.02 * start) << simulation.time();
+  }
+  EXPECT_GT(channel(simulation, "contact.feet.count"), 3);
+  EXPECT_LT(simulation.energy().kinetic, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Contact, testing::Values(Formulation::relative, Formulation::natural));
+
+TEST(ContactFile, WhatIsWrongIsTold) {
+  const auto said = [](const std::string& contact, const std::string& surface = "{type: half_space}") {
+    try {
+      model_of(ball(contact, "[0, 0, 0, 0, 0, 0]", 1, surface));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  const auto says = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(said("stiffness: 1e5"), "nothing");
+  EXPECT_TRUE(says(said("restitution: 0.5"), "'stiffness' is missing")) << said("restitution: 0.5");
+  EXPECT_TRUE(says(said("stiffness: 1e5, friction: -1"), "cannot be below 0"));
+  EXPECT_TRUE(says(said("stiffness: 1e5, frction: 1"), "friction"));
+  EXPECT_TRUE(says(said("stiffness: 1e5", "{type: box}"), "size"));
+  EXPECT_TRUE(says(said("stiffness: 1e5", "{type: bx, size: [1, 1, 1]}"), "box"));
+  EXPECT_TRUE(says(said("stiffness: 1e5", "{type: sphere, radius: 1, size: [1, 1, 1]}"), "size"));
+  EXPECT_TRUE(
+      says(said("stiffness: 1e5", "{type: heights, spacing: [1, 1], heights: [[0, 1], [2]]}"), "first row"));
+  EXPECT_TRUE(
+      says(said("stiffness: 1e5", "{type: heights, spacing: [0, 1], heights: [[0, 1], [2, 3]]}"), "spacing"));
+  EXPECT_TRUE(says(said("stiffness: 1e5",
+                        "{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]]}"),
+                   "closed"));
+}
+
+}  // namespace
+}  // namespace mimbre::test
