@@ -21,7 +21,8 @@ const arm = "examples/solid-arm/arm.h5";
 
 /**
  * Which model with which settings, what its page is asked for, and what is set on it before the picture is taken.
- * `others`: further runs that are compared with it, by their labels. `body`: the page of a body's modes.
+ * `others`: further runs that are compared with it, by their labels. `body`: the page of a body's modes. `scene`: only the
+ * animation, not the page around it.
  */
 const pictures = [
   { name: "report", model: "examples/iltis/vehicle.yaml", time: 5.2, forces: "all" },
@@ -33,6 +34,13 @@ const pictures = [
   { name: "double-four-bar", model: "examples/double-four-bar/mechanism.yaml", options: ["--set", "flexible_bars=5"], time: 0.75, forces: "all", exaggerate: 20 },
   { name: "solid-arm", model: "examples/solid-arm/suspension.yaml", time: 2.3, asked: "color=stress", through: true, nearer: "front_left.arm" },
   { name: "solid-arm-modes", body: arm, asked: "family=1&mode=1&t=1" },
+  { name: "crank-train", model: "examples/crank-train/model.yaml", scene: true, time: 0.0212, forces: "all", exaggerate: 20 },
+  { name: "washing-machine", model: "examples/washing-machine/model.yaml", scene: true, time: 2.2, through: true },
+  { name: "stewart-platform", model: "examples/stewart-platform/model.yaml", scene: true, time: 1.3, forces: "all" },
+  { name: "delta-robot", model: "examples/delta-robot/model.yaml", scene: true, time: 0.2, forces: "all" },
+  { name: "double-wishbone", model: "examples/double-wishbone/model.yaml", scene: true, time: 0.6, forces: "all", through: true },
+  { name: "rotor", model: "examples/rotor/model.yaml", scene: true, time: 5.6, exaggerate: 20, through: true },
+  { name: "wind-turbine", model: "examples/wind-turbine/model.yaml", scene: true, time: 12 },
   { name: "spin-up", model: "examples/spin-up-beam/beam-2d.yaml", time: 8, tab: "x–y" },
   {
     name: "spin-up-comparison",
@@ -88,7 +96,7 @@ const width = 1180;
 const wanted = process.argv[4] ?? "";
 const browser = await launch();
 for (const picture of pictures.filter(({ name }) => name.includes(wanted))) {
-  const { name, size } = picture;
+  const { name, size, scene } = picture;
   const { page, complaints } = await open(browser, await address(picture), { viewport: size ?? { width, height: 800 } });
   await set(page, picture);
   // As high as the card of the animation.
@@ -97,7 +105,7 @@ for (const picture of pictures.filter(({ name }) => name.includes(wanted))) {
   await ready(page);
   await drawn(page);
   const path = join(target, `${name}.png`);
-  await page.screenshot({ path });
+  await page.screenshot({ path, clip: scene ? await page.locator(".player canvas").first().boundingBox() : undefined });
   const bytes = (await stat(path)).size;
   console.log(`${path}: ${(bytes / 1000).toFixed(0)} kB`);
   const allowed = size ? 2 * most : most;
