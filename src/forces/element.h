@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <type_traits>
 
+#include "math/choice.h"
 #include "math/function_values.h"
 #include "math/rotation.h"
 #include "model/compiled.h"
@@ -60,6 +61,14 @@ ElementState<T> element_state_at(const ElementData& e, T* p) {
 template <class T>
 ElementState<T> element_state(const ElementData& e, T* storage) {
   return element_state_at(e, storage + e.storage);
+}
+
+/// Whether an element has tangents now: a contact far away has none.
+template <class T>
+bool acts(const ElementState<T>& s) {
+  for (int k = 0; k < s.count * s.count; ++k)
+    if (any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0))) return true;
+  return false;
 }
 
 /// The model's numbers of laws; those of other scalars than double have to be given.

@@ -196,9 +196,8 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
     const ElementData& e = m.elements[i];
     if (e.measure == Measure::none || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
-    bool acts = false;
-    for (int k = 0; k < e.count * e.count; ++k) acts = acts || s.stiffness[k] != T(0) || s.damping[k] != T(0);
-    for (int k = 0; acts && k < e.count; ++k)
+    if (e.measure == Measure::contact && !acts(s)) continue;
+    for (int k = 0; k < e.count; ++k)
       fill_row(
           m, l, w, l.elements[i],
           [&](const Covector<T>& a, const Covector<T>& b) { act_by_element(m, w, e, s, k, T(1), a, b); },

@@ -293,15 +293,8 @@ void sum_row(const Compiled& m, const ElementData& e, T* rows) {
   }
 }
 
-/// Whether an element has tangents now: a contact far away has none.
-template <class T>
-bool acts(const ElementState<T>& s) {
-  for (int k = 0; k < s.count * s.count; ++k)
-    if (any(s.stiffness[k] != T(0)) || any(s.damping[k] != T(0))) return true;
-  return false;
-}
-
-/// Jacobian rows of loops and of what elements with tangents measure, after motion_subspaces().
+/// Jacobian rows of loops and of what elements measure, contacts that touch among them, after
+/// motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const LoopData& loop : m.loops)
@@ -313,7 +306,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
   for (const ElementData& e : m.elements) {
     if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
-    if (!acts(s)) continue;
+    if (e.measure == Measure::contact && !acts(s)) continue;
     const Vec3<T>& place = w.frames[e.frame_b].position;
     for (int k = 0; k < e.count; ++k) {
       const Vec3<T> linear = s.linear_of(k);
