@@ -24,7 +24,7 @@ class Model {
   int bodies() const;
   int coordinates() const;  ///< velocity coordinates: joints' and modal amplitudes
   int elastic_coordinates() const;
-  int constraints() const;  ///< loop closure equations of cut joints, and drives
+  int constraints() const;  ///< equations: of cut joints, drives, constraints
 
   /// One line per tree joint and cut joint, for people.
   struct JointLine {
@@ -34,6 +34,14 @@ class Model {
     int equations;
   };
   std::vector<JointLine> joint_lines() const;
+
+  /// The same of constraints.
+  struct ConstraintLine {
+    std::string name, type;
+    std::vector<std::string> between;  ///< the two bodies, or the joints that are coupled
+    int equations;
+  };
+  std::vector<ConstraintLine> constraint_lines() const;
 
   const Compiled& compiled() const;
   /// What the step needs, as one block (model/image.h): for the library itself, its type's header is not

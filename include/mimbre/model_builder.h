@@ -218,6 +218,39 @@ struct Contact {
   std::string in{};
 };
 
+/// Equations between bodies that are no joint of the tree.
+struct Constraint {
+  spec::Constraint::Kind kind = spec::Constraint::Kind::coupling;
+  /// Of a coupling, Σ factor · coordinate = constant.
+  struct Term {
+    std::string joint{};
+    double factor = 1;
+    int coordinate = 0;
+  };
+  std::vector<Term> terms{};
+  double constant = 0;
+  std::array<std::string, 2> between{};  ///< of the others: bodies, frames, nodes
+  /// Of a body: where the constraint acts; default: of a distance the origin of the body's frame, else the
+  /// place of the other side.
+  std::array<std::optional<Eigen::Vector3d>, 2> at{};
+  /// Directions on the first and on the second; default: z of the frames that are named; of the second also
+  /// that of the first.
+  std::optional<Eigen::Vector3d> axis{}, axis2{};
+  std::optional<double> length{};         ///< of a distance, m; default: as assembled
+  double lead = 0;                        ///< of a screw, m for each turn
+  std::vector<Eigen::Vector3d> points{};  ///< of a curve
+  bool closed = false;
+  std::string in{};
+};
+
+/// The first of two joints turns `ratio` times as fast as the second, in the other sense where negative: of
+/// wheels with 17 and 51 teeth outside −3, of a ring with 51 teeth inside 3.
+Constraint gear(const std::string& first, const std::string& second, double ratio);
+/// A pinion moves a rack by `travel`, m, for each turn.
+Constraint rack(const std::string& pinion, const std::string& rack, double travel);
+/// The cage turns with the mean of both sides.
+Constraint differential(const std::string& cage, const std::string& left, const std::string& right);
+
 /// A channel. `kind` is a word of model files (docs/model-file.md, `outputs`): position, velocity,
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
 /// joint, joint_velocity, joint_acceleration, joint_force, joint_rotation, joint_quaternion; modal_amplitude,
@@ -288,6 +321,7 @@ class ModelBuilder {
   void add_element(const std::string& name, const build::Element& element);
   void add_surface(const std::string& name, const build::Surface& surface);
   void add_contact(const std::string& name, const build::Contact& contact);
+  void add_constraint(const std::string& name, const build::Constraint& constraint);
 
   /// What has been added, checked as a whole. The builder may go on afterwards.
   spec::Model build() const;

@@ -53,6 +53,7 @@ struct Redundancy {
   /// meant to be in line, or parallel, and are off by a little.
   int nearly = 0;
   std::vector<std::string> nearly_joints;
+  std::vector<std::string> constraints, nearly_constraints;  ///< the same of constraints
 };
 
 /// An event of the model, and how often it happened so far (spec::Event).

@@ -284,6 +284,39 @@ struct Element {
   std::shared_ptr<const UserLaw> user;
 };
 
+/// Equations between bodies that are no joint of the tree: they always close a loop, and do no work.
+struct Constraint {
+  std::string name;
+  Mark mark;
+  enum class Kind {
+    coupling,           ///< Σ factor · coordinate = constant
+    distance,           ///< between the origins of both frames: `length`
+    on_line,            ///< the origin of b lies on the line through a's origin along a's z,
+    on_plane,           ///< or on the plane through it at right angles to that,
+    on_curve,           ///< or on the curve through `points`
+    parallel,           ///< the z axes of both frames, of either sense,
+    perpendicular,      ///< or they are at right angles
+    constant_velocity,  ///< both origins coincide, and a turn about a's z makes b turn as much about its z
+    screw               ///< b turns about a's z and moves along it by `lead` for each turn
+  } kind = Kind::coupling;
+  /// A coupling's coordinates: angles count their turns.
+  struct Term {
+    int joint = -1;
+    int coordinate = 0;  ///< of its velocity coordinates (scalar ones only)
+    double factor = 1;
+  };
+  std::vector<Term> terms;
+  double constant = 0;
+  // Of the others.
+  int frame_a = -1;
+  int frame_b = -1;
+  double length = 0;  ///< m
+  double lead = 0;    ///< m for each turn, right-handed where positive
+  /// In the axes of frame a; the curve is the cubic spline through them over the length of its chords.
+  std::vector<Eigen::Vector3d> points;
+  bool closed = false;  ///< the last point is followed by the first; else it goes on straight beyond its ends
+};
+
 /// What spheres touch: a solid that a frame carries, given in the axes of that frame. Distances are negative
 /// inside of it.
 struct Surface {
@@ -426,6 +459,7 @@ struct Model {
   std::vector<Road> roads;
   std::vector<Tyre> tyres;
   std::vector<Element> elements;
+  std::vector<Constraint> constraints;
   std::vector<Surface> surfaces;
   std::vector<Contact> contacts;
   std::vector<Input> inputs;

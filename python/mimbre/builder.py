@@ -32,6 +32,7 @@ _order = (
     "bodies",
     "frames",
     "joints",
+    "constraints",
     "springs",
     "bushings",
     "gas_springs",
@@ -103,6 +104,19 @@ class Part:
             ```
         """
         self._add("joints", name, keys)
+
+    def add_constraint(self, name: str, /, **keys: Unpack[words.Constraint]) -> None:
+        """Equations between bodies that are no joint: of coordinates of joints (type gear, rack, differential,
+        coupling), or between two bodies (distance, on_line, on_plane, on_curve, parallel, perpendicular,
+        constant_velocity, screw).
+
+        Example:
+            ```python
+            m.add_constraint("reduction", type="gear", joints=["motor", "wheel"], teeth=[17, 51])
+            m.add_constraint("rod", type="distance", between=["crank", "piston"], at=[[0, 0, 0.1], [0, 0, 0.4]])
+            ```
+        """
+        self._add("constraints", name, keys)
 
     def add_spring(self, name: str, /, **keys: Unpack[words.Spring]) -> None:
         """Pulls two points towards each other, and damps: between, at (two points, m), elastic (a law of the length, m,

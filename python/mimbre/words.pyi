@@ -299,6 +299,52 @@ class Joint(TypedDict, total=False):
     # Springs and dampers on its coordinates.
     spring: JointSpring | Sequence[JointSpring]
 
+class ConstraintTerms(TypedDict, total=False):
+    # Whose coordinate.
+    joint: Required[str]
+    # Which of several, from 0.
+    coordinate: Number
+    # That it is multiplied by.
+    factor: Required[Number]
+
+class Constraint(TypedDict, total=False):
+    # What it says of coordinates of joints (the first four), or of two bodies.
+    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw"]]
+    # Of a gear the two, of a rack pinion and rack, of a differential cage, left and right.
+    joints: Sequence[str]
+    # Of each of the joints which of its coordinates, where they have several.
+    coordinates: Sequence[Number | None] | Array
+    # Of a gear: speed of the first joint over that of the second; negative: the other way round.
+    ratio: Number
+    # Of a gear, of both wheels, instead of a ratio; in mesh they turn against each other.
+    teeth: Sequence[Number] | Array
+    # Of a gear with teeth: one of the wheels is a ring, so that both turn the same way.
+    internal: Flag
+    # Of a rack's pinion, m.
+    radius: Number
+    # Of a rack for each turn of the pinion, m, instead of the radius.
+    travel: Number
+    # Of a coupling: the sum of the coordinates times their factors stays what `constant` says.
+    terms: Sequence[ConstraintTerms]
+    # Of couplings: what the sum is; default: 0.
+    constant: Number
+    # Two bodies, frames or nodes.
+    between: Between
+    # Where it acts, m, global: one place; of a distance two, one of each body.
+    at: Sequence[Number | Vector | None] | Array
+    # On the first, global: direction of a line, a plane's normal, an axis, a shaft.
+    axis: Vector
+    # On the second, likewise; default but for perpendicular axes: `axis`.
+    axis2: Vector
+    # Of a distance, m; default: as assembled.
+    length: Number
+    # Of a screw, m for each turn, right-handed where positive.
+    lead: Number
+    # Of a curve on the first, m, global, in the assembled position.
+    points: Sequence[Vector] | Array
+    # Whether the curve goes on from its last point to its first; otherwise straight on beyond its ends.
+    closed: Flag
+
 class Spring(TypedDict, total=False):
     # Two bodies, frames or nodes.
     between: Required[Between]

@@ -60,6 +60,7 @@ std::vector<BodyLine> body_lines(const spec::Model& model) {
 struct Description {
   std::vector<BodyLine> bodies;
   std::vector<Model::JointLine> joints;
+  std::vector<Model::ConstraintLine> constraint_lines;
   double mass = 0;
   int loops = 0;
   int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
@@ -81,6 +82,7 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   Description d;
   d.bodies = body_lines(model.spec());
   d.joints = model.joint_lines();
+  d.constraint_lines = model.constraint_lines();
   for (const BodyLine& body : d.bodies) d.mass += body.mass;
   d.loops =
       static_cast<int>(std::count_if(d.joints.begin(), d.joints.end(), [](const auto& j) { return j.cut; }));
@@ -114,8 +116,10 @@ Json to_json(const Description& d, const std::string& title) {
   json["degrees_of_freedom"] = d.degrees_of_freedom;
   json["redundant_equations"] = d.redundancy.equations;
   json["redundant"] = d.redundancy.joints;
+  json["redundant_between_bodies"] = d.redundancy.constraints;
   json["nearly_redundant_equations"] = d.redundancy.nearly;
   json["nearly_redundant"] = d.redundancy.nearly_joints;
+  json["nearly_redundant_between_bodies"] = d.redundancy.nearly_constraints;
   json["assembly"] = Json::array();
   for (const AssemblyChoice& c : d.choices) {
     Json coordinates = Json::array();
@@ -141,6 +145,10 @@ Json to_json(const Description& d, const std::string& title) {
                               {"cut", j.cut},
                               {"coordinates", j.coordinates},
                               {"equations", j.equations}});
+  json["between_bodies"] = Json::array();
+  for (const Model::ConstraintLine& c : d.constraint_lines)
+    json["between_bodies"].push_back(
+        {{"name", c.name}, {"type", c.type}, {"between", c.between}, {"equations", c.equations}});
   json["inputs"] = json["tunables"] = Json::array();
   for (const spec::Input& i : d.inputs) {
     Json entry{{"name", i.name}, {"start", i.start}};
@@ -159,13 +167,16 @@ Json to_json(const Description& d, const std::string& title) {
 std::string redundancy_note(const Redundancy& r) {
   if (r.equations == 0) return {};
   constexpr std::size_t named = 12;
-  const std::vector<std::string> some(r.joints.begin(), r.joints.begin() + std::min(r.joints.size(), named));
+  std::vector<std::string> all = r.joints;
+  all.insert(all.end(), r.constraints.begin(), r.constraints.end());
+  const std::vector<std::string> some(all.begin(), all.begin() + std::min(all.size(), named));
   return fmt::format(
       "\nIn this position {} of the equations {} what others say. That does not change the motion, but rigid "
-      "bodies do not\ndetermine how these joints share their loads; of all reactions the smallest are "
+      "bodies do not\ndetermine how these {} share their loads; of all reactions the smallest are "
       "given: {}{}\n",
-      r.equations, r.equations == 1 ? "repeats" : "repeat", fmt::join(some, ", "),
-      r.joints.size() > named ? fmt::format(" and {} more", r.joints.size() - named) : "");
+      r.equations, r.equations == 1 ? "repeats" : "repeat",
+      r.constraints.empty() ? "joints" : "joints and constraints", fmt::join(some, ", "),
+      all.size() > named ? fmt::format(" and {} more", all.size() - named) : "");
 }
 
 /// The ways in which loops of bodies that were drawn apart close.
@@ -219,6 +230,10 @@ std::string to_tables(const Description& d, const std::string& title) {
   for (const Model::JointLine& j : d.joints)
     joints.add({j.name, j.type, j.parent, j.child, j.cut ? "cut" : "tree", fmt::format("{}", j.coordinates),
                 fmt::format("{}", j.equations)});
+  Table constraints({"constraint", "type", "between", "equations"});
+  for (const Model::ConstraintLine& c : d.constraint_lines)
+    constraints.add(
+        {c.name, c.type, fmt::format("{}", fmt::join(c.between, ", ")), fmt::format("{}", c.equations)});
   Table model({"model", "", ""});
   const auto line = [&](const char* what, int value) { model.add({what, fmt::format("{}", value), ""}); };
   model.add({"simulated time", fmt::format("{:.6g}", d.method.end),
@@ -232,8 +247,9 @@ std::string to_tables(const Description& d, const std::string& title) {
   line("degrees of freedom", d.degrees_of_freedom);
   if (d.redundancy.equations > 0) line("redundant equations", d.redundancy.equations);
   if (d.redundancy.nearly > 0) line("nearly redundant equations", d.redundancy.nearly);
-  return text + bodies.text() + '\n' + joints.text() + '\n' + model.text() + '\n' + method_table(d.method) +
-         redundancy_note(d.redundancy) + choices_note(d.choices);
+  const std::string between = d.constraint_lines.empty() ? "" : constraints.text() + '\n';
+  return text + bodies.text() + '\n' + joints.text() + '\n' + between + model.text() + '\n' +
+         method_table(d.method) + redundancy_note(d.redundancy) + choices_note(d.choices);
 }
 
 int run(const Arguments& arguments) {

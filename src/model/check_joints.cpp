@@ -7,11 +7,6 @@
 namespace mimbre::checks {
 namespace {
 
-/// Coordinates that are plain lengths or angles come first: what drives and springs may act on.
-int scalar_coordinates(const JointInfo& info) {
-  return info.quaternion < 0 ? info.velocities : info.rotation;
-}
-
 void check_ends(const spec::Model& model, const Thing& thing, const spec::Joint& joint) {
   const bool a = thing.index("frame_a", joint.frame_a, model.frames.size(), "frames");
   const bool b = thing.index("frame_b", joint.frame_b, model.frames.size(), "frames");
@@ -23,18 +18,6 @@ void check_ends(const spec::Model& model, const Thing& thing, const spec::Joint&
                                                  model.bodies[static_cast<std::size_t>(body)].name));
 }
 
-/// Whether the joint has the coordinate, and as a plain number.
-bool check_coordinate(const Thing& thing, const char* what, const JointInfo& info, int coordinate) {
-  const int count = scalar_coordinates(info);
-  if (coordinate >= 0 && coordinate < count) return true;
-  if (count == 0)
-    thing.error(fmt::format("{}: a {} joint has no scalar coordinate to act on", what, info.name));
-  else
-    thing.error(fmt::format("{}: coordinate is {}; the scalar coordinates of a {} joint are 0 to {}", what,
-                            coordinate, info.name, count - 1));
-  return false;
-}
-
 /// What a drive prescribes needs no initial value, and one that is something else would be ignored.
 void check_start(const Thing& thing, const char* what, const std::vector<std::optional<double>>& given,
                  int coordinate, double driven) {
@@ -44,11 +27,11 @@ void check_start(const Thing& thing, const char* what, const std::vector<std::op
                             *given[k], driven));
 }
 
-void check_drives(const Thing& thing, const spec::Joint& joint, const JointInfo& info) {
+void check_drives(const Thing& thing, const spec::Joint& joint) {
   std::set<int> driven;
   for (const spec::Drive& drive : joint.drives) {
     if (!thing.enumerator("drive: of", drive.of, 2)) continue;
-    if (!check_coordinate(thing, "drive", info, drive.coordinate)) continue;
+    if (!check_coordinate(thing, "drive", joint.type, drive.coordinate)) continue;
     if (!driven.insert(drive.coordinate).second)
       thing.error(fmt::format("coordinate {} is driven twice", drive.coordinate));
     if (drive.signal >= 0) continue;  // check_signals
@@ -68,9 +51,9 @@ void check_drives(const Thing& thing, const spec::Joint& joint, const JointInfo&
   }
 }
 
-void check_joint_springs(const Thing& thing, const spec::Joint& joint, const JointInfo& info) {
+void check_joint_springs(const Thing& thing, const spec::Joint& joint) {
   for (const spec::JointSpring& spring : joint.springs) {
-    if (!check_coordinate(thing, "spring", info, spring.coordinate)) continue;
+    if (!check_coordinate(thing, "spring", joint.type, spring.coordinate)) continue;
     if (spring.elastic.is_zero() && spring.damping.is_zero() && spring.general.formula.is_zero())
       thing.error("spring: says no force; give 'elastic', 'damping' or both");
   }
@@ -87,6 +70,19 @@ void check_initial(const Thing& thing, const char* what, const std::vector<std::
 
 }  // namespace
 
+bool check_coordinate(const Thing& thing, const char* what, spec::JointType type, int coordinate) {
+  const JointInfo& info = joint_info(type);
+  // Coordinates that are plain lengths or angles come first.
+  const int count = info.quaternion < 0 ? info.velocities : info.rotation;
+  if (coordinate >= 0 && coordinate < count) return true;
+  if (count == 0)
+    thing.error(fmt::format("{}: a {} joint has no scalar coordinate to act on", what, info.name));
+  else
+    thing.error(fmt::format("{}: coordinate is {}; the scalar coordinates of a {} joint are 0 to {}", what,
+                            coordinate, info.name, count - 1));
+  return false;
+}
+
 void check_joints(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const spec::Joint& joint = model.joints[k];
@@ -98,8 +94,8 @@ void check_joints(const spec::Model& model, std::vector<Diagnostic>& errors) {
     check_initial(thing, "initial_position", joint.initial_position, info);
     check_initial(thing, "initial_velocity", joint.initial_velocity, info);
     check_initial(thing, "near", joint.near, info);
-    check_drives(thing, joint, info);
-    check_joint_springs(thing, joint, info);
+    check_drives(thing, joint);
+    check_joint_springs(thing, joint);
   }
 }
 

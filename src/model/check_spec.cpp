@@ -45,6 +45,7 @@ void check_names(const spec::Model& model, std::vector<Diagnostic>& errors) {
   check_names_of("road", model.roads, errors);
   check_names_of("tyre", model.tyres, errors);
   check_names_of("element", model.elements, errors);
+  check_names_of("constraint", model.constraints, errors);
   check_names_of("surface", model.surfaces, errors);
   check_names_of("contact", model.contacts, errors);
   check_names_of("input", model.inputs, errors);
@@ -59,9 +60,10 @@ void check_spec(const spec::Model& model) {
   using namespace checks;
   std::vector<Diagnostic> errors;
   if (model.bodies.empty()) errors.push_back({{model.file, 0, 0}, "the model has no body; add one"});
-  for (const auto check : {check_names, check_bodies, check_frames, check_joints, check_springs, check_loads,
-                           check_roads, check_tyres, check_inputs, check_signals, check_blocks, check_events,
-                           check_elements, check_surfaces, check_contacts, check_outputs, check_simulation})
+  for (const auto check :
+       {check_names, check_bodies, check_frames, check_joints, check_springs, check_loads, check_roads,
+        check_tyres, check_inputs, check_signals, check_blocks, check_events, check_elements,
+        check_constraints, check_surfaces, check_contacts, check_outputs, check_simulation})
     check(model, errors);
   if (errors.empty()) return;
   constexpr std::size_t most = 100;

@@ -99,6 +99,9 @@ inline bool sound_frame(const spec::Model& model, int frame) {
 
 /// Of a formula and its arguments; `own`: variables of the law itself, which come first.
 void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own);
+/// Whether a joint of the type has the coordinate, and as a plain number that drives, springs and couplings
+/// may act on; records an error, led by `what`, otherwise.
+bool check_coordinate(const Thing& thing, const char* what, spec::JointType type, int coordinate);
 
 // One for each kind of things.
 void check_names(const spec::Model& model, std::vector<Diagnostic>& errors);
@@ -116,6 +119,7 @@ void check_events(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_surfaces(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_elements(const spec::Model& model, std::vector<Diagnostic>& errors);
+void check_constraints(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_outputs(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_simulation(const spec::Model& model, std::vector<Diagnostic>& errors);
 

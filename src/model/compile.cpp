@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "math/decompositions.h"
@@ -13,6 +14,7 @@
 #include "model/check_spec.h"
 #include "model/compile_signals.h"
 #include "model/compiled.h"
+#include "model/constraint_kinds.h"
 #include "model/contact_pairs.h"
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
@@ -107,6 +109,11 @@ class Compiler {
       full.insert(b.reversed ? j.frame_b : j.frame_a);
     }
     for (int k : topology_.cut_joints) full.insert({spec_.joints[k].frame_a, spec_.joints[k].frame_b});
+    for (const auto& c : spec_.constraints) {
+      if (c.kind != spec::Constraint::Kind::coupling) full.insert({c.frame_a, c.frame_b});
+      for (const auto& term : c.terms)  // also of floating joints that close a loop, which are not cut
+        full.insert({spec_.joints[term.joint].frame_a, spec_.joints[term.joint].frame_b});
+    }
     for (const auto& s : spec_.springs) needed.insert({s.frame_a, s.frame_b});
     for (const auto& l : spec_.loads) full.insert(l.frame);
     for (const auto& t : spec_.tyres) needed.insert(t.frame);
@@ -555,6 +562,103 @@ class Compiler {
                              coordinate, drive_slot(c_, body.joint_spec, k), 1.0});
       }
     }
+    for (int k = 0; k < static_cast<int>(spec_.constraints.size()); ++k) add_constraint(k);
+  }
+
+  void add_constraint(int k) {
+    const spec::Constraint& s = spec_.constraints[k];
+    const ConstraintInfo& info = constraint_info(s.kind);
+    ConstraintData c;
+    c.spec = k;
+    c.kind = s.kind;
+    c.first_equation = c_.equations;
+    c.count = info.equations;
+    c.lengths = info.lengths;
+    c.state_count = info.states;
+    switch (s.kind) {
+      case spec::Constraint::Kind::coupling:
+        couple(s, c);
+        break;
+      case spec::Constraint::Kind::distance:
+        c.constant = s.length;
+        break;
+      case spec::Constraint::Kind::screw:
+        c.constant = s.lead / (2 * std::numbers::pi);
+        break;
+      case spec::Constraint::Kind::on_curve:
+        c.curve = space_curve(s.points, s.closed);
+        break;
+      default:
+        break;
+    }
+    if (c.terms.empty()) {
+      ConstraintTerm term;
+      term.frame_a = c_.frame_of_spec[s.frame_a];
+      term.frame_b = c_.frame_of_spec[s.frame_b];
+      c.terms.push_back(term);
+    }
+    find_paths(c);
+    c.jacobian = add_jacobian(c.path, c.count);
+    c.covectors = c_.constraint_covectors;
+    c_.constraint_covectors += c.count * static_cast<int>(c.terms.size());
+    c.states = static_cast<int>(c_.states.size());
+    c.next_states = c_.constraint_states;
+    c_.constraint_states += c.state_count;
+    c_.states.resize(c_.states.size() + c.state_count, 0.0);
+    if (s.kind == spec::Constraint::Kind::on_curve) {
+      const spec::Pose a = global_pose(s.frame_a);
+      c_.states[c.states] =
+          nearest_on(c.curve, a.rotation.transpose() * (global_pose(s.frame_b).position - a.position));
+    }
+    c_.equations += c.count;
+    c_.constraints.push_back(std::move(c));
+  }
+
+  /// The coordinates of a coupling, so that the equation is a length or an angle whatever multiple of it is
+  /// given: the largest factor of a length, or where there is none of an angle, is 1.
+  void couple(const spec::Constraint& s, ConstraintData& c) {
+    double largest[2] = {0, 0};  // of angles, of lengths
+    for (const spec::Constraint::Term& given : s.terms) {
+      const ElementData on = on_coordinate(given.joint, given.coordinate);
+      ConstraintTerm term;
+      term.frame_a = on.frame_a;
+      term.frame_b = on.frame_b;
+      term.factor = given.factor;
+      term.joint_spec = given.joint;
+      term.joint = on.joint;
+      term.local = given.coordinate;
+      term.body = on.body;
+      term.q = on.q;
+      term.v = on.v;
+      if (on.turns >= 0) term.turns = c.state_count++;
+      double& most = largest[is_angle(on.joint, given.coordinate) ? 0 : 1];
+      most = std::max(most, std::abs(given.factor));
+      c.terms.push_back(term);
+    }
+    const double unit = largest[1] > 0 ? largest[1] : largest[0];
+    for (ConstraintTerm& term : c.terms) term.factor /= unit;
+    c.constant = s.constant / unit;
+    c.lengths = largest[1] > 0 ? 1 : 0;
+  }
+
+  /// The bodies that any of a constraint's terms moves, and where each term finds them.
+  void find_paths(ConstraintData& c) const {
+    std::map<int, PathEntry, std::greater<>> entries;
+    for (ConstraintTerm& term : c.terms) {
+      if (term.body >= 0) {
+        entries[term.body].body = term.body;
+        continue;
+      }
+      term.path = make_path(term.frame_a, term.frame_b);
+      for (const PathEntry& e : term.path.entries) entries[e.body].body = e.body;
+    }
+    for (auto& [body, e] : entries) {
+      e.offset = c.path.width;
+      c.path.width += pad(c_.bodies[body].size());
+      c.path.entries.push_back(e);
+    }
+    for (ConstraintTerm& term : c.terms)
+      for (PathEntry& e : term.path.entries) e.offset = entries[e.body].offset;
   }
 
   void matrix() {
@@ -568,6 +672,7 @@ class Compiler {
         for (const PathEntry& f : path.entries) pattern.couplings.push_back({e.body, f.body});
     };
     for (const auto& l : c_.loops) couple(l.path);
+    for (const auto& c : c_.constraints) couple(c.path);
     for (const auto& e : c_.elements) couple(e.path);
     c_.symbolic = linalg::BlockSymbolic(pattern);
 
@@ -577,6 +682,7 @@ class Compiler {
           path.places.push_back(c_.symbolic.place(path.entries[i].body, path.entries[j].body));
     };
     for (auto& l : c_.loops) find_places(l.path);
+    for (auto& c : c_.constraints) find_places(c.path);
     for (auto& e : c_.elements) find_places(e.path);
     c_.mass_places.resize(c_.bodies.size());
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
@@ -617,6 +723,8 @@ class Compiler {
     for (LoopData& l : c_.loops)
       for (int r = 0; r < l.count; ++r)
         l.scale[r] = l.closure[r].kind == LoopClosure::Kind::angle ? angle : 1.0;
+    for (ConstraintData& c : c_.constraints)
+      for (int r = 0; r < c.count; ++r) c.scale[r] = c.is_length(r) ? 1.0 : angle;
     for (DriveData& d : c_.drives) {
       d.scale = is_angle(c_.bodies[d.body].joint, d.local) ? angle : 1.0;
     }
@@ -664,6 +772,28 @@ std::vector<Model::JointLine> Model::joint_lines() const {
     const spec::Joint& j = c.spec().joints[l.joint_spec];
     lines.push_back({j.name, std::string(joint_info(j.type).name), body_name(c.frames[l.frame_a].body),
                      body_name(c.frames[l.frame_b].body), true, 0, l.count});
+  }
+  return lines;
+}
+
+std::vector<Model::ConstraintLine> Model::constraint_lines() const {
+  const Compiled& c = compiled();
+  std::vector<ConstraintLine> lines;
+  for (const ConstraintData& constraint : c.constraints) {
+    ConstraintLine line{c.spec().constraints[constraint.spec].name,
+                        std::string(constraint_info(constraint.kind).name),
+                        {},
+                        constraint.count};
+    const auto body = [&](int frame) {
+      const int b = c.frames[frame].body;
+      return b < 0 ? std::string("ground") : c.spec().bodies[c.bodies[b].spec].name;
+    };
+    for (const ConstraintTerm& term : constraint.terms)
+      if (term.joint_spec >= 0)
+        line.between.push_back(c.spec().joints[term.joint_spec].name);
+      else
+        line.between = {body(term.frame_a), body(term.frame_b)};
+    lines.push_back(std::move(line));
   }
   return lines;
 }

@@ -10,6 +10,7 @@
 #include "joints/table.h"
 #include "linalg/block_sparse.h"
 #include "math/function_data.h"
+#include "math/space_curve.h"
 #include "mimbre/spec.h"
 #include "model/rows.h"
 
@@ -140,16 +141,50 @@ struct Path {
   Array<linalg::BlockPlace> places;
 };
 
-/// A cut joint: equations [first, first + count) between two frames.
-struct LoopData {
-  int joint_spec = -1;
-  int frame_a = -1, frame_b = -1;
+/// Equations [first, first + count) with rows of the Jacobian along one path.
+struct EquationRows {
   int first_equation = 0;
   int count = 0;
-  Array<LoopClosure> closure;
   double scale[6] = {1, 1, 1, 1, 1, 1};  ///< of the penalty: length² for angles
   Path path;
-  int jacobian = 0;  ///< offset of its rows in the workspace
+  int jacobian = 0;  ///< offset of the rows in the workspace
+};
+
+/// A cut joint: equations between two frames.
+struct LoopData : EquationRows {
+  int joint_spec = -1;
+  int frame_a = -1, frame_b = -1;
+  Array<LoopClosure> closure;
+};
+
+/// What a constraint has between two frames: all of it, or of a coupling one joint's coordinate.
+struct ConstraintTerm {
+  int frame_a = -1, frame_b = -1;
+  // Of a coupling.
+  double factor = 1;
+  int joint_spec = -1;
+  spec::JointType joint = spec::JointType::fixed;
+  int local = 0;     ///< of the joint's velocity coordinates
+  int body = -1;     ///< the tree body whose joint it is; -1: of a cut joint
+  int q = 0, v = 0;  ///< its places, in the tree
+  int turns = -1;    ///< of the constraint's states the one that counts turns; -1: none
+  Path path;         ///< none of the tree's; its offsets are those of the constraint's path
+};
+
+/// Equations between bodies. Their laws are in src/constraints.
+struct ConstraintData : EquationRows {
+  using Kind = spec::Constraint::Kind;
+  int spec = -1;
+  Kind kind = Kind::coupling;
+  unsigned lengths = 0;  ///< bit r: equation r is a length, m, otherwise an angle, rad
+  Array<ConstraintTerm> terms;
+  int covectors = 0;  ///< first of count × terms in the workspace, those of one equation next to each other
+  double constant = 0;  ///< of a coupling; distance: m; screw: m/rad
+  SpaceCurve curve;
+  int states = 0, state_count = 0;  ///< among the model's: turns, or the place on the curve
+  int next_states = 0;              ///< likewise in the workspace
+
+  bool is_length(int equation) const { return (lengths >> equation & 1u) != 0; }
 };
 
 /// A joint coordinate prescribed over time: one equation on one velocity coordinate.
@@ -389,6 +424,8 @@ struct Compiled {
 
   Array<LoopData> loops;
   Array<DriveData> drives;
+  Array<ConstraintData> constraints;
+  int constraint_covectors = 0, constraint_states = 0;  ///< of all of them
   Array<RoadData> roads;
   Array<SurfaceData> surfaces;  ///< those of the spec, then spheres that others touch
   /// Springs, tyres, loads and joint springs in the order of the spec, then its other elements, then every
@@ -410,6 +447,13 @@ struct Compiled {
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
 };
+
+/// Calls f with the equations of cut joints, then of constraints.
+template <class F>
+void for_rows(const Compiled& m, const F& f) {
+  for (const LoopData& loop : m.loops) f(static_cast<const EquationRows&>(loop));
+  for (const ConstraintData& constraint : m.constraints) f(static_cast<const EquationRows&>(constraint));
+}
 
 /// Round-off of positions, by the length scale: of a mechanism that is far wider than that, or of many
 /// bodies, more.

@@ -20,7 +20,7 @@ struct ModelBuilder::Impl {
   NamedThings bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
       loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}}, inputs{"input", {}},
       signals{"signal", {}}, events{"event", {}}, elements{"element", {}}, surfaces{"surface", {}},
-      contacts{"contact", {}};
+      contacts{"contact", {}}, constraints{"constraint", {}};
   std::map<std::string, int> sensors;                ///< of outputs that signals see
   std::unordered_map<std::string, int> node_frames;  ///< frames of nodes, made when first used
 };

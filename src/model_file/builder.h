@@ -123,7 +123,8 @@ struct Builder {
   Names body_names{"body", {}}, frame_names{"frame", {}}, joint_names{"joint", {}},
       spring_names{"spring", {}}, load_names{"load", {}}, road_names{"road", {}}, tyre_names{"tyre", {}},
       surface_names{"surface", {}}, contact_names{"contact", {}}, output_names{"output", {}},
-      input_names{"input", {}}, signal_names{"signal", {}}, event_names{"event", {}};
+      input_names{"input", {}}, signal_names{"signal", {}}, event_names{"event", {}},
+      constraint_names{"constraint", {}};
   std::map<std::string, Names> element_names;        ///< by section
   std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
   std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use
@@ -170,6 +171,7 @@ void read_roads(Builder& builder, Part& part);
 void read_tyres(Builder& builder, Part& part);
 /// Warns of forces on nodes of flexible bodies that have no static mode.
 void warn_of_loaded_nodes(Builder& builder);
+void read_constraints(Builder& builder, Part& part);
 void read_outputs(Builder& builder);
 void read_simulation(Builder& builder, Part& part);
 void read_instances(Builder& builder);

@@ -52,7 +52,22 @@ std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& 
   return {a, b};
 }
 
-/// A frame at another's place with these global axes, on the same body.
+std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part& part, const Value& joint,
+                                                   const std::optional<Value>& coordinate) {
+  const auto name = joint.word();
+  const int number = name ? builder.resolve(builder.joint_names, part, *name, joint) : -1;
+  if (number < 0) return {};
+  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(number)].type);
+  const int count = info.quaternion < 0 ? info.velocities : info.quaternion;
+  if (count == 0) {
+    joint.error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
+    return {};
+  }
+  if (coordinate) return std::pair(number, coordinate->integer(0, count - 1).value_or(0));
+  if (count > 1) joint.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  return std::pair(number, 0);
+}
+
 int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
                  const Value& value) {
   const int body = builder.model.frames[static_cast<std::size_t>(frame)].body;
@@ -62,19 +77,9 @@ int turned_frame(Builder& builder, int frame, const std::string& name, const Eig
 std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields) {
   spec::Element::Term term;
   const auto joint = fields.need("joint", "hinge");
-  const auto name = joint ? joint->word() : std::nullopt;
-  term.joint = name ? builder.resolve(builder.joint_names, part, *name, *joint) : -1;
-  if (term.joint < 0) return {};
-  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(term.joint)].type);
-  const int count = info.quaternion < 0 ? info.velocities : info.quaternion;
-  if (count == 0) {
-    joint->error(fmt::format("a {} joint has no scalar coordinate to act on", info.name));
-    return {};
-  }
-  if (const auto coordinate = fields.get("coordinate"))
-    term.coordinate = coordinate->integer(0, count - 1).value_or(0);
-  else if (count > 1)
-    fields.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  const auto found = joint ? read_coordinate(builder, part, *joint, fields.get("coordinate")) : std::nullopt;
+  if (!found) return {};
+  std::tie(term.joint, term.coordinate) = *found;
   return term;
 }
 

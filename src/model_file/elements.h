@@ -27,6 +27,10 @@ void for_each(Builder& builder, Part& part, const std::string& key, Names& names
 std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,
                               const std::string& name, bool one_place);
 
+/// The joint that is named and its velocity coordinate, a plain number: the one of `coordinate`, which joints
+/// with several need; nothing where that is wrong, and said.
+std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part& part, const Value& joint,
+                                                   const std::optional<Value>& coordinate);
 /// A frame at another's place with these global axes, on the same body.
 int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
                  const Value& value);

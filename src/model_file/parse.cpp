@@ -64,7 +64,8 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
       Value(model.reading, *model.written, "model"),
       with_element_sections(
           {"mimbre", "title", "include", "gravity", "parameters", "require", "materials", "sections",
-           "bodies", "frames", "joints", "springs", "loads", "roads", "tyres", "surfaces", "contacts"},
+           "bodies", "frames", "joints", "constraints", "springs", "loads", "roads", "tyres", "surfaces",
+           "contacts"},
           {"inputs", "signals", "events", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
@@ -88,6 +89,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_frames(builder, part);
   for (Part& part : builder.parts) read_joints(builder, part);
   add_floating_joints(builder);
+  for (Part& part : builder.parts) read_constraints(builder, part);
   for (Part& part : builder.parts) read_springs(builder, part);
   for (Part& part : builder.parts) read_loads(builder, part);
   for (Part& part : builder.parts) read_tyres(builder, part);

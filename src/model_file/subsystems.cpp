@@ -13,10 +13,10 @@ namespace mimbre::model_file {
 namespace {
 
 const std::vector<std::string>& template_keys() {
-  static const std::vector<std::string> keys =
-      with_element_sections({"file", "include", "mimbre", "title", "parameters", "require", "materials",
-                             "sections", "bodies", "frames", "joints", "springs", "loads", "tyres"},
-                            {"inputs", "signals", "events", "subsystems", "instances", "outputs"});
+  static const std::vector<std::string> keys = with_element_sections(
+      {"file", "include", "mimbre", "title", "parameters", "require", "materials", "sections", "bodies",
+       "frames", "joints", "constraints", "springs", "loads", "tyres"},
+      {"inputs", "signals", "events", "subsystems", "instances", "outputs"});
   return keys;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "dynamics/relative/forces.h"
 #include "integrate/initial.h"
@@ -77,7 +78,9 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
   system.enter(s.u.data(), s.z.data(), 0);
   system.begin_step(s.q.data());
 
-  const auto where = [&](double gap, const double* violation, const char* what, const char* unit) {
+  static constexpr std::string_view closing = "cannot be closed";
+  const auto where = [&](double gap, const double* violation, std::string_view what, std::string_view unit,
+                         std::string_view angle_unit) {
     for (const LoopData& l : m.loops)
       for (int r = 0; r < l.count; ++r)
         if (std::abs(violation[l.first_equation + r]) >= 0.99 * gap) {
@@ -87,6 +90,18 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
                                   "and axes of the joints in the loop and the initial values that are given",
                                   j.name, what, gap, unit));
         }
+    for (const ConstraintData& c : m.constraints)
+      for (int r = 0; r < c.count; ++r)
+        if (std::abs(violation[c.first_equation + r]) >= 0.99 * gap) {
+          const spec::Constraint& of = m.spec().constraints[c.spec];
+          return InputError(
+              of.mark,
+              fmt::format(
+                  "constraint '{}' {}: {:.3g} {} is left; check what it joins, what else holds that, and "
+                  "the initial values that are given",
+                  of.name, what == closing ? "cannot be fulfilled" : what, gap,
+                  c.is_length(r) ? unit : angle_unit));
+        }
     return InputError(
         {}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap, unit));
   };
@@ -95,13 +110,14 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
     for (const BodyData& b : m.bodies) position_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
     gap = close_positions(system, 0, position_weight, s.q);
   }
-  if (!(gap <= close_enough)) throw where(gap, system.phi(), "cannot be closed", "m");
+  if (!(gap <= close_enough)) throw where(gap, system.phi(), closing, "m", "rad");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   if (gap > close_enough) {
     for (const BodyData& b : m.bodies) velocity_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
     gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   }
-  if (!(gap <= close_enough)) throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s");
+  if (!(gap <= close_enough))
+    throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s", "rad/s");
   // What elements remember counts from here on, in an equilibrium that is sought too.
   system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   Eigen::VectorXd generalised(m.velocities);

@@ -10,6 +10,7 @@
 #include "dynamics/relative/momentum.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
+#include "simulation/constraint_channels.h"
 #include "simulation/contact_drawings.h"
 #include "simulation/names.h"
 #include "simulation/section_forces.h"
@@ -304,6 +305,9 @@ Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.
       }
     });
   }
+  for (std::size_t k = 0; k < m.constraints.size(); ++k)
+    add_with(Of::constraint, static_cast<int>(k), Needs::reactions,
+             [&] { add_constraint_info(m, m.constraints[k], info_); });
   for (std::size_t k = 0; k < m.spec().contacts.size(); ++k)
     add_with(Of::contact, static_cast<int>(k), Needs::forces, [&] {
       const std::string& name = m.spec().contacts[k].name;
@@ -460,23 +464,32 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
 }
 
 void Channels::mark_undetermined(const Redundancy& redundancy) {
-  const auto among = [&](const std::vector<std::string>& joints, const std::string& name) {
-    return std::find(joints.begin(), joints.end(), name) != joints.end();
+  const auto among = [&](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
   };
-  const auto mark = [&](const Part& part, int joint) {
-    const std::string& name = model_.spec().joints[static_cast<std::size_t>(joint)].name;
-    if (!among(redundancy.joints, name) && !among(redundancy.nearly_joints, name)) return;
+  const auto mark = [&](const Part& part, const char* note) {
     for (int k = part.first; k < part.first + part.count; ++k) {
       ChannelInfo& channel = info_[static_cast<std::size_t>(k)];
-      channel.meaning += ", the smallest of those that redundant constraints leave open";
+      channel.meaning += note;
       channel.determined = false;
     }
   };
+  const auto mark_joint = [&](const Part& part, int joint) {
+    const std::string& name = model_.spec().joints[static_cast<std::size_t>(joint)].name;
+    if (among(redundancy.joints, name) || among(redundancy.nearly_joints, name))
+      mark(part, ", the smallest of those that redundant constraints leave open");
+  };
   for (const Part& part : parts_) {
-    if (part.kind == Part::Kind::reaction) mark(part, part.item);
+    if (part.kind == Part::Kind::reaction) mark_joint(part, part.item);
+    if (part.kind == Part::Kind::constraint) {
+      const int spec = model_.constraints[static_cast<std::size_t>(part.item)].spec;
+      const std::string& name = model_.spec().constraints[static_cast<std::size_t>(spec)].name;
+      if (among(redundancy.constraints, name) || among(redundancy.nearly_constraints, name))
+        mark(part, ", one of those that redundant constraints leave open");
+    }
     if (part.kind != Part::Kind::output) continue;
     const spec::Output& o = model_.spec().outputs[static_cast<std::size_t>(part.item)];
-    if (o.kind == Kind::joint_force) mark(part, o.item);
+    if (o.kind == Kind::joint_force) mark_joint(part, o.item);
   }
 }
 
@@ -541,6 +554,8 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       }
       return;
     }
+    case Part::Kind::constraint:
+      return read_constraint(m.constraints[static_cast<std::size_t>(part.item)], system, s, to);
     case Part::Kind::input:
     case Part::Kind::signal:
       *to = w.signals.value[part.item];

@@ -33,6 +33,7 @@ class Channels {
       road,
       load,
       element,
+      constraint,
       contact,
       input,
       signal,

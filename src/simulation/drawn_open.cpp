@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "joints/table.h"
+#include "simulation/names.h"
 
 namespace mimbre {
 namespace {
 
 constexpr double noticeable = 1e-3;  ///< of the mechanism's size; rad
-constexpr std::size_t named = 5;     ///< joints in the message
+constexpr std::size_t named = 5;     ///< places in the message
 
 /// All joint coordinates zero: as the model was drawn.
 Eigen::VectorXd drawn(const Compiled& m) {
@@ -27,50 +28,54 @@ Eigen::VectorXd drawn(const Compiled& m) {
 
 std::string drawn_open(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = system.model();
-  if (m.loops.empty()) return {};
+  if (m.loops.empty() && m.constraints.empty()) return {};
   const Eigen::VectorXd q = drawn(m), rest = Eigen::VectorXd::Zero(m.velocities);
   const auto& frames = system.workspace().frames;
   const auto evaluate = [&](const Eigen::VectorXd& positions) {
     system.kinematics(s.time, positions.data(), rest.data(), rest.data());
   };
-  const auto places = [&] {
+  const auto positions_of_frames = [&] {
     std::vector<Vec3d> out;
     for (int k = 0; k < m.dynamic_frames; ++k) out.push_back(frames[k].position);
     return out;
   };
   evaluate(q);
-  const std::vector<Vec3d> before = places();
+  const std::vector<Vec3d> before = positions_of_frames();
   Vec3d low = before.front(), high = low;
   for (const Vec3d& p : before) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double extent = (high - low).norm();
-  std::vector<std::string> joints;
+  std::vector<std::string> places;
   double gap = 0, turn = 0;
-  for (const LoopData& l : m.loops) {
+  const auto look = [&](const EquationRows& rows, const auto& is_length) {
     double distance = 0, angle = 0;
-    for (int r = 0; r < l.count; ++r) {
-      const double phi = std::abs(system.phi()[l.first_equation + r]);
-      double& largest = l.closure[r].kind == LoopClosure::Kind::distance ? distance : angle;
-      largest = std::max(largest, phi);
+    for (int r = 0; r < rows.count; ++r) {
+      double& largest = is_length(r) ? distance : angle;
+      largest = std::max(largest, std::abs(system.phi()[rows.first_equation + r]));
     }
-    if (distance <= noticeable * extent && angle <= noticeable) continue;
-    joints.push_back(fmt::format("'{}'", m.spec().joints[l.joint_spec].name));
+    if (distance <= noticeable * extent && angle <= noticeable) return;
+    places.push_back(equation_name(m, nullptr, rows.first_equation));
     gap = std::max(gap, distance);
     turn = std::max(turn, angle);
-  }
-  if (joints.empty()) return {};
+  };
+  for (const LoopData& l : m.loops)
+    look(l, [&](int r) { return l.closure[r].kind == LoopClosure::Kind::distance; });
+  // Couplings take joints from where they are drawn to where their initial values are.
+  for (const ConstraintData& c : m.constraints)
+    if (c.kind != ConstraintData::Kind::coupling) look(c, [&](int r) { return c.is_length(r); });
+  if (places.empty()) return {};
   evaluate(s.q);
-  const std::vector<Vec3d> after = places();
+  const std::vector<Vec3d> after = positions_of_frames();
   double farthest = 0;
   int body = m.frames.front().body;
   for (int k = 0; k < m.dynamic_frames; ++k)
     if (const double way = (after[k] - before[k]).norm(); way > farthest)
       farthest = way, body = m.frames[k].body;
-  const std::size_t count = joints.size();
-  joints.resize(std::min(count, named));
+  const std::size_t count = places.size();
+  places.resize(std::min(count, named));
   std::string text =
-      fmt::format("{} drawn open, at joint{} {}{} by up to {}: closing {} moved ",
-                  count == 1 ? "a loop is" : fmt::format("{} loops are", count), count == 1 ? "" : "s",
-                  fmt::join(joints, ", "), count > named ? ", …" : "",
+      fmt::format("{} drawn open, at {}{} by up to {}: closing {} moved ",
+                  count == 1 ? "a loop is" : fmt::format("{} loops are", count), fmt::join(places, ", "),
+                  count > named ? ", …" : "",
                   gap > noticeable * extent ? fmt::format("{:.3g} m", gap) : fmt::format("{:.3g} rad", turn),
                   count == 1 ? "it" : "them");
   if (farthest > 0 && body >= 0)

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "joints/table.h"
+#include "model/constraint_kinds.h"
 
 namespace mimbre {
 namespace {
@@ -90,6 +91,9 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
     if (e.on == spec::Element::On::line) all.add(e.name, "actuator", e.frame_a, e.frame_b);
   for (const spec::Element& e : model.spec().elements)
     for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
+  for (const spec::Constraint& c : model.spec().constraints)
+    if (constraint_info(c.kind).force)  // the others are at no place
+      all.add(c.name, std::string(constraint_info(c.kind).name), c.frame_a, c.frame_b);
   for (const spec::Load& load : model.spec().loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec().tyres) {
     const bool moves = model.spec().roads[tyre.road].over == spec::Road::Over::time;

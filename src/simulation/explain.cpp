@@ -116,11 +116,13 @@ std::string explain_instability(const Compiled& model, const natural::NaturalSys
 
 std::string explain_near_redundancy(const Redundancy& r) {
   if (r.nearly == 0) return {};
+  std::vector<std::string> names = r.nearly_joints;
+  names.insert(names.end(), r.nearly_constraints.begin(), r.nearly_constraints.end());
   return fmt::format(
-      "constraints are nearly redundant: axes or points of joints {} are off by so little that the "
+      "constraints are nearly redundant: axes or points of {} {} are off by so little that the "
       "mechanism "
       "may lock, and their reactions are arbitrary; give them exactly, or free a coordinate of one of them",
-      quoted(r.nearly_joints));
+      r.nearly_constraints.empty() ? "joints" : "joints and constraints", quoted(names));
 }
 
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {

@@ -50,6 +50,8 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
     if (b >= 0) free[b] = 0;
   };
   for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
+  for (const ConstraintData& c : m.constraints)
+    for (const ConstraintTerm& t : c.terms) tie(t.frame_a, t.frame_b);
   for (const ElementData& e : m.elements) {
     // Of a sum the legs act.
     const bool acts = e.leg || (e.measure != Measure::sum && e.law != static_cast<int>(Law::sensor));

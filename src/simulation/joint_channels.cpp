@@ -91,6 +91,13 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
       force += acting;
       moment -= on.force[0] * on.angular_of(0) - w.frames[e.frame_b].position.cross(acting);
     }
+    for (const ConstraintData& c : model_.constraints)
+      for (std::size_t t = 0; t < c.terms.size(); ++t) {
+        if (c.terms[t].joint_spec != joint) continue;
+        const std::size_t k = static_cast<std::size_t>(c.covectors) + t;
+        force -= s.multipliers[c.first_equation] * w.constraint_linear[k];
+        moment -= s.multipliers[c.first_equation] * w.constraint_angular[k];
+      }
   }
   const int frame = model_.frame_of_spec[model_.spec().joints[joint].frame_b];
   const Motion<double> b = relative::output_motion(system, frame, s.q.data(), s.v.data(), s.a.data());

@@ -31,22 +31,29 @@ std::string coordinate_name(const Compiled& m, const natural::NaturalSystem* nat
 
 std::string equation_name(const Compiled& m, const natural::NaturalSystem* natural, int equation) {
   const auto joint = [&](int spec) { return fmt::format("joint '{}'", m.spec().joints[spec].name); };
+  const auto constraint = [&](const ConstraintData& c) {
+    return fmt::format("constraint '{}'", m.spec().constraints[c.spec].name);
+  };
+  const auto within = [&](int first, int count) { return equation >= first && equation < first + count; };
   if (natural) {
     const natural::Layout& l = natural->layout();
     for (std::size_t b = 0; b < l.bodies.size(); ++b)
-      if (equation >= l.bodies[b].first_equation &&
-          equation < l.bodies[b].first_equation + static_cast<int>(l.bodies[b].rigidity.size()))
+      if (within(l.bodies[b].first_equation, static_cast<int>(l.bodies[b].rigidity.size())))
         return fmt::format("the rigidity of body '{}'", m.spec().bodies[m.bodies[b].spec].name);
     for (const natural::Joint& j : l.joints)
-      if (equation >= j.first_equation && equation < j.first_equation + j.count) return joint(j.spec);
+      if (within(j.first_equation, j.count)) return joint(j.spec);
+    for (std::size_t k = 0; k < m.constraints.size(); ++k)
+      if (within(l.constraints[k].first_equation, m.constraints[k].count))
+        return constraint(m.constraints[k]);
     if (equation >= l.first_drive)
       return "the drive of " + joint(m.drives[equation - l.first_drive].joint_spec);
   } else {
     for (const LoopData& loop : m.loops)
-      if (equation >= loop.first_equation && equation < loop.first_equation + loop.count)
-        return joint(loop.joint_spec);
+      if (within(loop.first_equation, loop.count)) return joint(loop.joint_spec);
     for (const DriveData& d : m.drives)
       if (equation == d.equation) return "the drive of " + joint(d.joint_spec);
+    for (const ConstraintData& c : m.constraints)
+      if (within(c.first_equation, c.count)) return constraint(c);
   }
   return "the constraints";
 }

@@ -46,7 +46,8 @@ ScaledJacobian scaled_jacobian(relative::RelativeSystem& system, const State& s)
   return out;
 }
 
-/// How large a wrench each joint of the model bears, or its drive, moments over L at the joint.
+/// How large a wrench each joint of the model bears, or its drive, moments over L at the joint; behind them
+/// how large one of each constraint's.
 std::vector<double> borne(relative::RelativeSystem& system, const State& s,
                           const Eigen::VectorXd& multipliers) {
   const Compiled& m = system.model();
@@ -74,13 +75,20 @@ std::vector<double> borne(relative::RelativeSystem& system, const State& s,
   std::vector<double> size;
   for (std::size_t j = 0; j < force.size(); ++j)
     size.push_back(force[j].norm() + moment[j].norm() / m.length_scale);
+  for (const ConstraintData& c : m.constraints) {
+    size.push_back(0);
+    for (int k = 0; k < c.count; ++k)
+      size.back() += std::abs(multipliers[c.first_equation + k]) / (c.is_length(k) ? 1 : m.length_scale);
+  }
   return size;
 }
 
-/// Joints that bear more than `negligible` of the largest wrench where forces go round that no load asks for.
+/// Joints, then constraints, that bear more than `negligible` of the largest wrench where forces go round
+/// that no load asks for.
 std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
                             const linalg::SparseQr& qr, double negligible) {
-  std::vector<bool> marked(system.model().spec().joints.size(), false);
+  const Compiled& m = system.model();
+  std::vector<bool> marked(m.spec().joints.size() + m.constraints.size(), false);
   const auto count = static_cast<Eigen::Index>(qr.dependent().size());
   if (count == 0) return marked;
   for (const double seed : {0.0, 1.0}) {
@@ -116,9 +124,15 @@ Redundancy find_redundancy(relative::RelativeSystem& system, const State& s) {
     out.nearly = sharp.rank() - loose.rank();
     nearly = concerned(system, s, jacobian, loose, 1e-3);
   }
-  for (std::size_t j = 0; j < surely.size(); ++j) {
+  const std::size_t joints = m.spec().joints.size();
+  for (std::size_t j = 0; j < joints; ++j) {
     if (surely[j]) out.joints.push_back(m.spec().joints[j].name);
     if (nearly[j]) out.nearly_joints.push_back(m.spec().joints[j].name);
+  }
+  for (std::size_t k = 0; k < m.constraints.size(); ++k) {
+    const std::string& name = m.spec().constraints[m.constraints[k].spec].name;
+    if (surely[joints + k]) out.constraints.push_back(name);
+    if (nearly[joints + k]) out.nearly_constraints.push_back(name);
   }
   return out;
 }

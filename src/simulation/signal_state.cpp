@@ -60,6 +60,8 @@ void commit_signals(const Compiled& m, const relative::RelativeSystem& system, S
     const ElementState<const double> s = element_state(e, w.elements.data());
     std::copy_n(s.states, e.state_count, state.z.data() + e.states);
   }
+  for (const ConstraintData& c : m.constraints)
+    std::copy_n(w.constraint_states.data() + c.next_states, c.state_count, state.z.data() + c.states);
   for (const SignalsData::Integral& i : m.signals.integrals) {
     state.u[i.held] = w.signals.value[i.slot];
     state.u[i.held + 1] = state.time;

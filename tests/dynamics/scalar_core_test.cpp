@@ -62,9 +62,10 @@ constexpr double now = 0.013, step = 0.01, penalty_factor = 1e6;
 template <class T>
 Made<T> newton_step(const Compiled& m, const Given<T>& g) {
   std::vector<double> penalty(static_cast<std::size_t>(m.equations));
-  for (const LoopData& loop : m.loops)
-    for (int r = 0; r < loop.count; ++r)
-      penalty[static_cast<std::size_t>(loop.first_equation + r)] = m.mass_scale * loop.scale[r];
+  for_rows(m, [&](const EquationRows& e) {
+    for (int r = 0; r < e.count; ++r)
+      penalty[static_cast<std::size_t>(e.first_equation + r)] = m.mass_scale * e.scale[r];
+  });
   for (const DriveData& d : m.drives) penalty[static_cast<std::size_t>(d.equation)] = m.mass_scale * d.scale;
   const double h2 = step * step / 4;
   const MatrixWeights weights{step / 2, h2, penalty_factor * h2};
@@ -369,6 +370,7 @@ INSTANTIATE_TEST_SUITE_P(
     Mechanisms, ScalarCore,
     testing::Values(Mechanism{"driven_four_bar", driven_four_bar, 0.2},
                     Mechanism{"geared_four_bar", geared_four_bar, 0.2},
+                    Mechanism{"every_constraint", every_constraint, 0.1},
                     Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
                     Mechanism{"tree",
                               [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },

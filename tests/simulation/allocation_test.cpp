@@ -132,6 +132,11 @@ loads:
   EXPECT_EQ(allocations_of(geared, 200), 0);
 }
 
+TEST_P(Allocation, NoneWithConstraints) {
+  Simulation s(every_constraint(), options());
+  EXPECT_EQ(allocations_of(s, 200), 0);
+}
+
 /// Inputs set before each step, and channels read after it.
 TEST_P(Allocation, NoneWithInputsSetAndChannelsRead) {
   Simulation s(controlled_four_bar(), options());

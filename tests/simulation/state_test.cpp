@@ -68,6 +68,7 @@ const std::vector<Mechanism>& mechanisms() {
       {"controlled_four_bar", controlled_four_bar},
       {"geared_four_bar", geared_four_bar},
       {"thrown", thrown},
+      {"every_constraint", every_constraint},
       {"geometric_stiffness",
        [] {
          return example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}});

@@ -93,4 +93,42 @@ drags:
 )yaml");
 }
 
+std::shared_ptr<const Model> every_constraint() {
+  return model_of(R"yaml(
+bodies:
+  plate: {mass: 5, com: [0, 0, -0.4], inertia: [0.3, 0.4, 0.2]}
+  motor: {mass: 1, com: [-0.3, 1, 0], inertia: [0.01, 0.02, 0.02]}
+  shaft: {mass: 1, com: [0.3, 1, -0.1], inertia: [0.01, 0.03, 0.03]}
+  wheel: {mass: 2, com: [-0.3, 1.3, 0], inertia: [0.05, 0.1, 0.1]}
+  rack: {mass: 1, com: [-0.3, 1, 0.1], inertia: [0.01, 0.01, 0.01]}
+  pin: {mass: 0.8, com: [0.4, 0.05, -0.5], inertia: [0.02, 0.03, 0.025]}
+  bead: {mass: 0.5, com: [0.1, 0.02, -1.2], inertia: [0.004, 0.003, 0.005]}
+  foot: {mass: 1.5, com: [2, 0.1, 0.3], inertia: [0.03, 0.05, 0.04]}
+  nut: {mass: 0.7, com: [-0.4, 0.02, -0.5], inertia: [0.006, 0.004, 0.005]}
+joints:
+  hinge: {type: revolute, between: [ground, plate], at: [0, 0, 0], axis: [0, 1, 0], velocity: 1}
+  motor: {type: revolute, between: [ground, motor], at: [-0.3, 1, 0], axis: [1, 0, 0], velocity: 4}
+  wheel: {type: revolute, between: [ground, wheel], at: [-0.3, 1.3, 0], axis: [1, 0, 0], cut: always}
+  rack: {type: prismatic, between: [ground, rack], at: [-0.3, 1, 0.1], axis: [0, 1, 0]}
+  foot: {type: floating, between: [ground, foot], velocity: [0.3, 0, 0, 0, 0, 2]}
+constraints:
+  gear: {type: gear, joints: [motor, wheel], teeth: [17, 51]}
+  pinion: {type: rack, joints: [motor, rack], radius: 0.1}
+  half_shaft: {type: constant_velocity, between: [motor, shaft], at: [0, 1, 0], axis: [1, 0, 0], axis2: [0.9, 0, -0.3]}
+  slot: {type: on_line, between: [plate, pin], at: [0.4, 0, -0.5], axis: [0, 0.3, 1]}
+  cross: {type: perpendicular, between: [plate, pin], axis: [1, 0, 0], axis2: [0, 1, 0]}
+  rod: {type: distance, between: [ground, pin], at: [[1, 0.2, 0], [0.45, 0.1, -0.45]]}
+  wire:
+    type: on_curve
+    between: [plate, bead]
+    at: [0.1, 0, -1.2]
+    points: [[-0.9, 0, -0.6], [-0.5, 0.1, -1], [0.1, 0, -1.2], [0.6, -0.1, -0.9], [0.8, 0.2, -0.4], [0, 0.3, -0.1]]
+    closed: true
+  table: {type: on_plane, between: [ground, foot], at: [2, 0, 0], axis: [0, 0.2, 1]}
+  upright: {type: parallel, between: [ground, foot], axis: [0, 0.2, 1]}
+  thread: {type: screw, between: [plate, nut], at: [-0.4, 0, -0.5], axis: [0.3, 0, 1], lead: 0.3}
+simulation: {step: 0.002, end: 1}
+)yaml");
+}
+
 }  // namespace mimbre::test

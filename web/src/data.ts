@@ -70,7 +70,7 @@ export interface Frame {
   motion: Float32Array;
 }
 
-/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", of a joint's own "torsional …" with "about z" or "sliding …" with "along z", "load", "tyre", "tyre on rig". */
+/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", of a joint's own "torsional …" with "about z" or "sliding …" with "along z", "load", "tyre", "tyre on rig", of a constraint "distance", "on_line", "on_plane", "on_curve", "constant_velocity", "screw". */
 export interface Element {
   name: string;
   kind: string;

@@ -38,7 +38,8 @@ function between(kind: string, length: number, size: number, materials: ElementM
   const add = (geometry: THREE.BufferGeometry, material: THREE.Material, of: number, stretches: boolean) =>
     parts.push({ mesh: new THREE.Mesh(geometry, material), length: of, stretches });
   if (kind.startsWith("spring")) add(coil(8, length, radius, 0.17 * radius), materials.spring, length, true);
-  if (kind !== "spring") {
+  if (kind === "distance") add(rod(0.35 * radius, length), materials.rod, length, true);
+  else if (kind !== "spring") {
     const thick = radius * (kind === "spring damper" ? 0.55 : 0.8);
     add(rod(thick, 0.55 * length), kind === "actuator" ? materials.actuator : materials.damper, 0.55 * length, false);
     add(rod(0.35 * thick, length), materials.rod, length, true);
@@ -51,11 +52,12 @@ function jointShape(kind: string, r: number): THREE.BufferGeometry[] {
   const along = (radius: number, length: number) => new THREE.CylinderGeometry(radius, radius, length, 24).rotateX(Math.PI / 2);
   if (kind === "revolute") return [along(r, 2.4 * r), along(0.45 * r, 3.4 * r)];
   if (kind === "prismatic") return [new THREE.BoxGeometry(1.7 * r, 1.7 * r, 4 * r)];
-  if (kind === "cylindrical") return [along(r, 4 * r)];
+  if (kind === "cylindrical" || kind === "screw") return [along(r, 4 * r)];
   if (kind === "universal") return [along(0.45 * r, 3 * r).rotateX(Math.PI / 2), along(0.45 * r, 3 * r).rotateY(Math.PI / 2), new THREE.BoxGeometry(r, r, r)];
-  if (kind === "spherical") return [new THREE.SphereGeometry(1.15 * r, 24, 16)];
+  if (kind === "spherical" || kind === "constant_velocity") return [new THREE.SphereGeometry(1.15 * r, 24, 16)];
   if (kind === "planar") return [new THREE.BoxGeometry(4 * r, 4 * r, 0.4 * r)];
   if (kind === "floating") return [];
+  if (kind.startsWith("on_")) return [new THREE.SphereGeometry(0.7 * r, 24, 16)]; // a point on a line, plane or curve
   return [new THREE.BoxGeometry(1.3 * r, 1.3 * r, 1.3 * r)]; // held in all directions
 }
 
@@ -92,7 +94,7 @@ export class ElementView {
   ) {
     const { kind } = element;
     const slide = slideOf(element);
-    this.isJoint = isJoint(element) || kind === "floating";
+    this.isJoint = isJoint(element) || kind === "floating" || kind.startsWith("on_");
     this.group.name = element.name;
     const radius = Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size); // of a joint
     if (this.isJoint) {

@@ -25,6 +25,8 @@ const held: Record<string, number[]> = {
   universal: [1, 1, 1, loose, loose, 1],
   spherical: [1, 1, 1, loose, loose, loose],
   planar: [loose, loose, 1, 1, 1, loose],
+  constant_velocity: [1, 1, 1, loose, loose, 1],
+  screw: [1, 1, loose, 1, 1, loose],
 };
 
 export const isJoint = (element: Element) => element.kind in held;

@@ -19,6 +19,7 @@ import { View3D, type Picked, type ViewOptions } from "./view3d";
 const largestFactor = 500; // of the exaggeration
 
 /** A joint's own spring. */
+const isConstraint = (kind: string) => kind === "distance" || kind === "constant_velocity" || kind === "screw" || kind.startsWith("on_");
 const isOfJoint = (element: Pick<Element, "kind">) => isTorsional(element) || slideOf(element) !== null;
 
 export class Player {
@@ -130,8 +131,13 @@ export class Player {
       const tension = force === null ? "" : `: ${force < 0 ? "compression" : "tension"} ${quantity(Math.abs(force), "N")}`;
       return `${name}, ${kind}${tension}${length === null ? "" : `, length ${quantity(length, "m", 4)}`}`;
     }
-    const sizes = (what: string) => Math.hypot(...["x", "y", "z"].map((axis) => now(`joint.${name}.${what}.${axis}`) ?? NaN));
-    const [force, moment] = [sizes("force"), sizes("moment")];
+    const sizes = (of: string, what: string) => Math.hypot(...["x", "y", "z"].map((axis) => now(`${of}.${name}.${what}.${axis}`) ?? NaN));
+    if (isConstraint(kind)) {
+      const [force, moment] = [sizes("constraint", "force"), sizes("constraint", "moment")];
+      const borne = [Number.isFinite(force) ? quantity(force, "N") : "", Number.isFinite(moment) ? quantity(moment, "N m") : ""].filter((text) => text);
+      return `${name}, ${kind.replace(/_/g, " ")}${borne.length > 0 ? `: ${borne.join(", ")}` : ""}`;
+    }
+    const [force, moment] = [sizes("joint", "force"), sizes("joint", "moment")];
     const note = kind === "bracket" ? " (fixed, with static modes of its flexible bodies)" : "";
     return `${name}, ${kind} joint${note}${Number.isFinite(force) ? `: ${quantity(force, "N")}, ${quantity(moment, "N m")}` : ""}`;
   }

@@ -1,7 +1,8 @@
 #pragma once
+#include "constraints/kernels.h"
 #include "dynamics/natural/joint_rates.h"
 
-/// Rigidity of the bodies, what joints do not share, and drives.
+/// Rigidity of the bodies, what joints do not share, drives, and constraints between bodies.
 namespace mimbre::natural {
 
 /// x · z and its derivatives.
@@ -11,6 +12,46 @@ void dot_product(const Vec3<T>& x, const Vec3<T>& x1, const Vec3<T>& x2, const V
   value = x.dot(z);
   first = x1.dot(z) + x.dot(z1);
   second = x2.dot(z) + T(2) * x1.dot(z1) + x.dot(z2);
+}
+
+/// Positions of a coupling's joint in the tree among q; null where it is cut.
+template <class T>
+const T* known_positions(const Layout& l, const ConstraintTerm& term, const T* q) {
+  return term.body < 0 ? nullptr : q + l.joint_coordinates[term.body].q;
+}
+
+/// Φ, Φ̇, Φ̈ of constraints, with the covectors of what they have between two frames.
+template <class T>
+void constrain_bodies(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
+  for (std::size_t i = 0; i < m.constraints.size(); ++i) {
+    const ConstraintData& c = m.constraints[i];
+    const int k = l.constraints[i].first_equation, terms = static_cast<int>(c.terms.size());
+    for (int r = 0; r < c.count; ++r) w.phi[k + r] = w.phi_dot[k + r] = w.phi_ddot[k + r] = T(0);
+    if (c.kind == ConstraintData::Kind::coupling) w.phi[k] = T(-c.constant);
+    for (int t = 0; t < terms; ++t) {
+      const ConstraintTerm& term = c.terms[t];
+      const FrameMotion<T>& A = w.frames[term.frame_a];
+      const RelativeMotion<T> motion = relative_motion<T>(A, w.frames[term.frame_b]);
+      ScalarEquation<T> equation[constraints::most_equations];
+      constraints::equations<T>(c, term, motion, known_positions<T>(l, term, q), w.signals.states + c.states,
+                                w.constraint_states.data() + c.next_states, equation);
+      for (int r = 0; r < c.count; ++r) {
+        w.phi[k + r] += equation[r].value;
+        w.phi_dot[k + r] += equation[r].rate(motion);
+        w.phi_ddot[k + r] += equation[r].second(motion);
+        w.constraint_linear[c.covectors + r * terms + t] = A.axes * equation[r].linear;
+        w.constraint_angular[c.covectors + r * terms + t] = A.axes * equation[r].angular;
+      }
+    }
+  }
+}
+
+/// Puts `force` and `moment` of a constraint's term on its two bodies.
+template <class T>
+void act_by_term(const Compiled& m, const Workspace<T>& w, const ConstraintTerm& term, const Vec3<T>& force,
+                 const Vec3<T>& moment, const Covector<T>& on_a, const Covector<T>& on_b) {
+  act_between<T>(m, term.frame_a, term.frame_b, w.frames[term.frame_a], w.frames[term.frame_b], force, moment,
+                 on_a, on_b);
 }
 
 /// Φ, Φ̇, Φ̈ of all equations, after kinematics; q's joint coordinates belong to the same position.
@@ -71,6 +112,7 @@ void constraints(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q
     phi1[k] = rates.v[d.local] - w.signals.rate[d.slot];
     phi2[k] = rates.a[d.local] - w.signals.second[d.slot];
   }
+  constrain_bodies<T>(m, l, w, q);
 }
 
 /// Adds μ Φq of one equation of rigidity to the forces on the body's base vectors.
@@ -130,6 +172,20 @@ void apply_multipliers(const Compiled& m, const Layout& l, Workspace<T>& w, cons
     act_on_coordinate<T>(m, c, w.frames[c.frame_a], w.frames[c.frame_b], q + c.q, d.local,
                          mu[l.first_drive + i], collector(m, l, w, link.body_a),
                          collector(m, l, w, link.body_b));
+  }
+  for (std::size_t i = 0; i < m.constraints.size(); ++i) {
+    const ConstraintData& c = m.constraints[i];
+    const ConstraintLink& link = l.constraints[i];
+    const int terms = static_cast<int>(c.terms.size());
+    for (int t = 0; t < terms; ++t) {
+      Vec3<T> force = Vec3<T>::Zero(), moment = Vec3<T>::Zero();
+      for (int r = 0; r < c.count; ++r) {
+        force += mu[link.first_equation + r] * w.constraint_linear[c.covectors + r * terms + t];
+        moment += mu[link.first_equation + r] * w.constraint_angular[c.covectors + r * terms + t];
+      }
+      act_by_term<T>(m, w, c.terms[t], force, moment, collector(m, l, w, link.terms[t].body_a),
+                     collector(m, l, w, link.terms[t].body_b));
+    }
   }
 }
 

@@ -47,6 +47,17 @@ void act_by_moment(const FrameData& f, const FrameMotion<T>& frame, const Vec3<T
     act_on_axis<T>(f, frame, axis, T(0.5) * moment.cross(Vec3<T>(frame.axes.col(axis))), out);
 }
 
+/// Force on the origin of b with a moment about it, and on a what balances them.
+template <class T>
+void act_between(const Compiled& m, int frame_a, int frame_b, const FrameMotion<T>& a,
+                 const FrameMotion<T>& b, const Vec3<T>& force, const Vec3<T>& moment,
+                 const Covector<T>& on_a, const Covector<T>& on_b) {
+  act_on_point<T>(m.frames[frame_b], b, force, on_b);
+  act_by_moment<T>(m.frames[frame_b], b, moment, on_b);
+  act_on_point<T>(m.frames[frame_a], a, -force, on_a);
+  act_by_moment<T>(m.frames[frame_a], a, -moment - Vec3<T>(b.position - a.position).cross(force), on_a);
+}
+
 /// Where the residual collects what acts on a body.
 template <class T>
 Covector<T> collector(const Compiled& m, const Layout& l, Workspace<T>& w, int body) {
@@ -68,13 +79,14 @@ void add_to_row(const Body& b, const Base<T>& base, const T* modal, int modes,
   for (int i = 0; i < modes; ++i) row[columns[3 * b.unknown + i]] += modal[i];
 }
 
-/// One row of a link: `act(a, b)` puts its covectors on both bodies.
+/// Adds to a row over the columns of two sides: `act(a, b)` puts its covectors on both bodies.
 template <class T, class Act>
-void fill_row(const Compiled& m, const Layout& l, Workspace<T>& w, const Link& link, const Act& act, T* row) {
+void add_row(const Compiled& m, const Layout& l, Workspace<T>& w, const Sides& sides, const Act& act,
+             T* row) {
   Base<T> base[2];
   T* modal[2] = {w.row_modal.data(), w.row_modal.data() + w.row_modal.size() / 2};
   Covector<T> covectors[2];
-  const int bodies[2] = {link.body_a, link.body_b};
+  const int bodies[2] = {sides.body_a, sides.body_b};
   for (int side = 0; side < 2; ++side) {
     if (bodies[side] < 0) continue;
     covectors[side] = collector(m, l, w, bodies[side]);
@@ -86,15 +98,21 @@ void fill_row(const Compiled& m, const Layout& l, Workspace<T>& w, const Link& l
     for (int k = 0; k < m.flexible[b.flexible].stride; ++k) modal[side][k] = T(0);
   }
   act(covectors[0], covectors[1]);
-  for (int k = 0; k < link.stencil.stride; ++k) row[k] = T(0);
   for (int side = 0; side < 2; ++side) {
     if (bodies[side] < 0) continue;
     const BodyData& b = m.bodies[bodies[side]];
     if (b.modes > 0)
       fold(m.flexible[b.flexible], w.y.data() + l.bodies[bodies[side]].amplitudes, modal[side]);
     add_to_row(l.bodies[bodies[side]], base[side], modal[side], m.bodies[bodies[side]].modes,
-               side == 0 ? link.columns_a : link.columns_b, row);
+               side == 0 ? sides.columns_a : sides.columns_b, row);
   }
+}
+
+/// One row of a link.
+template <class T, class Act>
+void fill_row(const Compiled& m, const Layout& l, Workspace<T>& w, const Link& link, const Act& act, T* row) {
+  for (int k = 0; k < link.stencil.stride; ++k) row[k] = T(0);
+  add_row(m, l, w, link, act, row);
 }
 
 }  // namespace mimbre::natural

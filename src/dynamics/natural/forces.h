@@ -61,13 +61,11 @@ inline void act_by_element(const Compiled& m, const Workspace<double>& w, const 
   const bool turning = has_moment(e.measure);
   const Vec3d force = factor * s.linear_of(component);
   const Vec3d moment = turning ? Vec3d(factor * s.angular_of(component)) : Vec3d(Vec3d::Zero());
+  if (turning && frame_a >= 0)
+    return act_between<double>(m, frame_a, frame_b, w.frames[frame_a], B, force, moment, on_a, on_b);
   act_on_point<double>(m.frames[frame_b], B, force, on_b);
   if (turning) act_by_moment<double>(m.frames[frame_b], B, moment, on_b);
-  if (frame_a < 0) return;
-  const FrameMotion<double>& A = w.frames[frame_a];
-  act_on_point<double>(m.frames[frame_a], A, -force, on_a);
-  if (turning)
-    act_by_moment<double>(m.frames[frame_a], A, -moment - Vec3d(B.position - A.position).cross(force), on_a);
+  if (frame_a >= 0) act_on_point<double>(m.frames[frame_a], w.frames[frame_a], -force, on_a);
 }
 
 /// After kinematics; writes the elements' states, whose tangents the matrix uses.

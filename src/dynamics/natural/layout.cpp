@@ -360,26 +360,36 @@ class Builder {
     return offset;
   }
 
+  void add_columns(int body, std::vector<int>& columns) const {
+    if (body < 0) return;
+    const std::vector<int>& own = l_.bodies[body].stencil.columns;
+    columns.insert(columns.end(), own.begin(), own.end());
+  }
+  /// What the stencil is when it has all its columns.
+  static void close(Stencil& stencil) {
+    std::vector<int>& columns = stencil.columns;
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    stencil.stride = pad(stencil.size());
+  }
+  std::vector<int> places_in(const Stencil& stencil, int body) const {
+    std::vector<int> places;
+    if (body < 0) return places;
+    for (int column : l_.bodies[body].stencil.columns)
+      places.push_back(
+          static_cast<int>(std::lower_bound(stencil.columns.begin(), stencil.columns.end(), column) -
+                           stencil.columns.begin()));
+    return places;
+  }
+
   Link make_link(int frame_a, int frame_b, int rows) {
     Link link;
     link.body_a = frame_a < 0 ? -1 : m_.frames[frame_a].body;
     link.body_b = m_.frames[frame_b].body;
-    std::vector<int>& columns = link.stencil.columns;
-    for (int body : {link.body_a, link.body_b})
-      if (body >= 0)
-        columns.insert(columns.end(), l_.bodies[body].stencil.columns.begin(),
-                       l_.bodies[body].stencil.columns.end());
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    const auto places = [&](int body, std::vector<int>& out) {
-      if (body < 0) return;
-      for (int column : l_.bodies[body].stencil.columns)
-        out.push_back(
-            static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()));
-    };
-    places(link.body_a, link.columns_a);
-    places(link.body_b, link.columns_b);
-    link.stencil.stride = pad(link.stencil.size());
+    for (int body : {link.body_a, link.body_b}) add_columns(body, link.stencil.columns);
+    close(link.stencil);
+    link.columns_a = places_in(link.stencil, link.body_a);
+    link.columns_b = places_in(link.stencil, link.body_b);
     link.jacobian = add_jacobian(link.stencil, rows);
     return link;
   }
@@ -402,6 +412,19 @@ class Builder {
     }
     link.stencil.stride = pad(link.stencil.size());
     link.jacobian = add_jacobian(link.stencil, 1);
+    return link;
+  }
+
+  ConstraintLink make_link(const ConstraintData& constraint) {
+    ConstraintLink link;
+    for (const ConstraintTerm& t : constraint.terms)
+      for (const int frame : {t.frame_a, t.frame_b}) add_columns(m_.frames[frame].body, link.stencil.columns);
+    close(link.stencil);
+    for (const ConstraintTerm& t : constraint.terms) {
+      const int a = m_.frames[t.frame_a].body, b = m_.frames[t.frame_b].body;
+      link.terms.push_back({a, b, places_in(link.stencil, a), places_in(link.stencil, b)});
+    }
+    link.jacobian = add_jacobian(link.stencil, constraint.count);
     return link;
   }
 
@@ -475,6 +498,7 @@ class Builder {
       return make_link(c.frame_a, c.frame_b, 1);
     };
     for (const DriveData& d : m_.drives) l_.drives.push_back(on_joint(d.body));
+    for (const ConstraintData& c : m_.constraints) l_.constraints.push_back(make_link(c));
   }
 
   void equations() {
@@ -488,6 +512,10 @@ class Builder {
     }
     l_.first_drive = l_.equations;
     l_.equations += static_cast<int>(l_.drives.size());
+    for (std::size_t k = 0; k < l_.constraints.size(); ++k) {
+      l_.constraints[k].first_equation = l_.equations;
+      l_.equations += m_.constraints[k].count;
+    }
   }
 
   void frames_in_use() {
@@ -507,6 +535,8 @@ class Builder {
       use(l_.joint_coordinates[body].frame_a, 2), use(l_.joint_coordinates[body].frame_b, 2);
     };
     for (const DriveData& d : m_.drives) joint(d.body);
+    for (const ConstraintData& c : m_.constraints)
+      for (const ConstraintTerm& t : c.terms) use(t.frame_a, 2), use(t.frame_b, 2);
     for (int f = m_.dynamic_frames; f < static_cast<int>(m_.frames.size()); ++f)
       if (l_.frame_use[f] > 0 && m_.frames[f].body >= 0) l_.late_frames.push_back(f);
   }
@@ -532,6 +562,7 @@ class Builder {
       for (std::size_t k = 0; k < l_.elements.size(); ++k)
         if (m_.elements[k].measure != Measure::none) f(l_.elements[k].stencil);
       for (Link& link : l_.drives) f(link.stencil);
+      for (ConstraintLink& link : l_.constraints) f(link.stencil);
     };
     for_stencils([&](const Stencil& s) {
       for (int c : s.columns)

@@ -51,13 +51,25 @@ struct Body {
   Eigen::MatrixXd variable_mass;
 };
 
-/// Joins the frames of two bodies (-1: none, the ground): which columns of the stencil are whose.
-struct Link {
+/// Two bodies (-1: none, the ground) that share a stencil: which of its columns are whose.
+struct Sides {
   int body_a = -1, body_b = -1;
   std::vector<int> columns_a, columns_b;  ///< stencil column of each unknown of the body's own stencil
+};
+
+/// Joins the frames of two bodies.
+struct Link : Sides {
   Stencil stencil;
   int jacobian = 0;                    ///< offset of its rows
   std::vector<std::vector<int>> legs;  ///< of a sum (no bodies): stencil column of each of a leg's columns
+};
+
+/// The same of a constraint, which may join several pairs of bodies.
+struct ConstraintLink {
+  std::vector<Sides> terms;  ///< as in the compiled model
+  Stencil stencil;
+  int jacobian = 0;
+  int first_equation = 0;
 };
 
 /// What is left of a joint where points and vectors are not shared.
@@ -102,6 +114,7 @@ struct Layout {
   std::vector<Joint> joints;                       ///< those with equations of their own
   std::vector<JointCoordinate> joint_coordinates;  ///< by tree body
   std::vector<Link> elements, drives;
+  std::vector<ConstraintLink> constraints;
   int first_drive = 0;           ///< equation
   std::vector<char> frame_use;   ///< by frame: 0 not in the step, 1 position and velocity, 2 everything
   std::vector<int> late_frames;  ///< in use, but not among the dynamic frames of their bodies

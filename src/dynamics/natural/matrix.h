@@ -192,6 +192,24 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
   };
   for (std::size_t k = 0; k < m.drives.size(); ++k)
     coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
+  for (std::size_t i = 0; i < m.constraints.size(); ++i) {
+    const ConstraintData& c = m.constraints[i];
+    const ConstraintLink& link = l.constraints[i];
+    const int terms = static_cast<int>(c.terms.size());
+    T* row = storage + link.jacobian;
+    for (int r = 0; r < c.count; ++r, row += link.stencil.stride) {
+      for (int k = 0; k < link.stencil.stride; ++k) row[k] = T(0);
+      for (int t = 0; t < terms; ++t) {
+        const int k = c.covectors + r * terms + t;
+        add_row(
+            m, l, w, link.terms[t],
+            [&](const Covector<T>& a, const Covector<T>& b) {
+              act_by_term<T>(m, w, c.terms[t], w.constraint_linear[k], w.constraint_angular[k], a, b);
+            },
+            row);
+      }
+    }
+  }
   for (std::size_t i = 0; i < m.elements.size(); ++i) {
     const ElementData& e = m.elements[i];
     if (e.measure == Measure::none || e.measure == Measure::sum) continue;

@@ -35,7 +35,25 @@ Scales scales_of(const Compiled& m, const Layout& l) {
   for (std::size_t k = 0; k < m.drives.size(); ++k)
     if (!is_angle(m.bodies[m.drives[k].body].joint, m.drives[k].local))
       s.equations[l.first_drive + k] = length;
+  for (std::size_t k = 0; k < m.constraints.size(); ++k)
+    for (int r = 0; r < m.constraints[k].count; ++r)
+      if (m.constraints[k].is_length(r)) s.equations[l.constraints[k].first_equation + r] = length;
   return s;
+}
+
+/// Calls f(stencil, columns, offset of the rows, first equation, count) for all that have equations.
+template <class F>
+void for_rows(const Compiled& m, const Layout& l, const F& f) {
+  for (const Body& b : l.bodies)
+    f(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
+  for (const Joint& j : l.joints)
+    f(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
+  for (std::size_t k = 0; k < l.drives.size(); ++k)
+    f(l.drives[k].stencil, l.drives[k].stencil.size(), l.drives[k].jacobian,
+      l.first_drive + static_cast<int>(k), 1);
+  for (std::size_t k = 0; k < l.constraints.size(); ++k)
+    f(l.constraints[k].stencil, l.constraints[k].stencil.size(), l.constraints[k].jacobian,
+      l.constraints[k].first_equation, m.constraints[k].count);
 }
 
 }  // namespace
@@ -59,6 +77,9 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     for (int k = 0; k < j.count; ++k) penalty_[j.first_equation + k] = model.mass_scale * j.scale[k];
   for (std::size_t k = 0; k < model.drives.size(); ++k)
     penalty_[layout_.first_drive + k] = model.mass_scale * model.drives[k].scale;
+  for (std::size_t k = 0; k < model.constraints.size(); ++k)
+    for (int r = 0; r < model.constraints[k].count; ++r)
+      penalty_[layout_.constraints[k].first_equation + r] = model.mass_scale * model.constraints[k].scale[r];
   for (std::size_t f = 0; f < model.frames.size(); ++f)
     if (model.frames[f].body < 0) work_.frames[f] = ground_frame<double>(model.frames[f], layout_.origin);
 }
@@ -117,7 +138,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     ancf::keep_marks(f, q + b.q, marks);
     marks += ancf::marks(f);
   }
-  const auto add_link = [&](const Link& link, int rows) {
+  const auto add_link = [&](const auto& link, int rows) {
     clear(link.stencil);
     add_squares<double>(work_.jacobian.data() + link.jacobian, rows, link.stencil.size(), link.stencil.stride,
                         weight, local);
@@ -130,6 +151,12 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
   for (std::size_t k = 0; k < model_.drives.size(); ++k) {
     weight[0] = weights.penalty * penalty_[layout_.first_drive + k];
     add_link(layout_.drives[k], 1);
+  }
+  for (std::size_t k = 0; k < model_.constraints.size(); ++k) {
+    const ConstraintLink& link = layout_.constraints[k];
+    const int rows = model_.constraints[k].count;
+    for (int r = 0; r < rows; ++r) weight[r] = weights.penalty * penalty_[link.first_equation + r];
+    add_link(link, rows);
   }
   for (std::size_t k = 0; k < model_.elements.size(); ++k) {
     const ElementData& e = model_.elements[k];
@@ -175,13 +202,7 @@ void NaturalSystem::add_jacobian_transposed(const double* y, double weight, doub
       for (int c = 0; c < columns; ++c) out[s.columns[c]] += f * row[c];
     }
   };
-  for (const Body& b : layout_.bodies)
-    add_rows(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
-  for (const Joint& j : layout_.joints)
-    add_rows(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
-  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
-    add_rows(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
-             layout_.first_drive + static_cast<int>(k), 1);
+  for_rows(model_, layout_, add_rows);
 }
 
 void NaturalSystem::jacobian_times(const double* x, double* out) const {
@@ -193,13 +214,7 @@ void NaturalSystem::jacobian_times(const double* x, double* out) const {
       out[first + e] = sum;
     }
   };
-  for (const Body& b : layout_.bodies)
-    rows_times(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
-  for (const Joint& j : layout_.joints)
-    rows_times(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
-  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
-    rows_times(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
-               layout_.first_drive + static_cast<int>(k), 1);
+  for_rows(model_, layout_, rows_times);
 }
 
 std::vector<JacobianEntry> NaturalSystem::jacobian_entries() const {
@@ -209,13 +224,7 @@ std::vector<JacobianEntry> NaturalSystem::jacobian_entries() const {
     for (int e = 0; e < count; ++e, row += s.stride)
       for (int c = 0; c < columns; ++c) entries.push_back({first + e, s.columns[c], row[c]});
   };
-  for (const Body& b : layout_.bodies)
-    add_rows(b.stencil, 3 * b.unknown, b.jacobian, b.first_equation, static_cast<int>(b.rigidity.size()));
-  for (const Joint& j : layout_.joints)
-    add_rows(j.link.stencil, j.link.stencil.size(), j.link.jacobian, j.first_equation, j.count);
-  for (std::size_t k = 0; k < layout_.drives.size(); ++k)
-    add_rows(layout_.drives[k].stencil, layout_.drives[k].stencil.size(), layout_.drives[k].jacobian,
-             layout_.first_drive + static_cast<int>(k), 1);
+  for_rows(model_, layout_, add_rows);
   return entries;
 }
 
@@ -317,6 +326,9 @@ void NaturalSystem::to_relative(const State& s, State& out) {
   out.multipliers.setZero();
   for (std::size_t k = 0; k < model_.drives.size(); ++k)
     out.multipliers[model_.drives[k].equation] = s.multipliers[layout_.first_drive + static_cast<int>(k)];
+  for (std::size_t k = 0; k < model_.constraints.size(); ++k)
+    out.multipliers.segment(model_.constraints[k].first_equation, model_.constraints[k].count) =
+        s.multipliers.segment(layout_.constraints[k].first_equation, model_.constraints[k].count);
 }
 
 State NaturalSystem::from_relative(const State& s, const std::vector<Motion<double>>& bodies,
@@ -347,6 +359,9 @@ State NaturalSystem::from_relative(const State& s, const std::vector<Motion<doub
   }
   for (std::size_t k = 0; k < model_.drives.size(); ++k)
     out.multipliers[layout_.first_drive + static_cast<int>(k)] = s.multipliers[model_.drives[k].equation];
+  for (std::size_t k = 0; k < model_.constraints.size(); ++k)
+    out.multipliers.segment(layout_.constraints[k].first_equation, model_.constraints[k].count) =
+        s.multipliers.segment(model_.constraints[k].first_equation, model_.constraints[k].count);
   joint_positions(out.q.data());
   out.algorithmic = out.a;
   return out;

@@ -47,7 +47,7 @@ class NaturalSystem final : public System {
   void compose(double* x, const double* d) const override;
 
   /// State in relative coordinates, with the same time: from and to this formulation's. Multipliers of drives
-  /// are carried along; others have no counterpart and are zero. `relative` must be sized.
+  /// and constraints are carried along; others have no counterpart and are zero. `relative` must be sized.
   void to_relative(const State& natural, State& relative);
   /// From the bodies' motion in a relative formulation at that state.
   State from_relative(const State& relative, const std::vector<Motion<double>>& bodies,

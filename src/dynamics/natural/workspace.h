@@ -41,8 +41,11 @@ struct Workspace {
   std::vector<Base<T>> forces;                  ///< residual's forces on the bodies' base vectors
   AlignedVector<T> modal;                       ///< residual's forces on padded modal amplitudes
   AlignedVector<T> integrals;                   ///< S'^i of one flexible body
-  AlignedVector<T> elements;                    ///< ElementState of each, by forces
-  SignalValues<double> signals;  ///< by kinematics (what time decides) and forces (what motion decides)
+  std::vector<Vec3<T>> constraint_linear;       ///< of constraints' terms at frame b, by constraints
+  std::vector<Vec3<T>> constraint_angular;
+  std::vector<T> constraint_states;  ///< that they remember at the end of the step, by constraints
+  AlignedVector<T> elements;         ///< ElementState of each, by forces
+  SignalValues<double> signals;      ///< by kinematics (what time decides) and forces (what motion decides)
   std::vector<T> phi, phi_dot, phi_ddot;
   AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
   AlignedVector<T> local;      ///< a stencil's dense matrix
@@ -81,6 +84,9 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) : signals(m) {
     stride = std::max(stride, f.stride);
   }
   integrals.assign(integral, nan);
+  constraint_linear.assign(m.constraint_covectors, nan3);
+  constraint_angular.assign(m.constraint_covectors, nan3);
+  constraint_states.assign(m.constraint_states, nan);
   elements.assign(m.element_storage, nan);
   for (auto* v : {&phi, &phi_dot, &phi_ddot}) v->assign(l.equations, nan);
   jacobian.assign(l.jacobian_storage, nan);

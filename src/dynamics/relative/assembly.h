@@ -85,12 +85,11 @@ void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeight
                      w.weighted.data(), values);
     }
   }
-  for (const LoopData& loop : m.loops) {
+  for_rows(m, [&](const EquationRows& e) {
     T weight[6];
-    for (int r = 0; r < loop.count; ++r) weight[r] = weights.penalty * penalty[loop.first_equation + r];
-    add_squares<T>(m, loop.path, w.jacobian.data() + loop.jacobian, loop.count, weight, w.weighted.data(),
-                   values);
-  }
+    for (int r = 0; r < e.count; ++r) weight[r] = weights.penalty * penalty[e.first_equation + r];
+    add_squares<T>(m, e.path, w.jacobian.data() + e.jacobian, e.count, weight, w.weighted.data(), values);
+  });
   for (const DriveData& d : m.drives) {
     const linalg::BlockPlace& place = m.diagonal[d.body];
     values[place.offset + d.local * (place.row_stride + place.col_stride)] +=

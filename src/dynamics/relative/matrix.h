@@ -251,15 +251,14 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
   }
 }
 
-/// One Jacobian row along a path: covector · (motion subspace of the plus side − that of the minus side).
+/// Adds to one Jacobian row along a path: covector · (motion subspace of the plus side − that of the minus
+/// side).
 template <class T>
-void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, const Vec3<T>& linear,
-                  const Vec3<T>& angular, T* row) {
+void add_to_row(const Compiled& m, const Workspace<T>& w, const Path& path, const Vec3<T>& linear,
+                const Vec3<T>& angular, T* row) {
   for (const PathEntry& e : path.entries) {
     const int s = m.subspaces[e.plus >= 0 ? e.plus : e.minus].stride;
     T* out = row + e.offset;
-    for (int k = 0; k < s; k += 8)
-      for (int j = k; j < k + 8; ++j) out[j] = T(0);
     const auto add = [&](int set, const T& sign) {
       const T* c = w.subspaces.data() + m.subspaces[set].offset;
       const T l0 = sign * linear[0], l1 = sign * linear[1], l2 = sign * linear[2];
@@ -272,6 +271,33 @@ void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, co
     if (e.plus >= 0) add(e.plus, T(1));
     if (e.minus >= 0) add(e.minus, T(-1));
   }
+}
+
+/// A row that is nothing else.
+template <class T>
+void jacobian_row(const Compiled& m, const Workspace<T>& w, const Path& path, const Vec3<T>& linear,
+                  const Vec3<T>& angular, T* row) {
+  for (int k = 0; k < path.width; ++k) row[k] = T(0);
+  add_to_row<T>(m, w, path, linear, angular, row);
+}
+
+/// Rows of a constraint: what its terms have along their own paths, and of coordinates in the tree.
+template <class T>
+void constraint_rows(const Compiled& m, const Workspace<T>& w, const ConstraintData& c, T* rows) {
+  const int terms = static_cast<int>(c.terms.size());
+  for (int k = 0; k < c.count * c.path.width; ++k) rows[k] = T(0);
+  for (int r = 0; r < c.count; ++r)
+    for (int t = 0; t < terms; ++t) {
+      const ConstraintTerm& term = c.terms[t];
+      T* row = rows + r * c.path.width;
+      if (term.body >= 0) {
+        for (const PathEntry& e : c.path.entries)
+          if (e.body == term.body) row[e.offset + term.local] += T(term.factor);
+        continue;
+      }
+      const int k = c.covectors + r * terms + t;
+      add_to_row<T>(m, w, term.path, w.constraint_linear[k], w.constraint_angular[k], row);
+    }
 }
 
 /// The row of a sum, from those of its legs; `rows`: all of the elements' rows.
@@ -293,7 +319,7 @@ void sum_row(const Compiled& m, const ElementData& e, T* rows) {
   }
 }
 
-/// Jacobian rows of loops and of what elements measure, contacts that touch among them, after
+/// Jacobian rows of loops, of constraints and of what elements measure, contacts that touch among them, after
 /// motion_subspaces().
 template <class T>
 void jacobian(const Compiled& m, Workspace<T>& w) {
@@ -303,6 +329,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
       jacobian_row<T>(m, w, loop.path, w.covector_linear[k], w.covector_angular[k],
                       w.jacobian.data() + loop.jacobian + r * loop.path.width);
     }
+  for (const ConstraintData& c : m.constraints) constraint_rows<T>(m, w, c, w.jacobian.data() + c.jacobian);
   for (const ElementData& e : m.elements) {
     if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());

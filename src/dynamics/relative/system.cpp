@@ -35,6 +35,9 @@ Scales scales_of(const Compiled& m) {
       if (l.closure[r].kind == LoopClosure::Kind::distance)
         s.equations[l.first_equation + r] = m.length_scale;
   for (const DriveData& d : m.drives) s.equations[d.equation] = s.coordinates[d.v];
+  for (const ConstraintData& c : m.constraints)
+    for (int r = 0; r < c.count; ++r)
+      if (c.is_length(r)) s.equations[c.first_equation + r] = m.length_scale;
   return s;
 }
 
@@ -61,8 +64,9 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       mu_(model.equations),
       scales_(scales_of(model)),
       marks_(model) {
-  for (const LoopData& loop : model.loops)
-    for (int r = 0; r < loop.count; ++r) penalty_[loop.first_equation + r] = model.mass_scale * loop.scale[r];
+  for_rows(model, [&](const EquationRows& e) {
+    for (int r = 0; r < e.count; ++r) penalty_[e.first_equation + r] = model.mass_scale * e.scale[r];
+  });
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
 
   work_.projections = projection::constants(model, inertia);
@@ -118,31 +122,33 @@ void RelativeSystem::multiply(const double* x, double* y) const {
 }
 
 void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
-  for (const LoopData& loop : model_.loops)
-    for (int r = 0; r < loop.count; ++r)
-      add_row_transposed<double>(model_, loop.path,
-                                 work_.jacobian.data() + loop.jacobian + r * loop.path.width,
-                                 weight * y[loop.first_equation + r], out);
+  for_rows(model_, [&](const EquationRows& e) {
+    for (int r = 0; r < e.count; ++r)
+      add_row_transposed<double>(model_, e.path, work_.jacobian.data() + e.jacobian + r * e.path.width,
+                                 weight * y[e.first_equation + r], out);
+  });
   for (const DriveData& d : model_.drives) out[d.v] += weight * y[d.equation];
 }
 
 void RelativeSystem::jacobian_times(const double* x, double* out) const {
-  for (const LoopData& loop : model_.loops)
-    for (int r = 0; r < loop.count; ++r)
-      out[loop.first_equation + r] = row_times<double>(
-          model_, loop.path, work_.jacobian.data() + loop.jacobian + r * loop.path.width, x);
+  for_rows(model_, [&](const EquationRows& e) {
+    for (int r = 0; r < e.count; ++r)
+      out[e.first_equation + r] =
+          row_times<double>(model_, e.path, work_.jacobian.data() + e.jacobian + r * e.path.width, x);
+  });
   for (const DriveData& d : model_.drives) out[d.equation] = x[d.v];
 }
 
 std::vector<JacobianEntry> RelativeSystem::jacobian_entries() const {
   std::vector<JacobianEntry> entries;
-  for (const LoopData& loop : model_.loops)
-    for (int r = 0; r < loop.count; ++r)
-      for (const PathEntry& e : loop.path.entries) {
+  for_rows(model_, [&](const EquationRows& rows) {
+    for (int r = 0; r < rows.count; ++r)
+      for (const PathEntry& e : rows.path.entries) {
         const BodyData& b = model_.bodies[e.body];
-        const double* row = work_.jacobian.data() + loop.jacobian + r * loop.path.width + e.offset;
-        for (int k = 0; k < b.size(); ++k) entries.push_back({loop.first_equation + r, b.v + k, row[k]});
+        const double* row = work_.jacobian.data() + rows.jacobian + r * rows.path.width + e.offset;
+        for (int k = 0; k < b.size(); ++k) entries.push_back({rows.first_equation + r, b.v + k, row[k]});
       }
+  });
   for (const DriveData& d : model_.drives) entries.push_back({d.equation, d.v, 1});
   return entries;
 }

@@ -30,12 +30,16 @@ struct Workspace {
   std::vector<Vec3<T>> covector_linear;   ///< of loop equations about the common point, by constraints
   std::vector<Vec3<T>> covector_angular;
 
+  std::vector<Vec3<T>> constraint_linear;  ///< of constraints' terms about the common point, by constraints
+  std::vector<Vec3<T>> constraint_angular;
+  std::vector<T> constraint_states;  ///< that they remember at the end of the step, by constraints
+
   AlignedVector<T> elements;  ///< ElementState of each, by forces
   SignalValues<T> signals;    ///< by kinematics (what time decides) and forces (what motion decides)
 
   AlignedVector<T>
       subspaces;  ///< Compiled::subspaces, six rows each (linear 3, angular 3), by motion_subspaces()
-  AlignedVector<T> jacobian;  ///< rows of loops and elements along their paths, by jacobian()
+  AlignedVector<T> jacobian;  ///< rows of loops, constraints and elements along their paths, by jacobian()
 
   AlignedVector<T> weighted;  ///< weighted Jacobian rows; by add_squares
 

@@ -25,6 +25,9 @@ Workspace<T>::Workspace(const Compiled& m) : signals(m) {
   phi_ddot.assign(m.equations, nan);
   covector_linear.assign(m.equations, nan3);
   covector_angular.assign(m.equations, nan3);
+  constraint_linear.assign(m.constraint_covectors, nan3);
+  constraint_angular.assign(m.constraint_covectors, nan3);
+  constraint_states.assign(m.constraint_states, nan);
   elements.assign(m.element_storage, nan);
   subspaces.assign(m.subspace_storage, nan);
   jacobian.assign(m.jacobian_storage, nan);

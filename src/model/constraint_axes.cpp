@@ -1,0 +1,17 @@
+#include "model/constraint_axes.h"
+
+#include <Eigen/Geometry>
+
+#include "joints/axes.h"
+
+namespace mimbre {
+
+std::pair<Eigen::Matrix3d, Eigen::Matrix3d> constraint_axes(spec::Constraint::Kind kind,
+                                                            const Eigen::Vector3d& first,
+                                                            const Eigen::Vector3d& second) {
+  const Eigen::Matrix3d a = axes_with_z(first);
+  if (kind != spec::Constraint::Kind::constant_velocity) return {a, axes_with_z(second)};
+  return {a, Eigen::Quaterniond::FromTwoVectors(first, second).toRotationMatrix() * a};
+}
+
+}  // namespace mimbre
