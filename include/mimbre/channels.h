@@ -54,8 +54,8 @@ struct ElementDrawing {
   std::string name;
   std::string kind;  ///< a joint's type; "spring", "damper", "spring damper", "actuator"; of a joint's own
                      ///< springs "torsional …" with "about z" behind, or "sliding …" with "along z" (or x, y:
-                     ///< its axis); "load"; "tyre", or, where its road is a function of time, "tyre on rig"; of
-                     ///< a constraint between two points "distance", "on_line", "on_plane", "on_curve",
+                     ///< its axis); "load"; "tyre", or, where its road is a function of time, "tyre on rig";
+                     ///< of a constraint between two points "distance", "on_line", "on_plane", "on_curve",
                      ///< "constant_velocity" or "screw"
   int frame_a = -1,
       frame_b = -1;  ///< indices into ResultsHeader::frames; loads and tyres have the first only

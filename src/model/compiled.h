@@ -432,7 +432,7 @@ struct Compiled {
   /// pair of a sphere and a surface.
   Array<ElementData> elements;
   int first_tyre = 0, first_load = 0, first_joint_spring = 0, first_other = 0;
-  Array<int> sums;  ///< elements that are sums
+  Array<int> sums;              ///< elements that are sums
   Array<int> first_of_contact;  ///< element of each contact of the spec, then the first behind them
   int element_storage = 0;
   Array<double> numbers;          ///< of laws

@@ -64,7 +64,7 @@ class StepMaker {
   EnergyKeeper energy_keeper_;
   EnergyMeter meter_;
   std::vector<Begin> begins_;
-  Begin before_;  ///< of the last step, for undo()
+  Begin before_;          ///< of the last step, for undo()
   bool followed_ = true;  ///< contacts in the integrator's last step
   StepStatus last_;
   bool keeps_ = false;
