@@ -110,7 +110,7 @@ joints:
   motor: {type: revolute, between: [ground, motor], at: [-0.3, 1, 0], axis: [1, 0, 0], velocity: 4}
   wheel: {type: revolute, between: [ground, wheel], at: [-0.3, 1.3, 0], axis: [1, 0, 0], cut: always}
   rack: {type: prismatic, between: [ground, rack], at: [-0.3, 1, 0.1], axis: [0, 1, 0]}
-  foot: {type: floating, between: [ground, foot], velocity: [0.3, 0, 0, 0, 0, 2]}
+  foot: {type: floating, between: [ground, foot], velocity: [0.3, 0, 0, 0, 0.4, 2]}
 constraints:
   gear: {type: gear, joints: [motor, wheel], teeth: [17, 51]}
   pinion: {type: rack, joints: [motor, rack], radius: 0.1}
