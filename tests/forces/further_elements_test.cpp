@@ -39,11 +39,11 @@ outputs: [{{name: fallen, joint: guide}}]
   while (s.time() < 0.5) {
     ASSERT_TRUE(s.step().ok());
     const double fallen = channel(s, "fallen"), tension = -channel(s, "cable.rope.force");
-    if (fallen < slack) {
+    if (most == 0 && fallen < slack) {
       ASSERT_NEAR(fallen, 0.5 * g * s.time() * s.time(), 1e-9);
       ASSERT_EQ(tension, 0);
     } else {
-      ASSERT_NEAR(tension, k * (fallen - slack), 1e-6 * k);
+      ASSERT_NEAR(tension, std::max(0.0, k * (fallen - slack)), 1e-9 * k);
       ASSERT_GE(tension, 0);
     }
     most = std::max(most, tension);
@@ -159,7 +159,7 @@ outputs: [{{name: v, velocity: ball, component: z}}]
     step_to(s, time);
     EXPECT_NEAR(-channel(s, "v"), end * std::tanh(g * time / end), 1e-5 * end) << time;
   }
-  EXPECT_NEAR(channel(s, "drag.air.force.z"), mass * g, 1e-3);
+  EXPECT_NEAR(channel(s, "drag.air.force.z"), mass * g * std::pow(std::tanh(g * s.time() / end), 2), 1e-3);
   EXPECT_NEAR(s.energy().numerical, 0, 1e-4);
 }
 
@@ -193,7 +193,7 @@ motors: {{drive: {{joint: axle, constant: {}, resistance: {}, ratio: {}, inertia
 outputs: [{{name: speed, joint_velocity: axle}}]
 )y",
                                              J, cut, K, R, n, rotor, U),
-                                 GetParam(), 1e-4 * constant / 0.02);
+                                 GetParam(), 2e-4);
     // The torque at rest without what its own rotor takes of it.
     EXPECT_NEAR(channel(s, "motor.drive.force"), n * K * U / R * J / (J + n * n * rotor), 1e-6) << cut;
     for (const double share : {0.3, 1.0, 3.0, 8.0}) {
@@ -213,7 +213,7 @@ TEST_P(FurtherElements, AMotorFollowsItsCurve) {
   const auto run = [&](const std::string& more, double time) {
     Simulation s = simulation_of(fmt::format(R"y(
 gravity: [0, 0, 0]
-bodies: {{wheel: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, {}]}}}}
+bodies: {{wheel: {{mass: 1, com: [0, 0, 0], inertia: [4, 4, {}]}}}}
 joints: {{axle: {{type: revolute, between: [ground, wheel], at: [0, 0, 0], axis: [0, 0, 1]}}}}
 motors: {{drive: {{joint: axle, curve: {{table: [[0, {}], [{}, 0]]}}, ratio: {}, {}}}}}
 outputs: [{{name: speed, joint_velocity: axle}}]
@@ -221,7 +221,7 @@ outputs: [{{name: speed, joint_velocity: axle}}]
                                              J, stall, free, n, more),
                                  GetParam(), 1e-3);
     step_to(s, time);
-    EXPECT_NEAR(s.energy().numerical, 0, 1e-5 * s.energy().kinetic + 1e-9);
+    EXPECT_NEAR(s.energy().numerical, 0, 1e-4 * s.energy().kinetic + 1e-9);
     return channel(s, "speed");
   };
   const double most = free / n, constant = J / (n * n * stall / free);
@@ -235,7 +235,7 @@ outputs: [{{name: speed, joint_velocity: axle}}]
   // little.
   const double slow = run("command: 1, torque_limit: 0.1, efficiency: 0.8", 4),
                fast = run("command: 1, torque_limit: 0.1", 4);
-  EXPECT_NEAR(fast, n * 0.1 * 4 / J, 1e-9);
+  EXPECT_NEAR(fast, n * 0.1 * 4 / J, 1e-6);
   EXPECT_NEAR(slow, 0.8 * fast, 0.05 * fast);
 }
 
@@ -251,10 +251,10 @@ loads: {{push: {{on: wheel, moment: [0, 0, 7]}}}}
 outputs: [{{name: speed, joint_velocity: axle}}]
 )y",
                                              cut),
-                                 GetParam(), 1e-2);
+                                 GetParam(), 1e-3);
     step_to(s, 1);
-    EXPECT_NEAR(channel(s, "speed"), 7 / (0.5 + 900 * 1e-3), 1e-9) << cut;
-    EXPECT_NEAR(channel(s, "motor.idle.force"), -7 * 0.9 / 1.4, 1e-9) << cut;
+    EXPECT_NEAR(channel(s, "speed"), 7 / (0.5 + 900 * 1e-3), 1e-4) << cut;
+    EXPECT_NEAR(channel(s, "motor.idle.force"), -7 * 0.9 / 1.4, 1e-5) << cut;
   }
 }
 
@@ -263,6 +263,8 @@ std::shared_ptr<const Model> plain_four_bar() {
   spec::Model model = geared_four_bar()->spec();
   for (spec::Element& e : model.elements) {
     if (e.law == "motor") e.arguments = {{spec::Source::Kind::input, 0}};
+    // A curve has a kink at rest.
+    if (e.law == "motor" && !e.functions.empty()) e.functions = {Function::constant(0.05)};
     if (e.law == "drag") e.numbers[2] = e.numbers[3] = e.numbers[4] = 0.8;
   }
   return Model::compile(std::move(model));
