@@ -41,7 +41,7 @@ class EventStep {
       const double from = mechanism_.state.time, length = end - from;
       if (!(length > resolution_)) break;
       if (!make(length)) return report_;
-      if (look() && part + 1 < most_parts && !locate(length)) return report_;
+      if (part + 1 < most_parts && !find_events(length)) return report_;
       host_.watch();
       if (settle()) return report_;
       if (end - mechanism_.state.time <= resolution_) break;
@@ -90,10 +90,26 @@ class EventStep {
     return make(length);
   }
 
+  /// Of the part that has been made: to the first event that acts, where there is one. Others are noted with
+  /// their times; they leave the motion as it is.
+  bool find_events(double length) {
+    constexpr int most_noted = 64;
+    double low = 0;
+    for (int k = 0; k < most_noted && look(); ++k) {
+      if (!locate(low, length)) return false;
+      if (events_.acts()) return true;
+      host_.see([&](auto&... seen) { return events_.happen(seen..., step_, mechanism_.state); });
+      events_.keep(Events::End::before);
+      low = located_;
+      if (!again(length)) return false;
+    }
+    return true;
+  }
+
   /// Makes the part, of which the last look() saw that it went beyond a crossing, again so that it ends right
-  /// behind the first one.
-  bool locate(double length) {
-    double low = 0, high = length, made = length;
+  /// behind the first one, later than `low`.
+  bool locate(double low, double length) {
+    double high = length, made = length;
     // Shares of the values at both ends: that of one which stays where it is gets smaller.
     double low_weight = 1, high_weight = 1;
     enum class Moved { none, lower, upper } last = Moved::none;
@@ -119,6 +135,7 @@ class EventStep {
         last = Moved::lower;
       }
     }
+    located_ = high;
     if (made == high) return true;
     if (!again(high)) return false;
     look();
@@ -131,6 +148,7 @@ class EventStep {
   StepMaker& steps_;
   const double step_, resolution_;
   StepReport report_;
+  double located_ = 0;  ///< s from the start of the part
   bool stopped_ = false;
 };
 

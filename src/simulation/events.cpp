@@ -70,6 +70,12 @@ double Events::first_share(double before_weight, double beyond_weight) const {
   return std::isfinite(first) ? std::clamp(first, 0.0, 1.0) : 0.5;
 }
 
+bool Events::acts() const {
+  for (std::size_t k = 0; k < events_.size(); ++k)
+    if (crossed(k, values_[k]) && (events_[k].spec->stop || !events_[k].values.empty())) return true;
+  return false;
+}
+
 void Events::pass() {
   for (std::size_t k = 0; k < events_.size(); ++k)
     if (const int now = side_of(values_[k]); now != 0) events_[k].side = now;

@@ -27,6 +27,8 @@ class Events {
   /// each of which counts as much as its weight says.
   double first_share(double before_weight, double beyond_weight) const;
 
+  /// Whether what has crossed in the last look() sets anything, or stops the run.
+  bool acts() const;
   /// Lets what has crossed in the last look() happen at the state's time. True where that stops the run.
   bool happen(const Channels& channels, relative::RelativeSystem& system, const State& seen, double step,
               State& state);

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "mimbre/model_file.h"
+#include "mimbre/diagnostics.h"
+#include "support/models.h"
 
 namespace mimbre::test {
 
 std::string slider(const std::string& more, double step, double end) {
   return fmt::format(R"y(
-mimbre: 1
 bodies:
   mass: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
 joints:
@@ -22,15 +22,9 @@ simulation: {{step: {}, end: {}}}
                      step, end, more);
 }
 
-Simulation simulation_of(const std::string& text, spec::Simulation::Formulation formulation) {
-  RunOptions options;
-  options.formulation = formulation;
-  return Simulation(Model::compile(parse_model(text, "model.yaml", ".")), options);
-}
-
 std::string refusal_of(const std::string& text) {
   try {
-    Model::compile(parse_model(text, "model.yaml", "."));
+    model_of(text);
   } catch (const InputError& error) {
     return error.what();
   }

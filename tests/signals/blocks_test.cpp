@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "signals/block_models.h"
+#include "support/simulate.h"
 
 /// Blocks against what they are said to do, in both formulations.
 namespace mimbre::test {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
 using testing::HasSubstr;
 
 class Blocks : public testing::TestWithParam<Formulation> {

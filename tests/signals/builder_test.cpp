@@ -4,6 +4,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/model_builder.h"
 #include "signals/block_models.h"
+#include "support/simulate.h"
 
 /// Blocks and events by the builder.
 namespace mimbre::test {

@@ -6,19 +6,19 @@
 #include <numbers>
 
 #include "signals/block_models.h"
+#include "support/models.h"
+#include "support/simulate.h"
 
 /// Events: when they happen, what follows from them, in both formulations.
 namespace mimbre::test {
 namespace {
 
-using Formulation = spec::Simulation::Formulation;
 using testing::HasSubstr;
 
 class EventTimes : public testing::TestWithParam<Formulation> {};
 
 std::string falling(const std::string& events, double step) {
   return fmt::format(R"y(
-mimbre: 1
 bodies: {{ball: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
 joints: {{guide: {{type: prismatic, between: [ground, ball], at: [0, 0, 0], axis: [0, 0, 1], position: 3, velocity: 1}}}}
 outputs: [{{name: height, joint: guide}}, {{name: speed, joint_velocity: guide}}]
@@ -115,7 +115,6 @@ TEST_P(EventTimes, APendulumPassesItsLowestPoint) {
   double coarse = 0, off = 0;
   for (const double step : {8e-5, 4e-5}) {
     Simulation s = simulation_of(fmt::format(R"y(
-mimbre: 1
 bodies: {{bob: {{mass: 2, com: [0, 0, -1.5], inertia: [0.5, 0.5, 0.5]}}}}
 joints: {{hinge: {{type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 1, 0], position: 1}}}}
 outputs: [{{name: angle, joint: hinge}}]
@@ -181,10 +180,35 @@ events:
   EXPECT_GT(a.events()[0].count, 1);
 }
 
+/// Events that only look leave the motion as it is, but for when a matrix is made anew.
+TEST_P(EventTimes, WhatDoesNotActLeavesTheMotion) {
+  const std::string model =
+      four_bar_text({{"crank", ", velocity: 3"}}) +
+      "outputs: [{name: angle, joint: crank}, {name: push, joint_force: rocker, component: fx}]\n"
+      "simulation: {step: 0.01, end: 1}\n";
+  std::string events = "events:\n";
+  for (int k = 0; k < 10; ++k)
+    events += fmt::format("  e{0}: {{when: angle, crosses: {1}}}\n", k, 0.013 + 0.011 * k);
+  events += "  pushed: {when: push, crosses: 1}\n";
+  Simulation plain = simulation_of(model, GetParam()), watched = simulation_of(model + events, GetParam());
+  while (plain.time() < 1 - 1e-9) {
+    ASSERT_TRUE(plain.step().ok());
+    ASSERT_TRUE(watched.step().ok());
+    ASSERT_EQ(plain.time(), watched.time());
+    ASSERT_NEAR(plain.value(plain.channel("angle")), watched.value(watched.channel("angle")), 1e-8);
+  }
+  double before = 0;
+  for (const EventRecord& e : watched.events()) {
+    if (e.name == "pushed") break;
+    ASSERT_GE(e.count, 1) << e.name;
+    EXPECT_GT(e.first, before);
+    before = e.first;
+  }
+}
+
 /// A reaction that is too large is an event, too.
 TEST_P(EventTimes, ForcesMayBeTheirCause) {
   Simulation s = simulation_of(R"y(
-mimbre: 1
 bodies: {bob: {mass: 2, com: [0, 0, -1], inertia: [0.1, 0.1, 0.1]}}
 joints: {hinge: {type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 1, 0], position: 1.5}}
 outputs: [{name: angle, joint: hinge}, {name: pull, joint_force: hinge, component: fz}]
