@@ -329,11 +329,97 @@ class Part:
             thing = {alone: value, **keys} if keys else value
         things[name] = (thing, place)
 
+    def place(
+        self,
+        name: str,
+        subsystem: Subsystem | Callable[..., object],
+        *,
+        at: words.Vector | None = None,
+        mirror: str | None = None,
+        rotate: words.Vector | None = None,
+        **parameters: Any,
+    ) -> None:
+        """Places a subsystem; its things are then called NAME.THING. In a subsystem this goes along with it.
+
+        Args:
+            name: of this place.
+            subsystem: a Subsystem, or a function that fills one: it is called with an empty Subsystem and parameters.
+            at: where its origin goes, 3, m.
+            mirror: before it is turned and moved: "y" is y to −y; also "x", "z", "xy" and so on.
+            rotate: rotation vector, 3, rad.
+            **parameters: of the function; of a Subsystem those of its `add_parameter`.
+
+        Raises:
+            InputError: neither a Subsystem nor a function.
+
+        Example:
+            ```python
+            def wheel(part, radius=0.3):
+                part.add_body("hub", mass=20, com=[0, 0.7, 0], inertia=[1, 2, 1])
+
+            m.place("left", wheel, at=[1, 0, 0], radius=0.31)
+            m.place("right", wheel, at=[1, 0, 0], mirror="y")
+            ```
+        """
+        placed: dict[str, object] = {"at": at, "mirror": mirror, "rotate": rotate}
+        if isinstance(subsystem, Subsystem):
+            placed["with"] = parameters or None
+        elif callable(subsystem):
+            part = Subsystem()
+            subsystem(part, **parameters)
+            subsystem = part
+        else:
+            raise _yaml.error(
+                _caller(),
+                f"instance '{name}': a Subsystem, or a function that fills one, is needed, "
+                f"not {_checks.described(subsystem)}",
+            )
+        if subsystem is self or _stands_in(self, subsystem):
+            raise _yaml.error(_caller(), f"instance '{name}': the subsystem would stand in itself")
+        of = self._template(subsystem, name)
+        self._add(
+            "instances",
+            name,
+            {"of": of, **{key: value for key, value in placed.items() if value is not None}},
+        )
+
+    def _template(self, part: Subsystem, name: str) -> str:
+        """The name of a template like this one, which is added where there is none."""
+        templates = self._things.setdefault("subsystems", {})
+        text = part._text()
+        for known, (template, _) in templates.items():
+            if isinstance(template, Subsystem) and (template is part or template._text() == text):
+                return known
+        templates[name] = (part, _caller())
+        return name
+
+    def _write_things(self, writer: _yaml.Writer, indent: int) -> None:
+        for section in _order:
+            things = self._things.get(section)
+            if not things:
+                continue
+            writer.section(" " * indent + section)
+            for name, (thing, place) in things.items():
+                what = f"{section.removesuffix('s') if section != 'bodies' else 'body'} '{name}'"
+                if isinstance(thing, Subsystem):
+                    writer.section(" " * (indent + 2) + _yaml.scalar(name))
+                    thing._write_things(writer, indent + 4)
+                elif section in _lists:
+                    named = {"name": name} if section == "outputs" else {}
+                    writer.item({**named, **dict(thing)}, indent + 2, place, what)  # type: ignore[call-overload]
+                else:
+                    writer.add(name, thing, indent + 2, place, what)
+
+    def _text(self) -> str:
+        writer = _yaml.Writer(_told_apart)
+        self._write_things(writer, 0)
+        return writer.text
+
 
 class Subsystem(Part):
-    """A part of a model that is written once and placed several times (`ModelBuilder.place`), with its own names:
-    inside, names mean its own things first, then the model's. It has all methods of ModelBuilder that add things but
-    roads."""
+    """A part of a model that is written once and placed several times (`place`), with its own names: inside, names
+    mean its own things first, then those of what it stands in, the model's last. It has all methods of ModelBuilder
+    that add things but roads; what is placed in it goes along with it."""
 
 
 class ModelBuilder(Part):
@@ -379,68 +465,6 @@ class ModelBuilder(Part):
     def add_road(self, name: str, /, **keys: Unpack[words.Road]) -> None:
         """What tyres roll on: over ("distance" or "time"), points (n × 2: m or s, height in m), repeat."""
         self._add("roads", name, keys)
-
-    def place(
-        self,
-        name: str,
-        subsystem: Subsystem | Callable[..., object],
-        *,
-        at: words.Vector | None = None,
-        mirror: str | None = None,
-        rotate: words.Vector | None = None,
-        **parameters: Any,
-    ) -> None:
-        """Places a subsystem; its things are then called NAME.THING.
-
-        Args:
-            name: of this place.
-            subsystem: a Subsystem, or a function that fills one: it is called with an empty Subsystem and parameters.
-            at: where its origin goes, 3, m.
-            mirror: before it is turned and moved: "y" is y to −y; also "x", "z", "xy" and so on.
-            rotate: rotation vector, 3, rad.
-            **parameters: of the function; of a Subsystem those of its `add_parameter`.
-
-        Raises:
-            InputError: neither a Subsystem nor a function.
-
-        Example:
-            ```python
-            def wheel(part, radius=0.3):
-                part.add_body("hub", mass=20, com=[0, 0.7, 0], inertia=[1, 2, 1])
-
-            m.place("left", wheel, at=[1, 0, 0], radius=0.31)
-            m.place("right", wheel, at=[1, 0, 0], mirror="y")
-            ```
-        """
-        placed: dict[str, object] = {"at": at, "mirror": mirror, "rotate": rotate}
-        if isinstance(subsystem, Subsystem):
-            placed["with"] = parameters or None
-        elif callable(subsystem):
-            part = Subsystem()
-            subsystem(part, **parameters)
-            subsystem = part
-        else:
-            raise _yaml.error(
-                _caller(),
-                f"instance '{name}': a Subsystem, or a function that fills one, is needed, "
-                f"not {_checks.described(subsystem)}",
-            )
-        of = self._template(subsystem, name)
-        self._add(
-            "instances",
-            name,
-            {"of": of, **{key: value for key, value in placed.items() if value is not None}},
-        )
-
-    def _template(self, part: Subsystem, name: str) -> str:
-        """The name of a template like this one, which is added where there is none."""
-        templates = self._things.setdefault("subsystems", {})
-        text = self._text_of(part)
-        for known, (template, _) in templates.items():
-            if isinstance(template, Subsystem) and (template is part or self._text_of(template) == text):
-                return known
-        templates[name] = (part, _caller())
-        return name
 
     # What it makes
 
@@ -502,41 +526,29 @@ class ModelBuilder(Part):
         writer.add("mimbre", 1)
         for key, (value, place) in self._head.items():
             writer.add(key, value, place=place)
-        self._write_things(writer, self, 0)
+        self._write_things(writer, 0)
         if self._simulation:
             writer.add("simulation", self._simulation[0], place=self._simulation[1])
         return writer, bodies
 
-    def _write_things(self, writer: _yaml.Writer, part: Part, indent: int) -> None:
-        for section in _order:
-            things = part._things.get(section)
-            if not things:
-                continue
-            writer.section(" " * indent + section)
-            for name, (thing, place) in things.items():
-                what = f"{section.removesuffix('s') if section != 'bodies' else 'body'} '{name}'"
-                if isinstance(thing, Subsystem):
-                    writer.section(" " * (indent + 2) + _yaml.scalar(name))
-                    self._write_things(writer, thing, indent + 4)
-                elif section in _lists:
-                    named = {"name": name} if section == "outputs" else {}
-                    writer.item({**named, **dict(thing)}, indent + 2, place, what)  # type: ignore[call-overload]
-                else:
-                    writer.add(name, thing, indent + 2, place, what)
-
-    def _text_of(self, part: Part) -> str:
-        writer = _yaml.Writer(_told_apart)
-        self._write_things(writer, part, 0)
-        return writer.text
-
     def _laws(self) -> list[laws.Placed]:
         """Those of the model and of the subsystems in it."""
-        found = [("", law) for law in _laws_of(self)]
-        for name, (instance, _) in self._things.get("instances", {}).items():
-            template = self._things["subsystems"][instance["of"]][0]  # type: ignore[index]
-            if isinstance(template, Subsystem):
-                found += [(f"{name}.", law) for law in _laws_of(template)]
-        return found
+        return _placed_laws(self, "")
+
+
+def _placed_laws(part: Part, prefix: str) -> list[laws.Placed]:
+    found = [(prefix, law) for law in _laws_of(part)]
+    for name, (instance, _) in part._things.get("instances", {}).items():
+        template = part._things["subsystems"][instance["of"]][0]  # type: ignore[index]
+        if isinstance(template, Subsystem):
+            found += _placed_laws(template, f"{prefix}{name}.")
+    return found
+
+
+def _stands_in(part: Part, outer: Part) -> bool:
+    """Whether `outer` has it among the subsystems in it, or in these."""
+    templates = [template for template, _ in outer._things.get("subsystems", {}).values()]
+    return any(isinstance(t, Subsystem) and (t is part or _stands_in(part, t)) for t in templates)
 
 
 def _laws_of(part: Part) -> list[laws.Law]:

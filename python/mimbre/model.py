@@ -112,6 +112,42 @@ class Model:
         """
         return cls._parsed(_checks.text("text", text), "<text>", Path.cwd(), _texts(parameters))
 
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | os.PathLike[str],
+        /,
+        *,
+        floating: bool = False,
+        keep_fixed: bool = False,
+        packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    ) -> Model:
+        """A robot from a URDF file (docs/urdf.md); `to_yaml` gives the model file. What was left out or assumed is
+        among its `warnings`.
+
+        Args:
+            path: of the file.
+            floating: the root link moves freely; else the ground holds it.
+            keep_fixed: links on fixed joints stay bodies; else they become part of what carries them.
+            packages: the folders that package://NAME means, by NAME.
+
+        Returns:
+            The model.
+
+        Raises:
+            InputError: with every mistake that was found, and where.
+        """
+        file = _checks.path("path", path)
+        folder = Path(file).absolute().parent
+        given = {
+            name: _checks.path(f"packages: {name}", place)
+            for name, place in _checks.mapping("packages", packages or {}, "a folder for each name").items()
+        }
+        text, notes = _core.robot(file, str(folder), bool(floating), bool(keep_fixed), given)
+        model = cls._parsed(text, str(Path(file).with_suffix(".yaml")), folder, {})
+        model._warnings[:0] = [Diagnostic(*note) for note in notes]
+        return model
+
     def _with(self, parameters: Mapping[str, float | str | bool]) -> Model:
         """The same with parameters of its file replaced, compiled anew."""
         texts = {**self.parameters, **_texts(parameters)}

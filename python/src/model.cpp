@@ -19,6 +19,7 @@
 #include "mimbre/build.h"
 #include "mimbre/method_names.h"
 #include "mimbre/model_file.h"
+#include "mimbre/urdf.h"
 #include "user_law.h"
 
 namespace mimbre::python {
@@ -51,11 +52,22 @@ std::shared_ptr<LoadedModel> parse(const std::string& text, const std::string& n
   });
 }
 
-std::vector<Place> warnings_of(const LoadedModel& loaded) {
+std::vector<Place> places_of(const std::vector<Diagnostic>& diagnostics) {
   std::vector<Place> list;
-  for (const Diagnostic& d : loaded.warnings)
+  for (const Diagnostic& d : diagnostics)
     list.emplace_back(d.mark.file, d.mark.line, d.mark.column, d.message);
   return list;
+}
+
+std::vector<Place> warnings_of(const LoadedModel& loaded) { return places_of(loaded.warnings); }
+
+/// The text of a robot's model file, which names other files from `folder`, and what was left out.
+std::tuple<std::string, std::vector<Place>> robot(const std::string& path, const std::string& folder,
+                                                  bool floating, bool keep_fixed,
+                                                  const Parameters& packages) {
+  const nb::gil_scoped_release others_run;
+  const ConvertedRobot converted = convert_urdf(path, {floating, keep_fixed, packages, folder});
+  return {converted.text, places_of(converted.notes)};
 }
 
 template <class Things>
@@ -127,6 +139,8 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("starts_at_equilibrium",
                    [](const LoadedModel& m) { return m.model->spec().simulation.start_at_equilibrium; });
   module.def("load", &load, nb::arg("path"), nb::arg("parameters"));
+  module.def("robot", &robot, nb::arg("path"), nb::arg("folder"), nb::arg("floating"), nb::arg("keep_fixed"),
+             nb::arg("packages"));
   module.def("parse", &parse, nb::arg("text"), nb::arg("name"), nb::arg("directory"), nb::arg("parameters"),
              nb::arg("laws") = std::vector<PlacedLaw>());
 

@@ -134,6 +134,7 @@ def calls(pendulum: mimbre.Model, folder: Path, data: st.DataObject) -> Calls:
     return {
         "from_file": lambda: mimbre.Model.from_file(drawn()),
         "from_text": lambda: mimbre.Model.from_text(drawn(), k=drawn()),
+        "from_urdf": lambda: mimbre.Model.from_urdf(drawn(), packages=drawn()),
         "with": lambda: pendulum.run(until=within(drawn(), 0.05), step=within(drawn(), 1), rho=drawn(), xi=drawn()),
         "inputs": lambda: pendulum.run(inputs=drawn(), until=0.02),
         "input": lambda: pendulum.run(inputs={"torque": drawn(), "k": drawn()}, until=0.02),

@@ -150,6 +150,51 @@ def test_subsystems_have_parameters():
     assert model.to_yaml().count("bob: ") == 1
 
 
+def axle(part, mass):
+    part.add_parameter("carrier", name="frame")
+    part.add_body("shaft", mass=mass, com=[0, 0, 0], inertia=[700, 50, 700])
+    part.add_joint("bearing", type="revolute", between=["$carrier", "shaft"], at=[0, 0, 0], axis=[0, 1, 0])
+    part.add_output("{instance}.angle", joint="bearing")
+
+
+def bogie(part):
+    part.add_body("frame", mass=2600, com=[0, 0, 0.1], inertia=[2000, 1800, 3500])
+    part.place("front", axle, at=[1.25, 0, 0], mass=800)
+    part.place("rear", axle, at=[-1.25, 0, 0], mirror="x", mass=800)
+
+
+def test_subsystems_stand_in_subsystems():
+    m = mimbre.ModelBuilder("Train")
+    m.place("a", bogie)
+    m.place("b", bogie, at=[8.6, 0, 0], rotate=[0, 0, 0.1])
+    model = m.compile()
+    assert model.bodies == [f"{b}.{part}" for b in "ab" for part in ("frame", "front.shaft", "rear.shaft")]
+    assert model.outputs == [f"{b}.{end}.angle" for b in "ab" for end in ("front", "rear")]
+    assert m.to_yaml().count("shaft: {") == 1  # one template for all
+    read = mimbre.Model.from_text(m.to_yaml())
+    assert read.simulation().fingerprint == model.simulation().fingerprint
+    part = mimbre.Subsystem()
+    with pytest.raises(mimbre.InputError, match="would stand in itself"):
+        part.place("it", part)
+    outer = mimbre.Subsystem()
+    outer.place("inner", part)
+    with pytest.raises(mimbre.InputError, match="would stand in itself"):
+        part.place("it", outer)
+
+
+def test_a_robot_from_urdf(examples):
+    path = examples.parent / "tests/data/urdf/panda.urdf"
+    model = mimbre.Model.from_urdf(path)
+    assert model.coordinates == 9
+    assert "panda_joint4" in model.outputs
+    assert any("panda_finger_joint2" in str(warning.message) for warning in model.warnings)
+    assert mimbre.Model.from_urdf(path, floating=True).coordinates == 15
+    assert len(mimbre.Model.from_urdf(path, keep_fixed=True).bodies) > len(model.bodies)
+    assert "restitution: 0.1" in model.to_yaml()
+    with pytest.raises(mimbre.InputError, match="no such file"):
+        mimbre.Model.from_urdf("nowhere.urdf")
+
+
 def test_a_model_that_names_files_elsewhere_stays_in_its_folder(examples, tmp_path):
     model = mimbre.Model.from_file(examples / "solid-arm/suspension.yaml")
     with pytest.raises(mimbre.InputError, match=r"outside of its folder; write it into .*solid-arm"):
