@@ -19,6 +19,7 @@
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
 #include "model/image.h"
+#include "model/struck_mass.h"
 #include "model/topology.h"
 #include "model/triangle_mesh.h"
 
@@ -711,14 +712,8 @@ class Compiler {
     }
     if (with_mass > 0) c_.mass_scale = mass / with_mass;
     if (with_length > 0) c_.length_scale = length / with_length;
-    for (ElementData& e : c_.elements) {
-      if (e.measure != Measure::contact) continue;
-      double lightness = 0;
-      for (const int frame : {e.frame_a, e.frame_b})
-        if (const int body = c_.frames[frame].body; body >= 0)
-          lightness += 1 / (c_.bodies[body].mass > 0 ? c_.bodies[body].mass : c_.mass_scale);
-      e.struck_mass = 1 / lightness;
-    }
+    for (ElementData& e : c_.elements)
+      if (e.measure == Measure::contact) e.struck_mass = struck_mass(c_, e);
     const double angle = c_.length_scale * c_.length_scale;
     for (LoopData& l : c_.loops)
       for (int r = 0; r < l.count; ++r)

@@ -42,9 +42,12 @@ bool went_through(const SurfaceData& surface, double radius, const Vec3d& from, 
 
 }  // namespace
 
+double quiet_speed(const Compiled& m, double whole) {
+  return std::max(forces::blow::slowest, 0.5 * whole * m.gravity.norm());
+}
+
 bool contact_followed(const Compiled& m, const relative::Workspace<double>& w, const double* before, double h,
-                      double whole) {
-  const double quiet = std::max(forces::blow::slowest, 0.5 * whole * m.gravity.norm());
+                      double quiet) {
   for (int k = m.first_of_contact.front(); k < m.first_of_contact.back(); ++k) {
     const ElementData& e = m.elements[k];
     const ElementState<const double> s = element_state(e, w.elements.data());

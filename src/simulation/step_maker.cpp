@@ -56,6 +56,10 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   const double extent = m.length_scale, weight = mass * m.gravity.norm();
   lifting_energy_ = weight * extent;
   resting_energy_ = round_off_energy * std::max(weight, mass * extent) * extent;
+  if (begins_.size() > 1) {  // of blows that are not followed
+    const double quiet = quiet_speed(m, method.step);
+    resting_energy_ = std::max(resting_energy_, 0.5 * mass * quiet * quiet);
+  }
 }
 
 void StepMaker::start() {
@@ -106,8 +110,9 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (method_.energies) meter_.update(m.observer, m.view());
-  followed_ = begins_.size() <= 1 || contact_followed(m.model, m.observer.workspace(), m.state.z.data(),
-                                                      integrator_->options().step, length_);
+  followed_ =
+      begins_.size() <= 1 || contact_followed(m.model, m.observer.workspace(), m.state.z.data(),
+                                              integrator_->options().step, quiet_speed(m.model, length_));
   m.commit(method_.energies);
   m.enter(0);
   if (conserves_) m.state.energy_error += meter_.last_input();

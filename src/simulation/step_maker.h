@@ -34,7 +34,8 @@ class StepMaker {
   /// Of the integrator's last step.
   const StepStatus& last() const { return last_; }
   double length() const { return length_; }  ///< of the last step, s
-  /// What is round-off in energies when nothing is at play, J.
+  /// What is round-off in energies when nothing is at play, or what contacts play with as they come to rest,
+  /// J.
   double resting_energy() const { return resting_energy_; }
 
   /// Seconds of the evaluations and of the energies, where Method::profile asks for them.

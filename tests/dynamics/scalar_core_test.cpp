@@ -371,6 +371,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Mechanism{"driven_four_bar", driven_four_bar, 0.2},
                     Mechanism{"geared_four_bar", geared_four_bar, 0.2},
                     Mechanism{"every_constraint", every_constraint, 0.1},
+                    Mechanism{"die_and_ball", die_and_ball, 0.005},
                     Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
                     Mechanism{"tree",
                               [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },

@@ -103,6 +103,7 @@ TEST(ContactLaw, RatesAreDerivatives) {
     for (int round = 0; round < 50; ++round) {
       Touching t = touching(random, kind, 0.5, 1, true);
       ElementState<double> s = t.at(0, 0);
+      t.law(s, 0);
       if (!(s.x[0] < 0)) continue;  // in a corner between others
       std::copy(s.states, s.states + t.element.state_count, t.before.begin());
       const double h = 1e-6;
@@ -133,6 +134,7 @@ TEST(ContactLaw, TheGradientOfTheElasticEnergyIsTheForce) {
       // The damping of the blow aside.
       t.model.numbers[11] = 0;
       ElementState<double> s = t.at(0, 0);
+      t.law(s, 0);
       if (!(s.x[0] < 0)) continue;
       std::copy(s.states, s.states + t.element.state_count, t.before.begin());
       const double firm = 0.7 * 4e3;
@@ -172,6 +174,7 @@ TEST(ContactLaw, TangentsAreDerivatives) {
       Touching t = touching(random, 0, friction, 1.5, true);
       const double step = 1e-3;
       ElementState<double> s = t.at(0, step);
+      t.law(s, step);
       std::copy(s.states, s.states + t.element.state_count, t.before.begin());
       s = t.at(step, step);
       t.law(s, step);
@@ -192,9 +195,8 @@ TEST(ContactLaw, TangentsAreDerivatives) {
           if (r > 2 && k == 0) continue;
           EXPECT_NEAR(stiffness[static_cast<std::size_t>(6 * r + k)], by_x[r], 1e-3 * (1 + std::abs(by_x[r])))
               << r << k;
-          if (k == 0 && r == 0)
-            EXPECT_NEAR(damping[static_cast<std::size_t>(6 * r + k)], by_v[r],
-                        1e-3 * (1 + std::abs(by_v[r])));
+          if (k > 0 || r > 0) continue;
+          EXPECT_NEAR(damping[0], by_v[0], 1e-3 * (1 + std::abs(by_v[0])));
         }
       }
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "mimbre/diagnostics.h"
+#include "mimbre/model_builder.h"
+#include "mimbre/reduced_body.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -15,7 +17,6 @@ namespace {
 std::string ball(const std::string& contact, const std::string& velocity, double height,
                  const std::string& surface = "{type: half_space}", double gravity = 0) {
   return fmt::format(R"y(
-mimbre: 1
 gravity: [0, 0, {}]
 bodies: {{ball: {{mass: 1, com: [0, 0, {}], inertia: [0.004, 0.004, 0.004]}}}}
 joints: {{free: {{type: floating, between: [ground, ball], velocity: {}}}}}
@@ -89,7 +90,6 @@ std::string box_on_slope(double slope, double friction) {
   for (const double x : {-0.1, 0.1})
     for (const double y : {-0.1, 0.1}) corners += (corners.empty() ? "" : ", ") + place(x, y, lift - 0.05);
   return fmt::format(R"y(
-mimbre: 1
 bodies: {{box: {{mass: 2, com: {}, inertia: [0.01, 0.01, 0.015]}}}}
 surfaces: {{slope: {{type: half_space, z: [{}, 0, {}]}}}}
 contacts: {{feet: {{spheres: {{on: box, at: [{}], radius: 0.01}}, surfaces: [slope], stiffness: 1e6, restitution: 0.3, friction: {}}}}}
@@ -166,7 +166,7 @@ TEST_P(Contact, NewtonsCradle) {
     spheres += fmt::format("{}{{on: b{}, radius: 0.025}}", k == 0 ? "" : ", ", k);
     outputs += fmt::format("  - {{name: v{}, joint_velocity: j{}}}\n", k, k);
   }
-  Simulation simulation = simulation_of("mimbre: 1\nbodies:\n" + bodies + "joints:\n" + joints +
+  Simulation simulation = simulation_of("bodies:\n" + bodies + "joints:\n" + joints +
                                             "contacts: {cradle: {spheres: [" + spheres +
                                             "], among: true, stiffness: 1e7, exponent: 1.5}}\noutputs:\n" +
                                             outputs + "simulation: {step: 0.001, end: 1}\n",
@@ -214,7 +214,6 @@ TEST_P(Contact, AnEdgeBetweenTwoStepsThrowsOff) {
 /// has it more energy than before.
 TEST_P(Contact, EnergyIsNeverMade) {
   const std::string text = R"y(
-mimbre: 1
 bodies: {box: {mass: 1, com: [0, 0, 0.6], inertia: [0.004, 0.005, 0.003]}}
 joints: {free: {type: floating, between: [ground, box], velocity: [1, 0.3, 0, 3, 7, 2]}}
 surfaces: {floor: {type: half_space}}
@@ -245,7 +244,98 @@ simulation: {step: 0.002, end: 1}
   EXPECT_LT(simulation.energy().kinetic, 1e-9);
 }
 
+/// A beam that is clamped at one end and lies on a stone at the other: 3/8 of its weight, and the same at
+/// once as an equilibrium.
+TEST_P(Contact, AFlexibleBodyCarriesSpheresAtItsNodes) {
+  const auto text = [](const char* initial) {
+    return fmt::format(R"y(
+materials: {{steel: {{young: 2.1e11, poisson: 0.3, density: 7850}}}}
+sections: {{round: {{type: round, diameter: 0.02}}}}
+bodies:
+  beam:
+    frame: {{at: [0, 0, 0]}}
+    flexible:
+      material: steel
+      section: round
+      nodes: {{root: [0, 0, 0], tip: [1, 0, 0]}}
+      bars: {{bar: {{from: root, to: tip, elements: 10}}}}
+      clamped: [root]
+      static_modes: [{{node: tip, along: [0, 0, 1]}}]
+      dynamic_modes: 6
+      stiffness_damping: 1e-3
+joints: {{root: {{type: fixed, between: [ground, beam], at: [0, 0, 0]}}}}
+surfaces: {{stone: {{type: sphere, at: [1, 0, -1.01], radius: 1}}}}
+contacts: {{touch: {{spheres: {{on: beam.tip, radius: 0.01}}, surfaces: stone, stiffness: 1e8, restitution: 0.2}}}}
+initial: {}
+simulation: {{step: 0.001, end: 2}}
+)y",
+                       initial);
+  };
+  const double weight = std::acos(-1.0) / 4 * 0.02 * 0.02 * 7850 * 9.81;
+  Simulation falls = simulation_of(text("assembled"), GetParam()),
+             rests = simulation_of(text("equilibrium"), GetParam());
+  run_to(falls, 2);
+  EXPECT_NEAR(channel(falls, "contact.touch.normal"), 3. / 8 * weight, 2e-4 * weight);
+  EXPECT_NEAR(channel(rests, "contact.touch.normal"), channel(falls, "contact.touch.normal"), 1e-5 * weight);
+}
+
+/// A solid part that a mesh describes, dropped: spheres at all nodes of its surface bear its weight.
+TEST_P(Contact, AMeshedBodyStandsOnTheNodesOfItsSurface) {
+  Simulation simulation = simulation_of(fmt::format(R"y(
+bodies: {{arm: {{frame: {{at: [0, 0, 0.4]}}, reduced: {}/examples/solid-arm/arm.h5}}}}
+joints: {{guide: {{type: prismatic, between: [ground, arm.front], axis: [0, 0, 1]}}}}
+surfaces: {{floor: {{type: half_space}}}}
+contacts: {{touch: {{spheres: {{surface_of: arm, radius: 0.005}}, surfaces: floor, stiffness: 1e5, restitution: 0.3}}}}
+simulation: {{step: 0.002, end: 2}}
+)y",
+                                                    MIMBRE_SOURCE_DIR),
+                                        GetParam());
+  run_to(simulation, 2);
+  EXPECT_NEAR(channel(simulation, "contact.touch.normal"),
+              simulation.model().spec().bodies[0].flexible->mass * 9.81, 1e-3);
+  EXPECT_GE(channel(simulation, "contact.touch.count"), 1);
+  EXPECT_NEAR(simulation.energy().numerical, 0, 0.02 * simulation.energy().dissipated);
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, Contact, testing::Values(Formulation::relative, Formulation::natural));
+
+TEST(ContactFormulations, Agree) {
+  Simulation relative = simulation_of(die_and_ball(), Formulation::relative),
+             natural = simulation_of(die_and_ball(), Formulation::natural);
+  run_to(relative, 1);
+  run_to(natural, 1);
+  for (const char* name : {"height", "contact.corners.normal", "contact.round.force.x"})
+    EXPECT_NEAR(channel(relative, name), channel(natural, name),
+                1e-4 * (1 + std::abs(channel(relative, name))))
+        << name;
+}
+
+/// The builder makes what a file does.
+TEST(ContactBuilder, BuildsWhatAFileSays) {
+  ModelBuilder m;
+  m.set_gravity({0, 0, -9.81});
+  m.add_body("ball", {.mass = 1, .com = {0, 0, 0.3}, .inertia = build::inertia(0.004, 0.004, 0.004)});
+  m.add_joint("free", {.type = spec::JointType::floating,
+                       .between = {"ground", "ball"},
+                       .velocity = {2., 0., 0., 0., 0., 0.}});
+  m.add_surface("floor", {.kind = spec::Surface::Kind::box, .size = {10, 10, 0.1}});
+  m.add_contact("touch", {.spheres = {{.on = "ball", .radius = 0.1}},
+                          .surfaces = {"floor"},
+                          .stiffness = 1e5,
+                          .restitution = 0.5,
+                          .friction = 0.3});
+  m.add_output("x", {.kind = "position", .of = "ball", .component = "x"});
+  Simulation built = simulation_of(m.compile(), Formulation::relative, 1e-3),
+             read = simulation_of(ball("stiffness: 1e5, restitution: 0.5, friction: 0.3",
+                                       "[2, 0, 0, 0, 0, 0]", 0.3, "{type: box, size: [10, 10, 0.1]}", -9.81),
+                                  Formulation::relative, 1e-3);
+  run_to(built, 1);
+  run_to(read, 1);
+  EXPECT_EQ(channel(built, "x"), channel(read, "x"));
+  EXPECT_THROW(m.add_contact("other", {.spheres = {{.on = "ball", .radius = 0.1}}, .surfaces = {"flor"}}),
+               InputError);
+  EXPECT_THROW(m.add_surface("bad", {.on = "bal"}), InputError);
+}
 
 TEST(ContactFile, WhatIsWrongIsTold) {
   const auto said = [](const std::string& contact, const std::string& surface = "{type: half_space}") {

@@ -89,8 +89,9 @@ TEST(Surfaces, NormalsAreGradientsOfDistances) {
       const Touch<double> up = surfaces::touch(s, Vec3d(p + h * way)),
                           down = surfaces::touch(s, Vec3d(p - h * way));
       EXPECT_LE(std::abs(up.distance - down.distance), 2 * h * way.norm() * (1 + 1e-9));
-      if (here.distance > 1e-3)
+      if (here.distance > 1e-3) {
         EXPECT_NEAR(surfaces::touch(s, Vec3d(p - here.distance * here.normal)).distance, 0, 1e-9) << s.kind;
+      }
       // Not across an edge of the inside, from which two faces are as near.
       if ((up.normal - down.normal).norm() > 1e-3) continue;
       ++smooth;
@@ -117,7 +118,9 @@ TEST(Surfaces, ABoxOfTrianglesIsABox) {
     const Vec3d p = random.values(3, 1);
     const Touch<double> a = surfaces::touch(box, p), b = surfaces::touch(mesh, p);
     ASSERT_NEAR(a.distance, b.distance, 1e-12);
-    if (a.distance > 0) ASSERT_NEAR((a.normal - b.normal).norm(), 0, 1e-9);
+    if (a.distance > 0) {
+      ASSERT_NEAR((a.normal - b.normal).norm(), 0, 1e-9);
+    }
   }
 }
 

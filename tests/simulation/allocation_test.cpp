@@ -114,6 +114,8 @@ TEST_P(Allocation, NoneInOtherMechanisms) {
     Simulation s(example(file), options());
     EXPECT_EQ(allocations_of(s, 300), 0) << file;
   }
+  Simulation contacts(die_and_ball(), options());
+  EXPECT_EQ(allocations_of(contacts, 300), 0);
   Simulation beam(example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}}), options());
   EXPECT_EQ(allocations_of(beam, 300), 0);
   const auto model =

@@ -69,6 +69,7 @@ const std::vector<Mechanism>& mechanisms() {
       {"geared_four_bar", geared_four_bar},
       {"thrown", thrown},
       {"every_constraint", every_constraint},
+      {"die_and_ball", die_and_ball, 200},
       {"geometric_stiffness",
        [] {
          return example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}});

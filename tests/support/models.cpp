@@ -127,6 +127,43 @@ constraints:
   table: {type: on_plane, between: [ground, foot], at: [2, 0, 0], axis: [0, 0.2, 1]}
   upright: {type: parallel, between: [ground, foot], axis: [0, 0.2, 1]}
   thread: {type: screw, between: [plate, nut], at: [-0.4, 0, -0.5], axis: [0.3, 0, 1], lead: 0.3}
+)yaml");
+}
+
+std::shared_ptr<const Model> die_and_ball() {
+  return model_of(R"yaml(
+bodies:
+  tray: {mass: 5, com: [0, 0, 0], inertia: [0.5, 0.5, 0.5]}
+  die: {mass: 1, com: [0, 0, 0.16], inertia: [0.01, 0.008, 0.012]}
+  ball: {mass: 0.5, com: [0.18, 0, 0.13], inertia: [0.002, 0.002, 0.002]}
+joints:
+  guide: {type: prismatic, between: [ground, tray], at: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 2000, zero: 0.03, damping: 5}}
+  die: {type: floating, between: [ground, die], velocity: [0.3, 0.1, 0, 1, 2, 3]}
+  ball: {type: floating, between: [ground, ball], velocity: [-0.5, 0.3, 0, 4, 2, 3]}
+surfaces:
+  top: {type: box, on: tray, size: [1, 1, 0.1]}
+  pole: {type: cylinder, at: [0.31, 0, 0], radius: 0.05, length: 1}
+  bumps: {type: heights, at: [-0.5, -0.5, 0.03], spacing: [0.25, 0.5], heights: [[0, 0.01, 0.02, 0.01, 0], [0.01, 0.01, 0.01, 0.02, 0.01], [0, 0, 0.01, 0, 0]]}
+contacts:
+  corners:
+    spheres: {on: die, at: [[-0.1, -0.1, 0.06], [0.1, -0.1, 0.06], [-0.1, 0.1, 0.06], [0.1, 0.1, 0.06]], radius: 0.03}
+    surfaces: top
+    stiffness: 2e3
+    restitution: 0.6
+    friction: 0.4
+    static_ratio: 1.5
+  round:
+    spheres: [{on: ball, radius: 0.1}, {on: die, radius: 0.1}]
+    surfaces: [top, pole, bumps]
+    among: true
+    stiffness: 2e3
+    exponent: 1.5
+    depth: 0.02
+    restitution: 0.8
+    friction: 0.3
+    rolling: 0.002
+    spinning: 0.001
+outputs: [{name: height, position: die, component: z}]
 simulation: {step: 0.002, end: 1}
 )yaml");
 }

@@ -31,5 +31,8 @@ std::shared_ptr<const Model> geared_four_bar();
 /// A swinging plate, shafts and bodies that fly but for constraints of every kind, among them couplings of
 /// joints in the tree and cut.
 std::shared_ptr<const Model> every_constraint();
+/// A die and a ball, thrown, on a tray that a spring holds, against each other, a pole and a bumpy ground:
+/// contacts of many kinds that are closed at the start, with friction and resistance to turning.
+std::shared_ptr<const Model> die_and_ball();
 
 }  // namespace mimbre::test

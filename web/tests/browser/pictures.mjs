@@ -31,6 +31,7 @@ const pictures = [
   { name: "slider-crank", model: "examples/slider-crank/slider-crank.yaml", label: "flexible", others: [["rigid", "--set", "rod=rigid"]], time: 0.181 },
   { name: "bricard", model: "examples/bricard/mechanism.yaml", time: 0.8, forces: "all", tab: "x–y" },
   { name: "pendulum", model: "examples/pendulum/flexible.yaml", time: 0.9, forces: "all", exaggerate: 100 },
+  { name: "stairs", model: "examples/contact/stairs.yaml", time: 0.42 },
   { name: "double-four-bar", model: "examples/double-four-bar/mechanism.yaml", options: ["--set", "flexible_bars=5"], time: 0.75, forces: "all", exaggerate: 20 },
   { name: "solid-arm", model: "examples/solid-arm/suspension.yaml", time: 2.3, asked: "color=stress", through: true, nearer: "front_left.arm" },
   { name: "solid-arm-modes", body: arm, asked: "family=1&mode=1&t=1" },
