@@ -143,7 +143,7 @@ class Simulation {
   /// Named channels: the model's outputs first (`output_count` of them), then the standard ones.
   const std::vector<ChannelInfo>& channels() const;
   int output_count() const;
-  /// Place of a channel in channels(). Throws InputError, with names that are like it, when there is none.
+  /// Place of a channel in channels(). Throws UnknownName, with a name that is like it, when there is none.
   struct Channel {
     int index = -1;
   };
@@ -163,7 +163,7 @@ class Simulation {
   /// Everything a results file needs to explain itself.
   ResultsHeader header(const std::string& options_json) const;
 
-  /// Inputs and tunable parameters, and the number of one by its name. Throws InputError where there is none.
+  /// Inputs and tunable parameters, and the number of one by its name. Throws UnknownName if there is none.
   const std::vector<spec::Input>& inputs() const;
   int input(const std::string& name) const;
   /// Sets one, within its range, for the steps that follow. Allocates nothing, throws nothing.

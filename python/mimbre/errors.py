@@ -92,3 +92,7 @@ class SweepInterrupted(KeyboardInterrupt):
 
 def _input_error(diagnostics: Iterable[tuple[str, int, int, str]]) -> InputError:
     return InputError([Diagnostic(*diagnostic) for diagnostic in diagnostics])
+
+
+def _unknown_name(diagnostics: Iterable[tuple[str, int, int, str]]) -> UnknownName:
+    return UnknownName([Diagnostic(*diagnostic) for diagnostic in diagnostics])

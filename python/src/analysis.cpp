@@ -20,6 +20,7 @@
 #include "mimbre/statics.h"
 #include "mimbre/stress_history.h"
 #include "mimbre/verify.h"
+#include "simulation/names.h"
 
 /// What the program's commands beside run and reduce find out: mimbre/analysis.py gives it names.
 namespace mimbre::python {
@@ -113,16 +114,13 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
                         double error, bool combinations, bool rigid, std::optional<double> end,
                         const std::optional<nb::callable>& progress) {
   const spec::Model& model = loaded.model->spec();
-  const auto at = std::find_if(model.bodies.begin(), model.bodies.end(),
-                               [&](const spec::Body& other) { return other.name == body; });
-  if (at == model.bodies.end()) throw InputError(Mark{}, fmt::format("there is no body '{}'", body));
+  const int number = find_by_name(model.bodies, body, "body");
   ModeSelectionOptions options;
   options.error = error;
   options.keep = combinations ? ModeSelectionOptions::Keep::combinations : ModeSelectionOptions::Keep::modes;
   options.pre = rigid ? ModeSelectionOptions::Pre::rigid : ModeSelectionOptions::Pre::candidates;
   options.end = end.value_or(0);
   options.run = method.options(model.simulation);
-  const int number = static_cast<int>(at - model.bodies.begin());
   Attention attention;
   struct Stopped {};
   options.attend = [&] {
@@ -135,7 +133,8 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
     };
   ModeSelection result;
   try {
-    result = computed(at->mark, [&] { return select_mechanism_modes(model, number, options); });
+    result = computed(model.bodies[static_cast<std::size_t>(number)].mark,
+                      [&] { return select_mechanism_modes(model, number, options); });
   } catch (const Stopped&) {
     attention.raise();
   }

@@ -7,7 +7,7 @@
 
 #include "app/common.h"
 #include "bindings.h"
-#include "mimbre/diagnostics.h"
+#include "mimbre/unknown_name.h"
 
 /// The library's exceptions as those of the package (mimbre/errors.py).
 namespace mimbre::python {
@@ -37,6 +37,8 @@ std::string without_dashes(const std::string& text) {
 void translate(const std::exception_ptr& pointer, void*) {
   try {
     std::rethrow_exception(pointer);
+  } catch (const UnknownName& error) {
+    raise("_unknown_name", to_list(error.diagnostics()));
   } catch (const InputError& error) {
     raise("_input_error", to_list(error.diagnostics()));
   } catch (const app::UsageError& error) {

@@ -96,6 +96,19 @@ def test_a_pickled_simulation_goes_on_in_another_process(examples, tmp_path):
     assert other.stdout.strip() == sim.save().hex()
 
 
+def test_unknown_names_are_key_errors(pendulum):
+    sim = pendulum.simulation()
+    for ask in (sim.channel, sim.input, sim.pose, lambda name: pendulum.run(inputs={name: 1})):
+        with pytest.raises(KeyError, match=r"there is no .*'angel'") as raised:
+            ask("angel")
+        assert isinstance(raised.value, mimbre.UnknownName)
+        assert raised.value.diagnostics[0].message == str(raised.value)
+    with pytest.raises(mimbre.UnknownName, match=r"did you mean 'angle'\?"):
+        sim.channel_array(["angel"])
+    with pytest.raises(mimbre.UnknownName, match="there is no body 'baar'"):
+        mimbre.select(pendulum, "baar", error=0.01)
+
+
 def test_a_state_of_another_model_is_refused(pendulum, examples):
     other = mimbre.Model.from_file(examples / "tutorial/pendulum.yaml").simulation()
     sim = pendulum.simulation()

@@ -6,7 +6,7 @@
 
 #include "dynamics/natural/system.h"
 #include "integrate/stepper.h"
-#include "mimbre/diagnostics.h"
+#include "mimbre/unknown_name.h"
 #include "simulation/energy.h"
 
 /// What numbers of the step are called, for messages.
@@ -25,15 +25,14 @@ std::string element_name(const Compiled& model, const ElementData& element);
 /// What stores energy.
 std::string place_name(const Compiled& model, const EnergyMeter::Place& place);
 
-/// Place of the item of that name. Throws InputError, with names that are like it, where there is none.
+/// Place of the item of that name. Throws UnknownName, with a name that is like it, where there is none.
 template <class Items>
 int find_by_name(const Items& items, const std::string& name, const char* what) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < items.size(); ++k) {
+  for (std::size_t k = 0; k < items.size(); ++k)
     if (items[k].name == name) return static_cast<int>(k);
-    names.push_back(items[k].name);
-  }
-  throw InputError(Mark{}, fmt::format("there is no {} '{}'{}", what, name, did_you_mean(name, names)));
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  throw UnknownName(Mark{}, fmt::format("there is no {} '{}'{}", what, name, did_you_mean(name, names)));
 }
 
 }  // namespace mimbre

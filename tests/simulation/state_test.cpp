@@ -6,6 +6,7 @@
 
 #include "mimbre/method_names.h"
 #include "mimbre/run_state.h"
+#include "mimbre/unknown_name.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 
@@ -305,6 +306,7 @@ TEST(Handles, OfWhatIsNotThereAreRefusedWithNamesLikeIt) {
   EXPECT_EQ(message([&] { s.channel("energy.kinetik"); }),
             "there is no channel 'energy.kinetik' (did you mean 'energy.kinetic'?)");
   EXPECT_EQ(message([&] { s.body("trunc"); }), "there is no body 'trunc' (did you mean 'trunk'?)");
+  EXPECT_THROW(s.input("nothing"), UnknownName);
 }
 
 }  // namespace

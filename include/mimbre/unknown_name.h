@@ -1,0 +1,12 @@
+#pragma once
+#include "mimbre/diagnostics.h"
+
+namespace mimbre {
+
+/// Thrown where something is asked for by a name that is not there. The message says which name is near.
+class UnknownName : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+}  // namespace mimbre
