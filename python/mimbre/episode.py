@@ -64,7 +64,7 @@ class Task:
     limit: int | None  #: actions of an episode
     draws: Mapping[str, Draw]  #: parameters and inputs
     step: float  #: s
-    live: Mapping[str, Bounds]  #: those of them that need no model of their own
+    live: Mapping[str, Bounds]  #: inputs and tunable parameters, which need no model of their own
 
     def drawn(self, random: np.random.Generator, given: Mapping[str, object]) -> dict[str, Value]:
         """The values of an episode, `given` ones in place of those that are drawn. All are drawn, so that what is given
@@ -100,13 +100,12 @@ class Episode:
     def __init__(self, task: Task) -> None:
         self.task = task
         self._seen = [*task.observations, *(one for one in (task.reward, task.terminate) if isinstance(one, str))]
-        self._of(task.model)
+        self._of(task.model, {})
         self._start = self.simulation.save()
-        self._first = self.inputs.copy()
         self._own = True
 
-    def _of(self, model: Model) -> None:
-        self.simulation = model.simulation(**self.task.method)
+    def _of(self, model: Model, inputs: Mapping[str, float]) -> None:
+        self.simulation = model.simulation(inputs=inputs, **self.task.method)
         self._connect()
 
     def _connect(self) -> None:
@@ -125,14 +124,17 @@ class Episode:
         """Starts anew with these parameters and inputs; what is seen then."""
         task = self.task
         compiled = {name: value for name, value in values.items() if name not in task.live}
-        if compiled or not self._own:
-            self._of(task.model._with(compiled) if compiled else task.model)
-            self._own = not compiled
+        live = {name: float(value) for name, value in values.items() if name in task.live}
+        other_start = bool(compiled or (live and task.model._compiled.starts_at_equilibrium))
+        if other_start or not self._own:
+            self._of(task.model._with(compiled) if compiled else task.model, live)
+            self._own = not other_start
         else:
             self.simulation.restore(self._start)
-            self.inputs[:] = self._first
-        for name in values.keys() & task.live.keys():
-            self.simulation.input(name).value = float(values[name])
+            for name, value in live.items():
+                self.simulation.input(name).value = value
+            for k, channel in enumerate(self._seen if live else ()):
+                self._channels[k] = self.simulation.channel(channel).value
         self._made = 0
         return self.observation(), ({"parameters": dict(values)} if values else {})
 
@@ -221,7 +223,7 @@ def task(
         limit,
         dict(randomise or {}),
         simulation.step_size,
-        {} if model._compiled.starts_at_equilibrium else ranges,
+        ranges,
     )
     for name, draw in made.draws.items():
         if name in made.actions:

@@ -213,20 +213,22 @@ class Model:
 
     # What it does
 
-    def simulation(self, **method: Unpack[Method]) -> Simulation:
+    def simulation(self, *, inputs: Mapping[str, float] | None = None, **method: Unpack[Method]) -> Simulation:
         """The model in motion, to be stepped.
 
         Args:
+            inputs: what inputs and tunable parameters start with, by name, where the model is not to say it; its
+                equilibrium is that with them.
             **method: step and method where the model is not to say them, see `Method`.
 
         Returns:
             A simulation at its start: loops closed, initial values and, where the model wants it, equilibrium found.
 
         Raises:
-            InputError: an option that does not exist or does not fit.
-            SimulationError: no start or no equilibrium was found.
+            InputError: an option or an input that does not exist or does not fit, or no start (or no equilibrium) was
+                found.
         """
-        return Simulation(self, **method)
+        return Simulation(self, inputs=inputs, **method)
 
     def run(
         self,

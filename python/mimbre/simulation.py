@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
@@ -72,11 +73,13 @@ class Simulation(_core.Simulation):
 
     Args:
         model: what moves.
+        inputs: what inputs and tunable parameters start with, by name, where the model is not to say it; its
+            equilibrium is that with them.
         **method: step and method where the model is not to say them, see `Method`.
 
     Raises:
-        InputError: an option that does not exist or does not fit.
-        SimulationError: no start was found; of `step` that it failed.
+        InputError: an option or an input that does not exist or does not fit, or no start was found.
+        SimulationError: of `step` that it failed.
 
     Example:
         ```python
@@ -88,9 +91,14 @@ class Simulation(_core.Simulation):
         ```
     """
 
-    def __init__(self, model: Model, **method: Unpack[Method]) -> None:
-        super().__init__(compiled(model), checked_method(method))
+    def __init__(self, model: Model, *, inputs: Mapping[str, float] | None = None, **method: Unpack[Method]) -> None:
+        given = {} if inputs is None else _checks.mapping("inputs", inputs, "names with numbers")
+        starts = {
+            _checks.text("inputs", name): _checks.number(f"input {name!r}", value) for name, value in given.items()
+        }
+        super().__init__(compiled(model), checked_method(method), starts)
         self._model = model
+        self._inputs = starts
         self._method = method
 
     @property
@@ -104,8 +112,9 @@ class Simulation(_core.Simulation):
         return np.array(position), np.array(rotation).reshape(3, 3)
 
     def clone(self) -> Self:
-        """Another simulation in the same state: both go on to the same bits."""
-        other = type(self)(self._model, **self._method)
+        """Another simulation in the same state: both go on to the same bits. What was written into an `input_array`
+        since the last step is not in it."""
+        other = type(self)(self._model, inputs=self._inputs, **self._method)
         other.restore(self.save())
         return other
 
@@ -116,13 +125,15 @@ class Simulation(_core.Simulation):
         return self.clone()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (type(self), self._model, self._method, self.save())
+        return _unpickled, (type(self), self._model, self._inputs, self._method, self.save())
 
     def __repr__(self) -> str:
         return f"<mimbre.Simulation of {self._model.title!r} at t = {self.time:g} s>"
 
 
-def _unpickled(kind: type[Simulation], model: Model, method: Method, state: bytes) -> Simulation:
-    simulation = kind(model, **method)
+def _unpickled(
+    kind: type[Simulation], model: Model, inputs: Mapping[str, float], method: Method, state: bytes
+) -> Simulation:
+    simulation = kind(model, inputs=inputs, **method)
     simulation.restore(state)
     return simulation

@@ -33,10 +33,13 @@ struct Live {
 /// A Simulation for Python: one thread at a time, which others are told instead of crashing.
 class Stepper {
  public:
-  Stepper(const LoadedModel& loaded, const MethodChoice& method)
+  /// `inputs`: what inputs and tunable parameters start with, by name.
+  Stepper(const LoadedModel& loaded, const MethodChoice& method, const std::map<std::string, double>& inputs)
       : simulation_([&] {
           const nb::gil_scoped_release others_run;
-          return Simulation(loaded.model, method.options(loaded.model->spec().simulation));
+          RunOptions options = method.options(loaded.model->spec().simulation);
+          options.inputs = inputs;
+          return Simulation(loaded.model, options);
         }()) {}
 
   /// The simulation, for this thread alone as long as the turn lasts.
@@ -105,6 +108,7 @@ class Stepper {
     const Turn turn(*this);
     turn->restore(
         Simulation::Snapshot::from_bytes({reinterpret_cast<const std::byte*>(block.c_str()), block.size()}));
+    for (Live& live : inputs_) take_values(live);
     put_channels();
   }
 
@@ -120,7 +124,8 @@ class Stepper {
     const Turn turn(*this);
     Live live{{}, std::make_shared<std::vector<double>>()};
     for (const std::string& name : names) live.numbers.push_back(turn->input(name));
-    for (const int input : live.numbers) live.values->push_back(turn->input_value(input));
+    live.values->resize(names.size());
+    take_values(live);
     return array(inputs_.emplace_back(std::move(live)));
   }
   Array live_channels(const std::vector<std::string>& names) {
@@ -162,6 +167,12 @@ class Stepper {
   }
 
   std::string name_of(int input) const { return simulation_.inputs()[static_cast<std::size_t>(input)].name; }
+
+  /// What the inputs are now, so that the next step leaves them so.
+  void take_values(Live& inputs) const {
+    for (std::size_t k = 0; k < inputs.numbers.size(); ++k)
+      (*inputs.values)[k] = simulation_.input_value(inputs.numbers[k]);
+  }
 
   void put_channels() {
     for (const Live& live : channels_)
@@ -266,7 +277,8 @@ void bind_simulation(nb::module_& module) {
       .def_prop_ro(
           "meaning", [](const ChannelHandle& c) { return c.information().meaning; }, "What it is.");
   nb::class_<Stepper>(module, "Simulation", "A compiled model in motion.")
-      .def(nb::init<const LoadedModel&, const MethodChoice&>(), nb::arg("model"), nb::arg("method"))
+      .def(nb::init<const LoadedModel&, const MethodChoice&, const std::map<std::string, double>&>(),
+           nb::arg("model"), nb::arg("method"), nb::arg("inputs"))
       .def("step", &Stepper::step, nb::arg("count") = 1,
            "Makes a step, or `count` of them. Raises SimulationError where one fails: then the state is that "
            "before it. An event that stops the run ends it there (`stopped`); the next step makes the rest.")
@@ -336,11 +348,11 @@ void bind_simulation(nb::module_& module) {
           "lines", &Stepper::lines,
           "By body its name and the ends of the lines that draw it now, one pair after the other, global, m.")
       .def("save", &Stepper::save,
-           "Everything that the next step depends on, for restore(), in another process too.")
+           "Everything that the next step depends on, for restore(), in another process too. What was "
+           "written into an `input_array` since the last step is not in it.")
       .def("restore", &Stepper::restore, nb::arg("state"),
-           "Goes back to a saved state; the same bits follow from there. InputError where it is of another "
-           "model or "
-           "method, or damaged.");
+           "Goes back to a saved state, inputs and their arrays too; the same bits follow from there. "
+           "InputError where it is of another model or method, or damaged.");
   module.def(
       "step_all", &step_all, nb::arg("simulations"), nb::arg("count"),
       "Makes so many steps with each of them, and leaves the interpreter to others meanwhile. What went "

@@ -142,6 +142,65 @@ def test_an_episode_is_the_simulation(cart):
     assert env.simulation.time == sim.time
 
 
+def test_the_first_observation_is_of_the_values_of_the_episode(cart):
+    """Of inputs, and of what is computed from them; after other episodes too."""
+    m = mimbre.ModelBuilder()
+    m.add_input("force", 0.0, range=[-1, 1])
+    m.add_input("target", 1.0, range=[0, 5])
+    m.add_body("cart", mass=1, com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("rail", type="prismatic", between=["ground", "cart"], at=[0, 0, 0], axis=[1, 0, 0], position=0.5)
+    m.add_actuator("motor", joint="rail", force="force")
+    m.add_output("place", joint="rail")
+    m.add_signal("error", "target - place")
+    m.set_simulation(step=0.01)
+    keys = {
+        "actions": ["force"],
+        "observations": ["signal.error", "input.target", "input.force"],
+        "reward": "signal.error",
+        "randomise": {"target": (2.0, 5.0)},
+    }
+    env = mimbre.gym.make(m.compile(), **keys)
+    for seed in range(3):
+        observation, info = env.reset(seed=seed)
+        target = info["parameters"]["target"]
+        assert observation.tolist() == [target - 0.5, target, 0]
+        env.step([1.0])
+    assert env.reset(options={"target": 3})[0].tolist() == [2.5, 3, 0]
+    envs = mimbre.gym.make_vec(m.compile(), 3, **keys)
+    observations, infos = envs.reset(seed=1)
+    assert np.array_equal(observations[:, 1], infos["parameters"]["target"])
+    env = mimbre.gym.make(cart, **said(observations=["input.k", "angle"]))
+    assert env.reset(options={"k": 3, "start": 0.05})[0].tolist() == [3, 0.05]
+
+
+@pytest.mark.parametrize("formulation", ["relative", "natural"])
+def test_an_episode_starts_at_the_equilibrium_of_its_inputs(formulation):
+    """A mass on a spring: k z = F − m g."""
+    m = mimbre.ModelBuilder(initial="equilibrium")
+    m.add_parameter("mass", 2.0)
+    m.add_parameter("k", 1000.0, min=100, max=5000, tunable=True)
+    m.add_input("motor", 0.0, range=[-1, 1])
+    m.add_input("weight", 0.0, range=[-100, 100])
+    m.add_body("block", mass="mass", com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("rail", type="prismatic", between=["ground", "block"], at=[0, 0, 0], axis=[0, 0, 1])
+    m.add_actuator("spring", joint="rail", force="motor + weight - k*z")
+    m.add_output("z", joint="rail")
+    m.set_simulation(step=0.01, formulation=formulation)
+    env = mimbre.gym.make(
+        m.compile(),
+        actions=["motor"],
+        observations=["z", "input.weight"],
+        reward="z",
+        randomise={"weight": (-50.0, 50.0), "k": (500.0, 2000.0)},
+    )
+    for given in ({}, {}, {"mass": 3.0}, {"weight": 20.0, "k": 700.0}, {}):
+        observation, info = env.reset(options=given)
+        drawn = {"mass": 2.0, **info["parameters"]}
+        rest = (drawn["weight"] - drawn["mass"] * 9.81) / drawn["k"]
+        assert observation == pytest.approx([rest, drawn["weight"]], rel=1e-6)
+        assert env.step([0.0])[0][0] == pytest.approx(rest, rel=1e-6)  # and stays there
+
+
 def test_a_failed_step_ends_the_episode():
     m = mimbre.ModelBuilder()
     m.add_input("limit", 1.0, range=[0, 1])

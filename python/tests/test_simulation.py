@@ -96,6 +96,42 @@ def test_a_pickled_simulation_goes_on_in_another_process(examples, tmp_path):
     assert other.stdout.strip() == sim.save().hex()
 
 
+def test_restoring_restores_what_input_arrays_say(pendulum):
+    """They would put their old values over the inputs of the state at the next step."""
+    sim = pendulum.simulation()
+    u = sim.input_array(["torque", "k"])
+    u[:] = 0.5, 1.5
+    sim.step(5)
+    state = sim.save()
+    sim.step(5)
+    wanted = sim.save()
+    u[:] = -1, 7
+    sim.step(5)
+    sim.restore(state)
+    assert u.tolist() == [0.5, 1.5]
+    sim.step(5)
+    assert sim.save() == wanted
+
+
+@pytest.mark.parametrize("formulation", ["relative", "natural"])
+def test_a_simulation_starts_with_other_inputs(pendulum, formulation):
+    """As a run does; copies too."""
+    sim = pendulum.simulation(inputs={"torque": 0.5, "k": 3}, formulation=formulation)
+    assert (sim.input("torque").value, sim.input("k").value) == (0.5, 3)
+    run = pendulum.run(inputs={"torque": 0.5, "k": 3}, until=0.1, formulation=formulation)
+    z = sim.channel("z")
+    values = [z.value]
+    for other in (sim.clone(), pickle.loads(pickle.dumps(sim))):
+        assert other.save() == sim.save()
+    for _ in range(10):
+        sim.step()
+        values.append(z.value)
+    assert np.array_equal(values, run["z"])
+    for wrong, message in (({"torc": 1}, "torc"), ({"k": float("nan")}, "finite"), (3, "names with numbers")):
+        with pytest.raises(mimbre.InputError, match=message):
+            pendulum.simulation(inputs=wrong)
+
+
 def test_unknown_names_are_key_errors(pendulum):
     sim = pendulum.simulation()
     for ask in (sim.channel, sim.input, sim.pose, lambda name: pendulum.run(inputs={name: 1})):
@@ -107,6 +143,15 @@ def test_unknown_names_are_key_errors(pendulum):
         sim.channel_array(["angel"])
     with pytest.raises(mimbre.UnknownName, match="there is no body 'baar'"):
         mimbre.select(pendulum, "baar", error=0.01)
+
+
+def test_no_equilibrium_is_an_input_error():
+    """Of what falls."""
+    m = mimbre.ModelBuilder(initial="equilibrium")
+    m.add_body("stone", mass=1, com=[0, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("rail", type="prismatic", between=["ground", "stone"], at=[0, 0, 0], axis=[0, 0, 1])
+    with pytest.raises(mimbre.InputError, match="equilibrium"):
+        m.compile().simulation()
 
 
 def test_a_state_of_another_model_is_refused(pendulum, examples):
