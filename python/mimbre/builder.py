@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -320,14 +321,14 @@ class Part:
             )
         try:
             _checks.text("its name", name)
-            thing: object = {key.removesuffix("_"): copy.deepcopy(v) for key, v in keys.items()}
+            thing = {key.removesuffix("_"): copy.deepcopy(v) for key, v in keys.items()}
+            if alone and value is not None:
+                thing = {alone: copy.deepcopy(value), **thing}
         except InputError as error:
             raise _yaml.error(place, f"{what}: {error}") from None
         except Exception as error:  # of objects that cannot be copied, such as modules
             raise _yaml.error(place, f"{what} '{name}': {error}") from None
-        if alone and value is not None:
-            thing = {alone: value, **keys} if keys else value
-        things[name] = (thing, place)
+        things[name] = (thing[alone] if thing.keys() == {alone} else thing, place)
 
     def place(
         self,
@@ -514,7 +515,7 @@ class ModelBuilder(Part):
                 return [0] * 6 if value.between_frames else 0
             if not isinstance(value, ReducedBody):
                 return None
-            name = value.name or "body"
+            name = re.sub(r"[^\w.-]", "_", value.name)[:60].lstrip(".") or "body"
             file, count = f"{name}.h5", 1
             while bodies.get(file, value) is not value:
                 count += 1

@@ -355,6 +355,9 @@ def _mesh(mesh: Any, materials: dict[str, tuple[float, float, float]], thickness
         [],
         {name: np.asarray(nodes).tolist() for name, nodes in getattr(mesh, "point_sets", {}).items()},
     )
+    points = _checks.array("points", points, 2)
+    if points.shape[1] != 3:
+        raise InputError(f"points: three coordinates each are needed, not {points.shape[1]}")
     names = ["" for _ in blocks]
     for name, members in getattr(mesh, "cell_sets", {}).items():
         for k, cells in enumerate(members):
@@ -371,7 +374,7 @@ def _mesh(mesh: Any, materials: dict[str, tuple[float, float, float]], thickness
             continue
         depth = thickness.get(name, 0.0) if isinstance(thickness, Mapping) else thickness
         groups.append((block.type, name, np.asarray(block.data).ravel().tolist(), _checks.number("thickness", depth)))
-    return _core.fe_from_mesh(np.asfortranarray(_checks.array("points", points, 2)), groups, materials, sets)
+    return _core.fe_from_mesh(np.asfortranarray(points), groups, materials, sets)
 
 
 def _stress(model: _core.FeModel, stress: Any, nodes: Any, units: tuple[float, float, float]) -> _core.StressMatrix:

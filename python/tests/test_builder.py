@@ -244,6 +244,20 @@ def test_the_builder_keeps_what_it_was_given():
     m.add_body("bar", mass=1, com=com, inertia=[0.1, 0.1, 0.1])
     com[0] = 7
     assert "com: [0.5, 0.0, 0.0]" in m.to_yaml()
+    limits = [0, 1]
+    m.add_input("push", 0.0, range=limits)
+    limits[1] = 7
+    assert "range: [0, 1]" in m.to_yaml()
+
+
+def test_a_word_of_python_has_an_underscore_behind_it():
+    """With a value of its own too."""
+    m = mimbre.ModelBuilder()
+    m.add_parameter("width", 0.5, min_=0, max_=2)
+    m.add_signal("half", "width/2", every_=0.1)
+    text = m.to_yaml()
+    assert "min: 0" in text
+    assert "every: 0.1" in text
 
 
 @pytest.mark.parametrize(

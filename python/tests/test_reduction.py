@@ -66,6 +66,28 @@ def test_a_bar_weighs_and_bends_as_its_closed_form_says(mesh):
     assert body.free_frequencies[:4] == pytest.approx(body.reduced_free_frequencies[:4], rel=0.02)
 
 
+def test_a_mesh_in_the_plane_is_refused(mesh):
+    with pytest.raises(mimbre.InputError, match="points: three coordinates each are needed, not 2"):
+        reduced(Mesh(mesh.points[:, :2], mesh.cells[0].data))
+
+
+@pytest.mark.parametrize("name", ["../arm", "left/arm", "..", ".arm", "", "Träger 1", "x" * 300])
+def test_a_body_s_name_does_not_say_where_it_is_written(mesh, tmp_path, name):
+    m = mimbre.ModelBuilder()
+    body = reduced(mesh, name=name)
+    for place in ("one", "other"):
+        m.add_body(place, reduced=body, frame={"at": [0, 0, 0]})
+        m.add_joint(f"pin_of_{place}", type="fixed", between=["ground", f"{place}.root"])
+    m.compile()
+    folder = tmp_path / "below"
+    folder.mkdir()
+    m.to_yaml(folder / "model.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["below"]
+    (written,) = folder.glob("*.h5")
+    assert not written.name.startswith(".")
+    mimbre.Model.from_file(folder / "model.yaml")
+
+
 def test_a_file_gives_what_the_program_makes(examples, tmp_path):
     path = examples / "solid-arm/arm.msh"
     interfaces = {"front": "group:front", "ball": "group:ball"}
