@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import concurrent.futures as futures
+import contextlib
 import hashlib
 import itertools
 import json
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,9 +137,6 @@ def sweep(
 
         columns = {name: [row[name] for row in rows] for name in names}
         file = Store(_checks.path("store", store), _fingerprint(study, rows), columns)
-        file.read(table)
-    if histories is not None:
-        study.histories = HistoryFolder.of(_checks.path("histories", histories), table)
 
     def take(done: list[Row]) -> None:
         new = [row.index for row in done if table.take(row)]
@@ -147,10 +145,17 @@ def sweep(
         if progress is not None:
             progress(int(np.count_nonzero(table.status != NOT_RUN)), len(rows))
 
-    waiting = [(index, row) for index, row in enumerate(rows) if table.status[index] == NOT_RUN]
-    # Those of one model one after another, so that it need not be kept for long.
-    waiting.sort(key=lambda item: sorted((name, str(value)) for name, value in study.compiled_with(item[1]).items()))
     try:
+        begun = file is not None and file.read(table)
+        if histories is not None:
+            study.histories = HistoryFolder.of(_checks.path("histories", histories), table, begun)
+        if file is not None and not begun:  # at once, so that it knows the histories that workers write
+            file.write(table, ())
+        waiting = [(index, row) for index, row in enumerate(rows) if table.status[index] == NOT_RUN]
+        # Those of one model one after another, so that it need not be kept for long.
+        waiting.sort(
+            key=lambda item: sorted((name, str(value)) for name, value in study.compiled_with(item[1]).items())
+        )
         if executor is None:
             _by_threads(study, waiting, take, threads)
         else:
@@ -410,7 +415,8 @@ def _study(
         raise InputError("outputs: the model has none; give the names of channels")
     study = Study(model, chosen, _reductions(reduce), live, inputs, until, method)
     if rows:
-        _known_parameters(model, study.compiled_with(rows[0]))
+        with names_alone():
+            study.variant(study.compiled_with(rows[0]))
     taken = {"status", "message", "run", "time", "reduction", *names}
     for name in chosen:
         if name in taken:
@@ -421,10 +427,11 @@ def _study(
     return study, {name: (channel.unit, channel.meaning) for name, channel in channels.items()}
 
 
-def _known_parameters(model: Model, parameters: dict[str, Value]) -> None:
-    """A name that the model does not have is wrong in every run; a value may be wrong in some."""
+@contextlib.contextmanager
+def names_alone() -> Iterator[None]:
+    """Of what is wrong with a run, raises what is wrong with every run: that the model has no parameter of a name."""
     try:
-        model._with(parameters)
+        yield
     except InputError as error:
         if any("there is no parameter" in diagnostic.message for diagnostic in error.diagnostics):
             raise

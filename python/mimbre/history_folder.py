@@ -22,9 +22,9 @@ class HistoryFolder:
     folder: str
 
     @classmethod
-    def of(cls, folder: str, table: Table) -> HistoryFolder:
-        """Made where it is not there. Rows of `table` whose file is missing are to be run again; refuses a folder
-        with files that the table does not know."""
+    def of(cls, folder: str, table: Table, begun: bool) -> HistoryFolder:
+        """Made where it is not there. Rows of `table` whose file is missing are to be run again. Refuses a folder with
+        files of rows that the table does not have, and one with any where this sweep has not `begun` before."""
         path = Path(folder).absolute()
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -33,12 +33,11 @@ class HistoryFolder:
         for unfinished in path.glob(".run-*.h5.*"):  # of workers that were killed
             unfinished.unlink(missing_ok=True)
         there = {int(file.stem.removeprefix("run-")) for file in path.glob("run-[0-9]*.h5")}
-        done = set(table.ended_well())
-        if there and not done:
+        if there - set(range(len(table.status)) if begun else ()):
             raise InputError(
                 f"histories: {folder} has runs of another sweep; give an empty folder, or the store= that goes with it"
             )
-        for index in done - there:
+        for index in set(table.ended_well()) - there:
             table.forget(index)
         return cls(str(path))
 

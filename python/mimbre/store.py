@@ -19,9 +19,9 @@ MESSAGE = 400  # bytes of a text
 
 
 class Store:
-    """Rows of a sweep in a file. It is made whole, under another name first; after that only numbers in their places
-    change, a row's status last. So a sweep that is killed leaves a good file, of which the rows that have a status are
-    done."""
+    """Rows of a sweep in a file. It is made whole, under another name first, and once more when it is known how long
+    histories are; after that only numbers in their places change, a row's status last. So a sweep that is killed leaves
+    a good file, of which the rows that have a status are done."""
 
     def __init__(self, path: str, study: Mapping[str, str], parameters: Mapping[str, list[Any]]) -> None:
         self.path = Path(path)
@@ -29,12 +29,12 @@ class Store:
         self._parameters = parameters
         self._file: Any = None
 
-    def read(self, table: Table) -> None:
-        """Takes the rows that are there, if the file is. Refuses that of another study."""
+    def read(self, table: Table) -> bool:
+        """Takes the rows that are there, if the file is, and says whether it is. Refuses that of another study."""
         import h5py
 
         if not self.path.exists():
-            return
+            return False
         try:
             self._file = h5py.File(self.path, "r+")
             there = {name: str(self._file.attrs[f"study.{name}"]) for name in self._study}
@@ -51,20 +51,22 @@ class Store:
         status = self._file["status"][:]
         status[status == LOST] = NOT_RUN
         table.status[:] = status
-        table.messages[:] = [text.decode() for text in self._file["message"][:]]
-        table.values = self._file["values"][:]
+        table.messages[:] = [text.decode(errors="ignore") for text in self._file["message"][:]]
+        if "values" in self._file:
+            table.values = self._file["values"][:]
         if "time" in self._file:
             table.time = self._file["time"][:]
+        return True
 
     def write(self, table: Table, rows: Iterable[int]) -> None:
-        """Writes these rows."""
-        if table.values is None:
-            return  # how long a history is, is not known yet
-        if self._file is None:
+        """Writes these rows, and all where the file is not there yet, or had no place for values."""
+        if self._file is None or ("values" not in self._file and table.values is not None):
+            self.close()
             self._create(table)
             rows = np.flatnonzero(table.status != NOT_RUN).tolist()
         for row in rows:
-            self._file["values"][row] = table.values[row]
+            if table.values is not None:
+                self._file["values"][row] = table.values[row]
             self._file["message"][row] = table.messages[row].encode()[:MESSAGE]
         self._file.flush()
         for row in rows:
@@ -83,7 +85,8 @@ class Store:
             file.attrs["outputs"] = np.array([name.encode() for name in table.study.outputs])
             file["status"] = np.zeros(count, np.uint8)
             file["message"] = np.zeros(count, f"S{MESSAGE}")
-            file["values"] = np.full_like(table.values, np.nan)
+            if table.values is not None:
+                file["values"] = np.full_like(table.values, np.nan)
             for name, values in self._parameters.items():
                 column = np.array(values)
                 file[f"parameters/{name}"] = (

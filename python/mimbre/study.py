@@ -104,11 +104,11 @@ class Study:
             if isinstance(value, str) or not low <= value <= high:
                 raise InputError(f"{name}: is {value!r}; a number from {low:g} to {high:g} is needed")
             tables.append((name, [0.0], [float(value)]))
-        compiled = self._model(self.compiled_with(parameters))._compiled
+        compiled = self.variant(self.compiled_with(parameters))._compiled
         return _core.histories(compiled, self._method, self.until, tables, self._functions, self.outputs, stop)
 
-    def _model(self, parameters: dict[str, Value]) -> Model:
-        """Compiled once, by the thread that needs it first; the last few are kept."""
+    def variant(self, parameters: dict[str, Value]) -> Model:
+        """The model with these, compiled once, by the thread that needs it first; the last few are kept."""
         if not parameters:
             return self.model
         key = tuple(sorted(parameters.items()))

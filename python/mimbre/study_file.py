@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from . import _checks, _core
-from .ensemble import _known_parameters, samples
+from .ensemble import names_alone, samples
 from .errors import Diagnostic, InputError
 from .model import Model
 from .simulation import Method, checked_method
@@ -227,24 +227,38 @@ class _Reader:
         # A model takes long to read; what is wrong up to here is told at once.
         self.throw()
         model = self.model(given)
-        for name, node in self.named.items():
-            if name not in model.inputs:
-                with self.mistakes_at(node):
-                    value = self.value(node) if node.kind == "scalar" else None
-                    _known_parameters(model, {name: 0 if value is None else value})
+        self.known_parameters(model)
         arguments["inputs"] = self.inputs(given.get("inputs"), model)
         arguments["outputs"] = self.outputs(given.get("outputs"), model)
-        for key in ("step", *_methods):
-            if arguments.get(key) is not None:
-                node = given["step"] if key == "step" else given["method"]
-                with self.mistakes_at(node):
-                    model.simulation(**{key: arguments[key]})
+        method = {key: arguments[key] for key in ("step", *_methods) if arguments.get(key) is not None}
+        for key, value in method.items():
+            with self.mistakes_at(given["step" if key == "step" else "method"]):
+                checked_method(cast(Method, {key: value}))
+        self.throw()
+        with self.mistakes_at(given.get("method", given.get("step", top))):
+            model.simulation(**cast(Method, method))
         self.throw()
         with self.mistakes_at(given.get("step", given.get("until", top))):
-            method = {key: arguments[key] for key in ("step", *_methods) if arguments.get(key) is not None}
             _core.check_run(model._compiled, checked_method(cast(Method, method)), arguments["until"])
         self.throw()
         return StudyFile(model, parameters, {key: value for key, value in arguments.items() if value is not None})
+
+    def known_parameters(self, model: Model) -> None:
+        """Whether the model has what the runs differ in: all of it at once, and one by one only to say where."""
+        nodes = {name: node for name, node in self.named.items() if name not in model.inputs}
+        if not nodes:
+            return
+        values: dict[str, Value] = {}
+        for name, node in nodes.items():
+            value = self.value(node) if node.kind == "scalar" else None
+            values[name] = 0 if value is None else value
+        try:
+            with names_alone():
+                model._with(values)
+        except InputError:
+            for name, node in nodes.items():
+                with self.mistakes_at(node), names_alone():
+                    model._with({name: values[name]})
 
     def model(self, given: dict[str, _Node]) -> Model:
         node = given["model"]
@@ -331,14 +345,18 @@ class _Reader:
         path = Path(self.file).parent / node.content
         try:
             with path.open(newline="", encoding="utf-8-sig") as file:
-                lines = [line for line in csv.reader(file) if line]
+                reader = csv.reader(file)
+                lines = [(reader.line_num, line) for line in reader if line]
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             self.add(node, f"the table '{path}' cannot be read: {error}")
             return []
-        names = [name.strip() for name in lines[0]] if lines else []
+        first, head = lines[0] if lines else (1, [])
+        names = [name.strip() for name in head]
+        for name in {name: None for name in names if names.count(name) > 1}:
+            self.errors.append(Diagnostic(str(path), first, 1, f"the name '{name}' stands twice in the first line"))
         self.named = {name: _Node(node.what, "map", node.line, node.column, []) for name in names}
         rows = []
-        for number, line in enumerate(lines[1:], 2):
+        for number, line in lines[1:]:
             if len(line) != len(names):
                 self.errors.append(
                     Diagnostic(str(path), number, 1, f"{len(line)} cells, and {len(names)} names in the first line")

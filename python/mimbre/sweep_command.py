@@ -120,7 +120,8 @@ def _run(given: argparse.Namespace) -> int:
         _say(f"error: {message}")
     for status, count in statuses.items():
         if status in ("failed", "rejected", "lost"):
-            example = next(str(text) for text in data.message.values.flat if text)
+            both = zip(data.message.values.flat, data.status.values.flat, strict=True)
+            example = next(message for message, one in both if one == status)
             _say(f"warning: {count} of {data.status.size} runs {status}; for example: {example}")
     if given.json:
         _print_json(_answer(data, "interrupted" if message else "ok"))

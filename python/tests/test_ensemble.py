@@ -188,6 +188,57 @@ def test_workers_leave_histories(model, tmp_path):
     check()
 
 
+@pytest.mark.parametrize("reduce", ["last", "history"])
+def test_a_sweep_with_histories_that_is_killed_at_once_goes_on(model, tmp_path, reduce):
+    """Its workers have written histories before the store has a row."""
+    folder, store = tmp_path / "histories", tmp_path / "study.h5"
+
+    class Killed(Exception):
+        pass
+
+    class Worker(futures.Executor):
+        def submit(self, work, *arguments):
+            work(*arguments)
+            raise Killed
+
+    keys = {"histories": folder, "store": store, "reduce": reduce}
+    with pytest.raises(Killed):
+        mimbre.sweep(model, GRID, executor=Worker(), **keys)
+    assert any(folder.iterdir())
+    h5py.File(store, "r+").close()  # nobody has it open
+    xr.testing.assert_identical(mimbre.sweep(model, GRID, **keys), mimbre.sweep(model, GRID, reduce=reduce))
+    (folder / "run-000006.h5").touch()
+    with pytest.raises(mimbre.InputError, match="has runs of another sweep"):
+        mimbre.sweep(model, GRID, **keys)
+    (folder / "run-000006.h5").unlink()
+    store.unlink()
+    for _ in range(2):  # to refuse makes no store that would know them
+        with pytest.raises(mimbre.InputError, match="has runs of another sweep"):
+            mimbre.sweep(model, GRID, **keys)
+
+
+def test_a_message_that_is_cut_inside_a_character_is_read_again(model, tmp_path):
+    """Messages are kept in so many bytes."""
+
+    def fails(history):
+        raise RuntimeError("x" + "ä" * 300)
+
+    store = tmp_path / "study.h5"
+    first = mimbre.sweep(model, {"k": 1}, reduce=fails, store=store)
+    again = mimbre.sweep(model, {"k": 1}, reduce=fails, store=store)
+    text = str(again.message.values.flat[0])
+    assert str(first.message.values.flat[0]).startswith(text)
+    assert 390 < len(text.encode()) <= 400
+
+
+def test_the_model_of_the_check_is_that_of_its_run(model, monkeypatch):
+    made = []
+    with_ = mimbre.Model._with
+    monkeypatch.setattr(mimbre.Model, "_with", lambda self, values: made.append(values) or with_(self, values))
+    mimbre.sweep(model, {"mass": [0.6, 1.2]}, workers=1)
+    assert made == [{"mass": 0.6}, {"mass": 1.2}]
+
+
 def test_processes_give_the_same_bits(model):
     with futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
         xr.testing.assert_identical(mimbre.sweep(model, GRID, executor=pool), mimbre.sweep(model, GRID))

@@ -177,6 +177,25 @@ def test_mistakes_are_told_with_their_place(folder, sweep):
     assert "none.yaml: error: the study cannot be read" in sweep(folder / "none.yaml", code=1)
 
 
+def test_mistakes_of_a_table_have_its_lines(folder, sweep):
+    head = "study: 1\nmodel: model.yaml\nlist: rows.csv"
+    (folder / "rows.csv").write_text("k, bar\n\n1, long\n\n2.5\n")
+    assert "rows.csv:5:1: error: 1 cells, and 2 names" in sweep(study(folder, head), code=1)
+    (folder / "rows.csv").write_text("\nk, bar, k\n1, long, 2\n")
+    assert "rows.csv:2:1: error: the name 'k' stands twice in the first line" in sweep(study(folder, head), code=1)
+
+
+def test_a_method_is_checked_as_a_whole(folder, rows, sweep):
+    """Its keys may need each other: the model's integrator would not take this rho."""
+    path = folder / "model.yaml"
+    path.write_text(MODEL.replace("end: 0.5}", "end: 0.5, integrator: {type: hht}}"))
+    text = "study: 1\nmodel: model.yaml\ngrid: {k: 1}\noutputs: angle\nmethod: {%s}"
+    found = rows(text % "integrator: generalized_alpha, rho: 0.2")
+    wanted = mimbre.Model.from_file(path, k=1).run(integrator="generalized_alpha", rho=0.2)
+    assert found[0]["values"]["angle"]["last"] == wanted["angle"][-1]
+    assert ":5:9: error: " in sweep(study(folder, text % "rho: 0.2"), code=1)
+
+
 def test_mistakes_as_json(folder, capsys):
     assert sweep_command([str(study(folder, "study: 1")), "--json"]) == 1
     answer = json.loads(capsys.readouterr().out)
@@ -209,6 +228,17 @@ def test_rows_that_fail_are_told(folder, sweep, rows):
     found = rows(text)
     assert found[1]["values"]["angle"]["max"] is None
     assert "50" in found[1]["message"]
+
+
+def test_examples_of_failures_are_of_their_status(folder, sweep, capsys):
+    path = folder / "model.yaml"
+    path.write_text(MODEL.replace("push + wind", "sqrt(1.5 - mass - t) + push + wind"))
+    text = STUDY.replace("{from: 0.6, to: 1.2, count: 2}", "[0.6, 1.2, 50]").replace("[0.5, 1, 7/2]", "[1]")
+    assert sweep_command([str(study(folder, text)), "--quiet"]) == 0
+    warnings = [line for line in capsys.readouterr().err.splitlines() if "for example" in line]
+    found = {line.split()[6].rstrip(";"): line for line in warnings}
+    assert "0.1 to 5" in found["rejected"], warnings
+    assert "0.1 to 5" not in found["failed"]
 
 
 def test_an_interrupted_sweep_goes_on(folder, rows):
