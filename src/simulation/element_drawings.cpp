@@ -16,6 +16,12 @@ const char* spring_kind(bool elastic, bool damping) {
   return damping ? "damper" : "actuator";
 }
 
+/// Of a law between two points.
+const char* line_kind(const std::string& law) {
+  if (law == "gas_spring") return "spring damper";
+  return law == "stop" ? "damper" : "actuator";
+}
+
 /// About or along which of its axes a joint moves in this coordinate.
 const char* moving_axis(spec::JointType type, int coordinate) {
   static constexpr const char* axes[] = {"x", "y", "z"};
@@ -88,7 +94,7 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
     }
   // Those on joints and at one place have no length to draw.
   for (const spec::Element& e : model.spec().elements)
-    if (e.on == spec::Element::On::line) all.add(e.name, "actuator", e.frame_a, e.frame_b);
+    if (e.on == spec::Element::On::line) all.add(e.name, line_kind(e.law), e.frame_a, e.frame_b);
   for (const spec::Element& e : model.spec().elements)
     for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
   for (const spec::Constraint& c : model.spec().constraints)

@@ -339,6 +339,8 @@ bushings:
     stiffness: [40, 40, 60, 1, 1, 1]
     damping: [1, 1, 1, 0.1, 0.1, 0.1]
     maxwell: [{stiffness: [50, 30, 20, 1, 1, 1], relaxation: 0.03}]
+frictions: {rub: {joint: crank, torque: "2 + wind", static_ratio: 1.4, stribeck: 0.3, sticking: 0.3}}
+stops: {end: {joint: crank, lower: -0.05, upper: 0.05, stiffness: 300, exponent: 1.5, depth: 0.1, restitution: 0.5}}
 gas_springs:
   strut: {between: [ground, rocker], at: [[1, 0, 0.9], [0.8, 0, 0.3]], pressure: 2e4, area: 1e-3, length: 0.6, exponent: 1.3, gas_length: 0.4, damping: 2}
 springs:

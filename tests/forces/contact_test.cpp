@@ -166,11 +166,11 @@ TEST_P(Contact, NewtonsCradle) {
     spheres += fmt::format("{}{{on: b{}, radius: 0.025}}", k == 0 ? "" : ", ", k);
     outputs += fmt::format("  - {{name: v{}, joint_velocity: j{}}}\n", k, k);
   }
-  Simulation simulation = simulation_of("bodies:\n" + bodies + "joints:\n" + joints +
-                                            "contacts: {cradle: {spheres: [" + spheres +
-                                            "], among: true, stiffness: 1e7, exponent: 1.5}}\noutputs:\n" +
-                                            outputs + "simulation: {step: 0.001, end: 1}\n",
-                                        GetParam());
+  Simulation simulation =
+      simulation_of("bodies:\n" + bodies + "joints:\n" + joints + "contacts: {cradle: {spheres: [" + spheres +
+                        "], among: true, stiffness: 1e7, exponent: 1.5}}\noutputs:\n" + outputs +
+                        "simulation: {step: 0.001, end: 1}\n",
+                    GetParam());
   run_to(simulation, 0.02);
   EXPECT_NEAR(channel(simulation, "v4"), 1, 1e-2);
   for (const char* other : {"v0", "v1", "v2", "v3"})
