@@ -52,7 +52,7 @@ def test_the_tutorial(quiet):
 
 
 def test_the_cookbook(quiet):
-    assert run_blocks("cookbook.md", {}) == 12
+    assert run_blocks("cookbook.md", {}) == 25
 
 
 def test_the_gallery(quiet):
