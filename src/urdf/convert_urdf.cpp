@@ -74,7 +74,7 @@ class Writer {
     text += section("joints", joints());
     text += section("frictions", frictions());
     text += section("stops", stops());
-    text += mimics();
+    text += section("constraints", mimics());
     text += section("outputs", outputs());
     say_left_out();
     std::string head =
@@ -239,12 +239,18 @@ class Writer {
     if (joint.type != Joint::Type::fixed && joint.type != Joint::Type::floating)
       text += fmt::format(", at: {}, axis: {}", point(child.position),
                           list(Eigen::Vector3d(child.rotation * joint.axis)));
-    if (joint.lower && !(*joint.lower <= 0 && *joint.upper >= 0)) {
-      const double middle = 0.5 * (*joint.lower + *joint.upper);
-      text += fmt::format(", position: {}", number(middle));
-      note(joint.mark,
-           fmt::format("joint '{}' starts at {}, in the middle between its limits, which do not include 0",
-                       joint.name, number(middle)));
+    const bool outside = joint.lower && !(*joint.lower <= 0 && *joint.upper >= 0);
+    const bool leads = std::any_of(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& other) {
+      return other.mimic && other.mimic->joint == joint.name;
+    });
+    // What follows another joint starts where that puts it.
+    if (!joint.mimic && (outside || leads)) {
+      const double start = outside ? 0.5 * (*joint.lower + *joint.upper) : 0;
+      text += fmt::format(", position: {}", number(start));
+      if (outside)
+        note(joint.mark,
+             fmt::format("joint '{}' starts at {}, in the middle between its limits, which do not include 0",
+                         joint.name, number(start)));
     }
     if (joint.damping > 0 && joint.scalar())
       text += fmt::format(", spring: {{stiffness: 0, damping: {}}}", number(joint.damping));
@@ -291,16 +297,27 @@ class Writer {
     return text;
   }
 
-  /// Couplings of joints that follow others.
+  /// Joints that follow others.
   std::string mimics() {
     std::string text;
     for (std::size_t k = 0; k < robot_.joints.size(); ++k) {
       const auto& mimic = robot_.joints[k].mimic;
       if (!mimic) continue;
-      const std::string line = fmt::format("{} = {} {} + {}", robot_.joints[k].name,
-                                           number(mimic->multiplier), mimic->joint, number(mimic->offset));
-      note(robot_.joints[k].mark, fmt::format("joint '{}' moves freely, though it should follow another: {}",
-                                              robot_.joints[k].name, line));
+      if (mimic->multiplier == 0) {
+        note(robot_.joints[k].mark,
+             fmt::format("joint '{}' moves freely: it mimics '{}' with the multiplier 0",
+                         robot_.joints[k].name, mimic->joint));
+        continue;
+      }
+      const auto other = static_cast<std::size_t>(
+          std::find_if(robot_.joints.begin(), robot_.joints.end(),
+                       [&](const Joint& joint) { return joint.name == mimic->joint; }) -
+          robot_.joints.begin());
+      text += fmt::format(
+          "  {}: {{type: coupling, terms: [{{joint: {}, factor: 1}}, {{joint: {}, factor: {}}}], constant: "
+          "{}}}\n",
+          yaml_word(elements_.make(joints_[k] + "_mimic")), yaml_word(joints_[k]), yaml_word(joints_[other]),
+          number(-mimic->multiplier), number(mimic->offset));
     }
     return text;
   }

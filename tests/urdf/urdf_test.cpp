@@ -281,6 +281,28 @@ TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
   for (int k = 0; k < 20; ++k) EXPECT_TRUE(simulation.step().ok()) << k;
 }
 
+/// A gripper whose second finger follows the first: half as far, from 0.05 on.
+TEST_F(UrdfFile, MimicJointsFollow) {
+  const ConvertedRobot robot =
+      convert(link("hand") + link("one") + link("two") + joint("first", "prismatic", "hand", "one") +
+              joint("second", "prismatic", "hand", "two",
+                    "<axis xyz=\"0 0 1\"/><mimic joint=\"first\" multiplier=\"-0.5\" offset=\"0.05\"/>"));
+  const auto model = Model::compile(parse_model(robot.text, "robot.yaml", ""));
+  EXPECT_EQ(model->constraints(), 1);
+  for (const auto formulation :
+       {spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural}) {
+    RunOptions options;
+    options.formulation = formulation;
+    Simulation simulation(model, options);
+    for (int k = 0; k < 20; ++k) ASSERT_TRUE(simulation.step().ok());
+    const double first = simulation.channel("first").value(), second = simulation.channel("second").value();
+    // The first falls with −g (m − m/2)/(m + m/4).
+    const double t = simulation.time();
+    EXPECT_NEAR(first, -0.5 * 9.81 * 0.4 * t * t, 1e-9);
+    EXPECT_NEAR(second, 0.05 - 0.5 * first, 1e-9);
+  }
+}
+
 TEST_F(UrdfFile, MeshesAreFoundByPackageAndPath) {
   file("my_robot/meshes/arm.STL", "");
   fs::copy_file(MIMBRE_SOURCE_DIR "/tests/data/surfaces/block.stl", folder_ / "my_robot/meshes/arm.STL",
