@@ -25,12 +25,9 @@ std::string four_bar_text(std::map<std::string, std::string> more = {},
 /// and about an axis, a bushing with branches, a drive that follows an input.
 std::shared_ptr<const Model> controlled_four_bar();
 
-<<<<<<< ours
 /// A four-bar with a cut joint and elements that act on several bodies at once or have inertia: a torsion
 /// spring over joints of the tree and the cut one, a cable with a winch, motors on both, drag in a wind.
 std::shared_ptr<const Model> geared_four_bar();
-=======
->>>>>>> theirs
 /// A swinging plate, shafts and bodies that fly but for constraints of every kind, among them couplings of
 /// joints in the tree and cut.
 std::shared_ptr<const Model> every_constraint();
