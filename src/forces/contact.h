@@ -84,6 +84,21 @@ Eigen::Matrix<T, 2, 1> carried(const Mat3<T>& axes, const T* before) {
   return sqrt(select(ratio < T(4), ratio, T(4))) * part;
 }
 
+/// What slides or turns as it starts has bent the bristles already.
+template <class T, int n>
+void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& limit, const T& firm,
+           Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
+  using std::sqrt;
+  if (c.step > 0 || !any(firm > T(0))) return;
+  const T square = rate.squaredNorm();
+  const auto begins = select(c.states[contact_states::gap] < T(0), T(0), square) > T(still * still);
+  const T size = sqrt(select(begins, square, T(1)));
+  for (int k = 0; k < n; ++k) {
+    pulled[k] = select(begins, T(limit * rate[k] / size), pulled[k]);
+    bent[k] = select(begins, T(pulled[k] / firm), bent[k]);
+  }
+}
+
 template <class T>
 blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
   const T* p = c.numbers();
@@ -118,15 +133,7 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   const T limit = push.force * p[friction] *
                   (T(1) + (p[static_ratio] - T(1)) * exp(T(-square / (p[stribeck] * p[stribeck]))));
   Vector2 bent = carried(axes, c.states + states::bend), pulled = carried(axes, c.states + states::pull);
-  if (!(c.step > 0)) {
-    // What slides as it starts has bent them.
-    const auto begins = select(c.states[states::gap] < T(0), T(0), square) > T(still * still);
-    const T size = sqrt(select(begins, square, T(1)));
-    for (int k = 0; k < 2; ++k) {
-      pulled[k] = select(begins, T(limit * s.v[1 + k] / size), pulled[k]);
-      bent[k] = select(begins, T(pulled[k] / firm), bent[k]);
-    }
-  }
+  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), limit, firm, bent, pulled);
   const Held<T, 2> held =
       hold<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), firm, T(firm * p[settling]), c.step, limit);
   const Vec3<T> bend = axes.template leftCols<2>() * held.bend,
@@ -141,15 +148,19 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   }
   if (n == 3) return;
 
+  using Vector1 = Eigen::Matrix<T, 1, 1>;
   const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
                 turned = axes.transpose() * vector_at<T>(c.states + states::moment);
   const T lever = firm * T(c.element.radius), roll = lever * p[rolling], spin = lever * p[spinning];
-  const Held<T, 2> rolls =
-      hold<T, 2>(Vector2(twisted.template head<2>()), Vector2(turned.template head<2>()),
-                 Vector2(s.x[3], s.x[4]), roll, T(roll * p[settling]), c.step, T(push.force * p[rolling]));
-  using Vector1 = Eigen::Matrix<T, 1, 1>;
-  const Held<T, 1> spins = hold<T, 1>(Vector1(twisted[2]), Vector1(turned[2]), Vector1(s.x[5]), spin,
-                                      T(spin * p[settling]), c.step, T(push.force * p[spinning]));
+  const T most_roll = push.force * p[rolling], most_spin = push.force * p[spinning];
+  Vector2 rolled = twisted.template head<2>(), roll_moment = turned.template head<2>();
+  Vector1 spun(twisted[2]), spin_moment(turned[2]);
+  begin<T, 2>(c, Vector2(s.v[3], s.v[4]), most_roll, roll, rolled, roll_moment);
+  begin<T, 1>(c, Vector1(s.v[5]), most_spin, spin, spun, spin_moment);
+  const Held<T, 2> rolls = hold<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
+                                      T(roll * p[settling]), c.step, most_roll);
+  const Held<T, 1> spins =
+      hold<T, 1>(spun, spin_moment, Vector1(s.x[5]), spin, T(spin * p[settling]), c.step, most_spin);
   for (int i = 0; i < 2; ++i) {
     s.force[3 + i] = select(touches, rolls.force[i], T(0));
     for (int j = 0; j < 2; ++j) s.stiffness[(3 + i) * n + 3 + j] = select(touches, rolls.tangent(i, j), T(0));

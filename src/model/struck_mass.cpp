@@ -1,12 +1,14 @@
 #include "model/struck_mass.h"
 
 #include <Eigen/LU>
+#include <cmath>
 
 namespace mimbre {
 namespace {
 
-/// Mean over the directions of the speed that an impulse there causes along itself, 1/kg.
-double lightness(const Compiled& m, const FrameData& frame) {
+/// Mean over the directions of the speed that an impulse there causes along itself, 1/kg. A mode that is
+/// stiffer there than the contact, `stiffness`, hardly moves in a blow.
+double lightness(const Compiled& m, const FrameData& frame, double stiffness) {
   if (frame.body < 0) return 0;
   const BodyData& b = m.bodies[frame.body];
   if (!(b.mass > 0)) return 1 / m.mass_scale;
@@ -24,15 +26,18 @@ double lightness(const Compiled& m, const FrameData& frame) {
   }
   if (frame.flexible < 0) return sum;
   const FlexibleData& f = m.flexible[frame.flexible];
-  for (int k = 0; k < b.modes; ++k)
-    if (f.mass(k, k) > 0) sum += frame.X.matrix().col(k).squaredNorm() / (3 * f.mass(k, k));
+  for (int k = 0; k < b.modes; ++k) {
+    const double square = frame.X.matrix().col(k).squaredNorm() / 3, soft = stiffness * square;
+    if (square > 0 && f.mass(k, k) > 0) sum += square / f.mass(k, k) * soft / (soft + f.stiffness(k, k));
+  }
   return sum;
 }
 
 }  // namespace
 
 double struck_mass(const Compiled& m, const ElementData& e) {
-  return 1 / (lightness(m, m.frames[e.frame_a]) + lightness(m, m.frames[e.frame_b]));
+  const double stiffness = m.numbers[e.numbers];
+  return 1 / (lightness(m, m.frames[e.frame_a], stiffness) + lightness(m, m.frames[e.frame_b], stiffness));
 }
 
 }  // namespace mimbre
