@@ -219,7 +219,7 @@ void expect_derivatives(const Compiled& m, unsigned seed, double size, By by) {
   for (const SignalsData::Held& h : m.signals.held)
     if (h.linear)
       along.held[static_cast<std::size_t>(h.held) + 1] = along.held[static_cast<std::size_t>(h.held) + 3] = 0;
-  for (const auto& [at, value] : times_of_blocks(m)) along.held[at] = 0;
+  for (const auto& [place, value] : times_of_blocks(m)) along.held[place] = 0;
 
   const auto moved = [&](double s) {
     Given<double> g = at;
