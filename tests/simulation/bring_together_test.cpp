@@ -35,6 +35,8 @@ bodies:
   crank: {{mass: 0.5, com: [0.1, 0, 0], inertia: [1e-4, 2e-3, 2e-3]}}
   coupler: {{mass: 0.8, com: [{1}, 0, 0], inertia: [1e-3, 0.05, 0.05]}}
   rocker: {{mass: 1, com: [{2}, 0, 0], inertia: [1e-3, 0.02, 0.02]}}
+frames:
+  base: {{body: ground, at: [0, 0, 0]}}
 joints:
   crank: {{type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 0, 1], position: {0}}}
   crank_pin: {{type: revolute, between: [crank, coupler], at: [[{3}, 0, 0], [0, 0, 0]], axis: [0, 0, 1]}}
@@ -44,7 +46,7 @@ outputs:
   - {{name: angle, joint: rocker}}
   - {{name: x, position: rocker_pin.b, component: x}}
   - {{name: y, position: rocker_pin.b, component: y}}
-  - {{name: moved, displacement: rocker_pin.b, relative_to: ground, component: y}}
+  - {{name: moved, displacement: rocker_pin.b, relative_to: base, component: y}}
 )y",
                      angle, coupler / 2, rocker / 2, crank, base, at_rocker, coupler_length, rocker);
 }
@@ -208,9 +210,9 @@ subsystems:
       eye: {type: universal, between: [rod, block], at: [[0.8, 0, 0], [0, 0, 0]], axis: [0, 1, 0], axis2: [0, 0, 1]}
       guide: {type: prismatic, between: [ground, block], at: [[0, 0.5, 0], [0, 0, 0]], axis: [1, 0, 0], near: -0.5}
     outputs:
-      - {name: x, position: block, component: x}
-      - {name: y, position: rod, component: y}
-      - {name: z, position: rod, component: z}
+      - {name: "{instance}.x", position: block, component: x}
+      - {name: "{instance}.y", position: rod, component: y}
+      - {name: "{instance}.z", position: rod, component: z}
 instances:
   left: {of: side}
   right: {of: side, mirror: y}

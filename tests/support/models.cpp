@@ -46,15 +46,15 @@ signals:
   relay: {hysteresis: rock, rises_at: 0.02, falls_at: -0.02}
   sampled: {state_space: [jerk, angle], A: 0.9, B: [[0.001, 0.1]], C: 1, every: 0.012}
   gusts: {noise: normal, deviation: 0.1, seed: 3, every: 0.01}
-events:
-  turns: {when: rate, set: {turned: angle - turned}}
-  shaken: {when: shaking, crosses: 0.3, direction: rising}
   lift: {value: 2*height + 0.01*jerk, every: 0.015}
   angle: {joint: crank}
   rate: {joint_velocity: crank}
   rock: {joint: rocker}
   height: {position: coupler, component: z}
   jerk: {value: shaking, every: 0.02}
+events:
+  turns: {when: rate, set: {turned: angle - turned}}
+  shaken: {when: shaking, crosses: 0.3, direction: rising}
 actuators:
   motor: {joint: crank, torque: 20*error - 2*rate}
   brake: {joint: rocker, torque: -0.5*rock + 0.1*lag + 0.05*relay}

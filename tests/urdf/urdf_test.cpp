@@ -13,6 +13,7 @@
 #include "dynamics/relative/system.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
+#include "support/simulate.h"
 
 namespace mimbre {
 namespace {
@@ -291,11 +292,9 @@ TEST_F(UrdfFile, MimicJointsFollow) {
   EXPECT_EQ(model->constraints(), 1);
   for (const auto formulation :
        {spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural}) {
-    RunOptions options;
-    options.formulation = formulation;
-    Simulation simulation(model, options);
+    Simulation simulation = test::simulation_of(model, formulation);
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(simulation.step().ok());
-    const double first = simulation.channel("first").value(), second = simulation.channel("second").value();
+    const double first = test::channel(simulation, "first"), second = test::channel(simulation, "second");
     // The first falls with −g (m − m/2)/(m + m/4).
     const double t = simulation.time();
     EXPECT_NEAR(first, -0.5 * 9.81 * 0.4 * t * t, 1e-9);
