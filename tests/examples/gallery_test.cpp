@@ -19,8 +19,9 @@ TEST_P(Gallery, HasAReport) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, Gallery,
-                         testing::Values("crank-train", "delta-robot", "double-wishbone", "rotor",
-                                         "stewart-platform", "washing-machine", "wind-turbine"),
+                         testing::Values("ball-cascade", "crank-train", "delta-robot", "double-wishbone",
+                                         "robot", "rotor", "solar-array", "stewart-platform",
+                                         "washing-machine", "wind-turbine"),
                          [](const auto& example) {
                            std::string name = example.param;
                            std::replace(name.begin(), name.end(), '-', '_');
