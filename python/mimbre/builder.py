@@ -183,7 +183,7 @@ class Part:
         Example:
             ```python
             m.add_surface("floor", type="half_space")
-            m.add_contact("bounce", spheres={"on": "ball", "radius": 0.1}, surfaces="floor", stiffness=1e5, friction=0.4)
+            m.add_contact("bounce", spheres={"on": "ball", "radius": 0.1}, surfaces="floor", stiffness=1e5)
             ```
         """
         self._add("contacts", name, keys)
@@ -270,12 +270,12 @@ class Part:
         self._add("inputs", name, keys, "start", start)
 
     def add_signal(self, name: str, value: str | float | None = None, /, **keys: Unpack[words.SignalKeys]) -> None:
-        """An expression of time, inputs, signals and outputs: `every` (s) evaluates it at instants only. Or a block, by its
-        keys: `m.add_signal("torque", pid="angle", setpoint="wanted", kp=200, ki=50)`."""
+        """An expression of time, inputs, signals and outputs: `every` (s) evaluates it at instants only. Or a block, by
+        its keys: `m.add_signal("torque", pid="angle", setpoint="wanted", kp=200, ki=50)`."""
         self._add("signals", name, keys, "value", value)
 
     def add_event(self, name: str, /, **keys: Unpack[words.Event]) -> None:
-        """What happens `when` an expression crosses zero, or what `crosses` says, in a `direction`: it may `set` inputs,
+        """What happens `when` an expression crosses zero, or what `crosses` says, in a `direction`: it may `set` inputs
         and `stop` the run."""
         self._add("events", name, keys)
 

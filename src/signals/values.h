@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "math/function_values.h"
@@ -163,7 +164,7 @@ template <class T, class MakeOne>
 void make_signals(const SignalsData& d, const Array<SignalsData::Made>& list, bool loops, SignalValues<T>& s,
                   const MakeOne& make_one) {
   constexpr int most_rounds = 60;
-  constexpr double round_off = 1e-15;
+  constexpr double round_off = 1e-15, unsettled = 1e-9;
   if (loops)
     for (const SignalsData::Made& made : list)
       if (made.block >= 0 && d.blocks[made.block].ahead) {
@@ -182,12 +183,18 @@ void make_signals(const SignalsData& d, const Array<SignalsData::Made>& list, bo
       std::array<T, most_block_outputs> before;
       for (int k = 0; k < b.outputs; ++k) before[k] = s.value[b.slot + k];
       make_one(made);
+      const BlockInputs<T> inputs = block_inputs(b, s);
+      const std::span<const T> made_of(inputs.data(), static_cast<std::size_t>(b.inputs));
       for (int k = 0; k < b.outputs; ++k) {
         using std::abs;
-        const T now = s.value[b.slot + k];
-        settled = settled && all(abs(T(now - before[k])) <= round_off * abs(now));
-        if (round + 1 == most_rounds && !settled)
-          s.value[b.slot + k] = T(std::numeric_limits<double>::quiet_NaN());
+        const T now = s.value[b.slot + k], change = abs(T(now - before[k]));
+        settled = settled && all(change <= round_off * abs(now));
+        if (round + 1 < most_rounds) continue;
+        // What still changes by round-off of what it is made of has settled.
+        T size = abs(now);
+        for (const T& in : made_of) size = select(abs(in) > size, T(abs(in)), size);
+        s.value[b.slot + k] =
+            select(change > T(unsettled) * size, T(std::numeric_limits<double>::quiet_NaN()), now);
       }
     }
     if (settled && round > 0) return;

@@ -114,6 +114,19 @@ struct Puzzle {
   double size = 0;  ///< m, of the mechanism as it is drawn
 };
 
+double within_a_turn(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+/// Value of a joint's velocity coordinate: of rotations by quaternions, component of the rotation vector.
+double value_of(const BodyData& b, const VectorXd& q, int k) {
+  const JointInfo& info = joint_info(b.joint);
+  if (info.quaternion < 0 || k < info.rotation) {
+    const double value = q[b.q + k];
+    return is_angle(b.joint, k) ? within_a_turn(value) : value;
+  }
+  const Eigen::Vector4d turn = q.segment<4>(b.q + info.quaternion);
+  return quaternion_log<double>(turn)[k - info.rotation];
+}
+
 /// Loops that share coordinates.
 struct Group {
   std::vector<int> loops;
@@ -164,26 +177,63 @@ std::vector<Group> groups_of(const Puzzle& puzzle) {
 
 int tries_for(const VectorXd& weight) { return 40 + 20 * static_cast<int>((weight.array() > 0).count()); }
 
-/// Of the positions that close all loops one near q. Groups are closed one by one, so that each search has
-/// few coordinates.
-bool find_closed(Puzzle& puzzle, VectorXd& q) {
-  VectorXd found = q;
-  if (puzzle.close(puzzle.loops, puzzle.weight, found)) {
-    q = found;
-    return true;
+/// How far q is from what the joints of a group are said to be near to, or where none says anything from
+/// where they were drawn.
+class Distance {
+ public:
+  Distance(Puzzle& puzzle, const Group& group, const VectorXd& q)
+      : puzzle_(puzzle), start_(puzzle.places(q)) {
+    for (const BodyData& b : puzzle.m.bodies) {
+      const auto number = static_cast<std::size_t>(b.joint_spec);
+      if (b.joint_spec < 0 || number >= puzzle.m.spec().joints.size()) continue;
+      const auto& near = puzzle.m.spec().joints[number].near;
+      for (int k = 0; k < static_cast<int>(near.size()); ++k)
+        if (near[static_cast<std::size_t>(k)] && group.weight[b.v + k] > 0)
+          wishes_.push_back({&b, k, *near[static_cast<std::size_t>(k)]});
+    }
   }
+
+  bool wished() const { return !wishes_.empty(); }
+
+  double of(const VectorXd& q) const {
+    if (wishes_.empty()) return (puzzle_.places(q) - start_).norm();
+    double sum = 0;
+    for (const Wish& w : wishes_) {
+      const double off = value_of(*w.body, q, w.coordinate) - w.value;
+      sum += std::abs(is_angle(w.body->joint, w.coordinate) ? within_a_turn(off) : off / puzzle_.size);
+    }
+    return sum;
+  }
+
+ private:
+  struct Wish {
+    const BodyData* body;
+    int coordinate;
+    double value;
+  };
+  Puzzle& puzzle_;
+  VectorXd start_;
+  std::vector<Wish> wishes_;
+};
+
+/// Of the positions that close all loops the one nearest to what is wished, or one near q. Groups are closed
+/// one by one, so that each search has few coordinates.
+bool find_closed(Puzzle& puzzle, VectorXd& q) {
   Draws draws;
   for (const Group& group : groups_of(puzzle)) {
-    const VectorXd start = puzzle.places(q);
+    const Distance distance(puzzle, group, q);
     double nearest = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < tries_for(group.weight); ++k) {
+    VectorXd found = q;
+    const int tries = puzzle.m.velocities > most_coordinates ? 1 : tries_for(group.weight);
+    for (int k = 0; k < tries; ++k) {
       VectorXd tried = k == 0 ? q : puzzle.scattered(q, group.weight, draws);
       if (!puzzle.close(group.loops, group.weight, tried)) continue;
-      const double way = (puzzle.places(tried) - start).norm();
+      const double way = distance.of(tried);
       if (way < nearest) {
         nearest = way;
         found = tried;
       }
+      if (k == 0 && !distance.wished()) break;
     }
     if (!std::isfinite(nearest)) return false;
     q = found;
@@ -212,17 +262,21 @@ VectorXd dependent(Puzzle& puzzle, const Group& group, const VectorXd& q) {
   return weight;
 }
 
-double within_a_turn(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+}  // namespace
 
-/// Value of a joint's velocity coordinate: of rotations by quaternions, component of the rotation vector.
-double value_of(const BodyData& b, const VectorXd& q, int k) {
-  const JointInfo& info = joint_info(b.joint);
-  if (info.quaternion < 0 || k < info.rotation) {
-    const double value = q[b.q + k];
-    return is_angle(b.joint, k) ? within_a_turn(value) : value;
-  }
-  const Eigen::Vector4d turn = q.segment<4>(b.q + info.quaternion);
-  return quaternion_log<double>(turn)[k - info.rotation];
+namespace {
+
+spec::Pose placed(const spec::Model& model, int frame) {
+  const spec::Frame& f = model.frames[static_cast<std::size_t>(frame)];
+  if (f.body == spec::ground) return f.pose;
+  const spec::Pose& body = model.bodies[static_cast<std::size_t>(f.body)].pose;
+  return {body.position + body.rotation * f.pose.position, body.rotation * f.pose.rotation};
+}
+
+/// What a displacement is counted from: the place in the assembled position.
+double assembled_place(const spec::Model& model, const spec::Output& o) {
+  const spec::Pose here = placed(model, o.item), from = placed(model, o.reference);
+  return o.direction.dot(from.rotation.transpose() * (here.position - from.position));
 }
 
 }  // namespace
@@ -234,6 +288,12 @@ spec::Model brought_together(spec::Model model) {
   Puzzle puzzle(*compiled);
   VectorXd q = puzzle.state.q;
   if (!find_closed(puzzle, q)) return model;
+  const auto shift_offsets = [&](double sign) {
+    for (auto* outputs : {&model.outputs, &model.sensors})
+      for (spec::Output& o : *outputs)
+        if (o.kind == spec::Output::Kind::displacement) o.offset += sign * assembled_place(model, o);
+  };
+  shift_offsets(1);
   puzzle.place(q);
   const auto& workspace = puzzle.system.workspace();
   for (std::size_t k = 0; k < puzzle.m.bodies.size(); ++k) {
@@ -246,6 +306,7 @@ spec::Model brought_together(spec::Model model) {
     joint.near.resize(static_cast<std::size_t>(b.joint_velocities));
     for (int i = 0; i < b.joint_velocities; ++i) joint.near[static_cast<std::size_t>(i)] = value_of(b, q, i);
   }
+  shift_offsets(-1);
   return model;
 }
 

@@ -329,7 +329,7 @@ TEST_F(Interruption, NoOutputReplacesAnInput) {
   for (const char* option : {"--csv", "-o"}) {
     const Outcome outcome = run({"run", "two.csv.part", option, "bob.yaml"});
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("'./bob.yaml' would be overwritten"));
+    EXPECT_THAT(outcome.err, HasSubstr("'bob.yaml' would be overwritten"));
     EXPECT_EQ(read_file(folder / "bob.yaml"), part);
   }
 }

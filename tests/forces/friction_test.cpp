@@ -224,10 +224,11 @@ simulation: {step: 0.001, end: 1}
   const double angle = channel(simulation, "angle");
   EXPECT_GT(angle, 1);
   EXPECT_NEAR(channel(simulation, "rate"), 0, 0.05);
+  const double before = simulation.energy().numerical;
   go(10, 0, 1000);
   EXPECT_NEAR(channel(simulation, "angle"), angle, 1e-3);
   EXPECT_NEAR(channel(simulation, "rate"), 0, 1e-9);
-  EXPECT_NEAR(simulation.energy().numerical, 0, 1e-3);
+  EXPECT_NEAR(simulation.energy().numerical, before, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, Friction, testing::Values(Formulation::relative, Formulation::natural));

@@ -196,12 +196,13 @@ TEST(Formulations, ExamplesMoveAlike) {
     const auto model = with_tight_tolerance(Model::compile(load_model(entry.path().string())));
     Differences d;
     for (int k = 0; k < 3; ++k) {
-      const double step = 1e-3 / (1 << k);
+      // Fast machines have steps of their own.
+      const double step = std::min(1e-3, 8 * model->spec().simulation.step) / (1 << k);
       const auto a = rows(model, in(Formulation::relative), step, 0.02, 10),
                  b = rows(model, in(Formulation::natural), step, 0.02, 10);
       for (std::size_t i = 0; i < a.size(); ++i) d.at[k] = std::hypot(d.at[k], difference(a[i], b[i]));
     }
-    expect_second_order(d, 1e-7, 1e-4, entry.path().filename().string());
+    expect_second_order(d, 1e-7, 1e-4, entry.path().parent_path().filename() / entry.path().filename());
     ++examples;
   }
   EXPECT_GE(examples, 9);
