@@ -865,6 +865,11 @@ class Surface(TypedDict, total=False):
     vertices: Sequence[Vector] | Array
     # Of a mesh: three vertices each, counted from 0, counterclockwise from outside.
     triangles: Sequence[Sequence[int]]
+    # Of a mesh: a file of triangles that enclose a solid, STL, OBJ, glTF, PLY or Collada, in place of
+    # vertices and triangles.
+    file: str
+    # Factors on the mesh's coordinates: 0.001 where they are millimetres; negative ones mirror.
+    scale: Number | Vector
 
 class Spheres(TypedDict, total=False):
     # A body, frame or node (BODY.NODE).

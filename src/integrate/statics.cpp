@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "integrate/initial.h"
 #include "math/decompositions.h"
@@ -28,7 +29,18 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   const VectorXd x = N * pairs.vectors.col(0);
   const double sharp = 1e-7 * x.cwiseAbs().dot(K.cwiseAbs() * x.cwiseAbs()) + 1e-9 * force * x.squaredNorm();
   if (-x.dot(K * x) <= sharp || pairs.values[0] >= -1e-6) return;
-  status.growth = std::sqrt(-pairs.values[0]);
+  double least = pairs.values[0];
+  // What acts one way only, a signal's feedforward or sliding friction, makes K unsymmetric: then its own
+  // eigenvalues decide, of which a negative one is a disturbance that grows without turning back.
+  if ((stiffness - stiffness.transpose()).norm() > 1e-6 * stiffness.norm()) {
+    const Eigen::VectorXcd values = eigenvalues(solve(inertia, stiffness));
+    const double round_off = 1e-9 * values.cwiseAbs().maxCoeff();
+    least = 0;
+    for (const std::complex<double>& value : values)
+      if (std::abs(value.imag()) <= round_off) least = std::min(least, value.real());
+    if (least >= -std::max(1e-6, round_off)) return;
+  }
+  status.growth = std::sqrt(-least);
   x.cwiseAbs().maxCoeff(&status.growing);
 }
 

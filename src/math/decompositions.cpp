@@ -54,6 +54,12 @@ VectorXd symmetric_eigenvalues(const MatrixXd& K, const MatrixXd& M) {
   return Generalized(K, M, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
+  const Eigen::EigenSolver<MatrixXd> solver(A, false);
+  if (solver.info() != Eigen::Success) return {};
+  return solver.eigenvalues();
+}
+
 Eigen::Vector3d eigenvalues3(const Eigen::Matrix3d& A) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }

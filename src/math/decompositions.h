@@ -22,6 +22,8 @@ EigenPairs symmetric_eigen(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M);
 /// The values alone.
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& A);
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M);
+/// Of any square matrix A; empty where the iteration does not converge.
+Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 /// Of small matrices, without allocating.
 Eigen::Vector3d eigenvalues3(const Eigen::Matrix3d& A);
 Eigen::Vector4d eigenvalues4(const Eigen::Matrix4d& A);

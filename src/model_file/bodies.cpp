@@ -8,6 +8,7 @@
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
 #include "model_file/builder.h"
+#include "model_file/surface_files.h"
 #include "reduction/mirror.h"
 
 /// Bodies: frames, masses, drawings.
@@ -78,35 +79,6 @@ void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d*
   }
 }
 
-/// The surface of a file, read once.
-std::shared_ptr<const SurfaceMesh> read_mesh(Builder& builder, const Value& value) {
-  const auto path = value.word();
-  if (!path) return nullptr;
-  if (!has_folder(builder, value)) return nullptr;
-  const std::string file = path_of(builder, value.mark(), *path);
-  const auto [known, fresh] = builder.surfaces.try_emplace(file);
-  if (!fresh) return known->second;
-  builder.other_files.push_back(file);
-  try {
-    known->second = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
-  } catch (const InputError& e) {
-    for (const Diagnostic& d : e.diagnostics()) value.error(to_string(d));
-  }
-  return known->second;
-}
-
-/// Factors on a mesh's coordinates: one, or one for each of its axes.
-Eigen::Vector3d read_scale(const Fields& fields) {
-  const auto scale = fields.get("scale");
-  if (!scale) return Eigen::Vector3d::Ones();
-  const Eigen::Vector3d factors =
-      scale->is_list() ? scale->triple().value_or(Eigen::Vector3d::Ones())
-                       : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number().value_or(1)));
-  if ((factors.array() != 0).all()) return factors;
-  scale->error("is 0; a mesh in millimetres has scale: 0.001");
-  return Eigen::Vector3d::Ones();
-}
-
 void read_shapes(Builder& builder, const Value& value, const Local& local, spec::Body& body) {
   const Part& part = local.part;
   for (const Value& item : value.list()) {
@@ -130,7 +102,7 @@ void read_shapes(Builder& builder, const Value& value, const Local& local, spec:
       shape.size[static_cast<Eigen::Index>(k)] = size[k];
     }
     if (mesh) {
-      shape.mesh = read_mesh(builder, *mesh);
+      shape.mesh = read_surface_file(builder, *mesh);
       shape.size = part.place.mirror.cwiseProduct(read_scale(fields));
     }
     shape.kind = box        ? spec::Shape::Kind::box

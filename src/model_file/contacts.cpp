@@ -5,6 +5,7 @@
 #include "model/force_laws.h"
 #include "model/surface_kinds.h"
 #include "model_file/elements.h"
+#include "model_file/surface_files.h"
 
 /// Surfaces, and spheres that touch them.
 namespace mimbre::model_file {
@@ -75,7 +76,26 @@ void read_grid(const Part& part, const Fields& fields, spec::Surface& surface) {
   }
 }
 
-void read_triangles(const Part& part, const Fields& fields, spec::Surface& surface) {
+/// Of a file, whose triangles enclose a solid.
+void read_file(Builder& builder, const Part& part, const Fields& fields, const Value& file,
+               spec::Surface& surface) {
+  for (const char* key : {"vertices", "triangles"})
+    if (const auto given = fields.get(key)) given->error("the file has these already; keep one");
+  const auto mesh = read_surface_file(builder, file);
+  if (!mesh) return;
+  if (const std::string why = why_not_closed(*mesh); !why.empty())
+    return file.error("does not enclose a solid: " + why);
+  const Eigen::Vector3d factors = part.place.mirror.cwiseProduct(read_scale(fields));
+  for (Eigen::Index k = 0; k < mesh->vertices.cols(); ++k)
+    surface.vertices.emplace_back(factors.cwiseProduct(mesh->vertices.col(k)));
+  surface.triangles = mesh->triangles;
+  if (factors.prod() < 0)
+    for (std::array<int, 3>& t : surface.triangles) std::swap(t[1], t[2]);
+}
+
+void read_triangles(Builder& builder, const Part& part, const Fields& fields, spec::Surface& surface) {
+  if (const auto file = fields.get("file")) return read_file(builder, part, fields, *file, surface);
+  if (const auto scale = fields.get("scale")) scale->error("is for a mesh from a file");
   if (const auto vertices = fields.need("vertices", "[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]"))
     for (const Value& vertex : vertices->list())
       surface.vertices.push_back(
@@ -97,7 +117,8 @@ void read_triangles(const Part& part, const Fields& fields, spec::Surface& surfa
 
 void read_surface(Builder& builder, const Part& part, const Value& value, spec::Surface& surface) {
   std::vector<std::string> keys{"type", "on", "at", "x", "y", "z"};
-  for (const char* key : {"size", "radius", "length", "spacing", "heights", "vertices", "triangles"})
+  for (const char* key :
+       {"size", "radius", "length", "spacing", "heights", "vertices", "triangles", "file", "scale"})
     keys.emplace_back(key);
   const Fields any(value, keys);
   if (!value.has_fields()) return;
@@ -110,12 +131,12 @@ void read_surface(Builder& builder, const Part& part, const Value& value, spec::
   for (const std::string_view size : kind.sizes)
     if (!size.empty()) keys.emplace_back(size);
   if (kind.grid) keys.insert(keys.end(), {"spacing", "heights"});
-  if (kind.triangles) keys.insert(keys.end(), {"vertices", "triangles"});
+  if (kind.triangles) keys.insert(keys.end(), {"vertices", "triangles", "file", "scale"});
   const Fields fields(value, keys);
   surface.frame = read_place(builder, part, fields, surface);
   read_sizes(fields, kind, surface);
   if (kind.grid) read_grid(part, fields, surface);
-  if (kind.triangles) read_triangles(part, fields, surface);
+  if (kind.triangles) read_triangles(builder, part, fields, surface);
 }
 
 /// {on, at, radius}: about a point or several of a body, or a frame or node; {surface_of, radius}.

@@ -76,6 +76,26 @@ outputs: [{name: z, joint: guide}]
   EXPECT_THROW(static_equilibrium(model, options), InputError);
 }
 
+/// What one slider's place does to the other is no instability; what they do to each other is one.
+TEST(Statics, FeedforwardIsNoInstability) {
+  const auto sliders = [](const std::string& back) {
+    return static_equilibrium(model_of(R"(
+gravity: [0, 0, 0]
+bodies: {a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}, b: {mass: 2, com: [0, 0, 1], inertia: [1, 1, 1]}}
+joints:
+  a: {type: prismatic, between: [ground, a], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 100}}
+  b: {type: prismatic, between: [ground, b], at: [0, 0, 1], axis: [1, 0, 0], spring: {stiffness: 100}}
+outputs: [{name: xa, joint: a}, {name: xb, joint: b}]
+actuators:
+  forward: {joint: b, force: 1000*xa}
+  back: {joint: a, force: )" + back + "}\n"))
+        .stable;
+  };
+  EXPECT_TRUE(sliders("5"));
+  EXPECT_TRUE(sliders("-0.1*xb"));
+  EXPECT_FALSE(sliders("1000*xb"));
+}
+
 TEST(Statics, CantileverBendsAsABeam) {
   const double E = 2.1e11, I = std::numbers::pi * std::pow(0.01, 4) / 4, A = std::numbers::pi * 0.01 * 0.01,
                L = 2;

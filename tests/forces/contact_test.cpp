@@ -339,6 +339,27 @@ TEST(ContactBuilder, BuildsWhatAFileSays) {
   EXPECT_THROW(m.add_surface("bad", {.on = "bal"}), InputError);
 }
 
+/// The block of the file, 1 by 2 by 3 m from its corner, is the box of that size; also mirrored.
+TEST(ContactFile, AMeshMayBeThatOfAFile) {
+  const std::string file = std::string(MIMBRE_SOURCE_DIR) + "/tests/data/surfaces/block.stl";
+  const auto dropped = [](const std::string& surface) {
+    Simulation simulation = simulation_of(
+        ball("stiffness: 1e5, restitution: 0.5, friction: 0.3", "[0.3, 0, 0, 0, 0, 0]", 0.2, surface, -9.81),
+        Formulation::relative);
+    run_to(simulation, 0.6);
+    return Eigen::Vector2d(channel(simulation, "x"), channel(simulation, "z"));
+  };
+  const Eigen::Vector2d box = dropped("{type: box, at: [0.1, 0, -0.6], size: [0.4, 0.8, 1.2]}");
+  EXPECT_GT(box[1], 0);
+  for (const auto& [at, scale] :
+       {std::pair("[-0.1, -0.4, -1.2]", "0.4"), std::pair("[0.3, -0.4, -1.2]", "[-0.4, 0.4, 0.4]")}) {
+    const Eigen::Vector2d mesh =
+        dropped(fmt::format("{{type: mesh, at: {}, file: {}, scale: {}}}", at, file, scale));
+    EXPECT_LT((mesh - box).norm(), 1e-6) << scale;
+  }
+  EXPECT_THROW(dropped("{type: mesh, file: nowhere.stl}"), InputError);
+}
+
 TEST(ContactFile, WhatIsWrongIsTold) {
   const auto said = [](const std::string& contact, const std::string& surface = "{type: half_space}") {
     try {

@@ -42,6 +42,9 @@ const pictures = [
   { name: "double-wishbone", model: "examples/double-wishbone/model.yaml", scene: true, time: 0.6, forces: "all", through: true },
   { name: "rotor", model: "examples/rotor/model.yaml", scene: true, time: 5.6, exaggerate: 20, through: true },
   { name: "wind-turbine", model: "examples/wind-turbine/model.yaml", scene: true, time: 12 },
+  { name: "robot", model: "examples/robot/model.yaml", scene: true, time: 1, forces: "all", exaggerate: 20 },
+  { name: "solar-array", model: "examples/solar-array/model.yaml", scene: true, time: 8 },
+  { name: "ball-cascade", model: "examples/ball-cascade/model.yaml", scene: true, time: 0.012 },
   { name: "spin-up", model: "examples/spin-up-beam/beam-2d.yaml", time: 8, tab: "x–y" },
   {
     name: "spin-up-comparison",
