@@ -29,6 +29,10 @@ Eigen::VectorXd drawn(const Compiled& m) {
 std::string drawn_open(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = system.model();
   if (m.loops.empty() && m.constraints.empty()) return {};
+  // Bodies that were drawn apart are meant to move.
+  const std::vector<spec::Joint>& joints_of_spec = m.spec().joints;
+  if (std::any_of(joints_of_spec.begin(), joints_of_spec.end(), [](const auto& j) { return j.apart; }))
+    return {};
   const Eigen::VectorXd q = drawn(m), rest = Eigen::VectorXd::Zero(m.velocities);
   const auto& frames = system.workspace().frames;
   const auto evaluate = [&](const Eigen::VectorXd& positions) {

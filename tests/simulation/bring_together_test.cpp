@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -72,6 +73,7 @@ TEST_P(BringTogether, AFourBarOfLengthsClosesInTheCircuitThatIsAskedFor) {
       EXPECT_NEAR(channel(s, "x"), base + rocker * std::cos(wanted), 1e-9);
       EXPECT_NEAR(channel(s, "y"), rocker * std::sin(wanted), 1e-9);
       EXPECT_NEAR(channel(s, "moved"), 0, 1e-9) << "the assembled position is the one that was found";
+      EXPECT_THAT(s.warnings(), testing::IsEmpty());
     }
 }
 
