@@ -126,6 +126,41 @@ TEST_P(Contact, AboveItItSlidesAsCoulombSays) {
 }
 
 /// m a = −F, J α = F r − M: a = 5/7 of g times the arm by the radius. Then it rests.
+/// A wedge of 10 degrees under a press of 200 N: where both of its sides rub by more than half of its angle
+/// it is locked for good; where they do not it is pressed out.
+TEST_P(Contact, ALockedWedgeStaysLocked) {
+  const auto wedge = [&](double friction) {
+    return simulation_of(fmt::format(R"y(
+parameters: {{mu: {}}}
+bodies:
+  wedge: {{mass: 2, com: [0, 0, 0.05], inertia: [0.02, 0.02, 0.02]}}
+  press: {{mass: 1, com: [0, 0, 0.3], inertia: [0.01, 0.01, 0.01]}}
+joints:
+  free: {{type: planar, between: [ground, wedge], at: [0, 0, 0.05], axis: [0, 1, 0]}}
+  guide: {{type: prismatic, between: [ground, press], at: [0, 0, 0.3], axis: [0, 0, 1]}}
+surfaces:
+  floor: {{type: half_space}}
+  face: {{type: half_space, on: wedge, at: [0, 0, 0.1], z: [sin(10*pi/180), 0, cos(10*pi/180)]}}
+contacts:
+  base: {{spheres: {{on: wedge, at: [[-0.2, 0, 0.01], [0.2, 0, 0.01]], radius: 0.01}}, surfaces: floor, stiffness: 1e6, restitution: 0.1, friction: mu}}
+  tip: {{spheres: {{on: press, at: [0, 0, 0.1103], radius: 0.01}}, surfaces: face, stiffness: 1e6, restitution: 0.1, friction: mu}}
+loads: {{push: {{on: press, at: [0, 0, 0.3], force: [0, 0, -200]}}}}
+outputs: [{{name: x, position: wedge, component: x}}]
+)y",
+                                     friction),
+                         GetParam(), 0.01);
+  };
+  Simulation locked = wedge(0.3);
+  run_to(locked, 5);
+  const double settled = channel(locked, "x");
+  EXPECT_LT(std::abs(settled), 1e-4);
+  run_to(locked, 25);
+  EXPECT_NEAR(channel(locked, "x"), settled, 1e-12);
+  Simulation slides = wedge(0.05);
+  run_to(slides, 0.2);
+  EXPECT_LT(channel(slides, "x"), -0.1);
+}
+
 TEST_P(Contact, RollingIsResisted) {
   const double depth = 9.81 / 1e6, arm = 1e-3;
   Simulation simulation =
