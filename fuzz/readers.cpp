@@ -242,7 +242,9 @@ const std::vector<Reader>& readers() {
        [](const std::string& s) {
          return files(s, {"examples/tutorial/four-bar.yaml", "examples/tutorial/flexible.yaml",
                           "examples/slider-crank/slider-crank.yaml", "examples/bricard/mechanism.yaml",
-                          "tests/data/hard/axle.yaml", "examples/iltis/corner.yaml"});
+                          "tests/data/hard/axle.yaml", "examples/iltis/corner.yaml",
+                          "examples/ball-cascade/model.yaml", "examples/rotor/model.yaml",
+                          "examples/double-wishbone/model.yaml", "examples/contact/stairs.yaml"});
        }},
       {"results", [](const std::string& bytes) { read_results(written(bytes, "results.h5")); },
        sample_results},
