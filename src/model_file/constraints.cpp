@@ -282,15 +282,8 @@ void read_constraint(Builder& builder, const Part& part, const Value& value, spe
 }  // namespace
 
 void read_constraints(Builder& builder, Part& part) {
-  std::size_t count = builder.model.constraints.size();
-  for_each(builder, part, "constraints", builder.constraint_names, count,
-           [&](const auto& name, const Mark& mark, const Value& value) {
-             spec::Constraint c;
-             c.name = name;
-             c.mark = mark;
-             read_constraint(builder, part, value, c);
-             builder.model.constraints.push_back(std::move(c));
-           });
+  read_each(builder, part, "constraints", builder.constraint_names, builder.model.constraints,
+            read_constraint);
 }
 
 }  // namespace mimbre::model_file

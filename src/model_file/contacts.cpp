@@ -197,24 +197,8 @@ void read_contact(Builder& builder, const Part& part, const Value& value, spec::
 }  // namespace
 
 void read_contacts(Builder& builder, Part& part) {
-  std::size_t surfaces = builder.model.surfaces.size();
-  for_each(builder, part, "surfaces", builder.surface_names, surfaces,
-           [&](const auto& name, const Mark& mark, const Value& value) {
-             spec::Surface surface;
-             surface.name = name;
-             surface.mark = mark;
-             read_surface(builder, part, value, surface);
-             builder.model.surfaces.push_back(std::move(surface));
-           });
-  std::size_t contacts = builder.model.contacts.size();
-  for_each(builder, part, "contacts", builder.contact_names, contacts,
-           [&](const auto& name, const Mark& mark, const Value& value) {
-             spec::Contact contact;
-             contact.name = name;
-             contact.mark = mark;
-             read_contact(builder, part, value, contact);
-             builder.model.contacts.push_back(std::move(contact));
-           });
+  read_each(builder, part, "surfaces", builder.surface_names, builder.model.surfaces, read_surface);
+  read_each(builder, part, "contacts", builder.contact_names, builder.model.contacts, read_contact);
 }
 
 }  // namespace mimbre::model_file

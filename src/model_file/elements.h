@@ -22,6 +22,21 @@ void for_each(Builder& builder, Part& part, const std::string& key, Names& names
   }
 }
 
+/// Things of a section that have nothing but a name, a place and what `read` finds.
+template <class Thing, class Read>
+void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Thing>& things,
+               Read&& read) {
+  std::size_t count = things.size();
+  for_each(builder, part, key, names, count,
+           [&](const std::string& name, const Mark& mark, const Value& value) {
+             Thing thing;
+             thing.name = name;
+             thing.mark = mark;
+             read(builder, part, value, thing);
+             things.push_back(std::move(thing));
+           });
+}
+
 /// The two frames of `between`, at the places `at` (two), or at one place that both have; -1 where that is
 /// wrong, and said.
 std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,

@@ -8,6 +8,7 @@
 #include "mimbre/model_builder.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
+#include "support/simulate.h"
 
 /// Constraints between two bodies against motions that are known.
 namespace mimbre::test {
@@ -15,7 +16,6 @@ namespace {
 
 using std::numbers::pi;
 using testing::HasSubstr;
-using Formulation = spec::Simulation::Formulation;
 
 class BetweenBodies : public testing::TestWithParam<Formulation> {
  protected:
@@ -32,21 +32,12 @@ INSTANTIATE_TEST_SUITE_P(Formulations, BetweenBodies,
                            return of.param == Formulation::natural ? "natural" : "relative";
                          });
 
-double read(Simulation& s, const std::string& channel) { return s.value(s.channel(channel)); }
-
-void run(Simulation& s, double until) {
-  while (s.time() < until - 1e-9) {
-    const StepReport report = s.step();
-    ASSERT_TRUE(report.ok()) << s.explain(report);
-  }
-}
-
 /// Poses of all bodies after the same time in two models.
 void expect_same_motion(const std::shared_ptr<const Model>& a, const std::shared_ptr<const Model>& b,
                         const RunOptions& options, double until, double tolerance) {
   Simulation s(a, options), other(b, options);
-  run(s, until);
-  run(other, until);
+  run_to(s, until);
+  run_to(other, until);
   for (const spec::Body& body : a->spec().bodies) {
     const spec::Pose one = s.pose(s.body(body.name)), two = other.pose(other.body(body.name));
     EXPECT_LT((one.position - two.position).norm(), tolerance) << body.name;
@@ -94,8 +85,8 @@ constraints:
 )");
   Simulation a(with_rod, options(1e-3)), b(with_distance, options(1e-3));
   for (const double time : {0.1, 0.3}) {
-    run(a, time);
-    run(b, time);
+    run_to(a, time);
+    run_to(b, time);
     const auto place = [](Simulation& s, const char* name) { return s.pose(s.body(name)).position; };
     EXPECT_LT((place(a, "block") - place(b, "block")).norm(), 2e-6) << time;
     EXPECT_LT((place(a, "bar") - place(b, "bar")).norm(), 2e-6) << time;
@@ -112,12 +103,12 @@ outputs:
   - {name: z, position: ball, component: z}
 )"),
                options(1e-3));
-  run(s, 0.5);
-  const double x = read(s, "x"), z = read(s, "z");
+  run_to(s, 0.5);
+  const double x = channel(s, "x"), z = channel(s, "z");
   EXPECT_NEAR(std::hypot(x, z), 1, 1e-8);
   const double force = 2 * (9.81 * -z + 2 * 9.81 * (-0.8 - z));
-  EXPECT_NEAR(read(s, "constraint.thread.force.x"), -x * force, 1e-4 * force);
-  EXPECT_NEAR(read(s, "constraint.thread.force.z"), -z * force, 1e-4 * force);
+  EXPECT_NEAR(channel(s, "constraint.thread.force.x"), -x * force, 1e-4 * force);
+  EXPECT_NEAR(channel(s, "constraint.thread.force.z"), -z * force, 1e-4 * force);
 }
 
 /// What joints say with the same equations. Of a sliding pivot, a point on a line and parallel axes are five
@@ -186,15 +177,15 @@ TEST_P(BetweenBodies, AConstantVelocityJointTransmitsEqualSpeeds) {
             options());
   double ripple = 0;
   for (int k = 1; k <= 60; ++k) {
-    run(even, 0.05 * k);
-    run(cross, 0.05 * k);
-    const double in = read(even, "joint.in.position");
+    run_to(even, 0.05 * k);
+    run_to(cross, 0.05 * k);
+    const double in = channel(even, "joint.in.position");
     EXPECT_NEAR(in, 0.15 * k, 1e-9);
-    EXPECT_NEAR(read(even, "joint.out.position"), in, 1e-8);
-    EXPECT_NEAR(read(even, "joint.out.velocity"), 3, 1e-6);
-    const double out = read(cross, "joint.out.position");
+    EXPECT_NEAR(channel(even, "joint.out.position"), in, 1e-8);
+    EXPECT_NEAR(channel(even, "joint.out.velocity"), 3, 1e-6);
+    const double out = channel(cross, "joint.out.position");
     EXPECT_NEAR(std::remainder(out - std::atan2(std::sin(in) * c, std::cos(in)), pi), 0, 1e-6);
-    ripple = std::max(ripple, std::abs(read(cross, "joint.out.velocity") - 3));
+    ripple = std::max(ripple, std::abs(channel(cross, "joint.out.velocity") - 3));
   }
   EXPECT_GT(ripple, 0.5);
 }
@@ -221,7 +212,7 @@ TEST_P(BetweenBodies, DoNoWork) {
 )"));
   Simulation s(model, options(1e-3));
   const double start = s.energy().total();
-  run(s, 0.5);
+  run_to(s, 0.5);
   EXPECT_NEAR(s.energy().total(), start, 2e-4);
 }
 
@@ -233,12 +224,12 @@ TEST_P(BetweenBodies, AConstantVelocityJointBearsTheTorque) {
                                0.6) +
                         "loads: {brake: {on: out, moment: [-0.8253356149096783, -0.5646424733950354, 0]}}\n"),
                options());
-  run(s, 0.2);
+  run_to(s, 0.2);
   // On the output: 1 along its shaft, about the bisector's direction.
-  const double along = 0.8253356149096783 * read(s, "constraint.bend.moment.x") +
-                       0.5646424733950354 * read(s, "constraint.bend.moment.y");
+  const double along = 0.8253356149096783 * channel(s, "constraint.bend.moment.x") +
+                       0.5646424733950354 * channel(s, "constraint.bend.moment.y");
   EXPECT_NEAR(along, 1, 1e-6);
-  EXPECT_NEAR(read(s, "constraint.bend.moment.x"), 1, 1e-6) << "as much comes from the input";
+  EXPECT_NEAR(channel(s, "constraint.bend.moment.x"), 1, 1e-6) << "as much comes from the input";
 }
 
 TEST(ConstraintsOfCode, SayWhatIsWrong) {

@@ -9,6 +9,7 @@
 #include "mimbre/simulation.h"
 #include "mimbre/statics.h"
 #include "support/models.h"
+#include "support/simulate.h"
 
 /// Couplings of joint coordinates: gears, racks, screws, differentials.
 namespace mimbre::test {
@@ -18,7 +19,6 @@ using std::numbers::pi;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using Formalism = spec::Simulation::Formalism;
-using Formulation = spec::Simulation::Formulation;
 
 class Couplings : public testing::TestWithParam<Formulation> {
  protected:
@@ -41,15 +41,6 @@ INSTANTIATE_TEST_SUITE_P(Formulations, Couplings,
                          testing::Values(Formulation::relative, Formulation::natural), [](const auto& of) {
                            return of.param == Formulation::natural ? "natural" : "relative";
                          });
-
-double read(Simulation& s, const std::string& channel) { return s.value(s.channel(channel)); }
-
-void run(Simulation& s, double until) {
-  while (s.time() < until - 1e-9) {
-    const StepReport report = s.step();
-    ASSERT_TRUE(report.ok()) << s.explain(report);
-  }
-}
 
 /// Three shafts in the ground along x, coupled by two pairs of wheels: 17 : 51 outside, 60 : 20 inside; a
 /// torque on the first. `cut`: of the last shaft's joint, whose wheel then floats.
@@ -77,26 +68,26 @@ actuators: {{motor: {{joint: one, torque: 0.5}}}}
 /// loads shaft one with −(J2/9 + J3) α1 and shaft two with three times that, backwards.
 TEST_P(Couplings, AGearTrainHasItsRatiosAndTorques) {
   Simulation s(model_of(train()), options());
-  run(s, 1);
+  run_to(s, 1);
   const double J = 0.002 + 0.05 / 9 + 0.007, alpha = 0.5 / J;
-  expect_near(read(s, "joint.one.velocity"), alpha, 1e-6 * alpha);
-  expect_near(read(s, "joint.one.position"), alpha / 2, 1e-6 * alpha);
-  expect_near(read(s, "joint.two.position"), -alpha / 6, 1e-6 * alpha);
-  expect_near(read(s, "joint.three.position"), -alpha / 2, 1e-6 * alpha);
+  expect_near(channel(s, "joint.one.velocity"), alpha, 1e-6 * alpha);
+  expect_near(channel(s, "joint.one.position"), alpha / 2, 1e-6 * alpha);
+  expect_near(channel(s, "joint.two.position"), -alpha / 6, 1e-6 * alpha);
+  expect_near(channel(s, "joint.three.position"), -alpha / 2, 1e-6 * alpha);
   const double mesh = (0.05 / 9 + 0.007) * alpha;
-  expect_near(read(s, "constraint.first.force.one"), -mesh, 1e-6);
-  expect_near(read(s, "constraint.first.force.two"), -3 * mesh, 1e-6);
-  expect_near(read(s, "constraint.second.force.three"), -0.007 * alpha, 1e-6);
-  expect_near(read(s, "constraint.second.force.two"), 0.007 * 3 * alpha, 1e-6);
+  expect_near(channel(s, "constraint.first.force.one"), -mesh, 1e-6);
+  expect_near(channel(s, "constraint.first.force.two"), -3 * mesh, 1e-6);
+  expect_near(channel(s, "constraint.second.force.three"), -0.007 * alpha, 1e-6);
+  expect_near(channel(s, "constraint.second.force.two"), 0.007 * 3 * alpha, 1e-6);
   EXPECT_EQ(s.degrees_of_freedom(), 1);
 }
 
 /// All that acts on a gear does no work: energy is the motor's work.
 TEST_P(Couplings, DoNoWork) {
   Simulation s(model_of(train()), options());
-  run(s, 1);
-  expect_near(read(s, "energy.kinetic"), 0.5 * read(s, "joint.one.position"), 1e-6);
-  EXPECT_NEAR(read(s, "energy.numerical"), 0, natural() ? 0.02 : 1e-6);
+  run_to(s, 1);
+  expect_near(channel(s, "energy.kinetic"), 0.5 * channel(s, "joint.one.position"), 1e-6);
+  EXPECT_NEAR(channel(s, "energy.numerical"), 0, natural() ? 0.02 : 1e-6);
 }
 
 /// A pinion on the ground drives a rack upwards against its weight; from the equilibrium's torque and from
@@ -113,13 +104,13 @@ constraints: {mesh: {type: rack, joints: [pinion, rack], radius: 20 mm}}
 actuators: {motor: {joint: pinion, torque: 1}}
 )"),
                options());
-  run(s, 0.5);
+  run_to(s, 0.5);
   // (J/r² + m) z̈ = T/r − m g
   const double r = 0.02, g = 9.81, second = (1 / r - 3 * g) / (1e-3 / (r * r) + 3);
-  expect_near(read(s, "joint.rack.position"), second / 8, 1e-8);
-  expect_near(read(s, "joint.pinion.position"), second / 8 / r, 1e-6);
-  expect_near(read(s, "constraint.mesh.force.rack"), 3 * (g + second), 1e-6);
-  expect_near(read(s, "constraint.mesh.force.pinion"), -r * 3 * (g + second), 1e-7);
+  expect_near(channel(s, "joint.rack.position"), second / 8, 1e-8);
+  expect_near(channel(s, "joint.pinion.position"), second / 8 / r, 1e-6);
+  expect_near(channel(s, "constraint.mesh.force.rack"), 3 * (g + second), 1e-6);
+  expect_near(channel(s, "constraint.mesh.force.pinion"), -r * 3 * (g + second), 1e-7);
 }
 
 /// A nut on a spindle falls, and turns as it does: m z̈ = −m g − F, J φ̈ = F p with z = p φ.
@@ -135,12 +126,12 @@ outputs:
                                       lead)),
                  options());
     EXPECT_EQ(s.degrees_of_freedom(), 1);
-    run(s, 1);
+    run_to(s, 1);
     const double p = lead / (2 * pi), second = -9.81 * 2 / (2 + 0.005 / (p * p));
-    expect_near(read(s, "z"), second / 2, 1e-7);
-    expect_near(read(s, "spin"), second / p, 1e-5);
-    expect_near(read(s, "constraint.thread.force.z"), 2 * (9.81 + second), 1e-6);
-    expect_near(read(s, "constraint.thread.moment.z"), 0.005 * second / p, 1e-6);
+    expect_near(channel(s, "z"), second / 2, 1e-7);
+    expect_near(channel(s, "spin"), second / p, 1e-5);
+    expect_near(channel(s, "constraint.thread.force.z"), 2 * (9.81 + second), 1e-6);
+    expect_near(channel(s, "constraint.thread.moment.z"), 0.005 * second / p, 1e-6);
   }
 }
 
@@ -158,12 +149,12 @@ outputs: [{{name: z, position: nut, component: z}}]
 )",
                                       cut)),
                  options());
-    run(s, 1.5);
+    run_to(s, 1.5);
     const double p = 0.05 / (2 * pi), second = -9.81 * 2 / (2 + 0.005 / (p * p));
     EXPECT_LT(second * 1.125 / p, -10 * pi) << "turns often";
-    expect_near(read(s, "z"), second * 1.125, 1e-7);
-    expect_near(read(s, "constraint.thread.force.spindle.1"), 2 * (9.81 + second), 1e-6);
-    expect_near(read(s, "constraint.thread.force.spindle.0"), 0.005 * second / p, 1e-6);
+    expect_near(channel(s, "z"), second * 1.125, 1e-7);
+    expect_near(channel(s, "constraint.thread.force.spindle.1"), 2 * (9.81 + second), 1e-6);
+    expect_near(channel(s, "constraint.thread.force.spindle.0"), 0.005 * second / p, 1e-6);
   }
 }
 
@@ -183,15 +174,15 @@ constraints: {differential: {type: differential, joints: [cage, left, right]}}
 actuators: {motor: {joint: cage, torque: 2}}
 )"),
                options());
-  run(s, 1);
-  const double left = read(s, "joint.left.velocity"), right = read(s, "joint.right.velocity");
-  expect_near(read(s, "joint.cage.velocity"), (left + right) / 2, 1e-9);
+  run_to(s, 1);
+  const double left = channel(s, "joint.left.velocity"), right = channel(s, "joint.right.velocity");
+  expect_near(channel(s, "joint.cage.velocity"), (left + right) / 2, 1e-9);
   expect_near(left * 0.01, right * 0.03, 1e-7);
-  expect_near(read(s, "constraint.differential.force.left"), read(s, "constraint.differential.force.right"),
-              1e-9);
+  expect_near(channel(s, "constraint.differential.force.left"),
+              channel(s, "constraint.differential.force.right"), 1e-9);
   // 2 T = …: (J_cage + 4 /(1/J_l + 1/J_r)) α = T
   const double alpha = 2 / (0.004 + 4 / (1 / 0.01 + 1 / 0.03));
-  expect_near(read(s, "joint.cage.velocity"), alpha, 1e-6 * alpha);
+  expect_near(channel(s, "joint.cage.velocity"), alpha, 1e-6 * alpha);
 }
 
 /// A planetary gear set, its wheels carried by the arm: joints relative to the arm have fixed ratios.
@@ -221,9 +212,10 @@ outputs:
   - {name: ring, angular_velocity: ring, component: z}
 )yaml"),
                options());
-  run(s, 1.3);
-  EXPECT_GT(std::abs(read(s, "ring")), 0.1);
-  EXPECT_NEAR((read(s, "sun") - read(s, "arm")) / (read(s, "ring") - read(s, "arm")), -60.0 / 24, 1e-8);
+  run_to(s, 1.3);
+  EXPECT_GT(std::abs(channel(s, "ring")), 0.1);
+  EXPECT_NEAR((channel(s, "sun") - channel(s, "arm")) / (channel(s, "ring") - channel(s, "arm")), -60.0 / 24,
+              1e-8);
 }
 
 /// Whatever the method.
@@ -236,15 +228,15 @@ TEST_P(Couplings, HoldByEveryFormalism) {
     o.formalism = formalism;
     o.tolerance = 0;
     Simulation s(model_of(train()), o);
-    run(s, 0.5);
-    expect_near(read(s, "joint.one.velocity"), alpha / 2, 1e-3 * alpha);
-    expect_near(read(s, "joint.three.position"), -alpha / 8, 1e-3 * alpha);
+    run_to(s, 0.5);
+    expect_near(channel(s, "joint.one.velocity"), alpha / 2, 1e-3 * alpha);
+    expect_near(channel(s, "joint.three.position"), -alpha / 8, 1e-3 * alpha);
   }
   RunOptions conserving = options();
   conserving.integrator = spec::Simulation::Integrator::conserve;
   Simulation s(model_of(train()), conserving);
-  run(s, 0.5);
-  expect_near(read(s, "joint.one.velocity"), alpha / 2, 1e-6 * alpha);
+  run_to(s, 0.5);
+  expect_near(channel(s, "joint.one.velocity"), alpha / 2, 1e-6 * alpha);
 }
 
 /// Two gears that say the same share what they bear, and the check names them.
@@ -255,10 +247,10 @@ TEST_P(Couplings, ThatAreEqualAreRedundant) {
   EXPECT_EQ(s.redundancy().equations, 1);
   EXPECT_THAT(s.redundancy().joints, testing::IsEmpty());
   EXPECT_THAT(s.redundancy().constraints, ElementsAre("first", "again"));
-  run(s, 1);
+  run_to(s, 1);
   const double J = 0.002 + 0.05 / 9 + 0.007, alpha = 0.5 / J;
-  expect_near(read(s, "joint.one.velocity"), alpha, 1e-5 * alpha);
-  expect_near(read(s, "constraint.first.force.one") + read(s, "constraint.again.force.one"),
+  expect_near(channel(s, "joint.one.velocity"), alpha, 1e-5 * alpha);
+  expect_near(channel(s, "constraint.first.force.one") + channel(s, "constraint.again.force.one"),
               -(0.05 / 9 + 0.007) * alpha, 1e-5);
 }
 
@@ -278,8 +270,8 @@ TEST(CouplingsThatContradict, AreNamed) {
 TEST_P(Couplings, OfTwoRatiosLock) {
   Simulation s(model_of(train("  other: {type: gear, joints: [one, two], ratio: 2}")), options());
   EXPECT_EQ(s.degrees_of_freedom(), 0);
-  run(s, 0.2);
-  EXPECT_NEAR(read(s, "joint.one.position"), 0, 1e-12);
+  run_to(s, 0.2);
+  EXPECT_NEAR(channel(s, "joint.one.position"), 0, 1e-12);
 }
 
 /// Initial values go through them.
@@ -288,8 +280,8 @@ TEST_P(Couplings, FindTheInitialValuesOfOthers) {
   const std::string one = "at: [0, 0, 0], axis: [1, 0, 0]";
   text.replace(text.find(one), one.size(), one + ", position: 0.3, velocity: 6");
   Simulation s(model_of(text), options());
-  EXPECT_NEAR(read(s, "joint.two.position"), -0.1, 1e-12);
-  EXPECT_NEAR(read(s, "joint.three.velocity"), -6, 1e-12);
+  EXPECT_NEAR(channel(s, "joint.two.position"), -0.1, 1e-12);
+  EXPECT_NEAR(channel(s, "joint.three.velocity"), -6, 1e-12);
 }
 
 /// The force on a lever with a weight is found at rest.
@@ -306,9 +298,9 @@ initial: equilibrium
 )");
   Simulation s(model, options());
   // m g ½ cos θ = 2 · 3 · 2 θ, down by θ about y.
-  const double theta = read(s, "joint.lever.position");
+  const double theta = channel(s, "joint.lever.position");
   EXPECT_NEAR(2 * 9.81 * 0.5 * std::cos(theta), 12 * theta, 1e-6);
-  EXPECT_NEAR(read(s, "joint.drum.position"), 2 * theta, 1e-10);
+  EXPECT_NEAR(channel(s, "joint.drum.position"), 2 * theta, 1e-10);
 }
 
 /// Angles count their turns, also in a state that is kept: after a hundred turns of a cut joint.
@@ -317,8 +309,8 @@ TEST_P(Couplings, RememberTurnsInTheState) {
   const std::string three = "at: [0, 0.6, 0], axis: [1, 0, 0]";
   text.replace(text.find(three), three.size(), three + ", cut: always");
   Simulation s(model_of(text), options());
-  run(s, 5);
-  EXPECT_GT(std::abs(read(s, "joint.one.position")), 100 * pi);
+  run_to(s, 5);
+  EXPECT_GT(std::abs(channel(s, "joint.one.position")), 100 * pi);
   const Simulation::Snapshot saved = s.save();
   Simulation other(model_of(text), options());
   other.restore(Simulation::Snapshot::from_bytes(saved.bytes()));
@@ -326,8 +318,8 @@ TEST_P(Couplings, RememberTurnsInTheState) {
     ASSERT_TRUE(s.step().ok());
     ASSERT_TRUE(other.step().ok());
   }
-  EXPECT_EQ(read(s, "joint.one.position"), read(other, "joint.one.position"));
-  EXPECT_EQ(read(s, "constraint.first.force.one"), read(other, "constraint.first.force.one"));
+  EXPECT_EQ(channel(s, "joint.one.position"), channel(other, "joint.one.position"));
+  EXPECT_EQ(channel(s, "constraint.first.force.one"), channel(other, "constraint.first.force.one"));
 }
 
 /// The builder says the same as a file.
@@ -348,9 +340,9 @@ TEST_P(Couplings, AreBuiltInCode) {
   m.add_constraint("second", build::gear("two", "three", 1.0 / 3));
   m.add_load("motor", {.on = "one", .moment = {0.5, 0, 0}});
   Simulation s(m.compile(), options());
-  run(s, 1);
+  run_to(s, 1);
   const double alpha = 0.5 / (0.002 + 0.05 / 9 + 0.007);
-  expect_near(read(s, "joint.three.velocity"), -alpha, 1e-6 * alpha);
+  expect_near(channel(s, "joint.three.velocity"), -alpha, 1e-6 * alpha);
 }
 
 }  // namespace

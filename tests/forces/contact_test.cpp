@@ -35,10 +35,6 @@ simulation: {{step: 0.001, end: 1}}
                      gravity, height, velocity, surface, contact);
 }
 
-void run_to(Simulation& simulation, double end) {
-  while (simulation.time() < end - 1e-9) ASSERT_TRUE(simulation.step().ok()) << simulation.time();
-}
-
 class Contact : public testing::TestWithParam<Formulation> {};
 
 /// Five speeds, two exponents, at a step that is longer than the blow itself.

@@ -19,6 +19,13 @@ Simulation simulation_of(const std::string& text, Formulation formulation, doubl
   return simulation_of(model_of(text), formulation, step);
 }
 
+void run_to(Simulation& simulation, double end) {
+  while (simulation.time() < end - 1e-9) {
+    const StepReport report = simulation.step();
+    ASSERT_TRUE(report.ok()) << simulation.explain(report);
+  }
+}
+
 double channel(Simulation& simulation, const std::string& name) {
   ResultsRow row;
   simulation.sample(row);

@@ -14,6 +14,9 @@ Simulation simulation_of(const std::shared_ptr<const Model>& model, Formulation 
 /// Of a model file's text (support/models.h).
 Simulation simulation_of(const std::string& text, Formulation formulation, double step = 0);
 
+/// Steps to that time, s; a failure where a step fails.
+void run_to(Simulation& simulation, double end);
+
 /// The channel of that name now; a failure where there is none.
 double channel(Simulation& simulation, const std::string& name);
 
