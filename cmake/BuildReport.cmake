@@ -5,7 +5,7 @@ set(installed ${WEB}/node_modules/.package-lock.json)
 if(NOT EXISTS ${installed} OR ${WEB}/package-lock.json IS_NEWER_THAN ${installed})
   execute_process(COMMAND ${NPM} ci --no-audit --no-fund --loglevel=error WORKING_DIRECTORY ${WEB} RESULT_VARIABLE failed)
   if(failed)
-    message(FATAL_ERROR "npm ci failed in ${WEB}. It needs the network once; to build without the report page, "
+    message(FATAL_ERROR "npm ci failed in ${WEB}. It needs the network once; to build without the pages, "
       "configure with -DMIMBRE_WITH_REPORT=OFF.")
   endif()
   file(TOUCH ${installed})
@@ -13,5 +13,5 @@ endif()
 
 execute_process(COMMAND ${NODE} build.mjs --cpp ${OUTPUT} WORKING_DIRECTORY ${WEB} RESULT_VARIABLE failed)
 if(failed)
-  message(FATAL_ERROR "The report page could not be bundled (node build.mjs in ${WEB}).")
+  message(FATAL_ERROR "The pages could not be bundled (node build.mjs in ${WEB}).")
 endif()

@@ -1,11 +1,18 @@
-// Bundles the page into one HTML file: dist/report.html.
-//   node build.mjs              the page
-//   node build.mjs --cpp FILE   also the page as a C++ source that defines mimbre::results::report_page()
-//   node build.mjs --tests      the tests instead, for node --test
+// Bundles each page into one HTML file: dist/report.html, dist/live.html.
+//   node build.mjs                the pages
+//   node build.mjs --cpp FOLDER   also each page as a C++ source there: report_page.cpp, live_page.cpp
+//   node build.mjs --tests        the tests instead, for node --test
 import { build } from "esbuild";
 import { mkdir, readdir, readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
 
 const placeholder = "%MIMBRE_DATA%";
+
+/** `data`: how often the placeholder stands in it; `header` and `defines`: of the C++ source. */
+const pages = {
+  report: { entry: "src/main.ts", template: "src/template.html", data: 1, header: "results/report_page.h", defines: "mimbre::results::report_page" },
+  live: { entry: "src/live.ts", template: "src/liveTemplate.html", data: 0, header: "live/live_page.h", defines: "mimbre::live::live_page" },
+};
 
 async function bundle(entry, minify) {
   const result = await build({
@@ -32,19 +39,19 @@ async function licences() {
   return `<!--\nThis page contains the following software.\n\n${texts.join("\n\n").trim().replaceAll("--", "- -")}\n-->`;
 }
 
-async function page() {
-  const { script, style } = await bundle("src/main.ts", true);
+async function page({ entry, template: file, data }) {
+  const { script, style } = await bundle(entry, true);
   if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) throw new Error("the bundle would end its element");
-  const template = await readFile("src/template.html", "utf8");
+  const template = await readFile(file, "utf8");
   // Functions as replacements: "$" in the bundle means nothing then.
   const parts = { "<!--LICENCES-->": await licences(), "/*STYLE*/": style, "/*SCRIPT*/": script };
   const html = Object.entries(parts).reduce((text, [mark, part]) => text.replace(mark, () => part), template);
-  if (html.split(placeholder).length !== 2) throw new Error(`the page must hold ${placeholder} exactly once`);
+  if (html.split(placeholder).length !== 1 + data) throw new Error(`${file} with its bundle must hold ${placeholder} ${data} times`);
   return html;
 }
 
 /** Raw string literals of moderate length: compilers read them fast and none has a limit that they reach. */
-function cpp(html) {
+function cpp(html, { header, defines }) {
   const pieces = [];
   for (let at = 0; at < html.length; ) {
     let end = Math.min(at + 8000, html.length);
@@ -53,14 +60,14 @@ function cpp(html) {
     pieces.push(`R"mimbrepage(${html.slice(at, end)})mimbrepage"`);
     at = end;
   }
-  return `#include "results/report_page.h"
+  return `#include "${header}"
 
 namespace {
 constexpr char page[] =
 ${pieces.join("\n")};
 }
 
-std::string_view mimbre::results::report_page() { return {page, sizeof page - 1}; }
+std::string_view ${defines}() { return {page, sizeof page - 1}; }
 `;
 }
 
@@ -76,8 +83,10 @@ if (mode === "--tests") {
     logLevel: "warning",
   });
 } else {
-  const html = await page();
   await mkdir("dist", { recursive: true });
-  await writeFile("dist/report.html", html);
-  if (mode === "--cpp") await writeFile(output, cpp(html));
+  for (const [name, made] of Object.entries(pages)) {
+    const html = await page(made);
+    await writeFile(`dist/${name}.html`, html);
+    if (mode === "--cpp") await writeFile(join(output, `${name}_page.cpp`), cpp(html, made));
+  }
 }

@@ -8,17 +8,19 @@ export type Shown = "none" | "loads" | "all";
 
 /** One force or moment over time, global axes. */
 interface Vector {
+  /** Of its channels. */
+  names: string[];
   element: Element;
   moment: boolean;
   /** Of the bodies on each other, not from outside. */
   reaction: boolean;
   at: (time: number) => THREE.Vector3 | null;
-  /** Larger than at nine of ten instants: blows would make all else invisibly small. */
+  /** Larger than at nine of ten instants: blows would make all else invisibly small. Live: it follows what is seen. */
   usual: number;
 }
 
 /** Of three channels, or of one along z. */
-function vector(signals: Signals, names: string[]): Pick<Vector, "at" | "usual"> | null {
+function vector(signals: Signals, names: string[]): Pick<Vector, "names" | "at" | "usual"> | null {
   const found = names.map((name) => (name === "" ? null : signals(name)));
   if (found.every((signal) => signal === null)) return null;
   const { time } = found.find((signal) => signal !== null)!;
@@ -29,10 +31,11 @@ function vector(signals: Signals, names: string[]): Pick<Vector, "at" | "usual">
     const values = found.map((signal) => (signal ? valueAt(signal.time, signal.values, t) : 0));
     return values.includes(null) ? null : new THREE.Vector3(...(values as [number, number, number]));
   };
-  return { at, usual: most > 0 ? most : largest };
+  return { names: names.filter((name, k) => name !== "" && found[k]), at, usual: most > 0 ? most : largest };
 }
 
-export function vectorsOf(scene: Scene): Vector[] {
+/** `silent`: also those that are nought all the time. */
+export function vectorsOf(scene: Scene, silent = false): Vector[] {
   const { signals } = scene;
   if (!signals) return [];
   const axes = (stem: string) => ["x", "y", "z"].map((axis) => `${stem}.${axis}`);
@@ -47,7 +50,7 @@ export function vectorsOf(scene: Scene): Vector[] {
             : [];
     return all.flatMap(([names, moment, reaction]) => {
       const found = vector(signals, names);
-      return found && found.usual > 0 ? [{ element, moment, reaction, ...found }] : [];
+      return found && (silent || found.usual > 0) ? [{ element, moment, reaction, ...found }] : [];
     });
   });
 }
@@ -123,16 +126,19 @@ export class Arrows {
   factor = 1;
   private arrows: Arrow[];
   private scales: { loads: ArrowScale; all: ArrowScale };
+  private vectors: Vector[];
 
-  constructor(scene: Scene, size: number) {
-    const vectors = vectorsOf(scene);
+  /** `live`: the forces are not known before they are drawn. */
+  constructor(
+    scene: Scene,
+    private size: number,
+    private live = false,
+  ) {
+    const vectors = (this.vectors = vectorsOf(scene, live));
     // Most begin inside bodies: they are seen through them.
     const material = (color: string) => new THREE.MeshStandardMaterial({ color, emissive: color, emissiveIntensity: 0.45, roughness: 0.6, depthTest: false, transparent: true });
     const colors = { load: material("#e11d48"), reaction: material("#2563eb"), moment: material("#9333ea") };
-    const usual = (moment: boolean, reactions: boolean) =>
-      Math.max(0, ...vectors.filter((v) => v.moment === moment && (reactions || !v.reaction)).map((v) => v.usual));
-    const scale = (reactions: boolean) => ({ force: niceAbove(usual(false, reactions) / (0.4 * size)), moment: niceAbove(usual(true, reactions) / (0.4 * size)) });
-    this.scales = { loads: scale(false), all: scale(true) };
+    this.scales = this.measured();
     this.hasLoads = vectors.some((v) => !v.reaction);
     this.reacting = vectors.filter(({ reaction }) => reaction).map(({ element }) => element);
     this.hasReactions = this.reacting.length > 0;
@@ -146,15 +152,38 @@ export class Arrows {
     return this.shown === "loads" ? this.scales.loads : this.scales.all;
   }
 
+  /** Channels of the forces that are drawn. */
+  get channels(): string[] {
+    return this.vectors.filter((vector) => this.wanted(vector)).flatMap(({ names }) => names);
+  }
+
+  private measured(): { loads: ArrowScale; all: ArrowScale } {
+    const usual = (moment: boolean, reactions: boolean) =>
+      Math.max(0, ...this.vectors.filter((v) => v.moment === moment && (reactions || !v.reaction)).map((v) => v.usual));
+    const scale = (reactions: boolean) => ({ force: niceAbove(usual(false, reactions) / (0.4 * this.size)), moment: niceAbove(usual(true, reactions) / (0.4 * this.size)) });
+    return { loads: scale(false), all: scale(true) };
+  }
+
+  private wanted({ reaction, element }: Vector): boolean {
+    return reaction ? this.shown === "all" && this.chosen.has(element) : this.shown !== "none";
+  }
+
+  /** What is larger than usual for long becomes usual: a blow does not last. */
+  private learn(vector: Vector, size: number): void {
+    if (!(size > vector.usual)) return;
+    vector.usual += (vector.usual > 0 ? 0.03 : 1) * (size - vector.usual);
+    this.scales = this.measured();
+  }
+
   /** `place`: where an element is drawn now. */
   update(time: number, place: (element: Element) => THREE.Vector3 | null): void {
     for (const arrow of this.arrows) {
       const { vector } = arrow;
-      const wanted = vector.reaction ? this.shown === "all" && this.chosen.has(vector.element) : this.shown !== "none";
-      const from = wanted ? place(vector.element) : null;
+      const from = this.wanted(vector) ? place(vector.element) : null;
       const along = from && vector.at(time);
       arrow.group.visible = false;
       if (!from || !along) continue;
+      if (this.live) this.learn(vector, along.length());
       arrow.place(from, along.divideScalar((vector.moment ? this.perMetre.moment : this.perMetre.force) * this.factor));
     }
   }

@@ -12,6 +12,7 @@ export class ForcePanel {
   readonly parts: HTMLElement[] = [];
   private shown: Shown = "none";
   private factor = 1;
+  private slider?: HTMLElement; // of the arrows' scale
   private list = element("details", { class: "reactions" });
   private refreshers: (() => void)[] = [];
 
@@ -30,6 +31,7 @@ export class ForcePanel {
       return [force > 0 ? quantity(shown * force, "N") : "", moment > 0 ? `${quantity(shown * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
     });
     slider.classList.add("wide");
+    this.slider = slider;
     const asked = new URLSearchParams(location.hash.slice(1)).get("forces") as Shown | null;
     const options: { value: Shown; text: string }[] = [{ value: "none", text: "off" }];
     if (arrows.hasLoads) options.push({ value: "loads", text: "loads" });
@@ -41,7 +43,7 @@ export class ForcePanel {
       slider.hidden = value === "none";
       this.list.hidden = value !== "all";
       this.draw();
-      slider.querySelector("input")!.dispatchEvent(new Event("input")); // the scale is told anew
+      this.tellScale();
     });
     chosen.title = "Red: loads. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
     this.parts = [chosen, slider, this.list];
@@ -85,6 +87,11 @@ export class ForcePanel {
     title.title = "Tick those whose arrows are drawn, here or by a click on a joint in the picture; at first those with the largest forces";
     this.list.append(title, element("div", { class: "row" }, button("All", true), button("None", false)), element("div", { class: "ticks" }, ...boxes));
     this.refresh();
+  }
+
+  /** What the arrows stand for may have changed. */
+  tellScale(): void {
+    this.slider?.querySelector("input")!.dispatchEvent(new Event("input"));
   }
 
   private refresh(): void {

@@ -56,6 +56,10 @@ export interface ViewOptions {
   steadyColors?: boolean;
   /** A grid on the ground; default: there is one. */
   grid?: boolean;
+  /** The animation is filled while it is watched: what it holds at first says nothing of what comes. */
+  live?: boolean;
+  /** From the centre to the eye when the view is fitted; without, and where it is null, from where most is seen. */
+  from?: () => THREE.Vector3 | null;
   /** Other runs, drawn through the first in a colour of their own. */
   ghosts?: { scene: Scene; color: string }[];
 }
@@ -155,7 +159,7 @@ export class View3D {
 
     this.largest = this.peak("displacement").value;
     this.quantities = (["none", "displacement", "stress"] as const).filter(
-      (quantity) => quantity === "none" || (quantity === "displacement" ? this.largest > 0 : bodies.some((body) => has(body, quantity))),
+      (quantity) => quantity === "none" || (quantity === "displacement" && !options.live ? this.largest > 0 : bodies.some((body) => has(body, quantity))),
     );
     const kinds = [...new Set(bodies.map((body) => colorKey(body.name)))];
     this.bodies = bodies.map(
@@ -172,7 +176,7 @@ export class View3D {
     this.scene.add(...[...this.bodies, ...this.ghosts.flatMap(({ views }) => views)].map((body) => body.group));
     this.addSurroundings();
     for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0018 * this.size);
-    this.arrows = new Arrows(report, this.size);
+    this.arrows = new Arrows(report, this.size, options.live);
     this.elements = this.addElements();
     this.followed = this.defaultFollowed();
     this.update();
@@ -229,8 +233,13 @@ export class View3D {
   /** Colours the flexible bodies, on a scale up to the largest of all or of each. */
   color(quantity: Quantity, perBody = false): void {
     const largest = perBody ? 0 : this.peak(quantity).value;
+    this.colorUpTo(quantity, this.peaks(quantity).map(({ value }) => (perBody ? value : largest)));
+  }
+
+  /** Colours the flexible bodies; `ends`: of each body's scale. */
+  colorUpTo(quantity: Quantity, ends: number[]): void {
     this.quantity = quantity;
-    this.ends = this.peaks(quantity).map(({ value }) => (perBody ? value : largest));
+    this.ends = ends;
     this.request(true);
   }
 
@@ -273,7 +282,7 @@ export class View3D {
     const box = this.followed >= 0 ? this.boundsAt(this.clock.time) : this.boundsOverTime();
     const center = box.getCenter(new THREE.Vector3());
     const radius = Math.max(0.5 * extent(box), 0.15 * this.size);
-    const direction = viewDirection(box);
+    const direction = this.options.from?.() ?? viewDirection(box);
     const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(direction, Math.max(fittingDistance(box, direction, tangent, this.camera.aspect), radius));

@@ -1,0 +1,37 @@
+// The page of `mimbre live`: shows a running simulation, and drives it.
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import "./live.css";
+import { element } from "./dom";
+import { LivePage } from "./livePage";
+import { decodeLiveScene, type PackedLiveScene } from "./liveProtocol";
+
+const page = document.getElementById("page")!;
+
+/** The server asks for the token of the page's address, where it has one. */
+function addressOf(path: string): URL {
+  const url = new URL(path, location.href);
+  const token = new URLSearchParams(location.search).get("token");
+  if (token !== null) url.searchParams.set("token", token);
+  return url;
+}
+
+async function fetchScene(): Promise<PackedLiveScene> {
+  const answer = await fetch(addressOf("/scene"));
+  if (answer.status === 403) throw new Error("the server refuses this address; open the one that it printed when it began, with all that follows the “?”");
+  if (!answer.ok) throw new Error(`the server answers ${answer.status} ${answer.statusText}`);
+  return (await answer.json()) as PackedLiveScene;
+}
+
+async function start(): Promise<void> {
+  const packed = await fetchScene();
+  document.title = `${packed.title || "Untitled model"} – mimbre live`;
+  page.append(...new LivePage(packed, decodeLiveScene(packed), fetchScene, addressOf("/ws")).parts);
+}
+
+start().catch((error: unknown) => {
+  console.error(error);
+  const again = element("button", {}, "Try again");
+  again.addEventListener("click", () => location.reload());
+  page.replaceChildren(element("p", { class: "warning", role: "alert" }, `The simulation cannot be shown: ${error instanceof Error ? error.message : error} `, again));
+});
