@@ -23,7 +23,8 @@ struct RunOptions {
   /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
   /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
   int substeps = 0;
-  double end = -1;  ///< s; negative: from the file, or the default
+  int max_iterations = 0;  ///< of a step, or of each of its parts; 0: from the file
+  double end = -1;         ///< s; negative: from the file, or the default
   /// What inputs and tunable parameters start with, by name, within their ranges; others as the model says.
   /// The start, its equilibrium and all that is observed there are those of a model with these values.
   std::map<std::string, double> inputs;

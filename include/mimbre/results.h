@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mimbre/channels.h"
@@ -28,6 +29,15 @@ class ResultsWriter {
   void flush();
   /// The file that grows, where the rows of a killed run are found: the one asked for or one beside it.
   std::string path() const;
+  /// Further numbers, single precision, in a group of their own: attributes, and columns of one length each.
+  /// They are written at the end.
+  struct Group {
+    std::string name;
+    std::vector<std::pair<std::string, double>> attributes;
+    std::vector<std::pair<std::string, std::string>> texts;  ///< attributes, too
+    std::vector<std::pair<std::string, std::vector<float>>> columns;
+  };
+  void add_group(Group group);
   /// Writes what is buffered, and the run's summary (JSON text, may be empty); closes the file, which takes
   /// its place.
   void finish(const std::string& summary_json);

@@ -103,6 +103,10 @@ class Simulation {
   };
   Phases phases() const;
 
+  /// How often at most the iterations of a step begin anew, where it is made again in parts; each has at most
+  /// Method::max_iterations. Events, whose instants are searched for, are not counted.
+  int most_attempts() const;
+
   /// Unknowns and constraint equations of the formulation in use.
   int coordinates() const;
   int constraints() const;
@@ -160,6 +164,8 @@ class Simulation {
   spec::Pose pose(Body body);
   /// Time, all channels, poses and modal amplitudes now. Reuses the row's memory.
   void sample(ResultsRow& row);
+  /// The same without the channels, which stay as they are in the row: what a picture needs.
+  void picture(ResultsRow& row);
   /// Everything a results file needs to explain itself.
   ResultsHeader header(const std::string& options_json) const;
 

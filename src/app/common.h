@@ -31,6 +31,7 @@ struct Command {
 };
 
 Command add_run(CommandLine& program);
+Command add_live(CommandLine& program);
 Command add_check(CommandLine& program);
 Command add_static(CommandLine& program);
 Command add_report(CommandLine& program);

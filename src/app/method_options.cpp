@@ -94,6 +94,19 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       .from(1e-15, 1)
       .type_name("X")
       .group("Method");
+  command
+      .add_option("--max-iterations", arguments.max_iterations,
+                  "Of a step, or of each part of one, instead of the model's (30\nwhere it has none)")
+      .within(1, 1000)
+      .type_name("N")
+      .group("Method");
+  command
+      .add_option("--substeps", arguments.substeps,
+                  "Parts in which a step is made again that an impact made inaccurate,\n"
+                  "instead of the model's; 1: never")
+      .within(1, 100)
+      .type_name("N")
+      .group("Method");
 }
 
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given) {
@@ -105,6 +118,8 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.xi) options.xi = *arguments.xi;
   if (arguments.rho) options.rho = *arguments.rho;
   if (arguments.tolerance) options.tolerance = *arguments.tolerance;
+  options.max_iterations = arguments.max_iterations;
+  options.substeps = arguments.substeps;
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
       options.rho < resolve_method(given, options).rho)
     throw UsageError(
@@ -138,6 +153,8 @@ Json to_json(const MethodArguments& arguments) {
   if (arguments.xi) json["integrator_xi"] = *arguments.xi;
   if (arguments.rho) json["rho"] = *arguments.rho;
   if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
+  if (arguments.max_iterations) json["max_iterations"] = arguments.max_iterations;
+  if (arguments.substeps) json["substeps"] = arguments.substeps;
   return json;
 }
 

@@ -13,6 +13,7 @@ namespace mimbre::app {
 struct MethodArguments {
   std::string formulation, inertia, formalism, integrator;
   std::optional<double> rho, xi, tolerance;
+  int max_iterations = 0, substeps = 0;  ///< 0: as in the model file
 };
 
 /// Which of the options a command has.
@@ -21,8 +22,8 @@ struct MethodChoice {
   bool motion = true;  ///< formalism, integrator and its parameter: a command that takes steps
 };
 
-/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi and --tolerance to a
-/// command.
+/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi, --tolerance,
+/// --max-iterations and --substeps to a command.
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
 /// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not

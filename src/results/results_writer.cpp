@@ -276,6 +276,7 @@ struct ResultsWriter::Impl {
   FlushClock clock;         ///< since they were last written
   hsize_t reserved = 0;     ///< bytes of the file on disk
   std::string failure;      ///< of the first error; nothing is written after it
+  std::vector<ResultsWriter::Group> groups;
 
   Impl(const std::string& file_path, const ResultsHeader& header)
       : path(file_path),
@@ -431,6 +432,21 @@ struct ResultsWriter::Impl {
     hdf5::seal(root.get());
   }
 
+  void write_groups() {
+    for (const ResultsWriter::Group& group : groups) {
+      hsize_t bytes = metadata_bytes;
+      for (const auto& [name, values] : group.columns) bytes += sizeof(float) * values.size();
+      reserve(bytes);
+      const Handle to = create_group(file.get(), group.name);
+      for (const auto& [name, value] : group.attributes) write_attribute(to.get(), name.c_str(), value);
+      for (const auto& [name, text] : group.texts) write_attribute(to.get(), name.c_str(), text);
+      for (const auto& [name, values] : group.columns)
+        write_array(to.get(), name.c_str(), {values.size()}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, values.data());
+      hdf5::seal_below(to.get());
+      hdf5::seal(to.get());
+    }
+  }
+
   void mark_complete(const std::string& summary) {
     reserve(summary.size());
     write_text(file.get(), "summary", summary);
@@ -479,6 +495,7 @@ struct ResultsWriter::Impl {
     guarded([&] {
       flush();
       trim();
+      write_groups();
       work();
       seal();
       if (!close()) throw std::runtime_error("the file could not be closed");
@@ -536,6 +553,8 @@ void ResultsWriter::flush_if_due() {
 void ResultsWriter::flush() {
   if (impl_->file.valid()) impl_->guarded([&] { impl_->flush(); });
 }
+
+void ResultsWriter::add_group(Group group) { impl_->groups.push_back(std::move(group)); }
 
 std::string ResultsWriter::path() const { return impl_->place.path(); }
 

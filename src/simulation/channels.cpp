@@ -579,12 +579,15 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
 
 void Channels::sample(relative::RelativeSystem& system, const State& s, const EnergyBalance& e,
                       const Statistics& statistics, ResultsRow& row) const {
+  row.channels.resize(static_cast<Eigen::Index>(info_.size()));
+  for (const Part& part : parts_) read(part, system, s, e, statistics, row.channels.data());
+  picture(system, s, row);
+}
+
+void Channels::picture(const relative::RelativeSystem& system, const State& s, ResultsRow& row) const {
   const Compiled& m = model_;
   const auto& w = system.workspace();
   row.time = s.time;
-  row.channels.resize(static_cast<Eigen::Index>(info_.size()));
-  for (const Part& part : parts_) read(part, system, s, e, statistics, row.channels.data());
-
   row.poses.resize(7, static_cast<Eigen::Index>(m.spec().bodies.size()) + (draws_ground_ ? 1 : 0));
   if (draws_ground_) row.poses.rightCols<1>() << 0, 0, 0, 1, 0, 0, 0;
   row.modes.resize(modes_);

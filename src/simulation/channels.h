@@ -63,6 +63,8 @@ class Channels {
   /// All of them, with poses and amplitudes, after a residual.
   void sample(relative::RelativeSystem& system, const State& state, const EnergyBalance& energy,
               const Statistics& statistics, ResultsRow& row) const;
+  /// Time, poses and amplitudes alone, after kinematics.
+  void picture(const relative::RelativeSystem& system, const State& state, ResultsRow& row) const;
   /// One output's value, likewise; `mass_of`: bodies_of() it.
   double value(const spec::Output& output, const std::vector<int>& mass_of, relative::RelativeSystem& system,
                const State& state) const;

@@ -32,7 +32,9 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
                 : given.tolerance > 0 ? given.tolerance
                                       : defaults.tolerance;
   m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
-  m.max_iterations = given.max_iterations > 0 ? given.max_iterations : defaults.max_iterations;
+  m.max_iterations = options.max_iterations > 0 ? options.max_iterations
+                     : given.max_iterations > 0 ? given.max_iterations
+                                                : defaults.max_iterations;
   if (m.integrator == Rule::conserve) m.xi = 0;
   // Other formalisms and Newmark's rule are there to be seen as they are.
   const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark &&

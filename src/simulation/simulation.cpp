@@ -405,6 +405,14 @@ void Simulation::sample(ResultsRow& row) {
   s.channels.sample(system, s.reactions.state(), s.energies(), s.statistics(), row);
 }
 
+void Simulation::picture(ResultsRow& row) {
+  Impl& s = *impl_;
+  s.show_motion();
+  s.channels.picture(s.mechanism.observer, s.mechanism.view(), row);
+}
+
+int Simulation::most_attempts() const { return impl_->steps.most_attempts(); }
+
 ResultsHeader Simulation::header(const std::string& options_json) const {
   const Impl& s = *impl_;
   ResultsHeader h;

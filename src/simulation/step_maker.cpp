@@ -172,6 +172,12 @@ StepReport StepMaker::step(double length) {
   return report;
 }
 
+int StepMaker::most_attempts() const {
+  int attempts = 1, parts = 1;
+  for (std::size_t level = 0; level < begins_.size(); ++level) attempts += parts *= method_.substeps;
+  return attempts;
+}
+
 void StepMaker::transfer(StateTransfer& transfer) {
   integrator_->transfer(transfer);
   meter_.transfer(transfer);

@@ -30,6 +30,9 @@ class StepMaker {
   /// What it remembers from step to step beside the state and the system's tangent marks.
   void transfer(StateTransfer& transfer);
 
+  /// How often it may try to make a step, or a part of one.
+  int most_attempts() const;
+
   const EnergyMeter& meter() const { return meter_; }
   /// Of the integrator's last step.
   const StepStatus& last() const { return last_; }

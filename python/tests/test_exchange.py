@@ -1,0 +1,102 @@
+"""The Python side of the exchange with `mimbre live`, against the real program."""
+
+import json
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from mimbre.exchange import SharedPeer, UdpPeer
+
+model = """
+mimbre: 1
+gravity: [0, 0, -9.81]
+inputs:
+  torque: {unit: N m, range: [-50, 50]}
+bodies:
+  rod: {mass: 1, com: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+joints:
+  hinge: {type: revolute, between: [ground, rod], at: [0, 0, 0], axis: [0, 1, 0]}
+actuators:
+  motor: {joint: hinge, torque: torque}
+outputs:
+  - {name: angle, joint: hinge}
+simulation: {step: 0.002, end: 1}
+"""
+
+
+@contextmanager
+def live(folder: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
+    file = folder / "rod.yaml"
+    file.write_text(model)
+    words = [sys.executable, "-m", "mimbre", "live", str(file), "--no-open", "--no-lock", "--json", *options]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        yield process
+    finally:
+        process.terminate()
+        process.wait(10)
+
+
+def summary(process: subprocess.Popen[str]) -> dict[str, object]:
+    out, error = process.communicate(timeout=30)
+    assert process.returncode == 0, error
+    result: dict[str, object] = json.loads(out)
+    return result
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as some:
+        some.bind(("127.0.0.1", 0))
+        return int(some.getsockname()[1])
+
+
+def test_a_controller_by_udp_holds_the_rod(tmp_path: Path) -> None:
+    port = free_port()
+    with live(tmp_path, "--udp", str(port), "--udp-wait", "1", "--duration", "3") as process:
+        last = None
+        with UdpPeer(("127.0.0.1", port), timeout=2) as peer:
+            assert peer.outputs == ("angle",)
+            assert peer.inputs == ("torque",)
+            with pytest.raises(KeyError, match="takes no 'force'"):
+                peer.send({"force": 1})
+            before = None
+            while (got := peer.receive()) is not None:
+                rate = 0.0 if before is None else (got["angle"] - before) / 0.002
+                before = got["angle"]
+                peer.send({"torque": -60 * got["angle"] - 6 * rate}, answers=got.sequence)
+                last = got
+        assert last is not None
+        # Weight at half a metre against the spring of the controller.
+        assert abs(last["angle"]) < 0.15
+        told = summary(process)
+        assert isinstance(told["udp"], dict)
+        assert told["udp"]["answers"] > 1000
+        assert told["udp"]["refused"] == 0
+
+
+def test_shared_memory_hands_values_both_ways(tmp_path: Path) -> None:
+    name = f"mimbre-test-{free_port()}"
+    with pytest.raises(FileNotFoundError):
+        SharedPeer(name)
+    with live(tmp_path, "--shared-memory", name, "--speed", "0.5") as process:
+        with SharedPeer(name) as peer:
+            assert peer.outputs == ("angle",)
+            peer.write({"torque": 4.905})  # the weight's moment when the rod lies
+            seen = {peer.read().sequence for _ in range(20000)}
+            assert len(seen) > 3
+            assert peer.alive > 0
+            assert abs(peer.read()["angle"]) < 1.6
+        process.terminate()
+        process.wait(10)
+    assert not Path(f"/dev/shm/{name}").exists()
+
+
+def test_nobody_answers() -> None:
+    with pytest.raises(TimeoutError, match="no simulation answers"):
+        UdpPeer(("127.0.0.1", free_port()), timeout=0.3)

@@ -1,0 +1,95 @@
+#include "live/input_board.h"
+
+namespace mimbre::live {
+
+InputBoard::InputBoard(const Simulation& simulation) {
+  for (std::size_t k = 0; k < simulation.inputs().size(); ++k) wanted_.push_back(std::make_unique<Wanted>());
+}
+
+InputBoard::~InputBoard() {
+  tidy();
+  delete tracks_;
+  while (InputTracks** const next = to_play_.front()) {
+    delete *next;
+    to_play_.pop();
+  }
+}
+
+void InputBoard::set(int input, double value) {
+  Wanted& w = *wanted_[static_cast<std::size_t>(input)];
+  w.value.store(value, std::memory_order_relaxed);
+  w.version.fetch_add(1, std::memory_order_release);
+  version_.fetch_add(1, std::memory_order_release);
+}
+
+bool InputBoard::play(std::unique_ptr<InputTracks> tracks) {
+  tidy();
+  if (!to_play_.push(tracks.get())) return false;
+  tracks.release();
+  return true;
+}
+
+void InputBoard::tidy() {
+  while (InputTracks** const old = played_.front()) {
+    delete *old;
+    played_.pop();
+  }
+}
+
+void InputBoard::put(Simulation& simulation, int input, double value) {
+  if (simulation.input_value(input) == value) return;
+  simulation.set_input(input, value);
+  changes_.push({simulation.time(), input, simulation.input_value(input)});
+}
+
+void InputBoard::tell_all(Simulation& simulation) {
+  changes_.push({simulation.time(), -1, 0});
+  for (int k = 0; k < static_cast<int>(wanted_.size()); ++k)
+    changes_.push({simulation.time(), k, simulation.input_value(k)});
+  told_ = true;
+  last_time_ = simulation.time();
+}
+
+void InputBoard::take_played(Simulation& simulation) {
+  while (InputTracks** const next = to_play_.front()) {
+    // Without room to give the old ones back they are kept for now.
+    if (tracks_ && !played_.push(tracks_)) return;
+    tracks_ = *next;
+    to_play_.pop();
+    since_ = simulation.time();
+    playing_ = tracks_ != nullptr;
+  }
+}
+
+void InputBoard::before(Simulation& simulation) {
+  if (!told_ || simulation.time() < last_time_) tell_all(simulation);
+  last_time_ = simulation.time();
+  if (const std::uint32_t version = version_.load(std::memory_order_acquire); version != taken_) {
+    taken_ = version;
+    for (int k = 0; k < static_cast<int>(wanted_.size()); ++k) {
+      Wanted& w = *wanted_[static_cast<std::size_t>(k)];
+      const std::uint32_t of_this = w.version.load(std::memory_order_acquire);
+      if (of_this == w.taken) continue;
+      w.taken = of_this;
+      put(simulation, k, w.value.load(std::memory_order_relaxed));
+    }
+  }
+  take_played(simulation);
+  if (!playing_.load(std::memory_order_relaxed)) return;
+  bool over = true;
+  // Times are sums of steps: what is due within a millionth of one is due.
+  const double now = simulation.time() - since_ + 1e-6 * simulation.step_size();
+  for (InputTrack& track : *tracks_) {
+    while (track.at + 1 < track.times.size() && track.times[track.at + 1] <= now) ++track.at;
+    if (track.times[track.at] <= now) put(simulation, track.input, track.values[track.at]);
+    over = over && track.at + 1 == track.times.size();
+  }
+  if (over) playing_ = false;
+}
+
+void InputBoard::rests(Simulation& simulation) {
+  take_played(simulation);
+  if (told_ && simulation.time() < last_time_) tell_all(simulation);
+}
+
+}  // namespace mimbre::live
