@@ -1,17 +1,60 @@
 // The parts of the live page put together: what the server says goes to those that show it, what they want to the server.
 import { element } from "./dom";
+import { formatNumber } from "./format";
+import { firstSelection } from "./groups";
+import { Driver, type Pad } from "./liveDrive";
+import { Inputs } from "./liveInputs";
 import { LiveLink, type Socket } from "./liveLink";
+import { Monitor } from "./liveMonitor";
+import { touchPads } from "./livePads";
 import { PictureBuffer } from "./livePictures";
-import { decodePicture, protocol, sameModel, type LiveScene, type PackedLiveScene, type Picture, type Said } from "./liveProtocol";
+import { decodePicture, mostChannels, protocol, sameModel, type LiveScene, type Order, type PackedLiveScene, type Picture, type Said } from "./liveProtocol";
+import { InputSender } from "./liveSender";
+import { announcement, atFirst, mayDrive, seenIn, stateWord, type Situation } from "./liveSituation";
+import { StripRecord } from "./liveStrip";
+import { Strips } from "./liveStrips";
+import { Tapes } from "./liveTapes";
+import { Transport } from "./liveTransport";
 import { LiveView } from "./liveView";
 
 const seconds = () => performance.now() / 1000;
 
+const errorsStay = 8; // s
+
+/** Where typing, choosing or pressing means something already. */
+function hasMeaning(target: Element, code: string): boolean {
+  if (target.closest("select, textarea, input:not([type=range], [type=checkbox])")) return true;
+  if (target.closest("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(code);
+  return (code === "Space" || code === "Enter") && target.closest("button, summary, input") !== null;
+}
+
 export class LivePage {
   readonly parts: HTMLElement[];
   private link: LiveLink;
+  private situation = atFirst;
   private pictures = new PictureBuffer();
+  private record = new StripRecord(10);
+  private asked: number[] = []; // channels
+  private driver: Driver;
+  private sender = new InputSender((values) => this.link.send({ do: "inputs", values }));
   private view: LiveView;
+  private transport: Transport;
+  private inputs: Inputs;
+  private strips: Strips;
+  private monitor = new Monitor();
+  private tapes: Tapes;
+  private pads: HTMLElement | null;
+  private places: Map<string, number>; // of channels, by name
+  private state = element("span", { class: "pill" });
+  private facts = element("span", { class: "muted" });
+  private banner = element("p", { class: "banner", role: "alert", hidden: true });
+  private wrong = element("p", { class: "banner", role: "alert", hidden: true });
+  private spoken = element("p", { class: "unseen", role: "status" });
+  private viewers = 1;
+  private retryAt = 0; // s
+  private paces: { clock: number; time: number }[] = []; // of the last second
+  private last = seconds();
+  private hiding = 0; // the timer that takes an error away
 
   constructor(
     private packed: PackedLiveScene,
@@ -19,8 +62,23 @@ export class LivePage {
     fetchScene: () => Promise<PackedLiveScene>,
     address: URL,
   ) {
-    this.view = new LiveView(live, () => {});
-    this.parts = [element("header", {}, element("h1", {}, live.title || "Untitled model")), element("main", {}, this.view.root)];
+    const order = (one: Order) => this.order(one);
+    this.places = new Map(live.channels.map(({ name }, k) => [name, k]));
+    this.driver = new Driver(live.inputs);
+    this.view = new LiveView(live, () => this.ask());
+    this.transport = new Transport(order, live.record);
+    this.inputs = new Inputs(live.inputs, this.driver, order, (name, value) => this.sender.set(name, value));
+    this.strips = new Strips(live.channels, live.shown.length > 0 ? live.shown : firstSelection(live.channels), this.record, () => this.ask());
+    this.tapes = new Tapes(live.inputs, order);
+    this.pads = touchPads(this.driver);
+    this.view.holder.after(this.transport.root);
+    const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
+    const header = element("header", {}, element("h1", {}, live.title || "Untitled model"), element("div", { class: "row states" }, this.state, this.facts), this.banner, this.wrong, this.spoken);
+    const left = element("div", { class: "column" }, this.view.root, this.inputs.root);
+    const right = element("div", { class: "column" }, this.strips.root, this.monitor.root, this.tapes.root, model);
+    this.parts = [header, element("main", {}, left, right), ...(this.pads ? [this.pads] : [])];
+    this.listen();
+
     address.protocol = address.protocol.replace("http", "ws");
     this.link = new LiveLink({
       open: () => {
@@ -28,32 +86,197 @@ export class LivePage {
         socket.binaryType = "arraybuffer";
         return socket as Socket;
       },
-      picture: (message) => this.add(decodePicture(message, live.scene.bodies.length, live.scene.animation.amplitudes)),
+      picture: (message) => this.add(decodePicture(message, live.scene.bodies.length, live.scene.animation.amplitudes), live),
       said: (said) => this.hear(said),
-      connected: () => this.pictures.clear(),
-      lost: () => {},
+      connected: () => {
+        this.pictures.clear();
+        this.sender.forget();
+        this.become({ ...atFirst, connection: "open" });
+      },
+      lost: (ended, retry) => {
+        this.retryAt = seconds() + retry;
+        this.driver.letGo();
+        this.become({ ...this.situation, connection: ended ? "ended" : "lost", control: false, taken: false, asked: false });
+      },
       again: async () => {
         const same = sameModel(this.packed, await fetchScene());
         if (!same) location.reload();
         return same;
       },
     });
+    this.show();
     this.link.connect();
     this.draw();
   }
 
-  private hear(said: Said): void {
-    if (said.say === "error") console.warn(said.message);
+  private order(one: Order): void {
+    if (one.do === "control" && !this.situation.control) this.become({ ...this.situation, asked: one.take });
+    this.link.send(one);
   }
 
-  private add(picture: Picture): void {
+  private hear(said: Said): void {
+    if (said.say === "hello") {
+      this.record.choose(said.channels, 0);
+      this.asked = said.channels;
+      this.ask();
+      this.become({ ...this.situation, control: said.control, taken: said.control });
+    } else if (said.say === "status") {
+      this.viewers = said.viewers;
+      this.monitor.show(said);
+      if (said.message !== this.situation.message) this.become({ ...this.situation, message: said.message });
+    } else if (said.say === "control") {
+      const { asked } = this.situation;
+      if (asked && !said.taken) this.link.send({ do: "control", take: true });
+      this.become({ ...this.situation, control: said.yours, taken: said.taken, asked: asked && !said.yours });
+    } else if (said.say === "channels") this.record.choose(said.indices, said.choice);
+    else if (said.say === "snapshots") {
+      this.transport.offer(said.names);
+      this.transport.show(this.situation);
+    } else if (said.say === "recording") this.become({ ...this.situation, recording: said.on });
+    else if (said.say === "played") this.become({ ...this.situation, played: said.on });
+    else if (said.say === "error") this.complain(said.message);
+  }
+
+  private add(picture: Picture, { inputs }: LiveScene): void {
+    if (picture.time < (this.pictures.newest?.time ?? 0)) this.paces = [];
     this.pictures.add(picture, seconds());
+    this.record.add(picture);
+    this.tapes.add(picture);
+    this.paces.push({ clock: picture.clock, time: picture.time });
+    while (this.paces[0].clock < picture.clock - 1) this.paces.shift();
+    if (picture.inputs.length === inputs.length) this.inputs.update(picture.inputs, seconds());
+    this.become({ ...this.situation, ...seenIn(picture) });
+  }
+
+  /** The channels that charts and arrows need; charts come first. */
+  private ask(): void {
+    if (this.situation.connection !== "open") return; // hello asks again
+    const arrows = this.view.channels.map((name) => this.places.get(name)!);
+    const indices = [...new Set([...this.strips.selected, ...arrows])].slice(0, mostChannels);
+    if (indices.join() !== this.asked.join() && this.link.send({ do: "channels", indices })) this.asked = indices;
+  }
+
+  private become(now: Situation): void {
+    const before = this.situation;
+    if ((Object.keys(now) as (keyof Situation)[]).every((key) => now[key] === before[key])) return;
+    this.situation = now;
+    if (before.control !== now.control) {
+      this.sender.forget();
+      this.driver.letGo();
+    }
+    const said = announcement(before, now);
+    if (said !== "") this.spoken.textContent = said;
+    this.show();
+  }
+
+  private show(): void {
+    const { situation } = this;
+    const [word, kind] = stateWord(situation);
+    this.state.textContent = word;
+    this.state.className = `pill ${kind}`;
+    for (const part of [this.transport, this.inputs, this.tapes]) part.show(situation);
+    if (this.pads) this.pads.hidden = !mayDrive(situation) || situation.played;
+    document.body.classList.toggle("with-pads", this.pads !== null && !this.pads.hidden);
+    this.warn();
+  }
+
+  /** What stands above everything, with what can be done about it. */
+  private warn(): void {
+    const { connection, failed, message } = this.situation;
+    const button = (text: string, pressed: () => void) => {
+      const made = element("button", {}, text);
+      made.addEventListener("click", pressed);
+      return made;
+    };
+    const away = connection === "lost" || connection === "ended";
+    this.banner.hidden = !away && !failed;
+    if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended. The page goes on when it is there again. " : "The server does not answer. The page tries again by itself. ", button("Try now", () => void this.link.retry()));
+    else if (failed) this.banner.replaceChildren(`The simulation failed${message ? `: ${message}` : "."} `, ...(mayDrive(this.situation) ? [button("Reset", () => this.order({ do: "reset" }))] : ["Who is in control can reset it."]));
+    else this.banner.replaceChildren();
+  }
+
+  private complain(message: string): void {
+    this.wrong.textContent = `The server says: ${message}`;
+    this.wrong.hidden = false;
+    clearTimeout(this.hiding);
+    this.hiding = window.setTimeout(() => (this.wrong.hidden = true), 1000 * errorsStay);
+  }
+
+  private listen(): void {
+    document.addEventListener("keydown", (event) => this.key(event), true);
+    document.addEventListener("keyup", ({ code }) => this.driver.release(code), true);
+    const away = () => {
+      for (const [name, value] of Object.entries(this.driver.letGo())) this.sender.set(name, value);
+      if (mayDrive(this.situation)) this.sender.flush(seconds(), true);
+    };
+    addEventListener("blur", away);
+    document.addEventListener("visibilitychange", () => document.hidden && away());
+    // After a click with the mouse the keys drive, rather than press the button again.
+    document.addEventListener("click", ({ target, detail }) => {
+      const button = target instanceof Element ? target.closest("button") : null;
+      if (detail > 0 && button && !button.closest(".keys, form, .strips, [role=tablist]")) this.view.view?.canvas.focus({ preventScroll: true });
+    });
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { target, code, repeat } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element) || hasMeaning(target, code)) return;
+    if (!mayDrive(this.situation) || target.closest(".waiting")) return;
+    if (code === "KeyP" || code === "KeyR") {
+      if (!repeat && code === "KeyP") this.transport.toggle();
+      else if (!repeat) this.order({ do: "reset" });
+    } else if (this.driver.takes(code) && !this.situation.played) this.driver.press(code);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  private drive(dt: number, now: number, present: Picture): void {
+    const pad: Pad | null = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
+    this.inputs.offer(pad);
+    if (!mayDrive(this.situation) || this.situation.played) return;
+    const names = this.packed.inputs.map(({ name }) => name);
+    const driven = this.driver.advance(dt, (name) => present.inputs[names.indexOf(name)], pad);
+    for (const [name, value] of Object.entries(driven)) {
+      this.sender.set(name, value);
+      this.inputs.driven(name, value, now);
+    }
+    this.sender.flush(now);
   }
 
   private draw = (): void => {
     requestAnimationFrame(this.draw);
     const now = seconds();
+    const dt = Math.min(now - this.last, 0.1);
+    this.last = now;
     const between = this.pictures.at(now);
-    if (between) this.view.show(between, () => null, now);
+    const { newest } = this.pictures;
+    if (between && newest) {
+      this.drive(dt, now, newest);
+      this.view.show(between, (name, picture) => this.valueIn(picture, name), now);
+      this.strips.draw(now, between.time);
+      this.monitor.tick(newest.deadline, dt);
+      this.transport.time.textContent = `${between.time.toFixed(2)} s`;
+    }
+    this.tell(now);
   };
+
+  private valueIn(picture: Picture, name: string): number | null {
+    const place = this.record.place(this.places.get(name)!, picture);
+    return place < 0 ? null : picture.channels[place];
+  }
+
+  private tell(now: number): void {
+    const { connection } = this.situation;
+    const [first, last] = [this.paces[0], this.paces[this.paces.length - 1]];
+    const pace = last && last.clock - first.clock > 0.3 ? (last.time - first.time) / (last.clock - first.clock) : NaN;
+    const words =
+      connection === "open"
+        ? [Number.isFinite(pace) ? `${formatNumber(Math.round(100 * pace) / 100)}× real time` : "", this.viewers > 1 ? `${this.viewers} viewers` : "one viewer"]
+        : connection === "first"
+          ? []
+          : [this.retryAt > now ? `next attempt in ${Math.ceil(this.retryAt - now)} s` : "trying"];
+    const text = words.filter((word) => word !== "").join(" · ");
+    if (this.facts.textContent !== text) this.facts.textContent = text;
+  }
 }

@@ -9,12 +9,13 @@ import { saveCanvas } from "./download";
 import { ForcePanel } from "./forcePanel";
 import { niceAbove } from "./arrows";
 import { fill, liveAnimation, type Between } from "./livePictures";
-import type { LiveScene } from "./liveProtocol";
+import type { LiveScene, Picture } from "./liveProtocol";
 import { checkbox, choice, factorSlider } from "./slider";
 import { quantity } from "./summaryLines";
 import { View3D } from "./view3d";
 
 const largestFactor = 500; // of the deformation scale
+const lag = 0.35; // s, of the chasing eye
 const scaleEvery = 0.2; // s, in which the colours' scale is looked after
 
 /** The first body that moves freely against the ground, else the one whose drawing is the largest; −1: none. */
@@ -60,6 +61,7 @@ export class LiveView {
   private camera: Camera = "follow";
   private leader: number;
   private seen = NaN; // heading that the chasing eye has
+  private shown = 0; // when the last picture was, s of this machine
 
   constructor(
     private live: LiveScene,
@@ -84,17 +86,19 @@ export class LiveView {
   }
 
   /** `value`: of a channel in a picture, where it has it. */
-  show(between: Between, value: (name: string, later: boolean) => number | null, now: number): void {
+  show(between: Between, value: (name: string, picture: Picture) => number | null, now: number): void {
     const { view } = this;
-    if (!view) return;
+    // While it is paused only now and then.
+    if (!view || (between.time === this.clock.time && now - this.looked < scaleEvery)) return;
     fill(this.scene.animation, between);
     for (const name of this.channels) {
       const { time, values } = this.values.get(name)!;
       time.set(this.scene.animation.time);
-      values[0] = value(name, false);
-      values[1] = value(name, true);
+      values[0] = value(name, between.earlier);
+      values[1] = value(name, between.later);
     }
-    if (this.camera === "chase") this.chase(view, between);
+    if (this.camera === "chase") this.chase(view, between, now);
+    this.shown = now;
     this.clock.set(between.time);
     if (now - this.looked < scaleEvery) return;
     this.looked = now;
@@ -139,7 +143,7 @@ export class LiveView {
       { value: "still", text: "stands still" },
     ];
     const floats = this.scene.elements.some(({ kind }) => kind === "floating");
-    row.append(choice("Camera", cameras, floats ? "chase" : "still", (camera) => this.look(view, camera)));
+    row.append(choice("Camera", cameras, !floats ? "still" : matchMedia("(prefers-reduced-motion: reduce)").matches ? "follow" : "chase", (camera) => this.look(view, camera)));
     const follow = element("select", { "aria-label": "Followed body" });
     this.scene.bodies.forEach((body, k) => follow.append(element("option", { value: k }, body.name)));
     follow.value = String(this.leader);
@@ -176,7 +180,7 @@ export class LiveView {
       saveCanvas(view.canvas, `t${this.clock.text().replace(" ", "")}`);
     });
     row.append(fit, picture);
-    return element("details", { class: "viewing", open: true }, element("summary", {}, "View"), row);
+    return element("details", { class: "viewing" }, element("summary", {}, "View"), row);
   }
 
   private look(view: View3D, camera: Camera): void {
@@ -193,11 +197,11 @@ export class LiveView {
   }
 
   /** The eye turns with the body, softly. */
-  private chase(view: View3D, { later }: Between): void {
+  private chase(view: View3D, { later }: Between, now: number): void {
     const [w, x, y, z] = later.rotations.subarray(4 * this.leader);
     const turn = turnBetween(this.seen, heading(w, x, y, z));
     if (!Number.isFinite(turn) || Math.abs(turn) < 1e-5) return;
-    const part = 0.08 * turn;
+    const part = (1 - Math.exp((this.shown - now) / lag)) * turn;
     this.seen += part;
     view.turn(part, 0);
   }
