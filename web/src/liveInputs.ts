@@ -88,6 +88,7 @@ export class Inputs {
     const lever = this.driver.levers.find((one) => one.name === name) ?? leverOf(input);
     const id = `input${k}`;
     const slider = element("input", { type: "range", id, min: lever.low, max: lever.high, step: "any" });
+    if (lever.role === "steering") slider.dir = "rtl"; // to the left is left
     const number = element("input", { type: "number", step: "any", "aria-label": `${name}, as a number`, ...(min === undefined ? {} : { min }), ...(max === undefined ? {} : { max }) });
     const label = unit === "" || unit === "1" ? "" : unitLabel(unit);
     const show = (value: number) => {
@@ -107,14 +108,14 @@ export class Inputs {
     number.addEventListener("change", () => number.value !== "" && set(Number(number.value)));
     show(input.value);
     const parts: (Node | string)[] = [element("label", { for: id, title: about }, name, element("small", { class: "muted" }, about)), slider, number, element("span", { class: "unit muted" }, label)];
-    if (!tunable) parts.push(this.keys(lever));
+    if (!tunable) parts.push(this.keys(lever, slider));
     const root = element("div", { class: "input" }, ...parts);
     (tunable ? this.tuning : this.driving).append(root);
     return { root, show };
   }
 
   /** What drives it, behind a fold. */
-  private keys(lever: Lever): HTMLElement {
+  private keys(lever: Lever, slider: HTMLInputElement): HTMLElement {
     const title = element("summary", { "aria-label": `Keys of ${lever.name}` });
     const tell = () => {
       const names = (codes: string[]) => (codes.length > 0 ? codes.map(keyName).join(" ") : "");
@@ -160,6 +161,7 @@ export class Inputs {
     const turned = element("input", { type: "checkbox" });
     turned.addEventListener("change", () => {
       [lever.plus, lever.minus] = [lever.minus, lever.plus];
+      slider.dir = slider.dir === "rtl" ? "ltr" : "rtl";
       lever.source = lever.source.endsWith(" reversed") ? lever.source.slice(0, -9) : lever.source.startsWith("axis") ? `${lever.source} reversed` : lever.source;
       this.offered = "-"; // the lists follow
       tell();

@@ -7,7 +7,7 @@ import type { ChannelName } from "./data";
 import { element, onThemeChange } from "./dom";
 import { onSecondAxis, scaleFor, type Scale } from "./engineering";
 import { figure } from "./figure";
-import { formatNumber } from "./format";
+import { formatWithin } from "./format";
 import { unitLabel } from "./groups";
 import type { StripRecord } from "./liveStrip";
 import { choice } from "./slider";
@@ -86,10 +86,11 @@ export class Strips {
         uplot.setData(data as uPlot.AlignedData, false);
         uplot.setScale("x", { min: time - this.record.length, max: Math.max(time, time - this.record.length + 1e-6) });
       });
+      const shown = [false, true].map((right) => Math.max(0, ...values.filter((_, k) => plot.second[k] === right).map(largest)));
       values.forEach((one, k) => {
         const value = one[one.length - 1] ?? null;
         const { size, unit } = plot.scales[k];
-        plot.values[k].textContent = value === null ? "–" : `${formatNumber(value / size, 4)} ${unit === "1" ? "" : unit}`.trim();
+        plot.values[k].textContent = value === null ? "–" : `${formatWithin((10 * shown[Number(plot.second[k])]) / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
       });
     }
   }

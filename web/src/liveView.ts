@@ -16,6 +16,7 @@ import { View3D } from "./view3d";
 
 const largestFactor = 500; // of the deformation scale
 const lag = 0.35; // s, of the chasing eye
+const [slow, patience] = [0.07, 3]; // s between pictures that are too far apart, s that it is looked at
 const scaleEvery = 0.2; // s, in which the colours' scale is looked after
 
 /** The first body that moves freely against the ground, else the one whose drawing is the largest; −1: none. */
@@ -62,6 +63,8 @@ export class LiveView {
   private leader: number;
   private seen = NaN; // heading that the chasing eye has
   private shown = 0; // when the last picture was, s of this machine
+  private watched = { since: 0, drawn: 0 }; // pictures since a time of this machine
+  private fine: HTMLInputElement | null = null;
 
   constructor(
     private live: LiveScene,
@@ -99,6 +102,7 @@ export class LiveView {
     }
     if (this.camera === "chase") this.chase(view, between, now);
     this.shown = now;
+    this.spare(now);
     this.clock.set(between.time);
     if (now - this.looked < scaleEvery) return;
     this.looked = now;
@@ -169,6 +173,10 @@ export class LiveView {
     if (this.scene.bodies.some((body) => body.shapes.length > 0)) row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
     if (this.scene.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
+    const fine = checkbox("Shadows and full sharpness", true, (on) => view.refine(on));
+    fine.title = "Turned off by itself where the machine draws too slowly";
+    this.fine = fine.querySelector("input");
+    row.append(fine);
     this.forces = new ForcePanel(view, () => this.needed());
     row.append(...this.forces.parts);
     this.forces.parts[0]?.addEventListener("change", () => this.needed());
@@ -181,6 +189,18 @@ export class LiveView {
     });
     row.append(fit, picture);
     return element("details", { class: "viewing" }, element("summary", {}, "View"), row);
+  }
+
+  /** A machine that draws too slowly is given less to draw. */
+  private spare(now: number): void {
+    const { watched, fine } = this;
+    ++watched.drawn;
+    const passed = now - watched.since;
+    if (passed < patience) return;
+    const each = passed / watched.drawn;
+    // Of a page that was hidden nothing is known.
+    if (fine?.checked && each > slow && watched.drawn > 2 && this.view?.ready) fine.click();
+    this.watched = { since: now, drawn: 0 };
   }
 
   private look(view: View3D, camera: Camera): void {

@@ -127,6 +127,7 @@ export class View3D {
   private fog = new THREE.Fog("#000000");
   private solid = true; // the first run is shown
   private fitted = false; // to the canvas's true size
+  private sharpness = 1; // pixels drawn of those that the screen has, along a side
   private waiting = 0; // what requestAnimationFrame returned; 0: nothing is
   /** The shaders are compiled; until then nothing is drawn, and the rest of the page does not wait for it. */
   ready = false;
@@ -254,6 +255,13 @@ export class View3D {
     this.bodies[body].group.add(object);
     this.attached.push({ body, update });
     this.request();
+  }
+
+  /** With shadows and all pixels; without, for machines that draw slowly. */
+  refine(on: boolean): void {
+    this.sharpness = on ? 1 : 0.6;
+    this.sun.castShadow = on;
+    this.resize();
   }
 
   showUndeformed(on: boolean): void {
@@ -535,7 +543,7 @@ export class View3D {
     const { clientWidth: width, clientHeight: height } = this.holder;
     if (width === 0 || height === 0) return;
     const before = this.camera.aspect;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.sharpness * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
