@@ -72,6 +72,8 @@ struct RealTimeMonitor {
   std::atomic<std::int64_t> page_faults{0}, preemptions{0};
   std::atomic<double> lag{0};  ///< s, by which the clock was set back (Overrun::slow_down)
   std::int64_t overrun_count() const;
+  /// What another has seen, too.
+  void add(const RealTimeMonitor& other);
 };
 
 /// What the system granted to the loop's thread, for people: "locked"; "not locked: Operation not permitted

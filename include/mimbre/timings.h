@@ -14,6 +14,9 @@ class Timings {
   /// Allocates nothing. What is negative counts as 0.
   void add(double seconds);
 
+  /// What others measured, too.
+  void add(const Timings& others);
+
   std::int64_t count() const;
   double worst() const;
   double mean() const;

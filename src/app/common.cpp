@@ -10,6 +10,7 @@
 #include "app/busy.h"
 #include "mimbre/assembly.h"
 #include "mimbre/model_file.h"
+#include "mimbre/real_time_plan.h"
 #include "mimbre/text.h"
 
 namespace mimbre::app {
@@ -25,6 +26,15 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
   return result;
 }
 
+void add_most_modes_option(Parser& command, int& most_modes) {
+  command
+      .add_option("--most-modes", most_modes,
+                  "Of each flexible body its lowest modes, so many at most; others are left\nout")
+      .within(1, 100000)
+      .type_name("N")
+      .group("Method");
+}
+
 void add_set_option(Parser& command, std::vector<std::string>& settings) {
   command.add_option("--set", settings, "Replace a parameter of the model file; may be repeated")
       .type_name("NAME=VALUE")
@@ -37,12 +47,14 @@ void add_strict_option(Parser& command, bool& strict) {
 
 int done_with(bool warnings, bool strict) { return warnings && strict ? warned : done; }
 
-LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet) {
+LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet,
+                 int most_modes) {
   std::vector<Diagnostic> warnings;
   LoadedModel loaded;
   {
     Busy busy(fmt::format("reading {} and reducing its flexible bodies", path), !quiet);
     spec::Model spec = load_model(path, overrides(settings), &warnings, &loaded.other_files);
+    if (most_modes > 0) spec = with_lowest_modes(std::move(spec), most_modes);
     busy.now(fmt::format("laying out the {} bodies", spec.bodies.size()));
     loaded.model = Model::compile(brought_together(std::move(spec)));
   }

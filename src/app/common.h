@@ -32,6 +32,7 @@ struct Command {
 
 Command add_run(CommandLine& program);
 Command add_live(CommandLine& program);
+Command add_plan(CommandLine& program);
 Command add_check(CommandLine& program);
 Command add_static(CommandLine& program);
 Command add_report(CommandLine& program);
@@ -56,6 +57,9 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
 /// Adds the option --set to a command.
 void add_set_option(Parser& command, std::vector<std::string>& settings);
 
+/// Adds the option --most-modes to a command, for load().
+void add_most_modes_option(Parser& command, int& most_modes);
+
 /// Adds the option --strict to a command.
 void add_strict_option(Parser& command, bool& strict);
 /// The exit code of what was done, with or without warnings.
@@ -69,7 +73,9 @@ struct LoadedModel {
 };
 /// Reads and compiles a model file, and prints the loader's warnings to stderr; unless `quiet` it says on the
 /// terminal what takes long. Throws InputError, UsageError.
-LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet = false);
+/// `most_modes`: of each flexible body, its lowest ones; 0: all.
+LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet = false,
+                 int most_modes = 0);
 
 /// "file:line:column: error: message", without the parts that are not known.
 std::string diagnostic_line(const Diagnostic& diagnostic, const std::string& severity);

@@ -13,6 +13,7 @@
 #include "app/interrupts.h"
 #include "app/json.h"
 #include "app/method_options.h"
+#include "app/monitor.h"
 #include "app/recorded_inputs.h"
 #include "app/summary.h"
 #include "app/table.h"
@@ -33,7 +34,7 @@ struct Arguments {
   MethodArguments method;
   std::optional<double> step, duration, idle;
   double speed = 1, spin = 0, udp_wait = 0;
-  int port = 0, udp = -1, priority = 0, processor = -1;
+  int port = 0, udp = -1, priority = 0, processor = -1, most_modes = 0;
   bool open = false, no_open = false, no_lock = false, paused = false, json = false, quiet = false;
 };
 
@@ -45,6 +46,7 @@ std::string options_json(const Arguments& arguments) {
   if (arguments.step) json["step"] = *arguments.step;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.speed != 1) json["speed"] = arguments.speed;
+  if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
   json.update(to_json(arguments.method));
   return to_text(json);
 }
@@ -88,29 +90,6 @@ bool open_in_browser(const std::string& url) {
 
 bool has_desktop() { return std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY"); }
 
-Json timings_json(const Timings& t) {
-  return {{"median", t.quantile(0.5)},
-          {"p99", t.quantile(0.99)},
-          {"p9999", t.quantile(0.9999)},
-          {"worst", t.worst()}};
-}
-
-Json monitor_json(const RealTimeMonitor& m) {
-  Json overruns{{"count", m.overrun_count()}};
-  for (int k = 0; k < overrun_causes; ++k)
-    overruns[name_of(static_cast<OverrunCause>(k))] = m.overruns[static_cast<std::size_t>(k)].load();
-  return {{"steps", m.steps.load()},
-          {"computation", timings_json(m.computation)},
-          {"cpu", timings_json(m.cpu)},
-          {"latency", timings_json(m.latency)},
-          {"overruns", overruns},
-          {"late_steps", m.late.load()},
-          {"page_faults", m.page_faults.load()},
-          {"preemptions", m.preemptions.load()},
-          {"most_iterations", m.most_iterations.load()},
-          {"most_parts", m.most_parts.load()}};
-}
-
 std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle, const UdpExchange* udp) {
   const auto milliseconds = [](double s) { return fmt::format("{:.4f}", 1e3 * s); };
   Table table({"ms", "median", "99 %", "99.99 %", "worst"});
@@ -143,7 +122,7 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
 
 int live(const Arguments& arguments) {
   RecordedInputs inputs(arguments.inputs);
-  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet);
+  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   if (!arguments.record.empty()) {
     require_different(arguments.model, arguments.record);
     for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
@@ -204,7 +183,7 @@ int live(const Arguments& arguments) {
     end = loop.run();
   }
   const bool failed = loop.state() == RealTimeLoop::State::failed;
-  Json summary = answer("live", failed ? "failed" : "done");
+  Json summary = answer("live", failed ? "failed" : "ok");
   if (!end.empty()) summary["message"] = end;
   summary["time"] = simulation->time();
   summary["monitor"] = monitor_json(loop.monitor());
@@ -214,7 +193,7 @@ int live(const Arguments& arguments) {
                       {"round_trip", timings_json(udp->round_trips())},
                       {"refused", udp->refused()},
                       {"missed", udp->missed()}};
-  summary["method"] = resolved_json(simulation->method());
+  summary["resolved"] = resolved_json(simulation->method());
   const RealTimeGrants granted = loop.granted();
   summary["granted"] = {
       {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
@@ -337,6 +316,7 @@ Command add_live(CommandLine& program) {
   parser.add_flag("--json", a->json, "The summary as JSON, behind the line with the page's address");
   parser.add_flag("-q,--quiet", a->quiet, "No summary");
   add_method_options(parser, a->method);
+  add_most_modes_option(parser, a->most_modes);
   parser.footer(
       "The address of the page is the first line on the standard output. The viewer that takes control "
       "pauses, "

@@ -105,6 +105,7 @@ double RecordedInputs::value(Track& track, double time) {
   const auto& t = track.times;
   // Times are sums of steps: a point that is at the time but for rounding is at it.
   const double rounding = 1e-9 * (1 + std::abs(time));
+  if (t[track.at] > time + rounding) track.at = 0;  // a simulation that was put back
   while (track.at + 1 < t.size() && t[track.at + 1] <= time + rounding) ++track.at;
   const std::size_t k = track.at;
   if (!track.linear || time <= t[k] || k + 1 == t.size()) return track.values[k];

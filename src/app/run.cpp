@@ -29,6 +29,7 @@ struct Arguments {
   std::vector<std::string> settings, inputs;
   MethodArguments method;
   std::optional<double> step, until, every;
+  int most_modes = 0;
   bool json = false, quiet = false, strict = false, csv_units = false;
 };
 
@@ -39,6 +40,7 @@ std::string options_json(const Arguments& arguments) {
   if (arguments.step) json["step"] = *arguments.step;
   if (arguments.until) json["until"] = *arguments.until;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
+  if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
   json.update(to_json(arguments.method));
   return to_text(json);
 }
@@ -176,7 +178,7 @@ int run(const Arguments& given_arguments) {
     arguments.state = arguments.resume;
   }
   RecordedInputs inputs(arguments.inputs);
-  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet);
+  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   check_targets(arguments, loaded, inputs);
   const spec::Simulation& given = loaded.model->spec().simulation;
   std::optional<RunState> saved;
@@ -296,6 +298,7 @@ Command add_run(CommandLine& program) {
   parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
   add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method);
+  add_most_modes_option(parser, arguments->most_modes);
   parser.footer(
       "The summary goes to the standard output, as a table or with --json as JSON; warnings, errors and the "
       "progress line\ngo to the standard error.\n"

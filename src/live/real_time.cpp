@@ -117,6 +117,22 @@ std::int64_t RealTimeMonitor::overrun_count() const {
   return count;
 }
 
+void RealTimeMonitor::add(const RealTimeMonitor& o) {
+  computation.add(o.computation);
+  cpu.add(o.cpu);
+  latency.add(o.latency);
+  for (std::size_t k = 0; k < overruns.size(); ++k) increase<std::int64_t>(overruns[k], o.overruns[k]);
+  increase<std::int64_t>(steps, o.steps);
+  increase<std::int64_t>(late, o.late);
+  increase<std::int64_t>(skipped_outputs, o.skipped_outputs);
+  increase<std::int64_t>(iterations, o.iterations);
+  increase<std::int64_t>(page_faults, o.page_faults);
+  increase<std::int64_t>(preemptions, o.preemptions);
+  increase<double>(lag, o.lag);
+  raise<int>(most_iterations, o.most_iterations);
+  raise<int>(most_parts, o.most_parts);
+}
+
 struct RealTimeLoop::Impl {
   Impl(Simulation& s, const RealTimeOptions& o) : simulation(s), options(o), period(s.step_size() / o.speed) {
     check(o);
@@ -135,14 +151,14 @@ struct RealTimeLoop::Impl {
     rehearse();
     begin_clock();
     while (!stopping.load(std::memory_order_relaxed)) {
+      const bool over = state == State::ended || state == State::failed;
+      if (over && !options.rests_at_end) break;
       take_requests();
       if (state == State::running || single) {
         single = false;
         step();
-      } else if (options.rests_at_end || state == State::paused) {
-        rest();
       } else {
-        break;
+        rest();
       }
     }
     const auto why = message.load();

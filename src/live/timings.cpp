@@ -28,6 +28,14 @@ void Timings::add(double seconds) {
   if (seconds > worst_.load(std::memory_order_relaxed)) worst_.store(seconds, std::memory_order_relaxed);
 }
 
+void Timings::add(const Timings& others) {
+  for (std::size_t k = 0; k < counts_.size(); ++k)
+    increase<std::int64_t>(counts_[k], others.counts_[k].load(std::memory_order_relaxed));
+  increase<std::int64_t>(count_, others.count());
+  increase(sum_, others.sum_.load(std::memory_order_relaxed));
+  if (others.worst() > worst()) worst_.store(others.worst(), std::memory_order_relaxed);
+}
+
 std::int64_t Timings::count() const { return count_.load(std::memory_order_relaxed); }
 double Timings::worst() const { return worst_.load(std::memory_order_relaxed); }
 double Timings::mean() const { return count() > 0 ? sum_.load(std::memory_order_relaxed) / count() : 0; }

@@ -70,10 +70,24 @@ TEST_F(JsonOutput, OfFailuresKeepsTheSchema) {
   EXPECT_EQ(errors[0].at("line"), 2);
 }
 
+/// The first line is the address of the page.
+TEST_F(JsonOutput, AgainstTheClockKeepsTheSchema) {
+  const Outcome live = run({"live", "pendulum.yaml", "--duration", "0.1", "--no-open", "--no-lock", "--idle",
+                            "0.05", "--udp", "0", "--record", "live.h5", "--json"});
+  EXPECT_EQ(live.code, 0) << live.err;
+  const std::size_t line = live.out.find('\n');
+  EXPECT_THAT(live.out.substr(0, line), testing::StartsWith("http://127.0.0.1:"));
+  expect_schema(live.out.substr(line + 1));
+  EXPECT_TRUE(fs::exists(folder / "live.h5"));
+  const test::Json plan = answer(
+      {"plan", "pendulum.yaml", "--deadline", "20ms", "--load", "100", "--watch", "0.2", "--until", "0.2"});
+  EXPECT_EQ(plan.at("options")[0], "--formulation");
+}
+
 /// They answer before any file is read.
 TEST_F(JsonOutput, OfWrongUseKeepsTheSchema) {
   for (const char* command : {"run", "check", "static", "report", "compare", "bench", "verify", "reduce",
-                              "select", "convert", "stress", "export"}) {
+                              "select", "convert", "stress", "export", "live", "plan"}) {
     answer({command}, 2, "error");
     answer({command, "--no-such-option"}, 2, "error");
   }

@@ -74,6 +74,17 @@ TEST(RealTimeLoop, MakesTheStepsOfARun) {
   EXPECT_EQ(clocked.save().bytes(), plain.save().bytes());
 }
 
+/// A request that comes with the last step does not make it begin again.
+TEST(RealTimeLoop, EndsWhateverIsAskedForAtItsEnd) {
+  Simulation simulation = four_bar();
+  RealTimeLoop loop(simulation, quick());
+  Part part;
+  part.on_after = [&](Simulation&) { loop.request({Kind::reset}); };
+  loop.add(part);
+  EXPECT_EQ(loop.run(), "");
+  EXPECT_EQ(loop.monitor().steps, 100);
+}
+
 TEST(RealTimeLoop, NoStepBeginsBeforeItIsDue) {
   Simulation simulation = four_bar();
   RealTimeLoop loop(simulation, quick());
