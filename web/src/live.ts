@@ -16,17 +16,19 @@ function addressOf(path: string): URL {
   return url;
 }
 
-async function fetchScene(): Promise<PackedLiveScene> {
-  const answer = await fetch(addressOf("/scene"));
+async function ask(path: string): Promise<Response> {
+  const answer = await fetch(addressOf(path));
   if (answer.status === 403) throw new Error("the server refuses this address; open the one that it printed when it began, with all that follows the “?”");
   if (!answer.ok) throw new Error(`the server answers ${answer.status} ${answer.statusText}`);
-  return (await answer.json()) as PackedLiveScene;
+  return answer;
 }
+
+const fetchScene = async () => (await (await ask("/scene")).json()) as PackedLiveScene;
 
 async function start(): Promise<void> {
   const packed = await fetchScene();
   document.title = `${packed.title || "Untitled model"} – mimbre live`;
-  page.append(...new LivePage(packed, decodeLiveScene(packed), fetchScene, addressOf("/ws")).parts);
+  page.append(...new LivePage(packed, decodeLiveScene(packed), fetchScene, async () => (await ask("/inputs")).text(), addressOf("/ws")).parts);
 }
 
 start().catch((error: unknown) => {

@@ -3,7 +3,7 @@ import { element } from "./dom";
 import { formatNumber } from "./format";
 import { unitLabel } from "./groups";
 import { leverOf, sourcesOf, type Driver, type Lever, type Pad } from "./liveDrive";
-import type { Input, Order } from "./liveProtocol";
+import type { Input } from "./liveProtocol";
 import { controlWords, mayDrive, type Situation } from "./liveSituation";
 
 const keyNames: Record<string, string> = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓" };
@@ -35,10 +35,11 @@ export class Inputs {
   constructor(
     private inputs: Input[],
     private driver: Driver,
-    order: (order: Order) => void,
+    /** For control, or no longer. */
+    ask: (take: boolean) => void,
     private set: (name: string, value: number) => void,
   ) {
-    this.take.addEventListener("click", () => order({ do: "control", take: !this.situation?.control && !this.situation?.asked }));
+    this.take.addEventListener("click", () => ask(!this.situation?.control && !this.situation?.asked));
     this.rows = inputs.map((input, k) => this.row(input, k));
     const fold = element("details", { class: "all" }, element("summary", {}, `Parameters (${inputs.filter(({ tunable }) => tunable).length})`), this.tuning);
     fold.hidden = !inputs.some(({ tunable }) => tunable);
@@ -84,7 +85,7 @@ export class Inputs {
   }
 
   private row(input: Input, k: number): Row {
-    const { name, unit, about, tunable, min, max } = input;
+    const { name, unit, about = "", tunable, min, max } = input;
     const lever = this.driver.levers.find((one) => one.name === name) ?? leverOf(input);
     const id = `input${k}`;
     const slider = element("input", { type: "range", id, min: lever.low, max: lever.high, step: "any" });

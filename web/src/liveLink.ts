@@ -15,7 +15,7 @@ export interface LinkOptions {
   picture: (message: ArrayBuffer) => void;
   said: (said: Said) => void;
   connected: () => void;
-  /** `ended`: the server said that it goes away; `retry`: s until the next attempt. */
+  /** `ended`: the server went away, or nobody is there; `retry`: s until the next attempt. */
   lost: (ended: boolean, retry: number) => void;
   /** Before an attempt after the first: false where this page cannot go on. */
   again: () => Promise<boolean>;
@@ -76,7 +76,7 @@ export class LiveLink {
     const mayGoOn = await this.options.again().catch(() => null);
     if (mine !== this.waiting || this.socket || mayGoOn === false) return;
     if (mayGoOn) this.connect();
-    else this.wait(false);
+    else this.wait(true);
   }
 
   private wait(ended: boolean): void {

@@ -104,15 +104,15 @@ export class Monitor {
         cell.textContent = Number.isFinite(value) ? quantity(value, "s", 3) : "–";
         cell.classList.toggle("bad", key === "computation" && value * status.speed > status.step);
       }
-    const { count = 0, skipped_outputs: skipped = 0 } = status.overruns;
-    this.overruns.textContent = `${count === 0 ? "No step was late" : `${formatNumber(count)} of ${formatNumber(status.steps)} steps ${count === 1 ? "was" : "were"} late`}${skipped > 0 ? `; ${formatNumber(skipped)} outputs were skipped` : ""}.`;
+    const { count = 0, skipped_outputs: skipped = 0, lag = 0 } = status.overruns;
+    this.overruns.textContent = `${count === 0 ? "No step was late" : `${formatNumber(count)} of ${formatNumber(status.steps)} steps ${count === 1 ? "was" : "were"} late`}${skipped > 0 ? `; ${formatNumber(skipped)} outputs were skipped` : ""}${lag > status.step ? `; it is ${quantity(lag, "s")} behind the clock` : ""}.`;
     this.overruns.classList.toggle("bad", count > 0);
     const known = causes.filter(([key]) => (status.overruns[key] ?? 0) > 0);
     this.causes.replaceChildren(...known.map(([key, text]) => element("li", {}, `${formatNumber(status.overruns[key])} × ${text}`)));
     this.draw(status);
     const facts: [string, string][] = [
       ["Step", `${quantity(status.step, "s")}${status.speed !== 1 ? `, at ${formatNumber(status.speed)}× real time` : ""}`],
-      ["Iterations", `${formatNumber(status.iterations.mean, 3)} on average, ${status.iterations.most} at most (limit ${status.iterations.limit})`],
+      ["Iterations", `${formatNumber(status.iterations.mean, 3)} on average, ${status.iterations.most} at most`],
       ["Bound", status.worst_case],
       ["Scheduling", status.clock.scheduling],
       ["Memory", status.clock.memory],

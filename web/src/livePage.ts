@@ -60,6 +60,7 @@ export class LivePage {
     private packed: PackedLiveScene,
     live: LiveScene,
     fetchScene: () => Promise<PackedLiveScene>,
+    driven: () => Promise<string>,
     address: URL,
   ) {
     const order = (one: Order) => this.order(one);
@@ -67,9 +68,9 @@ export class LivePage {
     this.driver = new Driver(live.inputs);
     this.view = new LiveView(live, () => this.ask());
     this.transport = new Transport(order, live.record);
-    this.inputs = new Inputs(live.inputs, this.driver, order, (name, value) => this.sender.set(name, value));
+    this.inputs = new Inputs(live.inputs, this.driver, (take) => this.want(take), (name, value) => this.sender.set(name, value));
     this.strips = new Strips(live.channels, live.shown.length > 0 ? live.shown : firstSelection(live.channels), this.record, () => this.ask());
-    this.tapes = new Tapes(live.inputs, order);
+    this.tapes = new Tapes(live.inputs, order, driven);
     this.pads = touchPads(this.driver);
     this.view.holder.after(this.transport.root);
     const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
@@ -110,8 +111,14 @@ export class LivePage {
   }
 
   private order(one: Order): void {
-    if (one.do === "control" && !this.situation.control) this.become({ ...this.situation, asked: one.take });
     this.link.send(one);
+  }
+
+  /** Control; where another viewer has it, as soon as it is free. */
+  private want(take: boolean): void {
+    const { control, taken } = this.situation;
+    if (control || (take && !taken)) this.order({ do: "control", take });
+    else this.become({ ...this.situation, asked: take });
   }
 
   private hear(said: Said): void {
@@ -123,10 +130,11 @@ export class LivePage {
     } else if (said.say === "status") {
       this.viewers = said.viewers;
       this.monitor.show(said);
-      if (said.message !== this.situation.message) this.become({ ...this.situation, message: said.message });
+      const message = said.message || (said.record_failure ?? "");
+      if (message !== this.situation.message) this.become({ ...this.situation, message });
     } else if (said.say === "control") {
       const { asked } = this.situation;
-      if (asked && !said.taken) this.link.send({ do: "control", take: true });
+      if (asked && !said.taken) this.order({ do: "control", take: true });
       this.become({ ...this.situation, control: said.yours, taken: said.taken, asked: asked && !said.yours });
     } else if (said.say === "channels") this.record.choose(said.indices, said.choice);
     else if (said.say === "snapshots") {
@@ -134,14 +142,13 @@ export class LivePage {
       this.transport.show(this.situation);
     } else if (said.say === "recording") this.become({ ...this.situation, recording: said.on });
     else if (said.say === "played") this.become({ ...this.situation, played: said.on });
-    else if (said.say === "error") this.complain(said.message);
+    else if (said.say === "error" && !this.situation.asked) this.complain(said.message); // asking, another may have been quicker
   }
 
   private add(picture: Picture, { inputs }: LiveScene): void {
     if (picture.time < (this.pictures.newest?.time ?? 0)) this.paces = [];
     this.pictures.add(picture, seconds());
     this.record.add(picture);
-    this.tapes.add(picture);
     this.paces.push({ clock: picture.clock, time: picture.time });
     while (this.paces[0].clock < picture.clock - 1) this.paces.shift();
     if (picture.inputs.length === inputs.length) this.inputs.update(picture.inputs, seconds());
@@ -189,10 +196,10 @@ export class LivePage {
       return made;
     };
     const away = connection === "lost" || connection === "ended";
-    this.banner.hidden = !away && !failed;
-    if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended. The page goes on when it is there again. " : "The server does not answer. The page tries again by itself. ", button("Try now", () => void this.link.retry()));
+    this.banner.hidden = !away && !failed && message === "";
+    if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended, or cannot be reached. The page goes on when it is there again. " : "The connection is lost. The page tries again by itself. ", button("Try now", () => void this.link.retry()));
     else if (failed) this.banner.replaceChildren(`The simulation failed${message ? `: ${message}` : "."} `, ...(mayDrive(this.situation) ? [button("Reset", () => this.order({ do: "reset" }))] : ["Who is in control can reset it."]));
-    else this.banner.replaceChildren();
+    else this.banner.replaceChildren(message);
   }
 
   private complain(message: string): void {

@@ -14,7 +14,7 @@ export interface Input {
   value: number;
   /** A parameter of the model, rather than something that is driven. */
   tunable: boolean;
-  about: string;
+  about?: string;
 }
 
 export interface PackedLiveScene extends PackedScene {
@@ -74,7 +74,9 @@ export interface Status {
   latency: Spread;
   overruns: Record<string, number>;
   histogram: { edges: number[]; computation: number[]; latency: number[] };
-  iterations: { mean: number; most: number; limit: number };
+  iterations: { mean: number; most: number };
+  /** Why recording does not work. */
+  record_failure?: string;
   worst_case: string;
 }
 
@@ -104,7 +106,7 @@ export type Order =
   | { do: "play"; tracks?: Record<string, Track> };
 
 export const mostChannels = 64; // that a viewer may choose
-export const longestMessage = 64 * 1024; // bytes
+export const longestOrder = 8 * 1024 * 1024; // bytes, of the viewer in control
 
 /** One instant of the simulation. */
 export interface Picture {

@@ -12,7 +12,7 @@ export interface Situation {
   failed: boolean;
   ended: boolean;
   played: boolean;
-  /** Why it failed. */
+  /** Why it failed, or why it does not record. */
   message: string;
 }
 

@@ -1,100 +1,87 @@
 // The card that keeps what was driven and drives it again.
 import { element } from "./dom";
 import { fileName, save } from "./download";
-import type { Input, Order, Picture } from "./liveProtocol";
+import { longestOrder, type Input, type Order } from "./liveProtocol";
 import { mayDrive, type Situation } from "./liveSituation";
-import { fitting, readTracks, Tape, toCsv, toJson, type Tracks } from "./liveTape";
+import { duration, fromNow, readTracks, toCsv, type Tracks } from "./liveTracks";
 import { instant } from "./summaryLines";
 
 export class Tapes {
   readonly root: HTMLElement;
-  private tape: Tape;
-  private run = element("button", { "aria-pressed": "false" }, "Record inputs");
-  private json = element("button", {}, "Save JSON");
-  private csv = element("button", {}, "Save CSV");
-  private again = element("button", { title: "Drive what was recorded once more, from the present state" }, "Play back");
+  private again = element("button", { title: "Reset, and drive once more what was driven since the last reset" }, "Drive it again");
   private open = element("button", {}, "Play a file…");
   private end = element("button", {}, "Stop playback");
+  private fresh = element("input", { type: "checkbox" });
   private file = element("input", { type: "file", accept: ".json,.csv,application/json,text/csv", class: "unseen", tabindex: -1, "aria-label": "File of recorded inputs" });
   private words = element("p", { class: "hint", role: "status" });
   private wrong = element("p", { class: "wrong", role: "alert" });
-  private situation: Situation | null = null;
 
   constructor(
     private inputs: Input[],
     private order: (order: Order) => void,
+    /** What was driven since the last reset, as the server has kept it. */
+    private driven: () => Promise<string>,
   ) {
-    this.tape = new Tape(inputs);
-    this.run.addEventListener("click", () => this.toggle());
-    this.json.addEventListener("click", () => save(fileName("inputs", "json"), new Blob([toJson(this.tape.recorded())], { type: "application/json" })));
-    this.csv.addEventListener("click", () => {
-      const units = new Map(inputs.map(({ name, unit }) => [name, unit]));
-      save(fileName("inputs", "csv"), new Blob([toCsv(this.tape.recorded(), units)], { type: "text/csv" }));
-    });
-    this.again.addEventListener("click", () => this.play(() => this.tape.recorded()));
+    const json = element("button", { title: "For this page" }, "Save JSON");
+    const csv = element("button", { title: "Of all inputs for this page and spreadsheets; of one also for mimbre run --input" }, "Save CSV");
+    const which = element("select", { "aria-label": "Inputs in the CSV file" }, element("option", { value: "" }, "all inputs"), ...inputs.map(({ name }) => element("option", { value: name }, name)));
+    json.addEventListener("click", () => this.attempt(async () => save(fileName("inputs", "json"), new Blob([await driven()], { type: "application/json" }))));
+    csv.addEventListener("click", () => this.attempt(async () => this.saveCsv(which.value)));
+    this.again.addEventListener("click", () => this.attempt(async () => this.play(await driven(), true)));
     this.open.addEventListener("click", () => this.file.click());
     this.end.addEventListener("click", () => order({ do: "play" }));
-    this.file.addEventListener("change", async () => {
-      const text = await this.file.files?.[0]?.text();
+    this.file.addEventListener("change", () => {
+      const [chosen] = this.file.files ?? [];
+      if (chosen) void this.attempt(async () => this.play(await chosen.text(), this.fresh.checked));
       this.file.value = ""; // the same one may be chosen again
-      if (text !== undefined) this.play(() => readTracks(text, this.inputs));
     });
+    this.fresh.checked = true;
     this.root = element(
       "section",
       { class: "card tapes" },
-      element("h2", {}, "Recorded inputs"),
-      element("div", { class: "row" }, this.run, this.json, this.csv, this.again, this.open, this.end, this.file),
+      element("h2", {}, "What was driven"),
+      element("p", { class: "hint" }, "The server keeps what every input did since the last reset; played again, it gives the same motion."),
+      element("div", { class: "row" }, json, csv, which),
+      element("div", { class: "row" }, this.again, this.open, this.end, this.file, element("label", {}, this.fresh, element("span", {}, " from a reset"))),
       this.words,
       this.wrong,
     );
     this.root.hidden = inputs.length === 0;
-    this.refresh();
-  }
-
-  add({ time, inputs }: Picture): void {
-    this.tape.add(time, inputs);
   }
 
   show(situation: Situation): void {
-    this.situation = situation;
-    this.refresh();
-  }
-
-  private toggle(): void {
-    if (this.tape.running) this.tape.stop();
-    else this.tape.start();
-    this.refresh();
-  }
-
-  private play(tracks: () => Tracks): void {
-    this.wrong.textContent = "";
-    try {
-      const { tracks: fitted, tolerance } = fitting(tracks());
-      this.order({ do: "play", tracks: fitted });
-      if (tolerance > 0) this.words.textContent = `Thinned to fit into one message: within ${100 * tolerance} % of what each input does.`;
-    } catch (error) {
-      this.wrong.textContent = `This cannot be played: ${error instanceof Error ? error.message : error}.`;
-    }
-  }
-
-  private refresh(): void {
-    const { running, length } = this.tape;
-    const has = !running && Object.keys(this.tape.recorded()).length > 0;
-    const free = this.situation !== null && mayDrive(this.situation);
-    const played = this.situation?.played ?? false;
-    this.run.setAttribute("aria-pressed", String(running));
-    this.run.textContent = running ? "Stop" : "Record inputs";
-    this.json.disabled = this.csv.disabled = !has;
-    this.again.disabled = !has || !free || played;
-    this.open.disabled = !free || played;
+    const free = mayDrive(situation);
+    const { played } = situation;
+    this.again.disabled = this.open.disabled = this.fresh.disabled = !free || played;
     this.end.hidden = !played;
     this.end.disabled = !free;
-    this.words.textContent = played
-      ? "Inputs are being played back."
-      : running
-        ? "Recording what every input does, whoever drives; a reset begins anew."
-        : has
-          ? `${instant(length)} recorded in this page.`
-          : "Records in this page what every input does, to be saved and played again.";
+    if (!played) this.words.textContent = "";
+    else if (this.words.textContent === "") this.words.textContent = "Inputs are being played back.";
+  }
+
+  private async saveCsv(name: string): Promise<void> {
+    const tracks = readTracks(await this.driven(), this.inputs);
+    const chosen = name === "" ? tracks : { [name]: tracks[name] ?? { times: [], values: [] } };
+    const units = new Map(this.inputs.map(({ name, unit }) => [name, unit]));
+    save(fileName(name === "" ? "inputs" : name.replace(/[^\p{L}\p{N}]+/gu, "-"), "csv"), new Blob([toCsv(chosen, units)], { type: "text/csv" }));
+  }
+
+  private play(text: string, reset: boolean): void {
+    const read = readTracks(text, this.inputs);
+    const tracks: Tracks = reset ? read : fromNow(read);
+    const order: Order = { do: "play", tracks };
+    if (JSON.stringify(order).length > longestOrder) throw new Error("it is too long for the server");
+    if (reset) this.order({ do: "reset" });
+    this.order(order);
+    this.words.textContent = `${instant(duration(tracks))} of inputs are being played back.`;
+  }
+
+  private async attempt(action: () => Promise<void>): Promise<void> {
+    this.wrong.textContent = "";
+    try {
+      await action();
+    } catch (error) {
+      this.wrong.textContent = `This did not work: ${error instanceof Error ? error.message : error}.`;
+    }
   }
 }

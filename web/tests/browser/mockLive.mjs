@@ -19,8 +19,8 @@ const pack = (type, values) => ({ type, size: values.length, data: Buffer.from(v
 
 const inputs = () => [
   { name: "steering", unit: "1", min: -1, max: 1, start: 0, value: 0, tunable: false, about: "1 is full lock to the left" },
-  { name: "throttle", unit: "1", min: 0, max: 1, start: 0, value: 0, tunable: false, about: "" },
-  { name: "brake", unit: "1", min: 0, max: 1, start: 0, value: 0, tunable: false, about: "" },
+  { name: "throttle", unit: "1", min: 0, max: 1, start: 0, value: 0, tunable: false },
+  { name: "brake", unit: "1", min: 0, max: 1, start: 0, value: 0, tunable: false },
   { name: "crosswind", unit: "m/s", start: 0, value: 0, tunable: false, about: "from the left" },
   { name: "damping", unit: "N s/m", min: 500, max: 5000, start: 1500, value: 1500, tunable: true, about: "of the shock absorbers" },
 ];
@@ -43,7 +43,6 @@ export async function mockLive(report, port = 0) {
   const viewers = new Map();
   let next = 1;
   let holder = 0;
-  const asking = [];
   const heard = [];
 
   const scene = () => ({
@@ -71,6 +70,15 @@ export async function mockLive(report, port = 0) {
     record: "drive.h5",
   });
 
+  const begin = () => Object.fromEntries(state.inputs.map(({ name, value }) => [name, { times: [state.time], values: [value] }]));
+  let driven = begin();
+  const set = (name, one) => {
+    const input = state.inputs.find((other) => other.name === name);
+    if (input.value === one) return;
+    input.value = one;
+    driven[name].times.push(state.time);
+    driven[name].values.push(one);
+  };
   const value = (name) => state.inputs.find((input) => input.name === name).value;
   const advance = () => {
     state.time += step;
@@ -80,8 +88,7 @@ export async function mockLive(report, port = 0) {
       for (const [name, { times, values }] of Object.entries(state.playing.tracks)) {
         let k = 0;
         while (k + 1 < times.length && times[k + 1] <= at) ++k;
-        const part = k + 1 < times.length && at > times[k] ? (at - times[k]) / (times[k + 1] - times[k]) : 0;
-        state.inputs.find((input) => input.name === name).value = values[k] + part * ((values[k + 1] ?? values[k]) - values[k]);
+        if (times[k] <= at) set(name, values[k]);
       }
       if (Object.values(state.playing.tracks).every(({ times }) => times[times.length - 1] < at)) endPlay();
     }
@@ -97,8 +104,7 @@ export async function mockLive(report, port = 0) {
     state.playing = null;
     broadcast({ say: "played", on: false });
   };
-  const handOn = () => {
-    if (holder === 0) holder = asking.shift() ?? 0;
+  const tellControl = () => {
     for (const [number, { peer }] of viewers) peer.text({ say: "control", yours: number === holder, taken: holder !== 0 });
   };
 
@@ -155,7 +161,7 @@ export async function mockLive(report, port = 0) {
       latency: { median: 5e-5, p99: 1e-4, p9999: 3e-4, worst: 1e-3 },
       overruns: { count: 3, latency: 1, preemption: 2, page_faults: 0, parts: 0, iterations: 0, computation: 0, skipped_outputs: 0 },
       histogram: { edges, computation: bell(3e-4, 0.12), latency: bell(5e-5, 0.25) },
-      iterations: { mean: 1.9, most: 6, limit: 20 },
+      iterations: { mean: 1.9, most: 6 },
       worst_case: "at most 20 iterations in each of at most 1 + 4 parts",
     };
   };
@@ -167,24 +173,30 @@ export async function mockLive(report, port = 0) {
       viewer.peer.text({ say: "channels", indices: viewer.channels, choice: viewer.choice });
     },
     control: ({ take }, viewer) => {
-      if (take && holder !== viewer.number && !asking.includes(viewer.number)) asking.push(viewer.number);
-      if (!take && holder === viewer.number) holder = 0;
-      handOn();
+      if (take && holder !== 0 && holder !== viewer.number) return viewer.peer.text({ say: "error", message: "another viewer has control; it has to give it back first" });
+      holder = take ? viewer.number : 0;
+      tellControl();
     },
     inputs: ({ values }) => {
-      for (const [name, one] of Object.entries(values)) state.inputs.find((input) => input.name === name).value = one;
+      for (const [name, one] of Object.entries(values)) set(name, one);
     },
     pause: () => (state.paused = true),
     resume: () => (state.paused = false),
     step: () => state.paused && advance(),
-    reset: () => Object.assign(state, { time: 0, steps: 0, x: 0, y: 0, yaw: 0, speed: 5, failed: false, ended: false, message: "", inputs: inputs() }),
+    reset: () => {
+      Object.assign(state, { time: 0, steps: 0, x: 0, y: 0, yaw: 0, speed: 5, failed: false, ended: false, message: "", inputs: inputs() });
+      driven = begin();
+    },
     snapshot: ({ name }) => {
       snapshots.delete(name);
       const { recording, playing, paused, ...kept } = state;
       snapshots.set(name, structuredClone(kept));
       broadcast({ say: "snapshots", names: [...snapshots.keys()] });
     },
-    restore: ({ name }) => Object.assign(state, structuredClone(snapshots.get(name))),
+    restore: ({ name }) => {
+      Object.assign(state, structuredClone(snapshots.get(name)));
+      driven = begin();
+    },
     record: ({ on }) => {
       state.recording = on;
       broadcast({ say: "recording", on, file: "drive.h5" });
@@ -205,6 +217,7 @@ export async function mockLive(report, port = 0) {
     if (pathname === "/") send("text/html; charset=utf-8", live);
     else if (pathname === "/scene") send("application/json", JSON.stringify(scene()));
     else if (pathname === "/status") send("application/json", JSON.stringify(status()));
+    else if (pathname === "/inputs") send("application/json", JSON.stringify({ format: "mimbre-inputs-1", tracks: driven }));
     else {
       answer.writeHead(404);
       answer.end();
@@ -215,9 +228,8 @@ export async function mockLive(report, port = 0) {
     viewers.set(viewer.number, viewer);
     viewer.peer.onClose = () => {
       viewers.delete(viewer.number);
-      if (asking.includes(viewer.number)) asking.splice(asking.indexOf(viewer.number), 1);
       if (holder === viewer.number) holder = 0;
-      handOn();
+      tellControl();
     };
     viewer.peer.onText = (text) => {
       const order = JSON.parse(text);
