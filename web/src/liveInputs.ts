@@ -92,10 +92,11 @@ export class Inputs {
     if (lever.role === "steering") slider.dir = "rtl"; // to the left is left
     const number = element("input", { type: "number", step: "any", "aria-label": `${name}, as a number`, ...(min === undefined ? {} : { min }), ...(max === undefined ? {} : { max }) });
     const label = unit === "" || unit === "1" ? "" : unitLabel(unit);
+    let typing = false;
     const show = (value: number) => {
       slider.value = String(value);
       slider.setAttribute("aria-valuetext", `${formatNumber(value, 4)} ${label}`.trim());
-      if (document.activeElement !== number) number.value = String(Number(value.toPrecision(5)));
+      if (!typing) number.value = String(Number(value.toPrecision(5)));
     };
     const set = (value: number) => {
       if (!Number.isFinite(value)) return;
@@ -106,7 +107,12 @@ export class Inputs {
       this.set(name, within);
     };
     slider.addEventListener("input", () => set(Number(slider.value)));
-    number.addEventListener("change", () => number.value !== "" && set(Number(number.value)));
+    number.addEventListener("input", () => (typing = true));
+    number.addEventListener("blur", () => (typing = false));
+    number.addEventListener("change", () => {
+      typing = false;
+      if (number.value !== "") set(Number(number.value));
+    });
     show(input.value);
     const parts: (Node | string)[] = [element("label", { for: id, title: about }, name, element("small", { class: "muted" }, about)), slider, number, element("span", { class: "unit muted" }, label)];
     if (!tunable) parts.push(this.keys(lever, slider));

@@ -20,6 +20,7 @@ import { LiveView } from "./liveView";
 const seconds = () => performance.now() / 1000;
 
 const errorsStay = 8; // s
+const patience = 5; // s, with what is to be done before something else
 
 /** Where typing, choosing or pressing means something already. */
 function hasMeaning(target: Element, code: string): boolean {
@@ -45,6 +46,7 @@ export class LivePage {
   private tapes: Tapes;
   private pads: HTMLElement | null;
   private places: Map<string, number>; // of channels, by name
+  private begin: number; // of the simulation's time, s
   private state = element("span", { class: "pill" });
   private facts = element("span", { class: "muted" });
   private banner = element("p", { class: "banner", role: "alert", hidden: true });
@@ -65,12 +67,13 @@ export class LivePage {
   ) {
     const order = (one: Order) => this.order(one);
     this.places = new Map(live.channels.map(({ name }, k) => [name, k]));
+    this.begin = live.scene.animation.time[0] ?? 0;
     this.driver = new Driver(live.inputs);
     this.view = new LiveView(live, () => this.ask());
     this.transport = new Transport(order, live.record);
     this.inputs = new Inputs(live.inputs, this.driver, (take) => this.want(take), (name, value) => this.sender.set(name, value));
     this.strips = new Strips(live.channels, live.shown.length > 0 ? live.shown : firstSelection(live.channels), this.record, () => this.ask());
-    this.tapes = new Tapes(live.inputs, order, driven);
+    this.tapes = new Tapes(live.inputs, order, driven, () => this.toStart());
     this.pads = touchPads(this.driver);
     this.view.holder.after(this.transport.root);
     const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
@@ -153,6 +156,21 @@ export class LivePage {
     while (this.paces[0].clock < picture.clock - 1) this.paces.shift();
     if (picture.inputs.length === inputs.length) this.inputs.update(picture.inputs, seconds());
     this.become({ ...this.situation, ...seenIn(picture) });
+  }
+
+  /** Paused where it begins: what is played from there is played from its first step on. */
+  private async toStart(): Promise<void> {
+    this.order({ do: "pause" });
+    this.order({ do: "reset" });
+    const end = seconds() + patience;
+    const there = () => {
+      const { newest } = this.pictures;
+      return newest !== undefined && newest.paused && newest.time <= this.begin;
+    };
+    while (!there()) {
+      if (seconds() > end) throw new Error("the server does not begin anew");
+      await new Promise((done) => setTimeout(done, 20));
+    }
   }
 
   /** The channels that charts and arrows need; charts come first. */

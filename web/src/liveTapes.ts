@@ -21,6 +21,8 @@ export class Tapes {
     private order: (order: Order) => void,
     /** What was driven since the last reset, as the server has kept it. */
     private driven: () => Promise<string>,
+    /** Resets the simulation, and leaves it paused. */
+    private reset: () => Promise<void>,
   ) {
     const json = element("button", { title: "For this page" }, "Save JSON");
     const csv = element("button", { title: "Of all inputs for this page and spreadsheets; of one also for mimbre run --input" }, "Save CSV");
@@ -66,13 +68,14 @@ export class Tapes {
     save(fileName(name === "" ? "inputs" : name.replace(/[^\p{L}\p{N}]+/gu, "-"), "csv"), new Blob([toCsv(chosen, units)], { type: "text/csv" }));
   }
 
-  private play(text: string, reset: boolean): void {
+  private async play(text: string, reset: boolean): Promise<void> {
     const read = readTracks(text, this.inputs);
     const tracks: Tracks = reset ? read : fromNow(read);
     const order: Order = { do: "play", tracks };
     if (JSON.stringify(order).length > longestOrder) throw new Error("it is too long for the server");
-    if (reset) this.order({ do: "reset" });
+    if (reset) await this.reset();
     this.order(order);
+    if (reset) this.order({ do: "resume" });
     this.words.textContent = `${instant(duration(tracks))} of inputs are being played back.`;
   }
 

@@ -21,11 +21,13 @@ export async function noBrowser() {
 
 const chromium = () => [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser"].find((path) => path && existsSync(path));
 
-export async function launch() {
+/** WebGL by software: the pictures are the same on every machine. */
+const bySoftware = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+/** `webgl`: false for pages whose pictures do not matter, which are much quicker without. */
+export async function launch(webgl = true) {
   const { chromium: engine } = await import("playwright-core");
-  // WebGL by software: the pictures are the same on every machine.
-  const args = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-  return engine.launch({ executablePath: chromium(), args });
+  return engine.launch({ executablePath: chromium(), args: ["--no-sandbox", ...(webgl ? bySoftware : ["--disable-3d-apis"])] });
 }
 
 /** Runs a model with `mimbre` and makes its page; `reports`: of which results. */
@@ -71,14 +73,15 @@ export class Reports {
   }
 }
 
-/** Opens a page; whatever its script complains of is kept in `complaints`. */
-export async function open(browser, url, options = {}, before = undefined) {
+/** Opens a page; whatever its script complains of is kept in `complaints`. `listen` gets the page before it is loaded. */
+export async function open(browser, url, options = {}, before = undefined, listen = undefined) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, ...options });
   page.setDefaultTimeout(120_000); // a machine that has other work takes its time
   if (before) await page.addInitScript(before);
   const complaints = [];
   page.on("pageerror", (error) => complaints.push(error.message));
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  listen?.(page);
   await page.goto(url);
   await page.waitForSelector("main");
   return { page, complaints };

@@ -257,7 +257,8 @@ export async function mockLive(report, port = 0) {
     port: server.address().port,
     state,
     heard,
-    status,
+    channels: packed.channels,
+    say: broadcast,
     /** `code`: that of the WebSockets' end. */
     async stop(code = 1001) {
       clearInterval(ticking);

@@ -1,0 +1,521 @@
+// The live page in a browser, item by item: node live.mjs MIMBRE [MODEL] [WORDS OF AN ITEM]. Exits with 77 where there
+// is no browser. MODEL instead of driven.yaml needs inputs called steering, throttle and brake.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { launch, noBrowser, open, Reports, root } from "./browser.mjs";
+import { mockLive } from "./mockLive.mjs";
+
+const skipped = 77;
+const reason = await noBrowser();
+if (reason !== "") {
+  console.log(`SKIPPED: ${reason}`);
+  process.exit(skipped);
+}
+
+const [, , program, model = "web/tests/browser/driven.yaml", wanted = ""] = process.argv;
+const folder = await mkdtemp(join(tmpdir(), "mimbre-live-"));
+
+/** `mimbre live` with the model; says its address on its first line. */
+async function serve(port = 0) {
+  const child = spawn(resolve(program), ["live", model, "--port", String(port), "--no-open", "--quiet", "--record", join(folder, "drive.h5")], { cwd: root, stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((done, failed) => {
+    let said = "";
+    child.stdout.on("data", (data) => {
+      said += data;
+      const found = /http:\/\/\S+/.exec(said);
+      if (found) done(found[0]);
+    });
+    child.on("exit", (code) => failed(new Error(`mimbre live ended with ${code}`)));
+  });
+  const stop = () =>
+    new Promise((done) => {
+      child.on("exit", done);
+      child.kill("SIGINT");
+    });
+  return { url, stop, port: Number(new URL(url).port) };
+}
+
+const cases = [];
+const test = (name, run) => cases.push([name, run]);
+
+const say = (page, selector) => page.locator(selector).first().innerText();
+const number = (page, name) => page.getByLabel(`${name}, as a number`);
+const value = async (page, name) => Number(await number(page, name).inputValue());
+/** Until it is so; polled, for a page that draws slowly does not tell every change at once. */
+async function until(what, condition, seconds = 20) {
+  const end = performance.now() + 1000 * seconds;
+  for (;;) {
+    const seen = await condition();
+    if (seen) return seen;
+    if (performance.now() > end) assert.fail(`not within ${seconds} s: ${what}`);
+    await new Promise((done) => setTimeout(done, 40));
+  }
+}
+const state = (page, word) => until(word, async () => (await say(page, ".pill")) === word);
+const time = async (page) => Number.parseFloat(await say(page, "output.time"));
+const take = (page) => page.locator(".take");
+
+async function inControl(page) {
+  if ((await say(page, ".take")) === "Take control") await take(page).click();
+  await until("control", async () => (await say(page, ".take")) === "Give control back");
+}
+
+/** Everything as at the start, running. */
+async function afresh(page) {
+  await inControl(page);
+  await page.evaluate(() => document.activeElement.blur()); // where one types, keys are letters
+  await page.keyboard.press("r");
+  if ((await say(page, ".pill")) === "Paused") await page.keyboard.press("p");
+  await state(page, "Running");
+  await until("a reset", async () => (await time(page)) < 1.5);
+}
+
+const driving = (page, on, name) => (on ? page.keyboard.down(name) : page.keyboard.up(name));
+
+test("who looks on sees everything, and is told why nothing can be driven", async ({ page }) => {
+  await state(page, "Running");
+  assert.match(await say(page, ".control-words"), /Nobody is in control/);
+  assert.ok(await number(page, "throttle").isDisabled());
+  assert.ok(await page.getByRole("button", { name: "Reset" }).isDisabled());
+  const before = await time(page);
+  await until("the time goes on", async () => (await time(page)) > before + 0.3);
+  assert.match(await until("its pace", async () => /[\d.]+× real time/.exec(await say(page, ".states"))?.[0]), /^(0\.[89]|1)/);
+  await until("values in the legends", async () => /\d/.test(await say(page, ".strips .entry .value")));
+  assert.ok((await page.locator(".strips canvas").count()) > 0);
+});
+
+test("the deadlines are told: the last step, the spread, the histogram", async ({ page }) => {
+  await until("the table", async () => /^[\d.]+ [µm]?s$/.test(await say(page, ".spread td:last-child")));
+  const cells = await page.locator(".spread tbody td").allInnerTexts();
+  assert.equal(cells.length, 12);
+  const inSeconds = (text) => Number.parseFloat(text) * { s: 1, ms: 1e-3, µs: 1e-6, ns: 1e-9 }[text.split(" ")[1]];
+  const [median, , , worst] = cells.map(inSeconds);
+  assert.ok(median > 1e-7 && median <= worst, cells.join());
+  assert.ok((await page.locator(".histogram rect.computing").count()) > 0);
+  assert.match(await say(page, ".overruns"), /late/);
+  const meter = page.getByRole("meter");
+  await until("the meter", async () => Number(await meter.getAttribute("aria-valuenow")) >= 0);
+});
+
+test("keys drive: pedals and steering rise with time, come back, and no more is sent than needed", async ({ page, sent }) => {
+  await afresh(page);
+  sent.length = 0;
+  const start = performance.now();
+  await driving(page, true, "w");
+  await driving(page, true, "ArrowLeft");
+  await until("full throttle", async () => (await value(page, "throttle")) === 1 && (await value(page, "steering")) === 1);
+  const inputs = () => sent.filter(({ text }) => text.includes('"inputs"'));
+  const messages = inputs().map(({ text }) => JSON.parse(text).values);
+  const steered = messages.map(({ steering }) => steering).filter((one) => one !== undefined);
+  assert.ok(steered.every((one, k) => k === 0 || one > steered[k - 1]), "it rises");
+  assert.ok(messages.length <= 62 * ((performance.now() - start) / 1000), `${messages.length} messages`);
+  const held = inputs().length;
+  await page.waitForTimeout(300);
+  assert.equal(inputs().length, held, "nothing is sent while nothing changes");
+  await driving(page, false, "w");
+  await driving(page, false, "ArrowLeft");
+  await until("back", async () => (await value(page, "throttle")) === 0 && (await value(page, "steering")) === 0);
+  await page.keyboard.down("Space");
+  await until("the brake", async () => (await value(page, "brake")) === 1);
+  await page.keyboard.up("Space");
+  await until("the brake is off", async () => (await value(page, "brake")) === 0);
+  // When the window is left, nobody holds the keys.
+  await driving(page, true, "w");
+  await until("throttle", async () => (await value(page, "throttle")) > 0.2);
+  await page.evaluate(() => dispatchEvent(new Event("blur")));
+  await until("let go", async () => (await value(page, "throttle")) === 0);
+  await driving(page, false, "w");
+});
+
+test("what is typed drives nothing; P pauses, steps are single, R begins anew", async ({ page }) => {
+  await afresh(page);
+  await page.getByLabel("Name of the snapshot").fill("");
+  await page.getByLabel("Name of the snapshot").type("wasp r");
+  assert.equal(await page.getByLabel("Name of the snapshot").inputValue(), "wasp r");
+  assert.equal(await say(page, ".pill"), "Running");
+  await page.getByLabel("Name of the snapshot").fill("");
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("p");
+  await state(page, "Paused");
+  await page.waitForTimeout(300);
+  const rested = await time(page);
+  await page.waitForTimeout(400);
+  assert.equal(await time(page), rested);
+  const steps = async () => (await (await fetch(new URL("/status", page.url()))).json()).steps;
+  const before = await steps();
+  await page.getByRole("button", { name: "Step", exact: true }).click();
+  await until("one step", async () => (await steps()) === before + 1);
+  await page.keyboard.press("p");
+  await state(page, "Running");
+  await afresh(page);
+});
+
+test("sliders, numbers within their bounds, and parameters in a fold", async ({ page }) => {
+  await afresh(page);
+  const slider = page.getByRole("slider", { name: "throttle" });
+  await slider.focus();
+  await page.keyboard.press("End");
+  await until("the slider", async () => (await value(page, "throttle")) === 1);
+  await number(page, "throttle").fill("-7");
+  await page.keyboard.press("Enter");
+  await until("the bound", async () => (await value(page, "throttle")) === 0);
+  const [tunable] = await page.locator(".driving details.all input[type=number]").all();
+  assert.ok(!(await tunable.isVisible()));
+  await page.locator(".driving details.all > summary").click();
+  await tunable.fill("55.5");
+  await page.keyboard.press("Enter");
+  await page.waitForTimeout(700);
+  assert.equal(await tunable.inputValue(), "55.5");
+  await page.locator(".driving details.all > summary").click();
+});
+
+test("a key and a gamepad's part can be given to any input", async ({ page }) => {
+  await afresh(page);
+  const row = page.locator(".input").nth(3);
+  await row.locator("summary").click();
+  const more = row.getByRole("button", { name: "Key for more" });
+  await more.click();
+  await page.keyboard.press("u");
+  assert.equal(await row.locator("summary").innerText(), "U");
+  await page.evaluate(() => document.activeElement.blur());
+  await driving(page, true, "u");
+  await until("it rises", async () => Number(await row.locator("input[type=number]").inputValue()) > 0);
+  await driving(page, false, "u");
+  const left = Number(await row.locator("input[type=number]").inputValue());
+  await page.waitForTimeout(400);
+  assert.ok(Number(await row.locator("input[type=number]").inputValue()) >= left, "it stays");
+  await row.locator("summary").click();
+});
+
+test("a gamepad: the stick's left is left, triggers are pedals, and it rests when nobody touches it", async ({ page }) => {
+  await afresh(page);
+  const pad = (axes, buttons) =>
+    page.evaluate(
+      ([axes, buttons]) => {
+        window.pad = { connected: true, axes, buttons: Array.from({ length: 17 }, (_, k) => ({ value: buttons[k] ?? 0 })) };
+        navigator.getGamepads = () => [null, window.pad];
+      },
+      [axes, buttons],
+    );
+  await pad([0.03, 0, 0, 0], {});
+  await page.waitForTimeout(200);
+  assert.equal(await value(page, "steering"), 0);
+  await pad([1, 0, 0, 0], { 7: 0.5 });
+  await until("right and half throttle", async () => (await value(page, "steering")) === -1 && (await value(page, "throttle")) === 0.5);
+  await pad([0, 0, 0, 0], { 6: 1 });
+  await until("braking", async () => Math.abs(await value(page, "steering")) < 1e-9 && (await value(page, "throttle")) === 0 && (await value(page, "brake")) === 1);
+  const row = page.locator(".input").first();
+  await row.locator("summary").click();
+  await row.getByLabel(/^Gamepad's part/).selectOption("axis 2");
+  await pad([0, 0, -0.6, 0], {});
+  await until("the other stick", async () => (await value(page, "steering")) < -0.4);
+  await row.getByLabel(/^Gamepad's part/).selectOption("axis 0 reversed");
+  await row.locator("summary").click();
+  await page.evaluate(() => (navigator.getGamepads = () => []));
+  await afresh(page);
+});
+
+test("snapshots are kept, listed and gone back to", async ({ page }) => {
+  await afresh(page);
+  await page.getByLabel("Name of the snapshot").fill("at the <i>start</i>");
+  await page.keyboard.press("Enter");
+  const list = page.getByLabel("Snapshot to restore");
+  await until("it is listed", async () => (await list.inputValue()) === "at the <i>start</i>");
+  const kept = await time(page);
+  await until("later", async () => (await time(page)) > kept + 1);
+  await page.getByRole("button", { name: "Restore" }).click();
+  await until("back", async () => (await time(page)) < kept + 0.8);
+});
+
+test("what was driven is saved, and gives the same when it is driven again", async ({ page }) => {
+  await afresh(page);
+  await driving(page, true, "w");
+  await until("moving", async () => (await value(page, "throttle")) === 1);
+  await driving(page, false, "w");
+  await until("let go", async () => (await value(page, "throttle")) === 0);
+  const download = async (name) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name, exact: true }).click()]);
+    await file.saveAs(join(folder, file.suggestedFilename()));
+    return join(folder, file.suggestedFilename());
+  };
+  const json = await download("Save JSON");
+  const { tracks } = JSON.parse(await readFile(json, "utf8"));
+  assert.ok(Math.max(...tracks.throttle.values) === 1);
+  await page.getByLabel("Inputs in the CSV file").selectOption("throttle");
+  const csv = await readFile(await download("Save CSV"), "utf8");
+  assert.match(csv, /^t \[s\],throttle\r\n0,0\r\n/);
+  await page.getByLabel("Inputs in the CSV file").selectOption("");
+
+  await page.getByRole("button", { name: "Drive it again" }).click();
+  await until("playback", async () => /played back/.test(await say(page, ".tapes [role=status]")));
+  await until("full throttle", async () => (await value(page, "throttle")) === 1);
+  await until("its end", async () => !(await page.getByRole("button", { name: "Stop playback" }).isVisible()));
+  const again = await (await fetch(new URL("/inputs", page.url()))).json();
+  assert.deepEqual(again.tracks.throttle, tracks.throttle, JSON.stringify([again.tracks.throttle, tracks.throttle]));
+
+  await page.locator(".tapes input[type=file]").setInputFiles(json);
+  await until("the file is played", async () => page.getByRole("button", { name: "Stop playback" }).isVisible());
+  await page.getByRole("button", { name: "Stop playback" }).click();
+  await until("it is ended", async () => !(await page.getByRole("button", { name: "Stop playback" }).isVisible()));
+  const other = join(folder, "other.csv");
+  await writeFile(other, "t,gear\n0,1\n");
+  await page.locator(".tapes input[type=file]").setInputFiles(other);
+  await until("what is wrong", async () => /no input “gear”/.test(await say(page, ".tapes .wrong")));
+});
+
+test("results are recorded where the server runs", async ({ page }) => {
+  await afresh(page);
+  const [begin, end] = [page.getByRole("button", { name: "Record", exact: true }), page.getByRole("button", { name: "Stop recording" })];
+  await until("recording from the start", async () => end.isVisible());
+  await end.click();
+  await until("its end", async () => begin.isVisible());
+  await begin.click();
+  await until("recording again", async () => end.isVisible());
+});
+
+test("channels are chosen from the list, taken away, and held still", async ({ page }) => {
+  const search = page.getByLabel("Search channels");
+  await page.getByText(/^Choose among \d+ channels$/).click();
+  const before = await page.locator(".strips .entry").count();
+  await search.fill("energy.kinetic");
+  await page.locator(".channel-groups input[type=checkbox]").first().check();
+  await until("one more", async () => (await page.locator(".strips .entry").count()) === before + 1);
+  await until("its value", async () => /J$/.test(await page.locator(".strips .entry", { hasText: "energy.kinetic" }).locator(".value").innerText()));
+  await page.locator(".strips .entry", { hasText: "energy.kinetic" }).getByRole("button").click();
+  assert.equal(await page.locator(".strips .entry").count(), before);
+  await search.fill("");
+  await page.getByText(/^Choose among \d+ channels$/).click();
+  await page.getByRole("button", { name: "Hold" }).click();
+  const still = await say(page, ".strips .entry .value");
+  await page.waitForTimeout(400);
+  assert.equal(await say(page, ".strips .entry .value"), still);
+  await page.getByRole("button", { name: "Hold" }).click();
+});
+
+test("two viewers: the second looks on, asks, and gets control when the first gives it back", async ({ page, browser, server }) => {
+  await afresh(page);
+  const { page: second, complaints } = await open(browser, server.url);
+  await state(second, "Running");
+  await until("another has control", async () => /Another viewer/.test(await say(second, ".control-words")));
+  await until("two viewers", async () => /2 viewers/.test(await say(page, ".states")));
+  await driving(page, true, "w");
+  await until("the other's throttle is seen", async () => (await value(second, "throttle")) > 0.5);
+  await driving(page, false, "w");
+  assert.ok(await number(second, "throttle").isDisabled());
+  await second.keyboard.press("p"); // without effect
+  await take(second).click();
+  await until("asked", async () => /asked/.test(await say(second, ".control-words")));
+  assert.equal(await say(page, ".pill"), "Running");
+  await take(page).click();
+  await until("handed over", async () => (await say(second, ".take")) === "Give control back");
+  assert.ok(await page.getByRole("button", { name: "Reset" }).isDisabled());
+  assert.match(await second.locator("header [role=status]").textContent(), /You are in control/);
+  await second.close();
+  await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
+  assert.deepEqual(complaints.filter((text) => !/WebGL/.test(text)), []);
+});
+
+test("the keyboard alone: everything is reached in order, seen, and left again", async ({ page }) => {
+  await afresh(page);
+  await page.locator("h1").click(); // from there on
+  const seen = [];
+  for (let k = 0; k < 80; ++k) {
+    await page.keyboard.press("Tab");
+    const now = await page.evaluate(() => {
+      const one = document.activeElement;
+      if (one === document.body) return null;
+      const { outlineStyle } = getComputedStyle(one);
+      return { name: one.getAttribute("aria-label") ?? one.textContent ?? "", marked: outlineStyle !== "none", tag: one.tagName };
+    });
+    if (now === null) break;
+    seen.push(now);
+  }
+  const names = seen.map(({ name }) => name);
+  assert.ok(seen.length > 20 && seen.length < 80, `${seen.length}: ${names.join(" | ")}`);
+  for (const name of ["Pause", "Reset", "Give control back", "Snapshot", "throttle, as a number", "Hold", "Save JSON"]) assert.ok(names.includes(name), name);
+  assert.ok(names.indexOf("Pause") < names.indexOf("Give control back") && names.indexOf("Give control back") < names.indexOf("Hold"));
+  assert.deepEqual(seen.filter(({ marked }) => !marked), []);
+});
+
+test("names are text, nothing is loaded from elsewhere, and every control has a name", async ({ page, requests, server }) => {
+  assert.equal(await page.locator("h1 b, option i, .channel-groups b").count(), 0);
+  assert.ok(requests.length > 1 && requests.every((url) => url.startsWith("data:") || url.startsWith("blob:") || new URL(url).host === new URL(server.url).host), requests.join());
+  assert.match(await (await fetch(server.url)).text(), /default-src 'none'[^"]*connect-src 'self'/);
+  const nameless = await page.evaluate(() =>
+    [...document.querySelectorAll("button, input, select, summary")].filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length)).map((one) => one.outerHTML),
+  );
+  assert.deepEqual(nameless, []);
+});
+
+test("a phone: nothing is cut, fingers steer and give way", async ({ browser, server, page }) => {
+  await inControl(page);
+  await take(page).click();
+  await until("free", async () => (await say(page, ".take")) === "Take control");
+  const { page: phone, complaints } = await open(browser, server.url, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: "dark" });
+  await state(phone, "Running");
+  assert.ok(!(await phone.locator(".pads").isVisible()));
+  await take(phone).tap();
+  await until("pads", async () => phone.locator(".pads").isVisible());
+  const { scroll, wide } = await phone.evaluate(() => ({ scroll: document.documentElement.scrollWidth, wide: document.documentElement.clientWidth }));
+  assert.ok(scroll <= wide, `${scroll} of ${wide} pixels`);
+  const session = await phone.context().newCDPSession(phone);
+  const at = async (selector, x, y) => {
+    const { left, top, width, height } = await phone.locator(selector).evaluate((one) => one.getBoundingClientRect().toJSON());
+    return { x: left + x * width, y: top + y * height };
+  };
+  const [left, gas] = [await at(".pad.steering", 0.05, 0.5), await at(".pad.throttle", 0.5, 0.05)];
+  await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ ...left, id: 1 }, { ...gas, id: 2 }] });
+  await until("two fingers drive", async () => (await value(phone, "steering")) === 1 && (await value(phone, "throttle")) === 1);
+  await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await until("let go", async () => (await value(phone, "steering")) === 0 && (await value(phone, "throttle")) === 0);
+  await phone.screenshot({ path: join(folder, "phone.png") });
+  await phone.close();
+  assert.deepEqual(complaints.filter((text) => !/WebGL/.test(text)), []);
+});
+
+test("the server ends and comes back: the page says so, and goes on by itself", async ({ page, context, sent }) => {
+  await afresh(page);
+  const { port } = context.server;
+  await context.server.stop();
+  await state(page, "Server ended");
+  assert.match(await say(page, ".banner"), /has ended, or cannot be reached/);
+  assert.ok(await number(page, "throttle").isDisabled());
+  await page.evaluate(() => (window.sameDocument = true));
+  context.server = await serve(port);
+  await state(page, "Running");
+  assert.ok(await page.evaluate(() => window.sameDocument), "it was not loaded anew");
+  sent.length = 0;
+  await inControl(page);
+  await driving(page, true, "w");
+  await until("driving again", async () => (await value(page, "throttle")) === 1);
+  await driving(page, false, "w");
+});
+
+/** Apart: the page of the mock, which can be brought to what the server only comes to by accident. */
+const mocked = [];
+const mockTest = (name, run) => mocked.push([name, run]);
+
+mockTest("a failure is said with its reason, and a reset is offered", async ({ page, mock }) => {
+  await inControl(page);
+  Object.assign(mock.state, { failed: true, message: "the step at 1.2 s did not converge <b>" });
+  await state(page, "Failed");
+  await until("the reason", async () => /did not converge <b>/.test(await say(page, ".banner")));
+  await page.locator(".banner").getByRole("button", { name: "Reset" }).click();
+  await state(page, "Running");
+  await until("the banner goes", async () => !(await page.locator(".banner").first().isVisible()));
+});
+
+mockTest("overruns are told with their causes", async ({ page }) => {
+  await until("causes", async () => (await page.locator(".causes li").count()) === 2);
+  assert.match(await say(page, ".overruns"), /^3 of [\d\u202f]+ steps were late/);
+  assert.deepEqual(await page.locator(".causes li").allInnerTexts(), ["1 × woken too late", "2 × taken from the processor"]);
+});
+
+mockTest("an order that the server refuses is shown", async ({ page, mock }) => {
+  mock.say({ say: "error", message: "too much is asked for at once" });
+  await until("it is shown", async () => page.getByText("The server says: too much is asked for at once").isVisible());
+});
+
+mockTest("the vehicle is drawn where the server has it, and the eye stays behind it", async ({ page, mock }) => {
+  await page.waitForFunction(() => window.mimbreView?.ready);
+  await inControl(page);
+  await driving(page, true, "a");
+  await until("half a turn", async () => mock.state.yaw > 2.5, 60);
+  await driving(page, false, "a");
+  await until("straight on", async () => (await value(page, "steering")) === 0);
+  await page.keyboard.press("p");
+  await state(page, "Paused");
+  await page.waitForTimeout(3000); // the eye comes after
+  const { place, eye } = await page.evaluate(() => {
+    const { bodies, origin, camera, controls } = window.mimbreView;
+    const chassis = bodies.findIndex(({ body }) => body.name === "chassis");
+    return { place: bodies[chassis].group.position.clone().add(origin).toArray(), eye: camera.position.clone().sub(controls.target).toArray() };
+  });
+  assert.ok(Math.hypot(place[0] - mock.state.x, place[1] - mock.state.y) < 1e-5, `${place} ${mock.state.x} ${mock.state.y}`);
+  const ahead = [Math.cos(mock.state.yaw), Math.sin(mock.state.yaw)];
+  const flat = Math.hypot(eye[0], eye[1]);
+  assert.ok((eye[0] * ahead[0] + eye[1] * ahead[1]) / flat < -0.7, `${eye} behind ${ahead}`);
+  await page.keyboard.press("p");
+});
+
+mockTest("forces are asked for when they are drawn, and stand on their scale", async ({ page, mock }) => {
+  await page.locator(".viewing > summary").click();
+  await page.getByLabel("Forces", { exact: true }).selectOption("all");
+  const asked = () => mock.heard.filter((order) => order.do === "channels").at(-1)?.indices ?? [];
+  await until("channels of tyres", async () => asked().some((k) => /^tyre\..*\.vertical$/.test(mock.channels[k].name)));
+  await until("arrows", async () => page.evaluate(() => window.mimbreView.arrows.arrows.some(({ group }) => group.visible)));
+  await until("the scale", async () => /k?N/.test(await say(page, ".factor.wide output")));
+  await page.getByLabel("Forces", { exact: true }).selectOption("none");
+  await until("no more", async () => !asked().some((k) => /\.vertical$/.test(mock.channels[k].name)));
+  await page.getByLabel("Colour", { exact: true }).selectOption("displacement");
+  await until("the colours' scale", async () => /so far/.test(await say(page, ".colorbar")));
+  await page.locator(".viewing > summary").click();
+});
+
+mockTest("pictures a second, drawn by software", async ({ page }) => {
+  const { drawn, asked, width, height } = await page.evaluate(
+    () =>
+      new Promise((done) => {
+        const { canvas } = window.mimbreView;
+        const counts = { drawn: 0, asked: 0, width: canvas.width, height: canvas.height };
+        const stop = window.mimbreView.onDrawn(() => ++counts.drawn);
+        const begun = performance.now();
+        const each = () => {
+          ++counts.asked;
+          if (performance.now() - begun < 5000) return requestAnimationFrame(each);
+          stop();
+          const seconds = (performance.now() - begun) / 1000;
+          done({ ...counts, drawn: counts.drawn / seconds, asked: counts.asked / seconds });
+        };
+        each();
+      }),
+  );
+  console.log(`     ${drawn.toFixed(1)} pictures a second of ${width} × ${height} pixels, of ${asked.toFixed(1)} that the browser asked for`);
+  assert.ok(drawn > 0);
+});
+
+let failed = 0;
+async function runAll(all, given, complaints) {
+  for (const [name, run] of all.filter(([name]) => name.includes(wanted))) {
+    const start = performance.now();
+    try {
+      await run(given);
+      assert.deepEqual(complaints.splice(0).filter((text) => !/WebGL|ERR_CONNECTION_REFUSED|WebSocket connection/.test(text)), [], "the page complains");
+      console.log(`ok   ${name} (${((performance.now() - start) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      ++failed;
+      console.log(`FAIL ${name}\n${error.stack ?? error}`);
+    }
+  }
+}
+
+const context = { server: await serve() };
+const browser = await launch(false);
+{
+  const requests = [];
+  const sent = [];
+  const listen = (page) => {
+    page.on("request", (request) => requests.push(request.url()));
+    page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => sent.push({ text: String(payload) })));
+  };
+  const { page, complaints } = await open(browser, context.server.url, { viewport: { width: 1280, height: 900 } }, undefined, listen);
+  await runAll(cases, { page, browser, context, server: context.server, requests, sent }, complaints);
+  await browser.close();
+  await context.server.stop();
+}
+
+if (mocked.some(([name]) => name.includes(wanted))) {
+  const reports = new Reports(program, folder);
+  const mock = await mockLive((await reports.report("iltis", await reports.run("examples/iltis/vehicle.yaml", "iltis"))).replace("file://", ""));
+  const drawing = await launch();
+  const { page, complaints } = await open(drawing, mock.url, { viewport: { width: 480, height: 620 } });
+  await runAll(mocked, { page, mock }, complaints);
+  await drawing.close();
+  await mock.stop();
+}
+
+await rm(folder, { recursive: true });
+process.exit(failed > 0 ? 1 : 0);
