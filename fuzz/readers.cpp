@@ -25,6 +25,7 @@
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
 #include "model_file/parse.h"
+#include "tyre_files/parse_tyre.h"
 
 namespace mimbre::fuzz {
 namespace {
@@ -350,6 +351,13 @@ const std::vector<Reader>& readers() {
       {"urdf", [](const std::string& bytes) { convert_urdf(written(bytes, "robot.urdf")); },
        [](const std::string& s) {
          return files(s, {"tests/data/urdf/ur5.urdf", "tests/data/urdf/panda.urdf"});
+       }},
+      {"tyre",
+       [](const std::string& bytes) {
+         read_text(bytes, [](TextFile& file) { tyre_files::parse_tyre(file); });
+       },
+       [](const std::string& s) {
+         return files(s, {"tests/data/tyres/car_205_60R15_61.tir", "tests/data/tyres/car_52.tir"});
        }},
       {"mbdyn_fem",
        [](const std::string& bytes) { read_text(bytes, [](TextFile& file) { parse_mbdyn_fem(file); }); },
