@@ -25,6 +25,7 @@
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
 #include "model_file/parse.h"
+#include "roads/crg_file.h"
 #include "tyre_files/parse_tyre.h"
 
 namespace mimbre::fuzz {
@@ -358,6 +359,11 @@ const std::vector<Reader>& readers() {
        },
        [](const std::string& s) {
          return files(s, {"tests/data/tyres/car_205_60R15_61.tir", "tests/data/tyres/car_52.tir"});
+       }},
+      {"crg", [](const std::string& bytes) { roads::parse_road_grid(bytes, "fuzz"); },
+       [](const std::string& s) {
+         return files(s, {"tests/data/roads/bend.crg", "tests/data/roads/bend_double.crg",
+                          "tests/data/roads/bend_binary.crg", "tests/data/roads/bend_binary_double.crg"});
        }},
       {"mbdyn_fem",
        [](const std::string& bytes) { read_text(bytes, [](TextFile& file) { parse_mbdyn_fem(file); }); },
