@@ -3,28 +3,15 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/random_numbers.h"
 #include "signals/blocks/block.h"
 
 /// White noise that is sampled: of each instant a number of its own, which depends on the seed and on the
 /// instant's number alone. So it is the same whatever the steps, the threads, and from where a run went on.
-/// The bits are those of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014) at places of its sequence, normal
-/// numbers those of Box and Muller's transform.
+/// Normal numbers are those of Box and Muller's transform.
 namespace mimbre::blocks::noise {
 
 constexpr int mean = 0, deviation = 1, seed = 2, uniform = 3;  ///< numbers; uniform: 1 or 0
-
-constexpr std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
-}
-
-/// In (0, 1), of the place in the seed's sequence.
-inline double uniform_at(std::uint64_t of_seed, std::uint64_t place) {
-  constexpr std::uint64_t golden = 0x9e3779b97f4a7c15U;
-  const std::uint64_t bits = mixed(mixed(of_seed + golden) + (place + 1) * golden);
-  return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
-}
 
 template <class T>
 void output(const BlockCall<T>& c) {
