@@ -19,8 +19,11 @@ GridArrays arrays_of(const RoadGrid& road) {
          {road.x[i], road.y[i], -ty / across, tx / across, road.line_height[i], road.bank[i]})
       out.line.push_back(number);
   }
-  for (std::size_t first = 0; first + 1 < n; first += GridData::in_block) {
-    const std::size_t last = std::min(first + GridData::in_block, n - 1);
+  const std::size_t in_block =
+      std::max<std::size_t>(8, static_cast<std::size_t>(std::sqrt(static_cast<double>(n))));
+  out.in_block = static_cast<int>(in_block);
+  for (std::size_t first = 0; first + 1 < n; first += in_block) {
+    const std::size_t last = std::min(first + in_block, n - 1);
     const double x = (road.x[first] + road.x[last]) / 2, y = (road.y[first] + road.y[last]) / 2;
     double radius = 0;
     for (std::size_t i = first; i <= last; ++i)
@@ -38,7 +41,8 @@ GridData view_of(const GridArrays& arrays) {
           arrays.v.data(),
           arrays.height.data(),
           static_cast<int>(arrays.line.size() / grid::line_numbers),
-          static_cast<int>(arrays.v.size())};
+          static_cast<int>(arrays.v.size()),
+          arrays.in_block};
 }
 
 }  // namespace mimbre::roads

@@ -17,14 +17,14 @@ struct GridArrays {
       blocks;             ///< 3 for each block of the line's segments: x, y, radius of a circle around them
   std::vector<double> v;  ///< places of the long sections
   std::vector<double> height;  ///< as RoadGrid::height
+  int in_block = 1;            ///< segments in a block
 };
 
 /// What evaluation sees of them.
 struct GridData {
   const double *line, *blocks, *v, *height;
   int along, across;  ///< points of the line, long sections
-
-  static constexpr int in_block = 32;  ///< segments
+  int in_block;       ///< segments in a block: near the root of their number, so that a search takes as many
 };
 
 GridArrays arrays_of(const RoadGrid& road);
@@ -56,10 +56,11 @@ inline double distance_from(const GridData& g, int i, double x, double y) {
 /// The segment that is nearest to a place. Looks into the block whose circle's centre is nearest, then into
 /// those whose circles come nearer than what was found.
 inline int nearest_segment(const GridData& g, double x, double y) {
-  const int segments = g.along - 1, blocks = (segments + GridData::in_block - 1) / GridData::in_block;
+  const int segments = g.along - 1, blocks = (segments + g.in_block - 1) / g.in_block;
   const auto from_centre = [&](int k) {
     const double* block = g.blocks + k * block_numbers;
-    return std::hypot(x - block[0], y - block[1]);
+    const double dx = x - block[0], dy = y - block[1];
+    return dx * dx + dy * dy;
   };
   int first = 0;
   double nearest_centre = from_centre(0);
@@ -71,8 +72,8 @@ inline int nearest_segment(const GridData& g, double x, double y) {
   int found = 0;
   double distance = INFINITY;
   const auto look_into = [&](int k) {
-    const int end = std::min((k + 1) * GridData::in_block, segments);
-    for (int i = k * GridData::in_block; i < end; ++i)
+    const int end = std::min((k + 1) * g.in_block, segments);
+    for (int i = k * g.in_block; i < end; ++i)
       if (const double d = distance_from(g, i, x, y); d < distance) {
         distance = d;
         found = i;
@@ -80,11 +81,12 @@ inline int nearest_segment(const GridData& g, double x, double y) {
   };
   look_into(first);
   double nearest = std::sqrt(distance);
-  for (int k = 0; k < blocks; ++k)
-    if (k != first && from_centre(k) - g.blocks[k * block_numbers + 2] < nearest) {
-      look_into(k);
-      nearest = std::sqrt(distance);
-    }
+  for (int k = 0; k < blocks; ++k) {
+    const double reach = nearest + g.blocks[k * block_numbers + 2];
+    if (k == first || !(from_centre(k) < reach * reach)) continue;
+    look_into(k);
+    nearest = std::sqrt(distance);
+  }
   return found;
 }
 

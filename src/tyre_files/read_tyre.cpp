@@ -147,6 +147,9 @@ class Reading {
     for (const Number number : {unloaded_radius, fnomin, longvl, lfzo, pcx1, pcy1, nompres, inflpres,
                                 vertical_stiffness, longitudinal_stiffness, lateral_stiffness})
       need_positive(number);
+    if (given_.contains(pky2) && at(pky2) == 0)
+      refuse({end_.file, given_[pky2], 1},
+             "PKY2 is 0; the cornering stiffness has its peak at that share of the nominal load");
     if (!given_.contains(q_fz1)) need(vertical_stiffness);
     if (tyre_.version > 60) {
       need(longitudinal_stiffness);
