@@ -255,7 +255,7 @@ Constraint differential(const std::string& cage, const std::string& left, const 
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
 /// joint, joint_velocity, joint_acceleration, joint_force, joint_rotation, joint_quaternion; modal_amplitude,
 /// stress, strain (of a body); centre_of_mass, linear_momentum, angular_momentum (of bodies); spring_force,
-/// spring_length; tyre_force.
+/// spring_length; tyre_force; contact_force, contact_depth, contact_count.
 struct Output {
   std::string kind{};                      ///< needed
   std::string of{};                        ///< what has it; needed
@@ -268,6 +268,7 @@ struct Output {
   std::optional<int> node{};               ///< of stress and strain: in the file of the mesh
   double offset = 0;                       ///< of joint: is added
   bool own_axes = false;                   ///< of angular_velocity: in the frame's own axes
+  std::string on{};                        ///< of contacts: the body on which they act; none: their spheres
   std::string in{};
 };
 

@@ -59,9 +59,9 @@ void check_used(const Addition& addition, const OutputKind& kind, const build::O
   only(given.offset != 0, kind.kind == Kind::joint_position, "offset", "'joint'");
   only(given.own_axes, kind.kind == Kind::angular_velocity, "own_axes", "'angular_velocity'");
   only(!given.bodies.empty(), kind.of == Of::bodies, "bodies", "outputs of the motion of mass");
-  const bool component = kind.of != Of::spring && kind.of != Of::tyre && kind.kind != Kind::roll &&
-                         kind.kind != Kind::pitch && kind.kind != Kind::yaw && kind.kind != Kind::deflection;
-  if (!given.component.empty() && !component) addition.refuse(fmt::format("'{}' has no component", kind.key));
+  only(!given.on.empty(), kind.of == Of::contact, "on", "outputs of a contact");
+  if (!given.component.empty() && !has_component(kind))
+    addition.refuse(fmt::format("'{}' has no component", kind.key));
 }
 
 void of_frame(Addition& addition, const build::Output& given, const std::string& name, spec::Output& output) {
@@ -218,6 +218,13 @@ void ModelBuilder::add_output(const std::string& name, const build::Output& give
       break;
     case Of::tyre:
       output.item = addition.find(impl_->tyres, "of", given.of);
+      break;
+    case Of::contact:
+      output.item = addition.find(impl_->contacts, "of", given.of);
+      if (kind.kind == Kind::contact_force)
+        output.component =
+            find_component(addition, given.component, {contact_components.begin(), contact_components.end()});
+      if (!given.on.empty()) output.bodies = {addition.find(impl_->bodies, "on", given.on)};
       break;
   }
   addition.commit(impl_->outputs, impl_->model.outputs.size());

@@ -4,6 +4,7 @@
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model/checked_thing.h"
+#include "model/output_kinds.h"
 
 /// Channels that the user named.
 namespace mimbre::checks {
@@ -117,6 +118,31 @@ void check_name(const Thing& thing, const std::string& name) {
   if (name == "t") thing.error("'t' is the column of the time; choose another name");
 }
 
+/// Of a body that never touches anything there it would be 0 always.
+void check_contact(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  if (output.kind == Kind::contact_force)
+    thing.between("component", output.component, 0, static_cast<int>(contact_components.size()) - 1);
+  if (!thing.index("item", output.item, model.contacts.size(), "contacts") || output.bodies.empty()) return;
+  const int body = output.bodies.front();
+  if (output.bodies.size() > 1) return thing.error("is of one body of a contact, or of all spheres of it");
+  if (!thing.index("bodies", body, model.bodies.size(), "bodies")) return;
+  const spec::Contact& contact = model.contacts[static_cast<std::size_t>(output.item)];
+  const auto on_body = [&](int frame) {
+    return frame >= 0 && static_cast<std::size_t>(frame) < model.frames.size() &&
+           model.frames[static_cast<std::size_t>(frame)].body == body;
+  };
+  const bool carries = std::any_of(contact.spheres.begin(), contact.spheres.end(), [&](const auto& set) {
+    return set.surface_of == body || std::any_of(set.frames.begin(), set.frames.end(), on_body);
+  });
+  const bool is_touched = std::any_of(contact.surfaces.begin(), contact.surfaces.end(), [&](int surface) {
+    return surface >= 0 && static_cast<std::size_t>(surface) < model.surfaces.size() &&
+           on_body(model.surfaces[static_cast<std::size_t>(surface)].frame);
+  });
+  if (!carries && !is_touched)
+    thing.error(fmt::format("body '{}' has neither spheres nor surfaces of contact '{}'",
+                            model.bodies[static_cast<std::size_t>(body)].name, contact.name));
+}
+
 void check_output(const spec::Model& model, const Thing& thing, const spec::Output& output) {
   check_name(thing, output.name);
   thing.finite("offset", output.offset);
@@ -164,6 +190,10 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
     case Kind::tyre_force:
       thing.index("item", output.item, model.tyres.size(), "tyres");
       return;
+    case Kind::contact_force:
+    case Kind::contact_depth:
+    case Kind::contact_count:
+      return check_contact(model, thing, output);
     case Kind::signal:
       thing.index("item", output.item, model.signals.size(), "signals");
       return;

@@ -9,7 +9,7 @@ namespace mimbre {
 struct OutputKind {
   const char* key;
   spec::Output::Kind kind;
-  enum class Of { frame, joint, body, bodies, spring, tyre } of;
+  enum class Of { frame, joint, body, bodies, spring, tyre, contact } of;
 };
 
 inline constexpr std::array output_kinds{
@@ -38,6 +38,21 @@ inline constexpr std::array output_kinds{
     OutputKind{"spring_force", spec::Output::Kind::spring_force, OutputKind::Of::spring},
     OutputKind{"spring_length", spec::Output::Kind::spring_length, OutputKind::Of::spring},
     OutputKind{"tyre_force", spec::Output::Kind::tyre_force, OutputKind::Of::tyre},
+    OutputKind{"contact_force", spec::Output::Kind::contact_force, OutputKind::Of::contact},
+    OutputKind{"contact_depth", spec::Output::Kind::contact_depth, OutputKind::Of::contact},
+    OutputKind{"contact_count", spec::Output::Kind::contact_count, OutputKind::Of::contact},
 };
+
+/// Components of a contact's force, in their order: along the global axes, and sums of magnitudes.
+inline constexpr std::array contact_components{"x", "y", "z", "normal", "tangential"};
+
+/// Whether what it is of has components, of which one must be said.
+inline bool has_component(const OutputKind& kind) {
+  using Kind = spec::Output::Kind;
+  using Of = OutputKind::Of;
+  return kind.of != Of::spring && kind.of != Of::tyre && kind.kind != Kind::contact_depth &&
+         kind.kind != Kind::contact_count && kind.kind != Kind::roll && kind.kind != Kind::pitch &&
+         kind.kind != Kind::yaw && kind.kind != Kind::deflection;
+}
 
 }  // namespace mimbre

@@ -216,6 +216,17 @@ void read_motion_of_mass(Builder& builder, const Part& part, const Fields& field
   if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
 }
 
+/// Of the force a component; of all spheres, or of one body.
+void read_contact_output(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
+  if (output.kind == Kind::contact_force)
+    output.component = read_component(fields, {contact_components.begin(), contact_components.end()});
+  const auto on = fields.get("on");
+  const auto name = on ? on->word() : std::nullopt;
+  if (!name) return;
+  if (const int body = builder.resolve(builder.body_names, part, *name, *on); body >= 0)
+    output.bodies = {body};
+}
+
 void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
@@ -224,6 +235,8 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
   if (at && row.of != OutputKind::Of::frame && !stress && !section)
     at->error("only an output of a body has a place");
   if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
+  if (fields.has("on") && row.of != OutputKind::Of::contact)
+    fields.error("'on' belongs to outputs of a contact");
   if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
   if (row.of == OutputKind::Of::frame) {
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
@@ -248,10 +261,12 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
   const Names& names = row.of == OutputKind::Of::joint    ? builder.joint_names
                        : row.of == OutputKind::Of::body   ? builder.body_names
                        : row.of == OutputKind::Of::spring ? builder.spring_names
-                                                          : builder.tyre_names;
+                       : row.of == OutputKind::Of::tyre   ? builder.tyre_names
+                                                          : builder.contact_names;
   output.item = builder.resolve(names, part, *name, named);
   if (output.item < 0) return;
   if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
+  if (row.of == OutputKind::Of::contact) return read_contact_output(builder, part, fields, output);
   if (stress) return read_stress(builder, part, fields, named, output);
   if (section) return read_section_force(builder, part, fields, named, output);
   if (row.of == OutputKind::Of::body) {
@@ -269,7 +284,8 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
 
 /// These keys and those of all outputs.
 std::vector<std::string> keys_with(std::vector<std::string> keys) {
-  keys.insert(keys.end(), {"at", "component", "along", "offset", "relative_to", "node", "axes", "about"});
+  keys.insert(keys.end(),
+              {"at", "component", "along", "offset", "relative_to", "node", "axes", "about", "on"});
   for (const OutputKind& kind : output_kinds) keys.emplace_back(kind.key);
   return keys;
 }
@@ -295,10 +311,8 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   }
   const OutputKind& row = *given.front();
   if (!text || !check_output_name(*given_name, output.name)) return;
-  const bool component_used = row.of != OutputKind::Of::spring && row.of != OutputKind::Of::tyre &&
-                              row.kind != Kind::roll && row.kind != Kind::pitch && row.kind != Kind::yaw &&
-                              row.kind != Kind::deflection;
-  if (!component_used && fields.has("component")) fields.error(fmt::format("'{}' has no component", row.key));
+  if (!has_component(row) && fields.has("component"))
+    fields.error(fmt::format("'{}' has no component", row.key));
   if (row.kind != Kind::deflection && row.kind != Kind::stress && row.kind != Kind::strain &&
       fields.has("along"))
     fields.error("'along' belongs to 'deflection' and 'strain'");

@@ -10,7 +10,9 @@
 #include "dynamics/relative/momentum.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
+#include "model/output_kinds.h"
 #include "simulation/constraint_channels.h"
+#include "simulation/contact_channels.h"
 #include "simulation/contact_drawings.h"
 #include "simulation/names.h"
 #include "simulation/section_forces.h"
@@ -65,6 +67,8 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
   const auto frame = [&] { return m.spec().frames[o.item].name; };
   const auto joint = [&] { return m.spec().joints[o.item].name; };
   const auto angle = [&] { return is_angle(m.spec().joints[o.item].type, o.component); };
+  const auto contact = [&] { return m.spec().contacts[static_cast<std::size_t>(o.item)].name; };
+  const auto at_body = [&] { return o.bodies.empty() ? std::string() : " at " + names(m, o); };
   switch (o.kind) {
     case Kind::position:
       return {o.name, "m", fmt::format("global {} of '{}'", axes[o.component], frame())};
@@ -131,6 +135,19 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
       return {o.name, "m", fmt::format("length of spring '{}'", m.spec().springs[o.item].name)};
     case Kind::tyre_force:
       return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec().tyres[o.item].name)};
+    case Kind::contact_force: {
+      const std::string on = o.bodies.empty() ? "its spheres" : names(m, o);
+      const char* const component = contact_components[static_cast<std::size_t>(o.component)];
+      return {
+          o.name, "N",
+          o.component < 3
+              ? fmt::format("force of contact '{}' on {}, {} of the global axes", contact(), on, component)
+              : fmt::format("sum of the {} forces of contact '{}' on {}", component, contact(), on)};
+    }
+    case Kind::contact_depth:
+      return {o.name, "m", fmt::format("largest depth of contact '{}'{}", contact(), at_body())};
+    case Kind::contact_count:
+      return {o.name, "1", fmt::format("pairs of contact '{}' that touch{}", contact(), at_body())};
     case Kind::signal:
       return {o.name, m.spec().signals[o.item].unit.empty() ? "1" : m.spec().signals[o.item].unit,
               fmt::format("signal '{}'", m.spec().signals[o.item].name)};
@@ -210,6 +227,9 @@ Channels::Needs Channels::needs_of(Kind kind) {
     case Kind::spring_force:
     case Kind::spring_length:
     case Kind::tyre_force:
+    case Kind::contact_force:
+    case Kind::contact_depth:
+    case Kind::contact_count:
     case Kind::signal:
     case Kind::input:
     case Kind::element_force:
@@ -440,6 +460,15 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
       return element(o.item).x[0];
     case Kind::tyre_force:
       return -element(m.first_tyre + o.item).force[0];
+    case Kind::contact_force:
+    case Kind::contact_depth:
+    case Kind::contact_count: {
+      const int body = o.bodies.empty() ? -1 : m.body_of_spec[static_cast<std::size_t>(o.bodies.front())];
+      const ContactSum sum = contact_sum(m, w, o.item, body);
+      if (o.kind == Kind::contact_depth) return sum.depth;
+      if (o.kind == Kind::contact_count) return sum.count;
+      return o.component < 3 ? sum.force[o.component] : o.component == 3 ? sum.normal : sum.tangential;
+    }
     case Kind::signal:
       return w.signals.value[m.signals.slot_of_signal[o.item]];
     case Kind::input:
@@ -529,21 +558,11 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       return;
     }
     case Part::Kind::contact: {
-      const auto k = static_cast<std::size_t>(part.item);
-      Vec3d force = Vec3d::Zero();
-      double normal = 0, depth = 0, count = 0;
-      for (int pair = m.first_of_contact[k]; pair < m.first_of_contact[k + 1]; ++pair) {
-        const ElementState<const double> c = element_state(m.elements[pair], w.elements.data());
-        if (c.x[0] >= 0) continue;
-        for (int i = 0; i < 3; ++i) force -= c.force[i] * c.linear_of(i);
-        normal -= c.force[0];
-        depth = std::max(depth, -c.x[0]);
-        ++count;
-      }
-      Vec3d::Map(to) = force;
-      to[3] = normal;
-      to[4] = depth;
-      to[5] = count;
+      const ContactSum sum = contact_sum(m, w, part.item);
+      Vec3d::Map(to) = sum.force;
+      to[3] = sum.normal;
+      to[4] = sum.depth;
+      to[5] = sum.count;
       return;
     }
     case Part::Kind::element: {

@@ -330,6 +330,92 @@ simulation: {{step: 0.002, end: 2}}
   EXPECT_NEAR(simulation.energy().numerical, 0, 0.02 * simulation.energy().dissipated);
 }
 
+/// A box of 3 kg that rests on a plate of 2 kg, on four spheres, all tilted by gravity: what presses, what
+/// holds, on which of the two, and the other way round what the plate feels.
+TEST_P(Contact, ForcesAreOutputs) {
+  Simulation simulation = simulation_of(R"y(
+gravity: [2, 0, -9.81]
+bodies:
+  plate: {mass: 2, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}
+  box: {mass: 3, com: [0, 0, 0.2], inertia: [0.02, 0.02, 0.02]}
+joints:
+  held: {type: fixed, between: [ground, plate]}
+  free: {type: floating, between: [ground, box]}
+surfaces: {top: {type: half_space, on: plate, at: [0, 0, 0]}}
+contacts:
+  feet:
+    spheres: {on: box, at: [[0.1, 0.1, 0.021], [0.1, -0.1, 0.021], [-0.1, 0.1, 0.021], [-0.1, -0.1, 0.021]], radius: 0.02}
+    surfaces: top
+    stiffness: 1e5
+    restitution: 0.1
+    friction: 0.8
+outputs:
+  - {name: fx, contact_force: feet, component: x}
+  - {name: fz, contact_force: feet, component: z}
+  - {name: normal, contact_force: feet, component: normal}
+  - {name: tangential, contact_force: feet, component: tangential}
+  - {name: box.fx, contact_force: feet, on: box, component: x}
+  - {name: plate.fx, contact_force: feet, on: plate, component: x}
+  - {name: plate.fz, contact_force: feet, on: plate, component: z}
+  - {name: plate.normal, contact_force: feet, on: plate, component: normal}
+  - {name: count, contact_count: feet}
+  - {name: depth, contact_depth: feet}
+simulation: {step: 0.002, end: 1}
+)y",
+                                        GetParam());
+  EXPECT_EQ(channel(simulation, "count"), 0);
+  run_to(simulation, 1);
+  EXPECT_NEAR(channel(simulation, "fx"), -6, 1e-2);
+  EXPECT_NEAR(channel(simulation, "fz"), 3 * 9.81, 1e-2);
+  EXPECT_NEAR(channel(simulation, "normal"), 3 * 9.81, 1e-2);
+  // The feet may also pull against each other, as far as friction holds.
+  EXPECT_GT(channel(simulation, "tangential"), 6 - 1e-2);
+  EXPECT_LT(channel(simulation, "tangential"), 0.8 * 3 * 9.81);
+  EXPECT_EQ(channel(simulation, "box.fx"), channel(simulation, "fx"));
+  EXPECT_EQ(channel(simulation, "plate.fx"), -channel(simulation, "fx"));
+  EXPECT_EQ(channel(simulation, "plate.fz"), -channel(simulation, "fz"));
+  EXPECT_EQ(channel(simulation, "plate.normal"), channel(simulation, "normal"));
+  EXPECT_EQ(channel(simulation, "count"), 4);
+  // The centre of mass is 0.2 m high, the feet 0.1 m to its sides.
+  const double deepest = 0.25 * 3 * 9.81 + 6 * 0.2 / 0.4;
+  EXPECT_NEAR(channel(simulation, "depth"), deepest / 1e5, 1e-6);
+  EXPECT_EQ(channel(simulation, "contact.feet.normal"), channel(simulation, "normal"));
+}
+
+/// A finger presses harder and harder on a wall, until an event feels 20 N; a controller feels it at
+/// instants.
+TEST_P(Contact, AFingerFeelsWhatItTouches) {
+  Simulation simulation = simulation_of(R"y(
+gravity: [0, 0, 0]
+bodies: {finger: {mass: 0.5, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+joints: {guide: {type: prismatic, between: [ground, finger], at: [0, 0, 0], axis: [1, 0, 0]}}
+actuators: {push: {joint: guide, force: "10*t - 40*rate"}}
+surfaces: {wall: {type: half_space, at: [0.06, 0, 0], z: [-1, 0, 0]}}
+contacts: {tip: {spheres: {on: finger, radius: 0.05}, surfaces: wall, stiffness: 1e5, restitution: 0.2}}
+outputs:
+  - {name: grip, contact_force: tip, component: normal}
+  - {name: rate, joint_velocity: guide}
+  - {name: touches, contact_count: tip}
+signals: {felt: {value: grip, every: 0.01}}
+events:
+  meets: {when: touches, crosses: 0.5, direction: rising}
+  firm: {when: grip, crosses: 20, stop: true}
+simulation: {step: 0.005, end: 3}
+)y",
+                                        GetParam());
+  double before = 0;
+  while (!simulation.stopped() && simulation.time() < 3) {
+    if (std::abs(std::remainder(simulation.time(), 0.01)) < 1e-9) before = channel(simulation, "grip");
+    ASSERT_TRUE(simulation.step().ok());
+  }
+  ASSERT_TRUE(simulation.stopped());
+  EXPECT_NEAR(simulation.time(), 2, 2e-3);  // behind the force by m and d over k
+  EXPECT_NEAR(channel(simulation, "grip"), 20, 1e-4);
+  EXPECT_EQ(channel(simulation, "signal.felt"), before);
+  EXPECT_EQ(simulation.events()[0].count, 1);
+  EXPECT_LT(simulation.events()[0].first, 0.5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, Contact, testing::Values(Formulation::relative, Formulation::natural));
 
 TEST(ContactFormulations, Agree) {
@@ -358,6 +444,11 @@ TEST(ContactBuilder, BuildsWhatAFileSays) {
                           .restitution = 0.5,
                           .friction = 0.3});
   m.add_output("x", {.kind = "position", .of = "ball", .component = "x"});
+  m.add_output("grip", {.kind = "contact_force", .of = "touch", .component = "tangential", .on = "ball"});
+  EXPECT_THROW(m.add_output("x2", {.kind = "position", .of = "ball", .component = "x", .on = "ball"}),
+               InputError);
+  EXPECT_THROW(m.add_output("grip2", {.kind = "contact_force", .of = "touch"}), InputError);
+  EXPECT_THROW(m.add_output("depth", {.kind = "contact_depth", .of = "touch", .component = "x"}), InputError);
   Simulation built = simulation_of(m.compile(), Formulation::relative, 1e-3),
              read = simulation_of(ball("stiffness: 1e5, restitution: 0.5, friction: 0.3",
                                        "[2, 0, 0, 0, 0, 0]", 0.3, "{type: box, size: [10, 10, 0.1]}", -9.81),
@@ -365,6 +456,7 @@ TEST(ContactBuilder, BuildsWhatAFileSays) {
   run_to(built, 1);
   run_to(read, 1);
   EXPECT_EQ(channel(built, "x"), channel(read, "x"));
+  EXPECT_NEAR(channel(built, "grip"), 0, 1e-9);  // it rolls
   EXPECT_THROW(m.add_contact("other", {.spheres = {{.on = "ball", .radius = 0.1}}, .surfaces = {"flor"}}),
                InputError);
   EXPECT_THROW(m.add_surface("bad", {.on = "bal"}), InputError);
