@@ -60,12 +60,15 @@ class EventStep {
   /// Lets happen what has crossed, and what that makes cross at the same moment. True where it stops the run.
   bool settle() {
     constexpr int longest_chain = 8;
+    host_.take_jumps();
+    host_.see([&](auto&, auto& system, auto&) { events_.see_relays(system); });
     for (int k = 0; look() && k < longest_chain; ++k) {
       if (host_.see([&](auto&... seen) { return events_.happen(seen..., step_, mechanism_.state); }))
         stopped_ = true;
       mechanism_.enter(0);
       host_.look_anew();
       host_.take_jumps();
+      host_.see([&](auto&, auto& system, auto&) { events_.see_relays(system); });
     }
     events_.pass();
     return stopped_;

@@ -4,11 +4,16 @@
 #include <cmath>
 
 #include "model/compile_signals.h"
+#include "signals/blocks/rows.h"
 
 namespace mimbre {
 namespace {
 
 int side_of(double value) { return (value > 0) - (value < 0); }
+
+bool is_relay(const SignalsData::Block& b) {
+  return static_cast<BlockType>(b.type) == BlockType::hysteresis && !(b.every > 0);
+}
 
 }  // namespace
 
@@ -35,12 +40,29 @@ Events::Events(const Compiled& m) : model_(m) {
     record.stops = spec.stop;
     records_.push_back(std::move(record));
   }
+  for (const SignalsData::Block& b : m.signals.blocks)
+    if (is_relay(b)) relays_.push_back({&b});
   for (auto* values : {&values_, &before_, &beyond_}) values->resize(events_.size());
   set_to_.resize(most);
 }
 
 void Events::start(const Channels& channels, relative::RelativeSystem& system, const State& seen) {
   for (Event& event : events_) event.side = side_of(event.when.value(channels, system, seen));
+}
+
+void Events::see_relays(const relative::RelativeSystem& system) {
+  const SignalValues<double>& s = system.workspace().signals;
+  for (Relay& relay : relays_) {
+    const BlockInputs<double> in = block_inputs(*relay.block, s);
+    BlockCall<double> call = block_call(model_.signals, *relay.block, s);
+    call.in = in.data();
+    relay.high = (call.begun ? call.before[0] : blocks::hysteresis::decided(call)) > 0.5;
+  }
+}
+
+void Events::keep(End end) {
+  (end == End::before ? before_ : beyond_) = values_;
+  for (Relay& relay : relays_) (end == End::before ? relay.before : relay.beyond) = relay.value;
 }
 
 bool Events::crossed(std::size_t k, double value) const {
@@ -57,23 +79,33 @@ bool Events::look(const Channels& channels, relative::RelativeSystem& system, co
     values_[k] = events_[k].when.value(channels, system, seen);
     any = any || crossed(k, values_[k]);
   }
+  namespace relay_numbers = blocks::hysteresis;
+  for (Relay& relay : relays_) {
+    const double* numbers = model_.signals.numbers.data() + relay.block->numbers;
+    const double in = block_inputs(*relay.block, system.workspace().signals)[0];
+    relay.value = relay.high ? numbers[relay_numbers::falls_at] - in : in - numbers[relay_numbers::rises_at];
+    any = any || relay.value > 0;
+  }
   return any;
 }
 
 double Events::first_share(double before_weight, double beyond_weight) const {
   double first = 1;
-  for (std::size_t k = 0; k < events_.size(); ++k) {
-    if (!crossed(k, beyond_[k])) continue;
-    const double from = before_weight * before_[k], to = beyond_weight * beyond_[k];
+  const auto cross = [&](double before, double beyond) {
+    const double from = before_weight * before, to = beyond_weight * beyond;
     first = std::min(first, from / (from - to));
-  }
+  };
+  for (std::size_t k = 0; k < events_.size(); ++k)
+    if (crossed(k, beyond_[k])) cross(before_[k], beyond_[k]);
+  for (const Relay& relay : relays_)
+    if (relay.beyond > 0) cross(relay.before, relay.beyond);
   return std::isfinite(first) ? std::clamp(first, 0.0, 1.0) : 0.5;
 }
 
 bool Events::acts() const {
   for (std::size_t k = 0; k < events_.size(); ++k)
     if (crossed(k, values_[k]) && (events_[k].spec->stop || !events_[k].values.empty())) return true;
-  return false;
+  return std::any_of(relays_.begin(), relays_.end(), [](const Relay& relay) { return relay.value > 0; });
 }
 
 void Events::pass() {

@@ -34,6 +34,19 @@ bool keep_block(const SignalsData::Block& b, const BlockCall<double>& call, doub
   return jumps;
 }
 
+/// What is due more often than there are steps would be late, without a word.
+void check_intervals(const Compiled& m, double step) {
+  const auto check = [&](const std::string& name, const Mark& mark, double every) {
+    if (every > 0 && step > every * (1 + 1e-6))
+      throw InputError(mark, fmt::format("signal '{}' is evaluated every {} s, and the steps are of {} s: "
+                                         "take steps of {} s or shorter, or a longer 'every'",
+                                         name, every, step, every));
+  };
+  for (const spec::Block& b : m.spec().blocks) check(b.name, b.mark, b.every);
+  for (const spec::Signal& s : m.spec().signals)
+    if (s.block < 0) check(s.name, s.mark, s.every);
+}
+
 }  // namespace
 
 int find_input(const Compiled& m, const std::string& name) {
@@ -130,7 +143,8 @@ double Seen::value(const Channels& channels, relative::RelativeSystem& system, c
   return data_.formula.value(x.data());
 }
 
-Sampler::Sampler(const Compiled& m) : model_(m) {
+Sampler::Sampler(const Compiled& m, double step) : model_(m) {
+  check_intervals(m, step);
   for (const SignalsData::Sampled& s : m.signals.sampled) {
     signals_.push_back({&s, {}});
     for (const SignalsData::Seen& input : s.inputs) signals_.back().inputs.emplace_back(m, input);

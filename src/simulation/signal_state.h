@@ -46,7 +46,8 @@ class Seen {
 /// Evaluates signals at instants, and laws that are sampled.
 class Sampler {
  public:
-  explicit Sampler(const Compiled& model);
+  /// Throws InputError where something is due more often than there are steps of that length, s.
+  Sampler(const Compiled& model, double step);
   bool none() const { return signals_.empty() && laws_.empty(); }
   /// Before a step of that length: what is due is evaluated from the system's last residual, which is of
   /// `seen`, and kept in `state`. Allocates nothing that the outputs that it sees do not.

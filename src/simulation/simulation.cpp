@@ -39,7 +39,7 @@ struct Simulation::Impl {
         mechanism(compiled, method),
         steps(mechanism, method),
         channels(compiled),
-        sampler(compiled),
+        sampler(compiled, method.step),
         events(compiled),
         begin(timed([&] { return start(mechanism, method, options.inputs, method.warnings); })),
         observers(mechanism, method, redundant()),

@@ -6,7 +6,9 @@
 #include <functional>
 #include <vector>
 
+#include "mimbre/diagnostics.h"
 #include "signals/block_models.h"
+#include "support/models.h"
 #include "support/simulate.h"
 
 /// Blocks against what they are said to do, in both formulations.
@@ -277,6 +279,60 @@ TEST_P(Blocks, HysteresisSwitchesAtItsThresholds) {
   for (int k = 1; k <= 100; ++k) {
     ASSERT_TRUE(s.step().ok());
     EXPECT_EQ(s.value(s.channel("signal.y")), k >= 35 && k < 85 ? 5 : 0) << k;
+  }
+}
+
+/// A mass that a relay pushes to and fro goes on parabolas from one switching to the next, at whatever steps.
+TEST_P(Blocks, HysteresisSwitchesWithinAStep) {
+  for (const double step : {0.01, 0.007, 0.1}) {
+    Simulation s = simulation_of(slider("signals: {push: {hysteresis: place, rises_at: 0.1, falls_at: -0.1, "
+                                        "low: 3, high: -3}}\n"
+                                        "actuators: {motor: {joint: guide, force: push}}\n",
+                                        step, 4),
+                                 GetParam());
+    double place = 0, speed = 0, force = 3, at = 0;
+    int switches = 0;
+    while (s.time() < 4 - 1e-9) {
+      ASSERT_TRUE(s.step().ok());
+      for (;;) {
+        // The next time at which place + speed t + ½ force t² passes the threshold ahead, moving towards it.
+        const double to = force > 0 ? 0.1 : -0.1;
+        const double root = std::sqrt(speed * speed + 2 * force * (to - place));
+        const double wait = ((force > 0 ? root : -root) - speed) / force;
+        const double rest = s.time() - at, go = std::min(wait, rest);
+        place += speed * go + 0.5 * force * go * go;
+        speed += force * go;
+        at += go;
+        if (wait > rest) break;
+        force = -force;
+        ++switches;
+      }
+      ASSERT_NEAR(s.value(s.channel("place")), place, 1e-6) << s.time() << " " << step;
+      ASSERT_NEAR(s.value(s.channel("speed")), speed, 1e-6) << s.time() << " " << step;
+      ASSERT_EQ(s.value(s.channel("signal.push")), force);
+    }
+    EXPECT_GE(switches, 4);
+  }
+}
+
+/// What is due more often than there are steps is refused, with both numbers.
+TEST(BlockIntervals, AreNoShorterThanTheSteps) {
+  const auto refused = [](const std::string& signal, double step) {
+    const auto model = model_of(slider("signals: {s: {" + signal + "}}\n", 0.01));
+    try {
+      simulation_of(model, Formulation::relative, step);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  for (const char* signal : {"noise: normal, every: 0.004", "value: place, every: 0.004",
+                             "delay: place, time: 0.02, every: 0.004"}) {
+    EXPECT_THAT(refused(signal, 0.01),
+                HasSubstr("signal 's' is evaluated every 0.004 s, and the steps are of "
+                          "0.01 s: take steps of 0.004 s or shorter"));
+    EXPECT_EQ(refused(signal, 0.004), "accepted");
+    EXPECT_EQ(refused(signal, 0.003), "accepted");
   }
 }
 

@@ -3,7 +3,8 @@
 
 /// A relay with two thresholds: high from `rises_at` on, low from `falls_at` on downwards, between them as
 /// before. A continuous one switches at the end of the step in which its input passes a threshold, so that
-/// nothing jumps within the iterations of a step; a sampled one at the instant that sees it.
+/// nothing jumps within the iterations of a step; Events ends a part of the step right behind the threshold.
+/// A sampled one switches at the instant that sees it.
 namespace mimbre::blocks::hysteresis {
 
 constexpr int rises_at = 0, falls_at = 1, low = 2, high = 3, starts_high = 4;  ///< numbers
