@@ -137,6 +137,29 @@ TEST_F(Resume, ARunGoesOnBeyondItsEnd) {
   EXPECT_EQ(whole.summary_json, on.summary_json);
 }
 
+/// Beyond an event that stops the run, too.
+TEST_F(Resume, ARunGoesOnBehindAnEvent) {
+  const std::string once =
+                        "inputs: {seen: 0}\nevents: {low: {when: angle, crosses: 0.8, set: {seen: 1}, stop: ",
+                    model = std::string(pendulum) + "\n";
+  write_file(folder / "stops.yaml", model + once + "true}}\n");
+  write_file(folder / "passes.yaml", model + once + "false}}\n");
+  ASSERT_EQ(run({"run", "passes.yaml", "--quiet", "-o", "whole.h5"}).code, 0);
+  ASSERT_EQ(run({"run", "stops.yaml", "--quiet", "-o", "out.h5", "--save-state", "state"}).code, 0);
+  const Results stopped = read_results((folder / "out.h5").string()),
+                whole = read_results((folder / "whole.h5").string());
+  const auto rows = stopped.time.size();
+  ASSERT_LT(rows, whole.time.size());
+  ASSERT_EQ(run({"run", "stops.yaml", "--quiet", "-o", "out.h5", "--resume", "state"}).code, 0);
+  const Results on = read_results((folder / "out.h5").string());
+  // Where it stopped is a row of its own.
+  ASSERT_EQ(on.time.size(), whole.time.size() + 1);
+  EXPECT_EQ(on.time[rows - 1], stopped.time[rows - 1]);
+  EXPECT_TRUE(on.time.tail(on.time.size() - rows) == whole.time.tail(whole.time.size() - rows + 1));
+  EXPECT_TRUE(on.channels.bottomRows(on.time.size() - rows) ==
+              whole.channels.bottomRows(whole.time.size() - rows + 1));
+}
+
 TEST_F(Resume, WhatDoesNotFitIsSaid) {
   const auto fails = [&](const Arguments& arguments, int code, const std::string& message) {
     const Outcome outcome = run(with({"run"}, arguments));

@@ -206,6 +206,44 @@ TEST_P(EventTimes, WhatDoesNotActLeavesTheMotion) {
   }
 }
 
+/// What crosses and comes back within one step is seen by shorter ones only; what touches is not crossed.
+TEST_P(EventTimes, TouchAndGoWithinAStepIsNotSeen) {
+  // The body's highest point, 1/(2 g) above where it starts, is after 0.1019 s.
+  const double top = 3 + 0.5 / 9.81;
+  const auto count = [&](double above, double step) {
+    Simulation s = simulation_of(
+        falling(fmt::format("events: {{grazes: {{when: height, crosses: {:.17g}}}}}\n", above), step),
+        GetParam());
+    run_to(s, 0.24);
+    return s.events()[0].count;
+  };
+  // Above for ±0.0141 s around the top.
+  EXPECT_EQ(count(top - 0.5 * 9.81 * 2e-4, 0.08), 0);
+  EXPECT_EQ(count(top - 0.5 * 9.81 * 2e-4, 0.01), 2);
+  EXPECT_EQ(count(top + 1e-6, 0.01), 0);
+}
+
+/// A run that goes on behind the event that stopped it, from what was saved there, has the same bits.
+TEST_P(EventTimes, AStopIsInTheState) {
+  const std::string model = falling(
+      "events: {hit: {when: height, crosses: 1, direction: falling, stop: true, set: {motor: 30}}}\n", 0.01);
+  Simulation a = simulation_of(model, GetParam()), b = simulation_of(model, GetParam());
+  while (!a.stopped() && a.time() < 2) ASSERT_TRUE(a.step().ok());
+  ASSERT_TRUE(a.stopped());
+  b.restore(Simulation::Snapshot::from_bytes(a.save().bytes()));
+  EXPECT_TRUE(b.stopped());
+  ResultsRow one, other;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_TRUE(a.step().ok());
+    ASSERT_TRUE(b.step().ok());
+    a.sample(one);
+    b.sample(other);
+    ASSERT_EQ(one.time, other.time);
+    ASSERT_TRUE(one.channels == other.channels) << k;
+  }
+  EXPECT_EQ(a.events()[0].count, b.events()[0].count);
+}
+
 /// A reaction that is too large is an event, too.
 TEST_P(EventTimes, ForcesMayBeTheirCause) {
   Simulation s = simulation_of(R"y(
