@@ -449,6 +449,14 @@ class Output(TypedDict, total=False):
     spring_length: str
     # N, upwards.
     tyre_force: str
+    # N: component x, y, z in global axes on its spheres, or normal, tangential: sums of magnitudes.
+    contact_force: str
+    # m, the largest.
+    contact_depth: str
+    # Pairs that touch.
+    contact_count: str
+    # Of a contact: the body whose share it is; without it all spheres.
+    on: str
     # rad/s.
     angular_velocity: str
     # Of an angular velocity: global axes, or the frame's own.
@@ -667,6 +675,14 @@ class SignalKeys(TypedDict, total=False):
     spring_length: str
     # N, upwards.
     tyre_force: str
+    # N: component x, y, z in global axes on its spheres, or normal, tangential: sums of magnitudes.
+    contact_force: str
+    # m, the largest.
+    contact_depth: str
+    # Pairs that touch.
+    contact_count: str
+    # Of a contact: the body whose share it is; without it all spheres.
+    on: str
     # rad/s.
     angular_velocity: str
     # Of an angular velocity: global axes, or the frame's own.
