@@ -1,8 +1,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "examples/example.h"
+#include "mimbre/results.h"
 
 /// examples/solar-array against the balance of energy and momentum of one degree of freedom: with belts that
 /// do not give, the yoke's angle is all that moves, and the satellite follows so that momentum stays zero.
@@ -98,10 +100,39 @@ TEST_F(SolarArray, UnfoldsInTheTimeThatItsSpringsGiveIt) {
 TEST_F(SolarArray, LatchesAndComesToRest) {
   const Table run = run_example("solar-array");
   const Table last = run.from(24);
-  for (const char* hinge : {"root", "h1", "h2", "h3"}) EXPECT_LT(last[hinge].abs().maxCoeff(), 2e-3) << hinge;
+  const Table latched = run.from(15.6);
+  for (const char* hinge : {"root", "h1", "h2", "h3"}) {
+    EXPECT_LT(latched[hinge].abs().maxCoeff(), 0.012) << hinge;
+    EXPECT_LT(last[hinge].abs().maxCoeff(), 3e-4) << hinge;
+  }
   EXPECT_GT(run["satellite.spin"].abs().maxCoeff(), 1e-2);
   EXPECT_LT(run["momentum"].abs().maxCoeff(), 1e-9);
   EXPECT_LT(amplitude(last["satellite.yaw"]), 1e-3);
+}
+
+/// Each latch falls in once, when its hinge is straight, about when an unlatched wing would be.
+TEST_F(SolarArray, LatchesFallInWhereHingesAreStraight) {
+  const app_test::Outcome ran =
+      run({"run", model_of("solar-array").string(), "--output", "array.h5", "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Results results = read_results((folder / "array.h5").string());
+  const auto channel = [&](const std::string& name) -> Eigen::VectorXd {
+    for (std::size_t k = 0; k < results.header.channels.size(); ++k)
+      if (results.header.channels[k].name == name) return results.channels.col(static_cast<Eigen::Index>(k));
+    ADD_FAILURE() << "no channel " << name;
+    return Eigen::VectorXd::Zero(1);
+  };
+  for (const std::string& hinge : std::vector<std::string>{"root", "h1", "h2", "h3"}) {
+    const Eigen::VectorXd latched = channel("input." + hinge + "_in"), angle = channel(hinge);
+    EXPECT_EQ(channel("event." + hinge + "_straight").tail<1>()[0], 1) << hinge;
+    const double when = channel("event." + hinge + "_straight.time").tail<1>()[0];
+    EXPECT_NEAR(when, 15.6, 0.05) << hinge;
+    for (Eigen::Index k = 0; k < results.time.size(); ++k) {
+      EXPECT_EQ(latched[k], results.time[k] > when ? 1 : 0) << hinge << results.time[k];
+      if (results.time[k] >= when) continue;
+      EXPECT_LT(angle[k] * (hinge == "root" || hinge == "h2" ? 1 : -1), 0) << hinge;
+    }
+  }
 }
 
 }  // namespace
