@@ -21,7 +21,8 @@ struct NamedUnit {
 };
 
 using std::numbers::pi;
-constexpr Dimension kg{1}, m{0, 1}, s{0, 0, 1}, rad{0, 0, 0, 1}, N{1, 1, -2}, Nm{1, 2, -2}, Pa{1, -1, -2};
+constexpr Dimension kg{1}, m{0, 1}, s{0, 0, 1}, rad{0, 0, 0, 1}, N{1, 1, -2}, Nm{1, 2, -2}, Pa{1, -1, -2},
+    A{0, 0, 0, 0, 1}, V{1, 2, -3, 0, -1}, ohm{1, 2, -3, 0, -2};
 
 /// No `t` (the time of laws) and no Hz (turns or radians?).
 constexpr std::array named_units{
@@ -63,6 +64,14 @@ constexpr std::array named_units{
     NamedUnit{"MPa", 1e6, 1, Pa},
     NamedUnit{"GPa", 1e9, 1, Pa},
     NamedUnit{"bar", 1e5, 1, Pa},
+    NamedUnit{"A", 1, 1, A},
+    NamedUnit{"mA", 1, 1000, A},
+    NamedUnit{"V", 1, 1, V},
+    NamedUnit{"mV", 1, 1000, V},
+    NamedUnit{"ohm", 1, 1, ohm},
+    NamedUnit{"Ω", 1, 1, ohm},
+    NamedUnit{"mohm", 1, 1000, ohm},
+    NamedUnit{"mΩ", 1, 1000, ohm},
 };
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
@@ -111,24 +120,28 @@ std::string base_text(const Dimension& d) {
   add("m", d.metre);
   add("rad", d.radian);
   add("s", d.second);
+  add("A", d.ampere);
   return (over.empty() ? "1" : over) + under;
 }
 
 }  // namespace
 
 Dimension product(const Dimension& a, const Dimension& b) {
-  return {a.kilogram + b.kilogram, a.metre + b.metre, a.second + b.second, a.radian + b.radian};
+  return {a.kilogram + b.kilogram, a.metre + b.metre, a.second + b.second, a.radian + b.radian,
+          a.ampere + b.ampere};
 }
 
 Dimension power(const Dimension& a, int exponent) {
-  return {exponent * a.kilogram, exponent * a.metre, exponent * a.second, exponent * a.radian};
+  return {exponent * a.kilogram, exponent * a.metre, exponent * a.second, exponent * a.radian,
+          exponent * a.ampere};
 }
 
 bool fits(const Dimension& dimension, const Quantity& quantity) {
   if (!quantity.dimension) return true;
   const Dimension &a = dimension, &b = *quantity.dimension;
-  const bool others = a.kilogram == b.kilogram && a.metre == b.metre && a.second == b.second;
-  const bool only_angles = a.kilogram == 0 && a.metre == 0;
+  const bool others =
+      a.kilogram == b.kilogram && a.metre == b.metre && a.second == b.second && a.ampere == b.ampere;
+  const bool only_angles = a.kilogram == 0 && a.metre == 0 && a.ampere == 0;
   return others && (a.radian == b.radian || !only_angles);
 }
 

@@ -9,7 +9,7 @@ namespace mimbre::model_file {
 
 /// Exponents of the base units.
 struct Dimension {
-  int kilogram = 0, metre = 0, second = 0, radian = 0;
+  int kilogram = 0, metre = 0, second = 0, radian = 0, ampere = 0;
   bool operator==(const Dimension&) const = default;
 };
 Dimension product(const Dimension& a, const Dimension& b);

@@ -73,6 +73,34 @@ TEST(Units, GoIntoExpressions) {
   EXPECT_EQ(value("5 kN", quantity::any), 5000);
 }
 
+/// Of a motor: volts, amperes and ohms go together with newton metres and watts.
+TEST(Units, OfElectricity) {
+  const Quantity resistance{"ohm", Dimension{1, 2, -3, 0, -2}},
+      per_current{"N m/A", Dimension{1, 2, -2, 0, -1}}, current{"A", Dimension{0, 0, 0, 0, 1}};
+  EXPECT_EQ(value("800 mohm", resistance), 0.8);
+  EXPECT_EQ(value("0.8 Ω", resistance), 0.8);
+  EXPECT_EQ(value("1.6 V/A * 0.5", resistance), 0.8);
+  EXPECT_DOUBLE_EQ(value("50 mV s/rad", per_current), 0.05);
+  EXPECT_EQ(value("0.05 N m/A", per_current), 0.05);
+  EXPECT_DOUBLE_EQ(value("24 V / 2 ohm", current), 12);
+  EXPECT_DOUBLE_EQ(value("12 V * 2 A / (3 rad/s)", quantity::moment), 8);
+  EXPECT_THAT(complaint("15 V", current), HasSubstr("'15 V' is in kg m^2/s^3/A; A is needed here"));
+
+  const auto motor = [](const std::string& numbers) {
+    const spec::Model model = parse_model(R"yaml(mimbre: 1
+bodies: {wheel: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {axle: {type: revolute, between: [ground, wheel], at: [0, 0, 0], axis: [0, 0, 1]}}
+motors: {drive: {joint: axle, voltage: 24, )yaml" +
+                                              numbers + "}}\n",
+                                          "motor.yaml", "");
+    return model.elements[0].numbers;
+  };
+  EXPECT_EQ(motor("constant: 50 mN*m/A, resistance: 800 mohm, current_limit: 15000 mA"),
+            motor("constant: 0.05, resistance: 0.8, current_limit: 15"));
+  EXPECT_THROW(motor("constant: 0.05 N m, resistance: 0.8"), InputError);
+  EXPECT_THROW(motor("constant: 0.05, resistance: 0.8 V"), InputError);
+}
+
 /// The units that messages propose: each can be read and is one of what the key measures.
 TEST(Units, ThatAreProposedFit) {
   using namespace quantity;
