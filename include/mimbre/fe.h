@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
+#include <string>
 #include <vector>
 
 /// Finite-element models of frames of beams.
@@ -41,6 +42,7 @@ struct BeamElement {
   Section section;
   Material material;
   BeamTheory theory = BeamTheory::euler_bernoulli;
+  std::string bar;  ///< of which it is a part, for people; the elements of a bar follow one another
 };
 
 struct Mesh {

@@ -96,6 +96,7 @@ struct AncfBeam {
 
 /// What there is of a section: forces and moments, and the largest von Mises stress.
 inline constexpr std::array section_components{"N", "Vy", "Vz", "T", "My", "Mz", "von_mises"};
+constexpr int von_mises_of_section = 6;
 
 /// Section forces of a body made of bars, linear in the loads that act on it: by equilibrium with the forces
 /// on its frames and the inertia of its distributed mass, in the undeformed shape (mode acceleration), so
@@ -110,11 +111,21 @@ struct BarSections {
     // As in fe::Section; 0: unknown.
     double reach_y = 0, reach_z = 0, torsion_modulus = 0;
     bool round = false;
+    std::string bar;   ///< of which it is a section
+    int element = 1;   ///< of the bar's elements, from 1
+    double along = 0;  ///< m from the bar's start
   };
   std::vector<Section> sections;  ///< start and end of each element of the mesh in turn
   /// 6·sections × loads: N, Vy, Vz, T, My, Mz of each section in turn, acting on the part before it: N > 0 is
   /// tension.
   Eigen::MatrixXd influence;
+};
+
+/// Stress in the bars by their deflection alone, for drawing: at the start and the end of each of the body's
+/// lines in turn the largest normal stress by N, by My and by Mz, and √3 times the largest shear stress by T.
+struct BarStress {
+  std::vector<bool> round;  ///< of each line: its outermost fibres are a circle; else a rectangle's corners
+  Eigen::MatrixXd shapes;   ///< 8·lines × modes, Pa by amplitude
 };
 
 /// One line of the certificate that a reduction gives.
@@ -166,6 +177,7 @@ struct ReducedBody {
   std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen
   std::optional<AncfBeam> ancf;         ///< present: elastic forces are its own; `stiffness` is that at y = 0
   std::optional<BarSections> sections;  ///< absent: not of bars, not asked for, or from a file
+  std::optional<BarStress> bar_stress;  ///< absent: not of bars, of sections of unknown shape, or from a file
   std::optional<MeshInertia> mesh_inertia;  ///< absent: inertia by shape integrals only
 
   /// Index of a frame by name, -1 when there is none.

@@ -85,7 +85,7 @@ void check_section_force(const spec::Model& model, const Thing& thing, const spe
     return thing.error(fmt::format(
         "body '{}' knows no section forces: it is not made of bars, or was reduced without", body->name));
   if (!thing.between("node", output.node, 0, static_cast<int>(sections->sections.size()) - 1)) return;
-  if (output.component == 6 &&
+  if (output.component == von_mises_of_section &&
       !(sections->sections[static_cast<std::size_t>(output.node)].torsion_modulus > 0))
     thing.error("the section is given by area, Iy, Iz and J: its shape, and so its stress, is not known");
 }

@@ -210,6 +210,7 @@ struct Reader {
     const auto from = bar.need("from", "pivot"), to = bar.need("to", "tip");
     const int a = from ? find_node(*from) : fail_quietly(), b = to ? find_node(*to) : fail_quietly();
     fe::BeamElement element;
+    element.bar = name;
     if (const auto* material = find_named(part.materials, "material", bar, body, "material"))
       element.material = *material;
     if (const auto* section = find_named(part.sections, "section", bar, body, "section"))

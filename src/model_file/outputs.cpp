@@ -142,21 +142,30 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
   read_surface_node(builder, part, fields, *body, output);
 }
 
+/// Bodies made of bars, with modes, in one piece have section forces; their reduction is told to keep them.
+bool ask_for_sections(Builder& builder, const Value& named, int body) {
+  BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
+  if (info.failed) return false;
+  if (!info.description || info.description->kind != BeamKind::reduced || info.description->in_pieces()) {
+    named.error(
+        "has no section forces: they are those of a flexible body made of bars, with modes, in one piece");
+    return false;
+  }
+  info.description->options.sections = true;
+  return true;
+}
+
 /// A force or moment in a section at a node of the bars, or the stress by them. The bar that ends there,
 /// where one does; else the one that begins.
 void read_section_force(Builder& builder, const Part& part, const Fields& fields, const Value& named,
                         spec::Output& output) {
   output.component = read_component(fields, {section_components.begin(), section_components.end()});
-  BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
   const auto at = fields.need("at", "[0.5, 0, 0]");
   const auto point = at ? at->triple(quantity::length) : std::nullopt;
-  if (!point || info.failed) return;
-  if (!info.description || info.description->kind != BeamKind::reduced || info.description->in_pieces())
-    return named.error(
-        "has no section forces: they are those of a flexible body made of bars, with modes, in one piece");
+  if (!point || !ask_for_sections(builder, named, output.item)) return;
+  const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
   const spec::Pose pose = builder.body_pose(output.item);
   const Eigen::Vector3d local = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
-  info.description->options.sections = true;
   const fe::Mesh& mesh = info.description->mesh;
   Eigen::Index node = 0;
   const double off = (mesh.nodes.colwise() - local).colwise().norm().minCoeff(&node);
@@ -290,6 +299,43 @@ std::vector<std::string> keys_with(std::vector<std::string> keys) {
   return keys;
 }
 
+void add_output(Builder& builder, const Part& part, const Value& named, spec::Output output) {
+  const int index = static_cast<int>(builder.model.outputs.size());
+  if (!builder.output_names.index.emplace(output.name, index).second)
+    named.error(
+        fmt::format("there are two outputs called '{}'; {}", output.name,
+                    part.instance.empty() ? "rename one" : "in a template the name needs {instance}"));
+  builder.model.outputs.push_back(std::move(output));
+}
+
+/// Without a place: an output for each section of all bars, NAME.BAR.ELEMENT.start or end, and each
+/// component, or the one that is named. Of a section whose shape is not known there is no stress.
+void add_all_sections(Builder& builder, const Part& part, const Fields& fields, const Value& given_name,
+                      const Value& body, const spec::Output& named) {
+  const std::vector<std::string> words{section_components.begin(), section_components.end()};
+  const int first = fields.has("component") ? read_component(fields, words) : 0,
+            last = fields.has("component") ? first : static_cast<int>(words.size()) - 1;
+  const auto name = body.word();
+  const int item = name ? builder.resolve(builder.body_names, part, *name, body) : -1;
+  if (item < 0 || !ask_for_sections(builder, body, item)) return;
+  const auto& elements = builder.bodies[static_cast<std::size_t>(item)].description->mesh.elements;
+  int number = 0;  // of the element in its bar
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    number = e > 0 && elements[e - 1].bar == elements[e].bar ? number + 1 : 1;
+    for (const bool end : {false, true})
+      for (int component = first; component <= last; ++component) {
+        if (component == von_mises_of_section && !(elements[e].section.torsion_modulus > 0)) continue;
+        spec::Output output = named;
+        output.name = fmt::format("{}.{}.{}.{}.{}", named.name, elements[e].bar, number,
+                                  end ? "end" : "start", words[static_cast<std::size_t>(component)]);
+        output.item = item;
+        output.node = static_cast<int>(2 * e) + (end ? 1 : 0);
+        output.component = component;
+        add_output(builder, part, given_name, std::move(output));
+      }
+  }
+}
+
 void read_output(Builder& builder, const Part& part, const Value& value) {
   const Fields fields(value, keys_with({"name"}));
   if (!value.has_fields()) return;
@@ -324,13 +370,10 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   if (row.of != OutputKind::Of::bodies && fields.has("about"))
     fields.error("'about' belongs to 'angular_momentum'");
   output.kind = row.kind;
+  if (row.kind == Kind::section_force && !fields.has("at"))
+    return add_all_sections(builder, part, fields, *given_name, *fields.get(row.key), output);
   read_item(builder, part, fields, row, *fields.get(row.key), output);
-  const int index = static_cast<int>(builder.model.outputs.size());
-  if (!builder.output_names.index.emplace(output.name, index).second)
-    given_name->error(
-        fmt::format("there are two outputs called '{}'; {}", output.name,
-                    part.instance.empty() ? "rename one" : "in a template the name needs {instance}"));
-  builder.model.outputs.push_back(std::move(output));
+  add_output(builder, part, *given_name, std::move(output));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
     };
     if (e.nodes != f.nodes || e.theory != f.theory || !near(e.offsets[0], f.offsets[0], size) ||
         !near(e.offsets[1], f.offsets[1], size) || !near(e.y_direction, f.y_direction, 1) ||
-        numbers(e) != numbers(f))
+        numbers(e) != numbers(f) || (a.options.sections && e.bar != f.bar))
       return false;
   }
   for (std::size_t k = 0; k < a.options.boundary.size(); ++k) {

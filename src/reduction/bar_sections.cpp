@@ -1,6 +1,7 @@
 #include "reduction/bar_sections.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -45,8 +46,19 @@ MatrixXd nodal_rows(const BeamElement& beam, const MatrixXd& all) {
   return rows;
 }
 
-BarSections::Section section_at(const ElementGeometry& geometry, const Section& section, bool end) {
+/// Where an element lies in its bar.
+struct InBar {
+  int element = 1;    ///< from 1
+  double before = 0;  ///< m of the bar
+};
+
+BarSections::Section section_at(const ElementGeometry& geometry, const BeamElement& beam, const InBar& place,
+                                bool end) {
+  const Section& section = beam.section;
   BarSections::Section out;
+  out.bar = beam.bar;
+  out.element = place.element;
+  out.along = place.before + (end ? geometry.length : 0.0);
   out.position = geometry.start + (end ? geometry.length : 0.0) * geometry.axes.col(0);
   out.axes = geometry.axes;
   out.area = section.area;
@@ -87,6 +99,7 @@ BarSections bar_sections(const Mesh& mesh, const Matrices& matrices, const Reduc
   const int elements = static_cast<int>(mesh.elements.size());
   out.influence.resize(12 * elements, forces.cols());
   const auto fields = unit_fields();
+  InBar place;
   for (int e = 0; e < elements; ++e) {
     const BeamElement& beam = mesh.elements[static_cast<std::size_t>(e)];
     const ElementGeometry geometry = element_geometry(mesh, e);
@@ -101,7 +114,32 @@ BarSections bar_sections(const Mesh& mesh, const Matrices& matrices, const Reduc
     // What the rest of the body does to the element's start is minus what acts on the part before it.
     out.influence.middleRows<6>(12 * e) = -ends.topRows<6>();
     out.influence.middleRows<6>(12 * e + 6) = ends.bottomRows<6>();
-    for (const bool end : {false, true}) out.sections.push_back(section_at(geometry, beam.section, end));
+    if (e > 0 && mesh.elements[static_cast<std::size_t>(e - 1)].bar != beam.bar) place = {};
+    for (const bool end : {false, true}) out.sections.push_back(section_at(geometry, beam, place, end));
+    place = {place.element + 1, place.before + geometry.length};
+  }
+  return out;
+}
+
+std::optional<BarStress> bar_stress(const Mesh& mesh, const MatrixXd& shapes) {
+  BarStress out;
+  out.shapes.resize(8 * static_cast<Index>(mesh.elements.size()), shapes.cols());
+  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
+    const BeamElement& beam = mesh.elements[static_cast<std::size_t>(e)];
+    const Section& s = beam.section;
+    if (!(s.reach_y > 0 && s.reach_z > 0 && s.torsion_modulus > 0)) return std::nullopt;
+    const ElementGeometry geometry = element_geometry(mesh, e);
+    MatrixXd forces = element_stiffness(beam, geometry.length) * element_transformation(beam, geometry.axes) *
+                      nodal_rows(beam, shapes);
+    forces.topRows<6>() *= -1;  // on the part before the section
+    for (int end = 0; end < 2; ++end) {
+      auto stress = out.shapes.middleRows<4>(8 * e + 4 * end);
+      stress.row(0) = forces.row(6 * end) / s.area;
+      stress.row(1) = forces.row(6 * end + 4) * s.reach_z / s.Iy;
+      stress.row(2) = forces.row(6 * end + 5) * s.reach_y / s.Iz;
+      stress.row(3) = forces.row(6 * end + 3) * std::sqrt(3.0) / s.torsion_modulus;
+    }
+    out.round.push_back(s.round);
   }
   return out;
 }

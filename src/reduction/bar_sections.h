@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "mimbre/beam_reduction.h"
 
 namespace mimbre::fe {
@@ -9,5 +11,8 @@ namespace mimbre::fe {
 /// left out.
 BarSections bar_sections(const Mesh& mesh, const Matrices& matrices, const ReductionOptions& options,
                          const std::vector<NodeFrame>& frames, const Eigen::MatrixXd& shapes);
+
+/// Stress by unit amplitudes of the modes; nothing where the shape of a section is not known.
+std::optional<BarStress> bar_stress(const Mesh& mesh, const Eigen::MatrixXd& shapes);
 
 }  // namespace mimbre::fe

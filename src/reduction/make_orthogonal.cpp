@@ -73,6 +73,7 @@ void make_orthogonal(ReducedBody& body) {
   if (body.sections)
     for (int block = 0; block < 4; ++block)
       rotate_columns_of(body.sections->influence, GeometricStiffness::boundary + block * body.modes, Q);
+  if (body.bar_stress) rotate_columns(body.bar_stress->shapes, Q);
   for (BodyFrame& frame : body.frames) {
     rotate_columns(frame.X, Q);
     rotate_columns(frame.X_theta, Q);

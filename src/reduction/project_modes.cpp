@@ -64,6 +64,7 @@ ReducedBody project_modes(const ReducedBody& body, const MatrixXd& T) {
   project_columns(b.node_shapes, T);
   project_columns(b.stress, T);
   project_columns(b.strain, T);
+  if (b.bar_stress) project_columns(b.bar_stress->shapes, T);
   if (b.mesh_inertia) project_columns(b.mesh_inertia->shapes, T);
   if (b.geometric) {
     for (MatrixXd& stiffness : b.geometric->stiffness) project_symmetric(stiffness, T);

@@ -78,6 +78,7 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
   if (geometric) body.geometric = geometric_stiffness(mesh, options, basis);
   if (options.sections) body.sections = bar_sections(mesh, matrices, options, frames, basis.shapes);
+  body.bar_stress = bar_stress(mesh, basis.shapes);
   make_orthogonal(body);
   add_second_order(mesh, options, body);
   return body;

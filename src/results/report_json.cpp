@@ -122,6 +122,13 @@ Json body_json(const BodyDrawing& body, int most) {
   if (!body.labels.empty())
     for (const int point : thin.points)
       labels.push_back(static_cast<double>(body.labels[static_cast<std::size_t>(point)]));
+  // Each line has its own; where lines were left out they have none.
+  std::vector<float> bars;
+  std::vector<std::uint32_t> round;
+  if (thin.lines.size() == body.round_lines.size()) {
+    for (const double value : body.bar_stress.reshaped()) bars.push_back(static_cast<float>(value));
+    round.assign(body.round_lines.begin(), body.round_lines.end());
+  }
   return {{"name", body.name},
           {"modes", body.modes},
           {"lineRadius", body.line_radius},
@@ -132,6 +139,8 @@ Json body_json(const BodyDrawing& body, int most) {
           {"edges", indices(thin.edges)},
           {"labels", array_of(labels)},
           {"stress", kept_rows(body.stress, thin.points, 6)},
+          {"barStress", array_of(bars)},
+          {"roundLines", array_of(round)},
           {"shapes", solids_json(body.shapes)}};
 }
 
@@ -235,6 +244,10 @@ void check_drawing(const BodyDrawing& body) {
       bad(fmt::format("results: stress of {} modes, body '{}' has {}", body.stress.cols(), body.name,
                       body.modes));
   }
+  if (!body.round_lines.empty()) {
+    same(static_cast<Index>(body.round_lines.size()), static_cast<Index>(body.lines.size()), "round lines");
+    same(body.bar_stress.rows(), static_cast<Index>(8 * body.lines.size()), "rows of stress of bars");
+  }
   if (!body.labels.empty()) same(static_cast<Index>(body.labels.size()), points, "labels of points");
   const auto inside = [&](const auto& corners, const char* what) {
     for (const int point : corners)
@@ -309,12 +322,18 @@ Json elements_json(const ResultsHeader& header) {
                       {"rotation", rotation},
                       {"motion", array_of(motion)}});
   }
-  for (const ElementDrawing& element : header.elements)
-    elements.push_back({{"name", element.name},
-                        {"kind", element.kind},
-                        {"a", element.frame_a},
-                        {"b", element.frame_b},
-                        {"size", element.size}});
+  for (const ElementDrawing& element : header.elements) {
+    Json drawn{{"name", element.name},
+               {"kind", element.kind},
+               {"a", element.frame_a},
+               {"b", element.frame_b},
+               {"size", element.size}};
+    if (element.curve.size() > 0) {
+      const auto curve = element.curve.reshaped();
+      drawn["curve"] = array_of(std::vector<float>(curve.begin(), curve.end()));
+    }
+    elements.push_back(std::move(drawn));
+  }
   return {{"frames", frames}, {"elements", elements}};
 }
 

@@ -225,6 +225,17 @@ class Reader {
       if (result.stress.cols() > result.modes)
         refuse(fmt::format("'{}' has stress by {} modes, of {}", owner, result.stress.cols(), result.modes));
     }
+    if (exists(place.get(), "bar_stress")) {
+      const hsize_t lines = result.lines.size();
+      const Array round = array(place.get(), owner, "round_lines", {lines});
+      result.round_lines.assign(round.values.begin(), round.values.end());
+      const Array stress = array(place.get(), owner, "bar_stress", {any, 2 * lines, 4});
+      result.bar_stress =
+          Eigen::Map<const Eigen::MatrixXd>(stress.values.data(), 8 * index(lines), index(stress.shape[0]));
+      if (result.bar_stress.cols() > result.modes)
+        refuse(fmt::format("'{}' has stress of bars by {} modes, of {}", owner, result.bar_stress.cols(),
+                           result.modes));
+    }
     const Array solids = array(place.get(), owner, "shapes", {any, results_layout::numbers_per_shape});
     for (hsize_t s = 0; s < solids.shape[0]; ++s)
       result.shapes.push_back(shape(&solids.values[s * results_layout::numbers_per_shape], owner));
@@ -309,8 +320,55 @@ class Reader {
       return static_cast<int>(end);
     };
     for (std::size_t k = 0; k < names.size(); ++k)
-      header.elements.push_back(
-          {names[k], kinds[k], frame(ends.values[2 * k]), frame(ends.values[2 * k + 1]), sizes.values[k]});
+      header.elements.push_back({names[k],
+                                 kinds[k],
+                                 frame(ends.values[2 * k]),
+                                 frame(ends.values[2 * k + 1]),
+                                 sizes.values[k],
+                                 {}});
+    if (exists(place.get(), "curves")) read_curves(place.get(), header);
+  }
+
+  void read_curves(hid_t elements, ResultsHeader& header) const {
+    const std::string owner = "elements/";
+    const Array counts = array(elements, owner, "curve_points", {header.elements.size()});
+    const Array points = array(elements, owner, "curves", {any, 3});
+    hsize_t at = 0;
+    for (std::size_t k = 0; k < header.elements.size(); ++k) {
+      const double count = counts.values[k];
+      if (!(count >= 0 && count <= static_cast<double>(points.shape[0] - at)))
+        refuse(fmt::format("a curve has {} points, of {} that are left", count, points.shape[0] - at));
+      header.elements[k].curve = Eigen::Map<const Eigen::Matrix3Xd>(points.values.data() + 3 * at, 3,
+                                                                    static_cast<Eigen::Index>(count));
+      at += static_cast<hsize_t>(count);
+    }
+  }
+
+  void read_sections(ResultsHeader& header) const {
+    const std::string owner = "sections/";
+    const Handle group_of_all = group(file_.get(), "sections");
+    const std::vector<std::string> bars = texts(group_of_all.get(), "bars");
+    const hsize_t count = bars.size(), columns = results_layout::numbers_per_section;
+    const Array places = array(group_of_all.get(), owner, "place", {count, 3});
+    const Array along = array(group_of_all.get(), owner, "along", {count});
+    const Array channels = array(group_of_all.get(), owner, "channels", {count, columns});
+    const auto within = [&](double number, double least, std::size_t end, const char* what) {
+      if (!(number >= least && number < static_cast<double>(end)))
+        refuse(fmt::format("a section has {} {}, of {}", what, number, end));
+      return static_cast<int>(number);
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const double* const place = &places.values[3 * k];
+      RecordedSection section;
+      section.body = within(place[0], 0, header.bodies.size(), "body");
+      section.bar = bars[k];
+      section.element = within(place[1], 1, std::numeric_limits<int>::max(), "element");
+      section.end = place[2] != 0;
+      section.along = along.values[k];
+      for (std::size_t c = 0; c < columns; ++c)
+        section.channels[c] = within(channels.values[columns * k + c], -1, header.channels.size(), "channel");
+      header.sections.push_back(std::move(section));
+    }
   }
 
   std::vector<ChannelInfo> channel_infos() const {
@@ -329,6 +387,7 @@ class Reader {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     ResultsHeader& header = results.header;
     header.channels = channel_infos();
+    if (exists(file_.get(), "sections")) read_sections(header);
     hsize_t mode_count = 0;
     for (const BodyDrawing& one : header.bodies) mode_count += static_cast<hsize_t>(one.modes);
     const hsize_t pose_numbers = 7 * header.bodies.size();

@@ -97,6 +97,7 @@ void write_array(hid_t parent, const char* name, const std::vector<hsize_t>& sha
 }
 
 hsize_t size_of(Eigen::Index count) { return static_cast<hsize_t>(count); }
+Eigen::Index size_in(std::size_t count) { return static_cast<Eigen::Index>(count); }
 
 Handle create_group(hid_t parent, const std::string& name) {
   const Handle properties = creation_properties(H5P_GROUP_CREATE);
@@ -111,6 +112,11 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
   if (body.stress.size() > 0 && body.stress.rows() != 6 * body.points.cols())
     throw std::invalid_argument(fmt::format("body '{}': {} points need stress of {} rows, not {}", body.name,
                                             body.points.cols(), 6 * body.points.cols(), body.stress.rows()));
+  if (body.bar_stress.rows() != size_in(8 * body.round_lines.size()) ||
+      (!body.round_lines.empty() && body.round_lines.size() != body.lines.size()))
+    throw std::invalid_argument(fmt::format("body '{}': {} lines need stress of {} rows, not {}", body.name,
+                                            body.lines.size(), 8 * body.lines.size(),
+                                            body.bar_stress.rows()));
   const Handle group = create_group(bodies, key);
   write_attribute(group.get(), "name", body.name);
   write_attribute(group.get(), "modes", body.modes);
@@ -131,6 +137,13 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
     write_array(group.get(), "stress", {size_of(body.stress.cols()), size_of(body.points.cols()), 6},
                 H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, body.stress.data());
 
+  if (!body.round_lines.empty()) {
+    const std::vector<int> round(body.round_lines.begin(), body.round_lines.end());
+    write_array(group.get(), "round_lines", {round.size()}, H5T_STD_I32LE, H5T_NATIVE_INT, round.data());
+    write_array(group.get(), "bar_stress", {size_of(body.bar_stress.cols()), 2 * round.size(), 4},
+                H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, body.bar_stress.data());
+  }
+
   std::vector<double> shapes;
   for (const spec::Shape& shape : body.shapes) {
     shapes.push_back(static_cast<double>(shape.kind));
@@ -145,8 +158,8 @@ void write_body(hid_t bodies, const std::string& key, const BodyDrawing& body) {
 /// Frames and elements as one table each: a mechanism has hundreds, and a group is a kilobyte.
 void write_elements(hid_t root, const ResultsHeader& header) {
   std::vector<std::string> names, kinds;
-  std::vector<int> bodies, ends;
-  std::vector<double> poses, motions, sizes;
+  std::vector<int> bodies, ends, counts;
+  std::vector<double> poses, motions, sizes, curves;
   for (const FrameDrawing& frame : header.frames) {
     names.push_back(frame.name);
     bodies.push_back(frame.body);
@@ -168,12 +181,38 @@ void write_elements(hid_t root, const ResultsHeader& header) {
     kinds.push_back(element.kind);
     ends.insert(ends.end(), {element.frame_a, element.frame_b});
     sizes.push_back(element.size);
+    counts.push_back(static_cast<int>(element.curve.cols()));
+    const auto points = element.curve.reshaped();
+    curves.insert(curves.end(), points.begin(), points.end());
   }
   const Handle elements = create_group(root, "elements");
   write_texts(elements.get(), "names", {names.size()}, names);
   write_texts(elements.get(), "kinds", {kinds.size()}, kinds);
   write_array(elements.get(), "frames", {names.size(), 2}, H5T_STD_I32LE, H5T_NATIVE_INT, ends.data());
   write_array(elements.get(), "size", {names.size()}, sizes.data());
+  if (curves.empty()) return;
+  write_array(elements.get(), "curve_points", {counts.size()}, H5T_STD_I32LE, H5T_NATIVE_INT, counts.data());
+  write_array(elements.get(), "curves", {curves.size() / 3, 3}, curves.data());
+}
+
+/// Likewise the sections of bars of which something is recorded.
+void write_sections(hid_t root, const std::vector<RecordedSection>& recorded) {
+  if (recorded.empty()) return;
+  std::vector<std::string> bars;
+  std::vector<int> places, channels;
+  std::vector<double> along;
+  for (const RecordedSection& section : recorded) {
+    bars.push_back(section.bar);
+    places.insert(places.end(), {section.body, section.element, section.end ? 1 : 0});
+    along.push_back(section.along);
+    channels.insert(channels.end(), section.channels.begin(), section.channels.end());
+  }
+  const Handle sections = create_group(root, "sections");
+  write_texts(sections.get(), "bars", {bars.size()}, bars);
+  write_array(sections.get(), "place", {bars.size(), 3}, H5T_STD_I32LE, H5T_NATIVE_INT, places.data());
+  write_array(sections.get(), "along", {bars.size()}, along.data());
+  write_array(sections.get(), "channels", {bars.size(), results_layout::numbers_per_section}, H5T_STD_I32LE,
+              H5T_NATIVE_INT, channels.data());
 }
 
 void write_channel_info(hid_t root, const std::vector<ChannelInfo>& infos) {
@@ -372,6 +411,7 @@ struct ResultsWriter::Impl {
     }
 
     write_elements(root.get(), header);
+    write_sections(root.get(), header.sections);
     write_channel_info(root.get(), header.channels);
     hdf5::seal_below(root.get());
 

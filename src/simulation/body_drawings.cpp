@@ -15,6 +15,10 @@ void draw_flexible(const ReducedBody& body, BodyDrawing& drawing) {
   drawing.triangles = body.triangles;
   drawing.labels = body.node_labels;
   drawing.stress = body.stress;
+  if (body.bar_stress) {
+    drawing.bar_stress = body.bar_stress->shapes;
+    drawing.round_lines = body.bar_stress->round;
+  }
   drawing.line_radius = body.line_radius;
   drawing.modes = static_cast<int>(drawing.point_shapes.cols());
 }

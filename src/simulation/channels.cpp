@@ -166,10 +166,16 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
     }
     case Kind::section_force: {
       const char* const unit = o.component < 3 ? "N" : o.component < 6 ? "N m" : "Pa";
+      const char* const component = section_components[static_cast<std::size_t>(o.component)];
+      const spec::Body& body = m.spec().bodies[o.item];
+      if (!body.flexible || !body.flexible->sections)
+        return {o.name, unit, fmt::format("{} in a section of '{}', which is rigid", component, body.name)};
+      const auto& section = body.flexible->sections->sections[static_cast<std::size_t>(o.node)];
       return {o.name, unit,
-              fmt::format("{} in a section of '{}', axes of its bar, on the part before it",
-                          section_components[static_cast<std::size_t>(o.component)],
-                          m.spec().bodies[o.item].name)};
+              fmt::format("{} in '{}', bar '{}' at {:.6g} m, {} of its element {}, axes of the bar, on the "
+                          "part before it",
+                          component, body.name, section.bar, section.along, o.node % 2 == 1 ? "end" : "start",
+                          section.element)};
     }
     case Kind::angular_velocity:
       return {o.name, "rad/s",

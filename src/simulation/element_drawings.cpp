@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "joints/table.h"
+#include "math/space_curve.h"
 #include "model/constraint_kinds.h"
 
 namespace mimbre {
@@ -37,6 +38,26 @@ std::string joint_spring_kind(spec::JointType type, int coordinate, bool elastic
                      turns ? "about" : "along", moving_axis(type, coordinate));
 }
 
+/// The points of a curve as it is drawn: an open one as far as its points go, a closed one all around.
+Eigen::Matrix3Xd drawn_curve(const spec::Constraint& c) {
+  const SpaceCurve curve = space_curve(c.points, c.closed);
+  const Eigen::Index count = std::min<Eigen::Index>(16 * static_cast<Eigen::Index>(c.points.size()), 2000);
+  Eigen::Matrix3Xd points(3, count + 1);
+  CurvePoint<double> at;
+  for (Eigen::Index k = 0; k <= count; ++k) {
+    curve_point(curve, curve.length * static_cast<double>(k) / static_cast<double>(count), at);
+    points.col(k) = at.value[0];
+  }
+  return points;
+}
+
+/// "motor about z": of a law on a joint's coordinate.
+std::string joint_law_kind(const std::string& law, spec::JointType type, int coordinate) {
+  const char* const what = law == "friction" || law == "stop" ? law.c_str() : "motor";
+  return fmt::format("{} {} {}", what, is_angle(type, coordinate) ? "about" : "along",
+                     moving_axis(type, coordinate));
+}
+
 class Collector {
  public:
   Collector(const Compiled& model, const std::vector<BodyDrawing>& bodies)
@@ -44,7 +65,17 @@ class Collector {
 
   void add(const std::string& name, const std::string& kind, int frame_a, int frame_b, double size = 0) {
     const int a = frame(frame_a), b = frame(frame_b);
-    drawn.elements.push_back({name, kind, a, b, size});
+    drawn.elements.push_back({name, kind, a, b, size, {}});
+  }
+
+  /// Between the first of some joints and each of the others.
+  template <class Terms>
+  void add_coupling(const std::string& name, const std::string& kind, const Terms& terms) {
+    const auto place = [&](std::size_t k) {
+      return model_.spec().joints[static_cast<std::size_t>(terms[k].joint)].frame_b;
+    };
+    for (std::size_t k = 1; k < terms.size(); ++k)
+      if (terms[k].joint != terms[0].joint) add(name, kind, place(0), place(k));
   }
 
   ElementDrawings drawn;
@@ -76,6 +107,30 @@ class Collector {
   std::vector<int> place_;  ///< frame of the spec → frame drawn
 };
 
+/// Where a force element acts; what turns or pushes two frames along an axis has no place of its own.
+void add_element(const spec::Model& model, const spec::Element& e, Collector& all) {
+  using On = spec::Element::On;
+  switch (e.on) {
+    case On::line:
+      return all.add(e.name, line_kind(e.law), e.frame_a, e.frame_b);
+    case On::path:
+      for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
+      return;
+    case On::coordinate: {
+      const spec::Joint& joint = model.joints[static_cast<std::size_t>(e.joint)];
+      return all.add(e.name, joint_law_kind(e.law, joint.type, e.coordinate), joint.frame_a, joint.frame_b);
+    }
+    case On::coordinates:
+      return all.add_coupling(e.name, "coupling spring", e.terms);
+    case On::frames:
+      return all.add(e.name, "bushing", e.frame_a, e.frame_b);
+    case On::velocity:
+      return all.add(e.name, "drag", e.frame_b, -1);
+    case On::axis:
+      return;
+  }
+}
+
 }  // namespace
 
 ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDrawing>& bodies) {
@@ -92,14 +147,15 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
         all.add(joint.name, joint_spring_kind(joint.type, spring.coordinate, elastic, damping), joint.frame_a,
                 joint.frame_b);
     }
-  // Those on joints and at one place have no length to draw.
-  for (const spec::Element& e : model.spec().elements)
-    if (e.on == spec::Element::On::line) all.add(e.name, line_kind(e.law), e.frame_a, e.frame_b);
-  for (const spec::Element& e : model.spec().elements)
-    for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
-  for (const spec::Constraint& c : model.spec().constraints)
-    if (constraint_info(c.kind).force)  // the others are at no place
-      all.add(c.name, std::string(constraint_info(c.kind).name), c.frame_a, c.frame_b);
+  for (const spec::Element& e : model.spec().elements) add_element(model.spec(), e, all);
+  for (const spec::Constraint& c : model.spec().constraints) {
+    const std::string kind(constraint_info(c.kind).name);
+    if (c.kind == spec::Constraint::Kind::coupling)
+      all.add_coupling(c.name, kind, c.terms);
+    else
+      all.add(c.name, kind, c.frame_a, c.frame_b);
+    if (c.kind == spec::Constraint::Kind::on_curve) all.drawn.elements.back().curve = drawn_curve(c);
+  }
   for (const spec::Load& load : model.spec().loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec().tyres) {
     const bool moves = model.spec().roads[tyre.road].over == spec::Road::Over::time;

@@ -19,6 +19,7 @@
 #include "simulation/mechanism.h"
 #include "simulation/names.h"
 #include "simulation/observers.h"
+#include "simulation/recorded_sections.h"
 #include "simulation/redundancy.h"
 #include "simulation/shown_reactions.h"
 #include "simulation/signal_state.h"
@@ -426,6 +427,7 @@ ResultsHeader Simulation::header(const std::string& options_json) const {
   ElementDrawings drawn = element_drawings(s.compiled, h.bodies);
   h.frames = std::move(drawn.frames);
   h.elements = std::move(drawn.elements);
+  h.sections = recorded_sections(s.compiled.spec());
   return h;
 }
 

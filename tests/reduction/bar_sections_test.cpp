@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
+#include <string>
 
 #include "fe/bar_ends.h"
 #include "fe/meshes.h"
@@ -52,6 +54,57 @@ TEST(BarSections, HaveTheStressOfTheSolidBar) {
     EXPECT_NEAR(forces[4] * (height / 2) / rectangular.Iy, solid.stress.row(6 * top).dot(y),
                 0.02 * std::abs(bending));
   }
+}
+
+/// By the modes' deflection alone: exact where static modes carry the loads. A force and a moment on the tip.
+TEST(BarStress, IsThatOfACantileverWithItsStaticModes) {
+  for (const bool round : {false, true}) {
+    const double r = 0.03, pi = std::numbers::pi;
+    fe::Section section = rectangle(width, height);
+    if (round)
+      section = {pi * r * r, pi * std::pow(r, 4) / 4, pi * std::pow(r, 4) / 4, pi * std::pow(r, 4) / 2};
+    section.reach_y = round ? r : width / 2;
+    section.reach_z = round ? r : height / 2;
+    section.torsion_modulus = round ? pi * std::pow(r, 3) / 2 : 1e-4;
+    section.round = round;
+    constexpr int count = 8;
+    fe::ReductionOptions options;
+    options.clamped_nodes = {0};
+    for (const bool rotation : {false, true})
+      for (int k = 0; k < 3; ++k)
+        options.boundary.push_back({1, rotation, Eigen::Vector3d::Unit(k), std::to_string(k)});
+    options.dynamic_modes = 2;
+    const fe::Mesh mesh = straight_beam(length, count, section);
+    const ReducedBody body = fe::reduce(mesh, options, {{"tip", 1}});
+    ASSERT_TRUE(body.bar_stress);
+    ASSERT_EQ(body.bar_stress->round, std::vector<bool>(count, round));
+    const Eigen::Vector3d F(2000, 300, -500), M(40, 70, -90);
+    const Eigen::VectorXd y =
+        PivotedCholesky(body.stiffness)
+            .solve(body.frames[0].X.transpose() * F + body.frames[0].X_theta.transpose() * M);
+    const Eigen::VectorXd stress = body.bar_stress->shapes * y;
+    for (int line = 0; line < count; ++line)
+      for (int end = 0; end < 2; ++end) {
+        const double rest = length - mesh.nodes(0, mesh.elements[static_cast<std::size_t>(line)].nodes[end]);
+        const auto parts = stress.segment<4>(8 * line + 4 * end);
+        const double about_y = (M.y() - F.z() * rest) * section.reach_z / section.Iy,
+                     about_z = (M.z() + F.y() * rest) * section.reach_y / section.Iz;
+        EXPECT_NEAR(parts[0], F.x() / section.area, 1e-5 * F.x() / section.area);
+        EXPECT_NEAR(parts[1], about_y, 1e-5 * std::abs(about_y)) << rest;
+        EXPECT_NEAR(parts[2], about_z, 1e-5 * std::abs(about_z)) << rest;
+        EXPECT_NEAR(parts[3], std::sqrt(3.0) * M.x() / section.torsion_modulus,
+                    1e-5 * M.x() / section.torsion_modulus);
+      }
+  }
+}
+
+TEST(BarStress, IsUnknownWhereASectionsShapeIs) {
+  fe::Section section = rectangle(width, height);
+  section.torsion_modulus = 0;
+  fe::ReductionOptions options;
+  options.clamped_nodes = {0};
+  options.dynamic_modes = 2;
+  EXPECT_FALSE(fe::reduce(straight_beam(length, 3, section), options, {}).bar_stress);
 }
 
 }  // namespace

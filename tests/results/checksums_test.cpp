@@ -64,11 +64,14 @@ ResultsHeader sample_header() {
   body.triangles = {{0, 1, 2}};
   body.labels = {1, 2, 3, 4};
   body.stress = Eigen::MatrixXd::Random(24, 2);
+  body.bar_stress = Eigen::MatrixXd::Random(16, 2);
+  body.round_lines = {true, false};
   body.shapes.resize(1);
   header.bodies = {body};
   header.roads = {{"track", Eigen::Matrix2Xd::Random(2, 3)}};
   header.frames = {{"eye", 0, {}, Eigen::MatrixXd::Random(6, 2)}};
-  header.elements = {{"hinge", "revolute", -1, 0, 0}};
+  header.elements = {{"hinge", "revolute", -1, 0, 0, Eigen::Matrix3Xd::Random(3, 5)}};
+  header.sections = {{0, "span", 3, true, 0.4, {0, -1, 1, -1, -1, -1, -1}}};
   return header;
 }
 
@@ -101,6 +104,8 @@ std::string content(const Results& results) {
     append(text, b.points);
     append(text, b.point_shapes);
     append(text, b.stress);
+    append(text, b.bar_stress);
+    for (const bool round : b.round_lines) text += round ? 'r' : 'c';
     for (const auto& line : b.lines) text += std::to_string(line[0]) + ' ' + std::to_string(line[1]) + ' ';
     for (const auto& t : b.triangles) text += std::to_string(t[0] + 10 * t[1] + 100 * t[2]) + ' ';
     for (const auto label : b.labels) text += std::to_string(label) + ' ';
@@ -123,6 +128,13 @@ std::string content(const Results& results) {
   for (const ElementDrawing& e : header.elements)
     text += e.name + '|' + e.kind + '|' + std::to_string(e.frame_a) + '|' + std::to_string(e.frame_b) + '|' +
             std::to_string(e.size);
+  for (const ElementDrawing& e : header.elements) append(text, e.curve);
+  for (const RecordedSection& section : header.sections) {
+    text += section.bar + '|' + std::to_string(section.body) + '|' + std::to_string(section.element) +
+            (section.end ? "end" : "start");
+    append(text, Eigen::VectorXd::Constant(1, section.along));
+    for (const int channel : section.channels) text += std::to_string(channel) + ' ';
+  }
   append(text, results.time);
   append(text, results.channels);
   append(text, results.modes);

@@ -102,7 +102,7 @@ TEST_F(Report, ElementsAndFramesAreCarriedAndChecked) {
   Results results = small_results();
   results.header.frames = {{"pin", spec::ground, {}, Eigen::MatrixXd(6, 0)},
                            {"eye", 1, {}, Eigen::MatrixXd::Ones(6, 1)}};
-  results.header.elements = {{"hinge", "revolute", 0, 1, 0}};
+  results.header.elements = {{"hinge", "revolute", 0, 1, 0, {}}};
   const Json data = data_of(results);
   EXPECT_EQ(data.at("elements").at(0).at("kind"), "revolute");
   EXPECT_EQ(data.at("elements").at(0).at("b"), 1);

@@ -76,6 +76,8 @@ ResultsHeader sample_header() {
   flexible.triangles = {{0, 1, 2}, {1, 3, 2}};
   flexible.labels = {7, 8, 9, 5'000'000'000};
   flexible.stress = 1e8 * Eigen::MatrixXd::Random(24, 2);
+  flexible.bar_stress = 1e8 * Eigen::MatrixXd::Random(24, 2);
+  flexible.round_lines = {true, false, true};
   flexible.line_radius = 0.02;
   header.bodies = {rigid, flexible};
   RoadDrawing road;
@@ -85,7 +87,10 @@ ResultsHeader sample_header() {
   FrameDrawing pin{"pin", spec::ground, {{4, 5, 6}, box.pose.rotation}, Eigen::MatrixXd(6, 0)};
   FrameDrawing eye{"arm.eye", 1, {}, Eigen::MatrixXd::Random(6, 2)};
   header.frames = {pin, eye};
-  header.elements = {{"hinge", "revolute", 0, 1, 0}, {"wheel", "tyre", 1, -1, 0.3}};
+  header.elements = {{"hinge", "revolute", 0, 1, 0, {}}, {"wheel", "tyre", 1, -1, 0.3, {}}};
+  header.elements.push_back({"wire", "on_curve", 0, 1, 0, Eigen::Matrix3Xd::Random(3, 7)});
+  header.sections = {{1, "span", 1, false, 0, {0, -1, -1, -1, -1, -1, 2}},
+                     {1, "span", 2, true, 0.75, {-1, -1, -1, -1, 1, -1, -1}}};
   return header;
 }
 
@@ -201,7 +206,21 @@ TEST_F(ResultsFile, ComesBackAsWritten) {
     EXPECT_EQ(frame.pose.rotation, written.pose.rotation);
     EXPECT_EQ(frame.motion, written.motion);
   }
-  ASSERT_EQ(results.header.elements.size(), 2u);
+  EXPECT_LT((arm.bar_stress - header.bodies[1].bar_stress).norm(), 1e-7 * arm.bar_stress.norm());
+  EXPECT_EQ(arm.round_lines, header.bodies[1].round_lines);
+  ASSERT_EQ(results.header.sections.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const RecordedSection &section = results.header.sections[k], &given = header.sections[k];
+    EXPECT_EQ(section.body, 1);
+    EXPECT_EQ(section.bar, "span");
+    EXPECT_EQ(section.element, given.element);
+    EXPECT_EQ(section.end, given.end);
+    EXPECT_EQ(section.along, given.along);
+    EXPECT_EQ(section.channels, given.channels);
+  }
+  ASSERT_EQ(results.header.elements.size(), 3u);
+  EXPECT_EQ(results.header.elements[2].curve, header.elements[2].curve);
+  EXPECT_EQ(results.header.elements[0].curve.cols(), 0);
   const ElementDrawing &hinge = results.header.elements[0], &wheel = results.header.elements[1];
   EXPECT_EQ(hinge.name, "hinge");
   EXPECT_EQ(hinge.kind, "revolute");
@@ -274,7 +293,7 @@ TEST_F(ResultsFile, HasTheDocumentedLayout) {
   EXPECT_THAT(shape("/roads/0/profile"), ElementsAre(5, 2));
   EXPECT_THAT(shape("/frames/pose"), ElementsAre(2, 12));
   EXPECT_THAT(shape("/frames/motion"), ElementsAre(2, 6));
-  EXPECT_THAT(shape("/elements/frames"), ElementsAre(2, 2));
+  EXPECT_THAT(shape("/elements/frames"), ElementsAre(3, 2));
   for (const char* name :
        {"format", "mimbre_version", "compiler", "instructions", "title", "step", "complete", "rows"})
     EXPECT_GT(H5Aexists(file, name), 0) << name;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mimbre/simulation.h"
 #include "support/models.h"
@@ -97,6 +98,58 @@ simulation: {step: 0.01, end: 1}
                        "sleeve: sliding damper along z", "table: sliding spring damper along y"}));
   EXPECT_EQ(header.elements[5].frame_a, header.elements[0].frame_a);
   EXPECT_EQ(header.elements[5].frame_b, header.elements[0].frame_b);
+}
+
+std::vector<std::string> kinds_of(const ResultsHeader& header, std::size_t joints) {
+  std::vector<std::string> kinds;
+  for (const ElementDrawing& e : header.elements) kinds.push_back(e.name + ": " + e.kind);
+  kinds.erase(kinds.begin(), kinds.begin() + static_cast<std::ptrdiff_t>(joints));
+  return kinds;
+}
+
+/// Drives, cables, drag, and springs over several joints.
+TEST(ElementDrawings, HoldForceElementsOfEveryPlace) {
+  const Simulation s(geared_four_bar());
+  const ResultsHeader header = s.header("");
+  EXPECT_EQ(kinds_of(header, 4),
+            (std::vector<std::string>{"rocker: torsional spring damper about z", "bar: coupling spring",
+                                      "bar: coupling spring", "hoist: actuator", "hoist: actuator",
+                                      "hoist: actuator", "dc: motor about z", "curve: motor about z",
+                                      "sail: drag"}));
+  const auto joint = [&](std::size_t k) -> const ElementDrawing& { return header.elements[k]; };
+  ASSERT_EQ(joint(0).name, "crank");
+  const auto place = [&](const std::string& name) {
+    const auto found = std::find_if(header.elements.begin(), header.elements.end(),
+                                    [&](const ElementDrawing& e) { return e.name == name; });
+    return found == header.elements.end() ? std::pair(-2, -2) : std::pair(found->frame_a, found->frame_b);
+  };
+  EXPECT_EQ(place("bar").first, joint(0).frame_b);
+  EXPECT_EQ(place("dc"), std::pair(joint(0).frame_a, joint(0).frame_b));
+  EXPECT_GE(place("sail").first, 0);
+  EXPECT_EQ(place("sail").second, -1);
+}
+
+TEST(ElementDrawings, HoldConstraintsOfEveryKind) {
+  const Simulation s(every_constraint());
+  const ResultsHeader header = s.header("");
+  EXPECT_EQ(
+      kinds_of(header, s.model().spec().joints.size()),
+      (std::vector<std::string>{"gear: coupling", "pinion: coupling", "half_shaft: constant_velocity",
+                                "slot: on_line", "cross: perpendicular", "rod: distance", "wire: on_curve",
+                                "table: on_plane", "upright: parallel", "thread: screw"}));
+  // A closed curve through its points, as the frame on the plate sees them.
+  const auto wire = std::find_if(header.elements.begin(), header.elements.end(),
+                                 [](const ElementDrawing& e) { return e.name == "wire"; });
+  ASSERT_NE(wire, header.elements.end());
+  ASSERT_GT(wire->curve.cols(), 50);
+  EXPECT_LT((wire->curve.leftCols<1>() - wire->curve.rightCols<1>()).norm(), 1e-12);
+  const spec::Pose& plate = s.model().spec().bodies[0].pose;  // with global axes
+  const spec::Pose& pose = header.frames[static_cast<std::size_t>(wire->frame_a)].pose;
+  for (const Eigen::Vector3d& given :
+       {Eigen::Vector3d(-0.9, 0, -0.6), Eigen::Vector3d(0.1, 0, -1.2), Eigen::Vector3d(0.8, 0.2, -0.4)}) {
+    const Eigen::Matrix3Xd global = (pose.rotation * wire->curve).colwise() + pose.position;
+    EXPECT_LT((global.colwise() - (given - plate.position)).colwise().norm().minCoeff(), 0.03);
+  }
 }
 
 /// A frame on its body, moved by the modes as a picture moves it, is where the output says that it is.

@@ -1,7 +1,7 @@
 // Forces and moments as arrows: so many metres long as they have newtons, by one scale for all.
 import * as THREE from "three";
 import { valueAt } from "./interpolate";
-import { isJoint } from "./placement";
+import { isJoint, type Pose } from "./placement";
 import type { Element, Scene, Signals } from "./data";
 
 export type Shown = "none" | "loads" | "all";
@@ -12,6 +12,8 @@ interface Vector {
   names: string[];
   element: Element;
   moment: boolean;
+  /** In the axes of its frame instead. */
+  own: boolean;
   /** Of the bodies on each other, not from outside. */
   reaction: boolean;
   at: (time: number) => THREE.Vector3 | null;
@@ -43,6 +45,8 @@ export function vectorsOf(scene: Scene, silent = false): Vector[] {
     const all: [string[], moment: boolean, reaction: boolean][] =
       element.kind === "load"
         ? [[axes(`load.${element.name}.force`), false, false], [axes(`load.${element.name}.moment`), true, false]]
+        : element.kind === "drag"
+          ? [[axes(`drag.${element.name}.force`), false, false]]
         : element.kind.startsWith("tyre")
           ? [[["", "", `tyre.${element.name}.vertical`], false, true]]
           : isJoint(element)
@@ -50,7 +54,7 @@ export function vectorsOf(scene: Scene, silent = false): Vector[] {
             : [];
     return all.flatMap(([names, moment, reaction]) => {
       const found = vector(signals, names);
-      return found && (silent || found.usual > 0) ? [{ element, moment, reaction, ...found }] : [];
+      return found && (silent || found.usual > 0) ? [{ element, moment, own: element.kind === "drag", reaction, ...found }] : [];
     });
   });
 }
@@ -176,7 +180,7 @@ export class Arrows {
   }
 
   /** `place`: where an element is drawn now. */
-  update(time: number, place: (element: Element) => THREE.Vector3 | null): void {
+  update(time: number, place: (element: Element) => Pose | null): void {
     for (const arrow of this.arrows) {
       const { vector } = arrow;
       const from = this.wanted(vector) ? place(vector.element) : null;
@@ -184,7 +188,8 @@ export class Arrows {
       arrow.group.visible = false;
       if (!from || !along) continue;
       if (this.live) this.learn(vector, along.length());
-      arrow.place(from, along.divideScalar((vector.moment ? this.perMetre.moment : this.perMetre.force) * this.factor));
+      if (vector.own) along.applyQuaternion(from.rotation);
+      arrow.place(from.position, along.divideScalar((vector.moment ? this.perMetre.moment : this.perMetre.force) * this.factor));
     }
   }
 }

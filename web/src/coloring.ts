@@ -2,19 +2,21 @@
 import type { Animation, Body } from "./data";
 import { displacements, magnitudes } from "./deform";
 import { amplitudesAt } from "./interpolate";
-import { stresses, vonMises } from "./stress";
+import { barVonMises, stresses, vonMises } from "./stress";
 
 export type Quantity = "none" | "displacement" | "stress";
 
 export function has(body: Body, quantity: Quantity): boolean {
-  if (quantity === "stress") return body.stress.length > 0;
+  if (quantity === "stress") return body.stress.length > 0 || body.barStress.length > 0;
   return quantity === "displacement" && body.pointShapes.length > 0;
 }
 
 /** Computes a quantity at the points of one body, without allocating. */
 export class PointValues {
   readonly values: Float32Array;
-  private components: Float32Array; // displacements or stresses
+  private components: Float32Array; // displacements or stresses, of bars at the ends of the lines
+
+  private ofBars: boolean;
 
   constructor(
     private body: Body,
@@ -22,11 +24,14 @@ export class PointValues {
   ) {
     const points = body.points.length / 3;
     this.values = new Float32Array(points);
-    this.components = new Float32Array(quantity === "stress" ? 6 * points : 3 * points);
+    this.ofBars = quantity === "stress" && body.stress.length === 0;
+    this.components = new Float32Array(this.ofBars ? 4 * body.lines.length : quantity === "stress" ? 6 * points : 3 * points);
   }
 
   at(amplitudes: ArrayLike<number>): Float32Array {
-    if (this.quantity === "stress") {
+    if (this.ofBars) {
+      barVonMises(this.body, amplitudes, this.components, this.values);
+    } else if (this.quantity === "stress") {
       stresses(this.body, amplitudes, this.components);
       vonMises(this.components, this.values);
     } else {
@@ -53,7 +58,7 @@ export interface Peak {
 /** The largest of each body over the animation. Of large models a sample of the instants finds the scale well enough. */
 export function peaks(bodies: Body[], animation: Animation, quantity: Quantity, budget = quantity === "stress" ? 4e8 : 2e7): Peak[] {
   const concerned = bodies.filter((body) => has(body, quantity));
-  const size = (body: Body) => (quantity === "stress" ? body.stress.length : body.pointShapes.length);
+  const size = (body: Body) => (quantity === "stress" ? body.stress.length + body.barStress.length : body.pointShapes.length);
   const work = concerned.reduce((sum, body) => sum + size(body), 0);
   const every = Math.max(1, Math.ceil((work * animation.time.length) / budget));
   return bodies.map((body) => {

@@ -17,6 +17,8 @@ export interface PackedBody {
   edges: PackedArray;
   labels: PackedArray;
   stress: PackedArray;
+  barStress: PackedArray;
+  roundLines: PackedArray;
   shapes: Solid[];
 }
 
@@ -33,7 +35,7 @@ export interface PackedScene {
   bodies: PackedBody[];
   roads: { name: string; profile: PackedArray }[];
   frames?: PackedFrame[];
-  elements?: Element[];
+  elements?: PackedElement[];
   animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
 }
 
@@ -70,14 +72,18 @@ export interface Frame {
   motion: Float32Array;
 }
 
-/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", of a joint's own "torsional …" with "about z" or "sliding …" with "along z", "load", "tyre", "tyre on rig", of a constraint "distance", "on_line", "on_plane", "on_curve", "constant_velocity", "screw". */
+/** A joint (kind: its type), "spring", "damper", "spring damper", "actuator", of a joint's own "torsional …" with "about z" or "sliding …" with "along z", "load", "tyre", "tyre on rig", of a constraint "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw"; "coupling" or "coupling spring" between joints; on a joint "motor", "friction", "stop" with "about z" or "along z"; "bushing"; "drag". */
 export interface Element {
   name: string;
   kind: string;
   a: number; // frames; −1: none
   b: number;
   size: number; // a tyre's radius
+  /** Of "on_curve": x y z per point, in the axes of frame a. */
+  curve?: Float32Array;
 }
+
+export type PackedElement = Omit<Element, "curve"> & { curve?: PackedArray };
 
 /** Values over time, found by the name of a channel; null where there is none. */
 export type Signals = (channel: string) => { time: ArrayLike<number>; values: ArrayLike<number | null> } | null;
@@ -97,6 +103,9 @@ export interface Body {
   labels: Float64Array; // of the points in their mesh; empty: unknown
   /** Per mode, of each point xx yy zz xy yz zx, Pa at unit amplitude; of the first modes, or empty. */
   stress: Float32Array;
+  /** Of bars, per mode at the start and the end of each line: largest normal stress by N, My, Mz, and √3 times the shear stress by T, Pa at unit amplitude; of the first modes, or empty. */
+  barStress: Float32Array;
+  roundLines: Uint32Array; // whose outermost fibres are a circle; else the corners of a rectangle
   shapes: Solid[];
 }
 
@@ -230,6 +239,8 @@ export function decodeBody(body: PackedBody, firstMode = 0): Body {
     edges: u32(body.edges),
     labels: f64(body.labels),
     stress: f32(body.stress),
+    barStress: f32(body.barStress),
+    roundLines: u32(body.roundLines),
     shapes: body.shapes,
   };
 }
@@ -245,7 +256,7 @@ export function decodeScene(packed: PackedScene): Scene {
     bodies,
     roads: packed.roads.map(({ name, profile }) => ({ name, profile: f64(profile) })),
     frames: (packed.frames ?? []).map((frame) => ({ ...frame, motion: f32(frame.motion) })),
-    elements: packed.elements ?? [],
+    elements: (packed.elements ?? []).map(({ curve, ...element }) => (curve ? { ...element, curve: f32(curve) } : element)),
     animation: {
       time: f64(packed.animation.time),
       positions: f64(packed.animation.positions),

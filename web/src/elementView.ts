@@ -2,6 +2,8 @@
 import * as THREE from "three";
 import { isJoint, type Pose } from "./placement";
 import type { Element } from "./data";
+import { CouplingView, isCoupling } from "./couplingView";
+import { isJointLaw, jointLawMesh } from "./jointLawView";
 import { slideOf, SlidingSpring } from "./slidingSpring";
 import { isTorsional, TorsionView } from "./torsionView";
 
@@ -47,6 +49,12 @@ function between(kind: string, length: number, size: number, materials: ElementM
   return parts;
 }
 
+/** Through its points, in the axes of the frame that carries it. */
+function curveMesh(points: Float32Array, radius: number, material: THREE.Material): THREE.Mesh {
+  const at = Array.from({ length: points.length / 3 }, (_, k) => new THREE.Vector3().fromArray(points, 3 * k));
+  return new THREE.Mesh(new THREE.TubeGeometry(new THREE.CatmullRomCurve3(at), 2 * at.length, 0.3 * radius, 8), material);
+}
+
 /** A joint's own shape, in its frame's axes, z along its axis. */
 function jointShape(kind: string, r: number): THREE.BufferGeometry[] {
   const along = (radius: number, length: number) => new THREE.CylinderGeometry(radius, radius, length, 24).rotateX(Math.PI / 2);
@@ -56,6 +64,7 @@ function jointShape(kind: string, r: number): THREE.BufferGeometry[] {
   if (kind === "universal") return [along(0.45 * r, 3 * r).rotateX(Math.PI / 2), along(0.45 * r, 3 * r).rotateY(Math.PI / 2), new THREE.BoxGeometry(r, r, r)];
   if (kind === "spherical" || kind === "constant_velocity") return [new THREE.SphereGeometry(1.15 * r, 24, 16)];
   if (kind === "planar") return [new THREE.BoxGeometry(4 * r, 4 * r, 0.4 * r)];
+  if (kind === "bushing") return [new THREE.TorusGeometry(1.3 * r, 0.6 * r, 16, 32)];
   if (kind === "floating") return [];
   if (kind.startsWith("on_")) return [new THREE.SphereGeometry(0.7 * r, 24, 16)]; // a point on a line, plane or curve
   return [new THREE.BoxGeometry(1.3 * r, 1.3 * r, 1.3 * r)]; // held in all directions
@@ -80,6 +89,9 @@ export class ElementView {
   private parts: Part[] = [];
   private torsion?: TorsionView;
   private sliding?: SlidingSpring;
+  private coupling?: CouplingView;
+  /** What goes with the first frame: a curve, a motor. */
+  private first?: THREE.Mesh;
 
   constructor(
     readonly element: Element,
@@ -94,11 +106,20 @@ export class ElementView {
   ) {
     const { kind } = element;
     const slide = slideOf(element);
-    this.isJoint = isJoint(element) || kind === "floating" || kind.startsWith("on_");
+    this.isJoint = isJoint(element) || kind === "floating" || kind === "bushing" || kind.startsWith("on_");
     this.group.name = element.name;
     const radius = Math.min(Math.max(0.008 * size, 1.3 * thickness), 0.03 * size); // of a joint
-    if (this.isJoint) {
-      for (const geometry of jointShape(kind, radius)) this.group.add(new THREE.Mesh(geometry, materials.joint));
+    if (isCoupling(kind)) {
+      this.coupling = new CouplingView(this.group, kind, radius, materials);
+    } else if (isJointLaw(kind)) {
+      this.first = jointLawMesh(kind, radius, materials);
+      this.group.add(this.first);
+    } else if (this.isJoint) {
+      for (const geometry of jointShape(kind, radius)) this.group.add(new THREE.Mesh(geometry, kind === "bushing" ? materials.damper : materials.joint));
+      if (element.curve) {
+        this.first = curveMesh(element.curve, radius, materials.rod);
+        this.group.add(this.first);
+      }
     } else if (isTorsional(element)) {
       if (a && b) this.torsion = new TorsionView(this.group, element, a, b, radius, materials);
     } else if (a && b) {
@@ -118,9 +139,20 @@ export class ElementView {
   /** Between frames where they are drawn now. */
   update(a: Pose, b: Pose): void {
     if (this.torsion) return this.torsion.update(a, b);
+    if (this.coupling) return this.coupling.update(a, b);
+    if (this.first && !this.isJoint) {
+      this.group.position.copy(a.position);
+      this.group.quaternion.copy(a.rotation);
+      return;
+    }
     if (this.isJoint) {
       this.group.position.copy(b.position);
       this.group.quaternion.copy(b.rotation);
+      if (this.first) {
+        const back = b.rotation.clone().conjugate();
+        this.first.position.copy(a.position).sub(b.position).applyQuaternion(back);
+        this.first.quaternion.copy(back).multiply(a.rotation);
+      }
       return;
     }
     const [from, to] = this.ends(a, b);

@@ -1,7 +1,7 @@
 // The card with the 3D view and everything that steers it.
 import { speeds, type Clock } from "./clock";
 import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
-import { atNode, type Quantity } from "./coloring";
+import { atNode, has, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { element } from "./dom";
 import { saveCanvas } from "./download";
@@ -12,6 +12,8 @@ import { nearest, valueAt } from "./interpolate";
 import { checkbox, choice, factorSlider } from "./slider";
 import { isJoint } from "./placement";
 import { quantity } from "./summaryLines";
+import { isCoupling } from "./couplingView";
+import { isJointLaw, jointLawText } from "./jointLawView";
 import { slideOf } from "./slidingSpring";
 import { isTorsional } from "./torsionView";
 import { View3D, type Picked, type ViewOptions } from "./view3d";
@@ -125,6 +127,8 @@ export class Player {
       const signal = this.report.signals?.(channel);
       return signal ? valueAt(signal.time, signal.values, this.clock.time) : null;
     };
+    if (isJointLaw(kind)) return `${name}, ${jointLawText(kind)}`;
+    if (isCoupling(kind) || kind === "bushing") return `${name}, ${kind}`;
     if (isOfJoint({ kind })) return `${name}: ${kind.replace(/ (about|along) .*/, "")} of the joint`;
     if (kind.includes("spring") || kind.includes("damper") || kind === "actuator") {
       const [force, length] = [now(`spring.${name}.force`), now(`spring.${name}.length`)];
@@ -147,7 +151,7 @@ export class Player {
     const drawn = this.report.bodies[body];
     if (drawn.pointShapes.length === 0) return drawn.name;
     let text = `${drawn.name}: deformed by up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
-    if (drawn.stress.length === 0) return text;
+    if (!has(drawn, "stress")) return text;
     const largest = view.largestNow(body, "stress");
     text += `, stressed by up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
     if (point >= 0) text += `; here ${quantityText(view.valuesNow(body, "stress")[point], "stress")}${atNode(drawn, point)}`;
@@ -190,7 +194,7 @@ export class Player {
     if (this.report.bodies.some((body) => body.shapes.length > 0)) {
       row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
     }
-    if (this.report.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
+    if (this.report.elements.some(({ kind }) => !["load", "drag"].includes(kind) && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
     this.forces = new ForcePanel(view, () => this.pickedChanged());
     row.append(...this.forces.parts);

@@ -417,10 +417,11 @@ export class View3D {
       if (height !== null) mesh.position.copy(at(element.a).position).setZ(height - this.origin.z);
     }
     this.arrows.update(time, ({ kind, a, b, size }) => {
-      const frame = kind === "load" || kind.startsWith("tyre") ? a : b;
+      const frame = kind === "load" || kind === "drag" || kind.startsWith("tyre") ? a : b;
       if (frame < 0) return null;
-      const { position } = at(frame);
-      return kind.startsWith("tyre") ? position.setZ(position.z - size) : position;
+      const pose = at(frame);
+      if (kind.startsWith("tyre")) pose.position.z -= size;
+      return pose;
     });
   }
 

@@ -23,6 +23,8 @@ const beam: Body = {
   edges: new Uint32Array(),
   labels: new Float64Array(),
   stress: new Float32Array(),
+  barStress: new Float32Array(),
+  roundLines: new Uint32Array(),
   shapes: [],
 };
 
@@ -48,7 +50,7 @@ test("arrays are decoded to their last bit", () => {
 test("a report is decoded: offsets, gaps, places of the modes", () => {
   const empty = packed("f32", []);
   const none = packed("u32", []);
-  const body = { lineRadius: 1, points: empty, pointShapes: empty, lines: none, triangles: none, edges: none, labels: packed("f64", []), stress: empty, shapes: [] };
+  const body = { lineRadius: 1, points: empty, pointShapes: empty, lines: none, triangles: none, edges: none, labels: packed("f64", []), stress: empty, barStress: empty, roundLines: none, shapes: [] };
   const report = decodeReport({
     format: "mimbre-report-1",
     title: "t",

@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { atNode, has, peak, peaks, PointValues } from "../src/coloring";
+import { dashes, isCoupling } from "../src/couplingView";
 import { decodeBody, type Animation, type Body } from "../src/data";
 import { amplitudesOf, combined, decodeModes, ordered, swingScene, verdict, type PackedModes } from "../src/modesData";
+import { isJointLaw, jointLawText } from "../src/jointLawView";
 import { stresses, vonMises } from "../src/stress";
 import { scaleFor } from "../src/engineering";
 import { near, packed } from "./helpers";
@@ -19,6 +21,8 @@ const plate: Body = decodeBody({
   edges: packed("u32", [0, 1]),
   labels: packed("f64", [11, 4503599627370496]),
   stress: packed("f32", [100, 0, 0, 0, 0, 0, 0, 0, 0, 10, 0, 0, -30, 0, 0, 0, 0, 0, 5, 5, 5, 0, 0, 0]),
+  barStress: packed("f32", []),
+  roundLines: packed("u32", []),
   shapes: [],
 });
 
@@ -51,6 +55,41 @@ test("stresses are sums over the modes that have them", () => {
   near(out, new Array(12).fill(0));
 });
 
+test("von Mises' stress of bars: bending of circles and rectangles, shear, the larger of two bars at a point", () => {
+  // A round bar, then a rectangular one; the second mode twists the first bar's end alone.
+  const modes = [5, 3, 4, 0, -5, 3, -4, 0, 1, 6, -7, 0, -2, 0, 0, 0, ...new Array(7).fill(0), 10, ...new Array(8).fill(0)];
+  const frame: Body = {
+    ...plate,
+    points: new Float32Array(9),
+    lines: new Uint32Array([0, 1, 1, 2]),
+    stress: new Float32Array(),
+    barStress: new Float32Array(modes),
+    roundLines: new Uint32Array([1, 0]),
+  };
+  assert.equal(has(frame, "stress"), true);
+  near(new PointValues(frame, "stress").at([1, 0, 9]), [10, 14, 2], 1e-5);
+  near(new PointValues(frame, "stress").at([-2, 0, 9]), [20, 28, 4], 1e-5);
+  near(new PointValues(frame, "stress").at([1, 2, 9]), [10, Math.hypot(10, 20), 2], 1e-5);
+  assert.deepEqual(peaks([frame], animation, "stress")[0], { value: 28, point: 1, time: 1 });
+});
+
+test("a dashed line has so many dashes, from end to end", () => {
+  const geometry = dashes(3);
+  const position = geometry.getAttribute("position");
+  const heights = [...new Set(Array.from(geometry.getIndex()!.array, (corner) => Math.round(5 * position.getY(corner))))].sort();
+  assert.deepEqual(heights, [0, 1, 2, 3, 4, 5]);
+  const middles = new Set<number>();
+  const index = Array.from(geometry.getIndex()!.array);
+  for (let k = 0; k < index.length; k += 3) middles.add(Math.min(...index.slice(k, k + 3).map((corner) => Math.round(5 * position.getY(corner)))));
+  assert.deepEqual([...middles].sort(), [0, 2, 4]);
+});
+
+test("what drives or brakes a joint is told from its springs", () => {
+  assert.deepEqual(["motor about z", "friction along x", "stop about y", "motor", "torsional spring about z"].map(isJointLaw), [true, true, true, false, false]);
+  assert.equal(jointLawText("friction along x"), "friction of the joint");
+  assert.deepEqual(["coupling", "coupling spring", "parallel", "perpendicular", "distance", "spring"].map(isCoupling), [true, true, true, true, false, false]);
+});
+
 test("values and their largest over the time", () => {
   near(new PointValues(plate, "stress").at([2, 1, 0]), [170, 20 * Math.sqrt(3)], 1e-4);
   near(new PointValues(plate, "displacement").at([2, 1, 5]), [5, Math.hypot(6, 4)], 1e-6);
@@ -74,7 +113,7 @@ test("units keep numbers short", () => {
 });
 
 const empty = packed("f32", []);
-const body = { name: "arm", modes: 2, lineRadius: 1, points: empty, pointShapes: empty, lines: packed("u32", []), triangles: packed("u32", []), edges: packed("u32", []), labels: packed("f64", []), stress: empty, shapes: [] };
+const body = { name: "arm", modes: 2, lineRadius: 1, points: empty, pointShapes: empty, lines: packed("u32", []), triangles: packed("u32", []), edges: packed("u32", []), labels: packed("f64", []), stress: empty, barStress: empty, roundLines: packed("u32", []), shapes: [] };
 const modes: PackedModes = {
   format: "mimbre-modes-1",
   name: "arm",

@@ -18,16 +18,20 @@ const reports = new Reports(process.argv[2], folder);
 const rigModel = "web/tests/browser/rig.yaml";
 const started = performance.now();
 const craneModel = "web/tests/browser/crane.yaml";
-const [rigRun, small, fine, coarse] = await Promise.all([
+const [rigRun, small, fine, coarse, constraintsRun, elementsRun] = await Promise.all([
   reports.run(rigModel, "rig"),
   reports.run("web/tests/browser/resonator.yaml", "resonator"),
   reports.run(craneModel, "fine"),
   reports.run(craneModel, "coarse", "--step", "0.04", "--until", "3.6"),
+  reports.run("web/tests/browser/constraints.yaml", "constraints"),
+  reports.run("web/tests/browser/force-elements.yaml", "elements"),
 ]);
-const [rig, resonator, compared] = await Promise.all([
+const [rig, resonator, compared, constraints, elements] = await Promise.all([
   reports.report("rig", rigRun),
   reports.report("resonator", small),
   reports.report("compared", fine, coarse),
+  reports.report("constraints", constraintsRun),
+  reports.report("elements", elementsRun),
 ]);
 
 const cases = [];
@@ -161,6 +165,76 @@ test("a joint's spring winds up with the joint's angle: its inner end goes with 
   const difference = later.turn - start.turn - (later.angle - start.angle);
   assert.ok(Math.abs(later.angle - start.angle) > 0.3);
   assert.ok(Math.abs(difference - 2 * Math.PI * Math.round(difference / (2 * Math.PI))) < 1e-4, `${difference} rad`);
+});
+
+test("bars are coloured by the stress of their deflection: at the root that of the joint's moment", async ({ page }) => {
+  await goTo(page, 0.1);
+  const { stress, point, moment } = await page.evaluate(() => {
+    const view = window.mimbreView;
+    const arm = view.report.bodies.findIndex(({ name }) => name === "arm");
+    const values = view.bodies[arm].valuesAt(view.amplitudes(arm), "stress");
+    const { time, values: moments } = view.report.signals("joint.weld.moment.y");
+    const point = values.indexOf(Math.max(...values));
+    return { stress: values[point], point: view.report.bodies[arm].points[3 * point], moment: moments[time.findIndex((t) => t >= view.clock.time - 1e-12)] };
+  });
+  const byHand = Math.abs(moment) / ((Math.PI / 32) * 0.02 ** 3);
+  assert.ok(Math.abs(stress - byHand) < 0.05 * byHand, `${stress} Pa, by hand ${byHand} Pa`);
+  assert.ok(Math.abs(point) < 1e-6, "the root");
+  await page.getByLabel("Colour", { exact: true }).selectOption("stress");
+  await drawn(page);
+  assert.match(await say(page, ".colorbar span"), /stress, [kM]?Pa/);
+  await page.getByLabel("Colour", { exact: true }).selectOption("none");
+});
+
+/** By the names of elements what is drawn of each: whether it is seen, and where its meshes are. */
+const drawnElements = (page) =>
+  page.evaluate(() => {
+    const Vector = window.mimbreView.camera.position.constructor;
+    window.mimbreView.scene.updateMatrixWorld(true);
+    const all = {};
+    for (const { element, group } of window.mimbreView.elements)
+      (all[element.name] ??= []).push({ kind: element.kind, seen: group.visible, meshes: group.children.map((mesh) => new Vector().setFromMatrixPosition(mesh.matrixWorld).add(window.mimbreView.origin).toArray()) });
+    return all;
+  });
+const apart = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
+
+test("constraints of every kind are drawn where they act", async () => {
+  const { page, complaints } = await open(browser, constraints);
+  await goTo(page, 0.15);
+  const all = await drawnElements(page);
+  for (const name of ["mesh", "rail", "rod", "groove", "table", "wire", "upright", "square", "half_shaft", "thread"])
+    assert.ok(all[name]?.[0].seen && all[name][0].meshes.length > 0, name);
+  assert.equal(all.upright[0].meshes.length, 3); // a line and two axes
+  assert.ok(apart(all.mesh[0].meshes[0], [-0.2, 0, 1.5]) < 1e-6); // from the first wheel
+  // The bead is on the curve, whose mesh is in the axes of the ground's frame.
+  const off = await page.evaluate(() => {
+    const { group, first } = window.mimbreView.elements.find(({ element }) => element.name === "wire");
+    const bead = group.children.find((mesh) => mesh !== first);
+    const Vector = window.mimbreView.camera.position.constructor;
+    const centre = new Vector().setFromMatrixPosition(bead.matrixWorld);
+    const { array } = first.geometry.getAttribute("position");
+    return Math.min(...Array.from({ length: array.length / 3 }, (_, k) => new Vector().fromArray(array, 3 * k).applyMatrix4(first.matrixWorld).distanceTo(centre)));
+  });
+  assert.ok(off < 0.03, `${off} m`);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test("force elements of every kind are drawn, drag as an arrow against the motion", async () => {
+  const { page, complaints } = await open(browser, elements);
+  await goTo(page, 0.05);
+  const all = await drawnElements(page);
+  for (const name of ["strut", "rail", "flap", "bar", "mount", "hoist", "wheel"])
+    assert.ok(all[name]?.some(({ seen, meshes }) => seen && meshes.length > 0), name);
+  assert.deepEqual(all.flap.map(({ kind }) => kind).sort(), ["revolute", "stop about z"]);
+  const arrow = await page.evaluate(() => {
+    const { group } = window.mimbreView.arrows.arrows.find(({ vector }) => vector.element.kind === "drag");
+    const Vector = window.mimbreView.camera.position.constructor;
+    return { seen: group.visible, up: new Vector(0, 1, 0).applyQuaternion(group.quaternion).toArray() };
+  });
+  assert.ok(arrow.seen && arrow.up[2] > 0.999, `${arrow.up}`);
+  assert.deepEqual(complaints, []);
+  await page.close();
 });
 
 /** What is seen of a mechanism, in parts of its size and of the picture. */

@@ -42,9 +42,12 @@ const pictures = [
   { name: "double-wishbone", model: "examples/double-wishbone/model.yaml", scene: true, time: 0.6, forces: "all", through: true },
   { name: "rotor", model: "examples/rotor/model.yaml", scene: true, time: 5.6, exaggerate: 20, through: true },
   { name: "wind-turbine", model: "examples/wind-turbine/model.yaml", scene: true, time: 12 },
+  { name: "bar-stress", model: "examples/robot/model.yaml", scene: true, time: 1.2, asked: "color=stress", through: true },
   { name: "robot", model: "examples/robot/model.yaml", scene: true, time: 1, forces: "all", exaggerate: 20 },
   { name: "solar-array", model: "examples/solar-array/model.yaml", scene: true, time: 8 },
   { name: "ball-cascade", model: "examples/ball-cascade/model.yaml", scene: true, time: 0.012 },
+  { name: "force-elements", model: "web/tests/browser/force-elements.yaml", scene: true, time: 0.1, forces: "loads", through: true, turned: [-0.4, 0, 0.8] },
+  { name: "constraints", model: "web/tests/browser/constraints.yaml", scene: true, time: 0.15, through: true, turned: [-0.4, 0, 0.8] },
   { name: "spin-up", model: "examples/spin-up-beam/beam-2d.yaml", time: 8, tab: "x–y" },
   {
     name: "spin-up-comparison",
@@ -76,7 +79,7 @@ async function address(picture) {
   return page + (asked ? `#${asked}` : "");
 }
 
-async function set(page, { time, exaggerate, forces, through, tab, nearer }) {
+async function set(page, { time, exaggerate, forces, through, tab, nearer, turned }) {
   if (time !== undefined) await page.evaluate((t) => window.mimbreView.clock.set(t), time);
   // Through the slider, so that what it shows is what is drawn; its ends are 1 and 500.
   if (exaggerate)
@@ -87,6 +90,7 @@ async function set(page, { time, exaggerate, forces, through, tab, nearer }) {
   if (forces) await page.getByLabel("Forces", { exact: true }).selectOption(forces);
   if (through) await page.getByLabel("See through solids").check();
   if (tab) await page.getByRole("tab", { name: tab }).click();
+  if (turned) await page.evaluate((by) => window.mimbreView.turn(...by), turned);
   if (!nearer) return;
   await page.evaluate((name) => {
     const view = window.mimbreView;
