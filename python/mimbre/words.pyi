@@ -784,7 +784,7 @@ class SignalKeys(TypedDict, total=False):
     # Of noise, a whole number; default: 0.
     seed: Number
     # A flexible body made of bars: N, Vy, Vz, T, My, Mz or von_mises in the section at the node of its
-    # bars at the place `at`; without a place in all sections, without a component all of them.
+    # bars at the place `at`.
     section_force: str
 
 Signal: TypeAlias = str | float | SignalKeys
