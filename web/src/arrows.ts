@@ -47,11 +47,11 @@ export function vectorsOf(scene: Scene, silent = false): Vector[] {
         ? [[axes(`load.${element.name}.force`), false, false], [axes(`load.${element.name}.moment`), true, false]]
         : element.kind === "drag"
           ? [[axes(`drag.${element.name}.force`), false, false]]
-        : element.kind.startsWith("tyre")
-          ? [[["", "", `tyre.${element.name}.vertical`], false, true]]
-          : isJoint(element)
-            ? [[axes(`joint.${element.name}.force`), false, true]]
-            : [];
+          : element.kind.startsWith("tyre")
+            ? [[["", "", `tyre.${element.name}.vertical`], false, true]]
+            : isJoint(element)
+              ? [[axes(`joint.${element.name}.force`), false, true]]
+              : [];
     return all.flatMap(([names, moment, reaction]) => {
       const found = vector(signals, names);
       return found && (silent || found.usual > 0) ? [{ element, moment, own: element.kind === "drag", reaction, ...found }] : [];

@@ -45,7 +45,7 @@ export class ForcePanel {
       this.draw();
       this.tellScale();
     });
-    chosen.title = "Red: loads. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
+    chosen.title = "Red: loads, and drag. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
     this.parts = [chosen, slider, this.list];
   }
 
