@@ -247,6 +247,9 @@ void check_drawing(const BodyDrawing& body) {
   if (!body.round_lines.empty()) {
     same(static_cast<Index>(body.round_lines.size()), static_cast<Index>(body.lines.size()), "round lines");
     same(body.bar_stress.rows(), static_cast<Index>(8 * body.lines.size()), "rows of stress of bars");
+    if (body.bar_stress.cols() > body.modes)
+      bad(fmt::format("results: stress of bars of {} modes, body '{}' has {}", body.bar_stress.cols(),
+                      body.name, body.modes));
   }
   if (!body.labels.empty()) same(static_cast<Index>(body.labels.size()), points, "labels of points");
   const auto inside = [&](const auto& corners, const char* what) {

@@ -115,6 +115,27 @@ TEST_F(Report, ElementsAndFramesAreCarriedAndChecked) {
   EXPECT_THROW(report_html(results), InputError);
 }
 
+/// Four parts of stress at each end of each line, and the points of curves.
+TEST_F(Report, StressOfBarsAndCurvesAreCarriedAndChecked) {
+  Results results = small_results();
+  BodyDrawing& arm = results.header.bodies[1];
+  EXPECT_EQ(data_of(results).at("bodies").at(1).at("barStress").at("size"), 0);
+  arm.bar_stress = Eigen::VectorXd::LinSpaced(8, 1, 8);
+  arm.round_lines = {true};
+  results.header.frames = {{"pin", spec::ground, {}, Eigen::MatrixXd(6, 0)}};
+  results.header.elements = {{"wire", "on_curve", 0, 0, 0, Eigen::Matrix3Xd::Identity(3, 2)},
+                             {"table", "on_plane", 0, 0, 0, {}}};
+  const Json data = data_of(results), drawn = data.at("bodies").at(1);
+  EXPECT_THAT(decoded<float>(drawn.at("barStress")), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(decoded<std::uint32_t>(drawn.at("roundLines")), ElementsAre(1));
+  EXPECT_THAT(decoded<float>(data.at("elements").at(0).at("curve")), ElementsAre(1, 0, 0, 0, 1, 0));
+  EXPECT_FALSE(data.at("elements").at(1).contains("curve"));
+  arm.bar_stress = Eigen::MatrixXd::Ones(8, 2);
+  EXPECT_THROW(report_html(results), InputError) << "stress of more modes than the body has";
+  arm.bar_stress = Eigen::MatrixXd::Ones(4, 1);
+  EXPECT_THROW(report_html(results), InputError);
+}
+
 TEST_F(Report, SummaryOptionsAndModelAreCarried) {
   Results results = small_results();
   const Json data = data_of(results);
