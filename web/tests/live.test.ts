@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Vector3 } from "three";
+import { Quaternion, Vector3 } from "three";
 import { Arrows } from "../src/arrows";
 import type { Scene } from "../src/data";
 import { amplitudesAt, poseAt } from "../src/interpolate";
@@ -348,7 +348,7 @@ test("the histogram shows one step in a million, and the deadline where it belon
 
 /** A wheel, then a chassis that floats; a load on it. */
 function vehicle(): Scene {
-  const body = { firstMode: 0, modes: 0, lineRadius: 0, points: new Float32Array(), pointShapes: new Float32Array(), lines: new Uint32Array(), triangles: new Uint32Array(), edges: new Uint32Array(), labels: new Float64Array(), stress: new Float32Array() };
+  const body = { firstMode: 0, modes: 0, lineRadius: 0, points: new Float32Array(), pointShapes: new Float32Array(), lines: new Uint32Array(), triangles: new Uint32Array(), edges: new Uint32Array(), labels: new Float64Array(), stress: new Float32Array(), barStress: new Float32Array(), roundLines: new Uint32Array() };
   const box = (size: number) => [{ kind: "box" as const, size: [size, size, size], position: [0, 0, 0], rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1] }];
   const frame = (name: string, on: number) => ({ name, body: on, position: [0, 0, 0], rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], motion: new Float32Array() });
   const values = new Map(["x", "y", "z"].map((axis) => [`load.push.force.${axis}`, { time: [0, 1], values: [0, 0] }]));
@@ -382,6 +382,6 @@ test("arrows of forces that are not known before: they are there, ask for their 
   (scene.signals!("load.push.force.y")!.values as number[]).fill(-300);
   arrows.update(0.5, () => null);
   assert.equal(arrows.perMetre.force, 0); // not drawn, not learned
-  arrows.update(0.5, () => new Vector3());
+  arrows.update(0.5, () => ({ position: new Vector3(), rotation: new Quaternion() }));
   assert.equal(arrows.perMetre.force, 1000); // at most 0.4 m long, of a mechanism of 1 m
 });
