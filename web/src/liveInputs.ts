@@ -186,6 +186,7 @@ export class Inputs {
 
   private tell(): void {
     const driven = this.driver.levers.some(({ plus }) => plus.length > 0);
-    this.hint.replaceChildren(driven ? "Drive with the keys above or a gamepad · " : "Keys and gamepads can be given to the inputs above · ", element("kbd", {}, "P"), " pause · ", element("kbd", {}, "R"), " reset");
+    const how = this.driver.levers.length === 0 ? "" : driven ? "Drive with the keys above or a gamepad · " : "Keys and gamepads can be given to the inputs above · ";
+    this.hint.replaceChildren(how, element("kbd", {}, "P"), " pause · ", element("kbd", {}, "R"), " reset");
   }
 }

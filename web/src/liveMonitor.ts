@@ -43,7 +43,7 @@ export class Monitor {
   private load = element("div", { class: "load-fill" });
   private peak = element("div", { class: "load-peak" });
   private meter = element("div", { class: "load", role: "meter", "aria-label": "Computation of the last step, of its length", "aria-valuemin": 0, "aria-valuemax": 100 }, this.load, this.peak);
-  private share = element("output", { class: "share" });
+  private share = element("span", { class: "share" });
   private cells = new Map<string, HTMLElement>();
   private overruns = element("p", { class: "overruns" });
   private causes = element("ul", { class: "causes" });

@@ -19,6 +19,7 @@ import { LiveView } from "./liveView";
 
 const seconds = () => performance.now() / 1000;
 
+const everyOther = 3; // pictures of the mechanism to one of the charts
 const errorsStay = 8; // s
 const patience = 5; // s, with what is to be done before something else
 
@@ -55,7 +56,9 @@ export class LivePage {
   private viewers = 1;
   private retryAt = 0; // s
   private paces: { clock: number; time: number }[] = []; // of the last second
-  private last = seconds();
+  private last = seconds(); // when the screen was last asked for a picture
+  private written = seconds(); // when the charts were drawn
+  private drawn = 0; // pictures
   private hiding = 0; // the timer that takes an error away
 
   constructor(
@@ -111,6 +114,7 @@ export class LivePage {
     this.show();
     this.link.connect();
     this.draw();
+    setInterval(() => this.tell(seconds()), 250);
   }
 
   private order(one: Order): void {
@@ -279,12 +283,17 @@ export class LivePage {
     if (between && newest) {
       this.drive(dt, now, newest);
       this.view.show(between, (name, picture) => this.valueIn(picture, name), now);
-      this.strips.draw(now, between.time);
-      this.monitor.tick(newest.deadline, dt);
-      this.transport.time.textContent = `${between.time.toFixed(2)} s`;
+      if (++this.drawn % everyOther === 0) this.write(now, between.time, newest.deadline);
     }
-    this.tell(now);
   };
+
+  /** What is read rather than watched. */
+  private write(now: number, time: number, deadline: number): void {
+    this.strips.draw(now, time);
+    this.monitor.tick(deadline, Math.min(now - this.written, 1));
+    this.transport.time.textContent = `${time.toFixed(2)} s`;
+    this.written = now;
+  }
 
   private valueIn(picture: Picture, name: string): number | null {
     const place = this.record.place(this.places.get(name)!, picture);

@@ -35,7 +35,7 @@ export class Strips {
   private held = false;
   private drawn = -Infinity; // when, s of this machine
   private measured = -Infinity; // when the scales were last looked after
-  private every: number;
+  private every: number; // s between two drawings at least
 
   constructor(
     private channels: ChannelName[],
@@ -45,7 +45,7 @@ export class Strips {
     private chosen: () => void,
   ) {
     this.selected = new Set(shown);
-    this.every = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.5 : 1 / 20;
+    this.every = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.5 : 0.04;
     const changed = () => {
       this.list.refresh();
       this.chosen();
@@ -101,7 +101,9 @@ export class Strips {
       const values = this.record.of(channel).filter((value): value is number => value !== null);
       return values.reduce((most, value) => Math.max(most, value), -Infinity) - values.reduce((least, value) => Math.min(least, value), Infinity);
     });
-    const second = onSecondAxis(ranges.map((range) => Math.max(range, 0)));
+    // What changes by round-off alone needs no axis of its own.
+    const least = 1e-6 * Math.max(0, ...channels.map((channel) => largest(this.record.of(channel))));
+    const second = onSecondAxis(ranges.map((range) => (range > least ? range : 0)));
     const scaleOf = (right: boolean) => scaleFor(unit, Math.max(0, ...channels.filter((_, k) => second[k] === right).map((channel) => largest(this.record.of(channel)))));
     const [left, right] = [scaleOf(false), scaleOf(true)];
     return { second, scales: channels.map((_, k) => (second[k] ? right : left)) };

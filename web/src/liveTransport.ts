@@ -5,7 +5,7 @@ import { mayDrive, type Situation } from "./liveSituation";
 
 export class Transport {
   readonly root: HTMLElement;
-  readonly time = element("output", { class: "time", "aria-label": "Time of the simulation" });
+  readonly time = element("span", { class: "time", role: "timer", "aria-label": "Time of the simulation" });
   private play = element("button", { class: "play" });
   private step = element("button", { title: "One step" }, "Step");
   private reset = element("button", { title: "Begin anew (R)" }, "Reset");

@@ -55,7 +55,7 @@ async function until(what, condition, seconds = 20) {
   }
 }
 const state = (page, word) => until(word, async () => (await say(page, ".pill")) === word);
-const time = async (page) => Number.parseFloat(await say(page, "output.time"));
+const time = async (page) => Number.parseFloat(await say(page, ".time"));
 const take = (page) => page.locator(".take");
 
 async function inControl(page) {
@@ -428,16 +428,21 @@ mockTest("the vehicle is drawn where the server has it, and the eye stays behind
   await until("straight on", async () => (await value(page, "steering")) === 0);
   await page.keyboard.press("p");
   await state(page, "Paused");
-  await page.waitForTimeout(3000); // the eye comes after
-  const { place, eye } = await page.evaluate(() => {
-    const { bodies, origin, camera, controls } = window.mimbreView;
-    const chassis = bodies.findIndex(({ body }) => body.name === "chassis");
-    return { place: bodies[chassis].group.position.clone().add(origin).toArray(), eye: camera.position.clone().sub(controls.target).toArray() };
+  const seen = () =>
+    page.evaluate(() => {
+      const { bodies, origin, camera, controls } = window.mimbreView;
+      const chassis = bodies.findIndex(({ body }) => body.name === "chassis");
+      return { place: bodies[chassis].group.position.clone().add(origin).toArray(), eye: camera.position.clone().sub(controls.target).toArray() };
+    });
+  await until("it is where the server has it", async () => {
+    const { place } = await seen();
+    return Math.hypot(place[0] - mock.state.x, place[1] - mock.state.y) < 1e-5;
   });
-  assert.ok(Math.hypot(place[0] - mock.state.x, place[1] - mock.state.y) < 1e-5, `${place} ${mock.state.x} ${mock.state.y}`);
   const ahead = [Math.cos(mock.state.yaw), Math.sin(mock.state.yaw)];
-  const flat = Math.hypot(eye[0], eye[1]);
-  assert.ok((eye[0] * ahead[0] + eye[1] * ahead[1]) / flat < -0.7, `${eye} behind ${ahead}`);
+  await until("the eye is behind it", async () => {
+    const { eye } = await seen();
+    return (eye[0] * ahead[0] + eye[1] * ahead[1]) / Math.hypot(eye[0], eye[1]) < -0.7;
+  });
   await page.keyboard.press("p");
 });
 
