@@ -97,6 +97,11 @@ struct Road {
   std::vector<std::array<double, 2>>
       points{};                    ///< (x or t, z) in ascending order; one that comes twice is a jump; needed
   std::optional<double> repeat{};  ///< period, no shorter than the points reach
+  /// Of a grid, instead: rows along y of heights along x, m, from `origin` on every `spacing`.
+  Eigen::MatrixXd heights{};
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero(), spacing = Eigen::Vector2d::Ones();
+  double friction = 1;  ///< factor on that of tyres
+  std::vector<spec::Road::Patch> patches{};
 };
 
 struct Tyre {
@@ -106,6 +111,9 @@ struct Tyre {
   double stiffness = 0;  ///< N/m
   double radius = 0;     ///< m
   std::string in{};
+  std::string law = "tyre";                         ///< vertical; brush_tyre: it rolls and slips
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  ///< that it rolls about, to the left of forwards
+  std::vector<double> numbers{};                    ///< of the law, in the order of its table
 };
 
 /// A value from outside, or (`tunable`) a parameter that may change between steps.

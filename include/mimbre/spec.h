@@ -199,15 +199,27 @@ struct Load {
 struct Road {
   std::string name;
   Mark mark;
-  enum class Over { distance, time } over = Over::distance;
+  enum class Over { distance, time, grid } over = Over::distance;
   Function height;  ///< of global x (m) or of time (s)
   /// for drawing
   double draw_from = 0, draw_to = 0;
   int signal = -1;  ///< instead of a height over time: index into Model::signals
+  /// Of a grid: heights(j, i) is global z over x = origin[0] + i spacing[0], y = origin[1] + j spacing[1];
+  /// its border goes on level.
+  Eigen::MatrixXd heights;
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero(), spacing = Eigen::Vector2d::Ones();  ///< m
+  double friction = 1;  ///< factor on the friction of tyres
+  /// Global x and y between which the factor is another one; of patches that overlap the last counts.
+  struct Patch {
+    Eigen::Vector2d low, high;
+    double friction = 1;
+  };
+  std::vector<Patch> patches;
 };
 
-/// The benchmark's tyre: vertical force stiffness · (radius − (z_wheel − z_road)) when positive, on the
-/// frame's origin.
+/// A wheel on a road, by one of the laws for tyres of src/forces/table.h. "tyre" is the benchmark's: a
+/// vertical force stiffness · (radius − (z_wheel − z_road)) when positive, on the frame's origin. Others roll
+/// with the frame's body about an axis of the frame, and slip.
 struct Tyre {
   std::string name;
   Mark mark;
@@ -215,6 +227,9 @@ struct Tyre {
   int road = -1;
   double stiffness = 0;
   double radius = 0;
+  std::string law = "tyre";
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  ///< in the frame, to the left of forwards
+  std::vector<double> numbers;                      ///< of the law, as the table describes them
 };
 
 /// What a law written by the user is given, and what it says (see Element::law "user").

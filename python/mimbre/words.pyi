@@ -371,27 +371,69 @@ class Load(TypedDict, total=False):
     # Whether it turns with the body.
     follower: Flag
 
+class RoadPatches(TypedDict, total=False):
+    # From, to, m; default: everywhere.
+    x: Sequence[Number] | Array
+    # From, to, m; default: everywhere.
+    y: Sequence[Number] | Array
+    # Factor there.
+    friction: Required[Number]
+
 class Road(TypedDict, total=False):
-    # Height over distance or over time.
-    over: Required[Literal["distance", "time"]]
+    # Height over distance, over time, or over a grid of x and y.
+    over: Required[Literal["distance", "time", "grid"]]
     # [m or s, height in m]; a repeated first number is a jump.
     points: Points
     # Period, m or s.
     repeat: Number
     # Of a road over time, instead of points: an expression of t, inputs and signals.
     height: str | float
+    # Of a grid: x and y of the first height, m.
+    origin: Sequence[Number] | Array
+    # Of a grid: cells along x and y, m.
+    spacing: Sequence[Number] | Array
+    # Of a grid: rows along y of heights along x, m.
+    heights: Sequence[Sequence[Number] | Array] | Array
+    # Factor on the friction of tyres, 1 by default.
+    friction: Number
+    # Places with another friction; the last one counts.
+    patches: Sequence[RoadPatches]
 
 class Tyre(TypedDict, total=False):
-    # A body.
+    # A body; of a tyre that rolls, the one that turns with it.
     on: Required[str]
     # Its centre, m, global.
     at: Vector
     # Name of a road.
     road: Required[str]
-    # N/m.
+    # Vertical, N/m.
     stiffness: Required[Number]
     # m.
     radius: Required[Number]
+    # vertical: a spring only, the default; brush: rolls, slips and steers.
+    model: Literal["vertical", "brush"]
+    # That it rolls about, to the left of forwards, global; default: [0, 1, 0].
+    axis: Vector
+    # Vertical, N s/m; default 0.
+    damping: Number
+    # Force over slip, at small slip, N.
+    longitudinal_stiffness: Number
+    # Force over slip angle, at small angles, N/rad.
+    cornering_stiffness: Number
+    # Limit of the force along the road, by the vertical one.
+    friction: Number
+    # Way on which the force along follows its slip, m.
+    longitudinal_relaxation: Number
+    # Way on which the force across follows its slip, m.
+    lateral_relaxation: Number
+    # Of the footprint, m.
+    half_length: Number
+    # At which these are so: stiffnesses go with the load; 0: they do not, N; default 0.
+    load: Number
+    # Force that resists rolling, by the vertical one; default 0.
+    rolling_resistance: Number
+    # Damping over stiffness of the carcass, of a wheel that stands, s; default 0.02.
+    settling: Number
 
 class Output(TypedDict, total=False):
     # Point on a body, m, global.

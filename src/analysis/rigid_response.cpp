@@ -138,6 +138,8 @@ class RigidModel {
     for (const spec::Load& load : model.loads)
       if (load.signal >= 0 && on_body(load.frame))
         refuse(load.mark, "load '" + load.name + "', with a signal,");
+    for (const spec::Tyre& t : model.tyres)
+      if (t.law != "tyre" && on_body(t.frame)) refuse(t.mark, "tyre '" + t.name + "', which rolls,");
     for (const spec::Element& e : model.elements) {
       const auto touches = [&](int frame) { return frame >= 0 && on_body(frame); };
       if (touches(e.frame_a) || touches(e.frame_b) || std::any_of(e.path.begin(), e.path.end(), touches))

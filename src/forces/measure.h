@@ -4,6 +4,7 @@
 
 #include "forces/element.h"
 #include "forces/measure_contact.h"
+#include "forces/measure_wheel.h"
 #include "forces/motion.h"
 #include "joints/kernels.h"
 #include "joints/table.h"
@@ -149,8 +150,10 @@ void measure_relative(const ElementData& e, const Motion<T>& a, const Motion<T>&
 template <class T>
 void measure_height(const RoadData& road, const Vec3<T>& place, const Motion<T>& b, const T* signals,
                     ElementState<T>& s) {
-  *s.surroundings =
-      road.over == spec::Road::Over::distance ? value_at(road.height, place[0]) : signals[road.slot];
+  using Over = spec::Road::Over;
+  *s.surroundings = road.over == Over::distance ? value_at(road.height, place[0])
+                    : road.over == Over::grid   ? roads::place(road, 0, place[0], place[1]).z
+                                                : signals[road.slot];
   s.x[0] = place[2] - *s.surroundings;
   s.v[0] = b.velocity[2];  // as over a road that stands still
   s.set_linear(0, Vec3<T>::UnitZ());
@@ -204,6 +207,8 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
       return;
     case Measure::contact:
       return measure_contact(m.surfaces[e.surface], e, *a, b, states, step, s);
+    case Measure::wheel:
+      return measure_wheel(m.roads[e.road], e, origin, b, signals, s);
     case Measure::none: {
       s.x[0] = s.v[0] = T(0);
       const Vec3<T> force = e.direction.template cast<T>(), moment = e.second.template cast<T>();

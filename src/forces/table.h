@@ -2,6 +2,7 @@
 #include <array>
 
 #include "forces/actuator.h"
+#include "forces/brush_tyre.h"
 #include "forces/bushing.h"
 #include "forces/cable.h"
 #include "forces/contact.h"
@@ -51,6 +52,7 @@ constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {motor_law, motor_energy},
     {drag_law, drag_energy},
     {contact_law, contact_energy},
+    {brush_tyre_law, brush_tyre_energy},
 }};
 
 }  // namespace mimbre::forces

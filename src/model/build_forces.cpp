@@ -38,10 +38,20 @@ void ModelBuilder::add_load(const std::string& name, const build::Load& given) {
 
 void ModelBuilder::add_road(const std::string& name, const build::Road& given) {
   Addition addition(*impl_, impl_->roads, name);
-  if (given.points.size() < 2) addition.refuse("at least two points are needed");
   spec::Road road;
   road.name = name;
   road.over = given.over;
+  road.friction = given.friction;
+  road.patches = given.patches;
+  road.heights = given.heights;
+  road.origin = given.origin;
+  road.spacing = given.spacing;
+  if (given.over == spec::Road::Over::grid) {
+    addition.commit(impl_->roads, impl_->model.roads.size());
+    impl_->model.roads.push_back(std::move(road));
+    return;
+  }
+  if (given.points.size() < 2) addition.refuse("at least two points are needed");
   std::vector<double> x, z;
   for (const auto& point : given.points) {
     x.push_back(point[0]);
@@ -71,6 +81,11 @@ void ModelBuilder::add_tyre(const std::string& name, const build::Tyre& given) {
   tyre.road = addition.find(impl_->roads, "road", given.road);
   tyre.stiffness = given.stiffness;
   tyre.radius = given.radius;
+  tyre.law = given.law;
+  tyre.numbers = given.numbers;
+  tyre.axis = tyre.frame < 0 ? given.axis
+                             : Eigen::Vector3d(addition.frame_pose(tyre.frame).rotation.transpose() *
+                                               addition.vector(given.axis));
   addition.commit(impl_->tyres, impl_->model.tyres.size());
   impl_->model.tyres.push_back(std::move(tyre));
 }

@@ -1,4 +1,5 @@
 #include "model/checked_thing.h"
+#include "model/force_laws.h"
 
 /// Springs, loads, roads and tyres.
 namespace mimbre::checks {
@@ -22,6 +23,39 @@ void check_spring(const spec::Model& model, const Thing& thing, const spec::Spri
   const double length = (place(spring.frame_b) - place(spring.frame_a)).norm();
   if (length == 0)
     thing.error("has length 0 in the assembled position: its direction is not defined; move one end");
+}
+
+void check_friction(const Thing& thing, const spec::Road& road) {
+  thing.not_negative("friction", road.friction);
+  for (const spec::Road::Patch& patch : road.patches) {
+    thing.not_negative("friction of a patch", patch.friction);
+    for (int k = 0; k < 2; ++k)
+      if (!(patch.low[k] < patch.high[k]))
+        thing.error(fmt::format("a patch goes from {} to {} along {}; the first has to be the smaller one",
+                                patch.low[k], patch.high[k], k == 0 ? "x" : "y"));
+  }
+}
+
+void check_grid(const Thing& thing, const spec::Road& road) {
+  if (road.heights.rows() < 2 || road.heights.cols() < 2)
+    thing.error(fmt::format("has {} × {} heights; a grid has at least 2 × 2", road.heights.rows(),
+                            road.heights.cols()));
+  thing.finite("heights", road.heights);
+  thing.finite("origin", road.origin);
+  thing.positive("spacing along x", road.spacing[0]);
+  thing.positive("spacing along y", road.spacing[1]);
+}
+
+/// What the law of a tyre that rolls is given.
+void check_rolling(const Thing& thing, const spec::Tyre& tyre, const LawInfo& law) {
+  if (thing.finite("axis", tyre.axis) && !(tyre.axis.norm() > 0))
+    thing.error("axis has no length; give a vector such as (0, 1, 0)");
+  if (tyre.numbers.size() != law.numbers.size())
+    return thing.error(fmt::format("law '{}' has {} numbers, {} are given", law.name, law.numbers.size(),
+                                   tyre.numbers.size()));
+  for (std::size_t k = 0; k < law.numbers.size(); ++k)
+    if (!law.numbers[k].allows(tyre.numbers[k]))
+      thing.error(fmt::format("{} {}", law.numbers[k].key, wrong_number(law.numbers[k], tyre.numbers[k])));
 }
 
 }  // namespace
@@ -54,7 +88,12 @@ void check_roads(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.roads.size(); ++k) {
     const spec::Road& road = model.roads[k];
     const Thing thing(errors, "road", road.name, road.mark, k);
-    thing.enumerator("over", road.over, 2);
+    thing.enumerator("over", road.over, 3);
+    check_friction(thing, road);
+    if (road.over == spec::Road::Over::grid) {
+      check_grid(thing, road);
+      continue;
+    }
     if (road.signal >= 0) {
       thing.index("signal", road.signal, model.signals.size(), "signals");
       if (road.over == spec::Road::Over::distance)
@@ -75,6 +114,10 @@ void check_tyres(const spec::Model& model, std::vector<Diagnostic>& errors) {
     thing.index("road", tyre.road, model.roads.size(), "roads");
     thing.positive("stiffness", tyre.stiffness);
     thing.positive("radius", tyre.radius);
+    if (tyre.law == law_info(static_cast<int>(Law::brush_tyre)).name)
+      check_rolling(thing, tyre, law_info(static_cast<int>(Law::brush_tyre)));
+    else if (tyre.law != law_info(static_cast<int>(Law::tyre)).name)
+      thing.error(fmt::format("there is no law '{}' of tyres; there are 'tyre' and 'brush_tyre'", tyre.law));
   }
 }
 

@@ -117,7 +117,7 @@ class Compiler {
     }
     for (const auto& s : spec_.springs) needed.insert({s.frame_a, s.frame_b});
     for (const auto& l : spec_.loads) full.insert(l.frame);
-    for (const auto& t : spec_.tyres) needed.insert(t.frame);
+    for (const auto& t : spec_.tyres) (measure_of(t) == Measure::wheel ? full : needed).insert(t.frame);
     for (const auto& e : spec_.elements) {
       using On = spec::Element::On;
       if (e.on == On::line) needed.insert({e.frame_a, e.frame_b});
@@ -346,20 +346,10 @@ class Compiler {
                                                   spring.name));
       add_element(std::move(e));
     }
-    for (const spec::Road& r : s.roads) c_.roads.push_back({r.over, r.height.data(), 0});
+    for (const spec::Road& r : s.roads) c_.roads.push_back(road_data(r));
     place_roads(c_);
     c_.first_tyre = static_cast<int>(c_.elements.size());
-    for (int k = 0; k < static_cast<int>(s.tyres.size()); ++k) {
-      ElementData e;
-      e.law = static_cast<int>(Law::tyre);
-      e.spec = k;
-      e.measure = Measure::height;
-      e.marked = true;
-      e.frame_b = c_.frame_of_spec[s.tyres[k].frame];
-      e.road = s.tyres[k].road;
-      e.numbers = add_numbers({s.tyres[k].stiffness, s.tyres[k].radius});
-      add_element(std::move(e));
-    }
+    for (int k = 0; k < static_cast<int>(s.tyres.size()); ++k) add_element(tyre(k));
     c_.first_load = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.loads.size()); ++k) {
       const spec::Load& l = s.loads[k];
@@ -391,6 +381,46 @@ class Compiler {
     c_.first_other = static_cast<int>(c_.elements.size());
     for (int k = 0; k < static_cast<int>(s.elements.size()); ++k) add_element(other_element(k));
     contacts();
+  }
+
+  static Measure measure_of(const spec::Tyre& tyre) {
+    return tyre.law == law_info(static_cast<int>(Law::tyre)).name ? Measure::height : Measure::wheel;
+  }
+  ElementData tyre(int k) {
+    const spec::Tyre& s = spec_.tyres[k];
+    ElementData e;
+    e.law = find_law(s.law);
+    e.spec = k;
+    e.measure = measure_of(s);
+    e.count = measure_size(e.measure);
+    e.marked = true;
+    e.frame_b = c_.frame_of_spec[s.frame];
+    e.road = s.road;
+    e.state_count = law_info(e.law).states;
+    e.numbers = add_numbers({s.stiffness, s.radius});
+    add_numbers(s.numbers);
+    if (e.measure == Measure::height) return e;
+    e.radius = s.radius;
+    e.direction = s.axis.normalized();
+    e.rolling = brush_tyre_rolling;
+    e.footprint = s.numbers[brush_tyre_half_length];
+    return e;
+  }
+
+  static RoadData road_data(const spec::Road& r) {
+    RoadData road;
+    road.over = r.over;
+    road.height = r.height.data();
+    road.friction = r.friction;
+    for (const spec::Road::Patch& p : r.patches)
+      road.patches.push_back({{p.low[0], p.low[1]}, {p.high[0], p.high[1]}, p.friction});
+    road.origin = {r.origin[0], r.origin[1]};
+    road.spacing = {r.spacing[0], r.spacing[1]};
+    road.rows = static_cast<int>(r.heights.rows());
+    road.columns = static_cast<int>(r.heights.cols());
+    for (int j = 0; j < road.rows; ++j)
+      for (int i = 0; i < road.columns; ++i) road.heights.push_back(r.heights(j, i));
+    return road;
   }
 
   void contacts() {

@@ -233,7 +233,7 @@ class Planner {
   void functions_of_time() {
     for (const spec::Load& l : s_.loads) d_.slot_of_load.push_back(l.signal >= 0 ? -1 : of_time(l.scale));
     for (const spec::Road& r : s_.roads)
-      d_.slot_of_road.push_back(r.over == spec::Road::Over::distance ? -1
+      d_.slot_of_road.push_back(r.over != spec::Road::Over::time ? -1
                                 : r.signal >= 0
                                     ? fixed_signal(r.signal, fmt::format("road '{}'", r.name), false)
                                     : of_time(r.height));

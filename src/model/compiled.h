@@ -208,14 +208,23 @@ enum class Measure {
   relative,    ///< of b in the axes of a: displacement and rotation vector
   velocity,    ///< of frame b's origin against the ground, in its own axes
   sum,         ///< of what other elements, its legs, measure
-  contact  ///< of a sphere about b against a surface in a: gap, slip in the step; where it resists rolling,
-           ///< turn in the step too
+  contact,  ///< of a sphere about b against a surface in a: gap, slip in the step; where it resists rolling,
+            ///< turn in the step too
+  wheel     ///< of a wheel about b on a road: gap, then velocities of slip and of turning
 };
-constexpr int measure_size(Measure m) { return m == Measure::relative ? 6 : m == Measure::velocity ? 3 : 1; }
+constexpr int measure_size(Measure m) {
+  return m == Measure::relative || m == Measure::wheel ? 6 : m == Measure::velocity ? 3 : 1;
+}
+
+/// Whether a component of what is measured is the velocity itself.
+constexpr bool is_velocity(Measure m, int component) {
+  return m == Measure::velocity || (m == Measure::wheel && component > 0);
+}
+constexpr bool on_road(Measure m) { return m == Measure::height || m == Measure::wheel; }
 
 /// What of the surroundings an element keeps from its measure for its law: the height of the road, or the
-/// tangents of a surface in its axes.
-constexpr int surroundings_size(Measure m) { return m == Measure::contact ? 6 : 1; }
+/// tangents of a surface in its axes, or what forces/measure_wheel.h says.
+constexpr int surroundings_size(Measure m) { return m == Measure::contact ? 6 : m == Measure::wheel ? 5 : 1; }
 
 /// One of the summands of Measure::sum: an element that only measures, and carries its share of the force.
 struct Leg {
@@ -242,11 +251,14 @@ struct ElementData {
   // Others.
   int road = -1;
   int surface = -1;        ///< contact: that is touched
-  double radius = 0;       ///< contact: of the sphere
+  double radius = 0;       ///< contact: of the sphere; wheel
+  double rolling = 0;      ///< wheel: share of its deflection by which it rolls as if it were smaller
+  double footprint = 0;    ///< wheel: half the length along which it feels a profile, m
   double struck_mass = 0;  ///< contact: of both bodies, as far as they move in a blow, kg
-  Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();  ///< axis: direction; none: force and moment
-  bool about = false;                                       ///< axis: turns
-  bool follower = false;                                    ///< none: turns with the frame
+  /// axis: direction; wheel: its axis, in b; none: force and moment
+  Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();
+  bool about = false;                  ///< axis: turns
+  bool follower = false;               ///< none: turns with the frame
   double reference = 0;                ///< where it is in the assembled position: distance, axis
   Vec3d position = Vec3d::Zero();      ///< relative: of b in a, in the assembled position
   Mat3d rotation = Mat3d::Identity();  ///< likewise: axes of b to axes of a
@@ -373,6 +385,16 @@ struct RoadData {
   spec::Road::Over over = spec::Road::Over::distance;
   FunctionData height;  ///< over distance
   int slot = 0;         ///< of its height, over time
+  double friction = 1;
+  struct Patch {
+    std::array<double, 2> low, high;
+    double friction;
+  };
+  Array<Patch> patches;
+  // A grid: rows along y of heights along x.
+  std::array<double, 2> origin{}, spacing{1, 1};
+  int rows = 0, columns = 0;
+  Array<double> heights;
 };
 
 /// Triangles with a tree of boxes over them, and what the sign of a distance takes (forces/surfaces/mesh.h).

@@ -66,7 +66,8 @@ enum class Law {
   cable,
   motor,
   drag,
-  contact
+  contact,
+  brush_tyre
 };
 
 /// Of a gas spring; the pressure is that at `length`.
@@ -245,8 +246,45 @@ constexpr std::array<LawNumber, 11> contact_numbers{{
      .least = 0},
 }};
 
+/// Of a tyre whose tread is a brush, besides its vertical stiffness and its radius, which come first; the
+/// place of one of them. It rolls as a wheel that is smaller by a third of its deflection.
+constexpr std::size_t brush_tyre_half_length = 6;
+constexpr double brush_tyre_rolling = 1. / 3;
+constexpr std::array<LawNumber, 10> brush_tyre_numbers{{
+    {.key = "damping", .unit = "N s/m", .about = "vertical", .otherwise = 0, .least = 0},
+    {.key = "longitudinal_stiffness", .unit = "N", .about = "force over slip, at small slip", .above = 0},
+    {.key = "cornering_stiffness",
+     .unit = "N/rad",
+     .about = "force over slip angle, at small angles",
+     .above = 0},
+    {.key = "friction", .about = "limit of the force along the road, by the vertical one", .least = 0},
+    {.key = "longitudinal_relaxation",
+     .unit = "m",
+     .about = "way on which the force along follows its slip",
+     .above = 0},
+    {.key = "lateral_relaxation",
+     .unit = "m",
+     .about = "way on which the force across follows its slip",
+     .above = 0},
+    {.key = "half_length", .unit = "m", .about = "of the footprint", .above = 0},
+    {.key = "load",
+     .unit = "N",
+     .about = "at which these are so: stiffnesses go with the load; 0: they do not",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "rolling_resistance",
+     .about = "force that resists rolling, by the vertical one",
+     .otherwise = 0,
+     .least = 0},
+    {.key = "settling",
+     .unit = "s",
+     .about = "damping over stiffness of the carcass, of a wheel that stands",
+     .otherwise = 0.02,
+     .least = 0},
+}};
+
 // clang-format off
-constexpr std::array<LawInfo, 15> law_table{{
+constexpr std::array<LawInfo, 16> law_table{{
     {"spring", ""},
     {"tyre", ""},
     {"load", ""},
@@ -265,6 +303,7 @@ constexpr std::array<LawInfo, 15> law_table{{
     {.name = "drag", .section = "drags", .arguments = 3, .numbers = drag_numbers, .optional = true,
      .velocity = true},
     {.name = "contact", .section = "", .numbers = contact_numbers, .states = 16},
+    {.name = "brush_tyre", .section = "", .numbers = brush_tyre_numbers, .states = 2},
 }};
 // clang-format on
 

@@ -5,6 +5,7 @@
 #include "model/force_laws.h"
 #include "model/surface_kinds.h"
 #include "model_file/elements.h"
+#include "model_file/heights.h"
 #include "model_file/surface_files.h"
 
 /// Surfaces, and spheres that touch them.
@@ -62,18 +63,7 @@ void read_grid(const Part& part, const Fields& fields, spec::Surface& surface) {
     if (const auto numbers = spacing->numbers(2, 2, quantity::length))
       surface.spacing = {(*numbers)[0], (*numbers)[1]};
   const auto heights = fields.need("heights", "[[0, 0], [0, 0.1]]");
-  if (!heights) return;
-  const auto rows = heights->list();
-  for (std::size_t j = 0; j < rows.size(); ++j) {
-    const auto row = rows[j].numbers(2, 10000, quantity::length);
-    if (!row) return;
-    if (j == 0) surface.heights.setZero(std::ssize(rows), std::ssize(*row));
-    if (std::ssize(*row) != surface.heights.cols())
-      return rows[j].error(
-          fmt::format("has {} heights; the first row has {}", row->size(), surface.heights.cols()));
-    for (std::size_t i = 0; i < row->size(); ++i)
-      surface.heights(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) = (*row)[i];
-  }
+  if (auto read = heights ? read_heights(*heights) : std::nullopt) surface.heights = std::move(*read);
 }
 
 /// Of a file, whose triangles enclose a solid.

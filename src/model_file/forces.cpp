@@ -6,7 +6,7 @@
 #include "model_file/elements.h"
 #include "model_file/signals.h"
 
-/// Springs, loads, roads and tyres.
+/// Springs and loads.
 namespace mimbre::model_file {
 namespace {
 
@@ -83,48 +83,6 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   }
 }
 
-void read_road(Builder& builder, const Part& part, const Value& value, spec::Road& road) {
-  const Fields fields(value, {"over", "points", "repeat", "height"});
-  if (!value.has_fields()) return;
-  if (const auto over = fields.need("over", "distance"))
-    road.over = static_cast<spec::Road::Over>(over->choice({"distance", "time"}).value_or(0));
-  if (const auto height = fields.get("height")) {
-    if (fields.has("points")) return height->error("give 'points' or 'height', not both");
-    if (road.over != spec::Road::Over::time)
-      return height->error("is of time and signals: it belongs to a road `over: time`");
-    road.signal = anonymous_signal(builder, part, *height, road.name + ".height", quantity::length);
-    return;
-  }
-  const auto points = fields.need("points", "[[0, 0], [10, 0]]");
-  const Quantity& along = road.over == spec::Road::Over::time ? quantity::time : quantity::length;
-  auto table = points ? read_points(*points, true, along, quantity::length) : std::nullopt;
-  if (!table) return;
-  road.draw_from = table->first.front();
-  road.draw_to = table->first.back();
-  const double length = road.draw_to - road.draw_from;
-  road.height =
-      Function::table(std::move(table->first), std::move(table->second), Function::Interpolation::linear);
-  if (const auto repeat = fields.get("repeat")) {
-    const auto period = repeat->positive(along);
-    if (!period) return;
-    if (*period < length * (1 - 1e-12))
-      return repeat->error(fmt::format("{} is shorter than the points reach ({})", *period, length));
-    road.height = road.height.repeated(road.draw_from, *period);
-  }
-}
-
-void read_tyre(Builder& builder, const Part& part, const Value& value, spec::Tyre& tyre) {
-  const Fields fields(value, {"on", "at", "road", "stiffness", "radius"});
-  if (!value.has_fields()) return;
-  if (const auto on = fields.need("on", "axle"))
-    tyre.frame = attach(builder, part, *on, fields.get("at"), tyre.name + ".frame");
-  if (const auto road = fields.need("road", "track"))
-    if (const auto name = road->word()) tyre.road = builder.resolve(builder.road_names, part, *name, *road);
-  if (const auto k = fields.need("stiffness", "4.6e5"))
-    tyre.stiffness = k->positive(quantity::stiffness).value_or(1);
-  if (const auto r = fields.need("radius", "0.36")) tyre.radius = r->positive(quantity::length).value_or(1);
-}
-
 template <class Thing>
 Thing named(const std::string& name, const Mark& mark) {
   Thing thing;
@@ -152,26 +110,6 @@ void read_loads(Builder& builder, Part& part) {
              auto load = named<spec::Load>(name, mark);
              read_load(builder, part, v, load);
              builder.model.loads.push_back(std::move(load));
-           });
-}
-
-void read_roads(Builder& builder, Part& part) {
-  std::size_t count = builder.model.roads.size();
-  for_each(builder, part, "roads", builder.road_names, count,
-           [&](const auto& name, const Mark& mark, const Value& v) {
-             auto road = named<spec::Road>(name, mark);
-             read_road(builder, part, v, road);
-             builder.model.roads.push_back(std::move(road));
-           });
-}
-
-void read_tyres(Builder& builder, Part& part) {
-  std::size_t count = builder.model.tyres.size();
-  for_each(builder, part, "tyres", builder.tyre_names, count,
-           [&](const auto& name, const Mark& mark, const Value& v) {
-             auto tyre = named<spec::Tyre>(name, mark);
-             read_tyre(builder, part, v, tyre);
-             builder.model.tyres.push_back(std::move(tyre));
            });
 }
 

@@ -16,6 +16,7 @@
 #include "simulation/contact_drawings.h"
 #include "simulation/names.h"
 #include "simulation/section_forces.h"
+#include "simulation/wheel_channels.h"
 
 namespace mimbre {
 namespace {
@@ -302,6 +303,9 @@ Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.
                        fmt::format("vertical force of tyre '{}'", tyre(k))});
     });
   for (int k = m.first_tyre; k < m.first_load; ++k)
+    if (m.elements[k].measure == Measure::wheel)
+      add_with(Of::wheel, k, Needs::forces, [&] { add_wheel_info(tyre(k), info_); });
+  for (int k = m.first_tyre; k < m.first_load; ++k)
     add_with(Of::road, k, Needs::forces, [&] {
       info_.push_back({fmt::format("tyre.{}.road", tyre(k)), "m",
                        fmt::format("global z of the road under tyre '{}'", tyre(k))});
@@ -551,6 +555,8 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
     case Part::Kind::tyre:
       *to = -element().force[0];
       return;
+    case Part::Kind::wheel:
+      return read_wheel(element(), to);
     case Part::Kind::road:
       *to = *element().surroundings;
       return;

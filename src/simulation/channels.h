@@ -31,6 +31,7 @@ class Channels {
       spring,
       tyre,
       road,
+      wheel,
       load,
       element,
       constraint,

@@ -160,17 +160,18 @@ void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w,
   ElementEnergy now;
   forces::rows<double>[static_cast<std::size_t>(d.law)].energy(context, s, now);
   if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, h, f);
-  (d.measure == Measure::height ? e.tyres : e.springs) += now.stored;
+  (on_road(d.measure) ? e.tyres : e.springs) += now.stored;
   if (started_) {
     e.dissipated += now.lost;
     e.load_work += now.given;
     for (int c = 0; c < s.count; ++c) {
-      const double dx = d.measure == Measure::velocity ? 0.5 * h * (s.x[c] + f.x[c]) : s.x[c] - f.x[c];
+      const double dx = is_velocity(d.measure, c) ? 0.5 * h * (s.x[c] + f.x[c]) : s.x[c] - f.x[c];
       e.dissipated += 0.5 * (now.dissipating[c] + f.dissipating[c]) * dx;
       e.load_work -= 0.5 * (now.working[c] + f.working[c]) * dx;
     }
   }
   if (d.measure == Measure::height) observe_road(k, context, s, w, now.stored, f);
+  if (d.measure == Measure::wheel) observe_lift(m.roads[d.road], s, f);
   observe_store(k, now.stored);
   for (int c = 0; c < s.count; ++c) {
     f.x[c] = s.x[c];
@@ -201,7 +202,8 @@ void EnergyMeter::observe_road(std::size_t k, const LawContext<double>& context,
   const double road = *s.surroundings, height = s.x[0] + road;
   const bool distance = r.over == spec::Road::Over::distance;
   const double x1 = distance ? w.frames[d.frame_b].position[0] + w.origin[0] : w.signals.time;
-  const double slope = distance ? r.height.derivative(x1) : w.signals.rate[r.slot];
+  const bool grid = r.over == spec::Road::Over::grid;  // which has no jumps
+  const double slope = distance ? r.height.derivative(x1) : grid ? 0 : w.signals.rate[r.slot];
   if (started_) {
     // The road moves under the wheel, half of it before and half after the wheel does: exact for jumps too.
     const double moved_first = stored_at(context, s, f.height - road),
@@ -209,12 +211,21 @@ void EnergyMeter::observe_road(std::size_t k, const LawContext<double>& context,
     balance_.road_work += 0.5 * (moved_first - stores_[k].energy + stored - moved_last);
     // What a jump of the road alone releases or stores.
     const double smooth = f.road + 0.5 * (f.slope + slope) * (x1 - f.along);
-    jump_ += std::abs(moved_first - stored_at(context, s, f.height - smooth));
+    if (!grid) jump_ += std::abs(moved_first - stored_at(context, s, f.height - smooth));
   }
   f.along = x1;
   f.slope = slope;
   f.height = height;
   f.road = road;
+}
+
+/// Work of a road over time that lifts a wheel.
+void EnergyMeter::observe_lift(const RoadData& road, const ElementState<double>& s, Flow& f) {
+  if (road.over != spec::Road::Over::time) return;
+  const double height = s.surroundings[wheel::road], push = -s.force[wheel::gap];
+  if (started_) balance_.road_work += 0.5 * (push + f.push) * (height - f.road);
+  f.road = height;
+  f.push = push;
 }
 
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {

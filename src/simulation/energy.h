@@ -57,14 +57,14 @@ class EnergyMeter {
   /// What an element was after the step before.
   struct Flow {
     double x[6] = {}, dissipating[6] = {}, working[6] = {};
-    double height = 0, road = 0, along = 0, slope = 0;  ///< on a road
+    double height = 0, road = 0, along = 0, slope = 0, push = 0;  ///< on a road
     Eigen::Vector3d load_position = Eigen::Vector3d::Zero(), load_force = Eigen::Vector3d::Zero();
     double load_power = 0;
     void transfer(StateTransfer& transfer) {
       for (double* component : {x, dissipating, working})
         for (int k = 0; k < 6; ++k) transfer(component[k]);
       for (int k = 0; k < 3; ++k) transfer(load_position[k], load_force[k]);
-      transfer(height, road, along, slope, load_power);
+      transfer(height, road, along, slope, push, load_power);
     }
   };
   /// What a place stores, and how that has changed from step to step.
@@ -79,6 +79,7 @@ class EnergyMeter {
                     double h, Flow& flow);
   void observe_road(std::size_t element, const LawContext<double>& context, const ElementState<double>& state,
                     relative::Workspace<double>& work, double stored, Flow& flow);
+  void observe_lift(const RoadData& road, const ElementState<double>& state, Flow& flow);
   void observe_store(std::size_t store, double energy);
   void observe_geometric(const GeometricData& geometric, const StressMotion<double>& motion, int first,
                          const double* y, double* forces);

@@ -54,7 +54,7 @@ std::string EnergyMonitor::warning(const Compiled& model, const EnergyMeter& met
   const double by_dampers = share_of_dissipation * dissipated;
   const EnergyMeter::Unresolved fastest = meter.most_unresolved();
   const bool spring = fastest.place.kind == EnergyMeter::Place::Kind::element &&
-                      model.elements[fastest.place.index].measure != Measure::height;
+                      !on_road(model.elements[fastest.place.index].measure);
   if (spring && fastest.steps_per_period < few_steps &&
       -least > std::max({share_of_vibration * fastest.at_play, by_dampers, nothing}) && -least <= limit)
     return fmt::format(

@@ -65,6 +65,7 @@ std::string element_name(const Compiled& m, const ElementData& e) {
       return of_joint ? fmt::format("the spring of joint '{}'", m.spec().joints[e.joint_spec].name)
                       : fmt::format("spring '{}'", m.spec().springs[e.spec].name);
     case Law::tyre:
+    case Law::brush_tyre:
       return fmt::format("tyre '{}'", m.spec().tyres[e.spec].name);
     case Law::load:
       return fmt::format("load '{}'", m.spec().loads[e.spec].name);

@@ -242,10 +242,17 @@ RandomMechanism random_mechanism(unsigned seed, const RandomOptions& options) {
     }
   }
   if (options.tyres) {
-    m.roads.push_back({"road", {}, spec::Road::Over::distance, Function::constant(0.1), 0, 0});
+    spec::Road& road = m.roads.emplace_back();
+    road.name = "road";
+    road.height = Function::constant(0.1);
     for (int k = 0; k < 2; ++k) {
-      const int frame = random_frame(m, random, any_body());
-      m.tyres.push_back({"tyre" + std::to_string(k), {}, frame, 0, 150.0 + 50 * k, k == 0 ? 10.0 : 0.3});
+      spec::Tyre tyre;
+      tyre.name = "tyre" + std::to_string(k);
+      tyre.frame = random_frame(m, random, any_body());
+      tyre.road = 0;
+      tyre.stiffness = 150.0 + 50 * k;
+      tyre.radius = k == 0 ? 10.0 : 0.3;
+      m.tyres.push_back(tyre);
     }
   }
   if (options.loads) {

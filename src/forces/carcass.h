@@ -1,0 +1,113 @@
+#pragma once
+#include <cmath>
+
+#include "math/choice.h"
+
+/// The footprint of a tyre behind its carcass. The carcass is a spring with a damper along and across; the
+/// footprint slips behind it by a law of friction. In series they give all that a tyre does over time: on the
+/// roll the force follows the slip on a way of slip stiffness over carcass stiffness, the relaxation length;
+/// a wheel that stands or is locked hangs on its carcass, without creeping, until its friction is used up.
+///
+/// The law of friction is that of a brush with parabolic pressure (Pacejka, Tire and Vehicle Dynamics, 3rd
+/// ed., 2012, 3.2): the force grows with the slip as L (1 − (1 − p)³), where p is the force K s that it would
+/// be without sliding over 3 L, up to the limit L; beyond, all of it slides, and what slides more than that
+/// does so straight against the force, whatever the stiffnesses are. The step is implicit (backward Euler).
+namespace mimbre::forces::carcass {
+
+/// What the two directions, along and across, are given.
+template <class T>
+struct Patch {
+  T pull[2];       ///< N, that the carcass would pull if the footprint stuck over the step
+  T give[2];       ///< N s/m, by which that falls with the velocity at which it slips
+  T stiffness[2];  ///< N: force over slip, at small slip
+  T rolled;        ///< m/s, at which the tread runs through the footprint
+  T limit;         ///< N
+};
+
+template <class T>
+struct Held {
+  T force[2];
+  T tangent[3];  ///< ∂force/∂pull: along, mixed, across; symmetric
+  T used;        ///< p, at most 1
+};
+
+template <class T>
+Held<T> hold(const Patch<T>& patch) {
+  using std::abs, std::pow, std::sqrt;
+  const auto some = [](const T& x) { return select(x > T(1e-300), x, T(1e-300)); };
+  const auto length = [](const T& a, const T& b) { return T(sqrt(a * a + b * b + T(1e-300))); };
+  const T limit = some(patch.limit);
+  T ratio[2];
+  for (int k = 0; k < 2; ++k) ratio[k] = patch.give[k] * patch.rolled / some(patch.stiffness[k]);
+
+  // Part of it sticks: the force that the carcass pulls with, y q/(ratio + q), is that of the brush, where q
+  // = 1 − p + p²/3 is its share of K s. Newton's method from below, where it does not overshoot.
+  T all[2];  // where all of it has just begun to slide
+  for (int k = 0; k < 2; ++k) all[k] = patch.pull[k] / (T(1) + T(3) * ratio[k]);
+  const T least = length(all[0], all[1]);
+  const auto slides = least >= limit;
+  const T share = select(slides, T(0), T(T(1) - least / limit));
+  T p = T(1) - select(share > T(0), T(pow(some(share), T(1. / 3))), T(0));
+  for (int i = 0; i < 20; ++i) {
+    const T q = T(1) - p + p * p / T(3), dq = T(-1) + p * T(2. / 3);
+    T f[2], slope = T(0);
+    for (int k = 0; k < 2; ++k) {
+      const T sum = T(1) / (ratio[k] + q);
+      f[k] = patch.pull[k] * q * sum;
+      slope += f[k] * patch.pull[k] * ratio[k] * sum * sum;
+    }
+    const T force = length(f[0], f[1]), left = T(1) - p;
+    const T off = force - limit * (T(1) - left * left * left);
+    const T fall = slope / force * dq - T(3) * limit * left * left;
+    const T next = p + off / select(fall < T(-1e-300), T(-fall), T(1));
+    const auto goes_on = next - p > T(1e-14);
+    p = select(goes_on, select(next < T(1), next, T(1)), p);
+    if (!any(goes_on)) break;
+  }
+  const T q = T(1) - p + p * p / T(3);
+  T soft[2];  // 1 over: force over pull
+  for (int k = 0; k < 2; ++k) soft[k] = T(1) + ratio[k] / q;
+
+  // All of it slides: pull = force (1 + 3 ratio + γ give), with the γ that keeps the limit.
+  // Newton's method for 1/|force|, which is nearly straight (Moré and Sorensen, SIAM J. Sci. Stat. Comput. 4,
+  // 1983): from below it does not overshoot either.
+  T gamma = T(0);
+  for (int i = 0; i < 20; ++i) {
+    T square = T(1e-300), change = T(0);
+    for (int k = 0; k < 2; ++k) {
+      const T divided = T(1) / (T(1) + T(3) * ratio[k] + gamma * patch.give[k]);
+      const T f = patch.pull[k] * divided;
+      square += f * f;
+      change += f * f * patch.give[k] * divided;
+    }
+    const T over = sqrt(square) / limit - T(1);
+    const auto goes_on = slides && over > T(1e-14) && change > T(1e-300);
+    gamma += select(goes_on, T(over * square / some(change)), T(0));
+    if (!any(goes_on)) break;
+  }
+  for (int k = 0; k < 2; ++k)
+    soft[k] = select(slides, T(T(1) + T(3) * ratio[k] + gamma * patch.give[k]), soft[k]);
+
+  Held<T> held;
+  held.used = select(slides, T(1), p);
+  for (int k = 0; k < 2; ++k) held.force[k] = patch.pull[k] / soft[k];
+  const T size = length(held.force[0], held.force[1]);
+  const T kept = select(size > limit, T(limit / size), T(1));
+  for (int k = 0; k < 2; ++k) held.force[k] *= kept;
+
+  // Along the force it grows by less than beside it: not at all where all slides.
+  const T left = T(1) - held.used, mean = T(0.5) * (ratio[0] + ratio[1]);
+  const T radial = left * left / some(T(left * left + mean)), secant = q / (q + mean);
+  const T lost = select(slides, T(1), T(T(1) - radial / secant));
+  T beside[2], weight = T(1e-300);
+  for (int k = 0; k < 2; ++k) {
+    beside[k] = held.force[k] / soft[k];
+    weight += held.force[k] * beside[k];
+  }
+  held.tangent[0] = T(1) / soft[0] - lost * beside[0] * beside[0] / weight;
+  held.tangent[1] = T(-1) * lost * beside[0] * beside[1] / weight;
+  held.tangent[2] = T(1) / soft[1] - lost * beside[1] * beside[1] / weight;
+  return held;
+}
+
+}  // namespace mimbre::forces::carcass

@@ -1,0 +1,76 @@
+#pragma once
+#include "forces/element.h"
+#include "forces/motion.h"
+#include "forces/road_surface.h"
+
+/// A wheel as a circle that rolls on a road. Its axes at the contact are those of ISO 8855: x forwards, along
+/// the road, in the plane of the wheel; y to the left; z the normal of the road. The axis of the wheel points
+/// to the left, so that a wheel that rolls forwards turns positively about it.
+namespace mimbre {
+
+namespace wheel {
+/// Components: the gap between the lowest point of the circle and the plane that touches the road there,
+/// negative in contact, m; velocities at which the tread slips along x and y, m/s; angular velocities about x
+/// (overturning), the wheel's axis (rolling), and z (aligning), rad/s. Of the velocities x = v.
+constexpr int gap = 0, forth = 1, across = 2, overturning = 3, rolling = 4, aligning = 5;
+/// Surroundings: global z of the road; speed of the centre forwards, m/s; the wheel's angular velocity about
+/// its axis, rad/s; camber (inclination to the right positive), rad; factor on friction.
+constexpr int road = 0, forward = 1, spin = 2, camber = 3, friction = 4;
+
+/// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip.
+constexpr double flat = 0.1;
+}  // namespace wheel
+
+/// Forces act against these rates, so their power is exact: the vertical one at the lowest point of the
+/// circle, whose height over a plane is the gap; the one across at the loaded radius; the one along at the
+/// radius at which the wheel rolls, so that a force without slip does no work but on what moves.
+template <class T>
+void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T>& origin, const Motion<T>& b,
+                   const T* signals, ElementState<T>& s) {
+  using namespace wheel;
+  using std::atan2, std::sqrt;
+  const Vec3<T> axis = b.rotation * e.direction.template cast<T>();
+  const Vec3<T> centre = b.position + origin;
+  const T radius(e.radius);
+  // Forwards along a plane with that normal; zero where the wheel lies on it.
+  const auto forwards = [&](const Vec3<T>& n, T& steep) {
+    const Vec3<T> t = axis.cross(n);
+    const T square = t.squaredNorm();
+    const auto stands = square > T(1e-12);
+    const T size = sqrt(select(stands, square, T(1)));
+    steep = select(stands, size, T(0));
+    return Vec3<T>(t * select(stands, T(T(1) / size), T(0)));
+  };
+  T steep;
+  const roads::Place<T> below = roads::place(road_data, e.footprint, centre[0], centre[1], signals);
+  const Vec3<T> guess = forwards(roads::normal(below), steep);
+  const Vec3<T> place = centre - radius * guess.cross(axis);
+  const roads::Place<T> at = roads::place(road_data, e.footprint, place[0], place[1], signals);
+  const Vec3<T> n = roads::normal(at), t = forwards(n, steep), side = n.cross(t), up = t.cross(axis);
+  const Vec3<T> lowest = T(-1) * radius * up;
+  s.x[gap] = n.dot(Vec3<T>(centre + lowest)) - n[0] * place[0] - n[1] * place[1] - n[2] * at.z;
+  const T deep = select(s.x[gap] < T(0), T(-s.x[gap]), T(0));
+  const T loaded = select(deep < radius, T(radius - deep), T(0));
+  const T rolls = select(T(e.rolling) * deep < radius, T(radius - T(e.rolling) * deep), T(0));
+  const auto component = [&](int k, const Vec3<T>& linear, const Vec3<T>& angular) {
+    s.set_linear(k, linear);
+    s.set_angular(k, angular);
+    s.v[k] = linear.dot(b.velocity) + angular.dot(b.omega);
+    if (k != gap) s.x[k] = s.v[k];
+  };
+  const Vec3<T> none = Vec3<T>::Zero();
+  component(gap, n, lowest.cross(n));
+  component(forth, t, Vec3<T>(T(-1) * rolls * axis));
+  component(across, side, Vec3<T>(T(-1) * loaded * up.cross(side)));
+  component(overturning, none, t);
+  component(rolling, none, axis);
+  component(aligning, none, n);
+  s.surroundings[road] = at.z;
+  s.surroundings[forward] = t.dot(b.velocity);
+  s.surroundings[spin] = s.v[rolling];
+  s.surroundings[camber] = atan2(axis.dot(n), steep);
+  const T grip = steep / T(flat);
+  s.surroundings[friction] = at.friction * select(grip < T(1), grip, T(1));
+}
+
+}  // namespace mimbre

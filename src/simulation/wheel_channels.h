@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "forces/element.h"
+#include "mimbre/channels.h"
+
+/// What is recorded of a tyre that rolls, besides its vertical force, in the axes of its contact
+/// (forces/measure_wheel.h): those of ISO 8855, forces and moments of the road on the wheel.
+namespace mimbre {
+
+void add_wheel_info(const std::string& tyre, std::vector<ChannelInfo>& info);
+/// After the forces; `to`: one value for each of these.
+void read_wheel(const ElementState<const double>& state, double* to);
+
+}  // namespace mimbre

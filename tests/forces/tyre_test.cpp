@@ -1,0 +1,265 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "support/models.h"
+#include "support/simulate.h"
+
+/// Wheels that roll: on a rig, and under a vehicle of five rigid bodies without a suspension, against what a
+/// bicycle does with the same tyres, what friction allows and what energy is left.
+namespace mimbre::test {
+namespace {
+
+constexpr double g = 9.81;
+
+/// The vehicle. Masses of wheels and knuckles included, its centre of mass is at x = 0.
+struct Car {
+  double front = 1.2, rear = 1.4, track = 1.5, height = 0.5, chassis = 1200, wheel = 20, knuckle = 2;
+  double radius = 0.3, stiffness = 2e5, cornering = 45e3, slip = 60e3, friction = 0.9;
+  double relaxation = 0.4, half_length = 0.06, load = 3200, resistance = 0;
+  double speed = 0, height_of_start = 0, pitch = 0;
+  double roll_rate = 0, sideways = 0;
+  std::string steer = "0", road = "points: [[-1000, 0], [1000, 0]]";
+  bool locked = false;
+  double end = 10;
+
+  double base() const { return front + rear; }
+  double mass() const { return chassis + 4 * (wheel + knuckle); }
+  /// Of one wheel that stands.
+  double load_of(bool at_front) const { return 0.5 * mass() * g * (at_front ? rear : front) / base(); }
+  double rolling_radius(bool at_front) const { return radius - load_of(at_front) / stiffness / 3; }
+
+  std::string text() const {
+    // The chassis where it makes up for the wheels, which are not symmetric about its centre.
+    const double corner = wheel + knuckle, com = -(2 * corner * (front - rear)) / chassis;
+    std::string bodies =
+                    fmt::format("  chassis: {{mass: {}, com: [{}, 0, {}], inertia: [400, 1600, 1800]}}\n",
+                                chassis, com, height),
+                joints, tyres;
+    joints = fmt::format(
+        "  free: {{type: floating, between: [ground, chassis], at: [0, 0, 0], position: [0, 0, {}, 0, {}, "
+        "0], "
+        "velocity: [{}, {}, 0, {}, 0, 0]}}\n",
+        height_of_start, pitch, speed * std::cos(pitch), sideways, roll_rate);
+    for (const bool at_front : {true, false})
+      for (const double side : {1.0, -1.0}) {
+        const std::string name = fmt::format("{}{}", at_front ? 'f' : 'r', side > 0 ? 'l' : 'r');
+        const std::string at =
+            fmt::format("[{}, {}, {}]", at_front ? front : -rear, side * track / 2, radius);
+        bodies += fmt::format(
+            "  k{0}: {{mass: {2}, com: {1}, inertia: [0.02, 0.02, 0.02]}}\n"
+            "  w{0}: {{mass: {3}, com: {1}, inertia: [0.5, 0.9, 0.5]}}\n",
+            name, at, knuckle, wheel);
+        joints += fmt::format(
+            "  s{0}: {{type: revolute, between: [chassis, k{0}], at: {1}, axis: [0, 0, 1], drive: "
+            "{{position: \"{2}\"}}}}\n",
+            name, at, at_front ? steer : "0");
+        joints += fmt::format(
+            "  h{0}: {{type: revolute, between: [k{0}, w{0}], at: {1}, axis: [0, 1, 0], {2}}}\n", name, at,
+            locked ? std::string("drive: {position: 0}")
+                   : fmt::format("velocity: {}", speed / rolling_radius(at_front)));
+        tyres += fmt::format(
+            "  {}: {{on: w{}, road: track, model: brush, stiffness: {}, damping: 2000, radius: {}, "
+            "longitudinal_stiffness: {}, cornering_stiffness: {}, friction: {}, longitudinal_relaxation: {}, "
+            "lateral_relaxation: {}, half_length: {}, load: {}, rolling_resistance: {}}}\n",
+            name, name, stiffness, radius, slip, cornering, friction, relaxation, relaxation, half_length,
+            load, resistance);
+      }
+    return fmt::format(R"y(
+bodies:
+{}joints:
+{}roads: {{track: {{over: distance, {}}}}}
+tyres:
+{}outputs:
+  - {{name: x, position: chassis, component: x}}
+  - {{name: y, position: chassis, component: y}}
+  - {{name: z, position: chassis, component: z}}
+  - {{name: vx, velocity: chassis, component: x}}
+  - {{name: vy, velocity: chassis, component: y}}
+  - {{name: yaw, yaw: chassis}}
+  - {{name: yaw_rate, angular_velocity: chassis, component: z}}
+simulation: {{step: 1 ms, end: {}}}
+)y",
+                       bodies, joints, road, tyres, end);
+  }
+  Simulation simulation(Formulation formulation) const { return simulation_of(text(), formulation); }
+};
+
+const std::array<std::string, 4> wheels{"fl", "fr", "rl", "rr"};
+
+class Tyres : public testing::TestWithParam<Formulation> {};
+
+/// Loads are those of statics; a free roll goes on and on.
+TEST_P(Tyres, RollFreely) {
+  Car car;
+  car.speed = 20;
+  car.height_of_start = -car.load_of(true) / car.stiffness;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 1);
+  const double speed = channel(s, "vx");
+  EXPECT_NEAR(speed, 20, 0.01);
+  for (const std::string& w : wheels) {
+    EXPECT_NEAR(channel(s, fmt::format("tyre.{}.slip", w)), 0, 1e-5);
+  }
+  run_to(s, 3);
+  for (const std::string& w : wheels)
+    EXPECT_NEAR(channel(s, fmt::format("tyre.{}.vertical", w)), car.load_of(w[0] == 'f'), 2) << w;
+  // The steps of natural coordinates take a little from wheels that turn by 4° in each.
+  EXPECT_NEAR(channel(s, "vx"), speed, (GetParam() == Formulation::natural ? 2e-4 : 1e-5) * speed);
+  EXPECT_NEAR(channel(s, "y"), 0, 1e-9);
+}
+
+/// Rolling resistance is the part of the weight that was given.
+TEST_P(Tyres, RollingResistanceSlowsDown) {
+  Car car;
+  car.speed = 20;
+  car.resistance = 0.02;
+  car.height_of_start = -car.load_of(true) / car.stiffness;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 0.5);
+  const double first = channel(s, "vx");
+  run_to(s, 2.5);
+  // What turns with the wheels is slowed down too; the arm of the moment is the wheel's radius.
+  double turning = 0;
+  for (const bool at_front : {true, false}) turning += 2 * 0.9 / std::pow(car.rolling_radius(at_front), 2);
+  const double radius = 0.5 * (car.rolling_radius(true) + car.rolling_radius(false));
+  EXPECT_NEAR((first - channel(s, "vx")) / 2,
+              0.02 * g * car.radius / radius * car.mass() / (car.mass() + turning),
+              (GetParam() == Formulation::natural ? 1e-2 : 2e-3) * 0.02 * g);
+}
+
+/// Locked wheels slow down by μ g, whatever they are, and then stand. What they rub away is what there was.
+TEST_P(Tyres, LockedWheelsSlideAndStop) {
+  Car car;
+  car.speed = 10;
+  car.locked = true;
+  car.height_of_start = -car.load_of(true) / car.stiffness;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 0.3);
+  const double first = channel(s, "vx");
+  run_to(s, 0.8);
+  EXPECT_NEAR((first - channel(s, "vx")) / 0.5, car.friction * g, 5e-3 * car.friction * g);
+  run_to(s, 6);  // it has stopped, and nods no more
+  const double x = channel(s, "x");
+  EXPECT_NEAR(channel(s, "vx"), 0, 1e-6);
+  const EnergyBalance e = s.energy();
+  EXPECT_NEAR(e.dissipated, 0.5 * car.mass() * 100, 0.01 * 0.5 * car.mass() * 100);
+  EXPECT_LT(std::abs(e.numerical), 5e-3 * 0.5 * car.mass() * 100);
+  run_to(s, 8);
+  EXPECT_NEAR(channel(s, "x"), x, 1e-6);
+}
+
+/// On a slope of 15 % with brakes on: what settles in the first seconds, and then nothing.
+TEST_P(Tyres, StandOnASlope) {
+  Car car;
+  car.locked = true;
+  car.road = "points: [[-100, -15], [100, 15]]";
+  car.pitch = -std::atan(0.15);
+  car.height_of_start = 0.005;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 5);
+  const double x = channel(s, "x"), y = channel(s, "y"), z = channel(s, "z");
+  run_to(s, 15);
+  EXPECT_NEAR(channel(s, "x"), x, 1e-6);
+  EXPECT_NEAR(channel(s, "y"), y, 1e-6);
+  EXPECT_NEAR(channel(s, "z"), z, 1e-6);
+  double along = 0;
+  for (const std::string& w : wheels) along += channel(s, fmt::format("tyre.{}.longitudinal", w));
+  EXPECT_NEAR(along, car.mass() * g * std::sin(std::atan(0.15)), 1);
+}
+
+/// The steering angle beyond that of the radius is that of a bicycle with the same tyres, and the trails.
+TEST_P(Tyres, CornerAsABicycleDoes) {
+  Car car;
+  car.speed = 20;
+  car.height = 0.35;
+  car.steer = "0.01*min(1, t)";
+  car.height_of_start = -car.load_of(true) / car.stiffness;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 4);
+  const double speed = std::hypot(channel(s, "vx"), channel(s, "vy")), rate = channel(s, "yaw_rate"),
+               across = speed * rate;
+  const double stiff_front = 2 * car.cornering * car.load_of(true) / car.load,
+               stiff_rear = 2 * car.cornering * car.load_of(false) / car.load;
+  const auto trail = [&](bool at_front) {
+    return car.half_length * std::sqrt(car.load_of(at_front) / car.load) / 3;
+  };
+  const double a = car.front - trail(true), b = car.rear + trail(false), m = car.mass();
+  const double bicycle = m / (a + b) * (b / stiff_front - a / stiff_rear);
+  const double measured = (0.01 - car.base() / speed * rate) / across;
+  EXPECT_NEAR(across, 1.3, 0.5);
+  EXPECT_NEAR(measured, bicycle, 0.05 * std::abs(bicycle) + 2e-5);
+}
+
+/// To the right as to the left.
+TEST_P(Tyres, AreTheSameOnBothSides) {
+  Car left, right;
+  left.speed = right.speed = 15;
+  left.steer = "0.03*sin(3*t)";
+  right.steer = "-0.03*sin(3*t)";
+  Simulation a = left.simulation(GetParam()), b = right.simulation(GetParam());
+  run_to(a, 1.5);
+  run_to(b, 1.5);
+  EXPECT_GT(std::abs(channel(a, "y")), 0.05);
+  EXPECT_NEAR(channel(a, "y"), -channel(b, "y"), 1e-7);
+  EXPECT_NEAR(channel(a, "x"), channel(b, "x"), 1e-7);
+  EXPECT_NEAR(channel(a, "tyre.fl.lateral"), -channel(b, "tyre.fr.lateral"), 1e-3);
+}
+
+/// Through a slalom near the limit: energy that is not there any more was rubbed away.
+TEST_P(Tyres, KeepTheBalanceOfEnergy) {
+  Car car;
+  car.speed = 15;
+  car.steer = "0.1*sin(4*t)";
+  Simulation s = car.simulation(GetParam());
+  double lost = 0;
+  const double start = 0.5 * car.mass() * 225;
+  for (int k = 1; k <= 30; ++k) {
+    run_to(s, 0.1 * k);
+    const double now = s.energy().dissipated;
+    EXPECT_GE(now, lost - 1e-3 * start);
+    lost = now;
+  }
+  EXPECT_GT(lost, 0.05 * start);
+  EXPECT_LT(std::abs(s.energy().numerical), 2e-3 * start);
+}
+
+/// Sideways at speed, it trips and rolls over: numbers all the way.
+TEST_P(Tyres, SurviveARollOver) {
+  Car car;
+  car.height = 1.2;
+  car.friction = 1.5;
+  car.speed = 10;
+  car.sideways = 9;
+  car.roll_rate = -3;
+  Simulation s = car.simulation(GetParam());
+  for (int k = 1; k <= 30; ++k) {
+    run_to(s, 0.05 * k);
+    for (const char* name : {"x", "y", "z", "tyre.fl.vertical", "tyre.rr.lateral"})
+      ASSERT_TRUE(std::isfinite(channel(s, name))) << name << k;
+  }
+}
+
+/// In the air there is no force.
+TEST_P(Tyres, NeedTheRoad) {
+  Car car;
+  car.speed = 10;
+  car.height_of_start = 0.5;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 0.2);
+  for (const std::string& w : wheels)
+    for (const char* what : {"vertical", "longitudinal", "lateral", "aligning", "slip", "deflection"})
+      EXPECT_EQ(channel(s, fmt::format("tyre.{}.{}", w, what)), 0) << w << what;
+  EXPECT_NEAR(channel(s, "z"), car.height + 0.5 - 0.5 * g * 0.04, 1e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(BothFormulations, Tyres,
+                         testing::Values(Formulation::relative, Formulation::natural));
+
+}  // namespace
+}  // namespace mimbre::test
