@@ -219,6 +219,7 @@ struct Contact {
   std::vector<Spheres> spheres{};       ///< needed
   std::vector<std::string> surfaces{};  ///< needed, or `among`
   bool among = false;                   ///< they touch one another
+  bool swarm = false;                   ///< of these only those that are near each other are looked at
   double stiffness = 0;                 ///< N/m; needed
   double exponent = 1, depth = 1e-3, restitution = 1;
   double friction = 0, static_ratio = 1, stribeck = 1e-2, tangential = 0.7, settling = 1e-3;

@@ -372,6 +372,7 @@ struct Contact {
   std::vector<Spheres> spheres;
   std::vector<int> surfaces;    ///< indices into Model::surfaces
   bool among = false;           ///< spheres of different bodies touch one another too
+  bool swarm = false;           ///< of `among`: only those that are near each other are looked at
   std::vector<double> numbers;  ///< of the law, as contact_numbers in src/model/force_laws.h describes them
 };
 
@@ -415,8 +416,8 @@ struct Output {
     element_rate,      ///< component of its rate
     section_force,     ///< of a flexible body made of bars: `component` (N, Vy, Vz, T, My, Mz, largest von
                        ///< Mises stress) at `node`, the start (2 k) or end (2 k + 1) of its mesh's element k
-    contact_force,  ///< of a contact on its spheres, or on the one of `bodies`: component 0..2 in global axes, 3
-                    ///< and 4 sums of the magnitudes of normal and tangential forces
+    contact_force,     ///< of a contact on its spheres, or on the one of `bodies`: component 0..2 in global
+                    ///< axes, 3 and 4 sums of the magnitudes of normal and tangential forces
     contact_depth,  ///< largest of them
     contact_count   ///< pairs that touch
   } kind = Kind::position;

@@ -177,8 +177,8 @@ class Part:
         self._add("surfaces", name, keys)
 
     def add_contact(self, name: str, /, **keys: Unpack[words.Contact]) -> None:
-        """Spheres that press and rub against surfaces, or (among=True) one another: spheres (on, at, radius), surfaces,
-        stiffness (N/m), restitution, friction, rolling.
+        """Spheres that press and rub against surfaces, or (among=True; hundreds: swarm=True) one another: spheres (on,
+        at, radius), surfaces, stiffness (N/m), restitution, friction, rolling.
 
         Example:
             ```python

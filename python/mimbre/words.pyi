@@ -946,6 +946,8 @@ class Contact(TypedDict, total=False):
     surfaces: str | Sequence[str]
     # They touch one another; default: false.
     among: Flag
+    # Of these only those that are near each other are looked at: for hundreds of spheres; default: false.
+    swarm: Flag
     # N/m at `depth`, or anywhere where the exponent is 1.
     stiffness: Required[Number]
     # Of the force over the depth, from 1; 1.5 of elastic spheres (Hertz); default: 1.

@@ -56,11 +56,34 @@ std::vector<BodyLine> body_lines(const spec::Model& model) {
   return lines;
 }
 
+/// The spheres of a contact, and how many pairs with surfaces and one another can touch.
+struct ContactLine {
+  std::string name;
+  std::int64_t spheres = 0, surfaces = 0, pairs = 0;
+  bool swarm = false;
+};
+
+std::vector<ContactLine> contact_lines(const spec::Model& model) {
+  std::vector<ContactLine> lines;
+  for (const spec::Contact& contact : model.contacts) {
+    ContactLine line{contact.name, 0, std::ssize(contact.surfaces), 0, contact.swarm};
+    for (const spec::Spheres& set : contact.spheres)
+      line.spheres += set.surface_of < 0
+                          ? std::ssize(set.frames)
+                          : model.bodies[static_cast<std::size_t>(set.surface_of)].flexible->nodes.cols();
+    line.pairs = line.spheres * line.surfaces;
+    if (contact.among) line.pairs += line.spheres * (line.spheres - 1) / 2;
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 /// Everything that is said, gathered once for both forms.
 struct Description {
   std::vector<BodyLine> bodies;
   std::vector<Model::JointLine> joints;
   std::vector<Model::ConstraintLine> constraint_lines;
+  std::vector<ContactLine> contacts;
   double mass = 0;
   int loops = 0;
   int coordinates = 0, elastic_coordinates = 0, constraints = 0, degrees_of_freedom = 0;
@@ -83,6 +106,7 @@ Description describe(const LoadedModel& loaded, const RunOptions& options) {
   d.bodies = body_lines(model.spec());
   d.joints = model.joint_lines();
   d.constraint_lines = model.constraint_lines();
+  d.contacts = contact_lines(model.spec());
   for (const BodyLine& body : d.bodies) d.mass += body.mass;
   d.loops =
       static_cast<int>(std::count_if(d.joints.begin(), d.joints.end(), [](const auto& j) { return j.cut; }));
@@ -149,6 +173,13 @@ Json to_json(const Description& d, const std::string& title) {
   for (const Model::ConstraintLine& c : d.constraint_lines)
     json["between_bodies"].push_back(
         {{"name", c.name}, {"type", c.type}, {"between", c.between}, {"equations", c.equations}});
+  json["contacts"] = Json::array();
+  for (const ContactLine& c : d.contacts)
+    json["contacts"].push_back({{"name", c.name},
+                                {"spheres", c.spheres},
+                                {"surfaces", c.surfaces},
+                                {"pairs", c.pairs},
+                                {"swarm", c.swarm}});
   json["inputs"] = json["tunables"] = Json::array();
   for (const spec::Input& i : d.inputs) {
     Json entry{{"name", i.name}, {"start", i.start}};
@@ -234,6 +265,10 @@ std::string to_tables(const Description& d, const std::string& title) {
   for (const Model::ConstraintLine& c : d.constraint_lines)
     constraints.add(
         {c.name, c.type, fmt::format("{}", fmt::join(c.between, ", ")), fmt::format("{}", c.equations)});
+  Table contacts({"contact", "spheres", "surfaces", "possible pairs", "looked at"});
+  for (const ContactLine& c : d.contacts)
+    contacts.add({c.name, fmt::format("{}", c.spheres), fmt::format("{}", c.surfaces),
+                  fmt::format("{}", c.pairs), c.swarm ? "those with surfaces, and near ones" : "all"});
   Table model({"model", "", ""});
   const auto line = [&](const char* what, int value) { model.add({what, fmt::format("{}", value), ""}); };
   model.add({"simulated time", fmt::format("{:.6g}", d.method.end),
@@ -248,7 +283,8 @@ std::string to_tables(const Description& d, const std::string& title) {
   if (d.redundancy.equations > 0) line("redundant equations", d.redundancy.equations);
   if (d.redundancy.nearly > 0) line("nearly redundant equations", d.redundancy.nearly);
   const std::string between = d.constraint_lines.empty() ? "" : constraints.text() + '\n';
-  return text + bodies.text() + '\n' + joints.text() + '\n' + between + model.text() + '\n' +
+  const std::string touching = d.contacts.empty() ? "" : contacts.text() + '\n';
+  return text + bodies.text() + '\n' + joints.text() + '\n' + between + touching + model.text() + '\n' +
          method_table(d.method) + redundancy_note(d.redundancy) + choices_note(d.choices);
 }
 

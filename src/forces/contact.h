@@ -4,6 +4,7 @@
 #include "forces/blow.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
+#include "forces/element_ends.h"
 
 /// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
 /// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
@@ -116,7 +117,7 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   const int n = s.count;
   for (int k = 0; k < n; ++k) s.force[k] = T(0);
   for (int k = 0; k < n * n; ++k) s.stiffness[k] = s.damping[k] = T(0);
-  for (int k = states::bend; k < c.element.state_count; ++k) s.states[k] = T(0);
+  for (int k = states::bend; k < law_states(c.element); ++k) s.states[k] = T(0);
   const auto touches = s.x[0] < T(0);
   // The speed of the next blow, as long as there is none.
   s.states[states::blow] = select(touches, c.states[states::blow], T(abs(s.v[0])));
@@ -151,7 +152,8 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   using Vector1 = Eigen::Matrix<T, 1, 1>;
   const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
                 turned = axes.transpose() * vector_at<T>(c.states + states::moment);
-  const T lever = firm * T(c.element.radius), roll = lever * p[rolling], spin = lever * p[spinning];
+  const T lever = firm * T(ends_of(c.model, c.element, c.states).radius), roll = lever * p[rolling],
+          spin = lever * p[spinning];
   const T most_roll = push.force * p[rolling], most_spin = push.force * p[spinning];
   Vector2 rolled = twisted.template head<2>(), roll_moment = turned.template head<2>();
   Vector1 spun(twisted[2]), spin_moment(turned[2]);
@@ -180,7 +182,8 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   using namespace contact;
   namespace states = contact_states;
   const double* p = c.numbers();
-  const double firm = p[tangential] * p[stiffness], lever = firm * c.element.radius;
+  const double firm = p[tangential] * p[stiffness],
+               lever = firm * ends_of(c.model, c.element, c.states).radius;
   const bool turning = s.count > 3;
   const auto bristles = [&](const double* z, const Mat3d& axes) {
     double stored = 0.5 * firm * vector_at<double>(z + states::bend).squaredNorm();

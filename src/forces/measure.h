@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "forces/element.h"
+#include "forces/element_ends.h"
 #include "forces/measure_contact.h"
 #include "forces/measure_wheel.h"
 #include "forces/motion.h"
@@ -205,10 +206,14 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
       return measure_velocity(b, s);
     case Measure::sum:  // measure_sums()
       return;
-    case Measure::contact:
-      return measure_contact(m.surfaces[e.surface], e, *a, b, states, step, s);
     case Measure::wheel:
       return measure_wheel(m.roads[e.road], e, origin, b, signals, s);
+    case Measure::contact: {
+      const ElementEnds ends = ends_of(m, e, states);
+      measure_contact(m.surfaces[ends.surface], ends.radius, *a, b, states, step, s);
+      for (int k = law_states(e); k < e.state_count; ++k) s.states[k] = states[k];
+      return;
+    }
     case Measure::none: {
       s.x[0] = s.v[0] = T(0);
       const Vec3<T> force = e.direction.template cast<T>(), moment = e.second.template cast<T>();

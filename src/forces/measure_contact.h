@@ -20,7 +20,7 @@ void tangents_of(const Vec3<T>& n, Vec3<T>& first, Vec3<T>& second) {
 /// tangents and the normal. Where the sphere did not touch before, the slip is that of its speed. With n, t
 /// the normal and a tangent, ρ the contact's distance from the centre: ẋ = n · u and t · u − ρ (n × t) · w.
 template <class T>
-void measure_contact(const SurfaceData& surface, const ElementData& e, const Motion<T>& a, const Motion<T>& b,
+void measure_contact(const SurfaceData& surface, double radius, const Motion<T>& a, const Motion<T>& b,
                      const T* before, double step, ElementState<T>& s) {
   using namespace contact_states;
   Vec3<T> d, u, w;
@@ -28,7 +28,7 @@ void measure_contact(const SurfaceData& surface, const ElementData& e, const Mot
   const Mat3<T> At = a.rotation.transpose();
   const Vec3<T> centre = At * d;
   const Touch<T> touch = surfaces::touch(surface, centre);
-  const T distance = touch.distance - T(e.radius);
+  const T distance = touch.distance - T(radius);
   s.x[0] = distance;
   const Vec3<T> n = a.rotation * touch.normal;
   s.v[0] = n.dot(u);
@@ -56,7 +56,7 @@ void measure_contact(const SurfaceData& surface, const ElementData& e, const Mot
                 went = centre - Vec3<T>(before[place], before[place + 1], before[place + 2]);
   Vec3<T> axes[3] = {touch.normal, touch.normal, touch.normal};
   tangents_of(touch.normal, axes[0], axes[1]);
-  const Vec3<T> arm = T(-0.5) * (T(e.radius) + touch.distance) * touch.normal;
+  const Vec3<T> arm = T(-0.5) * (T(radius) + touch.distance) * touch.normal;
   const auto component = [&](int k, const Vec3<T>& linear, const Vec3<T>& angular) {
     const Vec3<T> along = a.rotation * linear, about = a.rotation * angular;
     s.set_linear(k, kept3(along));

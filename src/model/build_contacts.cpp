@@ -33,6 +33,7 @@ void ModelBuilder::add_contact(const std::string& name, const build::Contact& gi
   spec::Contact contact;
   contact.name = name;
   contact.among = given.among;
+  contact.swarm = given.swarm;
   int number = 0;
   for (const build::Spheres& set : given.spheres) {
     spec::Spheres spheres;

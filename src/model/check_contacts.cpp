@@ -1,5 +1,6 @@
 #include "mimbre/reduced_body.h"
 #include "model/checked_thing.h"
+#include "model/contact_pairs.h"
 #include "model/force_laws.h"
 #include "model/surface_kinds.h"
 #include "model/triangle_mesh.h"
@@ -10,6 +11,8 @@ namespace {
 
 /// Pairs of spheres: each is kept, whether they are near each other or not.
 constexpr std::size_t most_pairs = 20000;
+/// Of a swarm: with surfaces, and places for those that are near each other.
+constexpr std::size_t most_of_swarm = 100000;
 
 void check_grid(const Thing& thing, const spec::Surface& s) {
   thing.positive("spacing along x", s.spacing[0]);
@@ -80,6 +83,8 @@ void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors) {
     if (contact.spheres.empty()) thing.error("has no spheres");
     for (const int surface : contact.surfaces)
       thing.index("surface", surface, model.surfaces.size(), "surfaces");
+    if (contact.swarm && !contact.among)
+      thing.error("is a swarm whose spheres do not touch one another; set 'among', too");
     if (contact.surfaces.empty() && !contact.among)
       thing.error("touches nothing: give surfaces, or let the spheres touch one another");
     if (contact.numbers.size() != law.numbers.size()) {
@@ -92,14 +97,21 @@ void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors) {
         thing.error(
             fmt::format("{} {}", law.numbers[i].key, wrong_number(law.numbers[i], contact.numbers[i])));
     if (errors.size() > before) continue;
-    const std::size_t spheres = count(model, contact),
-                      pairs = spheres * contact.surfaces.size() +
-                              (contact.among ? spheres * (spheres - 1) / 2 : 0);
-    if (pairs > most_pairs)
+    const std::size_t spheres = count(model, contact), pairs = spheres * contact.surfaces.size() +
+                                                               (contact.swarm   ? places_per_sphere * spheres
+                                                                : contact.among ? spheres * (spheres - 1) / 2
+                                                                                : 0);
+    if (pairs > (contact.swarm ? most_of_swarm : most_pairs))
       thing.error(
-          fmt::format("its {} spheres make {} pairs, each of which is looked at in every step; at most {} "
-                      "can be: give fewer spheres",
-                      spheres, pairs, most_pairs));
+          contact.swarm
+              ? fmt::format("its {} spheres on {} surfaces take {} places for pairs; at most {} can be: give "
+                            "fewer spheres or surfaces",
+                            spheres, contact.surfaces.size(), pairs, most_of_swarm)
+              : fmt::format(
+                    "its {} spheres make {} pairs, each of which is looked at in every step; at most {} "
+                    "can be: give fewer spheres{}",
+                    spheres, pairs, most_pairs,
+                    contact.among ? ", or let them be a swarm, of which only near ones are" : ""));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "forces/element_ends.h"
 #include "math/decompositions.h"
 #include "math/restitution.h"
 #include "mimbre/model.h"
@@ -126,7 +127,9 @@ class Compiler {
       if (e.on == On::velocity) full.insert(e.frame_b);
     }
     pairs_ = contact_pairs(spec_);
-    for (const ContactPair& pair : pairs_) full.insert({pair.frame_a, pair.frame_b});
+    for (const ContactPair& pair : pairs_.pairs) full.insert({pair.frame_a, pair.frame_b});
+    for (const auto& swarm : pairs_.swarms)
+      for (const ContactSphere& sphere : swarm) full.insert(sphere.frame);
     for (const int sensor : seen_within_a_step(c_)) {
       const spec::Output& o = spec_.sensors[sensor];
       const auto add = [&](int frame) {
@@ -246,7 +249,7 @@ class Compiler {
   }
 
   int add_element(ElementData e) {
-    if (e.measure != Measure::none && e.measure != Measure::sum && e.body < 0) {
+    if (e.measure != Measure::none && e.measure != Measure::sum && e.body < 0 && !e.pooled) {
       e.path = make_path(e.frame_a < 0 ? ground_frame() : e.frame_a, e.frame_b);
       e.jacobian = add_jacobian(e.path, e.count);
     }
@@ -433,31 +436,55 @@ class Compiler {
       const int numbers = add_numbers(s.numbers);
       add_numbers({restitution_damping(s.numbers[contact_restitution])});
       const bool turning = s.numbers[contact_rolling] > 0 || s.numbers[contact_spinning] > 0;
-      for (; next < pairs_.size() && pairs_[next].contact == k; ++next) {
-        const ContactPair& pair = pairs_[next];
-        ElementData e;
-        e.law = static_cast<int>(Law::contact);
-        e.spec = k;
-        e.measure = Measure::contact;
-        e.count = turning ? 6 : 3;
-        e.marked = true;
+      ElementData contact;
+      contact.law = static_cast<int>(Law::contact);
+      contact.spec = k;
+      contact.measure = Measure::contact;
+      contact.count = turning ? 6 : 3;
+      contact.marked = true;
+      contact.numbers = numbers;
+      contact.state_count = turning ? contact_turning_states : law_info(contact.law).states;
+      const auto sphere_of = [&](double radius) {
+        const auto [it, fresh] = spheres.try_emplace(radius, static_cast<int>(c_.surfaces.size()));
+        if (fresh) c_.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {radius, 0, 0}, {}});
+        return it->second;
+      };
+      for (; next < pairs_.pairs.size() && pairs_.pairs[next].contact == k; ++next) {
+        const ContactPair& pair = pairs_.pairs[next];
+        ElementData e = contact;
         e.frame_a = c_.frame_of_spec[pair.frame_a];
         e.frame_b = c_.frame_of_spec[pair.frame_b];
         e.radius = pair.radius;
-        e.surface = pair.surface;
-        if (e.surface < 0) {
-          const auto [it, fresh] =
-              spheres.try_emplace(pair.other_radius, static_cast<int>(c_.surfaces.size()));
-          if (fresh)
-            c_.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {it->first, 0, 0}, {}});
-          e.surface = it->second;
-        }
-        e.numbers = numbers;
-        e.state_count = turning ? contact_turning_states : law_info(e.law).states;
+        e.surface = pair.surface < 0 ? sphere_of(pair.other_radius) : pair.surface;
         add_element(std::move(e));
       }
+      SwarmData& swarm = c_.swarms.emplace_back();
+      for (const ContactSphere& given : pairs_.swarms[static_cast<std::size_t>(k)]) {
+        SwarmSphere sphere;
+        sphere.frame = c_.frame_of_spec[given.frame];
+        sphere.surface = sphere_of(given.radius);
+        sphere.radius = given.radius;
+        sphere.path = make_path(ground_frame(), sphere.frame);
+        swarm.spheres.push_back(std::move(sphere));
+      }
+      add_places(contact, swarm);
     }
     c_.first_of_contact.push_back(static_cast<int>(c_.elements.size()));
+  }
+
+  /// Elements for pairs of a swarm, with room for the rows of any.
+  void add_places(ElementData e, SwarmData& swarm) {
+    int width = 0;
+    for (const SwarmSphere& sphere : swarm.spheres) width = std::max(width, sphere.path.width);
+    e.pooled = true;
+    e.state_count += pair_states;
+    swarm.first = static_cast<int>(c_.elements.size());
+    for (int k = places_per_sphere * static_cast<int>(swarm.spheres.size()); k > 0; --k) {
+      e.jacobian = c_.jacobian_storage;
+      c_.jacobian_storage += 2 * e.count * width;
+      add_element(e);
+    }
+    swarm.last = static_cast<int>(c_.elements.size());
   }
 
   static SurfaceData surface_data(const spec::Surface& s) {
@@ -705,6 +732,8 @@ class Compiler {
     for (const auto& l : c_.loops) couple(l.path);
     for (const auto& c : c_.constraints) couple(c.path);
     for (const auto& e : c_.elements) couple(e.path);
+    for (const auto& swarm : c_.swarms)
+      for (const SwarmSphere& sphere : swarm.spheres) couple(sphere.path);
     c_.symbolic = linalg::BlockSymbolic(pattern);
 
     const auto find_places = [&](Path& path) {
@@ -715,6 +744,8 @@ class Compiler {
     for (auto& l : c_.loops) find_places(l.path);
     for (auto& c : c_.constraints) find_places(c.path);
     for (auto& e : c_.elements) find_places(e.path);
+    for (auto& swarm : c_.swarms)
+      for (SwarmSphere& sphere : swarm.spheres) find_places(sphere.path);
     c_.mass_places.resize(c_.bodies.size());
     for (int b = 0; b < static_cast<int>(c_.bodies.size()); ++b) {
       c_.diagonal.push_back(c_.symbolic.place(b, b));
@@ -743,7 +774,7 @@ class Compiler {
     if (with_mass > 0) c_.mass_scale = mass / with_mass;
     if (with_length > 0) c_.length_scale = length / with_length;
     for (ElementData& e : c_.elements)
-      if (e.measure == Measure::contact) e.struck_mass = struck_mass(c_, e);
+      if (e.measure == Measure::contact && !e.pooled) e.struck_mass = struck_mass(c_, e);
     const double angle = c_.length_scale * c_.length_scale;
     for (LoopData& l : c_.loops)
       for (int r = 0; r < l.count; ++r)
@@ -758,7 +789,7 @@ class Compiler {
   spec::Model& spec_;
   Compiled c_;
   Topology topology_;
-  std::vector<ContactPair> pairs_;
+  ContactPairs pairs_;
   std::vector<std::pair<int, std::vector<double>>> pending_states_;  ///< of user laws: where, what
 };
 

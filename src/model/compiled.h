@@ -269,9 +269,10 @@ struct ElementData {
   int own_states = 0;  ///< of these the first that is the law's, behind the turns
   bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and what it says
   bool marked = false;                                  ///< a change of its tangent may ask for a new matrix
-  int inertia = -1;  ///< among the model's numbers: of what is measured, kg or kg m²; -1: none
-  Array<Leg> legs;   ///< of a sum; they come behind it
-  bool leg = false;  ///< is one
+  int inertia = -1;     ///< among the model's numbers: of what is measured, kg or kg m²; -1: none
+  Array<Leg> legs;      ///< of a sum; they come behind it
+  bool leg = false;     ///< is one
+  bool pooled = false;  ///< contact: of those two spheres of its contact's swarm that its states name
   // In the step.
   int storage = 0;  ///< of its ElementState
   Path path;
@@ -282,6 +283,21 @@ struct ElementData {
 inline int element_storage(const ElementData& e) {
   return 9 * e.count + 2 * e.count * e.count + surroundings_size(e.measure) + 1 + e.state_count;
 }
+
+/// A sphere of a swarm.
+struct SwarmSphere {
+  int frame = -1;
+  int surface = -1;  ///< it as others see it
+  double radius = 0;
+  Path path;  ///< of its frame against the ground
+};
+
+/// Spheres that touch one another: pooled elements [first, last) are places for pairs that are near each
+/// other, which change from step to step (simulation/swarm_search.h).
+struct SwarmData {
+  int first = 0, last = 0;
+  Array<SwarmSphere> spheres;
+};
 
 /// A formula of own variables and signals.
 struct LawData {
@@ -468,6 +484,8 @@ struct Compiled {
   linalg::BlockSymbolic symbolic;
   double mass_scale = 1;    ///< mean mass of the bodies that have one, kg
   double length_scale = 1;  ///< typical distance between frames of a body, m
+
+  Array<SwarmData> swarms;  ///< by contact of the spec; of others without spheres
 };
 
 /// Calls f with the equations of cut joints, then of constraints.

@@ -10,11 +10,6 @@
 namespace mimbre {
 namespace {
 
-struct Sphere {
-  int frame;
-  double radius;
-};
-
 /// A frame for every node of the body's surface.
 std::vector<int> surface_frames(spec::Model& model, int body) {
   const ReducedBody& flexible = *model.bodies[static_cast<std::size_t>(body)].flexible;
@@ -35,12 +30,13 @@ std::vector<int> surface_frames(spec::Model& model, int body) {
 
 }  // namespace
 
-std::vector<ContactPair> contact_pairs(spec::Model& model) {
-  std::vector<ContactPair> pairs;
+ContactPairs contact_pairs(spec::Model& model) {
+  ContactPairs found;
+  std::vector<ContactPair>& pairs = found.pairs;
   const auto body = [&](int frame) { return model.frames[static_cast<std::size_t>(frame)].body; };
   for (int k = 0; k < static_cast<int>(model.contacts.size()); ++k) {
     const spec::Contact& contact = model.contacts[static_cast<std::size_t>(k)];
-    std::vector<Sphere> spheres;
+    std::vector<ContactSphere> spheres;
     for (const spec::Spheres& set : contact.spheres) {
       const std::vector<int> frames = set.surface_of < 0 ? set.frames : surface_frames(model, set.surface_of);
       for (const int frame : frames) spheres.push_back({frame, set.radius});
@@ -51,12 +47,13 @@ std::vector<ContactPair> contact_pairs(spec::Model& model) {
         if (body(carrier) != body(spheres[i].frame))
           pairs.push_back({k, surface, carrier, spheres[i].frame, spheres[i].radius, 0});
       }
-      for (std::size_t j = 0; contact.among && j < i; ++j)
+      for (std::size_t j = 0; contact.among && !contact.swarm && j < i; ++j)
         if (body(spheres[j].frame) != body(spheres[i].frame))
           pairs.push_back({k, -1, spheres[j].frame, spheres[i].frame, spheres[i].radius, spheres[j].radius});
     }
+    found.swarms.push_back(contact.swarm ? std::move(spheres) : std::vector<ContactSphere>());
   }
-  return pairs;
+  return found;
 }
 
 }  // namespace mimbre

@@ -5,6 +5,11 @@
 
 namespace mimbre {
 
+/// How many pairs of a swarm can be near each other, for each of its spheres. Of hard spheres of any sizes
+/// fewer than 8 + 4√3 touch one on average (Kuperberg and Schramm, Mathematical Research Letters 1, 1994),
+/// half of it a sphere.
+constexpr int places_per_sphere = 8;
+
 /// A sphere and what it can touch: a surface, or another sphere.
 struct ContactPair {
   int contact = -1;
@@ -13,8 +18,18 @@ struct ContactPair {
   double radius = 0, other_radius = 0;
 };
 
-/// The pairs of all contacts in their order, of different bodies. Makes frames for the spheres on surfaces of
-/// flexible bodies.
-std::vector<ContactPair> contact_pairs(spec::Model& model);
+struct ContactSphere {
+  int frame = -1;
+  double radius = 0;
+};
+
+struct ContactPairs {
+  /// Of all contacts in their order, of different bodies; of the spheres of a swarm only those with surfaces.
+  std::vector<ContactPair> pairs;
+  std::vector<std::vector<ContactSphere>> swarms;  ///< by contact, of swarms
+};
+
+/// Makes frames for the spheres on surfaces of flexible bodies.
+ContactPairs contact_pairs(spec::Model& model);
 
 }  // namespace mimbre

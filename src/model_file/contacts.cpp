@@ -167,7 +167,7 @@ std::vector<Value> one_or_more(const Value& value) {
 
 void read_contact(Builder& builder, const Part& part, const Value& value, spec::Contact& contact) {
   const LawInfo& law = law_info(static_cast<int>(Law::contact));
-  std::vector<std::string> keys{"spheres", "surfaces", "among"};
+  std::vector<std::string> keys{"spheres", "surfaces", "among", "swarm"};
   for (const LawNumber& number : law.numbers) keys.emplace_back(number.key);
   const Fields fields(value, keys);
   if (!value.has_fields()) return;
@@ -179,6 +179,10 @@ void read_contact(Builder& builder, const Part& part, const Value& value, spec::
         if (const int found = builder.resolve(builder.surface_names, part, *name, surface); found >= 0)
           contact.surfaces.push_back(found);
   if (const auto among = fields.get("among")) contact.among = among->flag().value_or(false);
+  if (const auto swarm = fields.get("swarm")) {
+    contact.swarm = swarm->flag().value_or(false);
+    if (contact.swarm && !contact.among) swarm->error("its spheres touch one another: among: true, too");
+  }
   if (!fields.has("surfaces") && !contact.among)
     value.error("touches nothing: name 'surfaces', or let the spheres touch one another by among: true");
   contact.numbers = read_numbers(law, fields, value, false);

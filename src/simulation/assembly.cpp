@@ -140,7 +140,15 @@ State natural_state(const natural::NaturalSystem& natural, relative::RelativeSys
 }
 
 StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
-  const double length = observer.model().length_scale;
+  const Compiled& m = observer.model();
+  for (const spec::Contact& contact : m.spec().contacts)
+    if (contact.swarm)
+      throw InputError(
+          contact.mark,
+          fmt::format("contact '{}' is a swarm, whose pairs are found as it moves: no equilibrium "
+                      "can be looked for; start from the assembled position, and run to rest",
+                      contact.name));
+  const double length = m.length_scale;
   if (!natural) return find_equilibrium(observer, s, length);
   State n = natural_state(*natural, observer, s);
   natural->enter(s.u.data(), s.z.data(), 0);

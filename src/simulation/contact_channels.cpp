@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forces/element.h"
+#include "forces/element_ends.h"
 
 namespace mimbre {
 
@@ -13,8 +13,9 @@ ContactSum contact_sum(const Compiled& m, const relative::Workspace<double>& w, 
     const ElementData& e = m.elements[k];
     const ElementState<const double> c = element_state(e, w.elements.data());
     if (c.x[0] >= 0) continue;
-    const bool on_a = body >= 0 && m.frames[e.frame_a].body == body,
-               on_b = body < 0 || m.frames[e.frame_b].body == body;
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    const bool on_a = body >= 0 && m.frames[ends.frame_a].body == body,
+               on_b = body < 0 || m.frames[ends.frame_b].body == body;
     if (!on_a && !on_b) continue;
     for (int i = 0; i < 3; ++i) sum.force += (on_b ? -c.force[i] : c.force[i]) * c.linear_of(i);
     sum.normal -= c.force[0];

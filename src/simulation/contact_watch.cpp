@@ -50,6 +50,7 @@ bool contact_followed(const Compiled& m, const relative::Workspace<double>& w, c
                       double quiet) {
   for (int k = m.first_of_contact.front(); k < m.first_of_contact.back(); ++k) {
     const ElementData& e = m.elements[k];
+    if (!m.swarms[e.spec].spheres.empty()) continue;
     const ElementState<const double> s = element_state(e, w.elements.data());
     const double *start = before + e.states, *p = m.numbers.data() + e.numbers;
     const bool touched = start[states::gap] < 0, touches = s.x[0] < 0;

@@ -158,6 +158,14 @@ void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w,
   EnergyBalance& e = balance_;
   Flow& f = flows_[k];
   ElementEnergy now;
+  if (d.pooled) {
+    // Another pair may have the place than before; none that touched has left it.
+    if (ends_of(m, d, context.states).frame_b < 0) return;
+    if (context.states[contact_states::gap] >= 0) {
+      f = {};
+      f.x[0] = context.states[contact_states::gap];
+    }
+  }
   forces::rows<double>[static_cast<std::size_t>(d.law)].energy(context, s, now);
   if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, h, f);
   (on_road(d.measure) ? e.tyres : e.springs) += now.stored;

@@ -55,7 +55,7 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
   for (const ElementData& e : m.elements) {
     // Of a sum the legs act.
     const bool acts = e.leg || (e.measure != Measure::sum && e.law != static_cast<int>(Law::sensor));
-    if (e.measure == Measure::none || !acts) continue;
+    if (e.measure == Measure::none || !acts || e.pooled) continue;
     if (e.body >= 0) {
       if (m.bodies[e.body].parent < 0) free[e.body] = 0;
     } else if (e.frame_a < 0)
@@ -63,6 +63,8 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
     else
       tie(e.frame_a, e.frame_b);
   }
+  for (const SwarmData& swarm : m.swarms)
+    for (const SwarmSphere& sphere : swarm.spheres) tie(swarm.spheres[0].frame, sphere.frame);
   for (const DriveData& d : m.drives)
     if (m.bodies[d.body].parent < 0) free[d.body] = 0;
 

@@ -9,6 +9,7 @@
 #include "simulation/free_flight.h"
 #include "simulation/redundancy.h"
 #include "simulation/start_branches.h"
+#include "simulation/swarm_search.h"
 
 namespace mimbre {
 
@@ -31,6 +32,10 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
   mechanism.state.u = assembled.u;
   mechanism.state.z = assembled.z;
+  if (SwarmSearch swarms(m); !swarms.none()) {
+    mechanism.observe_afresh();
+    swarms.find(observer.workspace(), method.step, mechanism.state.z.data());
+  }
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))
     throw InputError({m.spec().file, 0, 0}, explain_undetermined_start(m));

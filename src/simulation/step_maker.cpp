@@ -46,6 +46,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       conserves_(method.integrator == spec::Simulation::Integrator::conserve),
       free_flight_(mechanism.model),
       energy_keeper_(mechanism.model, free_flight_.groups()),
+      swarms_(mechanism.model),
       meter_(mechanism.model),
       begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_}),
       before_{mechanism.state, meter_},
@@ -88,6 +89,10 @@ void StepMaker::advance(StepReport& report) {
     m.observe_afresh();
     free_flight_.begin(m.observer, m.view());
     if (conserves_) energy_keeper_.begin(m.observer, m.view());
+  }
+  if (!swarms_.none()) {
+    if (!corrects) m.observe_afresh();
+    swarms_.find(m.observer.workspace(), integrator_->options().step, m.state.z.data());
   }
   m.enter(integrator_->options().step);
   last_ = integrator_->step(m.state);

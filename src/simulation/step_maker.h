@@ -9,6 +9,7 @@
 #include "simulation/energy_keeper.h"
 #include "simulation/free_flight.h"
 #include "simulation/mechanism.h"
+#include "simulation/swarm_search.h"
 
 namespace mimbre {
 
@@ -66,6 +67,7 @@ class StepMaker {
   const bool conserves_;
   FreeFlight free_flight_;
   EnergyKeeper energy_keeper_;
+  SwarmSearch swarms_;
   EnergyMeter meter_;
   std::vector<Begin> begins_;
   Begin before_;          ///< of the last step, for undo()

@@ -121,6 +121,8 @@ TEST_P(Allocation, NoneInOtherMechanisms) {
   }
   Simulation contacts(die_and_ball(), options());
   EXPECT_EQ(allocations_of(contacts, 300), 0);
+  Simulation swarm(example("../bench/swarm.yaml", {{"layers", "1"}}), options());
+  EXPECT_EQ(allocations_of(swarm, 200), 0);
   Simulation beam(example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}}), options());
   EXPECT_EQ(allocations_of(beam, 300), 0);
   const auto model =

@@ -37,10 +37,12 @@ inline void measure_element(const Compiled& m, const Layout& l, Workspace<double
     s.set_angular(0, A.axes * rates.motion.angular.col(e.local));
     return;
   }
+  const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+  if (ends.frame_b < 0) return leave_free(e, s);
   const bool turning = needs_axes(e.measure);
-  const Motion<double> b = motion_of_frame(w.frames[e.frame_b], turning);
+  const Motion<double> b = motion_of_frame(w.frames[ends.frame_b], turning);
   Motion<double> a;
-  if (e.frame_a >= 0) a = motion_of_frame(w.frames[e.frame_a], turning);
+  if (ends.frame_a >= 0) a = motion_of_frame(w.frames[ends.frame_a], turning);
   measure(m, e, &a, b, l.origin, w.signals.value.data(), w.signals.states + e.states, s, w.signals.step);
 }
 
@@ -53,10 +55,9 @@ inline void sense(const Compiled& m, const Layout& l, Workspace<double>& w) {
 }
 
 /// Puts `factor` times the covector of an element's component on its two bodies.
-inline void act_by_element(const Compiled& m, const Workspace<double>& w, const ElementData& e,
-                           const ElementState<double>& s, int component, double factor,
+inline void act_by_element(const Compiled& m, const Workspace<double>& w, const ElementData& e, int frame_a,
+                           int frame_b, const ElementState<double>& s, int component, double factor,
                            const Covector<double>& on_a, const Covector<double>& on_b) {
-  const int frame_a = e.frame_a, frame_b = e.frame_b;
   const FrameMotion<double>& B = w.frames[frame_b];
   const bool turning = has_moment(e.measure);
   const Vec3d force = factor * s.linear_of(component);
@@ -79,12 +80,16 @@ inline void forces(const Compiled& m, const Layout& l, Workspace<double>& w, con
   sense(m, l, w);
   for (std::size_t i = 0; i < m.elements.size(); ++i) {
     const ElementData& e = m.elements[i];
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    if (ends.frame_b < 0 && e.pooled) continue;
     evaluate_law(m, e, w.signals, w.elements.data());
     if (e.measure == Measure::sum) continue;  // its legs act
     const ElementState<double> s = element_state(e, w.elements.data());
-    const Covector<double> on_a = collector(m, l, w, l.elements[i].body_a),
-                           on_b = collector(m, l, w, l.elements[i].body_b);
-    for (int k = 0; k < s.count; ++k) act_by_element(m, w, e, s, k, s.force[k], on_a, on_b);
+    const int body_a = e.pooled ? m.frames[ends.frame_a].body : l.elements[i].body_a,
+              body_b = e.pooled ? m.frames[ends.frame_b].body : l.elements[i].body_b;
+    const Covector<double> on_a = collector(m, l, w, body_a), on_b = collector(m, l, w, body_b);
+    for (int k = 0; k < s.count; ++k)
+      act_by_element(m, w, e, ends.frame_a, ends.frame_b, s, k, s.force[k], on_a, on_b);
   }
 }
 

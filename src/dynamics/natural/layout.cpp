@@ -490,8 +490,24 @@ class Builder {
   }
 
   void forces() {
-    for (const ElementData& e : m_.elements)
-      l_.elements.push_back(e.measure == Measure::sum ? Link{} : make_link(e.frame_a, e.frame_b, e.count));
+    std::vector<int> widest(m_.swarms.size(), 0);
+    for (std::size_t k = 0; k < m_.swarms.size(); ++k) {
+      std::vector<Link>& spheres = l_.spheres.emplace_back();
+      for (const SwarmSphere& sphere : m_.swarms[k].spheres) {
+        spheres.push_back(make_link(-1, sphere.frame, 0));
+        widest[k] = std::max(widest[k], spheres.back().stencil.stride);
+      }
+    }
+    for (const ElementData& e : m_.elements) {
+      if (e.measure != Measure::sum && !e.pooled) {
+        l_.elements.push_back(make_link(e.frame_a, e.frame_b, e.count));
+        continue;
+      }
+      l_.elements.emplace_back();
+      if (!e.pooled) continue;
+      l_.elements.back().jacobian = l_.jacobian_storage;
+      l_.jacobian_storage += 2 * e.count * widest[e.spec];
+    }
     for (const int k : m_.sums) l_.elements[k] = make_sum(m_.elements[k]);
     const auto on_joint = [&](int body) {
       const JointCoordinate& c = l_.joint_coordinates[body];
@@ -523,11 +539,13 @@ class Builder {
     const auto use = [&](int frame, char how) { l_.frame_use[frame] = std::max(l_.frame_use[frame], how); };
     for (const Joint& j : l_.joints) use(j.frame_a, 2), use(j.frame_b, 2);
     for (const ElementData& e : m_.elements) {
-      if (e.measure == Measure::sum) continue;
+      if (e.measure == Measure::sum || e.pooled) continue;
       const char how = needs_axes(e.measure) ? 2 : 1;
       use(e.frame_b, how);
       if (e.frame_a >= 0) use(e.frame_a, how);
     }
+    for (const SwarmData& swarm : m_.swarms)
+      for (const SwarmSphere& sphere : swarm.spheres) use(sphere.frame, 2);
     for (const SensorData& s : m_.sensors)
       for (const int frame : {s.frame, s.reference})
         if (frame >= 0) use(frame, 2);
@@ -561,6 +579,8 @@ class Builder {
       for (Joint& j : l_.joints) f(j.link.stencil);
       for (std::size_t k = 0; k < l_.elements.size(); ++k)
         if (m_.elements[k].measure != Measure::none) f(l_.elements[k].stencil);
+      for (std::vector<Link>& spheres : l_.spheres)
+        for (Link& link : spheres) f(link.stencil);
       for (Link& link : l_.drives) f(link.stencil);
       for (ConstraintLink& link : l_.constraints) f(link.stencil);
     };

@@ -114,6 +114,7 @@ struct Layout {
   std::vector<Joint> joints;                       ///< those with equations of their own
   std::vector<JointCoordinate> joint_coordinates;  ///< by tree body
   std::vector<Link> elements, drives;
+  std::vector<std::vector<Link>> spheres;  ///< of swarms, by contact: each sphere against the ground
   std::vector<ConstraintLink> constraints;
   int first_drive = 0;           ///< equation
   std::vector<char> frame_use;   ///< by frame: 0 not in the step, 1 position and velocity, 2 everything

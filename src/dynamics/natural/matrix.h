@@ -52,6 +52,15 @@ void scatter(const Stencil& s, const T* matrix, T* values) {
   }
 }
 
+/// The links of the two spheres of a pooled contact. Its rows are those of a, then those of b.
+struct PairLinks {
+  const Link *a = nullptr, *b = nullptr;
+};
+inline PairLinks links_of(const Layout& l, const ElementData& e, const ElementEnds& ends) {
+  const auto& spheres = l.spheres[e.spec];
+  return {&spheres[ends.first], &spheres[ends.second]};
+}
+
 /// Mass, elastic and damping matrix of a body into the lower triangle of its (cleared) dense matrix.
 template <class T>
 void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index, double damping,
@@ -215,11 +224,26 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
     if (e.measure == Measure::none || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
     if (e.measure == Measure::contact && !acts(s)) continue;
-    for (int k = 0; k < e.count; ++k)
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    const auto act = [&](int k, const Covector<T>& a, const Covector<T>& b) {
+      act_by_element(m, w, e, ends.frame_a, ends.frame_b, s, k, T(1), a, b);
+    };
+    const PairLinks pair = e.pooled ? links_of(l, e, ends) : PairLinks{};
+    for (int k = 0; k < e.count; ++k) {
+      if (!e.pooled) {
+        fill_row(
+            m, l, w, l.elements[i], [&](const auto& a, const auto& b) { act(k, a, b); },
+            storage + l.elements[i].jacobian + k * l.elements[i].stencil.stride);
+        continue;
+      }
+      T* const rows = storage + l.elements[i].jacobian;
       fill_row(
-          m, l, w, l.elements[i],
-          [&](const Covector<T>& a, const Covector<T>& b) { act_by_element(m, w, e, s, k, T(1), a, b); },
-          storage + l.elements[i].jacobian + k * l.elements[i].stencil.stride);
+          m, l, w, *pair.a, [&](const auto&, const auto& a) { act(k, a, {}); },
+          rows + k * pair.a->stencil.stride);
+      fill_row(
+          m, l, w, *pair.b, [&](const auto&, const auto& b) { act(k, {}, b); },
+          rows + e.count * pair.a->stencil.stride + k * pair.b->stencil.stride);
+    }
   }
   for (const int k : m.sums) {
     const Link& sum = l.elements[k];

@@ -66,7 +66,10 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       penalty_(layout_.equations),
       mu_(layout_.equations),
       scales_(scales_of(model, layout_)),
-      marks_(model) {
+      marks_(model),
+      couplings_(model, layout_.unknowns, [this](int contact, int sphere) {
+        return layout_.spheres[contact][sphere].stencil.columns;
+      }) {
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
   for (const Body& b : layout_.bodies)
@@ -117,6 +120,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
 [[gnu::flatten]] void NaturalSystem::assemble(const double* q, const MatrixWeights& weights) {
   jacobian<double>(model_, layout_, work_, q);
   factor_.set_zero();
+  couplings_.clear();
   double *values = factor_.values(), *local = work_.local.data();
   double weight[6];
   double* marks = marks_.ancf();
@@ -171,6 +175,20 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
       any = any || tangent[i] != 0;
     }
     if (!any) continue;
+    if (e.pooled) {
+      const ElementEnds ends = ends_of(model_, e, work_.signals.states + e.states);
+      if (ends.frame_b < 0) continue;
+      const PairLinks pair = links_of(layout_, e, ends);
+      const double *rows_a = work_.jacobian.data() + layout_.elements[k].jacobian,
+                   *rows_b = rows_a + e.count * pair.a->stencil.stride;
+      for (const auto& [link, rows] : {std::pair(pair.a, rows_a), std::pair(pair.b, rows_b)}) {
+        clear(link->stencil);
+        add_products<double>(rows, e.count, link->stencil.size(), link->stencil.stride, tangent, local);
+        scatter(link->stencil, local, values);
+      }
+      couplings_.add(e, ends, tangent, rows_a, pair.a->stencil.stride, rows_b, pair.b->stencil.stride);
+      continue;
+    }
     const Link& link = layout_.elements[k];
     clear(link.stencil);
     add_products<double>(work_.jacobian.data() + link.jacobian, e.count, link.stencil.size(),
@@ -187,6 +205,7 @@ linalg::FactorStatus NaturalSystem::factor(const double* q, const MatrixWeights&
 void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
   assemble(q, weights);
   linalg::to_dense(*layout_.symbolic, factor_.values(), out);
+  couplings_.add_to(out, layout_.unknowns);
 }
 
 bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {

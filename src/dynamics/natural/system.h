@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "dynamics/natural/workspace.h"
+#include "dynamics/pair_couplings.h"
 #include "dynamics/rigid_shift.h"
 #include "dynamics/state.h"
 #include "dynamics/system.h"
@@ -35,7 +36,9 @@ class NaturalSystem final : public System {
   const double* phi_dot() const override { return work_.phi_dot.data(); }
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
-  void solve(double* x) const override { factor_.solve(x); }
+  void solve(double* x) const override {
+    couplings_.solve(x, [this](double* y) { factor_.solve(y); });
+  }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
@@ -79,6 +82,7 @@ class NaturalSystem final : public System {
   std::vector<double> penalty_, mu_;
   Scales scales_;
   TangentMarks marks_;
+  PairCouplings couplings_;
 };
 
 }  // namespace mimbre::natural

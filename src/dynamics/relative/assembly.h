@@ -12,11 +12,14 @@ struct NoMarks {
   template <class T>
   void element(std::size_t, const ElementState<T>&, const MatrixWeights&) {}
   template <class T>
+  void pair(const ElementData&, const ElementEnds&, const T*, const PairRows<T>&) {}
+  template <class T>
   void beam(const FlexibleData&, const T*) {}
 };
 
 /// Adds M + damping·C + stiffness·K + penalty·Φzᵀ α Φz (α: `penalty`) to the sparse values at the last
-/// evaluation's state, with q as given there. `marks` sees the tangents that may change at once.
+/// evaluation's state, with q as given there. `marks` sees the tangents that may change at once, and
+/// those between the two spheres of a swarm's pairs, which are not in the matrix.
 template <class T, class Marks>
 void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeights& weights,
               const double* penalty, T* values, Marks marks) {
@@ -80,6 +83,13 @@ void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeight
       if (e.inertia >= 0)
         values[place.offset + e.local * (place.row_stride + place.col_stride)] +=
             w.signals.numbers[e.inertia];
+    } else if (e.pooled) {
+      const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+      if (ends.frame_b < 0 || !acts(state)) continue;
+      T tangent[36];
+      for (int i = 0; i < e.count * e.count; ++i)
+        tangent[i] = weights.damping * state.damping[i] + weights.stiffness * state.stiffness[i];
+      marks.pair(e, ends, tangent, add_pair<T>(m, w, e, ends, state, tangent, values));
     } else if (!e.path.entries.empty()) {
       add_element<T>(m, e, state, weights, w.signals.numbers, w.jacobian.data() + e.jacobian,
                      w.weighted.data(), values);

@@ -18,7 +18,12 @@ void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v
       *s.acceleration = a[e.v];
       continue;
     }
-    measure(m, e, e.frame_a < 0 ? nullptr : &w.frames[e.frame_a], w.frames[e.frame_b], w.origin,
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    if (ends.frame_b < 0) {
+      leave_free(e, s);
+      continue;
+    }
+    measure(m, e, ends.frame_a < 0 ? nullptr : &w.frames[ends.frame_a], w.frames[ends.frame_b], w.origin,
             w.signals.value.data(), w.signals.states + e.states, s, w.signals.step);
   }
   measure_sums(m, w.elements.data());
@@ -49,6 +54,8 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
   measure_elements(m, w, q, v, a);
   sense(m, w, q);
   for (const ElementData& e : m.elements) {
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    if (ends.frame_b < 0 && e.pooled) continue;
     evaluate_law(m, e, w.signals, w.elements.data());
     if (e.measure == Measure::sum) continue;  // its legs act
     const ElementState<T> s = element_state(e, w.elements.data());
@@ -58,14 +65,14 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
     }
     for (int k = 0; k < s.count; ++k) {
       const Vec3<T> force = s.force[k] * s.linear_of(k);
-      w.wrenches[e.frame_b].force -= force;
-      if (e.frame_a >= 0) w.wrenches[e.frame_a].force += force;
+      w.wrenches[ends.frame_b].force -= force;
+      if (ends.frame_a >= 0) w.wrenches[ends.frame_a].force += force;
       if (!has_moment(e.measure)) continue;
       const Vec3<T> moment = s.force[k] * s.angular_of(k);
-      w.wrenches[e.frame_b].moment -= moment;
-      if (e.frame_a < 0) continue;
-      const Vec3<T> arm = w.frames[e.frame_b].position - w.frames[e.frame_a].position;
-      w.wrenches[e.frame_a].moment += moment + arm.cross(force);
+      w.wrenches[ends.frame_b].moment -= moment;
+      if (ends.frame_a < 0) continue;
+      const Vec3<T> arm = w.frames[ends.frame_b].position - w.frames[ends.frame_a].position;
+      w.wrenches[ends.frame_a].moment += moment + arm.cross(force);
     }
   }
 }

@@ -390,6 +390,42 @@ void add_element(const Compiled& m, const ElementData& e, const ElementState<T>&
   add_pairs(m, e.path, weighted, rows, n, values);
 }
 
+/// Rows of what a pooled contact measures per unit of the coordinates that move each of its spheres.
+template <class T>
+struct PairRows {
+  const Path *path_a, *path_b;
+  T *a, *b;  ///< count × path width
+};
+
+/// Adds to the matrix what each of the two bodies of a pooled contact feels of its own motion. `tangent`:
+/// count × count.
+template <class T>
+PairRows<T> add_pair(const Compiled& m, Workspace<T>& w, const ElementData& e, const ElementEnds& ends,
+                     const ElementState<T>& s, const T* tangent, T* values) {
+  const auto& spheres = m.swarms[e.spec].spheres;
+  PairRows<T> rows{&spheres[ends.first].path, &spheres[ends.second].path, nullptr, nullptr};
+  rows.a = w.jacobian.data() + e.jacobian;
+  rows.b = rows.a + e.count * rows.path_a->width;
+  const Vec3<T>& place = w.frames[ends.frame_b].position;
+  for (int k = 0; k < e.count; ++k) {
+    const Vec3<T> linear = s.linear_of(k), angular = place.cross(linear) + s.angular_of(k);
+    jacobian_row<T>(m, w, *rows.path_a, -linear, -angular, rows.a + k * rows.path_a->width);
+    jacobian_row<T>(m, w, *rows.path_b, linear, angular, rows.b + k * rows.path_b->width);
+  }
+  for (const auto& [path, of] : {std::pair(rows.path_a, rows.a), std::pair(rows.path_b, rows.b)}) {
+    T* const weighted = w.weighted.data();
+    const int width = path->width;
+    for (int r = 0; r < e.count; ++r)
+      for (int k = 0; k < width; ++k) {
+        weighted[r * width + k] = T(0);
+        for (int c = 0; c < e.count; ++c)
+          weighted[r * width + k] += tangent[r * e.count + c] * of[c * width + k];
+      }
+    add_pairs(m, *path, weighted, of, e.count, values);
+  }
+  return rows;
+}
+
 /// Adds weight · Jᵀ x of one row to a vector of velocity coordinates.
 template <class T>
 void add_row_transposed(const Compiled& m, const Path& path, const T* row, const T& x, T* out) {

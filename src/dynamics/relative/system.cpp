@@ -41,12 +41,26 @@ Scales scales_of(const Compiled& m) {
   return s;
 }
 
+/// The velocity coordinates that move a sphere of a swarm, −1 between those of its bodies.
+std::vector<int> columns_of(const Compiled& m, const Path& path) {
+  std::vector<int> columns(static_cast<std::size_t>(path.width), -1);
+  for (const PathEntry& e : path.entries)
+    for (int k = 0; k < m.bodies[e.body].size(); ++k)
+      columns[static_cast<std::size_t>(e.offset + k)] = m.bodies[e.body].v + k;
+  return columns;
+}
+
 /// Tangents that the matrix is assembled with, remembered.
 struct KeptMarks {
   TangentMarks& marks;
+  PairCouplings& couplings;
   double* next_beam;
   void element(std::size_t k, const ElementState<double>& state, const MatrixWeights& weights) {
     marks.element(k) = element_tangent(state, weights);
+  }
+  void pair(const ElementData& e, const ElementEnds& ends, const double* tangent,
+            const PairRows<double>& rows) {
+    couplings.add(e, ends, tangent, rows.a, rows.path_a->width, rows.b, rows.path_b->width);
   }
   void beam(const FlexibleData& f, const double* y) {
     ancf::keep_marks(f, y, next_beam);
@@ -63,7 +77,10 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       penalty_(model.equations),
       mu_(model.equations),
       scales_(scales_of(model)),
-      marks_(model) {
+      marks_(model),
+      couplings_(model, model.velocities, [&](int contact, int sphere) {
+        return columns_of(model, model.swarms[contact].spheres[sphere].path);
+      }) {
   for_rows(model, [&](const EquationRows& e) {
     for (int r = 0; r < e.count; ++r) penalty_[e.first_equation + r] = model.mass_scale * e.scale[r];
   });
@@ -97,8 +114,9 @@ void RelativeSystem::begin_step(const double* q) { set_origin<double>(model_, wo
 
 void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
   factor_.set_zero();
+  couplings_.clear();
   relative::assemble<double>(model_, work_, q, weights, penalty_.data(), factor_.values(),
-                             KeptMarks{marks_, marks_.ancf()});
+                             KeptMarks{marks_, couplings_, marks_.ancf()});
 }
 
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
@@ -109,6 +127,7 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
 void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
   assemble(q, weights);
   linalg::to_dense(model_.symbolic, factor_.values(), out);
+  couplings_.add_to(out, model_.velocities);
 }
 
 bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
@@ -119,6 +138,7 @@ bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weigh
 
 void RelativeSystem::multiply(const double* x, double* y) const {
   linalg::multiply(model_.symbolic, factor_.values(), x, y);
+  couplings_.add_product(x, y);
 }
 
 void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "dynamics/pair_couplings.h"
 #include "dynamics/relative/workspace.h"
 #include "dynamics/system.h"
 #include "dynamics/tangent_marks.h"
@@ -31,7 +32,9 @@ class RelativeSystem final : public System {
   const double* phi_dot() const override { return work_.phi_dot.data(); }
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
-  void solve(double* x) const override { factor_.solve(x); }
+  void solve(double* x) const override {
+    couplings_.solve(x, [this](double* y) { factor_.solve(y); });
+  }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
@@ -58,6 +61,7 @@ class RelativeSystem final : public System {
   std::vector<double> penalty_, mu_;
   Scales scales_;
   TangentMarks marks_;
+  PairCouplings couplings_;
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "math/function_values.h"
+#include "math/lanes.h"
 #include "model/block_types.h"
 
 /// What the blocks share: each makes signals of others and of what it remembers, in the step (continuous) or
@@ -43,24 +44,5 @@ struct BlockRow {
   /// Moves the states on to now. `states` is what `before` points to. True where the output jumps by that.
   bool (*keep)(const BlockCall<double>&, double* states);
 };
-
-// Lane by lane: a pack has several, every other scalar one.
-template <class T>
-constexpr int lane_count = 1;
-template <int N>
-constexpr int lane_count<Pack<N>> = N;
-inline double in_lane(double x, int) { return x; }
-inline double in_lane(const Dual& x, int) { return x.value; }
-template <int N>
-double in_lane(const Pack<N>& x, int lane) {
-  return x[lane];
-}
-template <class T>
-void put_in_lane(T& to, const T& x, int lane) {
-  if constexpr (is_pack<T>)
-    to[lane] = x[lane];
-  else
-    to = x;
-}
 
 }  // namespace mimbre
