@@ -27,6 +27,14 @@ def number(name: str, value: object) -> float:
     return result
 
 
+def whole(name: str, value: object) -> int:
+    """A whole number, of Python or NumPy."""
+    result = number(name, value)
+    if result != int(result):
+        raise InputError(f"{name}: is {result}; a whole number is needed")
+    return int(result)
+
+
 def given(name: str, value: object) -> float | None:
     """A finite number, or nothing."""
     return None if value is None else number(name, value)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypedDict
+import math
+import os
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypedDict, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _checks, _core
 from .errors import InputError
+from .real_time import Overrun, RealTime
 
 if TYPE_CHECKING:
     from typing import Literal
@@ -105,6 +108,79 @@ class Simulation(_core.Simulation):
     def model(self) -> Model:
         """What moves."""
         return self._model
+
+    def real_time(
+        self,
+        duration: float | None = None,
+        *,
+        each_step: Callable[[], object] | None = None,
+        speed: float = 1,
+        overrun: Overrun = "catch_up",
+        lock_memory: bool = True,
+        priority: int = 0,
+        processor: int = -1,
+        spin: float = 0,
+        page: bool = False,
+        port: int = 0,
+        address: str = "127.0.0.1",
+        token: str = "",
+        record: str | os.PathLike[str] | None = None,
+    ) -> RealTime:
+        """Makes steps that begin when the clock says so, for `duration` simulated seconds or until Ctrl-C, and tells
+        how each kept its time.
+
+        Args:
+            duration: s, simulated; None: until Ctrl-C.
+            each_step: called after each step. It reads from a `channel_array` and writes into an `input_array`;
+                what it raises ends the loop. It takes the interpreter's time, some microseconds at least.
+            speed: simulated seconds in one of the clock.
+            overrun: when a step was not ready when the next one was due: the next ones begin at once
+                ("catch_up"), the same without pictures and rows ("skip_output"), the clock is set back
+                ("slow_down"), or it ends ("stop").
+            lock_memory: memory stays in place, where that is permitted.
+            priority: 1 to 99, of SCHED_FIFO, where that is permitted; 0: none.
+            processor: the steps stay on it; -1: any.
+            spin: s before a step in which is waited without sleeping.
+            page: serves a page that shows and drives it; its address is printed.
+            port: of the page; 0: one that is free.
+            address: of the page; other than the loopback interface's, others can reach it, and need the token.
+            token: what a viewer has to know.
+            record: results file (HDF5).
+
+        Raises:
+            SimulationError: a step failed, or was not ready and overrun is "stop".
+            InputError: an option that cannot be.
+
+        Example:
+            ```python
+            sim = model.simulation(step=0.001)
+            torque, angle = sim.input_array(["torque"]), sim.channel_array(["angle"])
+
+            def controller():
+                torque[0] = -20 * angle[0]
+
+            kept = sim.real_time(10, each_step=controller)
+            print(kept.computation.p9999, kept.overruns)
+            ```
+        """
+        policies = get_args(Overrun)
+        _checks.known("overrun", overrun, policies)
+        told = self.clocked(
+            math.inf if duration is None else _checks.number("duration", duration),
+            _checks.number("speed", speed),
+            policies.index(overrun),
+            _checks.flag("lock_memory", lock_memory),
+            _checks.whole("priority", priority),
+            _checks.whole("processor", processor),
+            _checks.number("spin", spin),
+            each_step,
+            _checks.whole("port", port) if page else None,
+            _checks.text("address", address),
+            _checks.text("token", token),
+            "" if record is None else _checks.path("record", record),
+            lambda url: print(url, flush=True),
+        )
+        return RealTime.from_json(told)
 
     def pose(self, body: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Position (3, m) and rotation matrix (3 × 3, its columns the frame's axes) of a body's frame now, global."""

@@ -4,6 +4,7 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -11,12 +12,14 @@
 
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <optional>
 
 #include "app/common.h"
 #include "attention.h"
 #include "bindings.h"
+#include "clocked.h"
 #include "loaded_model.h"
 #include "picture.h"
 
@@ -91,7 +94,38 @@ class Stepper {
     });
   }
 
-  /// The same without the interpreter's lock; what went wrong, nothing where it went well.
+  /// Steps against the clock. `each_step` (None: nothing) is called after each; `at` with the page's address.
+  std::string clocked(const ClockedOptions& options, const nb::object& each_step, const nb::object& at) {
+    const Turn turn(*this);
+    Attention attention;
+    std::exception_ptr wrong;
+    ClockedCalls calls;
+    calls.before = [&] {
+      try {
+        if (!wrong) put_inputs();
+      } catch (...) {
+        wrong = std::current_exception();
+      }
+    };
+    calls.after = [&] {
+      if (each_step.is_none()) return;
+      put_channels();
+      attention.call([&] { each_step(); });
+    };
+    calls.stop = [&] { return wrong || attention.stop(); };
+    calls.at = [&](const std::string& url) { attention.call([&] { at(url); }); };
+    std::string told;
+    {
+      const nb::gil_scoped_release others_run;
+      told = python::clocked(*turn, options, calls);
+    }
+    put_channels();
+    attention.raise();
+    if (wrong) std::rethrow_exception(wrong);
+    return told;
+  }
+
+  /// The same as step(), without the interpreter's lock; what went wrong, nothing where it went well.
   std::string step_or_say(std::int64_t count) {
     const Turn turn(*this);
     StepReport report;
@@ -155,6 +189,11 @@ class Stepper {
 
   template <class Step>
   StepReport one_step(const Step& step) {
+    put_inputs();
+    return step();
+  }
+
+  void put_inputs() {
     for (const Live& live : inputs_)
       for (std::size_t k = 0; k < live.numbers.size(); ++k) {
         const double value = (*live.values)[k];
@@ -163,7 +202,6 @@ class Stepper {
                                                name_of(live.numbers[k]), value));
         simulation_.set_input(live.numbers[k], value);
       }
-    return step();
   }
 
   std::string name_of(int input) const { return simulation_.inputs()[static_cast<std::size_t>(input)].name; }
@@ -284,6 +322,29 @@ void bind_simulation(nb::module_& module) {
            "before it. An event that stops the run ends it there (`stopped`); the next step makes the rest.")
       .def("step_until", &Stepper::step_until, nb::arg("time"),
            "Steps to that time (s), as a run does: the last step is shorter where it is no whole number.")
+      .def(
+          "clocked",
+          [](Stepper& s, double duration, double speed, int overrun, bool lock, int priority, int processor,
+             double spin, const nb::object& each_step, std::optional<int> port, const std::string& address,
+             const std::string& token, const std::string& record, const nb::object& at) {
+            ClockedOptions o;
+            o.loop.duration = duration;
+            o.loop.speed = speed;
+            o.loop.overrun = static_cast<Overrun>(overrun);
+            o.loop.lock_memory = lock;
+            o.loop.priority = priority;
+            o.loop.processor = processor;
+            o.loop.spin = spin;
+            o.port = port;
+            o.address = address;
+            o.token = token;
+            o.record = record;
+            return s.clocked(o, each_step, at);
+          },
+          nb::arg("duration"), nb::arg("speed"), nb::arg("overrun"), nb::arg("lock"), nb::arg("priority"),
+          nb::arg("processor"), nb::arg("spin"), nb::arg("each_step").none(), nb::arg("port").none(),
+          nb::arg("address"), nb::arg("token"), nb::arg("record"), nb::arg("at"),
+          "Steps against the clock; what the monitor knows at the end, as JSON.")
       .def_prop_ro(
           "time", [](Stepper& s) { return Turn(s)->time(); }, "Where it has come to, s.")
       .def_prop_ro(

@@ -13,10 +13,6 @@ struct ElementEnds {
   int first = -1, second = -1;  ///< spheres of the swarm about a and b
 };
 
-/// Behind the law's states a pooled contact has its two spheres, counted from 1; 0: none.
-constexpr int pair_states = 2;
-inline int law_states(const ElementData& e) { return e.state_count - (e.pooled ? pair_states : 0); }
-
 /// `states`: the element's. Lanes have their pairs in common, those of the first.
 template <class T>
 ElementEnds ends_of(const Compiled& m, const ElementData& e, const T* states) {

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <set>
 
-#include "forces/element_ends.h"
 #include "math/decompositions.h"
 #include "math/restitution.h"
 #include "mimbre/model.h"

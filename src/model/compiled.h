@@ -279,6 +279,10 @@ struct ElementData {
   int jacobian = 0;
 };
 
+/// Behind the law's states a pooled contact has its two spheres, counted from 1; 0: none.
+constexpr int pair_states = 2;
+inline int law_states(const ElementData& e) { return e.state_count - (e.pooled ? pair_states : 0); }
+
 /// Numbers of its ElementState (forces/element.h).
 inline int element_storage(const ElementData& e) {
   return 9 * e.count + 2 * e.count * e.count + surroundings_size(e.measure) + 1 + e.state_count;
