@@ -35,7 +35,9 @@ def request(port: int, path: str = "/status", more: str = "") -> bytes:
 
 def upgrade(port: int, more: str = "") -> bytes:
     key = base64.b64encode(random.randbytes(16)).decode()
-    fields = f"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n{more}"
+    fields = (
+        f"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n{more}"
+    )
     return request(port, "/ws", fields)
 
 
@@ -71,9 +73,20 @@ def websocket(port: int, more: str = "") -> socket.socket | None:
 
 
 words = [
-    b"", b"{", b"[]", b"null", b'{"do":1}', b'{"do":"pause"}', b'{"do":"reset"}', b'{"do":"inputs","values":{"steering":1}}',
-    b'{"do":"channels","indices":[0,1,2,-5]}', b'{"do":"channels","indices":' + b"[" * 1000, b'{"do":"snapshot","name":"' + b"x" * 5000,
-    b'{"do":"play","tracks":{"steering":{"times":[1e999],"values":[0]}}}', b'{"do":"record","on":true}', b"\xff\xfe\x00",
+    b"",
+    b"{",
+    b"[]",
+    b"null",
+    b'{"do":1}',
+    b'{"do":"pause"}',
+    b'{"do":"reset"}',
+    b'{"do":"inputs","values":{"steering":1}}',
+    b'{"do":"channels","indices":[0,1,2,-5]}',
+    b'{"do":"channels","indices":' + b"[" * 1000,
+    b'{"do":"snapshot","name":"' + b"x" * 5000,
+    b'{"do":"play","tracks":{"steering":{"times":[1e999],"values":[0]}}}',
+    b'{"do":"record","on":true}',
+    b"\xff\xfe\x00",
 ]
 
 
@@ -112,7 +125,9 @@ def bad_frame() -> bytes:
     if kind == 3:
         return frame(word, length=random.choice([2**31, 2**62, 2**63 - 1]))
     if kind == 4:
-        return b"".join(frame(word[k : k + 1] or b"x", opcode=0 if k else 1, final=False) for k in range(min(len(word), 50)))
+        return b"".join(
+            frame(word[k : k + 1] or b"x", opcode=0 if k else 1, final=False) for k in range(min(len(word), 50))
+        )
     if kind == 5:
         return random.randbytes(random.randrange(1, 300))
     if kind == 6:
@@ -145,8 +160,9 @@ def memory(process: int | None) -> float:
 
 def tell(port: int, process: int | None, what: str) -> dict:
     now = status(port)
-    figures = {name: f"{1e3 * now['cpu'][name]:.3f}" for name in ("median", "p9999", "worst")}
-    print(f"{what:28s} steps {now['steps']:9d}, CPU ms {figures}, overruns {now['overruns']['count']}, {memory(process):.1f} MB", flush=True)
+    cpu = {name: f"{1e3 * now['cpu'][name]:.3f}" for name in ("median", "p9999", "worst")}
+    overruns, size = now["overruns"]["count"], memory(process)
+    print(f"{what:28s} steps {now['steps']:9d}, CPU ms {cpu}, overruns {overruns}, {size:.1f} MB", flush=True)
     return now
 
 
@@ -212,7 +228,13 @@ def main() -> int:
     time.sleep(2)
     strangers = sum(
         websocket(a.port, f"Origin: {origin}\r\n") is not None
-        for origin in ("http://evil.example", f"http://evil.example:{a.port}", "null", f"http://127.0.0.1:{a.port + 1}", "file://")
+        for origin in (
+            "http://evil.example",
+            f"http://evil.example:{a.port}",
+            "null",
+            f"http://127.0.0.1:{a.port + 1}",
+            "file://",
+        )
     )
     after = tell(a.port, a.process, "after")
     grown = memory(a.process) - before
