@@ -371,6 +371,8 @@ class Load(TypedDict, total=False):
     # Whether it turns with the body.
     follower: Flag
 
+RoadIso8608 = TypedDict("RoadIso8608", {"class": Literal["A", "B", "C", "D", "E", "F", "G", "H"], "roughness": Number, "waviness": Number, "length": Required[Number], "width": Number, "seed": int | str}, total=False)
+
 class RoadPatches(TypedDict, total=False):
     # From, to, m; default: everywhere.
     x: Sequence[Number] | Array
@@ -394,6 +396,11 @@ class Road(TypedDict, total=False):
     spacing: Sequence[Number] | Array
     # Of a grid: rows along y of heights along x, m.
     heights: Sequence[Sequence[Number] | Array] | Array
+    # Of a grid: an OpenCRG file (.crg) instead of heights, sampled every 'spacing', by default its
+    # increment.
+    file: str
+    # Of a grid: a random road instead of heights.
+    iso8608: RoadIso8608
     # Factor on the friction of tyres, 1 by default.
     friction: Number
     # Places with another friction; the last one counts.
@@ -407,11 +414,14 @@ class Tyre(TypedDict, total=False):
     # Name of a road.
     road: Required[str]
     # Vertical, N/m.
-    stiffness: Required[Number]
+    stiffness: Number
     # m.
-    radius: Required[Number]
-    # vertical: a spring only, the default; brush: rolls, slips and steers.
-    model: Literal["vertical", "brush"]
+    radius: Number
+    # vertical: a spring only, the default; brush, magic_formula: roll, slip and steer.
+    model: Literal["vertical", "brush", "magic_formula"]
+    # Of magic_formula: a tyre property file (.tir) of MF-Tyre 5.2, 6.1 or 6.2; stiffness and radius are
+    # in it.
+    file: str
     # That it rolls about, to the left of forwards, global; default: [0, 1, 0].
     axis: Vector
     # Vertical, N s/m; default 0.

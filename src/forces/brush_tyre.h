@@ -17,8 +17,7 @@ constexpr int stiffness = 0, radius = 1, damping = 2, slip_stiffness = 3 /* alon
 /// States: the bend of the carcass along and across, m, by which the wheel is ahead of its footprint.
 constexpr int bend = 0;
 
-/// m/s: well below, the damper of the carcass counts, and rolling one way or the other is much the same.
-constexpr double slow = 1;
+/// m/s: well below, rolling one way or the other is much the same.
 constexpr double still = 0.1;
 
 /// Push of the spring and of all, upwards, N, with the tangents of that.
@@ -51,7 +50,7 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace brush_tyre;
   using std::abs, std::sqrt;
   const int n = s.count;
-  const T *p = c.numbers(), *before = c.states;
+  const T* p = c.numbers();
   for (int k = 0; k < n; ++k) s.force[k] = T(0);
   for (int k = 0; k < n * n; ++k) s.stiffness[k] = s.damping[k] = T(0);
   const Vertical<T> push = vertical<T>(p[stiffness], p[damping], s.x[wheel::gap], s.v[wheel::gap]);
@@ -62,33 +61,24 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   // At a load of its own, slip stiffnesses and the square of the footprint's length go with the load.
   const auto varies = p[load] > T(0);
   const T ratio = select(varies, T(push.force / select(varies, p[load], T(1))), T(1));
-  const T turns = s.surroundings[wheel::spin];
-  const T deep = select(s.x[wheel::gap] < T(0), T(-s.x[wheel::gap]), T(0));
-  const T rolling = turns * (T(c.element.radius) - T(c.element.rolling) * deep);
-  carcass::Patch<T> patch;
-  patch.rolled = abs(rolling);
-  patch.limit = push.force * p[friction] * s.surroundings[wheel::friction];
-  const T speed = rolling / T(slow), calm = T(1) / (T(1) + speed * speed);
-  T firm[2], viscous[2];
+  const T rolling = wheel::rolling_speed(c.element, s);
+  carcass::Wheel<T> w;
   for (int k = 0; k < 2; ++k) {
-    firm[k] = carcass_stiffness(p, k);
-    viscous[k] = firm[k] * p[settling] * calm;
-    const T slip = s.v[wheel::forth + k];
-    patch.pull[k] = firm[k] * (before[bend + k] + T(c.step) * slip) + viscous[k] * slip;
-    patch.give[k] = T(c.step) * firm[k] + viscous[k];
-    patch.stiffness[k] = p[slip_stiffness + k] * (ratio + T(1e-6));
+    w.firm[k] = carcass_stiffness(p, k);
+    w.stiffness[k] = p[slip_stiffness + k] * (ratio + T(1e-6));
   }
-  const carcass::Held<T> held = carcass::hold(patch);
+  w.settling = p[settling];
+  w.rolled = abs(rolling);
+  w.limit = push.force * p[friction] * s.surroundings[wheel::friction];
+  w.bend = c.states + bend;
+  w.rate = s.v + wheel::forth;
+  const carcass::Followed<T> footprint = carcass::follow(w, c.step);
+  const carcass::Held<T>& held = footprint.held;
   for (int k = 0; k < 2; ++k) {
     s.force[wheel::forth + k] = held.force[k];
-    const auto gives = patch.give[k] > T(0);
-    const T bent = T(c.step) * held.force[k] + viscous[k] * before[bend + k];
-    s.states[bend + k] = select(gives, T(bent / select(gives, patch.give[k], T(1))), before[bend + k]);
+    s.states[bend + k] = footprint.bend[k];
   }
-  const T mixed = held.tangent[1] * sqrt(patch.give[0] * patch.give[1]);
-  s.damping[wheel::forth * (n + 1)] = held.tangent[0] * patch.give[0];
-  s.damping[wheel::across * (n + 1)] = held.tangent[2] * patch.give[1];
-  s.damping[wheel::forth * n + wheel::across] = s.damping[wheel::across * n + wheel::forth] = mixed;
+  carcass::put_tangents(footprint, wheel::forth, s);
 
   const T forwards = rolling / sqrt(rolling * rolling + T(still * still));
   const T size = sqrt(rolling * rolling + T(still * still));

@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
 
-#include "math/choice.h"
+#include "forces/element.h"
 
 /// The footprint of a tyre behind its carcass. The carcass is a spring with a damper along and across; the
 /// footprint slips behind it by a law of friction. In series they give all that a tyre does over time: on the
@@ -108,6 +108,65 @@ Held<T> hold(const Patch<T>& patch) {
   held.tangent[1] = T(-1) * lost * beside[0] * beside[1] / weight;
   held.tangent[2] = T(1) / soft[1] - lost * beside[1] * beside[1] / weight;
   return held;
+}
+
+/// A wheel over a step; arrays are along and across.
+template <class T>
+struct Wheel {
+  T firm[2];                      ///< stiffness of the carcass, N/m
+  T settling;                     ///< s: its damping over that, of a wheel that stands
+  T stiffness[2], rolled, limit;  ///< as of Patch
+  const T* bend;                  ///< at the step's start: by how much the wheel is ahead of its footprint, m
+  const T* rate;                  ///< m/s, at which it slips over the road
+};
+
+template <class T>
+struct Followed {
+  Held<T> held;
+  T give[2];
+  T slip[2];  ///< m/s, of the footprint
+  T bend[2];  ///< at the step's end
+};
+
+/// m/s: well below, the damper counts.
+constexpr double slow = 1;
+
+/// Step 0: the bend stays.
+template <class T>
+Followed<T> follow(const Wheel<T>& w, double step) {
+  const T speed = w.rolled / T(slow), calm = T(1) / (T(1) + speed * speed);
+  Patch<T> patch;
+  T viscous[2];
+  for (int k = 0; k < 2; ++k) {
+    viscous[k] = w.firm[k] * w.settling * calm;
+    patch.pull[k] = w.firm[k] * (w.bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
+    patch.give[k] = T(step) * w.firm[k] + viscous[k];
+    patch.stiffness[k] = w.stiffness[k];
+  }
+  patch.rolled = w.rolled;
+  patch.limit = w.limit;
+  Followed<T> f;
+  f.held = hold(patch);
+  for (int k = 0; k < 2; ++k) {
+    f.give[k] = patch.give[k];
+    const auto gives = patch.give[k] > T(0);
+    const T inverse = T(1) / select(gives, patch.give[k], T(1));
+    const T bent = T(step) * f.held.force[k] + viscous[k] * w.bend[k];
+    f.bend[k] = select(gives, T(bent * inverse), w.bend[k]);
+    f.slip[k] = select(gives, T((patch.pull[k] - f.held.force[k]) * inverse), w.rate[k]);
+  }
+  return f;
+}
+
+/// Tangents of the two components from `first` on of an element.
+template <class T>
+void put_tangents(const Followed<T>& f, int first, ElementState<T>& s) {
+  using std::sqrt;
+  const int n = s.count, second = first + 1;
+  s.damping[first * (n + 1)] = f.held.tangent[0] * f.give[0];
+  s.damping[second * (n + 1)] = f.held.tangent[2] * f.give[1];
+  s.damping[first * n + second] = s.damping[second * n + first] =
+      f.held.tangent[1] * sqrt(f.give[0] * f.give[1]);
 }
 
 }  // namespace mimbre::forces::carcass

@@ -19,6 +19,18 @@ constexpr int road = 0, forward = 1, spin = 2, camber = 3, friction = 4;
 
 /// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip.
 constexpr double flat = 0.1;
+
+/// Radius at which it rolls, m.
+template <class T>
+T rolling_radius(const ElementData& e, const T& x) {
+  const T deep = select(x < T(0), T(-x), T(0)), radius(e.radius);
+  return select(T(e.rolling) * deep < radius, T(radius - T(e.rolling) * deep), T(0));
+}
+/// Speed at which the tread runs through the footprint, m/s, positive forwards.
+template <class T>
+T rolling_speed(const ElementData& e, const ElementState<T>& s) {
+  return s.surroundings[spin] * rolling_radius<T>(e, s.x[gap]);
+}
 }  // namespace wheel
 
 /// Forces act against these rates, so their power is exact: the vertical one at the lowest point of the
@@ -51,7 +63,7 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   s.x[gap] = n.dot(Vec3<T>(centre + lowest)) - n[0] * place[0] - n[1] * place[1] - n[2] * at.z;
   const T deep = select(s.x[gap] < T(0), T(-s.x[gap]), T(0));
   const T loaded = select(deep < radius, T(radius - deep), T(0));
-  const T rolls = select(T(e.rolling) * deep < radius, T(radius - T(e.rolling) * deep), T(0));
+  const T rolls = rolling_radius<T>(e, s.x[gap]);
   const auto component = [&](int k, const Vec3<T>& linear, const Vec3<T>& angular) {
     s.set_linear(k, linear);
     s.set_angular(k, angular);

@@ -10,6 +10,7 @@
 #include "forces/friction.h"
 #include "forces/gas_spring.h"
 #include "forces/load.h"
+#include "forces/magic_tyre.h"
 #include "forces/motor.h"
 #include "forces/spring.h"
 #include "forces/stop.h"
@@ -53,6 +54,7 @@ constexpr std::array<LawRow<T>, law_table.size()> rows{{
     {drag_law, drag_energy},
     {contact_law, contact_energy},
     {brush_tyre_law, brush_tyre_energy},
+    {magic_tyre_law, magic_tyre_energy},
 }};
 
 }  // namespace mimbre::forces

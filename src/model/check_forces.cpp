@@ -1,5 +1,6 @@
 #include "model/checked_thing.h"
 #include "model/force_laws.h"
+#include "tyre_files/magic_numbers.h"
 
 /// Springs, loads, roads and tyres.
 namespace mimbre::checks {
@@ -46,16 +47,32 @@ void check_grid(const Thing& thing, const spec::Road& road) {
   thing.positive("spacing along y", road.spacing[1]);
 }
 
-/// What the law of a tyre that rolls is given.
-void check_rolling(const Thing& thing, const spec::Tyre& tyre, const LawInfo& law) {
+/// Of a tyre that rolls; whether all of its numbers are there.
+bool check_rolling(const Thing& thing, const spec::Tyre& tyre, std::size_t count) {
   if (thing.finite("axis", tyre.axis) && !(tyre.axis.norm() > 0))
     thing.error("axis has no length; give a vector such as (0, 1, 0)");
-  if (tyre.numbers.size() != law.numbers.size())
-    return thing.error(fmt::format("law '{}' has {} numbers, {} are given", law.name, law.numbers.size(),
-                                   tyre.numbers.size()));
+  if (tyre.numbers.size() == count) return true;
+  thing.error(fmt::format("law '{}' has {} numbers, {} are given", tyre.law, count, tyre.numbers.size()));
+  return false;
+}
+
+void check_brush(const Thing& thing, const spec::Tyre& tyre) {
+  const LawInfo& law = law_info(static_cast<int>(Law::brush_tyre));
+  if (!check_rolling(thing, tyre, law.numbers.size())) return;
   for (std::size_t k = 0; k < law.numbers.size(); ++k)
     if (!law.numbers[k].allows(tyre.numbers[k]))
       thing.error(fmt::format("{} {}", law.numbers[k].key, wrong_number(law.numbers[k], tyre.numbers[k])));
+}
+
+/// Numbers of the formula, as a property file gives them (mimbre/tyre_file.h), and the carcass's damping.
+void check_magic(const Thing& thing, const spec::Tyre& tyre) {
+  using namespace forces::magic;
+  if (!check_rolling(thing, tyre, count + 1)) return;
+  for (std::size_t k = 0; k < tyre.numbers.size(); ++k)
+    thing.finite(fmt::format("number {}", k), tyre.numbers[k]);
+  for (const Number k : {unloaded_radius, fnomin, longvl, nompres, vertical_stiffness, lfzo})
+    thing.positive(std::string(rows[k].key), tyre.numbers[static_cast<std::size_t>(k)]);
+  thing.not_negative("settling", tyre.numbers.back());
 }
 
 }  // namespace
@@ -114,10 +131,14 @@ void check_tyres(const spec::Model& model, std::vector<Diagnostic>& errors) {
     thing.index("road", tyre.road, model.roads.size(), "roads");
     thing.positive("stiffness", tyre.stiffness);
     thing.positive("radius", tyre.radius);
-    if (tyre.law == law_info(static_cast<int>(Law::brush_tyre)).name)
-      check_rolling(thing, tyre, law_info(static_cast<int>(Law::brush_tyre)));
-    else if (tyre.law != law_info(static_cast<int>(Law::tyre)).name)
-      thing.error(fmt::format("there is no law '{}' of tyres; there are 'tyre' and 'brush_tyre'", tyre.law));
+    const int law = find_law(tyre.law);
+    if (law == static_cast<int>(Law::brush_tyre))
+      check_brush(thing, tyre);
+    else if (law == static_cast<int>(Law::magic_tyre))
+      check_magic(thing, tyre);
+    else if (law != static_cast<int>(Law::tyre))
+      thing.error(fmt::format(
+          "there is no law '{}' of tyres; there are 'tyre', 'brush_tyre' and 'magic_tyre'", tyre.law));
   }
 }
 

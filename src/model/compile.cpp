@@ -19,6 +19,7 @@
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
 #include "model/image.h"
+#include "model/rolling_size.h"
 #include "model/struck_mass.h"
 #include "model/topology.h"
 #include "model/triangle_mesh.h"
@@ -404,8 +405,9 @@ class Compiler {
     if (e.measure == Measure::height) return e;
     e.radius = s.radius;
     e.direction = s.axis.normalized();
-    e.rolling = brush_tyre_rolling;
-    e.footprint = s.numbers[brush_tyre_half_length];
+    const RollingSize size = rolling_size(s);
+    e.rolling = size.share;
+    e.footprint = size.footprint;
     return e;
   }
 

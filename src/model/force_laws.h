@@ -67,7 +67,8 @@ enum class Law {
   motor,
   drag,
   contact,
-  brush_tyre
+  brush_tyre,
+  magic_tyre
 };
 
 /// Of a gas spring; the pressure is that at `length`.
@@ -250,6 +251,7 @@ constexpr std::array<LawNumber, 11> contact_numbers{{
 /// place of one of them. It rolls as a wheel that is smaller by a third of its deflection.
 constexpr std::size_t brush_tyre_half_length = 6;
 constexpr double brush_tyre_rolling = 1. / 3;
+constexpr std::size_t brush_tyre_settling = 9;
 constexpr std::array<LawNumber, 10> brush_tyre_numbers{{
     {.key = "damping", .unit = "N s/m", .about = "vertical", .otherwise = 0, .least = 0},
     {.key = "longitudinal_stiffness", .unit = "N", .about = "force over slip, at small slip", .above = 0},
@@ -284,7 +286,7 @@ constexpr std::array<LawNumber, 10> brush_tyre_numbers{{
 }};
 
 // clang-format off
-constexpr std::array<LawInfo, 16> law_table{{
+constexpr std::array<LawInfo, 17> law_table{{
     {"spring", ""},
     {"tyre", ""},
     {"load", ""},
@@ -304,6 +306,7 @@ constexpr std::array<LawInfo, 16> law_table{{
      .velocity = true},
     {.name = "contact", .section = "", .numbers = contact_numbers, .states = 16},
     {.name = "brush_tyre", .section = "", .numbers = brush_tyre_numbers, .states = 2},
+    {.name = "magic_tyre", .section = "", .states = 3},
 }};
 // clang-format on
 

@@ -1,9 +1,16 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include "mimbre/tyre_file.h"
 #include "model_file/builder.h"
 #include "model_file/elements.h"
-#include "model_file/heights.h"
+#include "model_file/road_grids.h"
 #include "model_file/signals.h"
+#include "model_file/surface_files.h"
+#include "tyre_files/magic_numbers.h"
 
 /// Roads, and tyres on them.
 namespace mimbre::model_file {
@@ -32,17 +39,6 @@ void read_patch(const Value& value, spec::Road& road) {
   if (const auto friction = fields.need("friction", "0.3"))
     patch.friction = friction->not_negative().value_or(1);
   road.patches.push_back(patch);
-}
-
-void read_grid(const Fields& fields, spec::Road& road) {
-  const auto pair = [&](const char* key, const char* example, Eigen::Vector2d& to) {
-    if (const auto given = fields.need(key, example))
-      if (const auto numbers = given->numbers(2, 2, quantity::length)) to = {(*numbers)[0], (*numbers)[1]};
-  };
-  pair("origin", "[0, -5]", road.origin);
-  pair("spacing", "[0.5, 0.5]", road.spacing);
-  const auto heights = fields.need("heights", "[[0, 0], [0, 0.1]]");
-  if (auto read = heights ? read_heights(*heights) : std::nullopt) road.heights = std::move(*read);
 }
 
 /// Over distance, or over time.
@@ -74,7 +70,7 @@ void read_profile(Builder& builder, const Part& part, const Fields& fields, spec
 
 void read_road(Builder& builder, const Part& part, const Value& value, spec::Road& road) {
   const std::vector<std::string> of_profile{"points", "repeat", "height"},
-      of_grid{"origin", "spacing", "heights"};
+      of_grid{"origin", "spacing", "heights", "file", "iso8608"};
   std::vector<std::string> keys{"over", "friction", "patches"};
   for (const auto* more : {&of_profile, &of_grid}) keys.insert(keys.end(), more->begin(), more->end());
   const Fields fields(value, keys);
@@ -84,48 +80,102 @@ void read_road(Builder& builder, const Part& part, const Value& value, spec::Roa
   const bool grid = road.over == spec::Road::Over::grid;
   for (const std::string& key : grid ? of_profile : of_grid)
     if (const auto given = fields.get(key))
-      given->error(grid ? "belongs to a road over distance or time; a grid has 'heights'"
+      given->error(grid ? "belongs to a road over distance or time; a grid has 'heights', 'file' or 'iso8608'"
                         : "belongs to a road `over: grid`");
   if (const auto friction = fields.get("friction")) road.friction = friction->not_negative().value_or(1);
   if (const auto patches = fields.get("patches"))
     for (const Value& patch : patches->list()) read_patch(patch, road);
   if (grid)
-    read_grid(fields, road);
+    read_road_heights(builder, fields, road);
   else
     read_profile(builder, part, fields, road);
 }
 
-/// What the models of tyres are called, and their laws.
-constexpr std::array<std::pair<const char*, Law>, 2> models{
-    {{"vertical", Law::tyre}, {"brush", Law::brush_tyre}}};
+/// What the models of tyres are called, their laws, and the keys that they need or may have.
+struct TyreModel {
+  const char* name;
+  Law law;
+  std::vector<std::string> keys;
+};
+const std::vector<TyreModel>& tyre_models() {
+  static const std::vector<TyreModel> models = [] {
+    std::vector<TyreModel> all{{"vertical", Law::tyre, {"stiffness", "radius"}},
+                               {"brush", Law::brush_tyre, {"stiffness", "radius", "axis"}},
+                               {"magic_formula", Law::magic_tyre, {"file", "axis", "settling"}}};
+    for (const LawNumber& number : brush_tyre_numbers) all[1].keys.emplace_back(number.key);
+    return all;
+  }();
+  return models;
+}
+
+/// The model that is said, and an error for each key that belongs to others.
+const TyreModel& read_tyre_model(const Fields& fields) {
+  const std::vector<TyreModel>& models = tyre_models();
+  std::vector<std::string> names;
+  for (const TyreModel& model : models) names.emplace_back(model.name);
+  std::size_t chosen = 0;
+  if (const auto given = fields.get("model"))
+    if (const auto word = given->word()) {
+      const auto found = std::find(names.begin(), names.end(), *word);
+      if (found == names.end())
+        given->error(fmt::format("there is no model '{}'; there are {}", *word, joined(names)));
+      else
+        chosen = static_cast<std::size_t>(found - names.begin());
+    }
+  const auto& own = models[chosen].keys;
+  std::set<std::string> said;
+  for (const TyreModel& model : models)
+    for (const std::string& key : model.keys)
+      if (std::find(own.begin(), own.end(), key) == own.end() && said.insert(key).second)
+        if (const auto given = fields.get(key))
+          given->error(fmt::format("belongs to 'model: {}'; one of 'model: {}' has {}", model.name,
+                                   models[chosen].name, joined(own)));
+  return models[chosen];
+}
+
+/// The formula's numbers of a property file, and how the carcass settles.
+void read_property_file(Builder& builder, const Fields& fields, const Value& value, spec::Tyre& tyre) {
+  LawInfo settles;
+  settles.numbers = std::span(&brush_tyre_numbers[brush_tyre_settling], 1);
+  const double settling = read_numbers(settles, fields, value, false).front();
+  const auto file = fields.need("file", "tyre.tir");
+  const auto path = file ? file->word() : std::nullopt;
+  if (!path || !has_folder(builder, *file)) return;
+  const std::string found = path_of(builder, file->mark(), *path);
+  builder.other_files.push_back(found);
+  try {
+    const TyreProperties read = read_tyre_properties(found);
+    tyre.numbers = read.numbers;
+    tyre.radius = read.unloaded_radius;
+    tyre.stiffness = read.numbers[forces::magic::vertical_stiffness];
+  } catch (const InputError& e) {
+    for (const Diagnostic& d : e.diagnostics()) file->error(to_string(d));
+  }
+  tyre.numbers.push_back(settling);
+}
 
 void read_tyre(Builder& builder, const Part& part, const Value& value, spec::Tyre& tyre) {
-  std::vector<std::string> keys{"on", "at", "road", "model", "stiffness", "radius", "axis"};
-  for (const auto& model : models)
-    for (const LawNumber& number : law_info(static_cast<int>(model.second)).numbers)
-      keys.emplace_back(number.key);
+  std::vector<std::string> keys{"on", "at", "road", "model"};
+  for (const TyreModel& model : tyre_models())
+    for (const std::string& key : model.keys)
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
   const Fields fields(value, keys);
   if (!value.has_fields()) return;
-  Law law = Law::tyre;
-  if (const auto model = fields.get("model"))
-    law = models[static_cast<std::size_t>(model->choice({models[0].first, models[1].first}).value_or(0))]
-              .second;
-  const LawInfo& info = law_info(static_cast<int>(law));
-  tyre.law = info.name;
+  const TyreModel& model = read_tyre_model(fields);
+  const LawInfo& law = law_info(static_cast<int>(model.law));
+  tyre.law = law.name;
   if (const auto on = fields.need("on", "axle"))
     tyre.frame = attach(builder, part, *on, fields.get("at"), tyre.name + ".frame");
   if (const auto road = fields.need("road", "track"))
     if (const auto name = road->word()) tyre.road = builder.resolve(builder.road_names, part, *name, *road);
-  if (const auto k = fields.need("stiffness", "4.6e5"))
-    tyre.stiffness = k->positive(quantity::stiffness).value_or(1);
-  if (const auto r = fields.need("radius", "0.36")) tyre.radius = r->positive(quantity::length).value_or(1);
-  if (law == Law::tyre) {
-    for (std::size_t k = 6; k < keys.size(); ++k)
-      if (const auto given = fields.get(keys[k]))
-        given->error("belongs to a tyre that rolls; a vertical one has 'stiffness' and 'radius'");
-    return;
+  if (model.law == Law::magic_tyre) {
+    read_property_file(builder, fields, value, tyre);
+  } else {
+    if (const auto k = fields.need("stiffness", "4.6e5"))
+      tyre.stiffness = k->positive(quantity::stiffness).value_or(1);
+    if (const auto r = fields.need("radius", "0.36")) tyre.radius = r->positive(quantity::length).value_or(1);
+    tyre.numbers = read_numbers(law, fields, value, false);
   }
-  tyre.numbers = read_numbers(info, fields, value, false);
   const auto axis = fields.get("axis");
   const auto direction = axis ? axis->direction() : std::nullopt;
   if (tyre.frame >= 0)

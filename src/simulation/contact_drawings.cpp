@@ -42,13 +42,27 @@ void draw_triangles(const std::vector<Eigen::Vector3d>& vertices,
   }
 }
 
-void draw_heights(const spec::Surface& s, const spec::Pose& pose, BodyDrawing& body) {
+/// Of large grids not every row and column.
+void draw_heights(const Eigen::MatrixXd& heights, const Eigen::Vector2d& spacing, const spec::Pose& pose,
+                  BodyDrawing& body) {
+  constexpr int most = 400;
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
-  const int columns = static_cast<int>(s.heights.cols());
-  for (int j = 0; j < s.heights.rows(); ++j)
+  const auto places = [](Eigen::Index count) {
+    std::vector<Eigen::Index> all;
+    const Eigen::Index each = 1 + (count - 1) / most;
+    for (Eigen::Index k = 0; k < count - 1; k += each) all.push_back(k);
+    all.push_back(count - 1);
+    return all;
+  };
+  const std::vector<Eigen::Index> along = places(heights.cols()), across = places(heights.rows());
+  const int columns = static_cast<int>(along.size());
+  for (int j = 0; j < static_cast<int>(across.size()); ++j)
     for (int i = 0; i < columns; ++i) {
-      vertices.push_back({i * s.spacing[0], j * s.spacing[1], s.heights(j, i)});
+      const Eigen::Index at_x = along[static_cast<std::size_t>(i)],
+                         at_y = across[static_cast<std::size_t>(j)];
+      vertices.push_back({static_cast<double>(at_x) * spacing[0], static_cast<double>(at_y) * spacing[1],
+                          heights(at_y, at_x)});
       if (i == 0 || j == 0) continue;
       const int last = j * columns + i, below = last - columns;
       triangles.push_back({below - 1, below, last});
@@ -79,17 +93,20 @@ void draw(const spec::Model& model, int number, BodyDrawing& body) {
     case Kind::sphere:
       return add(Shape::Kind::sphere, pose, {s.size[0], 0, 0});
     case Kind::heights:
-      return draw_heights(s, pose, body);
+      return draw_heights(s.heights, s.spacing, pose, body);
     case Kind::mesh:
       return draw_triangles(s.vertices, s.triangles, pose, body);
   }
 }
 
+bool is_grid(const spec::Road& road) { return road.over == spec::Road::Over::grid; }
+
 }  // namespace
 
 bool draws_ground(const spec::Model& model) {
   return std::any_of(model.surfaces.begin(), model.surfaces.end(),
-                     [&](const spec::Surface& s) { return frame_of(model, s.frame).body < 0; });
+                     [&](const spec::Surface& s) { return frame_of(model, s.frame).body < 0; }) ||
+         std::any_of(model.roads.begin(), model.roads.end(), is_grid);
 }
 
 void draw_contacts(const spec::Model& model, std::vector<BodyDrawing>& bodies) {
@@ -103,6 +120,10 @@ void draw_contacts(const spec::Model& model, std::vector<BodyDrawing>& bodies) {
   };
   for (int k = 0; k < static_cast<int>(model.surfaces.size()); ++k)
     draw(model, k, drawing(frame_of(model, model.surfaces[static_cast<std::size_t>(k)].frame).body));
+  for (const spec::Road& road : model.roads)
+    if (is_grid(road))
+      draw_heights(road.heights, road.spacing,
+                   {{road.origin[0], road.origin[1], 0}, Eigen::Matrix3d::Identity()}, bodies.back());
   for (const spec::Contact& contact : model.contacts)
     for (const spec::Spheres& spheres : contact.spheres)
       for (const int frame : spheres.frames)

@@ -66,6 +66,7 @@ std::string element_name(const Compiled& m, const ElementData& e) {
                       : fmt::format("spring '{}'", m.spec().springs[e.spec].name);
     case Law::tyre:
     case Law::brush_tyre:
+    case Law::magic_tyre:
       return fmt::format("tyre '{}'", m.spec().tyres[e.spec].name);
     case Law::load:
       return fmt::format("load '{}'", m.spec().loads[e.spec].name);

@@ -7,8 +7,10 @@
 #include <numbers>
 #include <string>
 
+#include "forces/magic_formula.h"
 #include "support/models.h"
 #include "support/simulate.h"
+#include "tyre_files/tyre_data.h"
 
 /// Wheels that roll: on a rig, and under a vehicle of five rigid bodies without a suspension, against what a
 /// bicycle does with the same tyres, what friction allows and what energy is left.
@@ -27,12 +29,22 @@ struct Car {
   std::string steer = "0", road = "points: [[-1000, 0], [1000, 0]]";
   bool locked = false;
   double end = 10;
+  std::string file;  ///< of a Magic Formula tyre
 
   double base() const { return front + rear; }
   double mass() const { return chassis + 4 * (wheel + knuckle); }
   /// Of one wheel that stands.
   double load_of(bool at_front) const { return 0.5 * mass() * g * (at_front ? rear : front) / base(); }
   double rolling_radius(bool at_front) const { return radius - load_of(at_front) / stiffness / 3; }
+
+  std::string tyre() const {
+    if (!file.empty()) return fmt::format("model: magic_formula, file: {}", tyre_path(file));
+    return fmt::format(
+        "model: brush, stiffness: {}, damping: 2000, radius: {}, longitudinal_stiffness: {}, "
+        "cornering_stiffness: {}, friction: {}, longitudinal_relaxation: {}, lateral_relaxation: {}, "
+        "half_length: {}, load: {}, rolling_resistance: {}",
+        stiffness, radius, slip, cornering, friction, relaxation, relaxation, half_length, load, resistance);
+  }
 
   std::string text() const {
     // The chassis where it makes up for the wheels, which are not symmetric about its centre.
@@ -63,12 +75,7 @@ struct Car {
             "  h{0}: {{type: revolute, between: [k{0}, w{0}], at: {1}, axis: [0, 1, 0], {2}}}\n", name, at,
             locked ? std::string("drive: {position: 0}")
                    : fmt::format("velocity: {}", speed / rolling_radius(at_front)));
-        tyres += fmt::format(
-            "  {}: {{on: w{}, road: track, model: brush, stiffness: {}, damping: 2000, radius: {}, "
-            "longitudinal_stiffness: {}, cornering_stiffness: {}, friction: {}, longitudinal_relaxation: {}, "
-            "lateral_relaxation: {}, half_length: {}, load: {}, rolling_resistance: {}}}\n",
-            name, name, stiffness, radius, slip, cornering, friction, relaxation, relaxation, half_length,
-            load, resistance);
+        tyres += fmt::format("  {}: {{on: w{}, road: track, {}}}\n", name, name, tyre());
       }
     return fmt::format(R"y(
 bodies:
@@ -256,6 +263,66 @@ TEST_P(Tyres, NeedTheRoad) {
     for (const char* what : {"vertical", "longitudinal", "lateral", "aligning", "slip", "deflection"})
       EXPECT_EQ(channel(s, fmt::format("tyre.{}.{}", w, what)), 0) << w << what;
   EXPECT_NEAR(channel(s, "z"), car.height + 0.5 - 0.5 * g * 0.04, 1e-4);
+}
+
+/// The car on tyres of appendix 3.
+Car on_magic_tyres() {
+  Car car;
+  car.file = "car_205_60R15_61.tir";
+  car.radius = 0.3135;
+  return car;
+}
+
+/// Its sliding friction, measured by the formula itself at the load of each wheel.
+TEST_P(Tyres, OfTheMagicFormulaBrakeToAStop) {
+  Car car = on_magic_tyres();
+  car.speed = 15;
+  car.locked = true;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 0.6);
+  const TyreProperties tyre = tyre_of(car.file);
+  double wanted = 0, measured = 0;
+  for (const std::string& w : wheels) {
+    const auto of = [&](const char* what) { return channel(s, fmt::format("tyre.{}.{}", w, what)); };
+    forces::MagicInput<double> in{
+        .Fz = of("vertical"), .kappa = -1, .alpha = 0, .gamma = 0, .Vx = channel(s, "vx")};
+    wanted += forces::magic_formula(tyre.numbers.data(), in).Fx;
+    measured += of("longitudinal");
+  }
+  EXPECT_LT(wanted, -0.5 * car.mass() * g);
+  EXPECT_NEAR(measured, wanted, 0.02 * std::abs(wanted));
+  run_to(s, 3);
+  const double x = channel(s, "x");
+  run_to(s, 5);
+  EXPECT_NEAR(channel(s, "x"), x, 0.03);  // it nods: these tyres damp by 50 N s/m
+  EXPECT_LT(std::abs(s.energy().numerical), 0.01 * 0.5 * car.mass() * 225);
+}
+
+TEST_P(Tyres, OfTheMagicFormulaStandOnASlope) {
+  Car car = on_magic_tyres();
+  car.locked = true;
+  car.road = "points: [[-100, -15], [100, 15]]";
+  car.pitch = -std::atan(0.15);
+  car.height_of_start = -0.01;
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 1);
+  const double x = channel(s, "x");
+  run_to(s, 5);  // its tyres damp by 50 N s/m: it nods on
+  EXPECT_NEAR(channel(s, "x"), x, 2e-3);
+  EXPECT_NEAR(channel(s, "vx"), 0, 5e-3);
+}
+
+/// Along straight on, then through a slalom: what is not there any more was rubbed away, and the force across
+/// is that of the formula at the slip that there is.
+TEST_P(Tyres, OfTheMagicFormulaKeepTheBalanceOfEnergy) {
+  Car car = on_magic_tyres();
+  car.speed = 15;
+  car.steer = "0.05*sin(2*t)";
+  Simulation s = car.simulation(GetParam());
+  run_to(s, 3);
+  const double start = 0.5 * car.mass() * 225;
+  EXPECT_LT(std::abs(s.energy().numerical), 5e-3 * start);
+  EXPECT_GT(s.energy().dissipated, 0.005 * start);
 }
 
 INSTANTIATE_TEST_SUITE_P(BothFormulations, Tyres,

@@ -8,6 +8,7 @@
 #include "forces/measure.h"
 #include "forces/table.h"
 #include "support/random_mechanism.h"
+#include "tyre_files/tyre_data.h"
 
 /// What a wheel measures on roads, the roads as it feels them, and the law of a footprint behind a carcass.
 namespace mimbre::test {
@@ -390,6 +391,83 @@ TEST(Carcass, FollowsOnTheRelaxationLength) {
     last = force;
   }
   FAIL() << "it does not get there";
+}
+
+/// Dragged over the road at constant slips until nothing changes: the formula at these slips.
+TEST(MagicTyre, OnASteadyRollItIsTheFormula) {
+  const TyreProperties tyre = tyre_of("car_205_60R15_61.tir");
+  for (const auto& [kappa, alpha, gamma] : {std::array{0.0, 0.0, 0.0},
+                                            {0.02, 0.0, 0.0},
+                                            {-0.05, 0.03, 0.02},
+                                            {0.0, -0.08, -0.05},
+                                            {-0.3, 0.1, 0.0}}) {
+    Wheel w(slope(0), tyre.unloaded_radius);
+    ElementData& e = w.element;
+    e.law = static_cast<int>(Law::magic_tyre);
+    e.state_count = law_info(e.law).states;
+    e.rolling = 0.3;
+    w.model.numbers = {0, tyre.unloaded_radius};
+    w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
+    w.model.numbers.push_back(0.02);
+    w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
+    w.before.assign(3, 0.0);
+    const double forward = 20, radius = tyre.unloaded_radius, deep = 0.02;
+    w.b.rotation = rotation_exp<double>(Vec3d(gamma, 0, 0));
+    w.b.position = {0, 0, radius * std::cos(gamma) - deep};
+    w.b.velocity = {forward, forward * std::tan(alpha), 0};
+    w.b.omega = w.b.rotation * Vec3d(0, forward * (1 + kappa) / (radius - e.rolling * deep), 0);
+    const double none = 0;
+    ElementState<double> s = w.at(0);
+    for (int k = 0; k < 2000; ++k) {
+      s = w.at(0);
+      forces::magic_tyre_law<double>({w.model, e, 0, &none, w.before.data(), 1e-3}, s);
+      std::copy_n(s.states, 3, w.before.begin());
+    }
+    const auto out = forces::magic_formula(
+        tyre.numbers.data(),
+        forces::MagicInput<double>{
+            .Fz = -s.force[0], .kappa = kappa, .alpha = alpha, .gamma = gamma, .Vx = forward});
+    const double load = -s.force[0];
+    EXPECT_GT(load, 2000);
+    EXPECT_NEAR(-s.force[wheel::forth], out.Fx, 1e-3 * load) << kappa << " " << alpha;
+    EXPECT_NEAR(-s.force[wheel::across], out.Fy, 1e-3 * load) << kappa << " " << alpha;
+    EXPECT_NEAR(-s.force[wheel::overturning], out.Mx, 1e-3 * std::abs(out.Mx) + 0.1);
+    EXPECT_NEAR(-s.force[wheel::rolling], out.My, 1e-3 * std::abs(out.My) + 0.1);
+    EXPECT_NEAR(-s.force[wheel::aligning], out.Mz, 2e-3 * std::abs(out.Mz) + 0.1);
+  }
+}
+
+/// The vertical spring stores what it takes to press it in, to where the rim is touched.
+TEST(MagicTyre, StoresWhatPressesItIn) {
+  const TyreProperties tyre = tyre_of("car_205_60R15_61.tir");
+  Wheel w(slope(0), tyre.unloaded_radius);
+  ElementData& e = w.element;
+  e.law = static_cast<int>(Law::magic_tyre);
+  e.state_count = law_info(e.law).states;
+  w.model.numbers = {0, tyre.unloaded_radius};
+  w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
+  w.model.numbers.push_back(0.02);
+  w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
+  w.before.assign(3, 0.0);
+  w.b.rotation = Mat3d::Identity();
+  w.b.velocity = w.b.omega = Vec3d::Zero();
+  const double none = 0, h = 1e-6;
+  const auto stored = [&](double deep, double& force) {
+    w.b.position = {0, 0, tyre.unloaded_radius - deep};
+    ElementState<double> s = w.at(0);
+    const LawContext<double> context{w.model, e, 0, &none, w.before.data(), 0};
+    forces::magic_tyre_law<double>(context, s);
+    force = -s.force[0];
+    ElementEnergy energy;
+    forces::magic_tyre_energy(context, s, energy);
+    return energy.stored;
+  };
+  for (const double deep : {-0.01, 0.005, 0.02, 0.06, 0.12}) {
+    double force = 0, other = 0;
+    stored(deep, force);
+    EXPECT_NEAR(force, (stored(deep + h, other) - stored(deep - h, other)) / (2 * h), 1e-3 + 1e-6 * force)
+        << deep;
+  }
 }
 
 }  // namespace

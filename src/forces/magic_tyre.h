@@ -1,0 +1,138 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "forces/carcass.h"
+#include "forces/element.h"
+#include "forces/magic_formula.h"
+#include "forces/measure_wheel.h"
+
+/// A tyre by the Magic Formula, which knows forces of steady slip. The slip is that of a brush behind a
+/// carcass (forces/carcass.h) with the slip stiffnesses, the relaxation lengths and the friction of the
+/// formula: where it rolls steadily that is the wheel's own; a wheel that stands has the brush's forces.
+namespace mimbre::forces {
+
+namespace magic_tyre {
+/// Among the law's numbers, behind the vertical stiffness and the radius: those of the formula, then the
+/// carcass's damping over its stiffness.
+constexpr int formula = 2, settling = formula + magic::count;
+/// States: the bend of the carcass along and across, m; what that stores, J.
+constexpr int bend = 0, stored = 2;
+
+/// m/s: well above, forces are the formula's; slips of a wheel that is slower than the second are those at
+/// that speed.
+constexpr double slow = 0.5, slowest = 0.1;
+/// No relaxation length is taken to be shorter, m.
+constexpr double shortest = 1e-2;
+
+template <class T>
+T pressure(const T* n) {
+  return (n[magic::inflpres] - n[magic::nompres]) / n[magic::nompres];
+}
+template <class T>
+MagicVertical<T> vertical(const T* n, const ElementState<T>& s) {
+  MagicVerticalInput<T> in;
+  in.deflection = T(-1) * s.x[wheel::gap];
+  in.rate = T(-1) * s.v[wheel::gap];
+  in.omega = s.surroundings[wheel::spin];
+  in.gamma = s.surroundings[wheel::camber];
+  in.dpi = pressure(n);
+  return magic_vertical(n, in);
+}
+/// What the formula says of small slip: the carcass's stiffness, slip stiffness and limit.
+template <class T>
+void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
+  using namespace magic;
+  const Terms<T> t = terms(n, in);
+  const PureLateral<T> y = pure_lateral(t, t.sin_gamma);
+  MagicOutput<T> out;
+  out.Kx = slip_stiffness(t);
+  out.Ky = y.stiffness;
+  relaxation(t, out);
+  const T stiffness[2] = {size_of(out.Kx), size_of(out.Ky)};
+  const T lengths[2] = {out.sigma_kappa, out.sigma_alpha};
+  for (int k = 0; k < 2; ++k) {
+    w.stiffness[k] = greatest(stiffness[k], T(1));
+    w.firm[k] = w.stiffness[k] / greatest(lengths[k], T(shortest));
+  }
+  const T along = (n[pdx1] + n[pdx2] * t.dfz) * t.mu_x;
+  w.limit = t.load * greatest(T(T(0.5) * (along + y.friction)), T(0));
+}
+}  // namespace magic_tyre
+
+template <class T>
+void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
+  using namespace magic_tyre;
+  using std::abs, std::atan2, std::sqrt;
+  const T* n = c.numbers() + formula;
+  for (int k = 0; k < s.count; ++k) s.force[k] = T(0);
+  for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = T(0);
+  const MagicVertical<T> push = vertical(n, s);
+  s.force[wheel::gap] = T(-1) * push.force;
+  s.stiffness[0] = push.stiffness;
+  s.damping[0] = push.damping;
+
+  const T rolling = wheel::rolling_speed(c.element, s), forward = s.surroundings[wheel::forward];
+  MagicInput<T> in;
+  in.Fz = push.force;
+  in.kappa = in.alpha = T(0);
+  in.gamma = s.surroundings[wheel::camber];
+  in.dpi = pressure(n);
+  in.Vx = forward;
+  in.lmu = s.surroundings[wheel::friction];
+  carcass::Wheel<T> w;
+  small_slip(n, in, w);
+  w.settling = c.numbers()[settling];
+  w.rolled = abs(rolling);
+  w.bend = c.states + bend;
+  w.rate = s.v + wheel::forth;
+  const carcass::Followed<T> footprint = carcass::follow(w, c.step);
+  carcass::put_tangents(footprint, wheel::forth, s);
+
+  const T speed = sqrt(forward * forward + T(slowest * slowest));
+  in.kappa = T(-1) * footprint.slip[0] / speed;
+  in.alpha = atan2(footprint.slip[1], speed);
+  const MagicOutput<T> out = magic_formula(n, in);
+  const T square = forward * forward + rolling * rolling, moves = square / (square + T(slow * slow));
+  s.force[wheel::forth] = (T(1) - moves) * footprint.held.force[0] - moves * out.Fx;
+  s.force[wheel::across] = (T(1) - moves) * footprint.held.force[1] - moves * out.Fy;
+  s.force[wheel::overturning] = T(-1) * moves * out.Mx;
+  s.force[wheel::rolling] = T(-1) * moves * out.My;
+  s.force[wheel::aligning] = T(-1) * moves * out.Mz;
+  s.states[stored] = T(0);
+  for (int k = 0; k < 2; ++k) {
+    s.states[bend + k] = footprint.bend[k];
+    s.states[stored] += T(0.5) * w.firm[k] * footprint.bend[k] * footprint.bend[k];
+  }
+}
+
+/// The spring of a tyre that neither turns faster nor slower stores, and the carcass; all that forces along
+/// the road do beyond is lost.
+inline void magic_tyre_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+  using namespace magic_tyre;
+  const double* n = c.numbers() + formula;
+  // The force is a polynomial of the deflection, but for the rim: the integral of it by Gauss's rule is exact
+  // up to where the rim is touched.
+  const double R = n[magic::unloaded_radius], deep = -s.x[wheel::gap],
+               free = std::min(R - magic_free_radius(n, s.surroundings[wheel::spin]), deep),
+               rim = std::clamp(R - n[magic::rim_radius] - n[magic::bottom_offst], free, deep);
+  ElementState<double> at = s;
+  double still = 0, place = 0;
+  at.x = &place;
+  at.v = &still;
+  const auto spring = [&](double deflection) {
+    place = -deflection;
+    return vertical(n, at).force;
+  };
+  for (const auto& [from, to] : {std::pair(free, rim), std::pair(rim, deep)}) {
+    const double half = 0.5 * (to - from), middle = 0.5 * (from + to), off = half / std::sqrt(3.0);
+    e.stored += half * (spring(middle - off) + spring(middle + off));
+  }
+  e.dissipating[wheel::gap] = s.force[wheel::gap] + spring(deep);
+  for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];
+  e.stored += s.states[stored];
+  e.lost = c.states[stored] - s.states[stored];
+}
+
+}  // namespace mimbre::forces
