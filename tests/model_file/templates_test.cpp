@@ -261,6 +261,38 @@ TEST(NestedTemplates, AreTheFlatModel) {
   }
 }
 
+TEST(NestedTemplates, AParameterThatIsANameCanBePassedOn) {
+  const spec::Model model = read(R"yaml(mimbre: 1
+bodies:
+  base: {mass: 9, com: [0, 0, 0], inertia: [1, 1, 1]}
+  other: {mass: 9, com: [0, 0, 0], inertia: [1, 1, 1]}
+joints:
+  a: {type: floating, between: [ground, base]}
+  b: {type: floating, between: [ground, other]}
+subsystems:
+  inner:
+    parameters: {on: {name: base}}
+    bodies: {rim: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+    joints: {hub: {type: revolute, between: [$on, rim], at: [0, 0, 0], axis: [0, 1, 0]}}
+  outer:
+    parameters: {on: {name: base}}
+    instances: {part: {of: inner, with: {on: $on}}}
+instances:
+  left: {of: outer}
+  right: {of: outer, with: {on: other}}
+)yaml");
+  const auto carrier = [&](const std::string& name) {
+    for (const spec::Joint& joint : model.joints)
+      if (joint.name == name)
+        return model
+            .bodies[static_cast<std::size_t>(model.frames[static_cast<std::size_t>(joint.frame_a)].body)]
+            .name;
+    return std::string();
+  };
+  EXPECT_EQ(carrier("left.part.hub"), "base");
+  EXPECT_EQ(carrier("right.part.hub"), "other");
+}
+
 TEST(NestedTemplates, NamesParametersAndMaterialsAreFoundFromInsideOut) {
   const spec::Model model = read(R"yaml(mimbre: 1
 parameters: {m: 1}
