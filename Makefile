@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages configure build python docs wheel sdist demo test bench lint format clean
+.PHONY: help packages configure build python docs wheel sdist demo live test bench lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
@@ -44,6 +44,10 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 	$(PROGRAM) report results/iltis.h5 -o report.html
 	@echo "Made report.html (plots, animation) from results/iltis.h5 (every channel; as a table: results/iltis.csv)."
 	@echo "Open it in a browser:  xdg-open $(CURDIR)/report.html"
+
+live: configure ## Drive a vehicle in the browser
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
+	$(PROGRAM) live examples/iltis/drive.yaml --open
 
 # The checks of the sources come before the tests, so that the last lines are the summary of ctest.
 test: build ## Build everything, check the formatting and the order of the folders, run all tests

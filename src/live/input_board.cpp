@@ -42,7 +42,11 @@ void InputBoard::put(Simulation& simulation, int input, double value) {
   changes_.push({simulation.time(), input, simulation.input_value(input)});
 }
 
+/// The simulation begins, or was put elsewhere: what is being played begins again there.
 void InputBoard::tell_all(Simulation& simulation) {
+  since_ = simulation.time();
+  if (tracks_)
+    for (InputTrack& track : *tracks_) track.at = 0;
   changes_.push({simulation.time(), -1, 0});
   for (int k = 0; k < static_cast<int>(wanted_.size()); ++k)
     changes_.push({simulation.time(), k, simulation.input_value(k)});
