@@ -594,16 +594,17 @@ INSTANTIATE_TEST_SUITE_P(
                 7,
                 {"belongs to 'model: brush'", "stiffness, radius"},
                 sound + "tyres: {t1: {on: arm, road: track, friction: 1, stiffness: 1, radius: 1}}\n"},
-        Mistake{
-            "TyreBrush",
-            7,
-            {"'cornering_stiffness' is missing", "N/rad"},
-            sound +
-                "tyres: {t1: {on: arm, road: track, model: brush, stiffness: 1, radius: 1, friction: 1}}\n"},
+        Mistake{"TyreBrush",
+                7,
+                {"'cornering_stiffness' is missing", "N/rad"},
+                sound +
+                    "tyres: {t1: {on: arm, road: track, model: brush, stiffness: 1, radius: 1, friction: 1, "
+                    "longitudinal_stiffness: 1, longitudinal_relaxation: 1, lateral_relaxation: 1, "
+                    "half_length: 1}}\n"},
         Mistake{"TyreFile",
                 7,
-                {"nowhere.tir"},
-                sound + "tyres: {t1: {on: arm, road: track, model: magic_formula, file: nowhere.tir}}\n"},
+                {"'file' is missing", "tyre.tir"},
+                sound + "tyres: {t1: {on: arm, road: track, model: magic_formula}}\n"},
         Mistake{"RoadGrid", 7, {"one of 'heights', 'file'"}, sound + "roads: {track: {over: grid}}\n"},
         Mistake{"RoadGridPoints",
                 7,
