@@ -53,7 +53,8 @@ std::string value_of_name(const std::string& name, const Scope& scope,
     if (const double* number = std::get_if<double>(value)) return fmt::format("({:.17g})", *number);
     const auto& text = std::get<std::string>(*value);
     const int* word = scope.find_word(text);
-    if (!word) throw ExpressionError(fmt::format("parameter '{}' is the name '{}', and no number", name, text));
+    if (!word)
+      throw ExpressionError(fmt::format("parameter '{}' is the name '{}', and no number", name, text));
     return fmt::format("({})", *word);
   }
   if (name == "true") return "1";
