@@ -216,7 +216,8 @@ TEST_P(Allocation, NoneInTheLoopAgainstTheClock) {
   choice.count = std::min(live::Choice::most, static_cast<int>(s.channels().size()));
   for (int k = 0; k < choice.count; ++k) choice.channels[static_cast<std::size_t>(k)] = k;
   pictures.choose(choice);
-  const std::string file = testing::TempDir() + "/allocation.h5";
+  const std::string file =
+      testing::TempDir() + "/allocation-" + std::to_string(static_cast<int>(GetParam())) + ".h5";
   RealTimeRecorder recorder(file, s, "{}", 0.01);
   struct Counts : RealTimePart {
     live::InputBoard* board = nullptr;
