@@ -417,9 +417,9 @@ struct Output {
     section_force,     ///< of a flexible body made of bars: `component` (N, Vy, Vz, T, My, Mz, largest von
                        ///< Mises stress) at `node`, the start (2 k) or end (2 k + 1) of its mesh's element k
     contact_force,     ///< of a contact on its spheres, or on the one of `bodies`: component 0..2 in global
-                    ///< axes, 3 and 4 sums of the magnitudes of normal and tangential forces
-    contact_depth,  ///< largest of them
-    contact_count   ///< pairs that touch
+                       ///< axes, 3 and 4 sums of the magnitudes of normal and tangential forces
+    contact_depth,     ///< largest of them
+    contact_count      ///< pairs that touch
   } kind = Kind::position;
   int item = -1;                         ///< index of the frame, joint, body, spring, tyre or contact
   std::vector<int> bodies;               ///< empty: all of the model

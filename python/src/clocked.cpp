@@ -44,8 +44,7 @@ std::string clocked(Simulation& simulation, const ClockedOptions& options, const
     std::unique_ptr<LiveServer> server;
     if (options.port) {
       server = std::make_unique<LiveServer>(
-          simulation, loop,
-          LiveServerOptions{options.address, *options.port, options.token, recorder.get()});
+          simulation, loop, LiveServerOptions{options.address, *options.port, options.token, recorder.get()});
       calls.at(server->url());
     }
     if (recorder) loop.add(*recorder);
@@ -54,9 +53,8 @@ std::string clocked(Simulation& simulation, const ClockedOptions& options, const
   app::Json json = app::monitor_json(loop.monitor());
   json["message"] = end;
   const RealTimeGrants granted = loop.granted();
-  json["granted"] = {{"memory", granted.memory},
-                     {"scheduling", granted.scheduling},
-                     {"processor", granted.processor}};
+  json["granted"] = {
+      {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
   json["worst_case"] = loop.worst_case();
   if (recorder) recorder->finish(loop, app::to_text(json));
   if (loop.state() == RealTimeLoop::State::failed) throw app::Failure(end);

@@ -15,8 +15,8 @@ struct ClockedOptions {
 
 /// Called in the loop, without the interpreter's lock.
 struct ClockedCalls {
-  std::function<void()> before, after;     ///< a step
-  std::function<bool()> stop;              ///< whether to end it
+  std::function<void()> before, after;         ///< a step
+  std::function<bool()> stop;                  ///< whether to end it
   std::function<void(const std::string&)> at;  ///< before it begins: the address of the page
 };
 
