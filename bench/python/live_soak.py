@@ -99,7 +99,7 @@ def drive(url: str, seconds: float) -> None:
         viewer.say(do="inputs", values={"steering": steering, "throttle": 0.0 if brake else 0.35, "brake": brake})
 
 
-def figures(status: dict) -> str:
+def figures(status: dict[str, dict[str, float]]) -> str:
     told = []
     for what in ("computation", "cpu", "latency"):
         of = status[what]

@@ -44,7 +44,7 @@ def test_steps_are_those_of_a_run(simulation: mimbre.Simulation) -> None:
 
 def test_a_controller_in_python_holds_the_rod(simulation: mimbre.Simulation) -> None:
     torque, angle = simulation.input_array(["torque"]), simulation.channel_array(["angle"])
-    seen = []
+    seen: list[float] = []
 
     def controller() -> None:
         rate = (angle[0] - seen[-1]) / 0.002 if seen else 0.0
@@ -73,7 +73,7 @@ def test_what_a_controller_raises_ends_it(simulation: mimbre.Simulation) -> None
 def test_a_page_is_served_and_a_file_recorded(
     simulation: mimbre.Simulation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    answers = []
+    answers: list[int] = []
 
     def look() -> None:
         if not answers:
