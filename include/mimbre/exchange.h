@@ -35,7 +35,7 @@ class UdpExchange : public RealTimePart {
   void after(Simulation& simulation, const StepReport& report, bool output) override;
 
   int port() const;
-  /// From when outputs were sent until the inputs that answer them were taken, s.
+  /// From when outputs were sent until the inputs that answer them arrived, s.
   const Timings& round_trips() const;
   /// Packets that were none of ours, or of another layout.
   std::int64_t refused() const;

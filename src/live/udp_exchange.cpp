@@ -4,6 +4,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <array>
@@ -32,6 +33,44 @@ union Address {
   sockaddr_in v4;
   sockaddr_in6 v6;
 };
+
+/// ns of the clock by which the system stamps packets.
+std::int64_t stamp_now() {
+  timespec t{};
+  clock_gettime(CLOCK_REALTIME, &t);
+  return 1'000'000'000 * static_cast<std::int64_t>(t.tv_sec) + t.tv_nsec;
+}
+
+/// One packet, and when it arrived: it may have waited for the step that takes it.
+struct Arrival {
+  ssize_t size = -1;
+  socklen_t from_size = 0;
+  std::int64_t time = 0;
+};
+
+Arrival receive(int socket, std::vector<char>& packet, Address& from) {
+  iovec place{packet.data(), packet.size()};
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
+  msghdr message{};
+  message.msg_name = &from.any;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &place;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  Arrival arrival;
+  arrival.size = recvmsg(socket, &message, MSG_DONTWAIT | MSG_TRUNC);
+  if (arrival.size < 0) return arrival;
+  arrival.from_size = message.msg_namelen;
+  arrival.time = stamp_now();
+  for (cmsghdr* told = CMSG_FIRSTHDR(&message); told; told = CMSG_NXTHDR(&message, told)) {
+    if (told->cmsg_level != SOL_SOCKET || told->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec t{};
+    std::memcpy(&t, CMSG_DATA(told), sizeof t);
+    arrival.time = 1'000'000'000 * static_cast<std::int64_t>(t.tv_sec) + t.tv_nsec;
+  }
+  return arrival;
+}
 
 Address address_of(const UdpOptions& options, socklen_t& size) {
   Address a{};
@@ -69,6 +108,8 @@ struct UdpExchange::Impl {
       throw std::runtime_error(
           fmt::format("cannot take UDP packets at {} port {}: {}", options.address, options.port, why));
     }
+    const int on = 1;
+    setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
     getsockname(socket, &own.any, &size);
     port = ntohs(own.any.sa_family == AF_INET6 ? own.v6.sin6_port : own.v4.sin_port);
     packet.resize(longest_packet);
@@ -89,9 +130,9 @@ struct UdpExchange::Impl {
   /// Takes one packet. False where there is none.
   bool take(Simulation& simulation) {
     Address from{};
-    socklen_t from_size = sizeof from;
-    const ssize_t size =
-        recvfrom(socket, packet.data(), packet.size(), MSG_DONTWAIT | MSG_TRUNC, &from.any, &from_size);
+    const Arrival arrival = receive(socket, packet, from);
+    const ssize_t size = arrival.size;
+    const socklen_t from_size = arrival.from_size;
     if (size < 0) return errno == ECONNREFUSED;  // a peer that has gone; the next may be there
     Head head{};
     if (static_cast<std::size_t>(size) < sizeof head || static_cast<std::size_t>(size) > packet.size())
@@ -120,7 +161,7 @@ struct UdpExchange::Impl {
     std::memcpy(inputs.data(), packet.data() + sizeof head, body);
     news = true;
     if (head.sequence > answered && sent - head.sequence < remembered)
-      trips.add(1e-9 * static_cast<double>(live::clock_now() - sent_at[head.sequence % remembered]));
+      trips.add(1e-9 * static_cast<double>(arrival.time - sent_at[head.sequence % remembered]));
     answered = std::max(answered, head.sequence);
     return true;
   }
@@ -185,7 +226,7 @@ void UdpExchange::after(Simulation& simulation, const StepReport& report, bool) 
   if (s.peer_size == 0 || !report.ok()) return;
   s.exchanged.read(simulation, s.values.data());
   ++s.sent;
-  s.sent_at[s.sent % remembered] = live::clock_now();
+  s.sent_at[s.sent % remembered] = stamp_now();
   const auto count = static_cast<std::uint16_t>(s.exchanged.output_count());
   s.send(MIMBRE_EXCHANGE_OUTPUTS, count, s.sent, simulation.time(), s.values.data(), sizeof(double) * count);
 }
