@@ -38,7 +38,8 @@ struct RealTimeOptions {
 /// Why a step was not ready in time: what took the largest part of its delay.
 enum class OverrunCause {
   latency,      ///< its thread was woken too late
-  preemption,   ///< its thread was taken from the processor, or waited for it
+  preemption,   ///< its thread was taken from the processor, or waited for it, or was charged with what its
+                ///< iterations do not explain: interrupts, a virtual machine's host
   page_faults,  ///< memory had to be fetched
   parts,        ///< the step was made in parts
   iterations,   ///< it took more iterations than usual

@@ -17,6 +17,8 @@ constexpr double nano = 1e-9;
 constexpr std::int64_t resting = 5'000'000;  ///< ns between two looks at what is asked for
 constexpr int rehearsed_steps = 8;
 constexpr int usual_after = 64;  ///< steps, from which on is known what is usual
+/// CPU time over what the iterations explain, from which on it was not the step's.
+constexpr double unexplained = 4;
 
 std::int64_t to_nanoseconds(double seconds) { return std::llround(seconds / nano); }
 
@@ -57,6 +59,10 @@ OverrunCause cause_of(const StepTiming& t, double usual, double usual_iterations
   const double waited = t.computation - t.cpu, more = usual > 0 ? t.cpu - usual : t.cpu;
   if (t.latency >= std::max(waited, more)) return OverrunCause::latency;
   if (waited >= more) return OverrunCause::preemption;
+  // What interrupts take, and what a virtual machine's host does, is in the thread's CPU time too.
+  const double explained = usual * (t.iterations + 1) / (usual_iterations + 1);
+  if (usual > 0 && t.parts == 1 && t.page_faults == 0 && t.cpu > unexplained * explained)
+    return OverrunCause::preemption;
   if (t.parts > 1) return OverrunCause::parts;
   if (t.page_faults > 0) return OverrunCause::page_faults;
   if (usual_iterations > 0 && t.iterations > usual_iterations + 1) return OverrunCause::iterations;
