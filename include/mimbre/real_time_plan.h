@@ -55,6 +55,8 @@ struct RealTimePlan {
   std::shared_ptr<RealTimeMonitor> watched;   ///< of the chosen one, against the clock
   int watched_candidates = 0;
   double load = 0;  ///< of the chosen one: 99.99th percentile of computation and latency over its step
+  /// That is more than what was asked for, and would be with any candidate: the idle machine itself is late.
+  bool machine_late = false;
 };
 
 /// Measures ways to compute the model, each over the manoeuvre as fast as it goes, and their errors against a

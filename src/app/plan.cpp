@@ -71,6 +71,7 @@ Json to_json(const RealTimePlan& plan, const Arguments& a) {
   json["watched"] = monitor_json(*plan.watched);
   json["load"] = plan.load;
   json["margin"] = 1 - plan.load;
+  json["machine_late"] = plan.machine_late;
   json["options"] = options_of(chosen);
   return json;
 }
@@ -110,6 +111,12 @@ std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
       m.steps.load(), 1e3 * m.computation.quantile(0.5), 1e3 * m.computation.quantile(0.9999),
       1e3 * m.computation.worst(), 1e3 * m.latency.quantile(0.9999), m.overrun_count(), 100 * c.error,
       c.worst_output, 100 * plan.load, 100 * (1 - plan.load), a.model, fmt::join(options_of(c), " "));
+  if (plan.machine_late)
+    text +=
+        "\nThe machine itself is late, whatever runs on it: what is taken beyond the load asked for is its "
+        "own. "
+        "--priority and\n--cpu help where the system permits them; virtual machines and shared ones may stay "
+        "late.\n";
   return text;
 }
 

@@ -267,7 +267,7 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
       c.p9999 = timings.quantile(0.9999);
       c.worst = timings.worst();
       c.max_iterations = c.most_iterations + spare_iterations;
-      if (c.p9999 / o.loop.speed + late > o.load * c.step / o.loop.speed)
+      if (c.p9999 > o.load * c.step / o.loop.speed)
         c.failure = "too slow";
       else if (!std::isfinite(c.error))
         c.failure = "no finite outputs";
@@ -285,6 +285,11 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
     return std::make_pair(std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  // Where the idle machine is late already, a candidate has to keep its share by its computation alone.
+  const auto machine_late = [&](const RealTimeMonitor& monitor, double period) {
+    const double own = monitor.cpu.quantile(0.999) / period;
+    return own <= o.load && own + late / period > o.load;
+  };
   for (const int k : order) {
     RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
     tell("against the clock",
@@ -293,15 +298,16 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
     std::string failure;
     const auto monitor = watch(with, o, c, end, failure);
     ++plan.watched_candidates;
-    const double load = load_of(*monitor, c.step / o.loop.speed);
+    const double period = c.step / o.loop.speed, load = load_of(*monitor, period);
     if (!failure.empty()) {
       c.failure = failure;
-    } else if (load > o.load) {
+    } else if (load > o.load && !machine_late(*monitor, period)) {
       c.failure = fmt::format("against the clock it took {:.0f} % of its time", 100 * load);
     } else {
       plan.chosen = k;
       plan.watched = monitor;
       plan.load = load;
+      plan.machine_late = load > o.load;
       break;
     }
   }

