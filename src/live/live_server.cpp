@@ -139,8 +139,10 @@ struct Hall {
   }
 
   void take_control(Viewer& viewer, bool take) {
-    if (take && controller && controller != &viewer)
+    if (take && controller && controller != &viewer) {
+      controller->say(live::asked_text(viewer.number()));
       throw InputError(Mark{}, "another viewer has control; it has to give it back first");
+    }
     if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to give back");
     controller = take ? &viewer : nullptr;
     tell_control();

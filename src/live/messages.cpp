@@ -243,6 +243,7 @@ std::string hello_text(int viewer, bool control, const std::vector<int>& channel
 std::string control_text(bool yours, bool taken) {
   return text_of({{"say", "control"}, {"yours", yours}, {"taken", taken}});
 }
+std::string asked_text(int viewer) { return text_of({{"say", "asked"}, {"viewer", viewer}}); }
 std::string channels_text(const std::vector<int>& channels, std::uint32_t choice) {
   return text_of({{"say", "channels"}, {"indices", channels}, {"choice", choice}});
 }

@@ -39,6 +39,7 @@ Asked understood(const std::string& text, const std::vector<spec::Input>& inputs
 // What a viewer is told.
 std::string hello_text(int viewer, bool control, const std::vector<int>& channels);
 std::string control_text(bool yours, bool taken);
+std::string asked_text(int viewer);
 std::string channels_text(const std::vector<int>& channels, std::uint32_t choice);
 std::string snapshots_text(const std::vector<std::string>& names);
 std::string recording_text(bool on, const std::string& file);

@@ -242,6 +242,7 @@ TEST(LiveServer, OneViewerHasControl) {
   }
   second.say({{"do", "control"}, {"take", true}});
   EXPECT_THAT(second.until("error")["message"].get<std::string>(), HasSubstr("another viewer"));
+  EXPECT_EQ(first.until("asked")["viewer"], second.hello["viewer"]);
   first.say({{"do", "pause"}});
   EXPECT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::paused; }));
   // Who vanishes gives it back.

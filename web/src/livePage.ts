@@ -52,6 +52,7 @@ export class LivePage {
   private facts = element("span", { class: "muted" });
   private banner = element("p", { class: "banner", role: "alert", hidden: true });
   private wrong = element("p", { class: "banner", role: "alert", hidden: true });
+  private asking = element("p", { class: "banner asking", hidden: true });
   private spoken = element("p", { class: "unseen", role: "status" });
   private viewers = 1;
   private retryAt = 0; // s
@@ -80,7 +81,7 @@ export class LivePage {
     this.pads = touchPads(this.driver);
     this.view.holder.after(this.transport.root);
     const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
-    const header = element("header", {}, element("h1", {}, live.title || "Untitled model"), element("div", { class: "row states" }, this.state, this.facts), this.banner, this.wrong, this.spoken);
+    const header = element("header", {}, element("h1", {}, live.title || "Untitled model"), element("div", { class: "row states" }, this.state, this.facts), this.banner, this.wrong, this.asking, this.spoken);
     const left = element("div", { class: "column" }, this.view.root, this.inputs.root);
     const right = element("div", { class: "column" }, this.strips.root, this.monitor.root, this.tapes.root, model);
     this.parts = [header, element("main", {}, left, right), ...(this.pads ? [this.pads] : [])];
@@ -103,7 +104,7 @@ export class LivePage {
       lost: (ended, retry) => {
         this.retryAt = seconds() + retry;
         this.driver.letGo();
-        this.become({ ...this.situation, connection: ended ? "ended" : "lost", control: false, taken: false, asked: false });
+        this.become({ ...this.situation, connection: ended ? "ended" : "lost", control: false, taken: false, asked: false, asker: 0 });
       },
       again: async () => {
         const same = sameModel(this.packed, await fetchScene());
@@ -124,8 +125,8 @@ export class LivePage {
   /** Control; where another viewer has it, as soon as it is free. */
   private want(take: boolean): void {
     const { control, taken } = this.situation;
-    if (control || (take && !taken)) this.order({ do: "control", take });
-    else this.become({ ...this.situation, asked: take });
+    if (!control && taken) this.become({ ...this.situation, asked: take });
+    if (control || take) this.order({ do: "control", take }); // who has it is told that it is asked for
   }
 
   private hear(said: Said): void {
@@ -142,8 +143,9 @@ export class LivePage {
     } else if (said.say === "control") {
       const { asked } = this.situation;
       if (asked && !said.taken) this.order({ do: "control", take: true });
-      this.become({ ...this.situation, control: said.yours, taken: said.taken, asked: asked && !said.yours });
-    } else if (said.say === "channels") this.record.choose(said.indices, said.choice);
+      this.become({ ...this.situation, control: said.yours, taken: said.taken, asked: asked && !said.yours, asker: 0 });
+    } else if (said.say === "asked") this.become({ ...this.situation, asker: said.viewer });
+    else if (said.say === "channels") this.record.choose(said.indices, said.choice);
     else if (said.say === "snapshots") {
       this.transport.offer(said.names);
       this.transport.show(this.situation);
@@ -211,7 +213,7 @@ export class LivePage {
 
   /** What stands above everything, with what can be done about it. */
   private warn(): void {
-    const { connection, failed, message } = this.situation;
+    const { connection, failed, message, asker } = this.situation;
     const button = (text: string, pressed: () => void) => {
       const made = element("button", {}, text);
       made.addEventListener("click", pressed);
@@ -222,6 +224,8 @@ export class LivePage {
     if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended, or cannot be reached. The page goes on when it is there again. " : "The connection is lost. The page tries again by itself. ", button("Try now", () => void this.link.retry()));
     else if (failed) this.banner.replaceChildren(`The simulation failed${message ? `: ${message}` : "."} `, ...(mayDrive(this.situation) ? [button("Reset", () => this.order({ do: "reset" }))] : ["Who is in control can reset it."]));
     else this.banner.replaceChildren(message);
+    this.asking.hidden = asker === 0;
+    this.asking.replaceChildren(`Viewer ${asker} asks for control. `, button("Hand over", () => this.want(false)), button("Not now", () => this.become({ ...this.situation, asker: 0 })));
   }
 
   private complain(message: string): void {

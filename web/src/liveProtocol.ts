@@ -90,6 +90,7 @@ export type Said =
   | { say: "hello"; viewer: number; control: boolean; channels: number[] }
   | ({ say: "status" } & Status)
   | { say: "control"; yours: boolean; taken: boolean }
+  | { say: "asked"; viewer: number }
   | { say: "channels"; indices: number[]; choice: number }
   | { say: "snapshots"; names: string[] }
   | { say: "recording"; on: boolean; file?: string }

@@ -7,6 +7,8 @@ export interface Situation {
   control: boolean;
   taken: boolean;
   asked: boolean;
+  /** The viewer that asks this one for control; 0: none does. */
+  asker: number;
   paused: boolean;
   recording: boolean;
   failed: boolean;
@@ -16,13 +18,13 @@ export interface Situation {
   message: string;
 }
 
-export const atFirst: Situation = { connection: "first", control: false, taken: false, asked: false, paused: false, recording: false, failed: false, ended: false, played: false, message: "" };
+export const atFirst: Situation = { connection: "first", control: false, taken: false, asked: false, asker: 0, paused: false, recording: false, failed: false, ended: false, played: false, message: "" };
 
 /** This viewer's orders would be heard. */
 export const mayDrive = ({ connection, control }: Situation) => connection === "open" && control;
 
 export function seenIn({ control, paused, recording, failed, ended, played }: Picture): Partial<Situation> {
-  return { control, paused, recording, failed, ended, played, ...(control ? { taken: true, asked: false } : {}) };
+  return { control, paused, recording, failed, ended, played, ...(control ? { taken: true, asked: false } : { asker: 0 }) };
 }
 
 /** In a word or two, and how alarming it is. */
@@ -50,6 +52,7 @@ export function announcement(before: Situation, now: Situation): string {
   if (word !== stateWord(before)[0]) said.push(kind === "bad" && now.failed && now.message ? `${word}: ${now.message}` : word);
   if (now.connection === "open" && now.control !== before.control) said.push(now.control ? "You are in control" : "You are no longer in control");
   else if (now.asked && !before.asked) said.push("Asked for control");
+  else if (now.asker !== 0 && now.asker !== before.asker) said.push(`Viewer ${now.asker} asks for control`);
   if (now.recording !== before.recording) said.push(now.recording ? "Recording" : "Recording has ended");
   if (now.played !== before.played) said.push(now.played ? "Inputs are played back" : "Playback has ended");
   return said.join(". ");

@@ -295,7 +295,7 @@ test("channels are chosen from the list, taken away, and held still", async ({ p
   await page.getByRole("button", { name: "Hold" }).click();
 });
 
-test("two viewers: the second looks on, asks, and gets control when the first gives it back", async ({ page, browser, server }) => {
+test("two viewers: the second looks on, asks, and gets control when the first hands it over", async ({ page, browser, server }) => {
   await afresh(page);
   const { page: second, complaints } = await open(browser, server.url);
   await state(second, "Running");
@@ -309,9 +309,18 @@ test("two viewers: the second looks on, asks, and gets control when the first gi
   await take(second).click();
   await until("asked", async () => /asked/.test(await say(second, ".control-words")));
   assert.equal(await say(page, ".pill"), "Running");
-  await take(page).click();
+  const asking = page.locator(".asking");
+  await until("the first is told", async () => /^Viewer \d+ asks for control/.test(await say(page, ".asking")));
+  assert.match(await page.locator("header [role=status]").textContent(), /asks for control/);
+  await asking.getByRole("button", { name: "Not now" }).click();
+  assert.ok(!(await asking.isVisible()));
+  for (const words of ["Another viewer", "You have asked"]) {
+    await take(second).click(); // not any more, and again
+    await until(words, async () => (await say(second, ".control-words")).includes(words));
+  }
+  await asking.getByRole("button", { name: "Hand over" }).click();
   await until("handed over", async () => (await say(second, ".take")) === "Give control back");
-  assert.ok(await page.getByRole("button", { name: "Reset" }).isDisabled());
+  await until("the first drives no more", async () => page.getByRole("button", { name: "Reset" }).isDisabled());
   assert.match(await second.locator("header [role=status]").textContent(), /You are in control/);
   await second.close();
   await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
