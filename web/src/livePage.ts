@@ -155,7 +155,11 @@ export class LivePage {
   }
 
   private add(picture: Picture, { inputs }: LiveScene): void {
-    if (picture.time < (this.pictures.newest?.time ?? 0)) this.paces = [];
+    // Put back, with the inputs: what is held down meanwhile is to be sent again.
+    if (picture.time < (this.pictures.newest?.time ?? 0)) {
+      this.paces = [];
+      this.sender.forget();
+    }
     this.pictures.add(picture, seconds());
     this.record.add(picture);
     this.paces.push({ clock: picture.clock, time: picture.time });
@@ -247,7 +251,10 @@ export class LivePage {
     // After a click with the mouse the keys drive, rather than press the button again.
     document.addEventListener("click", ({ target, detail }) => {
       const button = target instanceof Element ? target.closest("button") : null;
-      if (detail > 0 && button && !button.closest(".keys, form, .strips, [role=tablist]")) this.view.view?.canvas.focus({ preventScroll: true });
+      if (detail > 0 && button && !button.closest(".keys, form, .strips, [role=tablist]")) {
+        button.blur();
+        this.view.view?.canvas.focus({ preventScroll: true });
+      }
     });
   }
 

@@ -1,11 +1,11 @@
 // The live page in a browser, item by item: node live.mjs MIMBRE [MODEL] [WORDS OF AN ITEM]. Exits with 77 where there
 // is no browser. MODEL instead of driven.yaml needs inputs called steering, throttle and brake.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
-import { launch, noBrowser, open, Reports, root } from "./browser.mjs";
+import { join } from "node:path";
+import { launch, noBrowser, open, Reports } from "./browser.mjs";
+import { driving, inControl, say, serveModel, state, take, until } from "./liveServer.mjs";
 import { mockLive } from "./mockLive.mjs";
 
 const skipped = 77;
@@ -18,51 +18,14 @@ if (reason !== "") {
 const [, , program, model = "web/tests/browser/driven.yaml", wanted = ""] = process.argv;
 const folder = await mkdtemp(join(tmpdir(), "mimbre-live-"));
 
-/** `mimbre live` with the model; says its address on its first line. */
-async function serve(port = 0) {
-  const child = spawn(resolve(program), ["live", model, "--port", String(port), "--no-open", "--quiet", "--record", join(folder, "drive.h5")], { cwd: root, stdio: ["ignore", "pipe", "inherit"] });
-  const url = await new Promise((done, failed) => {
-    let said = "";
-    child.stdout.on("data", (data) => {
-      said += data;
-      const found = /http:\/\/\S+/.exec(said);
-      if (found) done(found[0]);
-    });
-    child.on("exit", (code) => failed(new Error(`mimbre live ended with ${code}`)));
-  });
-  const stop = () =>
-    new Promise((done) => {
-      child.on("exit", done);
-      child.kill("SIGINT");
-    });
-  return { url, stop, port: Number(new URL(url).port) };
-}
+const serve = (port = 0) => serveModel(program, model, "--port", String(port), "--record", join(folder, "drive.h5"));
 
 const cases = [];
 const test = (name, run) => cases.push([name, run]);
 
-const say = (page, selector) => page.locator(selector).first().innerText();
 const number = (page, name) => page.getByLabel(`${name}, as a number`);
 const value = async (page, name) => Number(await number(page, name).inputValue());
-/** Until it is so; polled, for a page that draws slowly does not tell every change at once. */
-async function until(what, condition, seconds = 20) {
-  const end = performance.now() + 1000 * seconds;
-  for (;;) {
-    const seen = await condition();
-    if (seen) return seen;
-    if (performance.now() > end) assert.fail(`not within ${seconds} s: ${what}`);
-    await new Promise((done) => setTimeout(done, 40));
-  }
-}
-const state = (page, word) => until(word, async () => (await say(page, ".pill")) === word);
 const time = async (page) => Number.parseFloat(await say(page, ".time"));
-const take = (page) => page.locator(".take");
-
-async function inControl(page) {
-  if ((await say(page, ".take")) === "Take control") await take(page).click();
-  await until("control", async () => (await say(page, ".take")) === "Give control back");
-}
-
 /** Everything as at the start, running. */
 async function afresh(page) {
   await inControl(page);
@@ -72,8 +35,6 @@ async function afresh(page) {
   await state(page, "Running");
   await until("a reset", async () => (await time(page)) < 1.5);
 }
-
-const driving = (page, on, name) => (on ? page.keyboard.down(name) : page.keyboard.up(name));
 
 test("who looks on sees everything, and is told why nothing can be driven", async ({ page }) => {
   await state(page, "Running");

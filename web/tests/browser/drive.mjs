@@ -1,0 +1,240 @@
+// The vehicle of `make live` is driven in a browser, and how it moves is read from the pictures that the page is sent:
+// node drive.mjs MIMBRE [WORDS OF AN ITEM]. Exits with 77 where there is no browser.
+import assert from "node:assert/strict";
+import { launch, noBrowser, open } from "./browser.mjs";
+import { driving, inControl, say, serveModel, state, take, until } from "./liveServer.mjs";
+
+const skipped = 77;
+const reason = await noBrowser();
+if (reason !== "") {
+  console.log(`SKIPPED: ${reason}`);
+  process.exit(skipped);
+}
+
+const [, , program, wanted = ""] = process.argv;
+const model = "examples/iltis/drive.yaml";
+const patience = 60; // s
+
+/** The chassis as the server tells a page of it (docs/live-protocol.md): the first body of every picture. */
+class Motion {
+  time = NaN;
+  highest = -Infinity; // m
+  speed = NaN; // ahead, m/s
+  turned = 0; // rad, to the left, since begin()
+
+  constructor(bodies) {
+    this.bodies = bodies;
+  }
+
+  listen(page) {
+    page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => typeof payload !== "string" && this.see(payload)));
+  }
+
+  begin() {
+    [this.turned, this.highest] = [0, -Infinity];
+  }
+
+  see(picture) {
+    const time = picture.readDoubleLE(8);
+    const [x, y, z] = [40, 48, 56].map((at) => picture.readDoubleLE(at));
+    const [qw, qx, qy, qz] = [0, 4, 8, 12].map((at) => picture.readFloatLE(40 + 24 * this.bodies + at));
+    const yaw = Math.atan2(2 * (qx * qy + qw * qz), 1 - 2 * (qy * qy + qz * qz));
+    this.roll = Math.atan2(2 * (qw * qx + qy * qz), 1 - 2 * (qx * qx + qy * qy));
+    const passed = time - this.time;
+    if (passed < 0) this.speed = NaN; // put back
+    if (passed > 0) {
+      const turn = yaw - this.yaw;
+      this.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
+      this.speed = ((x - this.x) * Math.cos(yaw) + (y - this.y) * Math.sin(yaw)) / passed;
+    }
+    this.highest = Math.max(this.highest, z);
+    Object.assign(this, { time, x, y, z, yaw });
+  }
+}
+
+async function looking(browser, url, options = {}) {
+  const { bodies } = await (await fetch(new URL("/scene", url))).json();
+  assert.equal(bodies[0].name, "chassis");
+  const motion = new Motion(bodies.length);
+  const { page, complaints } = await open(browser, url, options, undefined, (page) => motion.listen(page));
+  await until("a picture", () => motion.time >= 0);
+  return { page, motion, complaints };
+}
+
+/** At the start again, rolling at its first speed, nothing touched. */
+async function afresh(page, motion) {
+  await inControl(page);
+  const before = motion.time;
+  await page.keyboard.press("r");
+  await until("the start", () => motion.time < before && Math.abs(motion.y) < 0.1 && Math.abs(motion.roll) < 0.1, patience);
+  motion.begin();
+}
+
+const cases = [];
+const test = (name, options, run) => cases.push({ name, options, run });
+const quick = ["--speed", "2"];
+
+test("W takes speed, over the hill and down again", quick, async ({ page, motion }) => {
+  await afresh(page, motion);
+  await driving(page, true, "w");
+  await until("on the hill", () => motion.x > 47, patience);
+  assert.ok(motion.highest > 1.9, `${motion.highest} m`);
+  await until("behind the hill", () => motion.x > 82, patience);
+  assert.ok(motion.z < 0.65 && motion.speed > 8, `${motion.z} m, ${motion.speed} m/s`);
+  await driving(page, false, "w");
+  const rolling = motion.speed;
+  await until("it rolls on, ever more slowly", () => motion.speed < rolling - 0.2, patience);
+});
+
+test("A turns to the left, D to the right", quick, async ({ page, motion }) => {
+  await afresh(page, motion);
+  await driving(page, true, "w");
+  await driving(page, true, "a");
+  await until("to the left", () => motion.turned > 0.6 && motion.y > 0.5, patience);
+  await driving(page, false, "a");
+  await driving(page, true, "d");
+  const left = motion.turned;
+  await until("back, and to the right", () => motion.turned < Math.min(left - 1, -0.4), patience);
+  await driving(page, false, "d");
+  await driving(page, false, "w");
+});
+
+test("S and the space bar brake to a standstill, and no further", quick, async ({ page, motion }) => {
+  for (const key of ["s", "Space"]) {
+    await afresh(page, motion);
+    await until("it rolls", () => motion.speed > 3, patience);
+    await driving(page, true, key);
+    await until("it stands", () => Math.abs(motion.speed) < 0.02, patience);
+    const [time, place] = [motion.time, motion.x];
+    await until("for some time", () => motion.time > time + 2, patience);
+    assert.ok(Math.abs(motion.x - place) < 0.02 && place > 0 && place < 12, `${place} m, then ${motion.x} m`);
+    await driving(page, false, key);
+  }
+  await driving(page, true, "w");
+  await until("on it goes", () => motion.speed > 1, patience);
+  await driving(page, false, "w");
+});
+
+test("what is held down while it is put back drives on", quick, async ({ page, motion }) => {
+  await afresh(page, motion);
+  await driving(page, true, "w");
+  await until("faster", () => motion.speed > 6, patience);
+  await page.keyboard.press("r");
+  await until("the start", () => motion.x < 5, patience);
+  await until("faster again", () => motion.speed > 6, patience);
+  await driving(page, false, "w");
+});
+
+test("a gamepad drives: triggers are pedals, the stick's left is left", quick, async ({ page, motion }) => {
+  await afresh(page, motion);
+  const pad = (stick, brake, throttle) =>
+    page.evaluate(
+      ([stick, brake, throttle]) => {
+        const buttons = Array.from({ length: 17 }, (_, k) => ({ value: { 6: brake, 7: throttle }[k] ?? 0 }));
+        navigator.getGamepads = () => [{ connected: true, axes: [stick, 0, 0, 0], buttons }];
+      },
+      [stick, brake, throttle],
+    );
+  await pad(0, 0, 0);
+  await page.waitForTimeout(200); // it is seen at rest first
+  await pad(-0.7, 0, 1);
+  await until("to the left, faster", () => motion.turned > 0.4 && motion.speed > 5.5, patience);
+  await pad(0, 1, 0);
+  await until("it stands", () => Math.abs(motion.speed) < 0.02, patience);
+  await pad(0, 0, 0);
+  await page.waitForTimeout(200);
+  await page.evaluate(() => (navigator.getGamepads = () => []));
+});
+
+test("two viewers: one drives, the other sees it, asks, and drives then", quick, async ({ page, motion, browser, url }) => {
+  await afresh(page, motion);
+  const other = await looking(browser, url);
+  await until("who looks on is told so", async () => /Another viewer is in control/.test(await say(other.page, ".control-words")));
+  await driving(other.page, true, "s"); // without effect
+  await driving(page, true, "w");
+  await until("both see the same", () => other.motion.speed > 6 && Math.abs(other.motion.x - motion.x) < 2, patience);
+  await driving(other.page, false, "s");
+  await driving(page, false, "w");
+  await take(other.page).click();
+  await page.getByRole("button", { name: "Hand over" }).click();
+  await inControl(other.page);
+  await driving(page, true, "w"); // without effect
+  await driving(other.page, true, "s");
+  await until("it stands", () => Math.abs(motion.speed) < 0.02, patience);
+  await driving(other.page, false, "s");
+  await driving(page, false, "w");
+  assert.deepEqual(other.complaints.filter((text) => !/WebGL/.test(text)), []);
+  await other.page.close();
+  await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
+});
+
+test("a phone: fingers on the pads drive, steer and brake", quick, async ({ page, motion, browser, url }) => {
+  await afresh(page, motion);
+  await take(page).click();
+  await until("free", async () => /Nobody/.test(await say(page, ".control-words")));
+  const phone = await looking(browser, url, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  await take(phone.page).tap();
+  await until("pads", async () => phone.page.locator(".pads").isVisible());
+  await phone.page.getByRole("button", { name: "Reset" }).tap();
+  await until("the start", () => phone.motion.x < 3, patience);
+  phone.motion.begin();
+  const session = await phone.page.context().newCDPSession(phone.page);
+  const touch = async (...fingers) => {
+    const touchPoints = [];
+    for (const [id, [pad, across, up]] of fingers.entries()) {
+      const { left, bottom, width, height } = await phone.page.locator(`.pad.${pad}`).evaluate((one) => one.getBoundingClientRect().toJSON());
+      touchPoints.push({ x: left + across * width, y: bottom - up * height, id });
+    }
+    await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints });
+  };
+  const release = () => session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await touch(["steering", 0.8, 0.5], ["throttle", 0.5, 0.95]);
+  await until("to the right, faster", () => phone.motion.turned < -0.4 && phone.motion.speed > 5.5, patience);
+  await release();
+  await touch(["brake", 0.5, 0.95]);
+  await until("it stands", () => Math.abs(phone.motion.speed) < 0.02, patience);
+  await release();
+  assert.deepEqual(phone.complaints.filter((text) => !/WebGL/.test(text)), []);
+  await phone.page.close();
+});
+
+test("on a road that grips too well it rolls over, lies there, and is put back on its wheels", ["--set", "friction=1.5", "--set", "speed=10"], async ({ page, motion, url }) => {
+  await afresh(page, motion);
+  await driving(page, true, "w");
+  await driving(page, true, "a");
+  await until("it rolls over", () => Math.abs(motion.roll) > 1.3, patience);
+  await driving(page, false, "a");
+  await driving(page, false, "w");
+  const time = motion.time;
+  await until("the simulation goes on", () => motion.time > time + 2, patience);
+  await state(page, "Running");
+  const { message } = await (await fetch(new URL("/status", url))).json();
+  assert.equal(message, "");
+  await afresh(page, motion);
+  await driving(page, true, "s");
+  await until("it stands on its wheels", () => Math.abs(motion.speed) < 0.02 && Math.abs(motion.roll) < 0.02, patience);
+  await driving(page, false, "s");
+});
+
+let failed = 0;
+const browser = await launch(false);
+const due = cases.filter(({ name }) => name.includes(wanted));
+for (const options of new Set(due.map(({ options }) => options))) {
+  const server = await serveModel(program, model, "--port", "0", ...options);
+  const { page, motion, complaints } = await looking(browser, server.url, { viewport: { width: 1280, height: 900 } });
+  for (const { name, run } of due.filter((one) => one.options === options)) {
+    const start = performance.now();
+    try {
+      await run({ page, motion, browser, url: server.url });
+      assert.deepEqual(complaints.splice(0).filter((text) => !/WebGL/.test(text)), [], "the page complains");
+      console.log(`ok   ${name} (${((performance.now() - start) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      ++failed;
+      console.log(`FAIL ${name}\n${error.stack ?? error}\n${JSON.stringify(motion)}`);
+    }
+  }
+  await page.close();
+  await server.stop();
+}
+await browser.close();
+process.exit(failed > 0 ? 1 : 0);
