@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "live/road_stretch.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/report.h"
 #include "results/report_json.h"
@@ -105,11 +106,27 @@ InputTracks tracks_of(const Json& given, const std::vector<spec::Input>& inputs)
   return tracks;
 }
 
+Json patches_of(const spec::Road& road) {
+  Json patches = Json::array();
+  for (const spec::Road::Patch& patch : road.patches)
+    patches.push_back({{"x", {patch.low.x(), patch.high.x()}},
+                       {"y", {patch.low.y(), patch.high.y()}},
+                       {"friction", patch.friction}});
+  return patches;
+}
+
 }  // namespace
 
 std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const RealTimeRecorder* recorder) {
   Results start;
   start.header = simulation.header("");
+  start.header.roads.clear();
+  Json patches = Json::array();
+  for (const spec::Road& road : simulation.model().spec().roads) {
+    if (road.over != spec::Road::Over::distance) continue;
+    start.header.roads.push_back(road_stretch(road));
+    patches.push_back(patches_of(road));
+  }
   ResultsRow row;
   simulation.sample(row);
   start.time = Eigen::VectorXd::Constant(1, row.time);
@@ -144,6 +161,7 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
              {"recording", recorder && recorder->recording()}};
   if (recorder) scene["record"] = recorder->path();
   scene.update(results::scene_json(start, 1));
+  for (std::size_t k = 0; k < patches.size(); ++k) scene["roads"][k]["patches"] = patches[k];
   return text_of(scene);
 }
 

@@ -33,7 +33,7 @@ interface PackedFrame {
 /** What is animated. Results of earlier versions have no frames and elements. */
 export interface PackedScene {
   bodies: PackedBody[];
-  roads: { name: string; profile: PackedArray }[];
+  roads: (Omit<Road, "profile"> & { profile: PackedArray })[];
   frames?: PackedFrame[];
   elements?: PackedElement[];
   animation: { time: PackedArray; positions: PackedArray; rotations: PackedArray; modes: PackedArray };
@@ -128,9 +128,23 @@ export interface Animation {
   amplitudes: number;
 }
 
+export interface Road {
+  name: string;
+  profile: Float64Array; // x, z, x, z, …
+  /** Where tyres find another grip; of live scenes. */
+  patches?: Patch[];
+}
+
+/** Between two places along and across; `friction`: factor on that of the tyres. */
+export interface Patch {
+  x: [from: number, to: number];
+  y: [from: number, to: number];
+  friction: number;
+}
+
 export interface Scene {
   bodies: Body[];
-  roads: { name: string; profile: Float64Array }[];
+  roads: Road[];
   frames: Frame[];
   elements: Element[];
   animation: Animation;
@@ -254,7 +268,7 @@ export function decodeScene(packed: PackedScene): Scene {
   });
   return {
     bodies,
-    roads: packed.roads.map(({ name, profile }) => ({ name, profile: f64(profile) })),
+    roads: packed.roads.map(({ profile, ...road }) => ({ ...road, profile: f64(profile) })),
     frames: (packed.frames ?? []).map((frame) => ({ ...frame, motion: f32(frame.motion) })),
     elements: (packed.elements ?? []).map(({ curve, ...element }) => (curve ? { ...element, curve: f32(curve) } : element)),
     animation: {

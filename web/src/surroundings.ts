@@ -1,7 +1,7 @@
 // What bodies move in: roads and the ground grid.
 import * as THREE from "three";
 
-type Point = [x: number, z: number];
+export type Point = [x: number, z: number];
 
 export function finiteProfile(profile: Float64Array): Point[] {
   const points: Point[] = [];
@@ -25,29 +25,43 @@ export interface RoadMaterials {
   mark: THREE.Material;
 }
 
-/** The profile extruded across by `halfWidth` to both sides; lines along its borders and where it bends, fainter marks at equal distances. */
-export function roadView(points: Point[], origin: THREE.Vector3, spacing: number, halfWidth: number, materials: RoadMaterials): THREE.Group {
-  const at = ([x, z]: Point, side: number) => [x - origin.x, side * halfWidth - origin.y, z - origin.z];
+/** The profile extruded across, from one y to another. */
+export function strip(points: Point[], [low, high]: [number, number], origin: THREE.Vector3): THREE.BufferGeometry {
+  const at = ([x, z]: Point, y: number) => [x - origin.x, y - origin.y, z - origin.z];
   const triangles: number[] = [];
+  for (let i = 0; i + 1 < points.length; ++i) {
+    const [p, q] = [points[i], points[i + 1]];
+    if (p[0] === q[0] && p[1] === q[1]) continue;
+    triangles.push(...at(p, high), ...at(p, low), ...at(q, low), ...at(p, high), ...at(q, low), ...at(q, high));
+  }
+  const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(triangles, 3));
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+/**
+ * The profile extruded across by `halfWidth` to both sides; lines along its borders and where it bends (`begins`: at its
+ * first point too), fainter marks at equal distances.
+ */
+export function roadView(points: Point[], origin: THREE.Vector3, spacing: number, halfWidth: number, materials: RoadMaterials, begins = true): THREE.Group {
+  const at = ([x, z]: Point, side: number) => [x - origin.x, side * halfWidth - origin.y, z - origin.z];
   const borders: number[] = [];
   const marks: number[] = [];
   let direction: number | undefined;
   for (let i = 0; i + 1 < points.length; ++i) {
     const [p, q] = [points[i], points[i + 1]];
     if (p[0] === q[0] && p[1] === q[1]) continue;
-    triangles.push(...at(p, 1), ...at(p, -1), ...at(q, -1), ...at(p, 1), ...at(q, -1), ...at(q, 1));
     for (const side of [-1, 1]) borders.push(...at(p, side), ...at(q, side));
     const next = Math.atan2(q[1] - p[1], q[0] - p[0]);
-    if (direction === undefined || Math.abs(next - direction) > 0.02) borders.push(...at(p, -1), ...at(p, 1));
+    if (direction === undefined ? begins : Math.abs(next - direction) > 0.02) borders.push(...at(p, -1), ...at(p, 1));
     direction = next;
     for (const crossing of crossings(p, q, spacing)) marks.push(...at(crossing, -1), ...at(crossing, 1));
   }
   const geometry = (values: number[]) =>
     new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(values, 3));
-  const surface = geometry(triangles);
-  surface.computeVertexNormals();
-  const mesh = new THREE.Mesh(surface, materials.surface);
+  const mesh = new THREE.Mesh(strip(points, [-halfWidth, halfWidth], origin), materials.surface);
   mesh.receiveShadow = true;
+  mesh.renderOrder = -2; // over the lines of the land
   const border = new THREE.LineSegments(geometry(borders), materials.border);
   return new THREE.Group().add(mesh, border, new THREE.LineSegments(geometry(marks), materials.mark));
 }

@@ -11,6 +11,7 @@ import { onThemeChange, themeColor } from "./dom";
 import { elementMaterials, ElementView } from "./elementView";
 import { amplitudesAt, poseAt, valueAt } from "./interpolate";
 import { amplitudesOf, Placement, posesAt, type Pose } from "./placement";
+import { LandView } from "./landView";
 import { lengthAlong, slideOf } from "./slidingSpring";
 import { finiteProfile, gridView, niceLength, roadView } from "./surroundings";
 import { turnAfterTap } from "./touch";
@@ -108,6 +109,7 @@ export class View3D {
   private place = new THREE.Vector3(); // of the followed body when last drawn
   private sun = new THREE.DirectionalLight("#ffffff", 2.2);
   private grid?: THREE.LineSegments;
+  private land?: LandView;
   /** Of the grid, m. */
   cell = 1;
   private ground = 0;
@@ -123,6 +125,10 @@ export class View3D {
     }),
     border: new THREE.LineBasicMaterial(),
     mark: new THREE.LineBasicMaterial({ transparent: true, opacity: 0.35 }),
+    // Below the road's surface by more than their depths differ where large triangles are cut by the picture's border.
+    land: new THREE.MeshStandardMaterial({ roughness: 1, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 3, polygonOffsetUnits: 96 }),
+    line: new THREE.LineBasicMaterial({ depthWrite: false }),
+    patch: new THREE.MeshStandardMaterial({ roughness: 0.4, side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthWrite: false }),
   };
   private fog = new THREE.Fog("#000000");
   private solid = true; // the first run is shown
@@ -504,8 +510,14 @@ export class View3D {
     // A body without any drawing is at least seen as its axes.
     for (const body of this.bodies) if (body.bare) body.group.add(new THREE.AxesHelper(0.08 * this.size));
     this.cell = niceLength(this.size / 4);
-    const roads = this.report.roads.map((road) => finiteProfile(road.profile)).filter((profile) => profile.length > 1);
-    for (const profile of roads) this.scene.add(roadView(profile, this.origin, this.cell, 0.45 * this.size, this.road));
+    const drawn = this.report.roads.map(({ profile, patches = [] }) => ({ profile: finiteProfile(profile), patches })).filter(({ profile }) => profile.length > 1);
+    const roads = drawn.map(({ profile }) => profile);
+    const halfWidth = 0.45 * this.size;
+    // What is driven leaves the road's middle; of several roads none is known to be the land.
+    if (this.options.live && roads.length === 1) {
+      this.land = new LandView(roads[0], drawn[0].patches, this.origin, this.cell, gridCells, halfWidth, this.road);
+      this.scene.add(this.land.group);
+    } else for (const profile of roads) this.scene.add(roadView(profile, this.origin, this.cell, halfWidth, this.road));
     // Below everything, and under the road by a hair: coplanar surfaces flicker.
     const bottom = this.boundsOverTime().min.z + this.origin.z;
     // What hovers high above the origin has its ground where it can be seen.
@@ -531,9 +543,12 @@ export class View3D {
     this.fog.color.set(themeColor("sky"));
     this.road.surface.color.set(themeColor("road"));
     for (const line of [this.road.border, this.road.mark]) line.color.set(themeColor("road-line"));
+    this.road.land.color.set(themeColor("land"));
+    this.road.line.color.set(themeColor("ground-line"));
+    this.road.patch.color.set(themeColor("patch"));
     for (const body of this.bodies) body.theme(themeColor("edge"));
     if (this.grid) this.scene.remove(this.grid);
-    if (this.options.grid !== false) {
+    if (this.options.grid !== false && !this.land) {
       this.grid = gridView(this.cell, gridCells, themeColor("ground-line"));
       this.scene.add(this.grid);
     }
@@ -609,6 +624,7 @@ export class View3D {
       whole(target.y + this.origin.y) - this.origin.y,
       this.ground,
     );
+    this.land?.look(target, this.fog.far);
     this.sun.target.position.copy(target);
     this.sun.position.copy(target).addScaledVector(new THREE.Vector3(0.35, -0.5, 1).normalize(), 4 * this.size);
     this.camera.lookAt(target);

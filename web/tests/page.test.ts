@@ -7,6 +7,7 @@ import { deformed, displacements, magnitudes } from "../src/deform";
 import { flatten, formatNumber, formatWithin, splitKey } from "../src/format";
 import { firstSelection, grouped, groupOf } from "../src/groups";
 import { amplitudesAt, locate, nearest, poseAt, slerp, type Quaternion } from "../src/interpolate";
+import { stretch } from "../src/landView";
 import { crossings, finiteProfile, niceLength } from "../src/surroundings";
 import { near, packed } from "./helpers";
 
@@ -178,5 +179,8 @@ test("colours, grids and profiles", () => {
   assert.equal(niceLength(10), 10);
   assert.deepEqual(crossings([0.5, 1], [2.5, 5], 1), [[1, 2], [2, 4]]);
   assert.deepEqual(crossings([3, 0], [3, 1], 1), []);
+  assert.deepEqual(stretch([[0, 0], [2, 4], [3, 4]], 1, 2.5), [[1, 2], [2, 4], [2.5, 4]]);
+  assert.deepEqual(stretch([[0, 0], [2, 4], [3, 4]], 2, 9), [[2, 4], [3, 4]]);
+  assert.deepEqual(stretch([[0, 0], [2, 4]], 3, 4), []);
   assert.deepEqual(finiteProfile(new Float64Array([0, 1, NaN, 2, 3, 4])), [[0, 1], [3, 4]]);
 });
