@@ -287,7 +287,7 @@ export class LivePage {
   private draw = (): void => {
     requestAnimationFrame(this.draw);
     const now = seconds();
-    const dt = Math.min(now - this.last, 0.1);
+    const dt = Math.min(now - this.last, 0.4); // pedals of a machine that draws slowly are as quick, but never jump
     this.last = now;
     const between = this.pictures.at(now);
     const { newest } = this.pictures;

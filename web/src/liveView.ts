@@ -91,8 +91,10 @@ export class LiveView {
   /** `value`: of a channel in a picture, where it has it. */
   show(between: Between, value: (name: string, picture: Picture) => number | null, now: number): void {
     const { view } = this;
-    // While it is paused only now and then.
-    if (!view || (between.time === this.clock.time && now - this.looked < scaleEvery)) return;
+    const still = between.time === this.clock.time;
+    // While it is paused only now and then, which says nothing of how fast the machine draws.
+    if (still) this.watched = { since: now, drawn: 0 };
+    if (!view || (still && now - this.looked < scaleEvery)) return;
     fill(this.scene.animation, between);
     for (const name of this.channels) {
       const { time, values } = this.values.get(name)!;

@@ -118,10 +118,11 @@ test("S and the space bar brake to a standstill, and no further", quick, async (
 test("what is held down while it is put back drives on", quick, async ({ page, motion }) => {
   await afresh(page, motion);
   await driving(page, true, "w");
-  await until("faster", () => motion.speed > 6, patience);
+  await until("faster", () => motion.speed > 8, patience);
+  const { time } = motion;
   await page.keyboard.press("r");
-  await until("the start", () => motion.x < 5, patience);
-  await until("faster again", () => motion.speed > 6, patience);
+  await until("the start", () => motion.time < time && motion.speed < 6, patience);
+  await until("faster again", () => motion.speed > 8, patience);
   await driving(page, false, "w");
 });
 
