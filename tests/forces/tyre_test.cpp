@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +24,7 @@ constexpr double g = 9.81;
 struct Car {
   double front = 1.2, rear = 1.4, track = 1.5, height = 0.5, chassis = 1200, wheel = 20, knuckle = 2;
   double radius = 0.3, stiffness = 2e5, cornering = 45e3, slip = 60e3, friction = 0.9;
+  double front_grip = 1;  ///< factor of the cornering stiffness of the front tyres
   double relaxation = 0.4, half_length = 0.06, load = 3200, resistance = 0;
   double speed = 0, height_of_start = 0, pitch = 0;
   double roll_rate = 0, sideways = 0;
@@ -37,13 +39,14 @@ struct Car {
   double load_of(bool at_front) const { return 0.5 * mass() * g * (at_front ? rear : front) / base(); }
   double rolling_radius(bool at_front) const { return radius - load_of(at_front) / stiffness / 3; }
 
-  std::string tyre() const {
+  std::string tyre(bool at_front) const {
     if (!file.empty()) return fmt::format("model: magic_formula, file: {}", tyre_path(file));
     return fmt::format(
         "model: brush, stiffness: {}, damping: 2000, radius: {}, longitudinal_stiffness: {}, "
         "cornering_stiffness: {}, friction: {}, longitudinal_relaxation: {}, lateral_relaxation: {}, "
         "half_length: {}, load: {}, rolling_resistance: {}",
-        stiffness, radius, slip, cornering, friction, relaxation, relaxation, half_length, load, resistance);
+        stiffness, radius, slip, at_front ? front_grip * cornering : cornering, friction, relaxation,
+        relaxation, half_length, load, resistance);
   }
 
   std::string text() const {
@@ -75,7 +78,7 @@ struct Car {
             "  h{0}: {{type: revolute, between: [k{0}, w{0}], at: {1}, axis: [0, 1, 0], {2}}}\n", name, at,
             locked ? std::string("drive: {position: 0}")
                    : fmt::format("velocity: {}", speed / rolling_radius(at_front)));
-        tyres += fmt::format("  {}: {{on: w{}, road: track, {}}}\n", name, name, tyre());
+        tyres += fmt::format("  {}: {{on: w{}, road: track, {}}}\n", name, name, tyre(at_front));
       }
     return fmt::format(R"y(
 bodies:
@@ -180,6 +183,17 @@ TEST_P(Tyres, StandOnASlope) {
   EXPECT_NEAR(along, car.mass() * g * std::sin(std::atan(0.15)), 1);
 }
 
+/// Understeer gradient of a bicycle with the car's tyres at their loads and trails, rad s²/m.
+double understeer(const Car& car) {
+  const double front = 2 * car.front_grip * car.cornering * car.load_of(true) / car.load,
+               rear = 2 * car.cornering * car.load_of(false) / car.load;
+  const auto trail = [&](bool at_front) {
+    return car.half_length * std::sqrt(car.load_of(at_front) / car.load) / 3;
+  };
+  const double a = car.front - trail(true), b = car.rear + trail(false);
+  return car.mass() / (a + b) * (b / front - a / rear);
+}
+
 /// The steering angle beyond that of the radius is that of a bicycle with the same tyres, and the trails.
 TEST_P(Tyres, CornerAsABicycleDoes) {
   Car car;
@@ -191,16 +205,39 @@ TEST_P(Tyres, CornerAsABicycleDoes) {
   run_to(s, 4);
   const double speed = std::hypot(channel(s, "vx"), channel(s, "vy")), rate = channel(s, "yaw_rate"),
                across = speed * rate;
-  const double stiff_front = 2 * car.cornering * car.load_of(true) / car.load,
-               stiff_rear = 2 * car.cornering * car.load_of(false) / car.load;
-  const auto trail = [&](bool at_front) {
-    return car.half_length * std::sqrt(car.load_of(at_front) / car.load) / 3;
-  };
-  const double a = car.front - trail(true), b = car.rear + trail(false), m = car.mass();
-  const double bicycle = m / (a + b) * (b / stiff_front - a / stiff_rear);
+  const double bicycle = understeer(car);
   const double measured = (0.01 - car.base() / speed * rate) / across;
   EXPECT_NEAR(across, 1.3, 0.5);
   EXPECT_NEAR(measured, bicycle, 0.05 * std::abs(bicycle) + 2e-5);
+}
+
+/// The understeer gradient by slowly rising steering: what the steering beyond that of the radius is at first
+/// for each m/s² of lateral acceleration. The front tyres are the softer ones.
+TEST_P(Tyres, UndersteerAsABicycleDoes) {
+  Car car;
+  car.speed = 20;
+  car.height = 0.35;
+  car.front_grip = 0.8;
+  car.steer = "0.003*t";
+  car.height_of_start = -car.load_of(true) / car.stiffness;
+  Simulation s = car.simulation(GetParam());
+  // By least squares c + K a + K₂ a²: c, since the car turns later than it is steered; K₂, since tyres
+  // soften.
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d moments = Eigen::Vector3d::Zero();
+  double across = 0;
+  for (int k = 10; k <= 70; ++k) {
+    const double time = 0.1 * k;
+    run_to(s, time);
+    const double speed = std::hypot(channel(s, "vx"), channel(s, "vy")), rate = channel(s, "yaw_rate");
+    across = speed * rate;
+    const Eigen::Vector3d terms(1, across, across * across);
+    squares += terms * terms.transpose();
+    moments += terms * (0.003 * time - car.base() / speed * rate);
+  }
+  EXPECT_NEAR(across, 2.4, 0.2);
+  const double measured = squares.ldlt().solve(moments)[1], bicycle = understeer(car);
+  EXPECT_NEAR(measured, bicycle, 0.05 * bicycle);
 }
 
 /// To the right as to the left.
