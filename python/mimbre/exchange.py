@@ -17,9 +17,13 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _magic = 0x31584D4D
 _hello, _names, _outputs, _inputs, _bye = 1, 2, 3, 4, 5
@@ -70,7 +74,34 @@ class _Names:
         return packed
 
 
-class UdpPeer:
+class _Peer:
+    """What both have in common."""
+
+    names: _Names
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of what the simulation gives."""
+        return self.names.outputs
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what it takes."""
+        return self.names.inputs
+
+    def close(self) -> None:
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class UdpPeer(_Peer):
     """The other side of `mimbre live MODEL --udp PORT`.
 
     address: host and port of the simulation. timeout: s to wait for packets; raises TimeoutError when nobody
@@ -108,16 +139,6 @@ class UdpPeer:
         except TimeoutError:
             return False
 
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of what the simulation gives."""
-        return self.names.outputs
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of what it takes."""
-        return self.names.inputs
-
     def receive(self) -> Outputs | None:
         """The next outputs; None when none come within the timeout, or the simulation has ended."""
         try:
@@ -145,16 +166,8 @@ class UdpPeer:
         self._send(_bye, 0, b"", 0)
         self._socket.close()
 
-    def __enter__(self) -> UdpPeer:
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-
-class SharedPeer:
+class SharedPeer(_Peer):
     """The other side of `mimbre live MODEL --shared-memory NAME`, on the same machine (Linux).
 
     Raises FileNotFoundError where there is no such memory."""
@@ -171,16 +184,6 @@ class SharedPeer:
         self._output_block, self._input_block = output_block, input_block
         self._counts = outputs, inputs
         self._sequence = 0
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of what the simulation gives."""
-        return self.names.outputs
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of what it takes."""
-        return self.names.inputs
 
     @property
     def alive(self) -> int:
@@ -211,11 +214,3 @@ class SharedPeer:
     def close(self) -> None:
         """Lets go of the memory."""
         self._map.close()
-
-    def __enter__(self) -> SharedPeer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

@@ -61,3 +61,23 @@ def same_environment() -> Iterator[None]:
     yield
     os.environ.clear()
     os.environ.update(before)
+
+
+@pytest.fixture
+def rod() -> str:
+    """A rod on a hinge that a torque from outside turns."""
+    return """
+mimbre: 1
+gravity: [0, 0, -9.81]
+inputs:
+  torque: {unit: N m, range: [-50, 50]}
+bodies:
+  rod: {mass: 1, com: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+joints:
+  hinge: {type: revolute, between: [ground, rod], at: [0, 0, 0], axis: [0, 1, 0]}
+actuators:
+  motor: {joint: hinge, torque: torque}
+outputs:
+  - {name: angle, joint: hinge}
+simulation: {step: 0.002, end: 1}
+"""

@@ -11,25 +11,9 @@ from pathlib import Path
 import pytest
 from mimbre.exchange import SharedPeer, UdpPeer
 
-model = """
-mimbre: 1
-gravity: [0, 0, -9.81]
-inputs:
-  torque: {unit: N m, range: [-50, 50]}
-bodies:
-  rod: {mass: 1, com: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
-joints:
-  hinge: {type: revolute, between: [ground, rod], at: [0, 0, 0], axis: [0, 1, 0]}
-actuators:
-  motor: {joint: hinge, torque: torque}
-outputs:
-  - {name: angle, joint: hinge}
-simulation: {step: 0.002, end: 1}
-"""
-
 
 @contextmanager
-def live(folder: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
+def live(model: str, folder: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
     file = folder / "rod.yaml"
     file.write_text(model)
     words = [sys.executable, "-m", "mimbre", "live", str(file), "--no-open", "--no-lock", "--json", *options]
@@ -56,9 +40,9 @@ def free_port() -> int:
         return int(some.getsockname()[1])
 
 
-def test_a_controller_by_udp_holds_the_rod(tmp_path: Path) -> None:
+def test_a_controller_by_udp_holds_the_rod(rod: str, tmp_path: Path) -> None:
     port = free_port()
-    with live(tmp_path, "--udp", str(port), "--udp-wait", "1", "--duration", "3") as process:
+    with live(rod, tmp_path, "--udp", str(port), "--udp-wait", "1", "--duration", "3") as process:
         last = None
         with UdpPeer(("127.0.0.1", port), timeout=2) as peer:
             assert peer.outputs == ("angle",)
@@ -80,11 +64,11 @@ def test_a_controller_by_udp_holds_the_rod(tmp_path: Path) -> None:
         assert told["udp"]["refused"] == 0
 
 
-def test_shared_memory_hands_values_both_ways(tmp_path: Path) -> None:
+def test_shared_memory_hands_values_both_ways(rod: str, tmp_path: Path) -> None:
     name = f"mimbre-test-{free_port()}"
     with pytest.raises(FileNotFoundError):
         SharedPeer(name)
-    with live(tmp_path, "--shared-memory", name, "--speed", "0.5") as process:
+    with live(rod, tmp_path, "--shared-memory", name, "--speed", "0.5") as process:
         with SharedPeer(name) as peer:
             assert peer.outputs == ("angle",)
             peer.write({"torque": 4.905})  # the weight's moment when the rod lies

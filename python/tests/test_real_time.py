@@ -7,26 +7,10 @@ import mimbre
 import numpy as np
 import pytest
 
-text = """
-mimbre: 1
-gravity: [0, 0, -9.81]
-inputs:
-  torque: {unit: N m, range: [-50, 50]}
-bodies:
-  rod: {mass: 1, com: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
-joints:
-  hinge: {type: revolute, between: [ground, rod], at: [0, 0, 0], axis: [0, 1, 0]}
-actuators:
-  motor: {joint: hinge, torque: torque}
-outputs:
-  - {name: angle, joint: hinge}
-simulation: {step: 0.002, end: 1}
-"""
-
 
 @pytest.fixture
-def simulation() -> mimbre.Simulation:
-    return mimbre.Model.from_text(text).simulation()
+def simulation(rod: str) -> mimbre.Simulation:
+    return mimbre.Model.from_text(rod).simulation()
 
 
 def test_steps_are_those_of_a_run(simulation: mimbre.Simulation) -> None:

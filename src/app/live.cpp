@@ -33,8 +33,9 @@ struct Arguments {
   std::string shared_memory, udp_address = "127.0.0.1";
   MethodArguments method;
   std::optional<double> step, duration, idle;
-  double speed = 1, spin = 0, udp_wait = 0;
-  int port = 0, udp = -1, priority = 0, processor = -1, most_modes = 0;
+  RealTimeOptions clock;
+  double udp_wait = 0;
+  int port = 0, udp = -1, most_modes = 0;
   bool open = false, no_open = false, no_lock = false, paused = false, json = false, quiet = false;
 };
 
@@ -45,21 +46,17 @@ std::string options_json(const Arguments& arguments) {
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
   if (arguments.step) json["step"] = *arguments.step;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
-  if (arguments.speed != 1) json["speed"] = arguments.speed;
+  if (arguments.clock.speed != 1) json["speed"] = arguments.clock.speed;
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
   json.update(to_json(arguments.method));
   return to_text(json);
 }
 
 RealTimeOptions loop_options(const Arguments& a) {
-  RealTimeOptions o;
-  o.speed = a.speed;
+  RealTimeOptions o = a.clock;
   if (a.duration) o.duration = *a.duration;
   o.overrun = static_cast<Overrun>(std::find(policies.begin(), policies.end(), a.policy) - policies.begin());
   o.lock_memory = !a.no_lock;
-  o.priority = a.priority;
-  o.processor = a.processor;
-  o.spin = a.spin;
   o.rests_at_end = !a.duration;
   return o;
 }
@@ -145,7 +142,7 @@ int live(const Arguments& arguments) {
   if (arguments.idle) {
     const Busy busy("watching the idle machine", !arguments.quiet);
     idle = std::make_unique<RealTimeMonitor>();
-    idle_loop(simulation->step_size() / arguments.speed, *arguments.idle, wanted, *idle);
+    idle_loop(simulation->step_size() / arguments.clock.speed, *arguments.idle, wanted, *idle);
   }
   RealTimeLoop loop(*simulation, wanted);
   std::unique_ptr<RealTimeRecorder> recorder;
@@ -218,11 +215,7 @@ Command add_live(CommandLine& program) {
   const auto a = std::make_shared<Arguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
-  parser
-      .add_option("--input", a->inputs,
-                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
-                  "given several times")
-      .type_name("NAME=FILE.csv");
+  add_input_option(parser, a->inputs);
   parser.add_option("--step", a->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser
       .add_option("--duration", a->duration,
@@ -250,10 +243,7 @@ Command add_live(CommandLine& program) {
       parser.add_flag("--open", a->open, "Open the page in the browser, in any case").group("Page");
   parser.add_flag("--no-open", a->no_open, "Do not open it").excludes(open).group("Page");
   parser.add_flag("--paused", a->paused, "Begin with a pause").group("Page");
-  parser.add_option("--speed", a->speed, "Simulated seconds in a second")
-      .above(0, 1000)
-      .type_name("X")
-      .group("Clock");
+  add_clock_options(parser, a->clock);
   parser
       .add_option("--overrun", a->policy,
                   "When a step was not ready in time:\n"
@@ -264,17 +254,7 @@ Command add_live(CommandLine& program) {
       .one_of(policies)
       .type_name("NAME")
       .group("Clock");
-  parser
-      .add_option("--priority", a->priority,
-                  "Of the scheduling SCHED_FIFO, 1 to 99, where that is permitted; 0: none")
-      .within(0, 99)
-      .type_name("N")
-      .group("Clock");
-  parser.add_option("--cpu", a->processor, "The processor that the steps are made on; -1: any")
-      .within(-1, 4095)
-      .type_name("N")
-      .group("Clock");
-  parser.add_option("--spin", a->spin, "Seconds before a step in which it waits without sleeping")
+  parser.add_option("--spin", a->clock.spin, "Seconds before a step in which it waits without sleeping")
       .from(0, 0.1)
       .type_name("S")
       .group("Clock");

@@ -33,6 +33,23 @@ Json monitor_json(const RealTimeMonitor& m) {
           {"most_parts", m.most_parts.load()}};
 }
 
+void add_clock_options(Parser& command, RealTimeOptions& options) {
+  command.add_option("--speed", options.speed, "Simulated seconds in a second")
+      .above(0, 1000)
+      .type_name("X")
+      .group("Clock");
+  command
+      .add_option("--priority", options.priority,
+                  "Of the scheduling SCHED_FIFO, 1 to 99, where that is permitted; 0: none")
+      .within(0, 99)
+      .type_name("N")
+      .group("Clock");
+  command.add_option("--cpu", options.processor, "The processor that the steps are made on; -1: any")
+      .within(-1, 4095)
+      .type_name("N")
+      .group("Clock");
+}
+
 double duration_of(const std::string& text, const std::string& option) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);

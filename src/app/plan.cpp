@@ -25,8 +25,8 @@ struct Arguments {
   std::vector<std::string> settings, inputs;
   MethodArguments method;
   std::optional<double> until;
-  double load = 70, watch = 20, speed = 1;
-  int priority = 0, processor = -1;
+  double load = 70, watch = 20;
+  RealTimeOptions clock;
   bool json = false;
 };
 
@@ -131,9 +131,7 @@ int plan(const Arguments& a) {
   options.watch = a.watch;
   options.run = run_options(a.method, model.simulation);
   options.run.inputs = inputs.start();
-  options.loop.speed = a.speed;
-  options.loop.priority = a.priority;
-  options.loop.processor = a.processor;
+  options.loop = a.clock;
   options.drive = [&](Simulation& simulation) {
     if (simulation.time() == 0) inputs.attach(simulation);
     inputs.set(simulation);
@@ -154,11 +152,7 @@ Command add_plan(CommandLine& program) {
   const auto a = std::make_shared<Arguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
-  parser
-      .add_option("--input", a->inputs,
-                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
-                  "given several times")
-      .type_name("NAME=FILE.csv");
+  add_input_option(parser, a->inputs);
   parser
       .add_option("--deadline", a->deadline,
                   "Time in which a step has to be done, with its unit: 1ms, 500us, 0.002s")
@@ -175,15 +169,7 @@ Command add_plan(CommandLine& program) {
       .from(0.1, 86400)
       .show_default()
       .type_name("S");
-  parser.add_option("--speed", a->speed, "Simulated seconds in a second").above(0, 1000).type_name("X");
-  parser
-      .add_option("--priority", a->priority,
-                  "Of the scheduling SCHED_FIFO, 1 to 99, where that is permitted; 0: none")
-      .within(0, 99)
-      .type_name("N");
-  parser.add_option("--cpu", a->processor, "The processor that the steps are made on; -1: any")
-      .within(-1, 4095)
-      .type_name("N");
+  add_clock_options(parser, a->clock);
   parser.add_flag("--json", a->json, "The plan as JSON");
   add_method_options(parser, a->method);
   parser.footer(

@@ -118,4 +118,12 @@ void RecordedInputs::set(Simulation& simulation) {
                          value(track, simulation.time() + (track.linear ? simulation.step_size() : 0)));
 }
 
+void add_input_option(Parser& command, std::vector<std::string>& inputs) {
+  command
+      .add_option("--input", inputs,
+                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
+                  "given several times")
+      .type_name("NAME=FILE.csv");
+}
+
 }  // namespace mimbre::app

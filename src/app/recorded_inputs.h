@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/options.h"
 #include "mimbre/simulation.h"
 
 /// Inputs that a run plays from tables.
@@ -38,5 +39,8 @@ class RecordedInputs {
   std::vector<Track> tracks_;
   std::vector<std::string> files_;
 };
+
+/// Adds the option --input to a command.
+void add_input_option(Parser& command, std::vector<std::string>& inputs);
 
 }  // namespace mimbre::app

@@ -270,11 +270,7 @@ Command add_run(CommandLine& program) {
   const auto arguments = std::make_shared<Arguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
-  parser
-      .add_option("--input", arguments->inputs,
-                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
-                  "given several times")
-      .type_name("NAME=FILE.csv");
+  add_input_option(parser, arguments->inputs);
   parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
   parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")

@@ -69,11 +69,20 @@ OverrunCause cause_of(const StepTiming& t, double usual, double usual_iterations
   return OverrunCause::computation;
 }
 
+/// Waits for a step that is due then, and says how it begins; `done`: when the one before was.
+StepTiming begun(std::int64_t step, std::int64_t due, std::int64_t done, double spin) {
+  wait_until(due, spin);
+  StepTiming timing;
+  timing.step = step;
+  timing.behind = nano * static_cast<double>(std::max<std::int64_t>(done - due, 0));
+  timing.latency = nano * static_cast<double>(live::clock_now() - std::max(due, done));
+  return timing;
+}
+
 /// Measures what is done between two calls, in the calling thread.
 class Measured {
  public:
   Measured() : usage_(live::thread_usage()), cpu_(live::thread_cpu_now()), begin_(live::clock_now()) {}
-  std::int64_t begin() const { return begin_; }
   /// Returns when it ended.
   std::int64_t end(StepTiming& timing) const {
     const std::int64_t end = live::clock_now();
@@ -197,13 +206,8 @@ struct RealTimeLoop::Impl {
   }
 
   void step() {
-    const std::int64_t planned = due(since);
-    wait_until(planned, options.spin);
-    StepTiming timing;
-    timing.step = made;
+    StepTiming timing = begun(made, due(since), done, options.spin);
     const Measured measured;
-    timing.behind = nano * static_cast<double>(std::max<std::int64_t>(done - planned, 0));
-    timing.latency = nano * static_cast<double>(measured.begin() - std::max(planned, done));
     const bool output = options.overrun != Overrun::skip_output || timing.behind == 0;
     for (RealTimePart* part : parts) part->before(simulation);
     const StepReport report = simulation.step();
@@ -366,13 +370,8 @@ void idle_loop(double step, double duration, const RealTimeOptions& options, Rea
   const std::int64_t begin = live::clock_now();
   std::int64_t done = begin;
   for (std::int64_t k = 0; static_cast<double>(k) * step < duration; ++k) {
-    const std::int64_t due = begin + to_nanoseconds(static_cast<double>(k) * step);
-    wait_until(due, options.spin);
-    StepTiming timing;
-    timing.step = k;
+    StepTiming timing = begun(k, begin + to_nanoseconds(static_cast<double>(k) * step), done, options.spin);
     const Measured measured;
-    timing.behind = nano * static_cast<double>(std::max<std::int64_t>(done - due, 0));
-    timing.latency = nano * static_cast<double>(measured.begin() - std::max(due, done));
     done = measured.end(timing);
     timing.overrun = timing.latency + timing.computation > step;
     note(timing, monitor);

@@ -17,6 +17,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/exchange_layout.h"
 #include "mimbre/unknown_name.h"
+#include "support/clocked.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -26,14 +27,6 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Simulation four_bar() { return simulation_of(controlled_four_bar(), Formulation::relative, 0.005); }
-
-RealTimeOptions quick() {
-  RealTimeOptions options;
-  options.lock_memory = false;
-  options.speed = 10;
-  options.duration = 0.5;
-  return options;
-}
 
 /// The other program.
 class Peer {
@@ -79,7 +72,7 @@ class Peer {
 /// bits, and a time for each round trip.
 TEST(UdpExchange, AnEchoLeavesTheMotionAsItIs) {
   Simulation coupled = four_bar(), alone = four_bar();
-  RealTimeLoop loop(coupled, quick());
+  RealTimeLoop loop(coupled, quick_loop());
   // The model's events set another one.
   UdpExchange udp(coupled, UdpOptions{{{}, {coupled.inputs()[0].name}}, "127.0.0.1", 0, 1.0});
   loop.add(udp);
@@ -118,7 +111,7 @@ TEST(UdpExchange, AControllerOutsideIsAControllerInside) {
   const auto law = [&](double y) {
     return std::clamp(inside.inputs()[0].start - 0.01 * y, inside.inputs()[0].min, inside.inputs()[0].max);
   };
-  RealTimeLoop loop(outside, quick());
+  RealTimeLoop loop(outside, quick_loop());
   UdpExchange udp(outside, UdpOptions{{{output}, {input}}, "127.0.0.1", 0, 1.0});
   loop.add(udp);
   Peer peer(udp.port());
@@ -184,7 +177,7 @@ TEST(UdpExchange, RubbishAndStrangersAreRefused) {
 
 TEST(UdpExchange, ASilentPeerCostsTheWaitAndNoMore) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.duration = 0.05;
   RealTimeLoop loop(simulation, options);
   UdpExchange udp(simulation, UdpOptions{{}, "127.0.0.1", 0, 0.01});

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "mimbre/diagnostics.h"
+#include "support/clocked.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -152,15 +153,6 @@ Number number_at(const std::string& bytes, std::size_t place) {
   EXPECT_LE(place + sizeof number, bytes.size());
   if (place + sizeof number <= bytes.size()) std::memcpy(&number, bytes.data() + place, sizeof number);
   return number;
-}
-
-template <class Condition>
-bool comes_true(Condition&& condition) {
-  for (int k = 0; k < 2000; ++k) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
 }
 
 TEST(LiveServer, AnswersByHttp) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "mimbre/results.h"
+#include "support/clocked.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -33,19 +34,11 @@ std::vector<float> column(const std::string& file, const std::string& name) {
   return values;
 }
 
-RealTimeOptions quick() {
-  RealTimeOptions options;
-  options.lock_memory = false;
-  options.speed = 10;
-  options.duration = 0.5;
-  return options;
-}
-
 TEST(RealTimeRecorder, HasTheRowsOfARunAndTheTimesOfEachStep) {
   const std::string file = fresh("rows");
   Simulation clocked = simulation_of(controlled_four_bar(), Formulation::relative, 0.005),
              plain = simulation_of(controlled_four_bar(), Formulation::relative, 0.005);
-  RealTimeLoop loop(clocked, quick());
+  RealTimeLoop loop(clocked, quick_loop());
   RealTimeRecorder recorder(file, clocked, "{}", 0.01);
   loop.add(recorder);
   loop.run();
@@ -74,7 +67,7 @@ TEST(RealTimeRecorder, HasTheRowsOfARunAndTheTimesOfEachStep) {
 TEST(RealTimeRecorder, ATimeThatGoesBackBeginsAnotherFile) {
   const std::string file = fresh("takes");
   Simulation simulation = simulation_of(controlled_four_bar(), Formulation::relative, 0.005);
-  RealTimeLoop loop(simulation, quick());
+  RealTimeLoop loop(simulation, quick_loop());
   RealTimeRecorder recorder(file, simulation, "{}", 0);
   struct Back : RealTimePart {
     RealTimeLoop* loop = nullptr;
@@ -99,7 +92,7 @@ TEST(RealTimeRecorder, ATimeThatGoesBackBeginsAnotherFile) {
 TEST(RealTimeRecorder, CanBeSwitchedOff) {
   const std::string file = fresh("off");
   Simulation simulation = simulation_of(controlled_four_bar(), Formulation::relative, 0.005);
-  RealTimeLoop loop(simulation, quick());
+  RealTimeLoop loop(simulation, quick_loop());
   RealTimeRecorder recorder(file, simulation, "{}", 0);
   recorder.record(false);
   EXPECT_FALSE(recorder.recording());

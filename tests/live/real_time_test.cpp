@@ -9,6 +9,7 @@
 
 #include "live/host.h"
 #include "mimbre/diagnostics.h"
+#include "support/clocked.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -17,15 +18,6 @@ namespace {
 
 using State = RealTimeLoop::State;
 using Kind = RealTimeRequest::Kind;
-
-/// Machines that run tests are busy: what is asserted holds whenever a thread gets its turn.
-RealTimeOptions quick() {
-  RealTimeOptions options;
-  options.lock_memory = false;
-  options.speed = 10;
-  options.duration = 0.5;
-  return options;
-}
 
 /// What a test does in the loop.
 struct Part : RealTimePart {
@@ -53,19 +45,10 @@ void busy_for(double seconds) {
   }
 }
 
-template <class Condition>
-bool comes_true(Condition&& condition) {
-  for (int k = 0; k < 2000; ++k) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
-
 /// The clock and the rehearsal leave no trace in the motion.
 TEST(RealTimeLoop, MakesTheStepsOfARun) {
   Simulation clocked = four_bar(), plain = four_bar();
-  RealTimeLoop loop(clocked, quick());
+  RealTimeLoop loop(clocked, quick_loop());
   EXPECT_EQ(loop.run(), "");
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(plain.step().ok());
   EXPECT_EQ(loop.state(), State::ended);
@@ -77,7 +60,7 @@ TEST(RealTimeLoop, MakesTheStepsOfARun) {
 /// A request that comes with the last step does not make it begin again.
 TEST(RealTimeLoop, EndsWhateverIsAskedForAtItsEnd) {
   Simulation simulation = four_bar();
-  RealTimeLoop loop(simulation, quick());
+  RealTimeLoop loop(simulation, quick_loop());
   Part part;
   part.on_after = [&](Simulation&) { loop.request({Kind::reset}); };
   loop.add(part);
@@ -87,7 +70,7 @@ TEST(RealTimeLoop, EndsWhateverIsAskedForAtItsEnd) {
 
 TEST(RealTimeLoop, NoStepBeginsBeforeItIsDue) {
   Simulation simulation = four_bar();
-  RealTimeLoop loop(simulation, quick());
+  RealTimeLoop loop(simulation, quick_loop());
   Part part;
   std::vector<std::int64_t> begins;
   part.on_before = [&](Simulation&) { begins.push_back(live::clock_now()); };
@@ -112,7 +95,7 @@ TEST(RealTimeLoop, NoStepBeginsBeforeItIsDue) {
 /// clock is caught up with.
 TEST(RealTimeLoop, AnOverrunIsSeenWithItsCauseAndCaughtUpWith) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.speed = 0.5;  // 10 ms a step
   options.duration = 0.2;
   options.overrun = Overrun::skip_output;
@@ -138,7 +121,7 @@ TEST(RealTimeLoop, AnOverrunIsSeenWithItsCauseAndCaughtUpWith) {
 
 TEST(RealTimeLoop, TheClockMaySlowDown) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.speed = 0.5;
   options.duration = 0.05;
   options.overrun = Overrun::slow_down;
@@ -156,7 +139,7 @@ TEST(RealTimeLoop, TheClockMaySlowDown) {
 
 TEST(RealTimeLoop, AnOverrunMayEndIt) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.speed = 0.5;
   options.overrun = Overrun::stop;
   RealTimeLoop loop(simulation, options);
@@ -171,7 +154,7 @@ TEST(RealTimeLoop, AnOverrunMayEndIt) {
 /// A step that takes longer than the whole thread's share by waiting was not at work.
 TEST(RealTimeLoop, WaitingIsNoComputation) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.speed = 1;
   options.duration = 0.1;
   RealTimeLoop loop(simulation, options);
@@ -189,7 +172,7 @@ TEST(RealTimeLoop, WaitingIsNoComputation) {
 TEST(RealTimeLoop, PausesStepsResetsAndReturnsToSnapshots) {
   Simulation simulation = four_bar();
   const Simulation::Snapshot beginning = simulation.save();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.duration = std::numeric_limits<double>::infinity();
   options.rests_at_end = true;
   RealTimeLoop loop(simulation, options);
@@ -228,7 +211,7 @@ TEST(RealTimeLoop, PausesStepsResetsAndReturnsToSnapshots) {
 TEST(RealTimeLoop, AFailureIsToldAndAResetGoesOn) {
   // Thrown together so fast that no iteration follows.
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.rests_at_end = true;
   options.duration = std::numeric_limits<double>::infinity();
   RealTimeLoop loop(simulation, options);
@@ -269,7 +252,7 @@ TEST(RealTimeLoop, RefusesOptionsThatCannotBe) {
 
 TEST(RealTimeLoop, SaysWhatItWasNotGranted) {
   Simulation simulation = four_bar();
-  RealTimeOptions options = quick();
+  RealTimeOptions options = quick_loop();
   options.duration = 0.01;
   options.processor = 4000;
   RealTimeLoop loop(simulation, options);
@@ -292,7 +275,7 @@ TEST(RealTimeLoop, SaysWhatBoundsAStep) {
 
 TEST(IdleLoop, MeasuresTheMachine) {
   RealTimeMonitor monitor;
-  idle_loop(1e-3, 0.05, quick(), monitor);
+  idle_loop(1e-3, 0.05, quick_loop(), monitor);
   EXPECT_EQ(monitor.steps, 50);
   EXPECT_EQ(monitor.latency.count(), 50);
   EXPECT_LT(monitor.computation.quantile(0.5), 1e-4);
