@@ -110,6 +110,17 @@ TEST(IltisManoeuvres, BrakesInABend) {
   }
 }
 
+/// The driver brakes harder, comes to a stop in the bend, and stays there.
+TEST(IltisManoeuvres, StopsInABend) {
+  Simulation s = car("brake-in-bend", {{"hands", "driver"}, {"foot", "0.4"}});
+  run_to(s, 14);
+  const double x = channel(s, "x"), y = channel(s, "y");
+  EXPECT_NEAR(channel(s, "speed"), 0, 1e-3);
+  run_to(s, 15);
+  EXPECT_NEAR(channel(s, "x"), x, 1e-4);
+  EXPECT_NEAR(channel(s, "y"), y, 1e-4);
+}
+
 /// Slope and offset of the straight line through points.
 struct Line {
   double slope, offset;
