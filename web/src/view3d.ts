@@ -548,7 +548,7 @@ export class View3D {
     this.road.patch.color.set(themeColor("patch"));
     for (const body of this.bodies) body.theme(themeColor("edge"));
     if (this.grid) this.scene.remove(this.grid);
-    if (this.options.grid !== false && !this.land) {
+    if (this.options.grid !== false) {
       this.grid = gridView(this.cell, gridCells, themeColor("ground-line"));
       this.scene.add(this.grid);
     }

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { DoubleSide, Mesh, MeshBasicMaterial, Raycaster, Vector3 } from "three";
 import { turbo } from "../src/color";
 import { decodeArray, decodeReport, type Animation, type Body, type PackedReport } from "../src/data";
 import { peaks } from "../src/coloring";
@@ -7,7 +8,7 @@ import { deformed, displacements, magnitudes } from "../src/deform";
 import { flatten, formatNumber, formatWithin, splitKey } from "../src/format";
 import { firstSelection, grouped, groupOf } from "../src/groups";
 import { amplitudesAt, locate, nearest, poseAt, slerp, type Quaternion } from "../src/interpolate";
-import { stretch } from "../src/landView";
+import { LandView, stretch } from "../src/landView";
 import { crossings, finiteProfile, niceLength } from "../src/surroundings";
 import { near, packed } from "./helpers";
 
@@ -183,4 +184,27 @@ test("colours, grids and profiles", () => {
   assert.deepEqual(stretch([[0, 0], [2, 4], [3, 4]], 2, 9), [[2, 4], [3, 4]]);
   assert.deepEqual(stretch([[0, 0], [2, 4]], 3, 4), []);
   assert.deepEqual(finiteProfile(new Float64Array([0, 1, NaN, 2, 3, 4])), [[0, 1], [3, 4]]);
+});
+
+test("the land lies about the road as high as its profile, moves along sideways, and is drawn as far as one sees", () => {
+  const material = new MeshBasicMaterial({ side: DoubleSide });
+  const materials = { surface: material, border: material, mark: material, land: material, line: material, patch: material };
+  const origin = new Vector3(10, 0, 0.5);
+  const patch = { x: [50, 60] as [number, number], y: [-100, 0] as [number, number], friction: 0.2 };
+  const land = new LandView([[0, 0], [100, 0], [200, 10]], [patch], origin, 1, 120, 2, materials);
+  const heightAt = (x: number, y: number) => {
+    land.group.updateMatrixWorld(true);
+    const ray = new Raycaster(new Vector3(x - origin.x, y - origin.y, 100), new Vector3(0, 0, -1));
+    const hits = ray.intersectObjects(land.group.children.filter(({ visible }) => visible)).filter(({ object }) => object instanceof Mesh);
+    return hits.map(({ point }) => point.z + origin.z);
+  };
+  land.look(new Vector3(40.3 - origin.x, 0, 0), 1000);
+  for (const [x, y, z, surfaces] of [[30.3, 50.2, 0, 1], [30.3, 1.2, 0, 2], [55.3, -1.2, 0, 3], [55.3, 1.2, 0, 2], [55.3, -50.2, 0, 2], [150.3, -50.2, 5.03, 1]]) {
+    const heights = heightAt(x, y);
+    near(heights, Array.from({ length: surfaces }, () => z), 1e-4);
+  }
+  assert.equal(heightAt(30.3, 200).length, 0);
+  land.look(new Vector3(40.3 - origin.x, 180.3, 0), 30);
+  near(heightAt(30.3, 200.2), [0], 1e-4);
+  assert.equal(heightAt(150.3, 180).length, 0);
 });

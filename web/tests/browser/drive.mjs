@@ -74,6 +74,14 @@ const cases = [];
 const test = (name, options, run) => cases.push({ name, options, run });
 const quick = ["--speed", "2"];
 
+test("the road is told as far as one drives, with its ice", quick, async ({ url }) => {
+  const { roads } = await (await fetch(new URL("/scene", url))).json();
+  const bytes = Buffer.from(roads[0].profile.data, "base64");
+  const places = Array.from({ length: bytes.length / 16 }, (_, k) => bytes.readDoubleLE(16 * k));
+  assert.ok(Math.min(...places) <= -200 && Math.max(...places) >= 2000, `${Math.min(...places)} to ${Math.max(...places)} m`);
+  assert.deepEqual(roads[0].patches, [{ x: [80, 95], y: [-100, 0], friction: 0.15 }]);
+});
+
 test("W takes speed, over the hill and down again", quick, async ({ page, motion }) => {
   await afresh(page, motion);
   await driving(page, true, "w");
