@@ -55,13 +55,15 @@ struct RealTimePlan {
   std::shared_ptr<RealTimeMonitor> watched;   ///< of the chosen one, against the clock
   int watched_candidates = 0;
   double load = 0;  ///< of the chosen one: 99.99th percentile of computation and latency over its step
-  /// That is more than what was asked for, and would be with any candidate: the idle machine itself is late.
+  /// That is more than what was asked for, though what the chosen one takes of the processor is not: the
+  /// machine itself is late.
   bool machine_late = false;
 };
 
 /// Measures ways to compute the model, each over the manoeuvre as fast as it goes, and their errors against a
 /// run with all modes and a sixteenth of the deadline as its step. Of those that should keep the deadline the
-/// most accurate one is run against the clock; where it does not keep it, the next.
+/// most accurate one is run against the clock; where it does not keep it, the next. What the machine itself
+/// is late by counts, but is no reason to try another one.
 /// Throws InputError for a deadline or share that cannot be, std::runtime_error where the fine run fails.
 RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions& options);
 

@@ -113,9 +113,8 @@ std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
       c.worst_output, 100 * plan.load, 100 * (1 - plan.load), a.model, fmt::join(options_of(c), " "));
   if (plan.machine_late)
     text +=
-        "\nThe machine itself is late, whatever runs on it: what is taken beyond the load asked for is its "
-        "own. "
-        "--priority and\n--cpu help where the system permits them; virtual machines and shared ones may stay "
+        "\nThe machine itself is late: what is taken beyond the load asked for is not the computation. "
+        "--priority and --cpu\nhelp where the system permits them; virtual machines and shared ones may stay "
         "late.\n";
   return text;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 
 #include "live/host.h"
 #include "math/decompositions.h"
@@ -276,20 +277,17 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
     }
   }
 
-  // The most accurate first; of those alike the cheapest.
+  // Those first that have time left when the machine is as late as it was idle; of them the most accurate,
+  // and of those alike the cheapest.
   std::vector<int> order;
   for (std::size_t k = 0; k < plan.candidates.size(); ++k)
     if (plan.candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
   const auto rank = [&](int k) {
     const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    return std::make_pair(std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
+    const bool too_late = c.p9999 + o.loop.speed * late > o.load * c.step;
+    return std::make_tuple(too_late, std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
-  // Where the idle machine is late already, a candidate has to keep its share by its computation alone.
-  const auto machine_late = [&](const RealTimeMonitor& monitor, double period) {
-    const double own = monitor.cpu.quantile(0.999) / period;
-    return own <= o.load && own + late / period > o.load;
-  };
   for (const int k : order) {
     RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
     tell("against the clock",
@@ -301,7 +299,7 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
     const double period = c.step / o.loop.speed, load = load_of(*monitor, period);
     if (!failure.empty()) {
       c.failure = failure;
-    } else if (load > o.load && !machine_late(*monitor, period)) {
+    } else if (load > o.load && monitor->cpu.quantile(0.9999) > o.load * period) {
       c.failure = fmt::format("against the clock it took {:.0f} % of its time", 100 * load);
     } else {
       plan.chosen = k;
