@@ -106,6 +106,7 @@ export class LiveView {
     this.shown = now;
     this.spare(now);
     this.clock.set(between.time);
+    view.flush(); // waiting for the next picture of the screen would leave out every other
     if (now - this.looked < scaleEvery) return;
     this.looked = now;
     this.rescale(view);

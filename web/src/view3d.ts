@@ -333,6 +333,15 @@ export class View3D {
     return () => (this.drawn = this.drawn.filter((one) => one !== listener));
   }
 
+  /** Draws what waits for the screen's next picture; for who is called for that picture already. */
+  flush(): void {
+    if (this.waiting === 0) return;
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    this.update();
+    this.draw();
+  }
+
   /** Draws at once, for a picture to be taken. */
   redraw(): void {
     cancelAnimationFrame(this.waiting);
@@ -572,11 +581,7 @@ export class View3D {
   private request(repaint = false): void {
     this.repaint ||= repaint;
     if (this.waiting !== 0) return;
-    this.waiting = requestAnimationFrame(() => {
-      this.waiting = 0;
-      this.update();
-      this.draw();
-    });
+    this.waiting = requestAnimationFrame(() => this.flush());
   }
 
   private update(): void {

@@ -2,7 +2,7 @@
 import { stat } from "node:fs/promises";
 import { join } from "node:path";
 import { launch, noBrowser, open, ready } from "./browser.mjs";
-import { driving, inControl, serveModel, take, until } from "./liveServer.mjs";
+import { driving, inControl, rate, serveModel, take, until } from "./liveServer.mjs";
 
 const [program, target] = process.argv.slice(2);
 const most = 300_000; // bytes of a picture
@@ -52,6 +52,11 @@ async function driveTo(page, place, seconds = 120) {
     window.mimbreView.seeThrough(true);
     window.mimbreView.turn(-0.8, -0.05, 0.85);
   });
+  await driveTo(page, 16);
+  const { words } = await rate(page);
+  console.log(words);
+  await page.keyboard.press("r");
+  await until("the start again", async () => (await reading(page, "x")) < 12);
   await driveTo(page, 16);
   const steering = page.getByLabel("steering, as a number");
   for (const [key, steered] of [["a", (value) => value > 0.1], ["d", (value) => value < -0.05]]) {

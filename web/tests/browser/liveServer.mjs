@@ -48,3 +48,25 @@ export async function inControl(page) {
 }
 
 export const driving = (page, on, name) => (on ? page.keyboard.down(name) : page.keyboard.up(name));
+
+/** How often the mechanism is drawn within 5 s, and how often the browser asks for it. */
+export async function rate(page) {
+  const { drawn, asked, width, height } = await page.evaluate(
+    () =>
+      new Promise((done) => {
+        const { canvas } = window.mimbreView;
+        const counts = { drawn: 0, asked: 0, width: canvas.width, height: canvas.height };
+        const stop = window.mimbreView.onDrawn(() => ++counts.drawn);
+        const begun = performance.now();
+        const each = () => {
+          ++counts.asked;
+          if (performance.now() - begun < 5000) return requestAnimationFrame(each);
+          stop();
+          const seconds = (performance.now() - begun) / 1000;
+          done({ ...counts, drawn: counts.drawn / seconds, asked: counts.asked / seconds });
+        };
+        each();
+      }),
+  );
+  return { drawn, asked, words: `${drawn.toFixed(1)} pictures a second of ${width} × ${height} pixels, of ${asked.toFixed(1)} that the browser asked for` };
+}
