@@ -19,7 +19,7 @@ import { LiveView } from "./liveView";
 
 const seconds = () => performance.now() / 1000;
 
-const everyOther = 3; // pictures of the mechanism to one of the charts
+const chartsEvery = 0.045; // s: every third picture of a screen, all of a machine that draws slowly
 const errorsStay = 8; // s
 const patience = 5; // s, with what is to be done before something else
 
@@ -59,7 +59,6 @@ export class LivePage {
   private paces: { clock: number; time: number }[] = []; // of the last second
   private last = seconds(); // when the screen was last asked for a picture
   private written = seconds(); // when the charts were drawn
-  private drawn = 0; // pictures
   private hiding = 0; // the timer that takes an error away
 
   constructor(
@@ -294,7 +293,7 @@ export class LivePage {
     if (between && newest) {
       this.drive(dt, now, newest);
       this.view.show(between, (name, picture) => this.valueIn(picture, name), now);
-      if (++this.drawn % everyOther === 0) this.write(now, between.time, newest.deadline);
+      if (now - this.written >= chartsEvery) this.write(now, between.time, newest.deadline);
     }
   };
 

@@ -47,7 +47,7 @@ async function driveTo(page, place, seconds = 120) {
   await ready(page);
   await inControl(page);
   await page.keyboard.press("r");
-  await until("the start", async () => (await reading(page, "x")) < 8);
+  await until("the start", async () => (await reading(page, "x")) < 12);
   await page.evaluate(() => {
     window.mimbreView.seeThrough(true);
     window.mimbreView.turn(-0.8, -0.05, 0.85);
