@@ -1,6 +1,6 @@
 """The picture of the manoeuvres in docs/vehicles.md, and the figures beside it.
 
-    python3 bench/python/manoeuvres.py build/release/mimbre docs
+python3 bench/python/manoeuvres.py build/release/mimbre docs
 """
 
 import csv
@@ -9,17 +9,20 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 
 import matplotlib.pyplot as plt
 import numpy as np
+from numpy.typing import NDArray
 
+Column = NDArray[np.float64]
 folder = pathlib.Path(__file__).parents[2] / "examples/iltis"
 manoeuvres = ("step-steer", "double-lane-change", "brake-in-bend", "constant-radius")
 kinds = ("flexible", "rigid")
 width = 1.52  # m, of the car
 
 
-def run(program, manoeuvre, kind):
+def run(program: str, manoeuvre: str, kind: str) -> tuple[dict[str, Column], float]:
     """The columns of the run's table and its lateral acceleration, and what numerics added per dissipated energy."""
     with tempfile.TemporaryDirectory() as scratch:
         table = pathlib.Path(scratch, "run.csv")
@@ -36,7 +39,7 @@ def run(program, manoeuvre, kind):
     return {name: column[:-2] for name, column in run.items()}, abs(energy["numerical"]) / energy["dissipated"]
 
 
-def cones():
+def cones() -> Iterator[tuple[float, float]]:
     """Of ISO 3888-1, from where the first lane begins: x, and y of the right and of the left edge."""
     first = 1.1 * width + 0.25
     right = -first / 2
@@ -51,11 +54,11 @@ def cones():
             yield 40 + x, edge + lane
 
 
-def peak(values):
-    return np.abs(values).max()
+def peak(values: Column) -> float:
+    return float(np.abs(values).max())
 
 
-def main(program, target):
+def main(program: str, target: str) -> None:
     figure, axes = plt.subplots(4, 2, figsize=(11, 11), layout="constrained")
     print("manoeuvre            lateral m/s²  yaw rate rad/s  roll °  link mm  rigid less flexible  energy/dissipated")
     for row, manoeuvre in zip(axes, manoeuvres, strict=True):
