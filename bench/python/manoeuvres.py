@@ -50,8 +50,8 @@ def cones() -> Iterator[tuple[float, float]]:
     )
     for begin, end, edge, lane in lanes:
         for x in np.arange(begin, end + 1, 5):
-            yield 40 + x, edge
-            yield 40 + x, edge + lane
+            yield 40 + float(x), edge
+            yield 40 + float(x), edge + lane
 
 
 def peak(values: Column) -> float:
