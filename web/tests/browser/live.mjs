@@ -196,7 +196,8 @@ test("snapshots are kept, listed and gone back to", async ({ page }) => {
 test("what was driven is saved, and gives the same when it is driven again", async ({ page }) => {
   await afresh(page);
   await driving(page, true, "w");
-  await until("moving", async () => (await value(page, "throttle")) === 1);
+  await until("full throttle", async () => (await value(page, "throttle")) === 1);
+  await page.waitForTimeout(700); // long enough to be seen when it is played
   await driving(page, false, "w");
   await until("let go", async () => (await value(page, "throttle")) === 0);
   const download = async (name) => {
