@@ -42,10 +42,32 @@ void draw_triangles(const std::vector<Eigen::Vector3d>& vertices,
   }
 }
 
-/// Of large grids not every row and column.
+/// Numbers of the columns between which the others are on straight lines, within the tolerance.
+std::vector<Eigen::Index> bends(const Eigen::MatrixXd& heights, double tolerance) {
+  constexpr Eigen::Index longest = 100;
+  std::vector<Eigen::Index> kept{0};
+  for (const Eigen::Index last = heights.cols() - 1; kept.back() < last;) {
+    const Eigen::Index from = kept.back();
+    const auto straight = [&](Eigen::Index end) {
+      for (Eigen::Index k = from + 1; k < end; ++k) {
+        const double share = static_cast<double>(k - from) / static_cast<double>(end - from);
+        const auto between = (1 - share) * heights.col(from) + share * heights.col(end);
+        if ((between - heights.col(k)).cwiseAbs().maxCoeff() > tolerance) return false;
+      }
+      return true;
+    };
+    Eigen::Index to = from + 1;
+    while (to < last && to - from < longest && straight(to + 1)) ++to;
+    kept.push_back(to);
+  }
+  return kept;
+}
+
+/// Of large grids only the rows and columns where they bend, or, where they do all over, every so many.
 void draw_heights(const Eigen::MatrixXd& heights, const Eigen::Vector2d& spacing, const spec::Pose& pose,
                   BodyDrawing& body) {
-  constexpr int most = 400;
+  constexpr int most = 400, large = 2000;  // lines, points
+  constexpr double share_of_range = 2e-3;
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
   const auto places = [](Eigen::Index count) {
@@ -55,7 +77,12 @@ void draw_heights(const Eigen::MatrixXd& heights, const Eigen::Vector2d& spacing
     all.push_back(count - 1);
     return all;
   };
-  const std::vector<Eigen::Index> along = places(heights.cols()), across = places(heights.rows());
+  const auto chosen = [&](const Eigen::MatrixXd& of) {
+    if (heights.size() <= large) return places(of.cols());
+    std::vector<Eigen::Index> at = bends(of, share_of_range * (of.maxCoeff() - of.minCoeff()));
+    return at.size() <= most ? at : places(of.cols());
+  };
+  const std::vector<Eigen::Index> along = chosen(heights), across = chosen(heights.transpose());
   const int columns = static_cast<int>(along.size());
   for (int j = 0; j < static_cast<int>(across.size()); ++j)
     for (int i = 0; i < columns; ++i) {

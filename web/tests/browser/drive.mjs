@@ -74,12 +74,18 @@ const cases = [];
 const test = (name, options, run) => cases.push({ name, options, run });
 const quick = ["--speed", "2"];
 
-test("the road is told as far as one drives, with its ice", quick, async ({ url }) => {
-  const { roads } = await (await fetch(new URL("/scene", url))).json();
-  const bytes = Buffer.from(roads[0].profile.data, "base64");
-  const places = Array.from({ length: bytes.length / 16 }, (_, k) => bytes.readDoubleLE(16 * k));
-  assert.ok(Math.min(...places) <= -200 && Math.max(...places) >= 2000, `${Math.min(...places)} to ${Math.max(...places)} m`);
-  assert.deepEqual(roads[0].patches, [{ x: [80, 95], y: [-100, 0], friction: 0.15 }]);
+test("the ground has the hill, each stair and the bank", quick, async ({ url }) => {
+  const { bodies } = await (await fetch(new URL("/scene", url))).json();
+  const bytes = Buffer.from(bodies.find(({ name }) => name === "ground").points.data, "base64");
+  const points = Array.from({ length: bytes.length / 12 }, (_, k) => [0, 4, 8].map((at) => bytes.readFloatLE(12 * k + at)));
+  const heights = (low, high, side) => points.filter(([x, y]) => x >= low && x <= high && Math.sign(y + 8.5) === side).map(([, , z]) => z);
+  const near = (value, wanted, what) => assert.ok(Math.abs(value - wanted) < 0.02, `${what}: ${value}`);
+  near(Math.max(...heights(40, 60, 1)), 1.5, "the hill");
+  for (const [edge, above] of [[117, 0.5], [120, 0.4], [123, 0.3], [126, 0.2], [129, 0.1]]) {
+    near(Math.max(...heights(edge - 0.4, edge + 0.4, 1)), above, `above ${edge} m`);
+    near(Math.min(...heights(edge - 0.4, edge + 0.4, 1)), above - 0.1, `below ${edge} m`);
+  }
+  assert.ok(Math.max(...heights(0, 200, -1)) > 6, "the bank");
 });
 
 test("W takes speed, over the hill and down again", quick, async ({ page, motion }) => {
