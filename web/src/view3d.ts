@@ -132,6 +132,7 @@ export class View3D {
   };
   private fog = new THREE.Fog("#000000");
   private solid = true; // the first run is shown
+  private wide = -1; // body that is ground far and wide
   private fitted = false; // to the canvas's true size
   private sharpness = 1; // pixels drawn of those that the screen has, along a side
   private waiting = 0; // what requestAnimationFrame returned; 0: nothing is
@@ -476,9 +477,18 @@ export class View3D {
     return extent(this.boundsOverTime()) > 4 * this.size ? 0 : -1;
   }
 
+  /** The ground where it is far wider than what moves on it: a track says nothing of how large things are. */
+  private wideGround(): number {
+    const ground = this.report.bodies.findIndex(({ name }) => name === "ground");
+    if (ground < 0) return -1;
+    this.wide = ground;
+    return extent(this.bodies[ground].bounds) > 4 * extent(this.boundsAt(this.clock.start)) ? ground : -1;
+  }
+
   private boundsAt(time: number): THREE.Box3 {
     const box = new THREE.Box3();
     this.bodies.forEach((body, k) => {
+      if (k === this.wide) return;
       const matrix = this.poseMatrix(time, k);
       if (matrix) box.union(body.bounds.clone().applyMatrix4(matrix));
     });
@@ -515,6 +525,7 @@ export class View3D {
   }
 
   private addSurroundings(): void {
+    this.wide = this.wideGround();
     this.size = extent(this.boundsAt(this.clock.start)) || extent(this.boundsOverTime()) || 1;
     // A body without any drawing is at least seen as its axes.
     for (const body of this.bodies) if (body.bare) body.group.add(new THREE.AxesHelper(0.08 * this.size));
