@@ -33,6 +33,7 @@ class UdpExchange : public RealTimePart {
   ~UdpExchange() override;
   void before(Simulation& simulation) override;
   void after(Simulation& simulation, const StepReport& report, bool output) override;
+  void rests(Simulation& simulation) override;
 
   int port() const;
   /// From when outputs were sent until the inputs that answer them arrived, s.

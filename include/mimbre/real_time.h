@@ -94,8 +94,10 @@ class RealTimePart {
   virtual void after(Simulation&, const StepReport&, bool /*output*/) {}
   /// How it went, when it is over.
   virtual void timed(const StepTiming&) {}
-  /// Now and then while no steps are made, and after the simulation was put elsewhere.
+  /// Now and then while no steps are made.
   virtual void rests(Simulation&) {}
+  /// The simulation was put elsewhere: reset, or returned to a snapshot.
+  virtual void moved(Simulation&) {}
 };
 
 /// What another thread asks of the loop, between two steps.

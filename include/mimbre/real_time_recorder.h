@@ -7,9 +7,9 @@
 namespace mimbre {
 
 /// Records a loop to results files, by a thread of its own: rows as those of a run, and in the group
-/// `/realtime` how each step went against the clock. Where the simulation is put back to an earlier time, the
-/// rows go on in another file: NAME-2.h5 and so on beside NAME.h5. A disk that is too slow loses rows, not
-/// the loop its time.
+/// `/realtime` how each step went against the clock. Where the simulation is put elsewhere, the rows go on in
+/// another file: NAME-2.h5 and so on beside NAME.h5, the first that there is not. A disk that is too slow
+/// loses rows, not the loop its time.
 class RealTimeRecorder : public RealTimePart {
  public:
   /// `options_json`: as in Simulation::header(). Rows come every `interval` s of the simulation; 0: at every
@@ -20,6 +20,7 @@ class RealTimeRecorder : public RealTimePart {
 
   void after(Simulation& simulation, const StepReport& report, bool output) override;
   void timed(const StepTiming& timing) override;
+  void moved(Simulation& simulation) override;
 
   // For any thread.
   void record(bool on);

@@ -125,14 +125,16 @@ class UdpPeer(_Peer):
         self._socket.settimeout(timeout)
 
     def _listen(self, timeout: float) -> bool:
+        until = time.monotonic() + timeout
         try:
-            while True:
+            while time.monotonic() < until:  # outputs for another may come all the time
                 data = self._socket.recv(65536)
                 magic, kind, count, layout, _, _ = _head.unpack_from(data)
                 if magic == _magic and kind == _names:
                     self._layout = layout
                     self.names = _Names(data[_head.size : _head.size + count].decode())
                     return True
+            return False
         except ConnectionError:
             time.sleep(timeout)
             return False
@@ -191,13 +193,16 @@ class SharedPeer(_Peer):
         return int(_memory.unpack_from(self._map)[-1])
 
     def read(self) -> Outputs:
-        """The newest outputs; their sequence is 0 before the first step."""
+        """The newest outputs; their sequence is 0 before the first step. Raises TimeoutError where the simulation was
+        killed while it wrote them."""
         at = self._output_block
-        while True:
+        until = time.monotonic() + 1
+        while time.monotonic() < until:
             version, sequence, when = _block.unpack_from(self._map, at)
             values = np.frombuffer(self._map[at + _block.size : at + _block.size + 8 * self._counts[0]], "<f8")
             if version % 2 == 0 and _block.unpack_from(self._map, at)[0] == version:
                 return Outputs(self.names.outputs, values, sequence, when)
+        raise TimeoutError("the outputs are only half written: the simulation was killed")
 
     def write(self, values: Mapping[str, float]) -> None:
         """Sets inputs by their names, from the next step on; others stay as they are. Raises KeyError for a

@@ -149,6 +149,7 @@ int live(const Arguments& arguments) {
   if (!arguments.record.empty())
     recorder = std::make_unique<RealTimeRecorder>(arguments.record, *simulation, options_json(arguments),
                                                   simulation->method().output_interval);
+  if (arguments.paused) loop.request({RealTimeRequest::Kind::pause});
   Ends ends(loop, inputs);
   loop.add(ends);
   const ExchangeOptions exchanged{arguments.sent, arguments.taken};
@@ -171,7 +172,6 @@ int live(const Arguments& arguments) {
     LiveServer server(*simulation, loop,
                       {arguments.address, arguments.port, arguments.token, recorder.get()});
     if (recorder) loop.add(*recorder);
-    if (arguments.paused) loop.request({RealTimeRequest::Kind::pause});
     print_data(server.url() + '\n');
     if (!LiveServer::has_page()) print_warning("this mimbre was built without its live page");
     if (arguments.open || (!arguments.no_open && has_desktop() && isatty(STDOUT_FILENO)))

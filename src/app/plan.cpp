@@ -31,12 +31,33 @@ struct Arguments {
 };
 
 /// What `mimbre live` and `mimbre run` are to be told.
-std::vector<std::string> options_of(const RealTimeCandidate& c) {
+std::vector<std::string> options_of(const RealTimeCandidate& c, const Arguments& a) {
   std::vector<std::string> words{"--formulation",    name_of(c.formulation),
                                  "--step",           fmt::format("{}", c.step),
                                  "--max-iterations", fmt::format("{}", c.max_iterations),
                                  "--substeps",       fmt::format("{}", c.substeps)};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    words.push_back(option);
+    words.push_back(value);
+  };
+  for (const std::string& setting : a.settings) add("--set", setting);
+  for (const std::string& input : a.inputs) add("--input", input);
+  if (!a.method.inertia.empty()) add("--inertia", a.method.inertia);
+  if (!a.method.formalism.empty()) add("--formalism", a.method.formalism);
+  if (!a.method.integrator.empty()) add("--integrator", a.method.integrator);
+  if (a.method.xi) add("--integrator-xi", fmt::format("{}", *a.method.xi));
+  if (a.method.rho) add("--rho", fmt::format("{}", *a.method.rho));
+  if (a.method.tolerance) add("--tolerance", fmt::format("{}", *a.method.tolerance));
   if (c.most_modes > 0) words.insert(words.end(), {"--most-modes", fmt::format("{}", c.most_modes)});
+  return words;
+}
+
+/// What `mimbre live` alone is to be told.
+std::string clocked_options(const Arguments& a) {
+  std::string words;
+  if (a.clock.speed != 1) words += fmt::format(" --speed {}", a.clock.speed);
+  if (a.clock.priority > 0) words += fmt::format(" --priority {}", a.clock.priority);
+  if (a.clock.processor >= 0) words += fmt::format(" --cpu {}", a.clock.processor);
   return words;
 }
 
@@ -72,7 +93,7 @@ Json to_json(const RealTimePlan& plan, const Arguments& a) {
   json["load"] = plan.load;
   json["margin"] = 1 - plan.load;
   json["machine_late"] = plan.machine_late;
-  json["options"] = options_of(chosen);
+  json["options"] = options_of(chosen, a);
   return json;
 }
 
@@ -107,10 +128,11 @@ std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
       "late by {:.3f} ms in 99.99 %; {} overruns\n"
       "expected error {:.2g} % ({}); of each step's time {:.0f} % is taken in 99.99 %, {:.0f} % is to "
       "spare\n\n"
-      "  mimbre live {} {}\n",
+      "  mimbre live {}{} {}\n",
       m.steps.load(), 1e3 * m.computation.quantile(0.5), 1e3 * m.computation.quantile(0.9999),
       1e3 * m.computation.worst(), 1e3 * m.latency.quantile(0.9999), m.overrun_count(), 100 * c.error,
-      c.worst_output, 100 * plan.load, 100 * (1 - plan.load), a.model, fmt::join(options_of(c), " "));
+      c.worst_output, 100 * plan.load, 100 * (1 - plan.load), a.model, clocked_options(a),
+      fmt::join(options_of(c, a), " "));
   if (plan.machine_late)
     text +=
         "\nThe machine itself is late: what is taken beyond the load asked for is not the computation. "

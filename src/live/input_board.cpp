@@ -1,5 +1,7 @@
 #include "live/input_board.h"
 
+#include <algorithm>
+
 namespace mimbre::live {
 
 InputBoard::InputBoard(const Simulation& simulation) {
@@ -39,7 +41,9 @@ void InputBoard::tidy() {
 void InputBoard::put(Simulation& simulation, int input, double value) {
   if (simulation.input_value(input) == value) return;
   simulation.set_input(input, value);
-  changes_.push({simulation.time(), input, simulation.input_value(input)});
+  // One that goes there in a straight line is not there yet.
+  const spec::Input& info = simulation.inputs()[static_cast<std::size_t>(input)];
+  changes_.push({simulation.time(), input, std::clamp(value, info.min, info.max)});
 }
 
 /// The simulation begins, or was put elsewhere: what is being played begins again there.
@@ -51,7 +55,6 @@ void InputBoard::tell_all(Simulation& simulation) {
   for (int k = 0; k < static_cast<int>(wanted_.size()); ++k)
     changes_.push({simulation.time(), k, simulation.input_value(k)});
   told_ = true;
-  last_time_ = simulation.time();
 }
 
 void InputBoard::take_played(Simulation& simulation) {
@@ -66,8 +69,7 @@ void InputBoard::take_played(Simulation& simulation) {
 }
 
 void InputBoard::before(Simulation& simulation) {
-  if (!told_ || simulation.time() < last_time_) tell_all(simulation);
-  last_time_ = simulation.time();
+  if (!told_) tell_all(simulation);
   if (const std::uint32_t version = version_.load(std::memory_order_acquire); version != taken_) {
     taken_ = version;
     for (int k = 0; k < static_cast<int>(wanted_.size()); ++k) {
@@ -91,9 +93,11 @@ void InputBoard::before(Simulation& simulation) {
   if (over) playing_ = false;
 }
 
-void InputBoard::rests(Simulation& simulation) {
+void InputBoard::rests(Simulation& simulation) { take_played(simulation); }
+
+void InputBoard::moved(Simulation& simulation) {
   take_played(simulation);
-  if (told_ && simulation.time() < last_time_) tell_all(simulation);
+  tell_all(simulation);
 }
 
 }  // namespace mimbre::live

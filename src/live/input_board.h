@@ -43,6 +43,7 @@ class InputBoard : public RealTimePart {
 
   void before(Simulation& simulation) override;
   void rests(Simulation& simulation) override;
+  void moved(Simulation& simulation) override;
 
  private:
   struct Wanted {
@@ -62,7 +63,6 @@ class InputBoard : public RealTimePart {
   double since_ = 0;  ///< s, when they began
   std::atomic<bool> playing_{false};
   Queue<InputChange> changes_{1 << 14};
-  double last_time_ = 0;
   bool told_ = false;
 };
 

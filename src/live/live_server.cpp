@@ -8,6 +8,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <cctype>
 #include <chrono>
 #include <deque>
 #include <list>
@@ -391,15 +392,16 @@ void Viewer::leave() {
 
 /// Who may ask for what.
 struct Guard {
-  std::string token;
+  std::string token, own;  ///< own: the address that is listened at
   bool loopback = true;
   int port = 0;
 
   bool allows_host(std::string_view host) const {
     if (!loopback) return true;  // whatever name this machine has there; the token decides
     const std::string number = fmt::format(":{}", port);
-    for (const std::string name : {"127.0.0.1", "localhost", "[::1]"})
-      if (host == name + number) return true;
+    for (const std::string& name :
+         {std::string("127.0.0.1"), std::string("localhost"), std::string("[::1]"), own})
+      if (host == name + number || (port == 80 && host == name)) return true;
     return false;
   }
   /// Pages of other places may not; what is no page says nothing of its origin.
@@ -532,6 +534,10 @@ struct LiveServer::Impl {
     if (error)
       throw InputError(Mark{}, fmt::format("'{}' is no address of an interface, like 127.0.0.1 or 0.0.0.0",
                                            options.address));
+    for (const char c : options.token)
+      if (!std::isalnum(static_cast<unsigned char>(c)) &&
+          std::string_view("._~-").find(c) == std::string_view::npos)
+        throw InputError(Mark{}, "a token has letters, digits and . _ ~ - only: it stands in an address");
     if (options.port < 0 || options.port > 65535)
       throw InputError(Mark{}, fmt::format("the port is {}; it must be 0 to 65535", options.port));
     try {
@@ -548,6 +554,7 @@ struct LiveServer::Impl {
     guard.loopback = address.is_loopback();
     guard.token = options.token.empty() && !guard.loopback ? random_token() : options.token;
     host = address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
+    guard.own = host;
     loop.add(hall.board);
     loop.add(hall.pictures);
     accept();

@@ -102,4 +102,6 @@ void PictureMaker::timed(const StepTiming& timing) { load_ = timing.computation 
 
 void PictureMaker::rests(Simulation& simulation) { make(simulation); }
 
+void PictureMaker::moved(Simulation& simulation) { make(simulation); }
+
 }  // namespace mimbre::live

@@ -11,7 +11,7 @@ namespace mimbre::live {
 
 /// Channels that viewers want to see: places among Simulation::channels().
 struct Choice {
-  static constexpr int most = 256;
+  static constexpr int most = 2048;  ///< of all viewers
   int count = 0;
   std::array<int, most> channels{};
 };
@@ -45,6 +45,7 @@ class PictureMaker : public RealTimePart {
   void after(Simulation& simulation, const StepReport& report, bool output) override;
   void timed(const StepTiming& timing) override;
   void rests(Simulation& simulation) override;
+  void moved(Simulation& simulation) override;
 
   // Of the thread that shows them.
   void choose(const Choice& choice);

@@ -27,8 +27,8 @@ void require(bool right, const std::string& message) {
 }
 
 void check(const RealTimeOptions& o) {
-  require(std::isfinite(o.speed) && o.speed > 0,
-          fmt::format("the speed against the clock is {}; it must be positive", o.speed));
+  require(o.speed >= 1e-6 && o.speed <= 1e6,
+          fmt::format("the speed against the clock is {}; it must be 1e-6 to 1e6", o.speed));
   require(o.duration > 0, fmt::format("the duration is {} s; it must be positive", o.duration));
   require(o.priority >= 0 && o.priority <= 99,
           fmt::format("the priority is {}; it must be 1 to 99, or 0 for none", o.priority));
@@ -148,6 +148,20 @@ void RealTimeMonitor::add(const RealTimeMonitor& o) {
   raise<int>(most_parts, o.most_parts);
 }
 
+namespace {
+
+/// What bounds the work of a step, for people.
+std::string worst_case_of(const Simulation& s) {
+  const int attempts = s.most_attempts(), iterations = s.method().max_iterations;
+  const std::string each = fmt::format("at most {} iterations", iterations);
+  const std::string tries =
+      attempts == 1 ? each + " in a step"
+                    : fmt::format("{} in each of at most {} attempts at a step or its parts", each, attempts);
+  return s.events().empty() ? tries : tries + "; events are searched for in up to 80 further ones each";
+}
+
+}  // namespace
+
 struct RealTimeLoop::Impl {
   Impl(Simulation& s, const RealTimeOptions& o) : simulation(s), options(o), period(s.step_size() / o.speed) {
     check(o);
@@ -170,14 +184,19 @@ struct RealTimeLoop::Impl {
       if (over && !options.rests_at_end) break;
       take_requests();
       if (state == State::running || single) {
-        single = false;
         step();
       } else {
         rest();
       }
     }
-    const auto why = message.load();
-    return why ? *why : std::string();
+    return why();
+  }
+
+  /// Of what failed or ended.
+  std::string why() const {
+    const State s = state;
+    const auto told = message.load();
+    return told && (s == State::failed || s == State::ended) ? *told : std::string();
   }
 
   /// What the first steps need is fetched before they count.
@@ -205,7 +224,18 @@ struct RealTimeLoop::Impl {
     return begin + to_nanoseconds(static_cast<double>(step) * period);
   }
 
+  /// False where something else is asked for while it waits.
+  bool wait(std::int64_t planned) {
+    while (planned - live::clock_now() > 2 * resting) {
+      rest();
+      if (stopping.load(std::memory_order_relaxed) || requests.front()) return false;
+    }
+    return true;
+  }
+
   void step() {
+    if (!wait(due(since))) return;
+    single = false;
     StepTiming timing = begun(made, due(since), done, options.spin);
     const Measured measured;
     const bool output = options.overrun != Overrun::skip_output || timing.behind == 0;
@@ -271,6 +301,8 @@ struct RealTimeLoop::Impl {
           if (state == State::paused) {
             begin_clock();
             single = true;
+            requests.pop();
+            return;  // what else is asked for comes after it
           }
           break;
         case Kind::reset:
@@ -298,13 +330,15 @@ struct RealTimeLoop::Impl {
   /// A loop that was at its end goes on from there.
   void put_to(const Simulation::Snapshot& snapshot) {
     simulation.restore(snapshot);
-    if (state == State::ended) made = 0;
+    if (state == State::ended || state == State::failed) made = 0;
+    message.store({});
     if (state != State::paused) go_on();
     time.store(simulation.time(), std::memory_order_relaxed);
-    for (RealTimePart* part : parts) part->rests(simulation);
+    for (RealTimePart* part : parts) part->moved(simulation);
   }
 
   Simulation& simulation;
+  const std::string worst_case = worst_case_of(simulation);
   const RealTimeOptions options;
   const double period;  ///< s of the clock
   std::int64_t most_steps = 0;
@@ -342,26 +376,14 @@ const RealTimeMonitor& RealTimeLoop::monitor() const { return impl_->monitor; }
 const RealTimeOptions& RealTimeLoop::options() const { return impl_->options; }
 double RealTimeLoop::step() const { return impl_->simulation.step_size(); }
 
-std::string RealTimeLoop::message() const {
-  const State s = state();
-  const auto why = impl_->message.load();
-  return why && (s == State::failed || s == State::ended) ? *why : std::string();
-}
+std::string RealTimeLoop::message() const { return impl_->why(); }
 
 RealTimeGrants RealTimeLoop::granted() const {
   const auto granted = impl_->granted.load();
   return granted ? *granted : RealTimeGrants();
 }
 
-std::string RealTimeLoop::worst_case() const {
-  const Simulation& s = impl_->simulation;
-  const int attempts = s.most_attempts(), iterations = s.method().max_iterations;
-  const std::string each = fmt::format("at most {} iterations", iterations);
-  const std::string tries =
-      attempts == 1 ? each + " in a step"
-                    : fmt::format("{} in each of at most {} attempts at a step or its parts", each, attempts);
-  return s.events().empty() ? tries : tries + "; events are searched for in up to 80 further ones each";
-}
+std::string RealTimeLoop::worst_case() const { return impl_->worst_case; }
 
 void idle_loop(double step, double duration, const RealTimeOptions& options, RealTimeMonitor& monitor) {
   check(options);

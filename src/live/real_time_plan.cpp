@@ -64,8 +64,9 @@ std::vector<double> seen_in(Simulation& simulation) {
 /// Steps as fast as they come, with an instant of history for each deadline.
 History history_of(Simulation& simulation, const RealTimePlanOptions& o, double end, Timings* timings,
                    int* most_iterations) {
-  const auto per_deadline = std::max<std::int64_t>(std::llround(o.deadline / simulation.step_size()), 1);
-  const auto instants = std::max<std::int64_t>(std::llround(end / o.deadline), 1);
+  const double instant = o.deadline * o.loop.speed;
+  const auto per_deadline = std::max<std::int64_t>(std::llround(instant / simulation.step_size()), 1);
+  const auto instants = std::max<std::int64_t>(std::llround(end / instant), 1);
   History history = named(simulation);
   history.values.push_back(seen_in(simulation));
   for (std::int64_t k = 0; k < instants && !simulation.stopped(); ++k) {
@@ -105,6 +106,8 @@ std::vector<double> ranges_of(const History& history) {
 /// The largest error of all outputs that both have.
 void judge(const History& exact, const std::vector<double>& ranges, const History& history,
            RealTimeCandidate& candidate) {
+  if (history.values.size() != exact.values.size())
+    candidate.error = INFINITY;  // an event ended it elsewhere
   const std::size_t instants = std::min(exact.values.size(), history.values.size());
   for (std::size_t k = 0; k < exact.names.size(); ++k) {
     const auto found = std::find(history.names.begin(), history.names.end(), exact.names[k]);
@@ -143,26 +146,31 @@ std::shared_ptr<RealTimeMonitor> watch(const std::shared_ptr<const Model>& model
     const RealTimePlanOptions* options = nullptr;
     RealTimeLoop* loop = nullptr;
     double end = 0;
+    std::int64_t left = 0;
     bool asked = false;
     void before(Simulation& simulation) override {
       if (options->drive) options->drive(simulation);
     }
-    void after(Simulation& simulation, const StepReport&, bool) override {
-      if (simulation.time() < end) asked = false;
-      if (asked || simulation.time() < end) return;
+    void after(Simulation& simulation, const StepReport& report, bool) override {
+      if (--left <= 0 || !report.ok()) loop->stop();
+      if (asked || (simulation.time() < end && !simulation.stopped())) return;
       asked = loop->request({RealTimeRequest::Kind::reset});
     }
+    void moved(Simulation&) override { asked = false; }
   } again;
   Simulation simulation(model, options_of(o, c));
   RealTimeOptions of_loop = o.loop;
-  of_loop.duration = o.watch * of_loop.speed;
+  // An event that ends the manoeuvre is the end of one of many.
+  of_loop.rests_at_end = true;
+  again.left = std::llround(o.watch * of_loop.speed / c.step);
   // The loop and its monitor go; what was measured stays.
   auto loop = std::make_shared<RealTimeLoop>(simulation, of_loop);
   again.options = &o;
   again.loop = loop.get();
   again.end = end;
   loop->add(again);
-  failure = loop->run();
+  loop->run();
+  failure = loop->state() == RealTimeLoop::State::failed ? loop->message() : std::string();
   auto kept = std::make_shared<RealTimeMonitor>();
   kept->add(loop->monitor());
   return kept;
@@ -199,7 +207,7 @@ std::vector<RealTimeCandidate> candidates_of(const spec::Model& model, const Rea
         for (const int parts : substeps) {
           RealTimeCandidate c;
           c.formulation = formulation;
-          c.step = o.deadline / divisor;
+          c.step = o.deadline * o.loop.speed / divisor;
           c.most_modes = count;
           c.substeps = parts;
           candidates.push_back(c);
@@ -233,7 +241,7 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   const double end = o.end > 0 ? o.end : resolve_method(model.simulation, o.run).end;
   RealTimePlan plan;
   plan.deadline = o.deadline;
-  plan.reference_step = o.deadline / fine;
+  plan.reference_step = o.deadline * o.loop.speed / fine;
   tell("idle machine", 0);
   plan.idle = std::make_shared<RealTimeMonitor>();
   idle_loop(o.deadline, std::min(longest_idle, o.watch), o.loop, *plan.idle);
@@ -271,7 +279,7 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
       if (c.p9999 > o.load * c.step / o.loop.speed)
         c.failure = "too slow";
       else if (!std::isfinite(c.error))
-        c.failure = "no finite outputs";
+        c.failure = "no finite outputs, or an end at another time";
     } catch (const std::exception& error) {
       c.failure = error.what();
     }
@@ -284,7 +292,7 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
     if (plan.candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
   const auto rank = [&](int k) {
     const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    const bool too_late = c.p9999 + o.loop.speed * late > o.load * c.step;
+    const bool too_late = c.p9999 + late > o.load * c.step / o.loop.speed;
     return std::make_tuple(too_late, std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });

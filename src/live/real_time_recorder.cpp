@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -15,6 +16,12 @@
 
 namespace mimbre {
 namespace {
+
+/// A row, and whether the simulation was put elsewhere before it.
+struct Waiting {
+  ResultsRow row;
+  bool anew = false;
+};
 
 constexpr std::size_t waiting_rows = 256, waiting_timings = 1 << 15;
 /// Single steps are kept up to here; of what comes after, the attributes tell.
@@ -39,30 +46,32 @@ struct RealTimeRecorder::Impl {
         every(std::max<std::int64_t>(std::llround(interval / simulation.step_size()), 1)) {
     ResultsRow row;
     simulation.sample(row);
-    rows = std::make_unique<live::Queue<ResultsRow>>(waiting_rows, row);
+    rows = std::make_unique<live::Queue<Waiting>>(waiting_rows, Waiting{row});
     open();
-    add(row);
+    add({row, false});
     thread = std::thread([this] { work(); });
   }
 
   ~Impl() { stop(); }
 
   void open() {
-    ++files;
+    std::error_code none;
+    do ++files;
+    while (files > 1 && std::filesystem::exists(numbered(path, files), none));
     writer = std::make_unique<ResultsWriter>(numbered(path, files), header);
     const std::lock_guard<std::mutex> lock(told);
     current = numbered(path, files);
   }
 
-  void add(const ResultsRow& row) {
-    if (row.time < last) {
+  void add(const Waiting& waiting) {
+    if (waiting.anew && last > -std::numeric_limits<double>::infinity()) {
       writer->finish("");
       open();
-    } else if (row.time == last) {
-      return;
+      last = -std::numeric_limits<double>::infinity();
     }
-    last = row.time;
-    writer->add(row);
+    if (waiting.row.time <= last) return;
+    last = waiting.row.time;
+    writer->add(waiting.row);
   }
 
   void work() {
@@ -81,7 +90,7 @@ struct RealTimeRecorder::Impl {
   }
 
   void drain() {
-    while (const ResultsRow* row = rows->front()) {
+    while (const Waiting* row = rows->front()) {
       add(*row);
       rows->pop();
     }
@@ -110,9 +119,10 @@ struct RealTimeRecorder::Impl {
   double last = -std::numeric_limits<double>::infinity();
   std::vector<float> computation, latency, cpu, iterations;
 
-  std::unique_ptr<live::Queue<ResultsRow>> rows;
+  std::unique_ptr<live::Queue<Waiting>> rows;
   live::Queue<StepTiming> timings{waiting_timings};
   std::int64_t steps = 0;
+  bool anew = false;  ///< of the loop's thread
   std::atomic<bool> on{true}, stopping{false}, failed{false};
   std::atomic<std::int64_t> lost{0};
 
@@ -129,13 +139,17 @@ RealTimeRecorder::~RealTimeRecorder() = default;
 void RealTimeRecorder::after(Simulation& simulation, const StepReport& report, bool output) {
   Impl& s = *impl_;
   if (!report.ok() || ++s.steps % s.every != 0 || !output || !s.on.load(std::memory_order_relaxed)) return;
-  if (ResultsRow* const row = s.rows->place()) {
-    simulation.sample(*row);
+  if (Waiting* const waiting = s.rows->place()) {
+    simulation.sample(waiting->row);
+    waiting->anew = s.anew;
+    s.anew = false;
     s.rows->push();
   } else {
     s.lost.store(s.lost.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 }
+
+void RealTimeRecorder::moved(Simulation&) { impl_->anew = true; }
 
 void RealTimeRecorder::timed(const StepTiming& timing) { impl_->timings.push(timing); }
 

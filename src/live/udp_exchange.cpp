@@ -26,7 +26,9 @@ using Head = mimbre_exchange_head;
 constexpr int most_packets = 64;
 /// Outputs whose times of sending are remembered.
 constexpr std::size_t remembered = 4096;
-constexpr std::size_t longest_packet = 65'507;
+constexpr std::size_t longest_packet = 65'507, longest_names = 65'000;
+/// Who leaves so many steps in a row waiting has gone.
+constexpr int most_silent = 100;
 
 union Address {
   sockaddr any;
@@ -99,6 +101,11 @@ struct UdpExchange::Impl {
       : exchanged(simulation, options), wait(options.wait) {
     if (!(wait >= 0) || wait > 10)
       throw InputError(Mark{}, fmt::format("waiting for an answer is {} s; it must be 0 to 10 s", wait));
+    if (exchanged.names().size() > longest_names)
+      throw InputError(Mark{},
+                       fmt::format("the names of what is exchanged take {} bytes, and a packet holds {}: "
+                                   "exchange fewer",
+                                   exchanged.names().size(), longest_names));
     socklen_t size = 0;
     Address own = address_of(options, size);
     socket = ::socket(own.any.sa_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -143,9 +150,11 @@ struct UdpExchange::Impl {
     if (head.kind == MIMBRE_EXCHANGE_HELLO && body == 0) {
       peer = from;
       peer_size = from_size;
+      answered = sent;
+      silent = 0;
       const std::string& names = exchanged.names();
-      const std::size_t told = std::min<std::size_t>(names.size(), 65'000);
-      send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(told), 0, simulation.time(), names.data(), told);
+      send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(names.size()), 0, simulation.time(),
+           names.data(), names.size());
       return true;
     }
     const bool known = peer_size == from_size && std::memcmp(&peer, &from, from_size) == 0;
@@ -160,6 +169,7 @@ struct UdpExchange::Impl {
       return refuse();
     std::memcpy(inputs.data(), packet.data() + sizeof head, body);
     news = true;
+    silent = 0;
     if (head.sequence > answered && sent - head.sequence < remembered)
       trips.add(1e-9 * static_cast<double>(arrival.time - sent_at[head.sequence % remembered]));
     answered = std::max(answered, head.sequence);
@@ -184,6 +194,7 @@ struct UdpExchange::Impl {
       const std::int64_t left = until - live::clock_now();
       if (left <= 0) {
         missed.store(missed.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+        if (++silent >= most_silent) peer_size = 0;
         return;
       }
       const timespec rest{static_cast<time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
@@ -201,6 +212,7 @@ struct UdpExchange::Impl {
   std::vector<char> packet;
   std::vector<double> values, inputs;
   bool news = false;
+  int silent = 0;  ///< steps in a row that waited in vain
   std::uint64_t sent = 0, answered = 0;
   std::array<std::int64_t, remembered> sent_at{};  ///< ns
   Timings trips;
@@ -213,13 +225,15 @@ UdpExchange::~UdpExchange() = default;
 
 void UdpExchange::before(Simulation& simulation) {
   Impl& s = *impl_;
-  s.news = false;
   if (s.wait > 0 && s.peer_size > 0)
     s.take_answer(simulation);
   else
     s.take_all(simulation);
   if (s.news) s.exchanged.write(simulation, s.inputs.data());
+  s.news = false;
 }
+
+void UdpExchange::rests(Simulation& simulation) { impl_->take_all(simulation); }
 
 void UdpExchange::after(Simulation& simulation, const StepReport& report, bool) {
   Impl& s = *impl_;
