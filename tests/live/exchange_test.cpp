@@ -189,6 +189,25 @@ TEST(UdpExchange, ASilentPeerCostsTheWaitAndNoMore) {
   EXPECT_EQ(loop.monitor().steps, 10);
 }
 
+/// Also while no steps are made; and who no longer answers is let go.
+TEST(UdpExchange, HelloIsAnsweredAtRestAndWhoHasGoneIsLetGo) {
+  Simulation simulation = four_bar();
+  UdpExchange udp(simulation, UdpOptions{{}, "127.0.0.1", 0, 1e-4});
+  Peer peer(udp.port());
+  peer.send(MIMBRE_EXCHANGE_HELLO, 0, 0);
+  udp.rests(simulation);
+  mimbre_exchange_head head{};
+  std::string body;
+  ASSERT_TRUE(peer.take(head, body));
+  EXPECT_EQ(head.kind, MIMBRE_EXCHANGE_NAMES);
+  for (int k = 0; k < 150; ++k) {
+    udp.before(simulation);
+    const StepReport report = simulation.step();
+    udp.after(simulation, report, true);
+  }
+  EXPECT_EQ(udp.missed(), 100);
+}
+
 TEST(UdpExchange, NamesAndPortsAreChecked) {
   Simulation simulation = four_bar();
   EXPECT_THROW(UdpExchange(simulation, UdpOptions{{{"nothing"}, {}}, "127.0.0.1", 0, 0}), UnknownName);

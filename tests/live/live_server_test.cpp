@@ -380,6 +380,7 @@ TEST(LiveServer, SaysWhereItCannotListen) {
   const LiveServer server(simulation, loop, {});
   EXPECT_THROW(LiveServer(simulation, loop, {"127.0.0.1", server.port(), "", nullptr}), std::runtime_error);
   EXPECT_THROW(LiveServer(simulation, loop, {"localhost", 0, "", nullptr}), InputError);
+  EXPECT_THROW(LiveServer(simulation, loop, {"127.0.0.1", 0, "a b&c", nullptr}), InputError);
   EXPECT_THROW(LiveServer(simulation, loop, {"127.0.0.1", 70000, "", nullptr}), InputError);
 }
 

@@ -81,6 +81,29 @@ TEST(RealTimePlan, SaysWhenNothingIsFastEnough) {
   for (const RealTimeCandidate& c : plan.candidates) EXPECT_NE(c.failure, "");
 }
 
+/// The end of a manoeuvre by an event is an end, and no failure.
+TEST(RealTimePlan, AnEventMayEndTheManoeuvre) {
+  const auto model = model_of(R"(
+bodies:
+  bar: {mass: 1, com: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}
+signals:
+  angle: {joint: hinge}
+events:
+  down: {when: angle, crosses: 1, stop: true}
+outputs:
+  - {name: angle, joint: hinge}
+simulation: {step: 0.005, end: 5}
+)");
+  RealTimePlanOptions options = quick();
+  options.modes = {};
+  options.end = 5;
+  const RealTimePlan plan = plan_real_time(model->spec(), options);
+  ASSERT_GE(plan.chosen, 0);
+  EXPECT_GE(plan.watched->steps, 30);
+}
+
 TEST(RealTimePlan, RefusesWhatCannotBe) {
   const spec::Model model = example("pendulum/flexible.yaml")->spec();
   const auto refused = [&](auto&& change) {

@@ -89,6 +89,36 @@ TEST(RealTimeRecorder, ATimeThatGoesBackBeginsAnotherFile) {
   EXPECT_DOUBLE_EQ(rest.time[0], 0.005);
 }
 
+/// What is recorded after a reset that nobody recorded is another drive, though its time is later.
+TEST(RealTimeRecorder, AMoveWhileItIsOffBeginsAnotherFileToo) {
+  const std::string file = fresh("moved");
+  Simulation simulation = simulation_of(controlled_four_bar(), Formulation::relative, 0.005);
+  RealTimeLoop loop(simulation, quick_loop());
+  RealTimeRecorder recorder(file, simulation, "{}", 0);
+  struct Off : RealTimePart {
+    RealTimeLoop* loop = nullptr;
+    RealTimeRecorder* recorder = nullptr;
+    int steps = 0;
+    void timed(const StepTiming&) override {
+      ++steps;
+      if (steps == 20) recorder->record(false);
+      if (steps == 30) loop->request({RealTimeRequest::Kind::reset});
+      if (steps == 60) recorder->record(true);
+    }
+  } off;
+  off.loop = &loop;
+  off.recorder = &recorder;
+  loop.add(recorder);
+  loop.add(off);
+  loop.run();
+  recorder.finish(loop, "{}");
+  EXPECT_EQ(read_results(file).time.size(), 21);
+  const Results rest = read_results(recorder.path());
+  EXPECT_NE(recorder.path(), file);
+  EXPECT_EQ(rest.time.size(), 40);
+  EXPECT_NEAR(rest.time[0], 31 * 0.005, 1e-9);
+}
+
 TEST(RealTimeRecorder, CanBeSwitchedOff) {
   const std::string file = fresh("off");
   Simulation simulation = simulation_of(controlled_four_bar(), Formulation::relative, 0.005);

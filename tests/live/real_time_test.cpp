@@ -235,6 +235,25 @@ TEST(RealTimeLoop, AFailureIsToldAndAResetGoesOn) {
   runs.join();
 }
 
+/// Fifty seconds to the next step are no reason not to listen.
+TEST(RealTimeLoop, HeedsWhatIsAskedWhileItWaitsForAStep) {
+  Simulation simulation = four_bar();
+  RealTimeOptions options = quick_loop();
+  options.speed = 1e-4;
+  options.duration = 100;
+  RealTimeLoop loop(simulation, options);
+  std::thread runs([&] { loop.run(); });
+  ASSERT_TRUE(comes_true([&] { return loop.monitor().steps == 1; }));
+  loop.request({Kind::pause});
+  EXPECT_TRUE(comes_true([&] { return loop.state() == State::paused; }));
+  loop.request({Kind::step});
+  EXPECT_TRUE(comes_true([&] { return loop.monitor().steps == 2; }));
+  loop.request({Kind::resume});
+  EXPECT_TRUE(comes_true([&] { return loop.state() == State::running; }));
+  loop.stop();
+  runs.join();
+}
+
 TEST(RealTimeLoop, RefusesOptionsThatCannotBe) {
   Simulation simulation = four_bar();
   const auto refused = [&](auto&& change) {
