@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "forces/brush.h"
+#include "support/brush.h"
 #include "support/models.h"
 #include "support/simulate.h"
 

@@ -1,4 +1,4 @@
-#include "forces/brush.h"
+#include "support/brush.h"
 
 #include <gtest/gtest.h>
 
