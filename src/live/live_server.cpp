@@ -117,9 +117,8 @@ struct Hall {
         board(simulation),
         pictures(simulation, loop.step() / loop.options().speed),
         scene(std::make_shared<const std::string>(live::scene_text(simulation, loop, recorder))),
-        histories(inputs.size()) {
-    for (int k = 0; k < std::min(simulation.output_count(), 4); ++k) shown.push_back(k);
-  }
+        histories(inputs.size()),
+        shown(live::shown_at_first(simulation)) {}
 
   void enter(const std::shared_ptr<Viewer>& viewer) {
     viewers.push_back(viewer);
@@ -274,7 +273,7 @@ struct Hall {
   live::PictureMaker pictures;
   const std::shared_ptr<const std::string> scene;
   std::vector<live::InputHistory> histories;
-  std::vector<int> shown;
+  const std::vector<int> shown;  ///< at first
   bool playing = false;
 
   std::vector<std::shared_ptr<Viewer>> viewers;

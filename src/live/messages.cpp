@@ -17,7 +17,7 @@ namespace {
 using results::Json;
 
 constexpr std::size_t most_channels = 64, longest_name = 40, most_points = 1'000'000;
-constexpr int shown_at_first = 4;
+constexpr int most_shown = 4;
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -117,6 +117,12 @@ Json patches_of(const spec::Road& road) {
 
 }  // namespace
 
+std::vector<int> shown_at_first(const Simulation& simulation) {
+  std::vector<int> shown;
+  for (int k = 0; k < std::min(simulation.output_count(), most_shown); ++k) shown.push_back(k);
+  return shown;
+}
+
 std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const RealTimeRecorder* recorder) {
   Results start;
   start.header = simulation.header("");
@@ -133,7 +139,7 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
   start.channels = row.channels.transpose();
   start.poses = {row.poses};
   start.modes = row.modes.transpose();
-  Json channels = Json::array(), inputs = Json::array(), shown = Json::array();
+  Json channels = Json::array(), inputs = Json::array();
   for (const ChannelInfo& channel : simulation.channels())
     channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"meaning", channel.meaning}});
   for (std::size_t k = 0; k < simulation.inputs().size(); ++k) {
@@ -147,7 +153,6 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
     if (std::isfinite(input.max)) told["max"] = input.max;
     inputs.push_back(std::move(told));
   }
-  for (int k = 0; k < std::min(simulation.output_count(), shown_at_first); ++k) shown.push_back(k);
   Json scene{{"format", "mimbre-live-1"},
              {"title", start.header.title},
              {"step", loop.step()},
@@ -155,7 +160,7 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
              {"model", start.header.model_text},
              {"channels", channels},
              {"outputs", simulation.output_count()},
-             {"shown", shown},
+             {"shown", shown_at_first(simulation)},
              {"inputs", inputs},
              {"policy", name_of(loop.options().overrun)},
              {"recording", recorder && recorder->recording()}};

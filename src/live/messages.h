@@ -11,6 +11,9 @@
 /// The texts of the protocol (docs/live-protocol.md).
 namespace mimbre::live {
 
+/// Channels that a viewer is shown at first: the model's first outputs.
+std::vector<int> shown_at_first(const Simulation& simulation);
+
 /// `/scene`. Made where the simulation may be used: before the loop runs.
 std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const RealTimeRecorder* recorder);
 

@@ -79,24 +79,26 @@ StepTiming begun(std::int64_t step, std::int64_t due, std::int64_t done, double 
   return timing;
 }
 
-/// Measures what is done between two calls, in the calling thread.
+/// Measures what is done between two calls, in the calling thread: CPU time within the clock's, so that what
+/// happens between two readings is not taken for work.
 class Measured {
  public:
-  Measured() : usage_(live::thread_usage()), cpu_(live::thread_cpu_now()), begin_(live::clock_now()) {}
+  Measured() : begin_(live::clock_now()), usage_(live::thread_usage()), cpu_(live::thread_cpu_now()) {}
   /// Returns when it ended.
   std::int64_t end(StepTiming& timing) const {
-    const std::int64_t end = live::clock_now();
-    timing.computation = nano * static_cast<double>(end - begin_);
     timing.cpu = nano * static_cast<double>(live::thread_cpu_now() - cpu_);
     const live::ThreadUsage usage = live::thread_usage();
+    const std::int64_t end = live::clock_now();
+    timing.computation = nano * static_cast<double>(end - begin_);
     timing.page_faults = usage.page_faults - usage_.page_faults;
     timing.preemptions = usage.preemptions - usage_.preemptions;
     return end;
   }
 
  private:
+  std::int64_t begin_;
   live::ThreadUsage usage_;
-  std::int64_t cpu_, begin_;
+  std::int64_t cpu_;
 };
 
 void note(const StepTiming& t, RealTimeMonitor& monitor) {
@@ -210,7 +212,6 @@ struct RealTimeLoop::Impl {
       measured.end(timing);
     }
     simulation.restore(before);
-    simulation.save(scratch);
   }
 
   /// Steps count from now.
@@ -343,7 +344,7 @@ struct RealTimeLoop::Impl {
   const double period;  ///< s of the clock
   std::int64_t most_steps = 0;
   std::vector<RealTimePart*> parts;
-  Simulation::Snapshot beginning, scratch;
+  Simulation::Snapshot beginning;
   std::vector<Simulation::Snapshot> saved;
   std::vector<bool> is_saved;
 
