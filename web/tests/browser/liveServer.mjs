@@ -1,8 +1,12 @@
 // A server of the program's, and what tests of the live page do there again and again.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
+import { createServer } from "node:net";
 import { resolve } from "node:path";
 import { root } from "./browser.mjs";
+
+/** s that is waited for what has to come: much, for the machine may have other work, and what is asserted is that it comes. */
+const patience = 120;
 
 /** `mimbre live` with a model; says its address on its first line. */
 export async function serveModel(program, model, ...options) {
@@ -24,10 +28,24 @@ export async function serveModel(program, model, ...options) {
   return { url, stop, port: Number(new URL(url).port) };
 }
 
+/** A port for a server that comes back to it: below those that systems give to whoever asks for any. */
+export async function lastingPort() {
+  for (let attempt = 0; ; ++attempt) {
+    const port = 20_000 + Math.floor(12_000 * Math.random());
+    const probe = createServer();
+    const error = await new Promise((done) => {
+      probe.once("error", done);
+      probe.listen(port, "127.0.0.1", () => done(null));
+    });
+    if (!error) return new Promise((done) => probe.close(() => done(port)));
+    if (attempt === 50) throw error;
+  }
+}
+
 export const say = (page, selector) => page.locator(selector).first().innerText();
 
 /** Until it is so; polled, for a page that draws slowly does not tell every change at once. */
-export async function until(what, condition, seconds = 20) {
+export async function until(what, condition, seconds = patience) {
   const end = performance.now() + 1000 * seconds;
   for (;;) {
     const seen = await condition();
@@ -47,26 +65,61 @@ export async function inControl(page) {
   await until("control", async () => (await say(page, ".take")) === "Give control back");
 }
 
-export const driving = (page, on, name) => (on ? page.keyboard.down(name) : page.keyboard.up(name));
+const held = new WeakMap(); // keys that are down, by page
 
-/** How often the mechanism is drawn within 5 s, and how often the browser asks for it. */
+export async function driving(page, on, name) {
+  if (!held.has(page)) held.set(page, new Set());
+  if (on) held.get(page).add(name);
+  else held.get(page).delete(name);
+  await (on ? page.keyboard.down(name) : page.keyboard.up(name));
+}
+
+/** Nobody touches keys or pads, and nobody types, whatever a case that failed has left. */
+export async function handsOff(page) {
+  for (const name of [...(held.get(page) ?? [])]) await driving(page, false, name);
+  await page.evaluate(() => {
+    navigator.getGamepads = () => [];
+    document.activeElement.blur(); // where one types, keys are letters
+  });
+}
+
+/** Closes the other viewers that a case that failed has left. */
+export async function alone(page, browser) {
+  for (const context of browser.contexts()) if (context !== page.context()) await context.close();
+}
+
+export async function pause(page) {
+  if ((await say(page, ".pill")) === "Running") await page.keyboard.press("p");
+  await state(page, "Paused");
+}
+
+export async function resume(page) {
+  await page.keyboard.press("p");
+  await state(page, "Running");
+}
+
+/**
+ * How often the mechanism is drawn within 5 s or 20 times, whichever takes longer, and how often the browser asks for it;
+ * and how many of the moments that the view was brought to were not drawn.
+ */
 export async function rate(page) {
-  const { drawn, asked, width, height } = await page.evaluate(
+  const { drawn, asked, leftOut, width, height } = await page.evaluate(
     () =>
       new Promise((done) => {
-        const { canvas } = window.mimbreView;
-        const counts = { drawn: 0, asked: 0, width: canvas.width, height: canvas.height };
-        const stop = window.mimbreView.onDrawn(() => ++counts.drawn);
+        const { canvas, clock } = window.mimbreView;
+        const [pictures, moments] = [[], []]; // the clock's times: drawn, and whenever the browser asks
+        const stop = window.mimbreView.onDrawn(() => pictures.push(clock.time));
         const begun = performance.now();
         const each = () => {
-          ++counts.asked;
-          if (performance.now() - begun < 5000) return requestAnimationFrame(each);
-          stop();
+          moments.push(clock.time);
           const seconds = (performance.now() - begun) / 1000;
-          done({ ...counts, drawn: counts.drawn / seconds, asked: counts.asked / seconds });
+          if (seconds < 5 || (pictures.length < 20 && seconds < 60)) return requestAnimationFrame(each);
+          stop();
+          const known = new Set([moments[0], ...pictures]);
+          done({ drawn: pictures.length / seconds, asked: moments.length / seconds, leftOut: moments.filter((time) => !known.has(time)).length, width: canvas.width, height: canvas.height });
         };
         each();
       }),
   );
-  return { drawn, asked, words: `${drawn.toFixed(1)} pictures a second of ${width} × ${height} pixels, of ${asked.toFixed(1)} that the browser asked for` };
+  return { drawn, leftOut, words: `${drawn.toFixed(1)} pictures a second of ${width} × ${height} pixels, of ${asked.toFixed(1)} that the browser asked for` };
 }
