@@ -17,8 +17,25 @@ constexpr int gap = 0, forth = 1, across = 2, overturning = 3, rolling = 4, alig
 /// its axis, rad/s; camber (inclination to the right positive), rad; factor on friction.
 constexpr int road = 0, forward = 1, spin = 2, camber = 3, friction = 4;
 
-/// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip.
+/// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip, and is
+/// pushed nearer to its middle.
 constexpr double flat = 0.1;
+
+/// How far the lowest point of a circle of radius 1 is below its centre along the road's normal, as a
+/// function of that sine: equal to it but near 0, where the lowest point would jump from one side to the
+/// other. There its derivative passes smoothly to 0, so that a circle that lies flat is pushed at its middle.
+/// With derivative over sine.
+template <class T>
+struct Reach {
+  T down, slope;
+};
+template <class T>
+Reach<T> reach(const T& sine) {
+  const T r = sine / T(flat), square = r * r;
+  const auto lies = r < T(1);
+  return {select(lies, T(T(flat / 8) * (T(3) + square * (T(6) - square))), sine),
+          select(lies, T((T(12) - T(4) * square) / T(8 * flat)), T(T(1) / select(lies, T(1), sine)))};
+}
 
 /// Radius at which it rolls, m.
 template <class T>
@@ -44,6 +61,15 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   const Vec3<T> axis = b.rotation * e.direction.template cast<T>();
   const Vec3<T> centre = b.position + origin;
   const T radius(e.radius);
+  // From the centre to the lowest point over a plane with that normal.
+  const auto lowest_over = [&](const Vec3<T>& n) {
+    const Vec3<T> t = axis.cross(n), along = n - n.dot(axis) * axis;  // of the sine's size, and its square's
+    const T square = t.squaredNorm();
+    const auto stands = square > T(1e-12);
+    const T sine = select(stands, sqrt(select(stands, square, T(1))), T(0));
+    const Reach<T> by = reach(sine);
+    return Vec3<T>(T(-1) * radius * (by.slope * (along - square * n) + by.down * n));
+  };
   // Forwards along a plane with that normal; zero where the wheel lies on it.
   const auto forwards = [&](const Vec3<T>& n, T& steep) {
     const Vec3<T> t = axis.cross(n);
@@ -55,11 +81,10 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   };
   T steep;
   const roads::Place<T> below = roads::place(road_data, e.footprint, centre[0], centre[1], signals);
-  const Vec3<T> guess = forwards(roads::normal(below), steep);
-  const Vec3<T> place = centre - radius * guess.cross(axis);
+  const Vec3<T> place = centre + lowest_over(roads::normal(below));
   const roads::Place<T> at = roads::place(road_data, e.footprint, place[0], place[1], signals);
   const Vec3<T> n = roads::normal(at), t = forwards(n, steep), side = n.cross(t), up = t.cross(axis);
-  const Vec3<T> lowest = T(-1) * radius * up;
+  const Vec3<T> lowest = lowest_over(n);
   s.x[gap] = n.dot(Vec3<T>(centre + lowest)) - n[0] * place[0] - n[1] * place[1] - n[2] * at.z;
   const T deep = select(s.x[gap] < T(0), T(-s.x[gap]), T(0));
   const T loaded = select(deep < radius, T(radius - deep), T(0));

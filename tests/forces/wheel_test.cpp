@@ -150,18 +150,25 @@ TEST(Roads, FrictionIsThatOfTheLastPatchThere) {
   EXPECT_EQ(roads::friction(road, 9, 0), 0.5);
 }
 
-/// On a plane the rate of the gap is its derivative, for wheels that lean and steer.
+/// On a plane the rate of the gap is its derivative, for wheels that lean and steer, and that lie nearly
+/// flat.
 TEST(WheelMeasure, TheRateOfTheGapIsItsDerivative) {
   Random random(5);
-  for (int round = 0; round < 200; ++round) {
-    Wheel w(slope(random.number(-0.4, 0.4)), 0.35);
+  for (int round = 0; round < 400; ++round) {
+    const double rise = random.number(-0.4, 0.4);
+    Wheel w(slope(rise), 0.35);
     w.b.position = random.vector(2);
     w.b.rotation = random.rotation();
+    if (round % 2 == 1) {
+      const double lean = random.number(-0.15, 0.15);
+      w.b.rotation = rotation_exp<double>(Vec3d(0, -std::atan(rise), 0)) *
+                     rotation_exp<double>(Vec3d(0.5 * std::numbers::pi + lean, 0, 0)) *
+                     rotation_exp<double>(Vec3d(0, random.number(-3, 3), 0));
+    }
     w.b.velocity = random.vector(10);
     w.b.omega = random.vector(10);
     const double h = 1e-6, up = w.at(h).x[0], down = w.at(-h).x[0];
     const ElementState<double> s = w.at(0);
-    if (std::abs(s.surroundings[wheel::camber]) > 1.4) continue;  // nearly flat: the lowest point runs away
     EXPECT_NEAR(s.v[0], (up - down) / (2 * h), 1e-5);
     for (int k = 0; k < 6; ++k)
       EXPECT_NEAR(s.v[k], s.linear_of(k).dot(w.b.velocity) + s.angular_of(k).dot(w.b.omega), 1e-12);
@@ -241,6 +248,25 @@ TEST(WheelMeasure, AWheelThatLiesFlatHasNoGrip) {
     const ElementState<double> s = w.at(0);
     for (int k = 0; k < 6; ++k) EXPECT_TRUE(std::isfinite(s.x[k]) && std::isfinite(s.v[k])) << k;
     EXPECT_NEAR(s.surroundings[wheel::friction], 0, 2e-3);
+    // Pushed at its middle, where it does not turn it over.
+    EXPECT_LT(s.angular_of(wheel::gap).norm(), 0.35 * 1.5 * 1e-4 / wheel::flat + 1e-12);
+  }
+}
+
+/// The push moves from side to side as it tilts, by steps as small as those of the tilt.
+TEST(WheelMeasure, AWheelThatLiesFlatIsPushedSmoothly) {
+  Wheel w(slope(0), 0.35);
+  double before = 0;
+  for (int k = -200; k <= 200; ++k) {
+    w.b.rotation = rotation_exp<double>(Vec3d(0.5 * std::numbers::pi + 1e-3 * k, 0, 0));
+    const double lever = w.at(0).angular_of(wheel::gap).x();
+    if (k > -200) {
+      EXPECT_NEAR(lever, before, 1.01 * 1.5 * 0.35 * 1e-3 / wheel::flat) << k;
+    }
+    if (std::abs(k) > 101) {
+      EXPECT_NEAR(std::abs(lever), 0.35 * std::cos(1e-3 * k), 1e-12) << k;
+    }
+    before = lever;
   }
 }
 
