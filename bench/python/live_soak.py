@@ -5,7 +5,10 @@ kept their time before and after it, beside the idle machine.
     python3 bench/python/live_soak.py examples/iltis/drive.yaml --seconds 600 --step 0.001 --priority 50 --cpu 1
 
 Further words go to `mimbre live`. Where the model has inputs steering, throttle and brake a driver turns, accelerates
-and brakes; needs no package."""
+and brakes; needs no package.
+
+With `--again 5` what was driven is computed five times more, as fast as it goes, by the package `mimbre`: the least CPU
+time of a step over them is its own, and not what the machine adds to one or another of them."""
 
 import argparse
 import base64
@@ -19,6 +22,7 @@ import struct
 import subprocess
 import sys
 import time
+from typing import Any
 from urllib.parse import urlparse
 from urllib.request import urlopen
 
@@ -99,6 +103,33 @@ def drive(url: str, seconds: float) -> None:
         viewer.say(do="inputs", values={"steering": steering, "throttle": 0.0 if brake else 0.35, "brake": brake})
 
 
+def own_times(model: str, method: dict[str, Any], driven: dict[str, Any], seconds: float, times: int) -> list[float]:
+    """CPU time of each step, s, the least of several runs with the inputs that were driven."""
+    import mimbre
+
+    compiled = mimbre.Model.from_file(model)
+    least: list[float] = []
+    for _ in range(times):
+        simulation = compiled.simulation(**method)
+        changes = sorted(
+            (time, name, value)
+            for name, track in driven["tracks"].items()
+            for time, value in zip(track["times"], track["values"], strict=True)
+        )
+        inputs = {name: simulation.input(name) for name in driven["tracks"]}
+        taken, change, half = [], 0, simulation.step_size / 2
+        while simulation.time < seconds - half:
+            while change < len(changes) and changes[change][0] <= simulation.time + half:
+                _, name, value = changes[change]
+                inputs[name].value = value
+                change += 1
+            begin = time.thread_time_ns()
+            simulation.step()
+            taken.append(1e-9 * (time.thread_time_ns() - begin))
+        least = [min(pair) for pair in zip(least, taken, strict=True)] if least else taken
+    return least
+
+
 def figures(status: dict[str, dict[str, float]]) -> str:
     told = []
     for what in ("computation", "cpu", "latency"):
@@ -112,6 +143,7 @@ def main() -> int:
     parser.add_argument("model")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--program", default="build/release/mimbre")
+    parser.add_argument("--again", type=int, default=0)
     parser.add_argument("--look-on", action="store_true", help=argparse.SUPPRESS)
     a, further = parser.parse_known_args()
     if a.look_on:
@@ -122,12 +154,15 @@ def main() -> int:
         assert process.stdout
         url = process.stdout.readline().strip()
         status = url.replace("/?", "/status?") if "?" in url else url + "status"
+        inputs_of = status.replace("/status", "/inputs")
         viewers = [subprocess.Popen([sys.executable, __file__, url, "--look-on"]) for _ in range(2)]
+        driven: dict[str, Any] = {"tracks": {}}
         try:
             drive(url, a.seconds / 2)
             print("ms, median / 99.99 % / worst, both viewers:", figures(json.load(urlopen(status))), flush=True)
             os.kill(viewers[1].pid, signal.SIGSTOP)
-            drive(url, a.seconds)
+            drive(url, a.seconds / 2 - 3)
+            driven = json.load(urlopen(inputs_of))
         except (OSError, ConnectionError):
             pass  # its time is over
         summary = json.loads(process.stdout.read())
@@ -140,6 +175,13 @@ def main() -> int:
         print("ms, the idle machine:                      ", figures(summary["idle"]), f"{summary['idle']['overruns']}")
     print(f"steps {monitor['steps']}, overruns {monitor['overruns']}, {summary['granted']}, {summary['worst_case']}")
     print(f"worst of CPU over its median: {monitor['cpu']['worst'] / monitor['cpu']['median']:.2f}")
+    if a.again:
+        keys = ("step", "formulation", "max_iterations", "substeps", "fixed_cost")
+        method = {key: summary["resolved"][key] for key in keys}
+        own = sorted(own_times(a.model, method, driven, summary["time"], a.again))
+        median, p9999, worst = own[len(own) // 2], own[int(0.9999 * len(own))], own[-1]
+        print(f"ms, a step's own, least of {a.again}: {1e3 * median:.4f} / {1e3 * p9999:.4f} / {1e3 * worst:.4f}")
+        print(f"worst of its own over the median: {worst / median:.2f}")
     return 0
 
 

@@ -24,7 +24,11 @@ struct RunOptions {
   /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
   int substeps = 0;
   int max_iterations = 0;  ///< of a step, or of each of its parts; 0: from the file
-  double end = -1;         ///< s; negative: from the file, or the default
+  /// For real time: a step is made once, with at most so many iterations, and taken as it is then, though
+  /// they have not converged (StepReport::unconverged). It takes the formalism index3, and substeps and
+  /// contacts repeat nothing. Where it is not given: from the file.
+  std::optional<bool> fixed_cost;
+  double end = -1;  ///< s; negative: from the file, or the default
   /// What inputs and tunable parameters start with, by name, within their ranges; others as the model says.
   /// The start, its equilibrium and all that is observed there are those of a model with these values.
   std::map<std::string, double> inputs;
@@ -49,6 +53,7 @@ struct Method {
   double penalty = 0;          ///< likewise
   int max_iterations = 0;      ///< of a step
   int substeps = 1;            ///< parts in which an inaccurate step is repeated; 1: never
+  bool fixed_cost = false;     ///< steps are taken as they are after max_iterations
   double end = 0;              ///< s
   bool default_end = false;    ///< nobody said when the run ends
   double output_interval = 0;  ///< s; 0: every step
@@ -57,7 +62,8 @@ struct Method {
   bool validity = true, warnings = true;
 };
 
-/// The only place where defaults are decided, and where is asked what they are.
+/// The only place where defaults are decided, and where is asked what they are. Throws InputError where a
+/// fixed cost is asked for and the formalism has none.
 Method resolve_method(const spec::Simulation& given, const RunOptions& options);
 
 }  // namespace mimbre

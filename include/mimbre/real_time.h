@@ -57,6 +57,7 @@ struct StepTiming {
   double computation = 0;  ///< by the clock, of everything done for it
   double cpu = 0;          ///< that its thread worked for it
   int iterations = 0, parts = 1;
+  bool unconverged = false;  ///< RunOptions::fixed_cost
   std::int64_t page_faults = 0, preemptions = 0;
   bool overrun = false;  ///< it was not ready when the next one was due, though it could begin in time
 };
@@ -69,6 +70,7 @@ struct RealTimeMonitor {
   std::atomic<std::int64_t> late{0};             ///< began after they were due, for overruns before them
   std::atomic<std::int64_t> skipped_outputs{0};  ///< left out by Overrun::skip_output
   std::atomic<std::int64_t> iterations{0};       ///< of all steps
+  std::atomic<std::int64_t> unconverged{0};      ///< steps, of RunOptions::fixed_cost
   std::atomic<int> most_iterations{0}, most_parts{1};
   std::atomic<std::int64_t> page_faults{0}, preemptions{0};
   std::atomic<double> lag{0};  ///< s, by which the clock was set back (Overrun::slow_down)

@@ -38,6 +38,7 @@ struct RealTimeCandidate {
   int most_modes = 0;  ///< of a body; 0: all
   int coordinates = 0;
   int max_iterations = 0, substeps = 1;
+  bool fixed_cost = false;  ///< what it is to be run with; see RunOptions::fixed_cost
   /// Of the outputs: root mean square of the difference to the fine run, over the range of that (at least a
   /// hundredth of the largest range of all of its unit); the largest of all outputs, and whose it is.
   double error = 0;

@@ -25,6 +25,7 @@ struct StepReport {
   int coordinate = -1;            ///< where it went wrong
   int equation = -1;              ///< likewise, where it was in a constraint equation
   int substeps = 1;               ///< parts that the step was made in
+  bool unconverged = false;       ///< taken before its iterations converged (RunOptions::fixed_cost)
   bool ok() const { return code == Code::ok; }
 };
 

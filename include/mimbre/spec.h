@@ -463,6 +463,7 @@ struct Simulation {
   double penalty = 0;    ///< 0: automatic
   int max_iterations = 0;             ///< 0: default
   int substeps = 0;                   ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  bool fixed_cost = false;            ///< see RunOptions::fixed_cost
   bool start_at_equilibrium = false;  ///< `initial: equilibrium`
 };
 

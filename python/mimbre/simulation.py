@@ -42,20 +42,30 @@ class Method(TypedDict, total=False):
     """Of newmark: 0, the trapezoidal rule, or less, which damps."""
     tolerance: float
     """Of the iterations of a step, relative."""
+    max_iterations: int
+    """Of a step, or of each of its parts."""
+    substeps: int
+    """Parts in which a step is made again that an impact made inaccurate; 1: never."""
+    fixed_cost: bool
+    """For real time: each step is made once, and taken as it is after `max_iterations`."""
 
 
-_words = ("formulation", "inertia", "formalism", "integrator")
-_numbers = ("step", "rho", "xi", "tolerance")
+_checked: dict[str, Callable[[str, object], Any]] = {
+    **dict.fromkeys(("step", "rho", "xi", "tolerance"), _checks.number),
+    **dict.fromkeys(("max_iterations", "substeps"), _checks.whole),
+    "fixed_cost": _checks.flag,
+    **dict.fromkeys(("formulation", "inertia", "formalism", "integrator"), _checks.text),
+}
 
 
 def checked_method(method: Method) -> _core.Method:
     given: dict[str, Any] = {}
     for name, value in method.items():
-        if name not in _words + _numbers:
-            near = _core.did_you_mean(name, [*_words, *_numbers])
-            raise InputError(f"there is no option {name!r}{near}; there are: {', '.join(_numbers + _words)}")
+        if name not in _checked:
+            near = _core.did_you_mean(name, list(_checked))
+            raise InputError(f"there is no option {name!r}{near}; there are: {', '.join(_checked)}")
         if value is not None:
-            given[name] = _checks.text(name, value) if name in _words else _checks.number(name, value)
+            given[name] = _checked[name](name, value)
     return _core.method(**given)
 
 

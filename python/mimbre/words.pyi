@@ -554,6 +554,8 @@ class Simulation(TypedDict, total=False):
     max_iterations: Number
     # Parts in which an inaccurate step is made again; 1: never.
     substeps: Number
+    # For real time: a step is made once, and taken as it is after max_iterations (6).
+    fixed_cost: Flag
 
 class Actuator(TypedDict, total=False):
     # On whose coordinate it acts.

@@ -94,7 +94,8 @@ void require(bool good, const char* name, std::optional<double> value, const cha
 MethodChoice choice(const std::optional<std::string>& formulation, const std::optional<std::string>& inertia,
                     const std::optional<std::string>& formalism, const std::optional<std::string>& integrator,
                     std::optional<double> rho, std::optional<double> xi, std::optional<double> tolerance,
-                    std::optional<double> step) {
+                    std::optional<int> max_iterations, std::optional<int> substeps,
+                    std::optional<bool> fixed_cost, std::optional<double> step) {
   MethodChoice result;
   app::MethodArguments& to = result.arguments;
   to.formulation = word("formulation", formulation, method_names::formulations);
@@ -105,10 +106,17 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
   require(!xi || (*xi <= 0 && std::isfinite(*xi)), "xi", xi, "a number of at most 0");
   require(!tolerance || (*tolerance >= 1e-15 && *tolerance <= 1), "tolerance", tolerance,
           "a number from 1e-15 to 1");
+  require(!max_iterations || (*max_iterations >= 1 && *max_iterations <= 1000), "max_iterations",
+          max_iterations, "a whole number from 1 to 1000");
+  require(!substeps || (*substeps >= 1 && *substeps <= 100), "substeps", substeps,
+          "a whole number from 1 to 100");
   require(!step || (*step > 0 && std::isfinite(*step)), "step", step, "a number of seconds above 0");
   to.rho = rho;
   to.xi = xi;
   to.tolerance = tolerance;
+  to.max_iterations = max_iterations.value_or(0);
+  to.substeps = substeps.value_or(0);
+  to.fixed_cost = fixed_cost.value_or(false);
   result.step = step.value_or(0);
   return result;
 }
@@ -148,7 +156,8 @@ void bind_model(nb::module_& module) {
   module.def("method", &choice, nb::arg("formulation") = nb::none(), nb::arg("inertia") = nb::none(),
              nb::arg("formalism") = nb::none(), nb::arg("integrator") = nb::none(),
              nb::arg("rho") = nb::none(), nb::arg("xi") = nb::none(), nb::arg("tolerance") = nb::none(),
-             nb::arg("step") = nb::none());
+             nb::arg("max_iterations") = nb::none(), nb::arg("substeps") = nb::none(),
+             nb::arg("fixed_cost") = nb::none(), nb::arg("step") = nb::none());
   module.def("version", [] { return std::string(build_info().version); });
 }
 

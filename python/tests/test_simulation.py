@@ -132,6 +132,23 @@ def test_a_simulation_starts_with_other_inputs(pendulum, formulation):
             pendulum.simulation(inputs=wrong)
 
 
+def test_iterations_parts_and_a_fixed_cost(pendulum):
+    few, whole = pendulum.simulation(step=0.05, fixed_cost=True, max_iterations=2), pendulum.simulation(step=0.05)
+    for sim in (few, whole):
+        sim.step_until(1)
+    apart = abs(few.channel("angle").value - whole.channel("angle").value)
+    assert 0 < apart < 1e-2
+    pendulum.simulation(max_iterations=5, substeps=2).step()
+    for method, said in (
+        ({"fixed_cost": 1}, "True or False"),
+        ({"fixed_cost": True, "substeps": 3}, "fixed_cost makes each step once; leave substeps out"),
+        ({"max_iterations": 0}, "from 1 to 1000"),
+        ({"max_iterations": 2.5}, "whole number"),
+    ):
+        with pytest.raises(mimbre.InputError, match=said):
+            pendulum.simulation(**method)
+
+
 def test_unknown_names_are_key_errors(pendulum):
     sim = pendulum.simulation()
     for ask in (sim.channel, sim.input, sim.pose, lambda name: pendulum.run(inputs={name: 1})):

@@ -242,7 +242,7 @@ std::string method_table(const Method& m) {
   table.add({"step", fmt::format("{:.6g}", m.step), "s"});
   table.add({"rows every", fmt::format("{:.6g}", m.output_interval > 0 ? m.output_interval : m.step), "s"});
   table.add({"tolerance", fmt::format("{:g}", m.tolerance), ""});
-  table.add({"parts of inaccurate steps", fmt::format("{}", m.substeps), ""});
+  table.add({"parts of inaccurate steps", fmt::format("{}", m.substeps), m.fixed_cost ? "(fixed cost)" : ""});
   table.add({"method", "",
              fmt::format("{}, {}, {}", name_of(m.formulation), name_of(m.formalism), name_of(m.integrator))});
   return table.text();

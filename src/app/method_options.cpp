@@ -107,6 +107,11 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       .within(1, 100)
       .type_name("N")
       .group("Method");
+  command
+      .add_flag("--fixed-cost", arguments.fixed_cost,
+                "For real time: each step is made once, and taken as it is after\n"
+                "--max-iterations (6 where neither it nor the model says so)")
+      .group("Method");
 }
 
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given) {
@@ -120,6 +125,11 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.tolerance) options.tolerance = *arguments.tolerance;
   options.max_iterations = arguments.max_iterations;
   options.substeps = arguments.substeps;
+  if (arguments.fixed_cost) options.fixed_cost = true;
+  if (arguments.fixed_cost && arguments.substeps > 1)
+    throw UsageError("--fixed-cost makes each step once; leave --substeps out");
+  if (arguments.fixed_cost && options.formalism.value_or(given.formalism) != Formalism::index3)
+    throw UsageError("--fixed-cost is of the formalism index3");
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
       options.rho < resolve_method(given, options).rho)
     throw UsageError(
@@ -155,6 +165,7 @@ Json to_json(const MethodArguments& arguments) {
   if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
   if (arguments.max_iterations) json["max_iterations"] = arguments.max_iterations;
   if (arguments.substeps) json["substeps"] = arguments.substeps;
+  if (arguments.fixed_cost) json["fixed_cost"] = true;
   return json;
 }
 
@@ -178,6 +189,7 @@ Json resolved_json(const Method& method) {
   json["penalty"] = method.penalty;
   json["max_iterations"] = method.max_iterations;
   json["substeps"] = method.substeps;
+  json["fixed_cost"] = method.fixed_cost;
   json["step"] = method.step;
   json["end"] = method.end;
   json["default_end"] = method.default_end;

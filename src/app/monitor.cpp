@@ -30,7 +30,8 @@ Json monitor_json(const RealTimeMonitor& m) {
           {"page_faults", m.page_faults.load()},
           {"preemptions", m.preemptions.load()},
           {"most_iterations", m.most_iterations.load()},
-          {"most_parts", m.most_parts.load()}};
+          {"most_parts", m.most_parts.load()},
+          {"unconverged_steps", m.unconverged.load()}};
 }
 
 void add_clock_options(Parser& command, RealTimeOptions& options) {

@@ -36,6 +36,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const Arguments&
                                  "--step",           fmt::format("{}", c.step),
                                  "--max-iterations", fmt::format("{}", c.max_iterations),
                                  "--substeps",       fmt::format("{}", c.substeps)};
+  if (c.fixed_cost) words.emplace_back("--fixed-cost");
   const auto add = [&](const std::string& option, const std::string& value) {
     words.push_back(option);
     words.push_back(value);
@@ -66,6 +67,7 @@ Json candidate_json(const RealTimeCandidate& c) {
             {"step", c.step},
             {"most_modes", c.most_modes > 0 ? Json(c.most_modes) : Json(nullptr)},
             {"substeps", c.substeps},
+            {"fixed_cost", c.fixed_cost},
             {"max_iterations", c.max_iterations},
             {"coordinates", c.coordinates}};
   if (c.coordinates > 0 && c.median > 0)

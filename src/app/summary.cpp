@@ -101,6 +101,7 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   summary["iterations_per_step"] = per_step(totals.iterations, totals);
   summary["factorisations"] = totals.factorisations;
   summary["repeated_steps"] = totals.repeated_steps;
+  if (simulation.method().fixed_cost) summary["unconverged_steps"] = totals.unconverged_steps;
   summary["max_position_violation"] = totals.max_position_violation;
   summary["max_velocity_violation"] = totals.max_velocity_violation;
   for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
@@ -152,6 +153,9 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   if (totals.repeated_steps > 0)
     line("steps repeated in parts", fmt::format("{}", totals.repeated_steps),
          fmt::format("({} parts each)", simulation.method().substeps));
+  if (simulation.method().fixed_cost)
+    line("steps taken unconverged", fmt::format("{}", totals.unconverged_steps),
+         fmt::format("(fixed cost: {} iterations)", simulation.method().max_iterations));
   line("initialisation", fmt::format("{:.4g}", simulation.initialisation_seconds()), "CPU s");
   line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");
   line("real-time factor", fmt::format("{:.4g}", real_time_factor(totals, simulation.time())),

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "integrate/newton.h"
+#include "integrate/step_end.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
@@ -18,6 +19,8 @@ constexpr double share_of_prediction = 3e-5;
 // Near singular positions: when the projection changes velocities by much more than they violate the
 // constraints, and by that share of themselves; then with a penalty that much larger down to that violation.
 constexpr double singular_amplification = 100, singular_change = 1e-5;
+// Of a fixed cost: corrections by more than this part of the mechanism's size lead nowhere.
+constexpr double absurd_correction = 0.1;
 constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
 
 }  // namespace
@@ -33,6 +36,11 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
   r_.setZero(n);
   unprojected_.setZero(n);
   for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_, &rates_}) x->setZero(m);
+  if (options.fixed_cost) {
+    nearest_.x.setZero(n);
+    nearest_.lambda.setZero(m);
+    before_.setZero(m);
+  }
 }
 
 void IndexThree::set_step(double step) {
@@ -65,7 +73,9 @@ void IndexThree::project(double* target, const double* violation, double toleran
 StepStatus IndexThree::step(State& s) {
   bool near_singular = false;
   StepStatus status = attempt(s, false, near_singular);
-  if (system_.equations() == 0 || (!near_singular && status.code != StepCode::not_converged)) return status;
+  if (options_.fixed_cost || system_.equations() == 0 ||
+      (!near_singular && status.code != StepCode::not_converged))
+    return status;
   // Where the constraints hardly determine a direction, what is left of them decides on it, and on the branch
   // that the mechanism takes.
   const StepStatus first = status;
@@ -102,6 +112,7 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
   bool converged = false, settled = false;
   NewtonProgress newton;
   mixing_.reset();
+  nearest_.off = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     motion_.from_increment(s);
     system_.residual(time, q.data(), v.data(), a.data(), lambda_.data(), 0, r_.data());
@@ -120,6 +131,7 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
       motion_.predict_velocities(s);
       continue;
     }
+    const bool last = options_.fixed_cost && iteration + 1 == options_.max_iterations;
     const bool fresh = precise || newton.refactor || system_.tangent_changed(q.data(), weights_);
     if (fresh) {
       mixing_.reset();
@@ -141,9 +153,18 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
     // Once the loops are closed the multipliers stay: near singular positions they would creep on for dozens
     // of iterations along directions that hardly act, while the motion does not change any more.
     settled = !precise && iteration > 2 && violation <= position_tolerance;
+    if (options_.fixed_cost) before_ = lambda_;
     for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (system_.phi()[k] + impulse_[k]);
     if (!settled) lambda_ += force_;
     status.correction = scales_.of_coordinates(r_.data(), &status.coordinate);
+    // What a correction is measured from is known to be that far off; of what is absurd the prediction is
+    // kept.
+    if (options_.fixed_cost &&
+        (newton.corrections == 0 || status.correction < std::min(nearest_.off, absurd_correction))) {
+      nearest_.off = status.correction;
+      nearest_.x = x;
+      nearest_.lambda = before_;
+    }
     if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
       status.coordinate = bad;
       return fail(StepCode::not_finite);
@@ -163,14 +184,21 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
                                    : std::min(asked, share_of_prediction * predicted);
     converged = left <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
                 violation * std::min(1.0, newton.rate) <= position_tolerance;
-    if (converged) {
+    if (converged || last) {
+      // Where iterations went away from the solution, the iterate that was nearest to it.
+      const bool back = !converged && status.correction > std::min(nearest_.off, absurd_correction);
+      if (back) {
+        x = nearest_.x;
+        lambda_ = nearest_.lambda;
+        settled = false;
+      }
       motion_.from_increment(s);
       // Not the penalty's force of the violation that is left, which is round-off times a large number.
       if (settled) lambda_ += force_;
       enough_velocity = options_.velocity_tolerance * scales_.rate(v.data());
       unprojected_ = v;
       // What the last correction, which is small, makes of the rates is known before they are evaluated.
-      foreseen = m > 0 && !precise && !newton.slow;
+      foreseen = m > 0 && !precise && !newton.slow && !back;
       if (foreseen) {
         for (int k = 0; k < m; ++k) rates_[k] = system_.phi_dot()[k] + motion_.rate * impulse_[k];
         before = scales_.of_equations(rates_.data());
@@ -179,13 +207,18 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
       }
       system_.kinematics(time, q.data(), v.data(), a.data());
       status.position_violation = largest(system_.phi(), m);
-      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
+      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance || last) break;
       // The rate promised too much.
       converged = false;
       newton.refactor = !newton.slow;
     }
   }
-  if (!converged) return fail(StepCode::not_converged);
+  if (!converged && !options_.fixed_cost) return fail(StepCode::not_converged);
+  status.unconverged = !converged;
+  // What is taken as it is must still be a position of the mechanism.
+  if (!converged)
+    if (const StepCode code = check_end(system_, motion_, options_.drift_limit, status); code != StepCode::ok)
+      return fail(code);
 
   // Velocities and accelerations onto the constraints.
   if (m > 0) {
@@ -200,19 +233,27 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
       project(v.data(), system_.phi_dot(), enough);
       system_.kinematics(time, q.data(), v.data(), a.data());
     }
-    status.velocity_violation = largest(system_.phi_dot(), m);
     unprojected_ -= v;
 
     const double change = scales_.of_coordinates(unprojected_.data());
-    // Never accepted: velocities that violate the constraints.
+    // Never accepted, but for a fixed cost: velocities that violate the constraints.
     const bool held = scales_.of_equations(system_.phi_dot()) <= 1e2 * enough;
     near_singular = !held || (change > singular_amplification * before &&
                               change > singular_change * scales_.of_coordinates(v.data()));
-    if (near_singular && !precise) return status;
-    if (!held) return fail(StepCode::not_converged);
+    if (options_.fixed_cost && near_singular) {
+      status.unconverged = true;
+      // A projection that goes astray is worse than none.
+      v += unprojected_;
+      system_.kinematics(time, q.data(), v.data(), a.data());
+    } else if (near_singular && !precise) {
+      return status;
+    } else if (!held) {
+      return fail(StepCode::not_converged);
+    }
+    status.velocity_violation = largest(system_.phi_dot(), m);
     // The multipliers follow the accelerations, so that they balance the projected ones: M δ + Φzᵀ Δλ = 0.
     // Near singular positions this would amplify what is left of the velocities' error.
-    if (!precise) {
+    if (!precise && !near_singular) {
       force_.setZero();
       project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * reference);
       lambda_ += force_;

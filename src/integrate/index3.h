@@ -27,6 +27,12 @@ class IndexThree final : public Stepper {
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_, unprojected_;
+  /// Of a fixed cost: the iterate from which the least correction was measured.
+  struct {
+    double off = 0;
+    Eigen::VectorXd x, lambda;
+  } nearest_;
+  Eigen::VectorXd before_;                       ///< multipliers before an iteration
   Eigen::VectorXd g_, impulse_, force_, rates_;  // violation that is left; multipliers; rates foreseen
 };
 

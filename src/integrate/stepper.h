@@ -26,6 +26,9 @@ struct IntegratorOptions {
   double penalty =
       1e7;  ///< κ: the penalty is κ times the mean body mass (index3: over β h²; penalty alone: 100 κ)
   int max_iterations = 30;
+  /// A step whose iterations have not converged when there have been that many is taken as it is then. Of
+  /// index3 alone.
+  bool fixed_cost = false;
   // Formalisms that impose Φ̈ + 2ζω Φ̇ + ω² Φ = 0 instead of Φ = 0 (Lugrís 2008, 2.159). The usual ω of
   // 10 rad/s is what explicit integrators bear; the rules here take any, and a larger one holds the loops
   // better.
@@ -46,6 +49,7 @@ struct StepStatus {
   double correction = 0;          ///< last Newton correction, largest entry
   double position_violation = 0;  ///< max |Φ| after the step
   double velocity_violation = 0;  ///< max |Φ̇| after the step
+  bool unconverged = false;       ///< taken as it was (IntegratorOptions::fixed_cost)
 };
 
 /// A way to advance the equations of motion M z̈ + Φzᵀ λ = Q, Φ = 0 of a system by steps.

@@ -207,6 +207,7 @@ std::string status_text(const RealTimeLoop& loop, const RealTimeRecorder* record
         {{"mean", steps > 0 ? static_cast<double>(m.iterations) / static_cast<double>(steps) : 0.0},
          {"most", m.most_iterations.load()},
          {"most_parts", m.most_parts.load()}}},
+       {"unconverged_steps", m.unconverged.load()},
        {"page_faults", m.page_faults.load()},
        {"preemptions", m.preemptions.load()},
        {"worst_case", loop.worst_case()}});

@@ -113,6 +113,7 @@ void note(const StepTiming& t, RealTimeMonitor& monitor) {
   monitor.cpu.add(t.cpu);
   monitor.latency.add(t.latency);
   increase<std::int64_t>(monitor.iterations, t.iterations);
+  if (t.unconverged) increase<std::int64_t>(monitor.unconverged, 1);
   increase<std::int64_t>(monitor.page_faults, t.page_faults);
   increase<std::int64_t>(monitor.preemptions, t.preemptions);
   raise(monitor.most_iterations, t.iterations);
@@ -143,6 +144,7 @@ void RealTimeMonitor::add(const RealTimeMonitor& o) {
   increase<std::int64_t>(late, o.late);
   increase<std::int64_t>(skipped_outputs, o.skipped_outputs);
   increase<std::int64_t>(iterations, o.iterations);
+  increase<std::int64_t>(unconverged, o.unconverged);
   increase<std::int64_t>(page_faults, o.page_faults);
   increase<std::int64_t>(preemptions, o.preemptions);
   increase<double>(lag, o.lag);
@@ -155,7 +157,8 @@ namespace {
 /// What bounds the work of a step, for people.
 std::string worst_case_of(const Simulation& s) {
   const int attempts = s.most_attempts(), iterations = s.method().max_iterations;
-  const std::string each = fmt::format("at most {} iterations", iterations);
+  const std::string each =
+      fmt::format("{} {} iterations", s.method().fixed_cost ? "never more than" : "at most", iterations);
   const std::string tries =
       attempts == 1 ? each + " in a step"
                     : fmt::format("{} in each of at most {} attempts at a step or its parts", each, attempts);
@@ -246,6 +249,7 @@ struct RealTimeLoop::Impl {
     if (!output) increase<std::int64_t>(monitor.skipped_outputs, 1);
     timing.iterations = report.iterations;
     timing.parts = report.substeps;
+    timing.unconverged = report.unconverged;
     done = measured.end(timing);
     timing.overrun = timing.latency + timing.computation > period;
     note(timing, monitor);

@@ -130,6 +130,7 @@ RunOptions options_of(const RealTimePlanOptions& o, const RealTimeCandidate& c) 
   run.step = c.step;
   run.substeps = c.substeps;
   run.max_iterations = c.max_iterations;
+  if (c.max_iterations > 0) run.fixed_cost = c.fixed_cost;
   return run;
 }
 
@@ -276,6 +277,8 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
       c.p9999 = timings.quantile(0.9999);
       c.worst = timings.worst();
       c.max_iterations = c.most_iterations + spare_iterations;
+      // What the manoeuvre did not show is not to end a drive, nor to take longer.
+      c.fixed_cost = c.substeps == 1 && simulation.method().formalism == spec::Simulation::Formalism::index3;
       if (c.p9999 > o.load * c.step / o.loop.speed)
         c.failure = "too slow";
       else if (!std::isfinite(c.error))

@@ -64,6 +64,12 @@ void check_simulation(const spec::Model& model, std::vector<Diagnostic>& errors)
   thing.not_negative("penalty", s.penalty);
   thing.between("max_iterations", s.max_iterations, 0, 1000);
   thing.between("substeps", s.substeps, 0, 100);
+  if (s.fixed_cost && s.formalism != spec::Simulation::Formalism::index3)
+    thing.error(fmt::format("fixed_cost is of the formalism index3, not of {}", name_of(s.formalism)));
+  if (s.fixed_cost && s.max_iterations == 1)
+    thing.error("fixed_cost needs two iterations at least; max_iterations is 1");
+  if (s.fixed_cost && s.substeps > 1)
+    thing.error(fmt::format("fixed_cost makes each step once; substeps is {}", s.substeps));
 }
 
 }  // namespace mimbre::checks

@@ -58,8 +58,9 @@ void read_simulation(Builder& builder, Part& part) {
     simulation.start_at_equilibrium = initial->choice({"assembled", "equilibrium"}).value_or(0) == 1;
   const auto section = part.section("simulation");
   if (!section) return;
-  const Fields fields(*section, {"step", "end", "output_interval", "integrator", "formulation", "inertia",
-                                 "formalism", "tolerance", "penalty", "max_iterations", "substeps"});
+  const Fields fields(*section,
+                      {"step", "end", "output_interval", "integrator", "formulation", "inertia", "formalism",
+                       "tolerance", "penalty", "max_iterations", "substeps", "fixed_cost"});
   const auto positive = [&](const char* key, double& target, const Quantity& of = quantity::number) {
     if (const auto value = fields.get(key)) target = value->positive(of).value_or(target);
   };
@@ -72,6 +73,7 @@ void read_simulation(Builder& builder, Part& part) {
   if (const auto count = fields.get("max_iterations"))
     simulation.max_iterations = count->integer(1, 1000).value_or(0);
   if (const auto count = fields.get("substeps")) simulation.substeps = count->integer(1, 100).value_or(0);
+  if (const auto flag = fields.get("fixed_cost")) simulation.fixed_cost = flag->flag().value_or(false);
   const auto chosen = [&](const char* key, const auto& names, auto& target) {
     if (const auto value = fields.get(key))
       target = choice<std::remove_reference_t<decltype(target)>>(*value, names).value_or(target);

@@ -84,6 +84,7 @@ class EventStep {
     report_.coordinate = made.coordinate;
     report_.equation = made.equation;
     report_.substeps = std::max(report_.substeps, made.substeps);
+    report_.unconverged = report_.unconverged || made.unconverged;
     host_.look_anew();
     return made.ok();
   }

@@ -71,6 +71,12 @@ std::string explain(const Compiled& model, const natural::NaturalSystem* natural
     case StepReport::Code::not_finite:
       return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}", t, where);
     case StepReport::Code::drifted:
+      if (r.unconverged)
+        return fmt::format(
+            "the {} iterations that the fixed cost allows for the step to t = {:.6g} s led nowhere: {} is "
+            "off "
+            "by {:.3g} m; allow more of them (max_iterations), take a smaller step, or no fixed cost",
+            r.iterations, t, equation_name(model, natural, r.equation), r.position_violation);
       return fmt::format(
           "the constraints have come apart in the step to t = {:.6g} s: {} is off by {:.3g} m; this "
           "formalism "

@@ -62,8 +62,9 @@ std::uint64_t fingerprint(const Compiled& m, const Method& method, const std::ve
        {static_cast<double>(method.formulation), static_cast<double>(method.inertia),
         static_cast<double>(method.formalism), static_cast<double>(method.integrator), method.step,
         method.rho, method.xi, method.tolerance, method.penalty, static_cast<double>(method.max_iterations),
-        static_cast<double>(method.substeps), static_cast<double>(method.energies),
-        static_cast<double>(method.validity), static_cast<double>(method.warnings)})
+        static_cast<double>(method.substeps), static_cast<double>(method.fixed_cost),
+        static_cast<double>(method.energies), static_cast<double>(method.validity),
+        static_cast<double>(method.warnings)})
     hash.add(choice);
   return hash.value() != 0 ? hash.value() : 1;
 }

@@ -66,6 +66,7 @@ StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t unt
     if (!report.ok()) break;
     if (!simulation.stopped()) ++totals.steps;
     if (report.substeps > 1) ++totals.repeated_steps;
+    if (report.unconverged) ++totals.unconverged_steps;
     totals.max_position_violation = std::max(totals.max_position_violation, report.position_violation);
     totals.max_velocity_violation = std::max(totals.max_velocity_violation, report.velocity_violation);
     if (simulation.stopped()) break;

@@ -16,6 +16,7 @@ IntegratorOptions integrator_options(const Method& method) {
   options.tolerance = method.tolerance;
   options.penalty = method.penalty;
   options.max_iterations = method.max_iterations;
+  options.fixed_cost = method.fixed_cost;
   return options;
 }
 
@@ -103,6 +104,7 @@ void StepMaker::advance(StepReport& report) {
   report.velocity_violation = std::max(report.velocity_violation, last_.velocity_violation);
   report.coordinate = last_.coordinate;
   report.equation = last_.equation;
+  report.unconverged = report.unconverged || last_.unconverged;
   if (!report.ok()) return m.enter(0);
   const auto start = method_.profile ? Clock::now() : Clock::time_point();
   if (m.natural && (corrects || method_.energies || method_.validity || m.remembers())) m.observe();

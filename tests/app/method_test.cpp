@@ -113,6 +113,30 @@ TEST_F(Method, TheCommandsThatComputeTakeIt) {
   EXPECT_EQ(run(with({"static", "pendulum.yaml"}, motion)).code, 2);
 }
 
+TEST_F(Method, AFixedCostCountsWhatItTakesUnconverged) {
+  const auto fixed = summary("pendulum.yaml", {"--fixed-cost"});
+  EXPECT_EQ(fixed.at("resolved").at("fixed_cost"), true);
+  EXPECT_EQ(fixed.at("resolved").at("substeps"), 1);
+  EXPECT_EQ(fixed.at("resolved").at("max_iterations"), 6);
+  EXPECT_EQ(fixed.at("unconverged_steps"), 0);
+  EXPECT_FALSE(summary("pendulum.yaml", {}).contains("unconverged_steps"));
+  // Two iterations are not what a step of a quarter of a second needs.
+  const Outcome few = run({"run", "pendulum.yaml", "--fixed-cost", "--max-iterations", "2", "--step", "0.25",
+                           "--until", "5", "--json"});
+  EXPECT_GT(few.json().at("unconverged_steps"), 0);
+  EXPECT_THAT(run({"run", "pendulum.yaml", "--fixed-cost"}).out, HasSubstr("steps taken unconverged"));
+  for (const auto& [words, said] :
+       {std::pair(Arguments{"--substeps", "4"}, "--fixed-cost makes each step once; leave --substeps out"),
+        std::pair(Arguments{"--formalism", "penalty"}, "--fixed-cost is of the formalism index3"),
+        std::pair(Arguments{"--max-iterations", "1"}, "two iterations at least")}) {
+    Arguments all{"run", "pendulum.yaml", "--fixed-cost"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = run(all);
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+  }
+}
+
 TEST_F(Method, WrongNamesAreAnsweredWithTheRightOnes) {
   const auto error = [&](const Arguments& options) {
     Arguments all{"run", "pendulum.yaml"};

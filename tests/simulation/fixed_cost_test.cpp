@@ -1,0 +1,151 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/simulation.h"
+#include "support/models.h"
+#include "support/random_mechanism.h"
+
+/// Steps of a fixed cost: never more iterations than were allowed, never made again, never refused for it.
+namespace mimbre::test {
+namespace {
+
+using Formulation = spec::Simulation::Formulation;
+
+RunOptions fixed(int iterations, Formulation formulation = Formulation::relative) {
+  RunOptions options;
+  options.fixed_cost = true;
+  options.max_iterations = iterations;
+  options.formulation = formulation;
+  return options;
+}
+
+/// Hammers that fall on an anvil, each at another time: steps that do not converge in a few iterations.
+std::shared_ptr<const Model> hammers() {
+  return model_of(R"(
+bodies:
+  a: {mass: 1, com: [1, 0, 0], inertia: [0.01, 0.01, 0.01]}
+  b: {mass: 2, com: [1.3, 0, 0], inertia: [0.01, 0.01, 0.01]}
+joints:
+  at_a: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 1, 0], position: -0.2}
+  at_b: {type: revolute, between: [ground, b], at: [0, 1, 0], axis: [0, 1, 0], position: -0.5}
+surfaces:
+  anvil: {type: half_space, at: [0, 0, 0]}
+contacts:
+  blows:
+    spheres: [{on: a, at: [[1, 0, 0]], radius: 0.05}, {on: b, at: [[1.3, 0, 0]], radius: 0.05}]
+    surfaces: anvil
+    stiffness: 1e5
+    restitution: 0.5
+simulation: {step: 0.002, end: 2}
+)");
+}
+
+TEST(FixedCost, NeverTakesMoreIterationsThanAllowed) {
+  const auto drops = hammers();
+  for (const Formulation formulation : {Formulation::relative, Formulation::natural})
+    for (const int most : {2, 3, 6}) {
+      Simulation simulation(drops, fixed(most, formulation));
+      EXPECT_EQ(simulation.most_attempts(), 1);
+      int unconverged = 0;
+      for (int k = 0; k < 1000; ++k) {
+        const StepReport report = simulation.step();
+        ASSERT_TRUE(report.ok()) << simulation.explain(report);
+        ASSERT_LE(report.iterations, most);
+        ASSERT_EQ(report.substeps, 1);
+        if (report.unconverged) ++unconverged;
+      }
+      if (most == 2) {
+        EXPECT_GT(unconverged, 0) << most;
+      }
+      // They have come to rest on it, whatever the blows were.
+      EXPECT_LT(simulation.energy().kinetic, 1e-3) << most;
+      EXPECT_LT(simulation.energy().numerical, 1) << most;
+    }
+}
+
+/// Where all steps converge it is a run without repeated steps, to the bit.
+TEST(FixedCost, ConvergedStepsAreTheSame) {
+  const auto model = controlled_four_bar();
+  RunOptions plain;
+  plain.substeps = 1;
+  plain.max_iterations = 30;
+  Simulation a(model, plain), b(model, fixed(30));
+  for (int k = 0; k < 500; ++k) {
+    ASSERT_TRUE(a.step().ok());
+    const StepReport report = b.step();
+    ASSERT_TRUE(report.ok());
+    ASSERT_FALSE(report.unconverged);
+  }
+  const auto x = a.save(), y = b.save();
+  EXPECT_EQ(x.q, y.q);
+  EXPECT_EQ(x.v, y.v);
+  EXPECT_EQ(x.multipliers, y.multipliers);
+}
+
+/// What the iterations of a step leave is made up for in the next ones: mechanisms whose steps are no trouble
+/// otherwise stay on their way with few of them. Others get through, or it is said that they do not.
+TEST(FixedCost, RandomMechanismsStayOnTheirWay) {
+  int unconverged = 0, easy = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    RandomOptions what;
+    what.loops = static_cast<int>(seed % 3);
+    what.springs = what.damping = what.loads = true;
+    const RandomMechanism random = random_mechanism(seed, what);
+    const Formulation formulation = seed % 2 == 0 ? Formulation::relative : Formulation::natural;
+    for (const auto& [most, apart] : {std::pair(6, 1e-3), std::pair(4, 0.03)}) {
+      RunOptions few = fixed(most, formulation), whole;
+      whole.formulation = formulation;
+      few.step = whole.step = 1e-3;
+      Simulation a(random.model, whole), b(random.model, few);
+      bool hard = false;
+      StepReport report;
+      for (int k = 0; k < 100 && report.ok(); ++k) {
+        const StepReport usual = a.step();
+        hard = hard || !usual.ok() || usual.substeps > 1 || usual.iterations > 10;
+        report = b.step();
+        ASSERT_TRUE(report.ok() || hard) << seed << ": " << b.explain(report);
+        if (hard) {
+          ASSERT_TRUE(b.save().q.allFinite() && b.save().v.allFinite()) << seed;
+        } else {
+          ASSERT_LT(report.position_violation, 1e-4) << seed;
+          ASSERT_LT(report.velocity_violation, most == 6 ? 1e-6 : 1) << seed;
+        }
+        if (report.unconverged) ++unconverged;
+      }
+      if (hard) continue;
+      ++easy;
+      for (std::size_t body = 0; body < random.model->spec().bodies.size(); ++body) {
+        const Simulation::Body which{static_cast<int>(body)};
+        EXPECT_LT((a.pose(which).position - b.pose(which).position).norm(), apart) << seed << ", " << most;
+      }
+    }
+  }
+  EXPECT_GT(easy, 60);
+  EXPECT_GT(unconverged, 200);
+}
+
+TEST(FixedCost, SaysWhatItDoesNotFit) {
+  const auto model = controlled_four_bar();
+  RunOptions other = fixed(6);
+  other.formalism = spec::Simulation::Formalism::penalty;
+  EXPECT_THAT([&] { Simulation(model, other); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("index3, not by penalty")));
+  EXPECT_THAT([&] { Simulation(model, fixed(1)); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("two iterations")));
+  const auto of = [](const std::string& words) {
+    return "bodies:\n  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}\nsimulation: {fixed_cost: true, " +
+           words + "}\n";
+  };
+  for (const auto& [words, said] :
+       {std::pair("substeps: 4", "fixed_cost makes each step once; substeps is 4"),
+        std::pair("formalism: penalty", "fixed_cost is of the formalism index3"),
+        std::pair("max_iterations: 1", "fixed_cost needs two iterations")})
+    EXPECT_THAT([&] { model_of(of(words)); }, testing::ThrowsMessage<InputError>(testing::HasSubstr(said)));
+  EXPECT_EQ(Simulation(model_of(of("step: 0.01")), {}).method().max_iterations, 6);
+}
+
+}  // namespace
+}  // namespace mimbre::test
