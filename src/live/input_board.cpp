@@ -65,6 +65,7 @@ void InputBoard::take_played(Simulation& simulation) {
     to_play_.pop();
     since_ = simulation.time();
     playing_ = tracks_ != nullptr;
+    if (tracks_) begun_.fetch_add(1, std::memory_order_release);
   }
 }
 

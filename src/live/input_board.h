@@ -34,6 +34,9 @@ class InputBoard : public RealTimePart {
   void set(int input, double value);
   /// From the next step on; null ends what is being played. False where too many are asked for at once.
   bool play(std::unique_ptr<InputTracks> tracks);
+  /// How often something has begun to be played: one that is over already has been played, too. To be asked
+  /// for before playing().
+  std::uint32_t played() const { return begun_.load(std::memory_order_acquire); }
   bool playing() const { return playing_.load(std::memory_order_relaxed); }
   /// The oldest change that it has not been told yet; null where there is none. Then pop_change().
   const InputChange* change() { return changes_.front(); }
@@ -62,6 +65,7 @@ class InputBoard : public RealTimePart {
   InputTracks* tracks_ = nullptr;
   double since_ = 0;  ///< s, when they began
   std::atomic<bool> playing_{false};
+  std::atomic<std::uint32_t> begun_{0};
   Queue<InputChange> changes_{1 << 14};
   bool told_ = false;
 };

@@ -242,10 +242,17 @@ struct Hall {
       }
       board.pop_change();
     }
-    if (board.playing() != playing) {
-      playing = board.playing();
-      tell_all(live::played_text(playing));
-    }
+    const std::uint32_t now_played = board.played();
+    const bool still = board.playing();
+    if (now_played != played) tell_playing(true);  // though it may be over
+    played = now_played;
+    tell_playing(still);
+  }
+
+  void tell_playing(bool on) {
+    if (playing == on) return;
+    playing = on;
+    tell_all(live::played_text(on));
   }
 
   void show() {
@@ -274,6 +281,7 @@ struct Hall {
   const std::shared_ptr<const std::string> scene;
   std::vector<live::InputHistory> histories;
   const std::vector<int> shown;  ///< at first
+  std::uint32_t played = 0;      ///< of the board, as viewers know it
   bool playing = false;
 
   std::vector<std::shared_ptr<Viewer>> viewers;

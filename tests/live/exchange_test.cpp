@@ -25,6 +25,8 @@ namespace mimbre::test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double long_wait =
+    10;  ///< s, the longest that there is: whoever answers may have to wait for its turn
 
 Simulation four_bar() { return simulation_of(controlled_four_bar(), Formulation::relative, 0.005); }
 
@@ -53,7 +55,7 @@ class Peer {
   }
   void raw(const std::string& bytes) { (void)::send(socket_, bytes.data(), bytes.size(), 0); }
   /// The next packet; false where none comes for a while.
-  bool take(mimbre_exchange_head& head, std::string& body, int milliseconds = 3000) {
+  bool take(mimbre_exchange_head& head, std::string& body, int milliseconds = 120'000) {
     pollfd ready{socket_, POLLIN, 0};
     if (poll(&ready, 1, milliseconds) <= 0) return false;
     std::string bytes(70'000, '\0');
@@ -74,7 +76,7 @@ TEST(UdpExchange, AnEchoLeavesTheMotionAsItIs) {
   Simulation coupled = four_bar(), alone = four_bar();
   RealTimeLoop loop(coupled, quick_loop());
   // The model's events set another one.
-  UdpExchange udp(coupled, UdpOptions{{{}, {coupled.inputs()[0].name}}, "127.0.0.1", 0, 1.0});
+  UdpExchange udp(coupled, UdpOptions{{{}, {coupled.inputs()[0].name}}, "127.0.0.1", 0, long_wait});
   loop.add(udp);
   const std::vector<double> values{coupled.inputs()[0].start};
   Peer peer(udp.port());
@@ -84,7 +86,7 @@ TEST(UdpExchange, AnEchoLeavesTheMotionAsItIs) {
     mimbre_exchange_head head{};
     std::string body;
     std::uint64_t last = 0;
-    while (peer.take(head, body, 500)) {
+    while (outputs < 100 && peer.take(head, body)) {
       if (head.kind != MIMBRE_EXCHANGE_OUTPUTS) continue;
       EXPECT_EQ(head.sequence, ++last);
       EXPECT_EQ(body.size(), sizeof(double) * head.count);
@@ -99,6 +101,9 @@ TEST(UdpExchange, AnEchoLeavesTheMotionAsItIs) {
   EXPECT_EQ(one.time, other.time);
   EXPECT_TRUE(one.q == other.q && one.v == other.v && one.a == other.a && one.u == other.u);
   EXPECT_EQ(outputs, 100);
+  mimbre_exchange_head more{};
+  std::string body;
+  EXPECT_FALSE(peer.take(more, body, 0));
   EXPECT_EQ(udp.round_trips().count(), 99);  // nobody waits for the last
   EXPECT_EQ(udp.missed(), 0);
 }
@@ -112,19 +117,20 @@ TEST(UdpExchange, AControllerOutsideIsAControllerInside) {
     return std::clamp(inside.inputs()[0].start - 0.01 * y, inside.inputs()[0].min, inside.inputs()[0].max);
   };
   RealTimeLoop loop(outside, quick_loop());
-  UdpExchange udp(outside, UdpOptions{{{output}, {input}}, "127.0.0.1", 0, 1.0});
+  UdpExchange udp(outside, UdpOptions{{{output}, {input}}, "127.0.0.1", 0, long_wait});
   loop.add(udp);
   Peer peer(udp.port());
   peer.send(MIMBRE_EXCHANGE_HELLO, 0, 0);
   std::thread controller([&] {
     mimbre_exchange_head head{};
     std::string body;
-    while (peer.take(head, body, 500)) {
+    for (int outputs = 0; outputs < 100 && peer.take(head, body);) {
       if (head.kind == MIMBRE_EXCHANGE_NAMES) {
         EXPECT_EQ(body.substr(0, body.find('\t')), "outputs 1\n" + output);
         EXPECT_THAT(body, testing::HasSubstr("inputs 1\n" + input + "\t"));
       }
       if (head.kind != MIMBRE_EXCHANGE_OUTPUTS) continue;
+      ++outputs;
       double y = 0;
       std::memcpy(&y, body.data(), sizeof y);
       peer.send(MIMBRE_EXCHANGE_INPUTS, head.layout, head.sequence, {law(y)});

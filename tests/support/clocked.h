@@ -17,10 +17,10 @@ inline RealTimeOptions quick_loop() {
   return options;
 }
 
-/// Whether it does within ten seconds.
+/// Whether it does within some minutes: long, for the machine may have other work.
 template <class Condition>
 bool comes_true(Condition&& condition) {
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < 24'000; ++k) {
     if (condition()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
