@@ -170,10 +170,10 @@ def test_ctrl_c_ends_long_work(examples, work):
         "import mimbre, signal, threading, _thread\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"model = mimbre.Model.from_file({str(examples / 'iltis/suspension.yaml')!r})\n"
-        "threading.Timer(0.5, _thread.interrupt_main).start()\n"
-        f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
+        "try:\n    threading.Timer(0.5, _thread.interrupt_main).start()\n"
+        f"    {work}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=True)
     assert ended.stdout == "stopped\n"
 
 

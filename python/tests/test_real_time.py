@@ -62,7 +62,7 @@ def test_a_page_is_served_and_a_file_recorded(
     def look() -> None:
         if not answers:
             address = capsys.readouterr().out.strip()
-            with urlopen(address + "status", timeout=10) as answer:
+            with urlopen(address + "status", timeout=120) as answer:
                 answers.append(answer.status)
 
     simulation.real_time(0.5, each_step=look, page=True, record=tmp_path / "live.h5", lock_memory=False)
