@@ -74,9 +74,7 @@ TEST_F(Outputs, AnOlderTableIsNotTakenForThatOfNewerResults) {
   write_file(folder / "out.csv", "older");
   const pid_t child = start({"run", "pendulum.yaml", "--until", "1e8", "--set", "interval=1", "-q", "-o",
                              "out.h5", "--csv", "out.csv"});
-  for (int k = 0; k < 2000 && !fs::exists(folder / "out.h5"); ++k)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_TRUE(has_rows(folder / "out.h5", 2));
   kill(child, SIGHUP);
   const Outcome outcome = wait_for(child);
   EXPECT_EQ(outcome.code, 3);

@@ -1,6 +1,21 @@
 #include "app/program.h"
 
+#include "mimbre/results.h"
+
 namespace mimbre::app_test {
+namespace {
+
+/// Whether it comes true within some minutes.
+template <class Condition>
+bool in_time(Condition&& condition) {
+  for (int k = 0; k < 60'000; ++k) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+}  // namespace
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -16,6 +31,14 @@ void write_file(const fs::path& path, const std::string& text) {
 std::string program_path() {
   const char* const given = std::getenv("MIMBRE_PROGRAM");
   return given ? given : MIMBRE_PROGRAM;
+}
+
+double cpu_seconds(pid_t child) {
+  clockid_t clock{};
+  timespec time{};
+  EXPECT_EQ(clock_getcpuclockid(child, &clock), 0);
+  EXPECT_EQ(clock_gettime(clock, &time), 0);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 void ProgramTest::SetUp() {
@@ -69,6 +92,20 @@ Outcome ProgramTest::wait_for(pid_t child) const {
   outcome.out = read_file(folder / "out.txt");
   outcome.err = read_file(folder / "err.txt");
   return outcome;
+}
+
+bool ProgramTest::has_rows(const fs::path& file, std::int64_t count) const {
+  return in_time([&] {
+    try {
+      return fs::exists(file) && read_results(file.string()).time.size() >= count;
+    } catch (const std::exception&) {  // it is just being begun
+      return false;
+    }
+  });
+}
+
+bool ProgramTest::appears(const fs::path& file) const {
+  return in_time([&] { return fs::exists(file); });
 }
 
 Outcome ProgramTest::run(const std::vector<std::string>& arguments,

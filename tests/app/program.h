@@ -28,6 +28,9 @@ std::string read_file(const fs::path& path);
 
 void write_file(const fs::path& path, const std::string& text);
 
+/// Of a program that runs.
+double cpu_seconds(pid_t child);
+
 struct Outcome {
   int code = -1;  ///< exit code; -1 when a signal ended the program
   int signal = 0;
@@ -47,6 +50,11 @@ class ProgramTest : public ::testing::Test {
   /// Starts the program; `prepare` runs in the new process before it.
   pid_t start(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const;
   Outcome wait_for(pid_t child) const;
+  /// Until the results of a program that runs have so many rows: how long that takes is the machine's affair.
+  /// False where it gives up.
+  bool has_rows(const fs::path& file, std::int64_t count) const;
+  /// Until there is such a file; likewise.
+  bool appears(const fs::path& file) const;
   Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const;
 
   fs::path folder;

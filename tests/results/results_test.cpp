@@ -361,7 +361,9 @@ TEST_F(ResultsFile, CanBeReadWhileAnotherProcessWritesIt) {
     for (;;) pause();
   }
   wait_for(at("written"));
-  expect_sample_rows(read_results(at("a.h5")), 128);
+  const Results results = read_results(at("a.h5"));
+  EXPECT_GE(results.time.size(), 128);  // the rest with the clock
+  expect_sample_rows(results, static_cast<int>(results.time.size()));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
 }
@@ -369,7 +371,8 @@ TEST_F(ResultsFile, CanBeReadWhileAnotherProcessWritesIt) {
 TEST_F(ResultsFile, CanBeReadWhileThisProcessWritesIt) {
   ResultsWriter writer(at("a.h5"), sample_header());
   for (int i = 0; i < 130; ++i) writer.add(sample_row(i));
-  expect_sample_rows(read_results(at("a.h5")), 128);
+  ASSERT_GE(writer.rows(), 128);  // the rest with the clock
+  expect_sample_rows(read_results(at("a.h5")), static_cast<int>(writer.rows()));
   for (int i = 130; i < 200; ++i) writer.add(sample_row(i));
   writer.finish("{}");
   expect_sample_rows(read_results(at("a.h5")), 200);
@@ -436,17 +439,25 @@ TEST_F(ResultsFile, OnAFullDiskKeepsWhatWasWritten) {
     int added = 0;
     std::ifstream(at("added")) >> added;
     const Results results = read_results(at("a.h5"));
-    expect_sample_rows(results, added - added % 64);
+    // Whole blocks; or more, where that took so long that the clock was due.
+    const auto rows = static_cast<int>(results.time.size());
+    EXPECT_GE(rows, added - added % 64);
+    EXPECT_LE(rows, added);
+    expect_sample_rows(results, rows);
     EXPECT_EQ(results.summary_json, "");
   }
   EXPECT_GT(with_rows, 5);
 }
 
 TEST_F(ResultsFile, RowsAreInTheFileAfterASecondHoweverFewTheyAre) {
+  const auto begin = std::chrono::steady_clock::now();
   ResultsWriter writer(at("a.h5"), sample_header());
   writer.add(sample_row(0));
   writer.add(sample_row(1));
-  EXPECT_EQ(writer.rows(), 0);
+  const std::int64_t at_once = writer.rows();
+  if (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(500)) {
+    EXPECT_EQ(at_once, 0);
+  }
   std::this_thread::sleep_for(std::chrono::milliseconds(600));
   writer.flush_if_due();
   EXPECT_EQ(writer.rows(), 2);
