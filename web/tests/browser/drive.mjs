@@ -20,6 +20,7 @@ class Motion {
   time = NaN;
   highest = -Infinity; // m
   speed = NaN; // ahead, m/s
+  moved = NaN; // the last time at which it did
   turned = 0; // rad, to the left, since begin()
   looks = new Set(); // what is done with every picture
 
@@ -49,9 +50,15 @@ class Motion {
       this.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
       this.speed = ((x - this.x) * Math.cos(yaw) + (y - this.y) * Math.sin(yaw)) / passed;
     }
+    if (!(Math.abs(this.speed) < 0.02)) this.moved = time;
     this.highest = Math.max(this.highest, z);
     Object.assign(this, { time, x, y, z, yaw });
     for (const look of [...this.looks]) look();
+  }
+
+  /** For half a second: braking, it rocks to and fro before. */
+  get stands() {
+    return this.time > this.moved + 0.5;
   }
 
   /** Until a picture shows it. Every one is looked at: on a busy machine what lasts a moment is over at the next look. */
@@ -147,7 +154,7 @@ test("S and the space bar brake to a standstill, and no further", quick, async (
   for (const key of ["s", "Space"]) {
     await holding(page, motion, [[key, "brake", 1]]);
     await motion.until("it rolls", () => motion.speed > 3);
-    await motion.until("it stands", () => Math.abs(motion.speed) < 0.02);
+    await motion.until("it stands", () => motion.stands);
     const [time, place] = [motion.time, motion.x];
     await motion.until("for some time", () => motion.time > time + 2);
     assert.ok(Math.abs(motion.x - place) < 0.02 && place > 0 && place < 12, `${place} m, then ${motion.x} m`);
@@ -185,7 +192,7 @@ test("a gamepad drives: triggers are pedals, the stick's left is left", quick, a
   await resume(page);
   await motion.until("to the left, faster", () => motion.turned > 0.4 && motion.speed > 5.5);
   await pad(0, 1, 0);
-  await motion.until("it stands", () => Math.abs(motion.speed) < 0.02);
+  await motion.until("it stands", () => motion.stands);
   await pad(0, 0, 0);
   await drawn(page);
 });
@@ -212,7 +219,7 @@ test("two viewers: one drives, the other sees it, asks, and drives then", quick,
   await inControl(other.page);
   await driving(page, true, "w"); // without effect
   await driving(other.page, true, "s");
-  await motion.until("it stands", () => Math.abs(motion.speed) < 0.02);
+  await motion.until("it stands", () => motion.stands);
   await driving(other.page, false, "s");
   await driving(page, false, "w");
   assert.deepEqual(other.complaints.filter((text) => !/WebGL/.test(text)), []);
@@ -246,7 +253,7 @@ test("a phone: fingers on the pads drive, steer and brake", quick, async ({ page
   await phone.motion.until("to the right, faster", () => phone.motion.turned < -0.4 && phone.motion.speed > 5.5);
   await release();
   await touch(["brake", 0.5, 0.95]);
-  await phone.motion.until("it stands", () => Math.abs(phone.motion.speed) < 0.02);
+  await phone.motion.until("it stands", () => phone.motion.stands);
   await release();
   assert.deepEqual(phone.complaints.filter((text) => !/WebGL/.test(text)), []);
   await phone.page.close();
@@ -263,7 +270,7 @@ test("on a road that grips too well it rolls over, lies there, and is put back o
   const { message } = await (await fetch(new URL("/status", url))).json();
   assert.equal(message, "");
   await holding(page, motion, [["s", "brake", 1]]);
-  await motion.until("it stands on its wheels", () => Math.abs(motion.speed) < 0.02 && Math.abs(motion.roll) < 0.02);
+  await motion.until("it stands on its wheels", () => motion.stands && Math.abs(motion.roll) < 0.02);
 });
 
 let failed = 0;

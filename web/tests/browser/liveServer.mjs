@@ -99,7 +99,7 @@ export async function resume(page) {
 }
 
 /**
- * How often the mechanism is drawn within 5 s or 20 times, whichever takes longer, and how often the browser asks for it;
+ * How often the mechanism is drawn within 5 s or five times, whichever takes longer, and how often the browser asks for it;
  * and how many of the moments that the view was brought to were not drawn.
  */
 export async function rate(page) {
@@ -113,7 +113,7 @@ export async function rate(page) {
         const each = () => {
           moments.push(clock.time);
           const seconds = (performance.now() - begun) / 1000;
-          if (seconds < 5 || (pictures.length < 20 && seconds < 60)) return requestAnimationFrame(each);
+          if (seconds < 5 || (pictures.length < 5 && seconds < 300)) return requestAnimationFrame(each);
           stop();
           const known = new Set([moments[0], ...pictures]);
           done({ drawn: pictures.length / seconds, asked: moments.length / seconds, leftOut: moments.filter((time) => !known.has(time)).length, width: canvas.width, height: canvas.height });
