@@ -7,6 +7,7 @@
 
 #include "app/program.h"
 #include "mimbre/results.h"
+#include "support/clocked.h"
 
 namespace mimbre::app_test {
 namespace {
@@ -105,7 +106,7 @@ TEST_F(Interruption, AnInterruptedRunLeavesOlderFilesAlone) {
   const std::string h5 = read_file(folder / "out.h5"), csv = read_file(folder / "out.csv");
   const pid_t child =
       start({"run", "pendulum.yaml", "--until", "1e8", "--output", "out.h5", "--csv", "out.csv"});
-  while (files("out.part-", ".h5").empty()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  ASSERT_TRUE(test::comes_true([&] { return !files("out.part-", ".h5").empty(); }));
   ASSERT_TRUE(has_rows(files("out.part-", ".h5")[0], 2));
   kill(child, SIGTERM);
   const Outcome outcome = wait_for(child);

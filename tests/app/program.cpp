@@ -1,21 +1,9 @@
 #include "app/program.h"
 
 #include "mimbre/results.h"
+#include "support/clocked.h"
 
 namespace mimbre::app_test {
-namespace {
-
-/// Whether it comes true within some minutes.
-template <class Condition>
-bool in_time(Condition&& condition) {
-  for (int k = 0; k < 60'000; ++k) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
-
-}  // namespace
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -95,7 +83,7 @@ Outcome ProgramTest::wait_for(pid_t child) const {
 }
 
 bool ProgramTest::has_rows(const fs::path& file, std::int64_t count) const {
-  return in_time([&] {
+  return test::comes_true([&] {
     try {
       return fs::exists(file) && read_results(file.string()).time.size() >= count;
     } catch (const std::exception&) {  // it is just being begun
@@ -105,7 +93,7 @@ bool ProgramTest::has_rows(const fs::path& file, std::int64_t count) const {
 }
 
 bool ProgramTest::appears(const fs::path& file) const {
-  return in_time([&] { return fs::exists(file); });
+  return test::comes_true([&] { return fs::exists(file); });
 }
 
 Outcome ProgramTest::run(const std::vector<std::string>& arguments,
