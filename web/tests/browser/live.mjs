@@ -463,7 +463,7 @@ mockTest("forces are asked for when they are drawn, and stand on their scale", a
   await page.locator(".viewing > summary").click();
 });
 
-mockTest("every moment that the view is brought to is drawn, by software", async ({ page }) => {
+mockTest("pictures a second, drawn by software: no moment that the view is brought to is left out", async ({ page }) => {
   await ready(page);
   await state(page, "Running");
   const { drawn, leftOut, words } = await rate(page);
