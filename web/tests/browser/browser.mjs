@@ -76,7 +76,7 @@ export class Reports {
 /** Opens a page; whatever its script complains of is kept in `complaints`. `listen` gets the page before it is loaded. */
 export async function open(browser, url, options = {}, before = undefined, listen = undefined) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, ...options });
-  page.setDefaultTimeout(120_000); // a machine that has other work takes its time
+  page.setDefaultTimeout(300_000); // a machine that has other work takes its time
   if (before) await page.addInitScript(before);
   const complaints = [];
   page.on("pageerror", (error) => complaints.push(error.message));

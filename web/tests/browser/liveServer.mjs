@@ -6,7 +6,7 @@ import { resolve } from "node:path";
 import { root } from "./browser.mjs";
 
 /** s that is waited for what has to come: much, for the machine may have other work, and what is asserted is that it comes. */
-const patience = 240;
+const patience = 300;
 
 /** `mimbre live` with a model; says its address on its first line. */
 export async function serveModel(program, model, ...options) {
