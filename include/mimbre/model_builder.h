@@ -264,7 +264,8 @@ Constraint differential(const std::string& cage, const std::string& left, const 
 /// acceleration, angular_velocity, roll, pitch, yaw, deflection, displacement (of a body, frame or node);
 /// joint, joint_velocity, joint_acceleration, joint_force, joint_rotation, joint_quaternion; modal_amplitude,
 /// stress, strain (of a body); centre_of_mass, linear_momentum, angular_momentum (of bodies); spring_force,
-/// spring_length; tyre_force; contact_force, contact_depth, contact_count.
+/// spring_length; tyre_force, tyre_moment, tyre_slip, tyre_slip_angle, tyre_camber, tyre_deflection;
+/// contact_force, contact_depth, contact_count.
 struct Output {
   std::string kind{};                      ///< needed
   std::string of{};                        ///< what has it; needed

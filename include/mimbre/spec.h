@@ -404,7 +404,7 @@ struct Output {
     strain,  ///< likewise `component`; where `direction` is not zero, elongation along it (body axes)
     spring_force,  ///< tension
     spring_length,
-    tyre_force,
+    tyre_force,  ///< of the road on it: component 0 vertical; of one that rolls 1 longitudinal, 2 lateral
     angular_velocity,  ///< of a frame, component 0..2, global axes or (`own_axes`) the frame's own
     centre_of_mass,    ///< of `bodies`, component 0..2 in global axes
     linear_momentum,   ///< likewise, kg m/s
@@ -419,7 +419,12 @@ struct Output {
     contact_force,     ///< of a contact on its spheres, or on the one of `bodies`: component 0..2 in global
                        ///< axes, 3 and 4 sums of the magnitudes of normal and tangential forces
     contact_depth,     ///< largest of them
-    contact_count      ///< pairs that touch
+    contact_count,     ///< pairs that touch
+    tyre_moment,       ///< of the road on it, component 0 overturning, 1 rolling, 2 aligning
+    tyre_slip,         ///< over its speed forwards, positive where it drives
+    tyre_slip_angle,   ///< rad, from forwards to where it goes, positive to the left
+    tyre_camber,       ///< rad, positive to the right
+    tyre_deflection    ///< along the road's normal
   } kind = Kind::position;
   int item = -1;                         ///< index of the frame, joint, body, spring, tyre or contact
   std::vector<int> bodies;               ///< empty: all of the model

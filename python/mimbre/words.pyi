@@ -499,8 +499,19 @@ class Output(TypedDict, total=False):
     spring_force: str
     # m.
     spring_length: str
-    # N, upwards.
+    # N, of the road on it, in the axes of its contact: component vertical (where none is named),
+    # longitudinal, lateral.
     tyre_force: str
+    # N m, likewise: component overturning, rolling, aligning.
+    tyre_moment: str
+    # Over its speed forwards, positive where it drives.
+    tyre_slip: str
+    # rad, from forwards to where it goes, positive to the left.
+    tyre_slip_angle: str
+    # rad, positive to the right.
+    tyre_camber: str
+    # m, along the road's normal.
+    tyre_deflection: str
     # N: component x, y, z in global axes on its spheres, or normal, tangential: sums of magnitudes.
     contact_force: str
     # m, the largest.
@@ -727,8 +738,19 @@ class SignalKeys(TypedDict, total=False):
     spring_force: str
     # m.
     spring_length: str
-    # N, upwards.
+    # N, of the road on it, in the axes of its contact: component vertical (where none is named),
+    # longitudinal, lateral.
     tyre_force: str
+    # N m, likewise: component overturning, rolling, aligning.
+    tyre_moment: str
+    # Over its speed forwards, positive where it drives.
+    tyre_slip: str
+    # rad, from forwards to where it goes, positive to the left.
+    tyre_slip_angle: str
+    # rad, positive to the right.
+    tyre_camber: str
+    # m, along the road's normal.
+    tyre_deflection: str
     # N: component x, y, z in global axes on its spheres, or normal, tangential: sums of magnitudes.
     contact_force: str
     # m, the largest.

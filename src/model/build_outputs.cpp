@@ -218,6 +218,12 @@ void ModelBuilder::add_output(const std::string& name, const build::Output& give
       break;
     case Of::tyre:
       output.item = addition.find(impl_->tyres, "of", given.of);
+      if (kind.kind == Kind::tyre_moment)
+        output.component = find_component(addition, given.component,
+                                          {tyre_moment_components.begin(), tyre_moment_components.end()});
+      if (kind.kind == Kind::tyre_force && !given.component.empty())
+        output.component = find_component(addition, given.component,
+                                          {tyre_force_components.begin(), tyre_force_components.end()});
       break;
     case Of::contact:
       output.item = addition.find(impl_->contacts, "of", given.of);

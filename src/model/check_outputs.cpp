@@ -4,6 +4,7 @@
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model/checked_thing.h"
+#include "model/force_laws.h"
 #include "model/output_kinds.h"
 
 /// Channels that the user named.
@@ -118,6 +119,23 @@ void check_name(const Thing& thing, const std::string& name) {
   if (name == "t") thing.error("'t' is the column of the time; choose another name");
 }
 
+/// A tyre that only carries has its vertical force and nothing else.
+void check_tyre(const spec::Model& model, const Thing& thing, const spec::Output& output) {
+  const auto last = [](const auto& components) { return static_cast<int>(components.size()) - 1; };
+  if (output.kind == Kind::tyre_force)
+    thing.between("component", output.component, 0, last(tyre_force_components));
+  if (output.kind == Kind::tyre_moment)
+    thing.between("component", output.component, 0, last(tyre_moment_components));
+  if (!thing.index("item", output.item, model.tyres.size(), "tyres")) return;
+  if (output.kind == Kind::tyre_force && output.component == 0) return;
+  const spec::Tyre& tyre = model.tyres[static_cast<std::size_t>(output.item)];
+  if (tyre.law == law_info(static_cast<int>(Law::tyre)).name)
+    thing.error(
+        fmt::format("tyre '{}' only carries and has no more than a vertical force; give it a model: "
+                    "brush or magic_formula",
+                    tyre.name));
+}
+
 /// Of a body that never touches anything there it would be 0 always.
 void check_contact(const spec::Model& model, const Thing& thing, const spec::Output& output) {
   if (output.kind == Kind::contact_force)
@@ -188,8 +206,12 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
       thing.index("item", output.item, model.springs.size(), "springs");
       return;
     case Kind::tyre_force:
-      thing.index("item", output.item, model.tyres.size(), "tyres");
-      return;
+    case Kind::tyre_moment:
+    case Kind::tyre_slip:
+    case Kind::tyre_slip_angle:
+    case Kind::tyre_camber:
+    case Kind::tyre_deflection:
+      return check_tyre(model, thing, output);
     case Kind::contact_force:
     case Kind::contact_depth:
     case Kind::contact_count:

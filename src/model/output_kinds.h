@@ -38,6 +38,11 @@ inline constexpr std::array output_kinds{
     OutputKind{"spring_force", spec::Output::Kind::spring_force, OutputKind::Of::spring},
     OutputKind{"spring_length", spec::Output::Kind::spring_length, OutputKind::Of::spring},
     OutputKind{"tyre_force", spec::Output::Kind::tyre_force, OutputKind::Of::tyre},
+    OutputKind{"tyre_moment", spec::Output::Kind::tyre_moment, OutputKind::Of::tyre},
+    OutputKind{"tyre_slip", spec::Output::Kind::tyre_slip, OutputKind::Of::tyre},
+    OutputKind{"tyre_slip_angle", spec::Output::Kind::tyre_slip_angle, OutputKind::Of::tyre},
+    OutputKind{"tyre_camber", spec::Output::Kind::tyre_camber, OutputKind::Of::tyre},
+    OutputKind{"tyre_deflection", spec::Output::Kind::tyre_deflection, OutputKind::Of::tyre},
     OutputKind{"contact_force", spec::Output::Kind::contact_force, OutputKind::Of::contact},
     OutputKind{"contact_depth", spec::Output::Kind::contact_depth, OutputKind::Of::contact},
     OutputKind{"contact_count", spec::Output::Kind::contact_count, OutputKind::Of::contact},
@@ -46,13 +51,19 @@ inline constexpr std::array output_kinds{
 /// Components of a contact's force, in their order: along the global axes, and sums of magnitudes.
 inline constexpr std::array contact_components{"x", "y", "z", "normal", "tangential"};
 
-/// Whether what it is of has components, of which one must be said.
+/// Of what the road does to a tyre, in the axes of its contact. Of the force the first is what is meant where
+/// none is named.
+inline constexpr std::array tyre_force_components{"vertical", "longitudinal", "lateral"};
+inline constexpr std::array tyre_moment_components{"overturning", "rolling", "aligning"};
+
+/// Whether what it is of has components, of which one must be said, but of a tyre's force.
 inline bool has_component(const OutputKind& kind) {
   using Kind = spec::Output::Kind;
   using Of = OutputKind::Of;
-  return kind.of != Of::spring && kind.of != Of::tyre && kind.kind != Kind::contact_depth &&
-         kind.kind != Kind::contact_count && kind.kind != Kind::roll && kind.kind != Kind::pitch &&
-         kind.kind != Kind::yaw && kind.kind != Kind::deflection;
+  if (kind.of == Of::tyre) return kind.kind == Kind::tyre_force || kind.kind == Kind::tyre_moment;
+  return kind.of != Of::spring && kind.kind != Kind::contact_depth && kind.kind != Kind::contact_count &&
+         kind.kind != Kind::roll && kind.kind != Kind::pitch && kind.kind != Kind::yaw &&
+         kind.kind != Kind::deflection;
 }
 
 }  // namespace mimbre

@@ -236,6 +236,13 @@ void read_contact_output(Builder& builder, const Part& part, const Fields& field
     output.bodies = {body};
 }
 
+void read_tyre_component(const Fields& fields, spec::Output& output) {
+  if (output.kind == Kind::tyre_moment)
+    output.component = read_component(fields, {tyre_moment_components.begin(), tyre_moment_components.end()});
+  if (output.kind == Kind::tyre_force && fields.has("component"))
+    output.component = read_component(fields, {tyre_force_components.begin(), tyre_force_components.end()});
+}
+
 void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
@@ -275,6 +282,7 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
   output.item = builder.resolve(names, part, *name, named);
   if (output.item < 0) return;
   if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
+  if (row.of == OutputKind::Of::tyre) return read_tyre_component(fields, output);
   if (row.of == OutputKind::Of::contact) return read_contact_output(builder, part, fields, output);
   if (stress) return read_stress(builder, part, fields, named, output);
   if (section) return read_section_force(builder, part, fields, named, output);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dynamics/amplitudes.h"
 #include "dynamics/relative/kinematics.h"
@@ -135,7 +136,12 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
     case Kind::spring_length:
       return {o.name, "m", fmt::format("length of spring '{}'", m.spec().springs[o.item].name)};
     case Kind::tyre_force:
-      return {o.name, "N", fmt::format("vertical force of tyre '{}'", m.spec().tyres[o.item].name)};
+    case Kind::tyre_moment:
+    case Kind::tyre_slip:
+    case Kind::tyre_slip_angle:
+    case Kind::tyre_camber:
+    case Kind::tyre_deflection:
+      return wheel_output_info(m.spec().tyres[o.item].name, o);
     case Kind::contact_force: {
       const std::string on = o.bodies.empty() ? "its spheres" : names(m, o);
       const char* const component = contact_components[static_cast<std::size_t>(o.component)];
@@ -234,6 +240,11 @@ Channels::Needs Channels::needs_of(Kind kind) {
     case Kind::spring_force:
     case Kind::spring_length:
     case Kind::tyre_force:
+    case Kind::tyre_moment:
+    case Kind::tyre_slip:
+    case Kind::tyre_slip_angle:
+    case Kind::tyre_camber:
+    case Kind::tyre_deflection:
     case Kind::contact_force:
     case Kind::contact_depth:
     case Kind::contact_count:
@@ -385,7 +396,7 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
                        relative::RelativeSystem& system, const State& s) const {
   const Compiled& m = model_;
   auto& w = system.workspace();
-  const auto element = [&](int k) { return element_state(m.elements[k], w.elements.data()); };
+  const auto element = [&](int k) { return element_state(m.elements[k], std::as_const(w.elements).data()); };
   const auto motion = [&] {
     return relative::output_motion(system, m.frame_of_spec[o.item], s.q.data(), s.v.data(), s.a.data());
   };
@@ -469,7 +480,12 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
     case Kind::spring_length:
       return element(o.item).x[0];
     case Kind::tyre_force:
-      return -element(m.first_tyre + o.item).force[0];
+    case Kind::tyre_moment:
+    case Kind::tyre_slip:
+    case Kind::tyre_slip_angle:
+    case Kind::tyre_camber:
+    case Kind::tyre_deflection:
+      return wheel_output(o, element(m.first_tyre + o.item));
     case Kind::contact_force:
     case Kind::contact_depth:
     case Kind::contact_count: {

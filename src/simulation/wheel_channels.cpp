@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "forces/measure_wheel.h"
@@ -10,31 +11,55 @@
 namespace mimbre {
 namespace {
 
+using Kind = spec::Output::Kind;
+
 /// m/s: slips of a wheel that is slower are those at this speed.
 constexpr double slowest = 0.1;
 
 struct WheelChannel {
   const char *name, *unit, *meaning;
 };
-constexpr WheelChannel channels[] = {
-    {"longitudinal", "N", "force along the road, forwards, on tyre '{}'"},
-    {"lateral", "N", "force along the road, to the left, on tyre '{}'"},
-    {"overturning", "N m", "moment about forwards on tyre '{}', at its contact"},
-    {"rolling", "N m",
-     "moment about its axis on tyre '{}' besides that of the force along; negative resists"},
-    {"aligning", "N m", "moment about the road's normal on tyre '{}', at its contact"},
-    {"slip", "1", "slip of tyre '{}' over its speed forwards, positive where it drives"},
-    {"slip_angle", "rad", "from forwards to where tyre '{}' goes, positive to the left"},
-    {"camber", "rad", "inclination of tyre '{}' on the road, positive to the right"},
-    {"deflection", "m", "of tyre '{}', along the road's normal"},
+constexpr std::array channels{
+    WheelChannel{"longitudinal", "N", "force along the road, forwards, on tyre '{}'"},
+    WheelChannel{"lateral", "N", "force along the road, to the left, on tyre '{}'"},
+    WheelChannel{"overturning", "N m", "moment about forwards on tyre '{}', at its contact"},
+    WheelChannel{"rolling", "N m",
+                 "moment about its axis on tyre '{}' besides that of the force along; negative resists"},
+    WheelChannel{"aligning", "N m", "moment about the road's normal on tyre '{}', at its contact"},
+    WheelChannel{"slip", "1", "slip of tyre '{}' over its speed forwards, positive where it drives"},
+    WheelChannel{"slip_angle", "rad", "from forwards to where tyre '{}' goes, positive to the left"},
+    WheelChannel{"camber", "rad", "inclination of tyre '{}' on the road, positive to the right"},
+    WheelChannel{"deflection", "m", "of tyre '{}', along the road's normal"},
 };
+
+/// Which of these an output shows; -1: the vertical force.
+int channel_of(const spec::Output& o) {
+  constexpr int moments = 2, slip = 5;
+  switch (o.kind) {
+    case Kind::tyre_moment:
+      return moments + o.component;
+    case Kind::tyre_slip:
+      return slip;
+    case Kind::tyre_slip_angle:
+      return slip + 1;
+    case Kind::tyre_camber:
+      return slip + 2;
+    case Kind::tyre_deflection:
+      return slip + 3;
+    default:
+      return o.component - 1;
+  }
+}
+
+std::string meaning(const WheelChannel& c, const std::string& tyre) {
+  return fmt::format(fmt::runtime(c.meaning), tyre);
+}
 
 }  // namespace
 
 void add_wheel_info(const std::string& tyre, std::vector<ChannelInfo>& info) {
   for (const WheelChannel& c : channels)
-    info.push_back(
-        {fmt::format("tyre.{}.{}", tyre, c.name), c.unit, fmt::format(fmt::runtime(c.meaning), tyre)});
+    info.push_back({fmt::format("tyre.{}.{}", tyre, c.name), c.unit, meaning(c, tyre)});
 }
 
 void read_wheel(const ElementState<const double>& s, double* to) {
@@ -45,6 +70,21 @@ void read_wheel(const ElementState<const double>& s, double* to) {
   *to++ = touches ? std::atan2(s.v[wheel::across], speed) : 0;
   *to++ = s.surroundings[wheel::camber];
   *to++ = std::max(0.0, -s.x[wheel::gap]);
+}
+
+ChannelInfo wheel_output_info(const std::string& tyre, const spec::Output& output) {
+  const int k = channel_of(output);
+  if (k < 0) return {output.name, "N", fmt::format("vertical force of tyre '{}'", tyre)};
+  const WheelChannel& c = channels[static_cast<std::size_t>(k)];
+  return {output.name, c.unit, meaning(c, tyre)};
+}
+
+double wheel_output(const spec::Output& output, const ElementState<const double>& s) {
+  const int k = channel_of(output);
+  if (k < 0) return -s.force[wheel::gap];
+  std::array<double, channels.size()> values;
+  read_wheel(s, values.data());
+  return values[static_cast<std::size_t>(k)];
 }
 
 }  // namespace mimbre

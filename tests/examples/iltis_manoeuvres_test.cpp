@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "support/brush.h"
@@ -229,6 +230,33 @@ TEST(IltisManoeuvres, KeepTheBalanceOfEnergy) {
 }
 
 /// On 15 % with the brakes on: nothing moves once it has settled.
+/// With locked wheels it goes straight on however it steers; on anti-lock brakes, which keep the slips near
+/// their target, it goes around what lies there.
+TEST(IltisManoeuvres, SteersOnAntiLockBrakes) {
+  std::map<std::string, std::string> set = all_of("rigid");
+  Simulation locked = car("anti-lock", set);
+  set["anti_lock"] = "true";
+  Simulation held = car("anti-lock", set);
+  std::array<double, 4> mean{};
+  const int samples = 200;
+  for (int k = 0; k < samples; ++k)
+    for (Simulation* const s : {&locked, &held}) {
+      run_to(*s, 2 + 0.01 * k);
+      for (std::size_t w = 0; w < wheels.size(); ++w) {
+        const double slip = channel(*s, "slip." + wheels[w]);
+        EXPECT_LT(slip, s == &locked ? -0.97 : 0.1) << wheels[w];
+        EXPECT_GT(slip, s == &locked ? -1.03 : -0.5) << wheels[w];
+        if (s == &held) mean[w] += slip / samples;
+      }
+    }
+  for (const double slip : mean) EXPECT_NEAR(slip, -0.16, 0.08);
+  EXPECT_GT(channel(held, "y"), 2.5);
+  run_to(locked, 9);
+  run_to(held, 9);
+  for (Simulation* const s : {&locked, &held}) EXPECT_NEAR(channel(*s, "speed"), 0, 0.01);
+  EXPECT_NEAR(channel(locked, "y"), 0, 0.05);
+}
+
 TEST(IltisManoeuvres, StandsOnASlope) {
   Simulation s = car("slope");
   run_to(s, 10);
