@@ -180,6 +180,8 @@ class Reading {
     tyre_.nominal_load = F;
     tyre_.pressure = at(inflpres);
     tyre_.nominal_pressure = at(nompres);
+    // A file that says none, as those of version 5.2 do, has the nominal one, whatever that is.
+    if (!given_.contains(nompres) && !given_.contains(inflpres)) at(nompres) = at(inflpres) = 1;
   }
 
   std::vector<Property> properties_;
