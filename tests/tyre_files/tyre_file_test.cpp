@@ -87,6 +87,10 @@ TEST(TyreFile, WhatIsMissingIsNeutral) {
       EXPECT_EQ(value, 0) << key;
     }
   }
+  // A pressure that is not said is the nominal one.
+  EXPECT_EQ(tyre.pressure, 0);
+  EXPECT_GT(tyre.numbers[magic::nompres], 0);
+  EXPECT_EQ(tyre.numbers[magic::inflpres], tyre.numbers[magic::nompres]);
   EXPECT_EQ(tyre.numbers[magic::pky4], 2);
   EXPECT_EQ(tyre.numbers[magic::qsy7], 1);
   EXPECT_EQ(tyre.numbers[magic::longvl], 16.7);
