@@ -14,8 +14,8 @@ namespace brush_tyre {
 /// Among the law's numbers.
 constexpr int stiffness = 0, radius = 1, damping = 2, slip_stiffness = 3 /* along, across */, friction = 5,
               relaxation = 6 /* likewise */, half_length = 8, load = 9, resistance = 10, settling = 11;
-/// States: the bend of the carcass along and across, m, by which the wheel is ahead of its footprint.
-constexpr int bend = 0;
+/// Among the states.
+constexpr int bend = wheel::bend;
 
 /// m/s: well below, rolling one way or the other is much the same.
 constexpr double still = 0.1;
@@ -72,6 +72,7 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   w.limit = push.force * p[friction] * s.surroundings[wheel::friction];
   w.bend = c.states + bend;
   w.rate = s.v + wheel::forth;
+  if (c.step <= 0) w.gone = wheel::gone(c.element, c.states, s);
   const carcass::Followed<T> footprint = carcass::follow(w, c.step);
   const carcass::Held<T>& held = footprint.held;
   for (int k = 0; k < 2; ++k) {
@@ -99,7 +100,7 @@ inline void brush_tyre_energy(const LawContext<double>& c, const ElementState<do
   for (int k = 0; k < 2; ++k) {
     const double firm = carcass_stiffness(p, k), was = c.states[bend + k], is = s.states[bend + k];
     e.stored += 0.5 * firm * is * is;
-    e.lost -= 0.5 * firm * (is * is - was * was);
+    if (c.step > 0) e.lost -= 0.5 * firm * (is * is - was * was);
   }
   e.dissipating[wheel::gap] = s.force[wheel::gap] + spring;
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cmath>
 
 #include "forces/element.h"
@@ -118,6 +119,7 @@ struct Wheel {
   T stiffness[2], rolled, limit;  ///< as of Patch
   const T* bend;                  ///< at the step's start: by how much the wheel is ahead of its footprint, m
   const T* rate;                  ///< m/s, at which it slips over the road
+  std::array<T, 2> gone{T(0), T(0)};  ///< m, by which it has slipped where the step is 0
 };
 
 template <class T>
@@ -131,15 +133,28 @@ struct Followed {
 /// m/s: well below, the damper counts.
 constexpr double slow = 1;
 
-/// Step 0: the bend stays.
+/// Step 0: the bend is what a wheel that is moved to here has as far as its friction holds it, and stays
+/// where it is not moved.
 template <class T>
 Followed<T> follow(const Wheel<T>& w, double step) {
+  using std::sqrt;
   const T speed = w.rolled / T(slow), calm = T(1) / (T(1) + speed * speed);
   Patch<T> patch;
-  T viscous[2];
+  T viscous[2], bend[2];
+  for (int k = 0; k < 2; ++k) bend[k] = w.bend[k] + w.gone[k];
+  if (step <= 0) {
+    T square(1e-300), moved(0);
+    for (int k = 0; k < 2; ++k) {
+      square += w.firm[k] * bend[k] * w.firm[k] * bend[k];
+      moved += w.gone[k] * w.gone[k];
+    }
+    const auto slides = select(moved > T(0), square, T(0)) > w.limit * w.limit;
+    const T share = select(slides, T(w.limit / sqrt(square)), T(1));
+    for (int k = 0; k < 2; ++k) bend[k] *= share;
+  }
   for (int k = 0; k < 2; ++k) {
     viscous[k] = w.firm[k] * w.settling * calm;
-    patch.pull[k] = w.firm[k] * (w.bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
+    patch.pull[k] = w.firm[k] * (bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
     patch.give[k] = T(step) * w.firm[k] + viscous[k];
     patch.stiffness[k] = w.stiffness[k];
   }
@@ -151,8 +166,8 @@ Followed<T> follow(const Wheel<T>& w, double step) {
     f.give[k] = patch.give[k];
     const auto gives = patch.give[k] > T(0);
     const T inverse = T(1) / select(gives, patch.give[k], T(1));
-    const T bent = T(step) * f.held.force[k] + viscous[k] * w.bend[k];
-    f.bend[k] = select(gives, T(bent * inverse), w.bend[k]);
+    const T bent = T(step) * f.held.force[k] + viscous[k] * bend[k];
+    f.bend[k] = select(gives, T(bent * inverse), bend[k]);
     f.slip[k] = select(gives, T((patch.pull[k] - f.held.force[k]) * inverse), w.rate[k]);
   }
   return f;

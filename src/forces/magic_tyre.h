@@ -17,8 +17,8 @@ namespace magic_tyre {
 /// Among the law's numbers, behind the vertical stiffness and the radius: those of the formula, then the
 /// carcass's damping over its stiffness.
 constexpr int formula = 2, settling = formula + magic::count;
-/// States: the bend of the carcass along and across, m; what that stores, J.
-constexpr int bend = 0, stored = 2;
+/// Among the states: the bend of the carcass; what that stores, J.
+constexpr int bend = wheel::bend, stored = bend + 2;
 
 /// m/s: well above, forces are the formula's; slips of a wheel that is slower than the second are those at
 /// that speed.
@@ -87,6 +87,7 @@ void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   w.rolled = abs(rolling);
   w.bend = c.states + bend;
   w.rate = s.v + wheel::forth;
+  if (c.step <= 0) w.gone = wheel::gone(c.element, c.states, s);
   const carcass::Followed<T> footprint = carcass::follow(w, c.step);
   carcass::put_tangents(footprint, wheel::forth, s);
 
@@ -132,7 +133,7 @@ inline void magic_tyre_energy(const LawContext<double>& c, const ElementState<do
   e.dissipating[wheel::gap] = s.force[wheel::gap] + spring(deep);
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];
   e.stored += s.states[stored];
-  e.lost = c.states[stored] - s.states[stored];
+  if (c.step > 0) e.lost = c.states[stored] - s.states[stored];
 }
 
 }  // namespace mimbre::forces

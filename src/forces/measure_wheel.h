@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "forces/element.h"
 #include "forces/motion.h"
 #include "forces/road_surface.h"
@@ -16,6 +18,13 @@ constexpr int gap = 0, forth = 1, across = 2, overturning = 3, rolling = 4, alig
 /// Surroundings: global z of the road; speed of the centre forwards, m/s; the wheel's angular velocity about
 /// its axis, rad/s; camber (inclination to the right positive), rad; factor on friction.
 constexpr int road = 0, forward = 1, spin = 2, camber = 3, friction = 4;
+/// Among the states. Of the wheel where it was last: the middle of its footprint, global; the direction to
+/// that in its own axes; its loaded radius, m, and 0 of one that did not stand. Then the law's: the bend of
+/// the carcass along and across, m, by which the wheel is ahead of its footprint.
+constexpr int middle = 0, down = 3, stood = 6, bend = 7;
+
+/// Slower than this (m/s), a wheel stands.
+constexpr double still = 1e-9;
 
 /// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip, and is
 /// pushed nearer to its middle.
@@ -47,6 +56,31 @@ T rolling_radius(const ElementData& e, const T& x) {
 template <class T>
 T rolling_speed(const ElementData& e, const ElementState<T>& s) {
   return s.surroundings[spin] * rolling_radius<T>(e, s.x[gap]);
+}
+
+/// Loaded radius, m.
+template <class T>
+T loaded_radius(const ElementData& e, const T& x) {
+  const T deep = select(x < T(0), T(-x), T(0)), radius(e.radius);
+  return select(deep < radius, T(radius - deep), T(0));
+}
+/// How far the tread has gone along x and y since the wheel stood, m, of what `forth` and `across` are the
+/// rates; 0 of a wheel that did not stand. `before`: the states then.
+template <class T>
+std::array<T, 2> gone(const ElementData& e, const T* before, const ElementState<T>& s) {
+  using std::atan2;
+  const auto vector = [](const T* p) { return Vec3<T>(p[0], p[1], p[2]); };
+  const Vec3<T> t = s.linear_of(forth), side = s.linear_of(across), up = t.cross(s.angular_of(rolling)),
+                spoke = vector(s.states + down), was = vector(before + down);
+  const T from = before[stood];
+  const auto stands = from > T(0);
+  // As if the loaded radius had been the same.
+  const Vec3<T> way =
+      vector(s.states + middle) + (loaded_radius<T>(e, s.x[gap]) - from) * up - vector(before + middle);
+  const T turned =
+      atan2(e.direction.template cast<T>().dot(spoke.cross(was)), select(stands, T(spoke.dot(was)), T(1)));
+  return {select(stands, T(t.dot(way) - rolling_radius<T>(e, s.x[gap]) * turned), T(0)),
+          select(stands, side.dot(way), T(0))};
 }
 }  // namespace wheel
 
@@ -86,9 +120,7 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   const Vec3<T> n = roads::normal(at), t = forwards(n, steep), side = n.cross(t), up = t.cross(axis);
   const Vec3<T> lowest = lowest_over(n);
   s.x[gap] = n.dot(Vec3<T>(centre + lowest)) - n[0] * place[0] - n[1] * place[1] - n[2] * at.z;
-  const T deep = select(s.x[gap] < T(0), T(-s.x[gap]), T(0));
-  const T loaded = select(deep < radius, T(radius - deep), T(0));
-  const T rolls = rolling_radius<T>(e, s.x[gap]);
+  const T loaded = loaded_radius<T>(e, s.x[gap]), rolls = rolling_radius<T>(e, s.x[gap]);
   const auto component = [&](int k, const Vec3<T>& linear, const Vec3<T>& angular) {
     s.set_linear(k, linear);
     s.set_angular(k, angular);
@@ -108,6 +140,15 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   s.surroundings[camber] = atan2(axis.dot(n), steep);
   const T grip = steep / T(flat);
   s.surroundings[friction] = at.friction * select(grip < T(1), grip, T(1));
+
+  const T ahead = s.surroundings[forward], turning = radius * s.v[rolling],
+          square = ahead * ahead + s.v[across] * s.v[across] + turning * turning;
+  const Vec3<T> footprint = centre - loaded * up, spoke = T(-1) * (b.rotation.transpose() * up);
+  for (int k = 0; k < 3; ++k) {
+    s.states[middle + k] = footprint[k];
+    s.states[down + k] = spoke[k];
+  }
+  s.states[stood] = select(square < T(still * still), loaded, T(0));
 }
 
 }  // namespace mimbre

@@ -305,8 +305,8 @@ constexpr std::array<LawInfo, 17> law_table{{
     {.name = "drag", .section = "drags", .arguments = 3, .numbers = drag_numbers, .optional = true,
      .velocity = true},
     {.name = "contact", .section = "", .numbers = contact_numbers, .states = 16},
-    {.name = "brush_tyre", .section = "", .numbers = brush_tyre_numbers, .states = 2},
-    {.name = "magic_tyre", .section = "", .states = 3},
+    {.name = "brush_tyre", .section = "", .numbers = brush_tyre_numbers, .states = 9},
+    {.name = "magic_tyre", .section = "", .states = 10},
 }};
 // clang-format on
 

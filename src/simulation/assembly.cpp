@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "dynamics/relative/forces.h"
+#include "forces/measure_wheel.h"
 #include "integrate/initial.h"
 #include "joints/table.h"
 #include "mimbre/diagnostics.h"
@@ -16,6 +19,50 @@ namespace mimbre {
 namespace {
 
 constexpr double close_enough = 1e-8;  ///< m, m/s
+constexpr double alike = 1e-8;         ///< m, of how carcasses bend
+constexpr int most_rounds = 30;
+
+StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+  const double length = observer.model().length_scale;
+  if (!natural) return find_equilibrium(observer, s, length);
+  State n = natural_state(*natural, observer, s);
+  natural->enter(s.u.data(), s.z.data(), 0);
+  const StaticsStatus status = find_equilibrium(*natural, n, length);
+  natural->to_relative(n, s);
+  observer.begin_step(s.q.data());
+  find_multipliers(observer, s, 1e-9 * length);
+  return status;
+}
+
+/// Puts the footprints of wheels that stand in an equilibrium to where these are, so that their carcasses are
+/// straight again; false, and nothing, where they bend as they did before, `bends`.
+bool let_wheels_go(relative::RelativeSystem& observer, State& s, std::vector<double>& bends) {
+  const Compiled& m = observer.model();
+  observer.begin_step(s.q.data());
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  Eigen::VectorXd generalised(m.velocities);
+  relative::forces(m, observer.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
+  const auto each = [&](const auto& f) {
+    for (const ElementData& e : m.elements)
+      if (e.measure == Measure::wheel && s.z[e.states + wheel::stood] > 0)
+        f(e, element_state(e, observer.workspace().elements.data()).states);
+  };
+  std::vector<double> now;
+  each([&](const ElementData&, const double* states) {
+    now.insert(now.end(), {states[wheel::bend], states[wheel::bend + 1]});
+  });
+  bends.resize(now.size(), 0.0);
+  const bool same = std::equal(now.begin(), now.end(), bends.begin(),
+                               [](double a, double b) { return std::abs(a - b) <= alike; });
+  if (same) return false;
+  bends = std::move(now);
+  each([&](const ElementData& e, const double* states) {
+    double* const z = s.z.data() + e.states;
+    std::copy_n(states, e.state_count, z);
+    z[wheel::bend] = z[wheel::bend + 1] = 0;
+  });
+  return true;
+}
 
 /// Sets what the user gave of a joint's positions and velocities; weights 0 mark given ones.
 void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen::VectorXd& position_weight,
@@ -139,6 +186,10 @@ State natural_state(const natural::NaturalSystem& natural, relative::RelativeSys
   return natural.from_relative(s, observer.workspace().bodies, observer.workspace().origin);
 }
 
+/// Friction holds a wheel that stands wherever it came from, and so there are many equilibria. Sought is the
+/// one whose carcasses store least: where footprints are put to where the wheels are, over and over, what
+/// they hold against each other (a suspension that has come down pushes them apart) is gone; what is left
+/// carries the weight along a slope, by which it comes down a little each time.
 StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
   const Compiled& m = observer.model();
   for (const spec::Contact& contact : m.spec().contacts)
@@ -148,14 +199,19 @@ StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSys
           fmt::format("contact '{}' is a swarm, whose pairs are found as it moves: no equilibrium "
                       "can be looked for; start from the assembled position, and run to rest",
                       contact.name));
-  const double length = m.length_scale;
-  if (!natural) return find_equilibrium(observer, s, length);
-  State n = natural_state(*natural, observer, s);
-  natural->enter(s.u.data(), s.z.data(), 0);
-  const StaticsStatus status = find_equilibrium(*natural, n, length);
-  natural->to_relative(n, s);
-  observer.begin_step(s.q.data());
-  find_multipliers(observer, s, 1e-9 * length);
+  StaticsStatus status = find_from_here(natural, observer, s);
+  std::vector<double> bends;
+  for (int round = 0; round < most_rounds && status.converged; ++round) {
+    const State found = s;
+    if (!let_wheels_go(observer, s, bends)) break;
+    const StaticsStatus next = find_from_here(natural, observer, s);
+    if (next.converged) {
+      status = next;
+      continue;
+    }
+    s = found;
+    break;
+  }
   return status;
 }
 

@@ -99,7 +99,16 @@ std::string explain(const Compiled& model, const natural::NaturalSystem* natural
 
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
                               const StaticsStatus& status) {
-  if (const BodyData* body = free_body(model, natural, status.coordinate))
+  const BodyData* const body = free_body(model, natural, status.coordinate);
+  const bool has_wheels = std::any_of(model.elements.begin(), model.elements.end(),
+                                      [](const ElementData& e) { return e.measure == Measure::wheel; });
+  if (body && has_wheels)
+    return fmt::format(
+        "no static equilibrium was found: nothing holds body '{}' against a force or moment of {:.3g} (N or "
+        "Nm); on wheels that no brake holds it rolls away, and on a slope that friction does not hold it "
+        "slides; give the hubs friction that holds, and no velocities",
+        model.spec().bodies[body->spec].name, status.residual);
+  if (body)
     return fmt::format(
         "no static equilibrium was found: body '{}' floats freely, and nothing holds it against a force or "
         "moment "

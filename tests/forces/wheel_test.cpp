@@ -57,7 +57,7 @@ struct Wheel {
   Wheel(const RoadData& road, double radius) : element(wheel_element(radius)) {
     model.roads.push_back(road);
     storage.assign(static_cast<std::size_t>(element_storage(element)), std::nan(""));
-    before.assign(2, 0.0);
+    before.assign(static_cast<std::size_t>(element.state_count), 0.0);
     b.acceleration = b.alpha = Vec3d::Zero();
   }
   ElementState<double> at(double t) {
@@ -436,7 +436,7 @@ TEST(MagicTyre, OnASteadyRollItIsTheFormula) {
     w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
     w.model.numbers.push_back(0.02);
     w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
-    w.before.assign(3, 0.0);
+    w.before.assign(static_cast<std::size_t>(e.state_count), 0.0);
     const double forward = 20, radius = tyre.unloaded_radius, deep = 0.02;
     w.b.rotation = rotation_exp<double>(Vec3d(gamma, 0, 0));
     w.b.position = {0, 0, radius * std::cos(gamma) - deep};
@@ -447,7 +447,7 @@ TEST(MagicTyre, OnASteadyRollItIsTheFormula) {
     for (int k = 0; k < 2000; ++k) {
       s = w.at(0);
       forces::magic_tyre_law<double>({w.model, e, 0, &none, w.before.data(), 1e-3}, s);
-      std::copy_n(s.states, 3, w.before.begin());
+      std::copy_n(s.states, e.state_count, w.before.begin());
     }
     const auto out = forces::magic_formula(
         tyre.numbers.data(),
@@ -474,7 +474,7 @@ TEST(MagicTyre, StoresWhatPressesItIn) {
   w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
   w.model.numbers.push_back(0.02);
   w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
-  w.before.assign(3, 0.0);
+  w.before.assign(static_cast<std::size_t>(e.state_count), 0.0);
   w.b.rotation = Mat3d::Identity();
   w.b.velocity = w.b.omega = Vec3d::Zero();
   const double none = 0, h = 1e-6;
