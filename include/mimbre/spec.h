@@ -295,6 +295,7 @@ struct Element {
   std::vector<double> numbers;      ///< of the law, as the table describes them
   std::vector<Function> functions;  ///< likewise
   std::vector<Source> arguments;    ///< signals that the law takes
+  Law general;                      ///< of a torsion spring: of the sum, its rate, …
   std::vector<MaxwellBranch> branches;
   std::shared_ptr<const UserLaw> user;
 };

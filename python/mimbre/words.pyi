@@ -1018,11 +1018,14 @@ class TorsionSpring(TypedDict, total=False):
     coordinates: Required[Sequence[TorsionSpringCoordinates]]
     # N m/rad, or N/m where the first coordinate is a length.
     stiffness: Number
-    # The sum without force, rad or m; default: 0.
-    rest: Number
-    # In place of stiffness and rest: the force over the sum.
+    # The sum without force, rad or m; a number or an expression of t, inputs, signals and outputs;
+    # default: 0.
+    rest: str | float
+    # In place of stiffness and rest: the force over the sum; an expression may use inputs, signals and
+    # outputs.
     elastic: Law
-    # Over the sum's rate; a number: the coefficient, N m s/rad or N s/m.
+    # Over the sum's rate; a number: the coefficient, N m s/rad or N s/m. An expression may use inputs,
+    # signals and outputs.
     damping: Law
 
 class Cable(TypedDict, total=False):

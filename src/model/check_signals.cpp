@@ -101,8 +101,11 @@ void check_functions(const Thing& thing, const spec::Element& e, const LawInfo& 
     return thing.error(law.functions == 0 ? fmt::format("law '{}' has no functions", law.name)
                                           : fmt::format("law '{}' has {} functions, {} are given", law.name,
                                                         law.functions, given));
-  if (e.law == "torsion_spring" && (given == 0 || (e.functions[0].is_zero() && e.functions[1].is_zero())))
+  const bool torsion_spring = e.law == "torsion_spring", formula = !e.general.formula.is_zero();
+  if (torsion_spring && (given == 0 || (e.functions[0].is_zero() && e.functions[1].is_zero() && !formula)))
     thing.error("says no force; it has two functions: its elastic law, and its damper's");
+  if (formula && !torsion_spring)
+    thing.error(fmt::format("law '{}' has no formula 'general'; torsion springs have", law.name));
   if (e.law == "motor" && e.numbers.size() == law.numbers.size() && (given != 0) == (e.numbers[2] > 0))
     thing.error("has a curve, or a constant and a resistance: one of both is needed");
 }

@@ -535,6 +535,7 @@ class Compiler {
       if (const double inertia = motor_inertia(s.numbers); inertia > 0) e.inertia = add_numbers({inertia});
     for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
     if (!s.functions.empty()) e.functions = add_functions(s.functions);
+    e.formula = add_formula(c_, s.general);
     e.argument_count = static_cast<int>(s.arguments.size());
     e.arguments = static_cast<int>(c_.arguments.size());
     for (const spec::Source& source : s.arguments) add_argument(c_, slot_of(c_, source));

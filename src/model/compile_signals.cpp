@@ -73,7 +73,8 @@ class Planner {
       for (const spec::JointSpring& spring : joint.springs)
         see(spring.general.arguments, fmt::format("the spring of joint '{}'", joint.name), joint.mark);
     for (const spec::Element& e : s_.elements)
-      see(e.arguments, fmt::format("{} '{}'", e.law, e.name), e.mark);
+      for (const auto* arguments : {&e.arguments, &e.general.arguments})
+        see(*arguments, fmt::format("{} '{}'", e.law, e.name), e.mark);
     for (const SignalNode& node : order_.nodes)
       if (moves(node)) make(node, d_.moving, d_.moving_loops);
     for (const MadeOf& made : made_) (*made.list)[made.at].law = within_a_step(*made.law);

@@ -9,7 +9,7 @@ namespace {
 
 /// The sum of terms over time, inputs, signals and outputs.
 spec::Law formula(Builder& builder, const Part& part, const std::vector<Value>& terms) {
-  std::vector<std::pair<Value, std::vector<Variable>>> of;
+  std::vector<FormulaTerm> of;
   for (const Value& term : terms) of.emplace_back(term, variables_of(LawOf::time));
   auto read = read_formula(builder, part, of, {"t"}, quantity::any);
   if (!read) return {};

@@ -30,20 +30,11 @@ void read_spring(Builder& builder, const Part& part, const Value& value, spec::S
   const auto elastic = fields.get("elastic"), damping = fields.get("damping"), force = fields.get("force");
   if (!elastic && !damping && !force)
     value.error("says no force; for example elastic: {stiffness: 1000, zero: 0.5}");
-  std::vector<std::pair<Value, std::vector<Variable>>> terms;
-  const auto law = [&](const std::optional<Value>& given, LawOf of, const char* as, const auto& read) {
-    if (!given) return;
-    if (!uses_signals(builder, part, *given)) return read(*given);
-    std::vector<Variable> variables = variables_of(of);
-    variables.front().name = as;
-    terms.emplace_back(*given, std::move(variables));
-  };
-  law(elastic, LawOf::coordinate, "l", [&](const Value& given) {
-    spring.elastic = read_elastic_law(given, units_of_length.elastic()).value_or(Function{});
-  });
-  law(damping, LawOf::rate, "v", [&](const Value& given) {
-    spring.damping = read_damping_law(given, units_of_length.damper()).value_or(Function{});
-  });
+  std::vector<FormulaTerm> terms;
+  if (elastic && !add_term_with_signals(builder, part, *elastic, LawOf::coordinate, "l", terms))
+    spring.elastic = read_elastic_law(*elastic, units_of_length.elastic()).value_or(Function{});
+  if (damping && !add_term_with_signals(builder, part, *damping, LawOf::rate, "v", terms))
+    spring.damping = read_damping_law(*damping, units_of_length.damper()).value_or(Function{});
   if (force) terms.emplace_back(*force, variables_of(LawOf::all));
   if (terms.empty()) return;
   if (auto general = read_formula(builder, part, terms, {"l", "v", "t"}, quantity::force)) {

@@ -56,16 +56,27 @@ void read_torsion_spring(Builder& builder, const Part& part, const Value& value,
   e.functions.assign(2, Function{});
   const auto stiffness = fields.get("stiffness"), elastic = fields.get("elastic"),
              damping = fields.get("damping");
+  std::vector<FormulaTerm> terms;
+  if (damping && !add_term_with_signals(builder, part, *damping, LawOf::rate, "v", terms))
+    e.functions[1] = read_damping_law(*damping, units.damper()).value_or(Function{});
+  const auto rest = fields.get("rest");
   if (stiffness) {
-    const double rest = fields.number("rest", 0, units.position);
-    e.functions[0] = Function::linear(stiffness->not_negative(units.stiffness).value_or(0), rest);
+    const double k = stiffness->not_negative(units.stiffness).value_or(0);
+    const bool moves = rest && !is_plain_number(*rest);
+    e.functions[0] = Function::linear(k, moves ? 0 : fields.number("rest", 0, units.position));
+    // k (x − rest): its own part k x stores energy, and −k rest works as a load does.
+    if (moves) terms.push_back({*rest, variables_of(LawOf::time), -k, units.position});
     if (elastic) elastic->error("and 'stiffness' say the same; keep one");
-  } else if (elastic) {
+  } else if (elastic && !add_term_with_signals(builder, part, *elastic, LawOf::coordinate, "x", terms)) {
     e.functions[0] = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
   }
-  if (!stiffness && fields.has("rest")) fields.get("rest")->error("belongs to 'stiffness'");
-  if (damping) e.functions[1] = read_damping_law(*damping, units.damper()).value_or(Function{});
+  if (!stiffness && rest) rest->error("belongs to 'stiffness'");
   if (!stiffness && !elastic && !damping) value.error("says no force; for example stiffness: 1200");
+  if (terms.empty()) return;
+  if (auto general = read_formula(builder, part, terms, {"x", "v", "t"}, units.force)) {
+    general->arguments.insert(general->arguments.begin(), spec::Source{});  // t
+    e.general = std::move(*general);
+  }
 }
 
 void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Value& value,

@@ -320,17 +320,10 @@ void read_joint_springs(Builder& builder, const Part& part, const Value& value, 
     if (stiffness)
       spring.elastic = Function::linear(stiffness->not_negative(units.stiffness).value_or(0),
                                         fields.number("zero", 0, units.position));
-    std::vector<std::pair<Value, std::vector<Variable>>> terms;
-    const auto with_signals = [&](const Value& given, LawOf of, const char* as) {
-      if (!uses_signals(builder, part, given)) return false;
-      std::vector<Variable> variables = variables_of(of);
-      variables.front().name = as;
-      terms.emplace_back(given, std::move(variables));
-      return true;
-    };
-    if (elastic && !with_signals(*elastic, LawOf::coordinate, "x"))
+    std::vector<FormulaTerm> terms;
+    if (elastic && !add_term_with_signals(builder, part, *elastic, LawOf::coordinate, "x", terms))
       spring.elastic = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
-    if (damping && !with_signals(*damping, LawOf::rate, "v"))
+    if (damping && !add_term_with_signals(builder, part, *damping, LawOf::rate, "v", terms))
       spring.damping = read_damping_law(*damping, units.damper()).value_or(Function{});
     if (!terms.empty())
       spring.general = read_formula(builder, part, terms, {"x", "v"}, units.force).value_or(spec::Law{});

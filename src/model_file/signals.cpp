@@ -96,12 +96,12 @@ bool uses_signals(Builder& builder, const Part& part, const Value& value) {
 }
 
 std::optional<spec::Law> read_formula(Builder& builder, const Part& part,
-                                      const std::vector<std::pair<Value, std::vector<Variable>>>& terms,
+                                      const std::vector<FormulaTerm>& terms,
                                       const std::vector<std::string>& own, const Quantity& wanted) {
   std::string sum;
   std::vector<std::string> names = own;
   spec::Law law;
-  for (const auto& [value, variables] : terms) {
+  for (const auto& [value, variables, factor, of] : terms) {
     if (!value.is_scalar()) {
       value.error("an expression is needed");
       return {};
@@ -126,8 +126,10 @@ std::optional<spec::Law> read_formula(Builder& builder, const Part& part,
       all.push_back(std::move(variable));
     }
     try {
-      const std::string text = substitute_parameters(replaced.text, *part.reading.scope, all, wanted);
-      sum += fmt::format("{}({})", sum.empty() ? "" : " + ", text);
+      const std::string text =
+          substitute_parameters(replaced.text, *part.reading.scope, all, of.value_or(wanted));
+      const std::string times = factor == 1 ? "" : fmt::format("({:.17g})*", factor);
+      sum += fmt::format("{}{}({})", sum.empty() ? "" : " + ", times, text);
     } catch (const ExpressionError& e) {
       value.error(e.what());
       return {};
@@ -136,10 +138,19 @@ std::optional<spec::Law> read_formula(Builder& builder, const Part& part,
   try {
     law.formula = Formula::expression(sum, names);
   } catch (const InputError& e) {
-    terms.front().first.error(e.diagnostics().front().message);
+    terms.front().value.error(e.diagnostics().front().message);
     return {};
   }
   return law;
+}
+
+bool add_term_with_signals(Builder& builder, const Part& part, const Value& law, LawOf of, const char* as,
+                           std::vector<FormulaTerm>& terms) {
+  if (!uses_signals(builder, part, law)) return false;
+  std::vector<Variable> variables = variables_of(of);
+  variables.front().name = as;
+  terms.emplace_back(law, std::move(variables));
+  return true;
 }
 
 int anonymous_signal(Builder& builder, const Part& part, const Value& value, const std::string& name,

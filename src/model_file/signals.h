@@ -16,11 +16,24 @@ SignalText replace_signals(Builder& builder, const Part& part, const std::string
 /// Whether a text uses any.
 bool uses_signals(Builder& builder, const Part& part, const Value& value);
 
-/// A law of own variables, with all signals that it uses; `extra` text of own variables is added to it.
-/// Nothing, and an error, where it is none.
+/// factor · an expression of own variables and signals.
+struct FormulaTerm {
+  Value value;
+  std::vector<Variable> variables;  ///< its own
+  double factor = 1;
+  std::optional<Quantity> of = {};  ///< what it measures, where that is not what the sum does
+};
+
+/// A law of own variables: the sum of the terms, with all signals that they use. Nothing, and an error, where
+/// it is none.
 std::optional<spec::Law> read_formula(Builder& builder, const Part& part,
-                                      const std::vector<std::pair<Value, std::vector<Variable>>>& terms,
+                                      const std::vector<FormulaTerm>& terms,
                                       const std::vector<std::string>& own, const Quantity& wanted);
+
+/// A law of one variable, named `as`, as a term of a formula, where it uses signals; else false, and it is to
+/// be read without.
+bool add_term_with_signals(Builder& builder, const Part& part, const Value& law, LawOf of, const char* as,
+                           std::vector<FormulaTerm>& terms);
 
 /// The signal that a text of time and signals stands for: one that is made for it. -1, and an error, where it
 /// is none.

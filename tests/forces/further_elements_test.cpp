@@ -143,6 +143,56 @@ outputs: [{{name: a, joint: a}}, {{name: b, joint: b}}, {{name: my, joint_force:
   }
 }
 
+/// Active: at the moment M of a rest angle ρ the levers are at ±k ρ/(c + 2 k), and what turns the rest works.
+/// Its laws by signals are the same force.
+TEST_P(FurtherElements, AnAntiRollBarFollowsASignal) {
+  const double c = 300, k = 1200, rho = 0.05;
+  const auto bar = [&](const std::string& law, bool rests, const std::string& damping = "damping: 5") {
+    return simulation_of(fmt::format(R"y(
+{}gravity: [0, 0, 0]
+bodies:
+  left: {{mass: 1, com: [0, 0.5, 0], inertia: [0.1, 0.1, 0.1]}}
+  right: {{mass: 1, com: [0, -0.5, 0], inertia: [0.1, 0.1, 0.1]}}
+joints:
+  a: {{type: revolute, between: [ground, left], at: [0, 0.5, 0], axis: [0, 1, 0], spring: {{stiffness: 300}}}}
+  b: {{type: revolute, between: [ground, right], at: [0, -0.5, 0], axis: [0, 1, 0], cut: always, spring: {{stiffness: 300}}}}
+inputs: {{tilt: 0.5}}
+signals: {{lean: "0.1*tilt"}}
+torsion_springs:
+  bar: {{coordinates: [{{joint: a}}, {{joint: b, factor: -1}}], {}, {}}}
+outputs: [{{name: a, joint: a}}, {{name: b, joint: b}}]
+)y",
+                                     rests ? "initial: equilibrium\n" : "", law, damping),
+                         GetParam(), 2.5e-4);
+  };
+  for (const char* law : {"stiffness: 1200, rest: lean", "elastic: \"1200*(x - lean)\""}) {
+    Simulation still = bar(law, true);
+    EXPECT_NEAR(channel(still, "a"), k * rho / (c + 2 * k), 1e-8) << law;
+    EXPECT_NEAR(channel(still, "b"), -k * rho / (c + 2 * k), 1e-8) << law;
+    EXPECT_NEAR(channel(still, "torsion_spring.bar.force"), k * rho * c / (c + 2 * k), 1e-6) << law;
+    still.set_input(still.input("tilt"), 0);
+    step_to(still, 1);
+    EXPECT_NEAR(channel(still, "a"), 0, 1e-6) << law;
+  }
+  // One mode swings: (J s̈ + (c + 2 k) s + 2 d ṡ = 2 k ρ) of s = a − b, from rest.
+  const double J = 0.1, d = 5, w = std::sqrt((c + 2 * k) / J), zeta = 2 * d / (2 * J * w),
+               wd = w * std::sqrt(1 - zeta * zeta);
+  for (const auto& [law, damping] :
+       {std::pair("stiffness: 1200, rest: lean", "damping: 5"),
+        std::pair("elastic: \"1200*(x - lean)\"", "damping: \"10*v*tilt\""),
+        std::pair("stiffness: 1200, rest: \"lean + 0*t\"", "damping: \"10*v*tilt\"")}) {
+    Simulation s = bar(law, false, damping);
+    for (const double time : {0.004, 0.01, 0.03}) {
+      step_to(s, time);
+      const double swing =
+          1 - std::exp(-zeta * w * time) * (std::cos(wd * time) + zeta * w / wd * std::sin(wd * time));
+      EXPECT_NEAR(channel(s, "a") - channel(s, "b"), 2 * k * rho / (c + 2 * k) * swing, 4e-4 * rho)
+          << law << ", " << damping << " at " << time;
+    }
+    EXPECT_NEAR(s.energy().numerical, 0, 1e-3 * k * rho * rho) << law;
+  }
+}
+
 /// A falling body: v = v∞ tanh(g t/v∞), v∞ = √(2 m g/(ρ c A)).
 TEST_P(FurtherElements, DragHasItsTerminalVelocity) {
   const double mass = 3, area = 0.5, c = 1.2, density = 1.1;
