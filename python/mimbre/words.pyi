@@ -73,6 +73,10 @@ class Section(TypedDict, total=False):
     Iz: Number
     # Torsion constant, m⁴.
     J: Number
+    # How far the outermost fibres are from the axis, along the element's y and z, m: for stress.
+    outermost: Sequence[Number] | Array
+    # Torque over the largest shear stress, m³: with outermost, for stress.
+    torsion_modulus: Number
 
 class Pose(TypedDict, total=False):
     # Origin, m, global in the assembled position.

@@ -88,7 +88,9 @@ void check_section_force(const spec::Model& model, const Thing& thing, const spe
   if (!thing.between("node", output.node, 0, static_cast<int>(sections->sections.size()) - 1)) return;
   if (output.component == von_mises_of_section &&
       !(sections->sections[static_cast<std::size_t>(output.node)].torsion_modulus > 0))
-    thing.error("the section is given by area, Iy, Iz and J: its shape, and so its stress, is not known");
+    thing.error(
+        "the section is given by area, Iy, Iz and J: its shape, and so its stress, is not known; give it "
+        "'outermost: [y, z]' and 'torsion_modulus', too");
 }
 
 void check_motion_of_mass(const spec::Model& model, const Thing& thing, const spec::Output& output) {

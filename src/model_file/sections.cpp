@@ -78,16 +78,45 @@ void read_shear_areas(const Fields& fields, fe::Section& section) {
   section.shear_z = parts[1].positive(quantity::area).value_or(1);
 }
 
+/// What stress is reckoned from, of the sections whose shape is not known.
+void read_fibres(const Fields& fields, fe::Section& section) {
+  const auto outermost = fields.get("outermost"), modulus = fields.get("torsion_modulus");
+  if (!outermost && !modulus) return;
+  if (!outermost)
+    return modulus->error("goes with 'outermost: [y, z]', how far the outermost fibres are from the axis");
+  if (!modulus)
+    return outermost->error(
+        "goes with 'torsion_modulus', torque over the largest shear stress, m³; of a thin open section J "
+        "over its largest thickness");
+  const auto parts = outermost->list();
+  if (parts.size() != 2)
+    return outermost->error("two distances are needed, along the element's y and along its z: [0.05, 0.1]");
+  // I = ∫ d² dA is at most that of an area that lies all in its outermost fibres.
+  const auto reach = [&](const Value& part, double second_moment, const char* name) {
+    const double distance = part.positive(quantity::length).value_or(1),
+                 least = std::sqrt(second_moment / section.area);
+    if (distance < least * (1 - 1e-9))
+      part.error(
+          fmt::format("{} is nearer to the axis than √({}/area) = {:.4g} m, where the fibres are on average",
+                      distance, name, least));
+    return distance;
+  };
+  section.reach_y = reach(parts[0], section.Iz, "Iz");
+  section.reach_z = reach(parts[1], section.Iy, "Iy");
+  section.torsion_modulus = modulus->positive(quantity::section_modulus).value_or(1);
+}
+
 NamedSection read_section(const Value& value) {
   const bool general = value.is_map() && !value.tree().find("type");
   NamedSection named;
   if (general) {
-    const Fields fields(value, {"area", "Iy", "Iz", "J", "shear_areas"});
+    const Fields fields(value, {"area", "Iy", "Iz", "J", "shear_areas", "outermost", "torsion_modulus"});
     named.section = {needed(fields, "area", "1e-4", quantity::area),
                      needed(fields, "Iy", "1e-9", quantity::second_moment),
                      needed(fields, "Iz", "1e-9", quantity::second_moment),
                      needed(fields, "J", "2e-9", quantity::second_moment)};
     read_shear_areas(fields, named.section);
+    read_fibres(fields, named.section);
     return named;
   }
   const Fields any(value, {"type", "diameter", "inner_diameter", "width", "height", "shear_areas"});

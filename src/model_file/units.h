@@ -30,6 +30,7 @@ inline constexpr Quantity number{"", Dimension{}};
 inline constexpr Quantity mass{"kg", Dimension{1}, "g, lb"};
 inline constexpr Quantity length{"m", Dimension{0, 1}, "mm, cm, in, ft"};
 inline constexpr Quantity area{"m^2", Dimension{0, 2}, "mm^2, cm^2"};
+inline constexpr Quantity section_modulus{"m^3", Dimension{0, 3}, "mm^3, cm^3"};
 inline constexpr Quantity second_moment{"m^4", Dimension{0, 4}, "mm^4, cm^4"};
 inline constexpr Quantity time{"s", Dimension{0, 0, 1}, "ms, min"};
 inline constexpr Quantity angle{"rad", Dimension{0, 0, 0, 1}, "deg"};

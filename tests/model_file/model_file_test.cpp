@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <array>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -430,6 +431,33 @@ TEST(ModelFile, Sections) {
       1e-3);
   EXPECT_NEAR(frequency("{type: rectangle, width: 0.05, height: 0.02}") / expected(d * d / 12, 1), 1, 1e-3);
   EXPECT_NEAR(frequency("{area: 1e-4, Iy: 2e-9, Iz: 5e-9, J: 7e-9}") / expected(2e-9, 1e-4), 1, 1e-3);
+}
+
+/// A rectangle by its numbers has the stress of the rectangle.
+TEST(ModelFile, OutermostFibresOfSections) {
+  const auto text = [](const std::string& section) {
+    return "materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}\nsections: {s: " + section +
+           "}\nbodies:\n  bar:\n    frame: {at: [0, 0, 0]}\n    flexible:\n      material: steel\n      "
+           "section: s\n      nodes: {a: [0, 0, 0], b: [1, 0, 0]}\n      bars: {bar: {from: a, to: b, y: "
+           "[0, 1, 0]}}\n      clamped: [a]\n      static_modes: [{node: b, all: true}]\n"
+           "outputs: [{name: peak, section_force: bar, at: [0, 0, 0], component: von_mises}]\n";
+  };
+  const auto shaped = parse(text("{type: rectangle, width: 0.05, height: 0.02}")).bodies[0].flexible;
+  const double b = 0.05, h = 0.02,
+               J = b * h * h * h * (1. / 3 - 0.21 * h / b * (1 - std::pow(h / b, 4) / 12)),
+               modulus = shaped->sections->sections[0].torsion_modulus;
+  const std::string numbers = fmt::format("{{area: {:.17g}, Iy: {:.17g}, Iz: {:.17g}, J: {:.17g}, ", b * h,
+                                          b * h * h * h / 12, h * b * b * b / 12, J);
+  const auto given =
+      parse(text(numbers +
+                 fmt::format("outermost: [25 mm, 1 cm], torsion_modulus: {:.17g} mm^3}}", 1e9 * modulus)))
+          .bodies[0]
+          .flexible;
+  ASSERT_TRUE(shaped->bar_stress && given->bar_stress);
+  const auto& expected = shaped->bar_stress->shapes;
+  EXPECT_LT((given->bar_stress->shapes - expected).cwiseAbs().maxCoeff(),
+            1e-9 * expected.cwiseAbs().maxCoeff());
+  EXPECT_GT(expected.cwiseAbs().maxCoeff(), 0);
 }
 
 TEST(ModelFile, Simulation) {
