@@ -197,7 +197,9 @@ StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSys
       throw InputError(
           contact.mark,
           fmt::format("contact '{}' is a swarm, whose pairs are found as it moves: no equilibrium "
-                      "can be looked for; start from the assembled position, and run to rest",
+                      "can be looked for. Let it come to rest from the assembled position, "
+                      "`mimbre run MODEL --until 1 --save-state rest.state`, and go on from there with "
+                      "`--resume rest.state --until 2`; or, of few spheres, leave out 'swarm: true'",
                       contact.name));
   StaticsStatus status = find_from_here(natural, observer, s);
   std::vector<double> bends;

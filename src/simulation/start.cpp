@@ -35,6 +35,7 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   if (SwarmSearch swarms(m); !swarms.none()) {
     mechanism.observe_afresh();
     swarms.find(observer.workspace(), method.step, mechanism.state.z.data());
+    for (const std::string& text : swarm_warnings(m, method.step)) warn(text);
   }
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))

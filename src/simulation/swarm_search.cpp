@@ -1,8 +1,13 @@
 #include "simulation/swarm_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
+#include "forces/contact.h"
 #include "forces/contact_states.h"
 #include "forces/element_ends.h"
 
@@ -20,7 +25,32 @@ constexpr std::size_t collected_per_place = 2;
 
 std::size_t places(const SwarmData& swarm) { return static_cast<std::size_t>(swarm.last - swarm.first); }
 
+/// Of a blow, π √(m/2k) of two equal masses: with longer steps energies are off, and steps are repeated in
+/// parts over and over.
+constexpr double most_of_blow = 0.25, advised_of_blow = 0.1;
+
 }  // namespace
+
+std::vector<std::string> swarm_warnings(const Compiled& m, double h) {
+  namespace law = forces::contact;
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < m.swarms.size(); ++k) {
+    const SwarmData& swarm = m.swarms[k];
+    if (swarm.first == swarm.last) continue;
+    const double* numbers = m.numbers.data() + m.elements[swarm.first].numbers;
+    double mass = std::numeric_limits<double>::infinity();
+    for (const SwarmSphere& sphere : swarm.spheres)
+      if (const int body = m.frames[sphere.frame].body; body >= 0 && m.bodies[body].mass > 0)
+        mass = std::min(mass, m.bodies[body].mass);
+    const double blow = std::numbers::pi * std::sqrt(0.5 * mass / numbers[law::stiffness]);
+    if (numbers[law::exponent] != 1 || !(h > most_of_blow * blow)) continue;
+    warnings.push_back(fmt::format(
+        "contact '{}': a blow of its lightest spheres takes {:.3g} s (π √(m/2k)), the step {:.3g} s; "
+        "a swarm's blows are not followed one by one: take steps of {:.2g} s",
+        m.spec().contacts[k].name, blow, h, advised_of_blow * blow));
+  }
+  return warnings;
+}
 
 SwarmSearch::SwarmSearch(const Compiled& m) : model_(m) {
   std::size_t most_places = 0;

@@ -1,11 +1,16 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "dynamics/relative/workspace.h"
 
 namespace mimbre {
+
+/// A warning for each swarm whose lightest spheres strike one another in less than four steps of h seconds,
+/// of those whose blows take the same time at any speed (exponent 1).
+std::vector<std::string> swarm_warnings(const Compiled& model, double h);
 
 /// Finds the spheres of swarms that can meet within a step, by a grid of cells as wide as the largest of them
 /// with the way that they make. A pair keeps its place, and with it what it remembers, as long as they stay

@@ -16,6 +16,7 @@
 namespace mimbre::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 struct Options {
@@ -137,6 +138,21 @@ TEST_P(Swarm, ItsMatrixIsThatOfAllPairs) {
   }
 }
 
+/// π √(0.01 kg/(2 · 2e4 N/m)) = 1.571 ms.
+TEST_P(Swarm, IsWarnedOfStepsThatItsBlowsAreTooShortFor) {
+  const auto said = [](const Options& o) {
+    const Simulation s = with_energies(balls(o), GetParam());
+    const std::vector<std::string> all = s.warnings();
+    return all.empty() ? std::string() : all.front();
+  };
+  EXPECT_THAT(said({.step = 5e-4}),
+              AllOf(HasSubstr("contact 'balls': a blow of its lightest spheres takes 0.00157 s"),
+                    HasSubstr("the step 0.0005 s"), HasSubstr("take steps of 0.00016 s")));
+  EXPECT_EQ(said({.step = 3.9e-4}), "");
+  EXPECT_EQ(said({.swarm = false, .step = 5e-4}), "");
+  EXPECT_EQ(said({.step = 5e-4, .more = "    exponent: 1.5"}), "");  // its blows depend on their speed
+}
+
 TEST_P(Swarm, MovesAsAllPairsDo) {
   Options o;
   Simulation swarm = with_energies(balls(o), GetParam());
@@ -209,7 +225,8 @@ TEST(SwarmErrors, NameWhatIsWrong) {
     simulation_of("initial: equilibrium\n" + balls({}), Formulation::relative);
     ADD_FAILURE() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("no equilibrium can be looked for"));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("no equilibrium can be looked for"), HasSubstr("--save-state"),
+                                    HasSubstr("leave out 'swarm: true'")));
   }
   EXPECT_THAT(said({.side = 9, .layers = 3, .swarm = false}), HasSubstr("let them be a swarm"));
 }
