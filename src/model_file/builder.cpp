@@ -105,6 +105,24 @@ bool Builder::claim(Names& names, const Part& part, const std::string& full_name
   return false;
 }
 
+void Builder::claim_end(const Names& things, const Part& part, const std::string& thing, char end,
+                        const Mark& mark, int frame) {
+  const std::string name = fmt::format("{}.{}", thing, end);
+  if (!frame_names.index.contains(name)) {
+    claim(frame_names, part, name, mark, frame);
+    return;
+  }
+  const std::string what = fmt::format("{} '{}'", things.kind, thing);
+  if (!clashing_ends.insert(what).second) return;
+  std::string other =
+      fmt::format("{} '{}' is there already", body_names.index.contains(name) ? "body" : "frame", name);
+  for (const Names* of : {&joint_names, &constraint_names})
+    if (of != &things && of->index.contains(thing))
+      other = fmt::format("those of {} '{}' are called so, too", of->kind, thing);
+  errors.add(mark, fmt::format("{}: its ends are the frames '{}.a' and '{}.b', but {}; rename one of them",
+                               what, thing, thing, other));
+}
+
 int Builder::known(const Names& names, const Part& part, const std::string& name) const {
   for (const std::string& full : part.meanings(name))
     if (const int found = find(names.index, full); found >= 0) return found;

@@ -128,6 +128,7 @@ struct Builder {
   std::map<std::string, Names> element_names;        ///< by section
   std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
   std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use
+  std::set<std::string> clashing_ends;               ///< of which joints and constraints that has been said
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
   /// Bodies of files, by path and by which axes are mirrored.
   std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
@@ -135,6 +136,9 @@ struct Builder {
 
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);
+  /// Likewise for the frame THING.a or THING.b (`end`) of a joint or constraint, at its first or second body.
+  void claim_end(const Names& things, const Part& part, const std::string& thing, char end, const Mark& mark,
+                 int frame);
   /// The thing called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
   int resolve(const Names& names, const Part& part, const std::string& name, const Value& value);
   /// The same without an error.

@@ -215,7 +215,7 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
     const std::string name = c.name + (k == 0 ? ".a" : ".b");
     frames[k] = builder.add_frame_at(name, side.body, place[k].value_or(body.position),
                                      axes ? (k == 0 ? axes->first : axes->second) : body.rotation, named);
-    builder.claim(builder.frame_names, part, name, named.mark(), frames[k]);
+    builder.claim_end(builder.constraint_names, part, c.name, k == 0 ? 'a' : 'b', named.mark(), frames[k]);
   }
   c.frame_a = frames[0];
   c.frame_b = frames[1];

@@ -126,6 +126,12 @@ const int* Scope::find_word(const std::string& word) const {
   return nullptr;
 }
 
+const std::string* Scope::chooser_of(const std::string& word) const {
+  for (const Scope* scope = this; scope; scope = scope->outer)
+    if (const auto it = scope->chosen_by.find(word); it != scope->chosen_by.end()) return &it->second;
+  return nullptr;
+}
+
 std::vector<std::string> Scope::names() const {
   std::vector<std::string> result;
   for (const Scope* scope = this; scope; scope = scope->outer)

@@ -19,6 +19,7 @@ struct Scope {
   std::map<std::string, ParameterValue> values;
   /// Words that parameters may have, numbered, so that expressions can compare them: `arms == flexible`.
   std::map<std::string, int> words;
+  std::map<std::string, std::string> chosen_by;  ///< of the choices among them: whose, the first parameter's
   /// Parameters that may change during a run: only laws and signals can use them.
   struct Tunable {
     double start = 0, min = 0, max = 0;
@@ -29,6 +30,8 @@ struct Scope {
   bool is_tunable(const std::string& name) const;
   const ParameterValue* find(const std::string& name) const;
   const int* find_word(const std::string& word) const;
+  /// The parameter of which the word is a choice; null: none.
+  const std::string* chooser_of(const std::string& word) const;
   std::vector<std::string> names() const;
 };
 

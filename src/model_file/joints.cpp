@@ -139,7 +139,7 @@ std::pair<int, int> read_apart(Builder& builder, const Part& part, const Fields&
     if (!point || !rotation) return none;
     const std::string frame_name = name + (k == 0 ? ".a" : ".b");
     made[k] = builder.add_frame_at(frame_name, bodies[k], part.place.point(*point), *rotation, (*points)[k]);
-    builder.claim(builder.frame_names, part, frame_name, (*points)[k].mark(), made[k]);
+    builder.claim_end(builder.joint_names, part, name, k == 0 ? 'a' : 'b', (*points)[k].mark(), made[k]);
   }
   return {made[0], made[1]};
 }
@@ -229,7 +229,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
     const std::string frame_name = name + "." + letter;
     const Value& where = at ? *at : pair[letter[0] == 'a' ? 0 : 1];
     const int made = builder.add_frame_at(frame_name, attachment.body, there.position, rotation, where);
-    builder.claim(builder.frame_names, part, frame_name, where.mark(), made);
+    builder.claim_end(builder.joint_names, part, name, letter[0], where.mark(), made);
     return made;
   };
   const int frame_a = side(*a, "a", false);
@@ -468,7 +468,7 @@ void add_floating_joints(Builder& builder) {
     frame.pose = body.pose;
     joint.frame_a = builder.add_frame(std::move(frame));
     joint.frame_b = builder.frame_names.index.at(body.name);
-    builder.claim(builder.frame_names, part, joint.name + ".a", joint.mark, joint.frame_a);
+    builder.claim_end(builder.joint_names, part, joint.name, 'a', joint.mark, joint.frame_a);
     builder.claim(builder.joint_names, part, joint.name, joint.mark, static_cast<int>(model.joints.size()));
     model.joints.push_back(std::move(joint));
   }

@@ -157,6 +157,7 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
         for (const Scope* s = &scope; s; s = s->outer) count += static_cast<int>(s->words.size());
         scope.words[word] = count + 1;
       }
+    for (const std::string& word : declaration->choices) scope.chosen_by.emplace(word, entry.key);
     const auto replaced = given.find(entry.key);
     ParameterValue value = 0.0;
     if (!declaration->choices.empty()) value = declaration->choices.front();

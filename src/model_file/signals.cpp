@@ -66,8 +66,10 @@ SignalText replace_signals(Builder& builder, const Part& part, const std::string
     std::optional<spec::Source> source;
     if (!called && !is_variable_name(name)) {
       source = find_source(builder, part, name);
-      // A parameter was there before outputs could be named; one that is tunable is an input.
+      // A parameter was there before outputs could be named; one that is tunable is an input. A choice of a
+      // template's parameter is nearer than what stands outside of it.
       if (source && parameter && source->kind == spec::Source::Kind::sensor) source.reset();
+      if (part.reading.scope->chooser_of(name)) source.reset();
     }
     if (!source) {
       result.text += name;
@@ -231,6 +233,10 @@ bool claim_variable(Builder& builder, Names& names, const Part& part, const std:
     why = "the name is taken by expressions; choose another";
   else if (part.reading.scope->find(name))
     why = "there is a parameter of that name; choose another";
+  else if (const std::string* parameter = part.reading.scope->chooser_of(name))
+    why = fmt::format(
+        "'{0}' is a choice of parameter '{1}', and `{1} == {0}` has to mean that one; choose another", name,
+        *parameter);
   for (const Names* other : {&builder.input_names, &builder.signal_names})
     if (why.empty() && other != &names && other->index.contains(full_name))
       why = fmt::format("there is an {} of that name; choose another", other->kind);

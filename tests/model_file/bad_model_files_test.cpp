@@ -695,6 +695,82 @@ INSTANTIATE_TEST_SUITE_P(
                 7,
                 {"formalism", "index3, index1, baumgarte, penalty, index1_augmented, independent"},
                 sound + "simulation: {formalism: lagrange}\n"},
+        Mistake{"InputNamedAsAChoice",
+                8,
+                {"input 'stiff'",
+                 "'stiff' is a choice of parameter 'arms', and `arms == stiff` has to mean that"},
+                sound + "parameters: {arms: {value: soft, choices: [soft, stiff]}}\ninputs: {stiff: 0}\n"},
+        Mistake{
+            "SignalNamedAsAChoice",
+            8,
+            {"signal 'stiff'", "is a choice of parameter 'arms'"},
+            sound + "parameters: {arms: {value: soft, choices: [soft, stiff]}}\nsignals: {stiff: \"t\"}\n"},
+        Mistake{"JointAndConstraintOfOneName",
+                8,
+                {"constraint 'slot': its ends are the frames 'slot.a' and 'slot.b', but those of joint "
+                 "'slot' are "
+                 "called so, too; rename one of them"},
+                sound +
+                    "joints: {slot: {type: revolute, between: [arm, leg], at: [0, 0, 0], axis: [0, 0, 1]}}\n"
+                    "constraints: {slot: {type: on_line, between: [arm, leg], at: [0, 0, 0], axis: [1, 0, "
+                    "0]}}\n"},
+        Mistake{
+            "FrameWhereAJointEnds",
+            7,
+            {"joint 'arm': its ends are the frames 'arm.a' and 'arm.b', but frame 'arm.b' is there already"},
+            "mimbre: 1\nbodies:\n  arm: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}\n"
+            "  leg: {mass: 2, com: [1, 0, 0], inertia: [1, 1, 1]}\n"
+            "frames: {arm.b: {body: arm, at: [1, 0, 0]}}\n"
+            "joints:\n"
+            "  arm: {type: revolute, between: [arm, leg], at: [0, 0, 0], axis: [0, 0, 1]}\n"},
+        Mistake{
+            "SectionWithoutTorsionModulus",
+            3,
+            {"goes with 'torsion_modulus'", "J over its largest thickness"},
+            body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}")
+                .insert(
+                    10,
+                    "sections:\n  s: {area: 1e-3, Iy: 1e-7, Iz: 2e-7, J: 1e-8, outermost: [0.025, 0.01]}\n")},
+        Mistake{
+            "SectionWithoutOutermostFibres",
+            3,
+            {"goes with 'outermost: [y, z]'"},
+            body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}")
+                .insert(
+                    10,
+                    "sections:\n  s: {area: 1e-3, Iy: 1e-7, Iz: 2e-7, J: 1e-8, torsion_modulus: 1e-6}\n")},
+        Mistake{"OutermostFibresOfOneAxis",
+                3,
+                {"two distances are needed"},
+                body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}")
+                    .insert(10,
+                            "sections:\n  s: {area: 1e-3, Iy: 1e-7, Iz: 2e-7, J: 1e-8, outermost: [0.02], "
+                            "torsion_modulus: 1e-6}\n")},
+        Mistake{
+            "OutermostFibresWithinTheSection",
+            3,
+            {"0.009 is nearer to the axis than √(Iy/area) = 0.01 m"},
+            body("{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}")
+                .insert(
+                    10,
+                    "sections:\n  s: {area: 1e-3, Iy: 1e-7, Iz: 2e-7, J: 1e-8, outermost: [0.025, 0.009], "
+                    "torsion_modulus: 1e-6}\n")},
+        Mistake{
+            "RestOfATorsionSpring",
+            9,
+            {"rest", "'tlt'"},
+            sound +
+                "joints: {hinge: {type: revolute, between: [arm, leg], at: [0, 0, 0], axis: [0, 0, 1]}}\n"
+                "inputs: {tilt: 0}\n"
+                "torsion_springs: {bar: {coordinates: [{joint: hinge}], stiffness: 10, rest: 0.1*tlt}}\n"},
+        Mistake{
+            "RestWithoutStiffness",
+            9,
+            {"rest", "belongs to 'stiffness'"},
+            sound +
+                "joints: {hinge: {type: revolute, between: [arm, leg], at: [0, 0, 0], axis: [0, 0, 1]}}\n"
+                "inputs: {tilt: 0}\n"
+                "torsion_springs: {bar: {coordinates: [{joint: hinge}], elastic: 10*x, rest: 0.1*tilt}}\n"},
         Mistake{"Formulation",
                 7,
                 {"formulation", "relative, natural", "did you mean 'relative'?"},
