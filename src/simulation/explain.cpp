@@ -58,12 +58,19 @@ std::string explain_undetermined_start(const Compiled& m) {
 }
 
 std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& r,
-                    double t) {
+                    double t, const std::string& jump) {
   const std::string where = coordinate_name(model, natural, r.coordinate);
   switch (r.code) {
     case StepReport::Code::ok:
       return "ok";
     case StepReport::Code::not_converged:
+      if (!jump.empty())
+        return fmt::format(
+            "the step to t = {:.6g} s did not converge in {} iterations: {}, and the iterations go to and "
+            "fro "
+            "between both; give it a slope (tanh(v/0.01) for sign(v)), take `frictions` for what resists "
+            "motion, or evaluate a signal at instants (`every`)",
+            t, r.iterations, jump);
       return fmt::format(
           "the step to t = {:.6g} s did not converge in {} iterations, the largest correction in {}; "
           "a smaller step or an integrator with more damping (smaller rho) may help",

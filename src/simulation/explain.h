@@ -9,9 +9,10 @@
 namespace mimbre {
 
 /// What went wrong in the step to `t`, and where, for people. `natural`: the system in natural coordinates
-/// where it made the step, else null.
+/// where it made the step, else null. `jump`: of a step that did not converge the law that jumps
+/// (jumping_law), if any.
 std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& report,
-                    double t);
+                    double t, const std::string& jump);
 
 /// Why the accelerations at the start are not determined: the bodies that move without mass, and what to do.
 std::string explain_undetermined_start(const Compiled& model);

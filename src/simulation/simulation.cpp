@@ -16,6 +16,7 @@
 #include "simulation/event_step.h"
 #include "simulation/explain.h"
 #include "simulation/fingerprint.h"
+#include "simulation/jumping_law.h"
 #include "simulation/mechanism.h"
 #include "simulation/names.h"
 #include "simulation/observers.h"
@@ -170,6 +171,19 @@ struct Simulation::Impl {
     shown = Shown::reactions;
   }
 
+  /// After a step that failed, which has left its last iteration in the workspace.
+  std::string law_that_jumps() {
+    const auto seen_in = [](const auto& work) {
+      return SeenByLaws{{work.signals.value.begin(), work.signals.value.end()},
+                        {work.elements.begin(), work.elements.end()}};
+    };
+    const SeenByLaws last =
+        mechanism.natural ? seen_in(mechanism.natural->workspace()) : seen_in(mechanism.observer.workspace());
+    look_anew();
+    show_forces();
+    return jumping_law(compiled, seen_in(mechanism.observer.workspace()), last);
+  }
+
   const EnergyBalance& energies() const {
     return method.energies ? steps.meter().balance() : unknown_energies();
   }
@@ -278,8 +292,10 @@ int Simulation::coordinates() const { return impl_->mechanism.system.velocities(
 int Simulation::constraints() const { return impl_->mechanism.system.equations(); }
 
 std::string Simulation::explain(const StepReport& report) const {
-  const Impl& s = *impl_;
-  return mimbre::explain(s.compiled, s.mechanism.natural.get(), report, time() + s.steps.length());
+  Impl& s = *impl_;
+  std::string jump;
+  if (report.code == StepReport::Code::not_converged) jump = s.law_that_jumps();
+  return mimbre::explain(s.compiled, s.mechanism.natural.get(), report, time() + s.steps.length(), jump);
 }
 
 double Simulation::initialisation_seconds() const { return impl_->initialisation; }

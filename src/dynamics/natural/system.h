@@ -32,6 +32,7 @@ class NaturalSystem final : public System {
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
   void kinematics(double t, const double* q, const double* v, const double* a) override;
+  const Workspace<double>& workspace() const { return work_; }
   const double* phi() const override { return work_.phi.data(); }
   const double* phi_dot() const override { return work_.phi_dot.data(); }
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
