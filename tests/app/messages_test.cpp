@@ -129,6 +129,33 @@ TEST_F(Messages, ALoadWhereNoStaticModeIsIsToldBeforeTheRun) {
   EXPECT_EQ(of("check", bar_with("static_modes: [{node: tip, along: [0, 0, 1]}]")).err, "");
 }
 
+/// Of all that is attached there the first thing is named; what bears no force is none of it.
+TEST_F(Messages, AJointWhereNoStaticModeIsIsToldBeforeTheRun) {
+  const auto with = [](const std::string& modes, const std::string& more) {
+    std::string text = bar_with(modes);
+    text.replace(text.find("loads:"), text.find("outputs:") - text.find("loads:"), "");
+    text.insert(text.find("bodies:") + 8, "  end: {mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}\n");
+    return text.insert(text.find("joints:") + 8, more);
+  };
+  const std::string pin = "  pin: {type: revolute, between: [bar, end], at: [1, 0, 0], axis: [0, 1, 0]}\n",
+                    free = "  free: {type: floating, between: [bar.tip, end]}\n",
+                    said = " acts on node 'tip' of body 'bar', which has no static mode",
+                    mode = "static_modes: [{node: tip, along: [0, 0, 1]}]";
+  const Outcome joined = of("check", with("planar: [0, 1, 0]", pin));
+  EXPECT_EQ(joined.code, 0) << joined.err;
+  EXPECT_THAT(joined.err, HasSubstr("joint 'pin'" + said));
+  EXPECT_EQ(of("check", with(mode, pin)).err, "");
+  EXPECT_EQ(of("check", with("planar: [0, 1, 0]", free)).err, "");
+  const std::string
+      rod = "constraints: {rod: {type: distance, between: [bar.tip, ground], at: [~, [1, 0, 1]]}}\n",
+      mount = "bushings: {mount: {between: [bar.tip, end], stiffness: [1, 1, 1, 1, 1, 1]}}\n";
+  EXPECT_THAT(of("check", with("planar: [0, 1, 0]", free) + rod).err, HasSubstr("constraint 'rod'" + said));
+  const std::string both = of("check", with("planar: [0, 1, 0]", free) + mount + rod).err;
+  EXPECT_THAT(both, HasSubstr("constraint 'rod'" + said));
+  EXPECT_THAT(both, Not(HasSubstr("bushing")));
+  EXPECT_THAT(of("check", with("planar: [0, 1, 0]", free) + mount).err, HasSubstr("bushing 'mount'" + said));
+}
+
 /// Steel in other units than SI.
 TEST_F(Messages, MaterialsOfNoSolidAreAskedAbout) {
   const auto with = [](const std::string& material) {
