@@ -238,6 +238,45 @@ TEST(WheelMeasure, SignsAreThoseOfISO8855) {
 }
 
 /// A wheel that lies on the ground: nothing but numbers, and no grip.
+/// How far the tread of a wheel that stood has gone is what its slip rates are of; rolling is no slip,
+/// however far it goes, and one that did not stand is held nowhere. What leans and turns about the normal
+/// takes its footprint along at the loaded radius, where the rate has that of rolling.
+TEST(WheelMeasure, WhatItHasGoneHasTheRatesOfItsSlip) {
+  Random random(12);
+  for (int round = 0; round < 50; ++round) {
+    const double along = random.number(-0.3, 0.3), x = random.number(-1, 1);
+    Wheel w(slope(along), 0.35);
+    w.b.position = {x, random.number(-1, 1), along * x + 0.34};
+    w.b.rotation =
+        rotation_exp<double>(Vec3d(random.number(-0.2, 0.2), random.number(-3, 3), random.number(-0.5, 0.5)));
+    w.b.velocity = w.b.omega = Vec3d::Zero();
+    const ElementState<double> start = w.at(0);
+    EXPECT_GT(start.states[wheel::stood], 0.2);
+    std::copy_n(start.states, w.element.state_count, w.before.begin());
+    w.b.velocity = {random.number(-1, 1), random.number(-1, 1), random.number(-1, 1)};
+    w.b.omega = {random.number(-1, 1), random.number(-1, 1), random.number(-1, 1)};
+    const double h = 1e-5;
+    const auto after = [&](double t) { return wheel::gone(w.element, w.before.data(), w.at(t)); };
+    const auto up = after(h), down = after(-h);
+    const ElementState<double> s = w.at(0);
+    const Vec3d forwards = s.linear_of(wheel::forth), axis = s.angular_of(wheel::rolling),
+                n = s.angular_of(wheel::aligning);
+    const double rolls = wheel::rolling_radius<double>(w.element, s.x[wheel::gap]),
+                 loaded = wheel::loaded_radius<double>(w.element, s.x[wheel::gap]);
+    // Of the direction forwards, about the normal.
+    const double leans = axis.dot(n), heading = (n - leans * axis).dot(w.b.omega) / (1 - leans * leans);
+    EXPECT_NEAR((up[0] - down[0]) / (2 * h), s.v[wheel::forth] + (rolls - loaded) * leans * heading, 1e-8);
+    EXPECT_NEAR((up[1] - down[1]) / (2 * h), s.v[wheel::across], 1e-8);
+    EXPECT_EQ(s.states[wheel::stood], 0);
+    w.b.velocity = rolls * forwards;
+    w.b.omega = axis;
+    for (const double t : {-2.5, 0.3, 2.5})
+      for (const double way : after(t)) EXPECT_NEAR(way, 0, 1e-10) << t;
+    std::copy_n(s.states, w.element.state_count, w.before.begin());
+    for (const double way : after(1)) EXPECT_EQ(way, 0);
+  }
+}
+
 TEST(WheelMeasure, AWheelThatLiesFlatHasNoGrip) {
   for (const double angle : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, 1.5707}) {
     Wheel w(slope(0), 0.35);
