@@ -129,8 +129,12 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
   start.header.roads.clear();
   Json patches = Json::array();
   for (const spec::Road& road : simulation.model().spec().roads) {
-    if (road.over != spec::Road::Over::distance) continue;
-    start.header.roads.push_back(road_stretch(road));
+    if (road.over == spec::Road::Over::distance)
+      start.header.roads.push_back(road_stretch(road));
+    else if (road.over == spec::Road::Over::grid && !road.patches.empty())
+      start.header.roads.push_back({road.name, {}});  // it is of the ground's surface
+    else
+      continue;
     patches.push_back(patches_of(road));
   }
   ResultsRow row;

@@ -8,6 +8,7 @@ import type { Clock } from "./clock";
 import { has, peaks, type Peak, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { onThemeChange, themeColor } from "./dom";
+import { drape } from "./drape";
 import { elementMaterials, ElementView } from "./elementView";
 import { amplitudesAt, poseAt, valueAt } from "./interpolate";
 import { amplitudesOf, Placement, posesAt, type Pose } from "./placement";
@@ -128,7 +129,7 @@ export class View3D {
     // Below the road's surface by more than their depths differ where large triangles are cut by the picture's border.
     land: new THREE.MeshStandardMaterial({ roughness: 1, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 3, polygonOffsetUnits: 96 }),
     line: new THREE.LineBasicMaterial({ depthWrite: false }),
-    patch: new THREE.MeshStandardMaterial({ roughness: 0.4, side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthWrite: false }),
+    patch: new THREE.MeshStandardMaterial({ roughness: 0.4, side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -8 }),
   };
   private fog = new THREE.Fog("#000000");
   private solid = true; // the first run is shown
@@ -538,6 +539,7 @@ export class View3D {
       this.land = new LandView(roads[0], drawn[0].patches, this.origin, this.cell, gridCells, halfWidth, this.road);
       this.scene.add(this.land.group);
     } else for (const profile of roads) this.scene.add(roadView(profile, this.origin, this.cell, halfWidth, this.road));
+    if (this.options.live) this.paintGround();
     // Below everything, and under the road by a hair: coplanar surfaces flicker.
     const bottom = this.boundsOverTime().min.z + this.origin.z;
     // What hovers high above the origin has its ground where it can be seen.
@@ -555,6 +557,21 @@ export class View3D {
     const reach = 1.2 * this.size;
     Object.assign(this.sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1 * this.size, far: 8 * this.size });
     this.sun.shadow.camera.updateProjectionMatrix();
+  }
+
+  /** Where the ground's surface is a road, its patches. */
+  private paintGround(): void {
+    const ground = this.report.bodies.findIndex(({ name }) => name === "ground");
+    const patches = this.report.roads.flatMap(({ profile, patches = [] }) => (profile.length === 0 ? patches : []));
+    if (ground < 0) return;
+    const { points, triangles } = this.report.bodies[ground];
+    for (const { x, y } of patches) {
+      const corners = new THREE.Float32BufferAttribute(drape(points, triangles, x, y), 3);
+      const mesh = new THREE.Mesh(new THREE.BufferGeometry().setAttribute("position", corners), this.road.patch);
+      mesh.geometry.computeVertexNormals();
+      mesh.name = "patch";
+      this.bodies[ground].group.add(mesh);
+    }
   }
 
   private theme(): void {

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { atNode, has, peak, peaks, PointValues } from "../src/coloring";
+import { drape } from "../src/drape";
 import { dashes, isCoupling } from "../src/couplingView";
 import { decodeBody, type Animation, type Body } from "../src/data";
 import { amplitudesOf, combined, decodeModes, ordered, swingScene, verdict, type PackedModes } from "../src/modesData";
@@ -144,4 +145,24 @@ test("the verdict names what failed, failed checks come first", () => {
   assert.equal(verdict([modes.checks[0]]).passed, true);
   assert.equal(verdict([]).passed, false);
   assert.deepEqual(ordered(modes.checks).map(({ name }) => name), ["units", "mass"]);
+});
+
+test("what is painted on the ground covers just the part that is asked for, at the ground's height", () => {
+  // A roof of two slopes, z = 1 − |x|, from −1 to 1 along x and 0 to 2 along y.
+  const points = [-1, 0, 0, 0, 0, 1, 1, 0, 0, -1, 2, 0, 0, 2, 1, 1, 2, 0];
+  const triangles = [0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4];
+  const covered = drape(points, triangles, [-0.5, 0.25], [0.3, 1.1]);
+  let area = 0; // seen from above
+  for (let k = 0; k < covered.length; k += 9) {
+    const [ax, ay, , bx, by, , cx, cy] = covered.slice(k, k + 9);
+    area += 0.5 * Math.abs((bx - ax) * (cy - ay) - (cx - ax) * (by - ay));
+  }
+  near([area], [0.75 * 0.8]);
+  for (let k = 0; k < covered.length; k += 3) {
+    const [x, y, z] = covered.slice(k, k + 3);
+    assert.ok(x >= -0.5 && x <= 0.25 && y >= 0.3 && y <= 1.1);
+    near([z], [1 - Math.abs(x)]);
+  }
+  assert.deepEqual(drape(points, triangles, [1, 2], [0, 2]), []);
+  assert.equal(drape(points, triangles, [-9, 9], [-9, 9]).length, 9 * 4);
 });
