@@ -4,6 +4,9 @@
 
 namespace mimbre {
 
+/// Accelerations of the start that a round changes by no more than this part of themselves are known.
+constexpr double settled = 1e-8;
+
 StepMotion::StepMotion(System& of, const IntegratorOptions& options)
     : system(of), rule(rule_coefficients(options)), penalty(options.penalty) {
   set_step(options.step);
@@ -49,7 +52,8 @@ void StepMotion::start(const State& s) {
     system.solve(r_.data());
     if (find_not_finite(r_.data(), n) >= 0) return;
     a += r_;
-    if (m == 0) break;
+    const Scales& scales = system.scales();
+    if (m == 0 || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data())) break;
   }
   start_a = start_algorithmic = a;
 }

@@ -65,6 +65,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
 }
 
 void StepMaker::start() {
+  under_way_ = false;
   meter_.start(mechanism_.observer, mechanism_.view());
   for (Begin& begin : begins_) begin.state = mechanism_.state;
   before_.state = mechanism_.state;
@@ -167,12 +168,15 @@ StepReport StepMaker::step(double length) {
   length_ = length;
   if (length != integrator_->options().step) integrator_->set_step(length);
   StepReport report;
+  // Where something jumps, a step that begins anew from there costs another residual and another factor.
+  if (method_.fixed_cost && under_way_) m.state.started = true;
   if (keeps_) {
     before_.state = m.state;
     before_.meter = meter_;
   }
   cover(length, 0, report);
   if (!report.ok()) return report;
+  under_way_ = true;
   // Sums of steps drift away from their multiples by round-off.
   const double multiple = std::round(m.state.time / length) * length;
   if (std::abs(m.state.time - multiple) < 1e-6 * length) m.state.time = multiple;
@@ -188,6 +192,7 @@ int StepMaker::most_attempts() const {
 void StepMaker::transfer(StateTransfer& transfer) {
   integrator_->transfer(transfer);
   meter_.transfer(transfer);
+  if (method_.fixed_cost) transfer(under_way_);
   transfer(last_.iterations, last_.position_violation, last_.velocity_violation);
 }
 

@@ -74,6 +74,7 @@ class StepMaker {
   bool followed_ = true;  ///< contacts in the integrator's last step
   StepStatus last_;
   bool keeps_ = false;
+  bool under_way_ = false;  ///< a step has been made since the start
   double length_ = 0;
   double lifting_energy_ = 0;  ///< of the whole mechanism by its length scale, J
   double resting_energy_ = 0;
