@@ -218,9 +218,12 @@ void check_signals(const spec::Model& model, std::vector<Diagnostic>& errors) {
 }
 
 void check_elements(const spec::Model& model, std::vector<Diagnostic>& errors) {
-  for (std::size_t k = 0; k < model.elements.size(); ++k)
-    check_element(model, Thing(errors, "element", model.elements[k].name, model.elements[k].mark, k),
-                  model.elements[k]);
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    const spec::Element& e = model.elements[k];
+    const Thing thing(errors, "element", e.name, e.mark, k);
+    check_element(model, thing, e);
+    check_law(model, thing, e.general, 2);
+  }
 }
 
 }  // namespace mimbre::checks

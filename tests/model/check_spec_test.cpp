@@ -36,7 +36,8 @@ void add_output(spec::Model& m, Kind kind, int item, int component = 0) {
   m.outputs.push_back(o);
 }
 
-/// An input, signals of time, input and motion, an actuator for each way to act, a bushing with a branch.
+/// An input, signals of time, input and motion, an actuator for each way to act, a torsion spring that a
+/// signal makes softer, a bushing with a branch.
 void add_signals(spec::Model& m) {
   using spec::Source;
   m.inputs.push_back({"input", {}, "N", 0.5, 0, 1});
@@ -66,6 +67,16 @@ void add_signals(spec::Model& m) {
           e.joint = static_cast<int>(k);
       if (e.joint < 0) continue;
     }
+    m.elements.push_back(e);
+  }
+  if (const int joint = e.joint; joint >= 0) {
+    e = {};
+    e.name = "torsion spring";
+    e.law = "torsion_spring";
+    e.on = spec::Element::On::coordinates;
+    e.terms = {{joint, 0, 0.5}};
+    e.functions = {Function::linear(10), Function{}};
+    e.general = {Formula::expression("-u*x", {"x", "v", "u"}), {{Source::Kind::signal, 0}}};
     m.elements.push_back(e);
   }
   e = {};
@@ -384,12 +395,20 @@ const std::vector<Mistake>& mistakes() {
          [](spec::Element& e, M&, Random& r) { e.joint = bad_index(r); }),
       in("coordinate of an element", "element", &M::elements, [](const spec::Element& e) { return e.on == spec::Element::On::coordinate; }, "coordinate",
          [](spec::Element& e, M&, Random& r) { e.coordinate = bad_index(r); }),
-      in("frame of an element", "element", &M::elements, [](const spec::Element& e) { return e.on != spec::Element::On::coordinate; }, "frame",
+      in("frame of an element", "element", &M::elements, [](const spec::Element& e) { return e.joint < 0 && e.terms.empty(); }, "frame",
          [](spec::Element& e, M&, Random& r) { e.frame_b = bad_index(r); }),
       in("axis without length", "element", &M::elements, [](const spec::Element& e) { return e.on == spec::Element::On::axis; }, "direction",
          [](spec::Element& e, M&, Random&) { e.direction.setZero(); }),
       in("numbers of an element", "element", &M::elements, "numbers", [](spec::Element& e, M&, Random& r) { e.numbers.push_back(bad_number(r)); }),
       in("signals of an element", "element", &M::elements, "signals", [](spec::Element& e, M&, Random&) { e.arguments.push_back({}); }),
+      in("formula of a torsion spring", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "its formula has 3 variables",
+         [](spec::Element& e, M&, Random&) { e.general.arguments.clear(); }),
+      in("signal of a torsion spring", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "argument",
+         [](spec::Element& e, M&, Random& r) { e.general.arguments[0].index = bad_index(r); }),
+      in("torsion spring without a force", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "says no force",
+         [](spec::Element& e, M&, Random&) { e.general = {}; e.functions[0] = {}; }),
+      in("formula of another law", "element", &M::elements, [](const spec::Element& e) { return e.law == "actuator"; }, "has no formula 'general'",
+         [](spec::Element& e, M&, Random&) { e.general = {Formula::expression("x", {"x", "v"}), {}}; }),
       in("user without a function", "element", &M::elements, "function", [](spec::Element& e, M&, Random&) { e.law = "user"; e.arguments.clear(); e.numbers.clear(); e.branches.clear(); }),
       in("relaxation of a branch", "element", &M::elements, [](const spec::Element& e) { return !e.branches.empty(); }, "relaxation",
          [](spec::Element& e, M&, Random&) { e.branches[0].relaxation = 0; }),
