@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "base/cpu_time.h"
@@ -107,6 +108,7 @@ struct Simulation::Impl {
 
   StepReport step(double length) {
     stopped = false;
+    jump.reset();
     sample_signals();
     take_jumps();
     look_anew();
@@ -171,8 +173,13 @@ struct Simulation::Impl {
     shown = Shown::reactions;
   }
 
-  /// After a step that failed, which has left its last iteration in the workspace.
-  std::string law_that_jumps() {
+  /// After a step that failed, which has left its last iteration in the workspace: looked for when first
+  /// asked for, since that is gone then.
+  const std::string& law_that_jumps() {
+    if (!jump) jump = find_jumping_law();
+    return *jump;
+  }
+  std::string find_jumping_law() {
     const auto seen_in = [](const auto& work) {
       return SeenByLaws{{work.signals.value.begin(), work.signals.value.end()},
                         {work.elements.begin(), work.elements.end()}};
@@ -248,6 +255,7 @@ struct Simulation::Impl {
       std::vector<double>(channels.info().size());  ///< of parts read at this instant
   Eigen::VectorXd scratch = Eigen::VectorXd(compiled.velocities);
   double step_seconds = 0;
+  std::optional<std::string> jump;  ///< why the last step did not converge, found when first asked for
   std::vector<std::string> drives;  ///< what was said of them, found when first asked for
   double drives_until = 0;
   std::uint64_t fingerprint = 0;  ///< found when first asked for

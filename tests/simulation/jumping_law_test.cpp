@@ -68,6 +68,18 @@ TEST_P(JumpingLaw, IsNotBlamedElsewhere) {
               AllOf(HasSubstr("did not converge"), Not(HasSubstr("jumps"))));
 }
 
+/// What is said of a step does not depend on how often it is asked for, or on what is looked at meanwhile.
+TEST_P(JumpingLaw, IsSaidAgain) {
+  Simulation s = simulation_of(block("actuators: {brake: {joint: slide, force: \"-100*sign(rate)\"}}\n"),
+                               GetParam(), 0.1);
+  StepReport report;
+  while (report.ok() && s.time() < 2) report = s.step();
+  const std::string said = s.explain(report);
+  EXPECT_THAT(said, HasSubstr("jumps with the motion"));
+  channel(s, "rate");
+  EXPECT_EQ(s.explain(report), said);
+}
+
 TEST(JumpingLaws, BetweenWhatTheyJump) {
   const auto model = model_of(block("actuators: {brake: {joint: slide, force: \"-100*sign(rate)\"}}\n"));
   const Compiled& m = model->compiled();
