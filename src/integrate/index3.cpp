@@ -207,9 +207,10 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
       }
       system_.kinematics(time, q.data(), v.data(), a.data());
       status.position_violation = largest(system_.phi(), m);
-      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance || last) break;
+      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
       // The rate promised too much.
       converged = false;
+      if (last) break;
       newton.refactor = !newton.slow;
     }
   }

@@ -141,6 +141,9 @@ TEST(FixedCost, RandomMechanismsStayOnTheirWay) {
           ASSERT_LT(report.position_violation, 1e-4) << seed;
           ASSERT_LT(report.velocity_violation, most == 6 ? 1e-6 : 1) << seed;
         }
+        if (report.ok() && !report.unconverged) {
+          ASSERT_LT(report.position_violation, 1e-7) << seed;
+        }
         if (report.unconverged) ++unconverged;
       }
       if (hard) continue;
