@@ -31,6 +31,7 @@ void raise(const char* make, const nb::object& argument) {
 /// What the program calls options are arguments here.
 std::string without_dashes(const std::string& text) {
   std::string words = std::regex_replace(text, std::regex("--integrator-xi"), "xi");
+  words = std::regex_replace(words, std::regex("--no-fixed-cost"), "fixed_cost=False");
   words = std::regex_replace(words, std::regex("--([a-z]+)-([a-z]+)"), "$1_$2");
   return std::regex_replace(words, std::regex("--([a-z])"), "$1");
 }

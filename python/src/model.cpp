@@ -117,6 +117,7 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
   to.max_iterations = max_iterations.value_or(0);
   to.substeps = substeps.value_or(0);
   to.fixed_cost = fixed_cost.value_or(false);
+  to.no_fixed_cost = !fixed_cost.value_or(true);
   result.step = step.value_or(0);
   return result;
 }

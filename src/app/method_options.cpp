@@ -41,6 +41,21 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
   return named_one;
 }
 
+/// What else is asked for must not go unheard.
+void check_fixed_cost(const MethodArguments& arguments, const RunOptions& options,
+                      const spec::Simulation& given) {
+  if (!options.fixed_cost.value_or(given.fixed_cost)) return;
+  const bool asked = arguments.fixed_cost;
+  if (arguments.substeps > 1)
+    throw UsageError(asked ? "--fixed-cost makes each step once; leave --substeps out"
+                           : "the model has fixed_cost, which makes each step once; leave --substeps out, or "
+                             "take --no-fixed-cost, too");
+  if (options.formalism.value_or(given.formalism) != Formalism::index3)
+    throw UsageError(asked ? "--fixed-cost is of the formalism index3"
+                           : "the model has fixed_cost, which is of the formalism index3; take "
+                             "--no-fixed-cost, too");
+}
+
 }  // namespace
 
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice) {
@@ -107,10 +122,15 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       .within(1, 100)
       .type_name("N")
       .group("Method");
+  const Option fixed = command
+                           .add_flag("--fixed-cost", arguments.fixed_cost,
+                                     "For real time: each step is made once, and taken as it is after\n"
+                                     "--max-iterations (6 where neither it nor the model says so)")
+                           .group("Method");
   command
-      .add_flag("--fixed-cost", arguments.fixed_cost,
-                "For real time: each step is made once, and taken as it is after\n"
-                "--max-iterations (6 where neither it nor the model says so)")
+      .add_flag("--no-fixed-cost", arguments.no_fixed_cost,
+                "Steps are made until they converge, though the model has fixed_cost")
+      .excludes(fixed)
       .group("Method");
 }
 
@@ -125,11 +145,8 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.tolerance) options.tolerance = *arguments.tolerance;
   options.max_iterations = arguments.max_iterations;
   options.substeps = arguments.substeps;
-  if (arguments.fixed_cost) options.fixed_cost = true;
-  if (arguments.fixed_cost && arguments.substeps > 1)
-    throw UsageError("--fixed-cost makes each step once; leave --substeps out");
-  if (arguments.fixed_cost && options.formalism.value_or(given.formalism) != Formalism::index3)
-    throw UsageError("--fixed-cost is of the formalism index3");
+  if (arguments.fixed_cost || arguments.no_fixed_cost) options.fixed_cost = arguments.fixed_cost;
+  check_fixed_cost(arguments, options, given);
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
       options.rho < resolve_method(given, options).rho)
     throw UsageError(
@@ -165,7 +182,7 @@ Json to_json(const MethodArguments& arguments) {
   if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
   if (arguments.max_iterations) json["max_iterations"] = arguments.max_iterations;
   if (arguments.substeps) json["substeps"] = arguments.substeps;
-  if (arguments.fixed_cost) json["fixed_cost"] = true;
+  if (arguments.fixed_cost || arguments.no_fixed_cost) json["fixed_cost"] = arguments.fixed_cost;
   return json;
 }
 

@@ -13,8 +13,8 @@ namespace mimbre::app {
 struct MethodArguments {
   std::string formulation, inertia, formalism, integrator;
   std::optional<double> rho, xi, tolerance;
-  int max_iterations = 0, substeps = 0;  ///< 0: as in the model file
-  bool fixed_cost = false;               ///< false: as in the model file
+  int max_iterations = 0, substeps = 0;            ///< 0: as in the model file
+  bool fixed_cost = false, no_fixed_cost = false;  ///< neither: as in the model file
 };
 
 /// Which of the options a command has.
@@ -24,7 +24,7 @@ struct MethodChoice {
 };
 
 /// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi, --tolerance,
-/// --max-iterations, --substeps and --fixed-cost to a command.
+/// --max-iterations, --substeps, --fixed-cost and --no-fixed-cost to a command.
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
 /// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not

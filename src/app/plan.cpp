@@ -37,6 +37,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const Arguments&
                                  "--max-iterations", fmt::format("{}", c.max_iterations),
                                  "--substeps",       fmt::format("{}", c.substeps)};
   if (c.fixed_cost) words.emplace_back("--fixed-cost");
+  if (a.method.no_fixed_cost) words.emplace_back("--no-fixed-cost");
   const auto add = [&](const std::string& option, const std::string& value) {
     words.push_back(option);
     words.push_back(value);

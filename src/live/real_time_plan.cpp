@@ -19,7 +19,8 @@ namespace {
 
 using Formulation = spec::Simulation::Formulation;
 
-constexpr int fine = 16;            ///< steps of the fine run in a deadline
+constexpr int fine = 16;  ///< steps of the fine run in a deadline
+constexpr int most_fine_iterations = 30;
 constexpr double longest_idle = 2;  ///< s, for which the idle machine is watched
 /// More iterations than were seen are allowed for what was not.
 constexpr int spare_iterations = 2;
@@ -255,6 +256,11 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   exact.substeps = 0;
   RunOptions of_fine = options_of(o, exact);
   of_fine.formulation = Formulation::relative;
+  // What the others are measured by converges, whatever it costs.
+  if (resolve_method(model.simulation, o.run).fixed_cost) {
+    of_fine.fixed_cost = false;
+    of_fine.max_iterations = most_fine_iterations;
+  }
   Simulation finest(compiled, of_fine);
   const History right = history_of(finest, o, end, nullptr, nullptr);
 
@@ -278,7 +284,8 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
       c.worst = timings.worst();
       c.max_iterations = c.most_iterations + spare_iterations;
       // What the manoeuvre did not show is not to end a drive, nor to take longer.
-      c.fixed_cost = c.substeps == 1 && simulation.method().formalism == spec::Simulation::Formalism::index3;
+      c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
+                     simulation.method().formalism == spec::Simulation::Formalism::index3;
       if (c.p9999 > o.load * c.step / o.loop.speed)
         c.failure = "too slow";
       else if (!std::isfinite(c.error))

@@ -113,6 +113,27 @@ TEST_F(Method, TheCommandsThatComputeTakeIt) {
   EXPECT_EQ(run(with({"static", "pendulum.yaml"}, motion)).code, 2);
 }
 
+/// What the model has can be taken back, and what does not go with it is not left out silently.
+TEST_F(Method, AFixedCostOfTheModelCanBeTakenBack) {
+  std::string text = pendulum;
+  text.insert(text.find("step: 0.01"), "fixed_cost: true, max_iterations: 8, ");
+  write_file(folder / "fixed.yaml", text);
+  EXPECT_EQ(summary("fixed.yaml", {}).at("resolved").at("fixed_cost"), true);
+  const auto taken_back = summary("fixed.yaml", {"--no-fixed-cost", "--substeps", "3"});
+  EXPECT_EQ(taken_back.at("resolved").at("fixed_cost"), false);
+  EXPECT_EQ(taken_back.at("resolved").at("substeps"), 3);
+  for (const auto& [words, said] :
+       {std::pair(Arguments{"--substeps", "3"}, "take --no-fixed-cost, too"),
+        std::pair(Arguments{"--formalism", "penalty"}, "take --no-fixed-cost, too"),
+        std::pair(Arguments{"--fixed-cost", "--no-fixed-cost"}, "--fixed-cost")}) {
+    Arguments all{"run", "fixed.yaml"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.code, 2) << said;
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+  }
+}
+
 TEST_F(Method, AFixedCostCountsWhatItTakesUnconverged) {
   const auto fixed = summary("pendulum.yaml", {"--fixed-cost"});
   EXPECT_EQ(fixed.at("resolved").at("fixed_cost"), true);
