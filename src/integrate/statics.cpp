@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "integrate/initial.h"
 #include "math/decompositions.h"
@@ -44,9 +45,9 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   x.cwiseAbs().maxCoeff(&status.growing);
 }
 
-}  // namespace
-
-StaticsStatus find_equilibrium(System& system, State& s, double length) {
+/// By implicit steps of time τ without velocities, longer as forces get smaller. `careful`: shorter, too,
+/// where one leads too far; for friction that slides, which leaves directions without stiffness.
+StaticsStatus search(System& system, State& s, double length, bool careful) {
   const int n = system.velocities(), m = system.equations();
   StaticsStatus status;
   s.v.setZero(n);
@@ -80,6 +81,7 @@ StaticsStatus find_equilibrium(System& system, State& s, double length) {
   const double negligible = 1e-9 * length;
   double round_off = 0;  // of elastic forces
   double tau = 0.05, previous = r.norm();
+  bool too_far = false;
   for (status.iterations = 0; status.iterations < 400; ++status.iterations) {
     // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
     // redundant, both are determined.
@@ -93,7 +95,9 @@ StaticsStatus find_equilibrium(System& system, State& s, double length) {
     status.residual = n == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
     if (!std::isfinite(norm)) return status;
     const bool balanced = status.residual < std::max(1e-8 * weight, round_off);
-    if (status.iterations > 0)
+    if (careful && too_far)
+      tau = std::max(0.3 * tau, 1e-3);
+    else if (status.iterations > 0)
       tau = std::clamp(tau * (balanced ? 10.0 : std::clamp(previous / std::max(norm, 1e-300), 0.5, 10.0)),
                        1e-3, 100.0);
     previous = norm;
@@ -126,10 +130,25 @@ StaticsStatus find_equilibrium(System& system, State& s, double length) {
       judge_stability(tangent - mass / (tau * tau), mass, motions, weight, status);
       break;
     }
-    if (largest > 0.3) step *= 0.3 / largest;
+    too_far = largest > 0.3;
+    if (too_far) step *= 0.3 / largest;
     system.retract(s.q.data(), step.data(), s.q.data());
   }
   return status;
+}
+
+}  // namespace
+
+StaticsStatus find_equilibrium(System& system, State& s, double length) {
+  const State start = s;
+  const StaticsStatus status = search(system, s, length, false);
+  if (status.converged) return status;
+  State other = start;
+  StaticsStatus next = search(system, other, length, true);
+  if (!next.converged) return status;
+  next.iterations += status.iterations;
+  s = std::move(other);
+  return next;
 }
 
 }  // namespace mimbre

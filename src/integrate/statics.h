@@ -19,8 +19,9 @@ struct StaticsStatus {
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.
 /// Pseudo-transient continuation (Kelley, Keyes 1998): Newton with the tangent by central differences and
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
-/// that does not touch yet falls until it does. On return velocities and accelerations are zero.
-/// Constraints that move by less than 1e-9 of `length`, the mechanism's scale, hold nothing.
+/// that does not touch yet falls until it does. Where that leads nowhere, once more from the start with τ
+/// that gets smaller where a step leads too far. On return velocities and accelerations are zero. Constraints
+/// that move by less than 1e-9 of `length`, the mechanism's scale, hold nothing.
 StaticsStatus find_equilibrium(System& system, State& state, double length = 1e-4);
 
 }  // namespace mimbre
