@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dynamics/relative/forces.h"
@@ -20,7 +22,16 @@ namespace {
 
 constexpr double close_enough = 1e-8;  ///< m, m/s
 constexpr double alike = 1e-8;         ///< m, of how carcasses bend
+/// Of the largest bend: a change that small, and that is no smaller than this much of the one before, is that
+/// of a road which is no plane, under a car that comes down a slope.
+constexpr double little_of_bend = 0.01, hardly_smaller = 0.9;
 constexpr int most_rounds = 30;
+
+/// How carcasses bend, m, and the largest change of that in the last round.
+struct Bends {
+  std::vector<double> values;
+  double change = std::numeric_limits<double>::infinity();
+};
 
 StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
   const double length = observer.model().length_scale;
@@ -36,7 +47,7 @@ StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::Relative
 
 /// Puts the footprints of wheels that stand in an equilibrium to where these are, so that their carcasses are
 /// straight again; false, and nothing, where they bend as they did before, `bends`.
-bool let_wheels_go(relative::RelativeSystem& observer, State& s, std::vector<double>& bends) {
+bool let_wheels_go(relative::RelativeSystem& observer, State& s, Bends& bends) {
   const Compiled& m = observer.model();
   observer.begin_step(s.q.data());
   observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
@@ -51,11 +62,15 @@ bool let_wheels_go(relative::RelativeSystem& observer, State& s, std::vector<dou
   each([&](const ElementData&, const double* states) {
     now.insert(now.end(), {states[wheel::bend], states[wheel::bend + 1]});
   });
-  bends.resize(now.size(), 0.0);
-  const bool same = std::equal(now.begin(), now.end(), bends.begin(),
-                               [](double a, double b) { return std::abs(a - b) <= alike; });
-  if (same) return false;
-  bends = std::move(now);
+  bends.values.resize(now.size(), 0.0);
+  double largest = 0, change = 0;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    largest = std::max(largest, std::abs(now[k]));
+    change = std::max(change, std::abs(now[k] - bends.values[k]));
+  }
+  if (change <= alike || (change <= little_of_bend * largest && change >= hardly_smaller * bends.change))
+    return false;
+  bends = {std::move(now), change};
   each([&](const ElementData& e, const double* states) {
     double* const z = s.z.data() + e.states;
     std::copy_n(states, e.state_count, z);
@@ -202,7 +217,7 @@ StaticsStatus equilibrium(natural::NaturalSystem* natural, relative::RelativeSys
                       "`--resume rest.state --until 2`; or, of few spheres, leave out 'swarm: true'",
                       contact.name));
   StaticsStatus status = find_from_here(natural, observer, s);
-  std::vector<double> bends;
+  Bends bends;
   for (int round = 0; round < most_rounds && status.converged; ++round) {
     const State found = s;
     if (!let_wheels_go(observer, s, bends)) break;

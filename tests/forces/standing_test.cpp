@@ -89,6 +89,22 @@ TEST_P(Standing, WheelsDoNotHoldEachOther) {
   for (const std::string& w : wheels) EXPECT_NEAR(value(held, "tyre." + w + ".lateral"), 0, 0.1);
 }
 
+/// Where the road is no plane the slope changes as the car comes down: it does not go on doing so.
+TEST_P(Standing, WhatStandsOnWavesStaysWhereItIsPut) {
+  const auto& [kind, formulation] = GetParam();
+  std::string waves,
+      text = cart_text({.tyre = kind.tyre, .more = "  - {name: pitch, pitch: car}\n", .arms = true});
+  for (int k = -40; k <= 40; ++k)
+    waves += fmt::format("{}[{}, {}]", k == -40 ? "" : ", ", 0.25 * k, 0.1 * std::sin(0.2 * k));
+  const std::string flat = "[-1000, 0], [1000, 0]";
+  text.replace(text.find(flat), flat.size(), waves);
+  const StaticResult rest = statics(text, formulation);
+  // Besides what its height over the road makes of its pitch.
+  const double down = value(rest, "x") - value(rest, "z") * std::sin(value(rest, "pitch"));
+  EXPECT_LT(down, 0);
+  EXPECT_GT(down, -0.006);
+}
+
 TEST_P(Standing, WhatNothingHoldsHasNoEquilibrium) {
   const auto& [kind, formulation] = GetParam();
   for (const Cart& cart : {Cart{.tyre = kind.tyre, .slope = 0.15, .brake = 0},
