@@ -140,7 +140,7 @@ def test_iterations_parts_and_a_fixed_cost(pendulum):
     assert 0 < apart < 0.05
     pendulum.simulation(max_iterations=5, substeps=2).step()
     given = mimbre.Model.from_text(
-        "bodies: {a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\nsimulation: {fixed_cost: true}\n"
+        "mimbre: 1\nbodies: {a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\nsimulation: {fixed_cost: true}\n"
     )
     given.simulation(fixed_cost=False, substeps=3).step()
     with pytest.raises(mimbre.InputError, match=r"leave substeps out, or take fixed_cost=False, too"):
