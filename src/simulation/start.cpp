@@ -3,15 +3,36 @@
 #include <fmt/format.h>
 
 #include "integrate/initial.h"
+#include "integrate/vectors.h"
 #include "simulation/assembly.h"
 #include "simulation/drawn_open.h"
 #include "simulation/explain.h"
 #include "simulation/free_flight.h"
+#include "simulation/names.h"
 #include "simulation/redundancy.h"
 #include "simulation/start_branches.h"
 #include "simulation/swarm_search.h"
 
 namespace mimbre {
+namespace {
+
+/// Why there are no accelerations to start with.
+std::string explain_start(Mechanism& mechanism) {
+  System& system = mechanism.system;
+  State& s = mechanism.state;
+  s.a.setZero();
+  s.multipliers.setZero();
+  Eigen::VectorXd forces(system.velocities());
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, forces.data());
+  const int bad = find_not_finite(forces.data(), system.velocities());
+  if (bad < 0) return explain_undetermined_start(mechanism.model);
+  return fmt::format(
+      "a force is not a number at the start, first in {}; look at the laws of what acts there: a root or a "
+      "logarithm of something negative, a division by 0",
+      coordinate_name(mechanism.model, mechanism.natural.get(), bad));
+}
+
+}  // namespace
 
 Start start(Mechanism& mechanism, const Method& method, const std::map<std::string, double>& inputs,
             bool warns) {
@@ -39,7 +60,7 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   }
   mechanism.enter(0);
   if (!solve_accelerations(mechanism.system, mechanism.state))
-    throw InputError({m.spec().file, 0, 0}, explain_undetermined_start(m));
+    throw InputError({m.spec().file, 0, 0}, explain_start(mechanism));
   if (method.integrator == spec::Simulation::Integrator::conserve && !m.drives.empty())
     warn(fmt::format(
         "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "

@@ -363,6 +363,26 @@ TEST(Simulation, FailuresAreExplained) {
   expect_same(s.save(), before);
 }
 
+/// Its mass is not at fault.
+TEST(Simulation, AForceThatIsNoNumberAtTheStartIsTold) {
+  const auto model = model_of(R"(
+bodies: {arm: {mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}}
+joints: {hinge: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 1, 0]}}
+inputs: {tilt: 1}
+torsion_springs: {bar: {coordinates: [{joint: hinge}], stiffness: 10, rest: sqrt(-tilt)}}
+)");
+  using Formulation = spec::Simulation::Formulation;
+  for (const auto& [formulation, where] : {std::pair(Formulation::relative, "first in joint 'hinge'"),
+                                           std::pair(Formulation::natural, "first in body 'arm'")}) {
+    RunOptions options;
+    options.formulation = formulation;
+    const auto start = [&] { Simulation simulation(model, options); };
+    EXPECT_THAT(start,
+                testing::ThrowsMessage<InputError>(testing::AllOf(
+                    testing::HasSubstr("a force is not a number at the start"), testing::HasSubstr(where))));
+  }
+}
+
 TEST(Simulation, ABodyWithoutMassThatNothingHoldsIsAnError) {
   spec::Model m;
   spec::Body nothing;
