@@ -75,6 +75,21 @@ TEST(RealTimePlan, TheChosenOneKeepsTheDeadline) {
                 std::log10(c.error) > std::log10(chosen.error) - 0.3);
 }
 
+/// A model's fixed cost is taken for what is proposed, unless it is not wanted.
+TEST(RealTimePlan, AFixedCostIsProposedUnlessItIsTakenBack) {
+  spec::Model model = example("pendulum/flexible.yaml")->spec();
+  model.simulation.fixed_cost = true;
+  RealTimePlanOptions options = quick();
+  options.modes = {};
+  const RealTimePlan plan = plan_real_time(model, options);
+  EXPECT_EQ(plan.candidates.size(), 2u * 2);
+  for (const RealTimeCandidate& c : plan.candidates) EXPECT_TRUE(c.fixed_cost || !c.failure.empty());
+  options.run.fixed_cost = false;
+  const RealTimePlan without = plan_real_time(model, options);
+  EXPECT_EQ(without.candidates.size(), 2u * 2 * 2);
+  for (const RealTimeCandidate& c : without.candidates) EXPECT_FALSE(c.fixed_cost);
+}
+
 TEST(RealTimePlan, SaysWhenNothingIsFastEnough) {
   RealTimePlanOptions options = quick();
   options.deadline = 1e-5;
