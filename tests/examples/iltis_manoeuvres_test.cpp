@@ -229,7 +229,6 @@ TEST(IltisManoeuvres, KeepTheBalanceOfEnergy) {
   }
 }
 
-/// On 15 % with the brakes on: nothing moves once it has settled.
 /// With locked wheels it goes straight on however it steers; on anti-lock brakes, which keep the slips near
 /// their target, it goes around what lies there.
 TEST(IltisManoeuvres, SteersOnAntiLockBrakes) {
@@ -257,7 +256,7 @@ TEST(IltisManoeuvres, SteersOnAntiLockBrakes) {
   EXPECT_NEAR(channel(locked, "y"), 0, 0.05);
 }
 
-/// From its equilibrium on.
+/// On 15 % with the brakes on, from its equilibrium on: nothing moves.
 TEST(IltisManoeuvres, StandsOnASlope) {
   Simulation s = car("slope");
   const double x = channel(s, "x"), y = channel(s, "y"), z = channel(s, "z");
