@@ -64,7 +64,8 @@ struct RealTimePlan {
 /// Measures ways to compute the model, each over the manoeuvre as fast as it goes, and their errors against a
 /// run with all modes and a sixteenth of the deadline as its step. Of those that should keep the deadline the
 /// most accurate one is run against the clock; where it does not keep it, the next. What the machine itself
-/// is late by counts, but is no reason to try another one.
+/// is late by counts: where it leaves time to none, the longest steps come first; but it is no reason to try
+/// another one.
 /// Throws InputError for a deadline or share that cannot be, std::runtime_error where the fine run fails.
 RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions& options);
 

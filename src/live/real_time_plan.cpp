@@ -296,14 +296,15 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   }
 
   // Those first that have time left when the machine is as late as it was idle; of them the most accurate,
-  // and of those alike the cheapest.
+  // and of those alike the cheapest. Where it leaves time to none, those that it leaves the most.
   std::vector<int> order;
   for (std::size_t k = 0; k < plan.candidates.size(); ++k)
     if (plan.candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
   const auto rank = [&](int k) {
     const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    const bool too_late = c.p9999 + late > o.load * c.step / o.loop.speed;
-    return std::make_tuple(too_late, std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
+    const double excess = (c.p9999 + late) * o.loop.speed / (o.load * c.step);
+    return std::make_tuple(std::round(4 * std::log10(std::max(excess, 1.0))),
+                           std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
   for (const int k : order) {
