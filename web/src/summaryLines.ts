@@ -69,10 +69,10 @@ export function summaryLines(summary: unknown, facts: { end: number; step: numbe
   const count = (value: unknown, one: string, many = `${one}s`) => (isNumber(value) ? `${formatNumber(value)} ${value === 1 ? one : many}` : "");
   const join = (...parts: string[]) => parts.filter((part) => part !== "").join(" · ");
   const ended = s.status === undefined ? "" : s.status === "ok" ? "to its end" : words(s.status);
-  const repeated = isNumber(s.repeated_steps) && s.repeated_steps > 0 ? `${formatNumber(s.repeated_steps)} repeated in parts` : "";
+  const some = (value: unknown, what: string) => (isNumber(value) && value > 0 ? `${formatNumber(value)} ${what}` : "");
   const lines: [string, string][] = [
     ["Ran", join(ended, Number.isFinite(facts.end) ? `${instant(facts.end, 5)} simulated` : "")],
-    ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, repeated)],
+    ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, some(s.repeated_steps, "repeated in parts"), some(s.unconverged_steps, "taken unconverged"))],
     ["Recorded", count(facts.instants, "instant")],
     ["Mechanism", join(count(facts.bodies, "body", "bodies"), facts.joints > 0 ? count(facts.joints, "joint") : "", count(s.coordinates, "coordinate"))],
     ["Method", join(words(s.formulation), words(s.formalism), words(s.integrator), isNumber(s.rho) ? `ρ∞ ${formatNumber(s.rho)}` : "")],

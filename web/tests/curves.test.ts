@@ -182,6 +182,7 @@ test("the summary is a dozen lines with units", () => {
     coordinates: 98,
     iterations_per_step: 2.98,
     repeated_steps: 3,
+    unconverged_steps: 7,
     max_position_violation: 1.2e-12,
     max_velocity_violation: 3e-9,
     energy: { kinetic: 12345, elastic: 0.5, numerical: -0.002 },
@@ -194,7 +195,7 @@ test("the summary is a dozen lines with units", () => {
   const lines = summaryLines(summary, { end: 8, step: 0.002, instants: 4001, bodies: 17, joints: 24 });
   assert.equal(lines.length, 12);
   const text = lines.map(({ label, value }) => `${label}: ${value}`).join("\n");
-  for (const part of ["of 2 ms", "17 bodies · 24 joints · 98 coordinates", "kinetic 12.3 kJ", "3 % (shortening of rod)", "1.25 s of processor · 6.4× real time"]) assert.ok(text.includes(part), `${part} in\n${text}`);
+  for (const part of ["of 2 ms · 3 repeated in parts · 7 taken unconverged", "17 bodies · 24 joints · 98 coordinates", "kinetic 12.3 kJ", "3 % (shortening of rod)", "1.25 s of processor · 6.4× real time"]) assert.ok(text.includes(part), `${part} in\n${text}`);
   assert.deepEqual(summaryLines(null, { end: NaN, step: 0.01, instants: 3, bodies: 1, joints: 0 }).map(({ label }) => label), ["Steps", "Recorded", "Mechanism"]);
 });
 
