@@ -7,8 +7,9 @@ kept their time before and after it, beside the idle machine.
 Further words go to `mimbre live`. Where the model has inputs steering, throttle and brake a driver turns, accelerates
 and brakes; needs no package.
 
-With `--again 5` what was driven is computed five times more, as fast as it goes, by the package `mimbre`: the least CPU
-time of a step over them is its own, and not what the machine adds to one or another of them."""
+With `--again 5` what was driven is computed five times more, as fast as it goes, by the package `mimbre` (with the
+parameters of the model's file): the least CPU time of a step over them is its own, and not what the machine adds to one
+or another of them."""
 
 import argparse
 import base64
@@ -112,9 +113,9 @@ def own_times(model: str, method: dict[str, Any], driven: dict[str, Any], second
     for _ in range(times):
         simulation = compiled.simulation(**method)
         changes = sorted(
-            (time, name, value)
+            (when, name, value)
             for name, track in driven["tracks"].items()
-            for time, value in zip(track["times"], track["values"], strict=True)
+            for when, value in zip(track["times"], track["values"], strict=True)
         )
         inputs = {name: simulation.input(name) for name in driven["tracks"]}
         taken, change, half = [], 0, simulation.step_size / 2

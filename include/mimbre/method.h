@@ -25,8 +25,8 @@ struct RunOptions {
   int substeps = 0;
   int max_iterations = 0;  ///< of a step, or of each of its parts; 0: from the file
   /// For real time: a step is made once, with at most so many iterations, and taken as it is then, though
-  /// they have not converged (StepReport::unconverged). It takes the formalism index3, and substeps and
-  /// contacts repeat nothing. Where it is not given: from the file.
+  /// they have not converged (StepReport::unconverged). Nothing repeats a step, or begins one anew where an
+  /// input jumps. Of the formalism index3. Where it is not given: from the file.
   std::optional<bool> fixed_cost;
   double end = -1;  ///< s; negative: from the file, or the default
   /// What inputs and tunable parameters start with, by name, within their ranges; others as the model says.

@@ -157,8 +157,7 @@ namespace {
 /// What bounds the work of a step, for people.
 std::string worst_case_of(const Simulation& s) {
   const int attempts = s.most_attempts(), iterations = s.method().max_iterations;
-  const std::string each =
-      fmt::format("{} {} iterations", s.method().fixed_cost ? "never more than" : "at most", iterations);
+  const std::string each = fmt::format("at most {} iterations", iterations);
   const std::string tries =
       attempts == 1 ? each + " in a step"
                     : fmt::format("{} in each of at most {} attempts at a step or its parts", each, attempts);
