@@ -115,6 +115,7 @@ FeMatrices assemble(const SolidMesh& mesh, int threads) {
     });
   };
   loop_over_cells(cells, used_threads(threads), size, compute, add);
+  result.of_mesh = true;
   return result;
 }
 

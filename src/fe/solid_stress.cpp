@@ -67,15 +67,6 @@ Eigen::MatrixXd extrapolation(ElementType type) {
 
 }  // namespace
 
-Matrix6 elasticity(const Material& material) {
-  const double shear = material.young / (2 * (1 + material.poisson));
-  const double lame = 2 * shear * material.poisson / (1 - 2 * material.poisson);
-  Matrix6 matrix = Matrix6::Zero();
-  matrix.topLeftCorner<3, 3>().setConstant(lame);
-  matrix.diagonal() << Eigen::Vector3d::Constant(lame + 2 * shear), Eigen::Vector3d::Constant(shear);
-  return matrix;
-}
-
 Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const Material& material) {
   const SolidMatrix condensation = function_displacements(geometry, material);
   const ShapeSamples& samples = stress_samples(geometry.type);

@@ -1,4 +1,5 @@
 #pragma once
+#include "fe/elastic_matrix.h"
 #include "fe/solid_element.h"
 
 /// Stresses of solid elements and the stiffness that they give. Order of components: xx yy zz xy yz zx (body
@@ -6,10 +7,6 @@
 namespace mimbre::fe {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-/// Stress = matrix · strain.
-Matrix6 elasticity(const Material& material);
 
 /// 6·nodes × 3·nodes: strains at the element's nodes, extrapolated from the points where they are most
 /// accurate, of nodal displacements.

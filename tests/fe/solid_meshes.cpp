@@ -7,7 +7,8 @@
 namespace mimbre::test {
 
 std::string type_name(ElementType type) {
-  constexpr const char* names[] = {"tet4", "tet10", "hex8", "hex20", "wedge6", "wedge15", "tri3", "quad4"};
+  constexpr const char* names[] = {"tet4",    "tet10", "hex8",  "hex20", "wedge6",
+                                   "wedge15", "tri3",  "quad4", "tri6",  "quad8"};
   return names[static_cast<int>(type)];
 }
 

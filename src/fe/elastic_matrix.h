@@ -1,0 +1,36 @@
+#pragma once
+#include "mimbre/fe_mesh.h"
+
+namespace mimbre::fe {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Stress = matrix · strain of an isotropic material, order as ElasticMatrix.
+Matrix6 elasticity(const Material& material);
+
+/// The material's, in its own directions.
+Matrix6 elastic_matrix(const NamedMaterial& material);
+
+/// The same in body axes; columns of `axes`: the directions of the material in body axes.
+Matrix6 turned(const Matrix6& elastic, const Eigen::Matrix3d& axes);
+
+/// Of a sheet without stress across it: in-plane stress by in-plane strain (xx yy, engineering xy) and
+/// transverse shear stress by shear strain (yz, zx).
+struct SheetElasticity {
+  Eigen::Matrix3d plane;
+  Eigen::Matrix2d shear;  ///< order zx, yz
+};
+SheetElasticity sheet_elasticity(const Matrix6& elastic);
+
+/// Directions of a material at a place, columns.
+Eigen::Matrix3d material_axes(const Orientation& orientation, const Eigen::Vector3d& at);
+
+/// On a shell with this normal: the third is the normal, the first the projection of the orientation's first
+/// onto the shell (of its second, where the first is nearly the normal, as in CalculiX and Abaqus).
+Eigen::Matrix3d material_axes_on(const Orientation& orientation, const Eigen::Vector3d& at,
+                                 const Eigen::Vector3d& normal);
+
+/// Throws std::invalid_argument unless it is finite, symmetric and positive definite.
+void check_elastic(const ElasticMatrix& elastic);
+
+}  // namespace mimbre::fe
