@@ -20,5 +20,7 @@ else()
 endif()
 
 target_sources(mimbre PRIVATE ${PROJECT_SOURCE_DIR}/src/reduction/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp)
+set_source_files_properties(${PROJECT_SOURCE_DIR}/src/reduction/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp PROPERTIES
+  COMPILE_OPTIONS $<$<CONFIG:Release>:${MIMBRE_WARM_OPTIONS}> SKIP_PRECOMPILE_HEADERS ON)
 target_include_directories(mimbre SYSTEM PRIVATE ${include})
 target_link_libraries(mimbre PRIVATE ${libraries})

@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include "app/main_program.h"
+#include "app/processor_check.h"
 #include "app/standard_streams.h"
 
 int main(int argc, char** argv) {

@@ -24,6 +24,7 @@ class Hash64 {
   }
   /// Both zeros are the same.
   void add(double number) { add_word(std::bit_cast<std::uint64_t>(number + 0.0)); }
+  void add(std::uint64_t word) { add_word(word); }
   std::uint64_t value() const { return value_; }
 
  private:

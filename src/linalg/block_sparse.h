@@ -26,14 +26,9 @@ struct BlockPlace {
   int col_stride = 1;
 };
 
-/// Panels are padded to this many rows: the vector width of the target in doubles.
-#if defined(__AVX512F__)
-inline constexpr int kLanes = 8;
-#elif defined(__AVX__)
+/// Panels are padded to this many rows: a vector of AVX2 in doubles. The same for every target, as layouts
+/// and the order of sums follow from it.
 inline constexpr int kLanes = 4;
-#else
-inline constexpr int kLanes = 2;
-#endif
 
 /// Consecutive columns of L with (nearly) the same rows, stored as a dense column-major panel. Its first
 /// `columns` rows are the columns' own (lower triangle); the other rows start at row `below`, a multiple

@@ -118,6 +118,9 @@ std::vector<std::byte> Image::bytes() const {
   return out;
 }
 
-std::uint64_t Image::hash() const { return hash_of(bytes()); }
+std::uint64_t Image::hash() const {
+  const std::vector<std::byte> all = bytes();
+  return hash_of(std::span(all).subspan(sizeof(Header)));
+}
 
 }  // namespace mimbre

@@ -24,7 +24,7 @@ class Image {
   const Compiled& model() const { return *reinterpret_cast<const Compiled*>(memory_.get()); }
   /// Without what stands beside it. Equal models have equal bytes.
   std::vector<std::byte> bytes() const;
-  /// Of the bytes.
+  /// Of what is in the block, whichever build of the program made it.
   std::uint64_t hash() const;
 
  private:

@@ -3,14 +3,13 @@
 
 #include "mimbre/channels.h"
 #include "mimbre/method.h"
-#include "model/compiled.h"
+#include "mimbre/model.h"
 
 namespace mimbre {
 
-/// A number that tells models and methods apart: a hash of the model's text, its channels, the forces that it
-/// computes in a few arbitrary states and the method. Never 0. The same wherever the model is compiled;
-/// forces count to five digits, so that another processor's rounding changes nothing.
-std::uint64_t fingerprint(const Compiled& model, const Method& method,
-                          const std::vector<ChannelInfo>& channels);
+/// A number that tells models and methods apart: a hash of the model's text, its channels, its image (every
+/// number that a step uses) and the method. Never 0. Equal models have equal fingerprints in every process
+/// and on every machine.
+std::uint64_t fingerprint(const Model& model, const Method& method, const std::vector<ChannelInfo>& channels);
 
 }  // namespace mimbre

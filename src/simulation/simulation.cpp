@@ -310,7 +310,7 @@ double Simulation::initialisation_seconds() const { return impl_->initialisation
 
 std::uint64_t Simulation::fingerprint() const {
   Impl& s = *impl_;
-  if (s.fingerprint == 0) s.fingerprint = mimbre::fingerprint(s.compiled, s.method, s.channels.info());
+  if (s.fingerprint == 0) s.fingerprint = mimbre::fingerprint(*s.model, s.method, s.channels.info());
   return s.fingerprint;
 }
 

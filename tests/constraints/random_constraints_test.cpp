@@ -7,6 +7,10 @@
 #include "support/random_mechanism.h"
 
 /// Constraints of every kind between bodies of random mechanisms: both formulations, and finite differences.
+namespace mimbre {
+/// Found by its namespace.
+static void PrintTo(const ConstraintInfo& kind, std::ostream* out) { *out << kind.name; }
+}  // namespace mimbre
 namespace mimbre::test {
 namespace {
 

@@ -302,6 +302,8 @@ struct Mechanism {
   const char* name;
   std::function<std::shared_ptr<const Model>()> model;
   double size;  ///< of increments away from the assembled position
+
+  friend void PrintTo(const Mechanism& mechanism, std::ostream* out) { *out << mechanism.name; }
 };
 
 std::shared_ptr<const Model> random_model(unsigned seed, const std::function<void(RandomOptions&)>& set) {

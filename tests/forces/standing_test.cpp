@@ -37,6 +37,8 @@ StaticResult statics(const std::string& text, Formulation formulation) {
 struct Kind {
   const char* name;
   std::string tyre;
+
+  friend void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 };
 class Standing : public testing::TestWithParam<std::tuple<Kind, Formulation>> {};
 

@@ -18,6 +18,8 @@ namespace {
 struct Mechanism {
   const char* name;
   std::function<std::shared_ptr<const Model>()> model;
+
+  friend void PrintTo(const Mechanism& mechanism, std::ostream* out) { *out << mechanism.name; }
 };
 
 std::shared_ptr<const Model> random_model(unsigned seed) {

@@ -5,6 +5,7 @@
 
 #include "mimbre/model.h"
 #include "mimbre/model_file.h"
+#include "support/print.h"
 
 /// Small mechanisms as model files.
 namespace mimbre::test {
