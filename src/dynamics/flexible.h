@@ -1,5 +1,6 @@
 #pragma once
 #include "dynamics/motion.h"
+#include "math/multiply_add.h"
 #include "model/compiled.h"
 
 /// Kernels of flexible bodies over padded rows of mode values (see FlexibleData): dot products, y-dependent
@@ -12,7 +13,7 @@ T dot(const A* row, const T* y, int stride) {
   T p[8];
   for (int j = 0; j < 8; ++j) p[j] = row[j] * y[j];
   for (int k = 8; k < stride; k += 8)
-    for (int j = 0; j < 8; ++j) p[j] += row[k + j] * y[k + j];
+    for (int j = 0; j < 8; ++j) p[j] = multiply_add(row[k + j], y[k + j], p[j]);
   return ((p[0] + p[4]) + (p[2] + p[6])) + ((p[1] + p[5]) + (p[3] + p[7]));
 }
 
@@ -29,7 +30,8 @@ void add_transposed(const Rows& rows, const Vec3<T>& f, T* out) {
   const int s = static_cast<int>(rows.cols());
   const double *r0 = rows.data(), *r1 = r0 + s, *r2 = r1 + s;
   const T f0 = f[0], f1 = f[1], f2 = f[2];
-  for (int k = 0; k < s; ++k) out[k] += r0[k] * f0 + r1[k] * f1 + r2[k] * f2;
+  for (int k = 0; k < s; ++k)
+    out[k] = multiply_add(r2[k], f2, multiply_add(r1[k], f1, multiply_add(r0[k], f0, out[k])));
 }
 
 /// S'^i_j = S̄^i_j + yᵀS^ij (Lugrís 2008, 3.34): nine rows of `stride` values.
@@ -41,7 +43,7 @@ void deformed_integrals(const FlexibleData& f, const T* y, T* integrals) {
   for (int l = 0; l < f.modes; ++l) {
     const T yl = y[l];
     const double* row = f.S_modes.data() + static_cast<std::ptrdiff_t>(l) * width;
-    for (int k = 0; k < width; ++k) integrals[k] += yl * row[k];
+    for (int k = 0; k < width; ++k) integrals[k] = multiply_add(yl, row[k], integrals[k]);
   }
 }
 

@@ -32,6 +32,10 @@ std::vector<int> face_nodes(ElementType type, int face) {
       return face == 1 || face == 2 ? std::vector<int>{0, 1, 2} : std::vector<int>{};
     case ElementType::quad4:
       return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{};
+    case ElementType::tri6:
+      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3, 4, 5} : std::vector<int>{};
+    case ElementType::quad8:
+      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7} : std::vector<int>{};
     case ElementType::tet10:
       edges = tet_edges;
       [[fallthrough]];

@@ -8,6 +8,7 @@
 
 #include "linalg/block_sparse.h"
 #include "math/choice.h"
+#include "math/multiply_add.h"
 
 /// The factorisation over any scalar, for whoever instantiates it: block_factor.cpp does for double.
 namespace mimbre::linalg {
@@ -56,6 +57,26 @@ typename L::Vector build(F&& value) {
     return typename L::Vector{value(0), value(1)};
   else
     return typename L::Vector{value(0), value(1), value(2), value(3)};
+}
+
+/// sum + a b by lanes, rounded once.
+template <class L>
+typename L::Vector add_product(const typename L::Vector& a, const typename L::Scalar& b,
+                               const typename L::Vector& sum) {
+  if constexpr (L::count == 1) {
+    return multiply_add(a, b, sum);
+  } else {
+    typename L::Vector out;
+    for (int i = 0; i < L::count; ++i) out[i] = __builtin_fma(a[i], b, sum[i]);
+    return out;
+  }
+}
+template <class L>
+typename L::Vector add_product(const typename L::Vector& a, const typename L::Vector& b,
+                               const typename L::Vector& sum) requires(L::count > 1) {
+  typename L::Vector out;
+  for (int i = 0; i < L::count; ++i) out[i] = __builtin_fma(a[i], b[i], sum[i]);
+  return out;
 }
 
 /// Lanes [0, n) of a, the others of b.
@@ -114,7 +135,7 @@ static void subtract_tile(T* target, int target_stride, const T* left, const T* 
   for (int k = 0; k < depth; ++k, left += stride, right += stride)
     for (int v = 0; v < vectors; ++v) {
       const auto l = load<Wide<T>>(left + v * lanes);
-      for (int c = 0; c < width; ++c) sum[v][c] += l * right[c];
+      for (int c = 0; c < width; ++c) sum[v][c] = add_product<Wide<T>>(l, right[c], sum[v][c]);
     }
   for (int c = 0; c < width; ++c, target += target_stride) {
     for (int v = 0; v < vectors; ++v) {
@@ -156,7 +177,7 @@ static void factor_columns(T* panel, T* scaled, T* inverse, int stride, int firs
     typename Wide<T>::Vector x[width];
     for (int c = 0; c < width; ++c) {
       x[c] = load<Wide<T>>(panel + row + c * stride);
-      for (int k = 0; k < c; ++k) x[c] -= x[k] * l[c][k];
+      for (int k = 0; k < c; ++k) x[c] = add_product<Wide<T>>(x[k], T(-l[c][k]), x[c]);
       store<Wide<T>>(scaled + row + c * stride, x[c]);
       store<Wide<T>>(panel + row + c * stride, x[c] * inverse[c]);
     }
@@ -240,12 +261,12 @@ void BlockFactor<T>::solve(T* x) const noexcept {
         T s[width];
         for (int c = 0; c < width; ++c) {
           s[c] = x[own[j + c]] - column[j + c];
-          for (int k = 0; k < c; ++k) s[c] -= l[j + c + k * p.stride] * s[k];
+          for (int k = 0; k < c; ++k) s[c] = multiply_add(T(-l[j + c + k * p.stride]), s[k], s[c]);
         }
         for (int c = 0; c < width; ++c) x[own[j + c]] = s[c];
         for (int row = j + 4; row < p.stride; row += L::count) {
           auto sum = load<L>(column + row);
-          for (int c = 0; c < width; ++c) sum += load<L>(l + row + c * p.stride) * s[c];
+          for (int c = 0; c < width; ++c) sum = add_product<L>(load<L>(l + row + c * p.stride), s[c], sum);
           store<L>(column + row, sum);
         }
       });
@@ -267,12 +288,13 @@ void BlockFactor<T>::solve(T* x) const noexcept {
         typename L::Vector dot[width] = {};
         for (int row = j + 4; row < p.stride; row += L::count) {
           const auto known = load<L>(column + row);
-          for (int c = 0; c < width; ++c) dot[c] += load<L>(l + row + c * p.stride) * known;
+          for (int c = 0; c < width; ++c)
+            dot[c] = add_product<L>(load<L>(l + row + c * p.stride), known, dot[c]);
         }
         T s[4] = {};
         for (int c = width - 1; c >= 0; --c) {
           s[c] = x[own[j + c]] * inverse[j + c] - lane_sum<L>(dot[c]);
-          for (int k = c + 1; k < width; ++k) s[c] -= l[j + k + c * p.stride] * s[k];
+          for (int k = c + 1; k < width; ++k) s[c] = multiply_add(T(-l[j + k + c * p.stride]), s[k], s[c]);
           x[own[j + c]] = s[c];
         }
         for (int c = 0; c < 4; c += L::count)
@@ -293,8 +315,8 @@ void multiply(const BlockSymbolic& symbolic, const T* values, const T* x, T* y) 
         for (int c = symbolic.start(j); c < std::min(symbolic.start(j + 1), r + 1); ++c) {
           const T& a = values[place.offset + (r - symbolic.start(i)) * place.row_stride +
                               (c - symbolic.start(j)) * place.col_stride];
-          y[r] += a * x[c];
-          if (r != c) y[c] += a * x[r];
+          y[r] = multiply_add(a, x[c], y[r]);
+          if (r != c) y[c] = multiply_add(a, x[r], y[c]);
         }
       }
     }

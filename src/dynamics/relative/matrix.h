@@ -18,7 +18,7 @@ void rotate_rows(const Mat3<T>& A, const R* rows, int stride, T* out) {
     const T a = A(r, 0), b = A(r, 1), c = A(r, 2);
     T* o = out + r * stride;
     for (int k = 0; k < stride; k += 8)
-      for (int j = k; j < k + 8; ++j) o[j] = a * x[j] + b * y[j] + c * z[j];
+      for (int j = k; j < k + 8; ++j) o[j] = multiply_add(c, z[j], multiply_add(b, y[j], T(a * x[j])));
   }
 }
 
@@ -29,9 +29,9 @@ void add_cross_rows(const Vec3<T>& p, const T* rows, int stride, T* out) {
   T *ox = out, *oy = ox + stride, *oz = oy + stride;
   for (int k = 0; k < stride; k += 8)
     for (int j = k; j < k + 8; ++j) {
-      ox[j] += p[1] * z[j] - p[2] * y[j];
-      oy[j] += p[2] * x[j] - p[0] * z[j];
-      oz[j] += p[0] * y[j] - p[1] * x[j];
+      ox[j] = multiply_add(T(-p[2]), y[j], multiply_add(p[1], z[j], ox[j]));
+      oy[j] = multiply_add(T(-p[0]), z[j], multiply_add(p[2], x[j], oy[j]));
+      oz[j] = multiply_add(T(-p[1]), x[j], multiply_add(p[0], y[j], oz[j]));
     }
 }
 
@@ -101,7 +101,7 @@ void add_product(const T* left, int left_stride, int rows, const T* right, int r
       for (int k = 0; k < count; ++k) {
         const T x = right[k * right_stride + c];
         const T* l = left + k * left_stride + r;
-        for (int j = 0; j < 8; ++j) sum[j] += l[j] * x;
+        for (int j = 0; j < 8; ++j) sum[j] = multiply_add(l[j], x, sum[j]);
       }
       const int n = rows - r < 8 ? rows - r : 8;
       for (int j = 0; j < n; ++j) out[r + j] += sum[j];
@@ -118,12 +118,15 @@ void composite_times(const typename Workspace<T>::Composite& c, const T* columns
           *w2 = w1 + stride;
   T *f0 = out, *f1 = f0 + stride, *f2 = f1 + stride, *n0 = f2 + stride, *n1 = n0 + stride, *n2 = n1 + stride;
   for (int k = 0; k < stride; ++k) {
-    f0[k] = m * s0[k] + w1[k] * z - w2[k] * y;
-    f1[k] = m * s1[k] + w2[k] * x - w0[k] * z;
-    f2[k] = m * s2[k] + w0[k] * y - w1[k] * x;
-    n0[k] = y * s2[k] - z * s1[k] + J(0, 0) * w0[k] + J(0, 1) * w1[k] + J(0, 2) * w2[k];
-    n1[k] = z * s0[k] - x * s2[k] + J(1, 0) * w0[k] + J(1, 1) * w1[k] + J(1, 2) * w2[k];
-    n2[k] = x * s1[k] - y * s0[k] + J(2, 0) * w0[k] + J(2, 1) * w1[k] + J(2, 2) * w2[k];
+    f0[k] = multiply_add(T(-y), w2[k], multiply_add(z, w1[k], T(m * s0[k])));
+    f1[k] = multiply_add(T(-z), w0[k], multiply_add(x, w2[k], T(m * s1[k])));
+    f2[k] = multiply_add(T(-x), w1[k], multiply_add(y, w0[k], T(m * s2[k])));
+    const auto turned = [&](int r) {
+      return multiply_add(J(r, 2), w2[k], multiply_add(J(r, 1), w1[k], T(J(r, 0) * w0[k])));
+    };
+    n0[k] = multiply_add(y, s2[k], multiply_add(T(-z), s1[k], turned(0)));
+    n1[k] = multiply_add(z, s0[k], multiply_add(T(-x), s2[k], turned(1)));
+    n2[k] = multiply_add(x, s1[k], multiply_add(T(-y), s0[k], turned(2)));
   }
 }
 

@@ -64,19 +64,21 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T
   for (int r = 0; r < 9; ++r) {
     const T c = g(r / 3, r % 3);
     const T* row = integrals + r * s;
-    for (int k = 0; k < s; ++k) elastic[k] += c * row[k];
+    for (int k = 0; k < s; ++k) elastic[k] = multiply_add(c, row[k], elastic[k]);
   }
   const T w0 = T(2) * w[0], w1 = T(2) * w[1], w2 = T(2) * w[2];
   for (int l = 0; l < f.modes; ++l) {
     const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(l) * 3 * s;
     const T rate = yd[l];
-    for (int k = 0; k < s; ++k) elastic[k] += rate * (w0 * n[k] + w1 * n[s + k] + w2 * n[2 * s + k]);
+    for (int k = 0; k < s; ++k)
+      elastic[k] = multiply_add(
+          rate, multiply_add(w2, n[2 * s + k], multiply_add(w1, n[s + k], T(w0 * n[k]))), elastic[k]);
   }
   if (f.identity_mass)
     for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
   else
     for (int l = 0; l < f.modes; ++l)
-      for (int k = 0; k < s; ++k) elastic[k] += ydd[l] * f.mass(l, k);
+      for (int k = 0; k < s; ++k) elastic[k] = multiply_add(ydd[l], f.mass(l, k), elastic[k]);
   add_elasticity(f, y, yd, elastic);
   return out;
 }
