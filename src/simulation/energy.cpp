@@ -128,10 +128,11 @@ void EnergyMeter::observe_store(std::size_t k, double energy) {
   store.energy = energy;
 }
 
-EnergyMeter::Unresolved EnergyMeter::most_unresolved() const {
+EnergyMeter::Unresolved EnergyMeter::most_unresolved(double nothing) const {
   const Store* most = nullptr;
   for (const Store& store : stores_)
-    if (store.unresolved > (most ? most->unresolved : 0)) most = &store;
+    if (store.highest - store.lowest > nothing && store.unresolved > (most ? most->unresolved : 0))
+      most = &store;
   if (!most) return {};
   // The energy of a vibration varies as sin² ωt: its second differences are 2 sin ωh times the first.
   const double angle = std::asin(std::min(1.0, 0.5 * most->unresolved / most->exchanged));

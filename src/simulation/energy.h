@@ -41,7 +41,8 @@ class EnergyMeter {
     double steps_per_period = 0;  ///< of the vibration that would have these differences, roughly
     double at_play = 0;           ///< J, between the highest and the lowest energy there
   };
-  Unresolved most_unresolved() const;
+  /// Of places with more than `nothing` J at play: less is round-off.
+  Unresolved most_unresolved(double nothing) const;
 
   /// All that it remembers from step to step.
   void transfer(StateTransfer& transfer) {

@@ -7,8 +7,10 @@
 namespace mimbre {
 namespace {
 
-std::string part(double energy, double at_play) {
-  const double percent = at_play > 0 ? 100 * energy / at_play : 100;
+/// Where nothing is at play a share would be one of round-off.
+std::string part(double energy, double at_play, double nothing) {
+  if (!(at_play > nothing)) return fmt::format("{:.3g} J, where nothing moves or is stored", energy);
+  const double percent = 100 * energy / at_play;
   return fmt::format("{:.3g} J, {} % of the {:.3g} J at play", energy,
                      percent > 99 ? fmt::format("{:.0f}", percent) : fmt::format("{:.2g}", percent), at_play);
 }
@@ -49,10 +51,10 @@ std::string EnergyMonitor::warning(const Compiled& model, const EnergyMeter& met
     return fmt::format(
         "the numerics fed in {} (limit {:g} %); the most in the step to t = {:.6g} s, {:.3g} J at {}: do not "
         "trust this run; take a smaller step or an integrator with damping (the default, generalised-alpha)",
-        part(std::max(most, rise), play), 100 * share, largest_gain.time, largest_gain.energy,
+        part(std::max(most, rise), play, nothing), 100 * share, largest_gain.time, largest_gain.energy,
         place_name(model, largest_gain.place));
   const double by_dampers = share_of_dissipation * dissipated;
-  const EnergyMeter::Unresolved fastest = meter.most_unresolved();
+  const EnergyMeter::Unresolved fastest = meter.most_unresolved(nothing);
   const bool spring = fastest.place.kind == EnergyMeter::Place::Kind::element &&
                       !on_road(model.elements[fastest.place.index].measure);
   if (spring && fastest.steps_per_period < few_steps &&
@@ -61,11 +63,11 @@ std::string EnergyMonitor::warning(const Compiled& model, const EnergyMeter& met
         "the numerics took out {:.3g} J, {:.2g} % of the {:.3g} J at play in {} (limit {:g} %), which "
         "vibrates with {}: it dies "
         "out too early; take a smaller step",
-        -least, 100 * -least / std::max(fastest.at_play, 1e-300), fastest.at_play,
-        place_name(model, fastest.place), 100 * share_of_vibration, steps_a_period(fastest));
+        -least, 100 * -least / fastest.at_play, fastest.at_play, place_name(model, fastest.place),
+        100 * share_of_vibration, steps_a_period(fastest));
   if (-least > std::max(limit, by_dampers) || fall > std::max(swing, by_dampers)) {
     std::string text = fmt::format("the numerics took out {} (limit {:g} %)",
-                                   part(std::max(-least, fall), play), 100 * share);
+                                   part(std::max(-least, fall), play, nothing), 100 * share);
     if (dissipated > limit)
       text += fmt::format(", and {:.2g} % of the {:.3g} J that dampers took (limit {:g} %)",
                           100 * std::max(-least, fall) / dissipated, dissipated, 100 * share_of_dissipation);

@@ -23,9 +23,8 @@ IntegratorOptions integrator_options(const Method& method) {
 /// A step is repeated in parts when its energy is off by more than these shares of what moves or is stored,
 /// and of what would lift the mechanism by its length scale; without gravity of the former alone.
 constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_gravity = 4e-4;
-/// Of the energy that lifts the mechanism so, or without gravity moves it by its length scale in a second:
-/// round-off.
-constexpr double round_off_energy = 2.5e-7;
+/// Of the energy that lifts the mechanism so, or moves it by its length scale in so many steps: round-off.
+constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 
 /// How often a part is divided again: so that a blow of a thousandth of the step is followed.
 constexpr int levels_of_contact = 6;
@@ -55,9 +54,9 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   const Compiled& m = mechanism.model;
   double mass = 0;
   for (const BodyData& b : m.bodies) mass += b.mass;
-  const double extent = m.length_scale, weight = mass * m.gravity.norm();
-  lifting_energy_ = weight * extent;
-  resting_energy_ = round_off_energy * std::max(weight, mass * extent) * extent;
+  const double extent = m.length_scale, speed = extent / (slow_steps * method.step);
+  lifting_energy_ = mass * m.gravity.norm() * extent;
+  resting_energy_ = round_off_energy * std::max(lifting_energy_, mass * speed * speed);
   if (begins_.size() > 1) {  // of blows that are not followed
     const double quiet = quiet_speed(m, method.step);
     resting_energy_ = std::max(resting_energy_, 0.5 * mass * quiet * quiet);
