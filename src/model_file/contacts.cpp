@@ -35,8 +35,8 @@ int read_place(Builder& builder, const Part& part, const Fields& fields, const s
     }
     body = found->body;
   }
-  spec::Pose pose = read_pose(
-      part, fields, body < 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : builder.body_pose(body).position);
+  spec::Pose pose = read_pose(part, fields, Eigen::Vector3d::Zero());
+  if (body >= 0 && !fields.has("at")) pose.position = builder.body_pose(body).position;
   // The upper side of what is mirrored along z is its lower one.
   if (surface.kind == Kind::half_space && part.place.mirror[2] < 0)
     pose.rotation = (pose.rotation * Eigen::Vector3d(1, -1, -1).asDiagonal()).eval();
@@ -190,8 +190,11 @@ void read_contact(Builder& builder, const Part& part, const Value& value, spec::
 
 }  // namespace
 
-void read_contacts(Builder& builder, Part& part) {
+void read_surfaces(Builder& builder, Part& part) {
   read_each(builder, part, "surfaces", builder.surface_names, builder.model.surfaces, read_surface);
+}
+
+void read_contacts(Builder& builder, Part& part) {
   read_each(builder, part, "contacts", builder.contact_names, builder.model.contacts, read_contact);
 }
 

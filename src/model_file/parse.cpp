@@ -94,6 +94,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_loads(builder, part);
   for (Part& part : builder.parts) read_tyres(builder, part);
   for (Part& part : builder.parts) read_elements(builder, part);
+  for (Part& part : builder.parts) read_surfaces(builder, part);
   for (Part& part : builder.parts) read_contacts(builder, part);
   read_outputs(builder);
   for (Part& part : builder.parts) read_signals(builder, part);

@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string>& template_keys() {
   static const std::vector<std::string> keys = with_element_sections(
       {"file", "include", "mimbre", "title", "parameters", "require", "materials", "sections", "bodies",
-       "frames", "joints", "constraints", "springs", "loads", "tyres"},
+       "frames", "joints", "constraints", "springs", "loads", "tyres", "surfaces", "contacts"},
       {"inputs", "signals", "events", "subsystems", "instances", "outputs"});
   return keys;
 }

@@ -484,5 +484,52 @@ TEST_F(Includes, CirclesAreRefused) {
               HasSubstr("stands in itself"));
 }
 
+/// A ball on a slope, a block and a rock of its own, in each place what it is in the other: a mirror is no
+/// more than one. The block has no place but its body's.
+TEST(Templates, CarrySurfacesAndContacts) {
+  const std::string content = R"y(
+gravity: [0, 0, 0]
+subsystems:
+  drop:
+    bodies:
+      ball: {mass: 1, com: [0.1, 0.2, 0.5], inertia: [0.004, 0.004, 0.004]}
+      block: {mass: 3, com: [0.6, 0.3, 0], inertia: [1, 1, 1]}
+    joints:
+      free: {type: floating, between: [ground, ball], at: [0.1, 0.2, 0.5]}
+      slide: {type: prismatic, between: [ground, block], at: [0.6, 0.3, 0], axis: [0.6, 0, 0.8], spring: {stiffness: 500}}
+    loads: {weight: {on: ball, at: [0.1, 0.2, 0.5], force: [5, 1.5, -9.81]}}
+    surfaces:
+      slope: {type: half_space, z: [0.3, -0.1, 1]}
+      block: {type: box, on: block, size: [0.4, 0.3, 0.2], x: [1, 0.2, 0]}
+      rock: {type: mesh, at: [0.3, 0.2, 0.1], vertices: [[0.2, 0, 0], [-0.2, 0.2, 0], [-0.2, -0.2, 0], [0, 0, 0.2]], triangles: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}
+    contacts:
+      touch: {spheres: {on: ball, radius: 0.1}, surfaces: [slope, block, rock, wall], stiffness: 1e4, restitution: 0.5, friction: 0.3}
+    outputs:
+      - {name: "{instance}.x", position: ball, component: x}
+      - {name: "{instance}.y", position: ball, component: y}
+      - {name: "{instance}.z", position: ball, component: z}
+instances:
+  as_drawn: {of: drop}
+  at_x: {of: drop, mirror: x, at: [10, 0, 0]}
+  at_y: {of: drop, mirror: y, at: [0, 10, 0]}
+  at_z: {of: drop, mirror: z, at: [0, 0, 10]}
+  at_all: {of: drop, mirror: xyz, at: [10, 10, 10]}
+surfaces: {wall: {type: half_space, at: [0, 0, -100]}}
+contacts: {outside: {spheres: {on: as_drawn.ball, radius: 0.1}, surfaces: at_z.slope, stiffness: 1e4}}
+simulation: {step: 0.001, end: 1}
+)y";
+  const std::vector<double> at = channels_after(read("mimbre: 1\n" + content), 400);
+  ASSERT_GE(at.size(), 15u);
+  const Eigen::Vector3d drawn(at[0], at[5], at[10]),
+      free = Eigen::Vector3d(0.1, 0.2, 0.5) + 0.5 * 0.16 * Eigen::Vector3d(5, 1.5, -9.81);
+  EXPECT_GT((drawn - free).norm(), 0.2) << "it touched nothing";
+  const Eigen::Vector3d mirrors[] = {{-1, 1, 1}, {1, -1, 1}, {1, 1, -1}, {-1, -1, -1}},
+                        moves[] = {{10, 0, 0}, {0, 10, 0}, {0, 0, 10}, {10, 10, 10}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d here(at[k + 1], at[k + 6], at[k + 11]);  // x of all instances, y, z
+    EXPECT_LT((here - mirrors[k].cwiseProduct(drawn) - moves[k]).norm(), 1e-7) << k;
+  }
+}
+
 }  // namespace
 }  // namespace mimbre
