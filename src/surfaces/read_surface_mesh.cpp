@@ -12,6 +12,7 @@
 #include "base/hash64.h"
 #include "base/rehearsal.h"
 #include "mimbre/surface_mesh.h"
+#include "surfaces/check_ply.h"
 
 /// Files of surfaces, by Assimp.
 namespace mimbre {
@@ -153,6 +154,8 @@ SurfaceMesh read_surface_mesh(const std::string& path) {
                              endings_in_words()));
   std::error_code status;
   if (!fs::is_regular_file(path, status)) refuse(path, "there is no such file");
+  if (ending == "ply")
+    if (const std::string why = why_not_ply(path); !why.empty()) refuse(path, why);
   // What damaged files do to the importer is done to another process.
   rehearse(path, [&] { read(path); });
   return read(path);

@@ -1,6 +1,7 @@
 #include "mimbre/surface_mesh.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <cstdint>
 #include <cstring>
@@ -181,6 +182,26 @@ TEST(SurfaceMesh, MistakesInModelFilesAreToldWhereTheyAre) {
   EXPECT_THAT(model_refusal("sphere: 1, scale: 2"), testing::HasSubstr("'scale' is for a mesh"));
   EXPECT_THAT(model_refusal("mesh: block.stl, axis: [0, 0, 1]"),
               testing::HasSubstr("'axis' is for cylinders"));
+}
+
+/// A file of 262 bytes whose polygons lead its importer astray for seconds, and ones that end early.
+TEST(SurfaceFile, OfPolygonsHoldsWhatItsHeaderSays) {
+  EXPECT_THAT(refusal(sample("short.ply")), testing::HasSubstr("is damaged: its header has no end"));
+  const auto polygons = [](const std::string& rest) {
+    return refusal(Scratch("polygons.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+                           "float y\nproperty float z\nelement face 1\nproperty list uchar int "
+                           "vertex_indices\nend_header\n" +
+                               rest)
+                       .path);
+  };
+  EXPECT_EQ(polygons("0 0 0\n1 0 0\n\n0 1 0\n3 0 1 2\n"), "");
+  EXPECT_THAT(polygons("0 0 {}\n1 0 0\n0 1 0\n3 0 1 2\n"),
+              testing::HasSubstr("'{}' in line 10 is no number"));
+  EXPECT_THAT(polygons("0 0 0\n1 0 0\n"),
+              testing::HasSubstr("names 3 times 'vertex', and the file ends in the 3."));
+  EXPECT_THAT(polygons("0 0 0\n1 0 0\n0 1 0\n51 3 2\n"), testing::HasSubstr("ends in the 1. of them"));
+  EXPECT_THAT(polygons("0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), testing::HasSubstr("a list of 'face' has -3"));
 }
 
 }  // namespace
