@@ -1,16 +1,44 @@
 #pragma once
+#include <vector>
+
 #include "dynamics/relative/workspace.h"
+#include "simulation/contact_log.h"
 
 namespace mimbre {
 
 /// Slower blows are not followed, m/s: what falls freely reaches as much in half a step of `whole` seconds.
 double quiet_speed(const Compiled& model, double whole);
 
-/// Whether a step of h seconds shows what contacts did in it: no sphere went through a solid unseen, and
-/// blows took many of such steps. Those of swarms, of which there are some in every step, do not count.
-/// `work`: of the forces at its end; `before`: states of force elements at its start; `quiet`: speed of the
-/// blows that do not count. Neither allocates nor throws.
-bool contact_followed(const Compiled& model, const relative::Workspace<double>& work, const double* before,
-                      double h, double quiet);
+/// Looks whether a step shows what contacts did in it, and for what is pressed in too deep. Allocates only
+/// when made; neither throws.
+class ContactWatch {
+ public:
+  explicit ContactWatch(const Compiled& model);
+  bool none() const { return seen_.empty(); }
+
+  /// Before a step: of the states of force elements at its start.
+  void begin(const double* states);
+  /// After a step of h seconds: whether no sphere went through a solid unseen, and blows took many of such
+  /// steps. Blows of swarms, of which there are some in every step, do not count. `work`: of the forces at
+  /// its end; `quiet`: speed of the blows that do not count.
+  bool followed(const relative::Workspace<double>& work, double h, double quiet);
+  /// Adds what was seen in that step, which ends at `time` and is not made again, s.
+  void note(double time, ContactLog& log) const;
+
+ private:
+  /// In the last step, by the places of a log.
+  struct Seen {
+    int passes = 0;
+    ContactTrouble::Where passed, sank;
+    double depth = 0, depth_limit = 0;
+  };
+  bool passes(int element, const relative::Workspace<double>& work, double h, double quiet, Seen& seen) const;
+
+  const Compiled& model_;
+  int contacts_ = 0, own_surfaces_ = 0;  ///< of the model file; behind these surfaces spheres come
+  int first_state_ = 0;
+  std::vector<double> before_;  ///< states of contacts
+  std::vector<Seen> seen_;
+};
 
 }  // namespace mimbre

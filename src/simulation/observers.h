@@ -9,6 +9,7 @@
 #include "simulation/mechanism.h"
 #include "simulation/step_maker.h"
 #include "simulation/validity.h"
+#include "simulation/winch_watch.h"
 
 namespace mimbre {
 
@@ -27,6 +28,7 @@ class Observers {
   std::vector<Validity> validity();
   /// Of linear theory.
   std::vector<std::string> validity_warnings();
+  std::vector<std::string> winch_warnings() const { return winches_.warnings(); }
   /// Empty when there is none.
   std::string energy_warning(const StepMaker& steps) const;
   /// The first reactions that were not resolved, of those that were watched.
@@ -36,6 +38,7 @@ class Observers {
   const Compiled& model_;
   const bool energies_;
   EnergyMonitor monitor_;
+  WinchWatch winches_;
   std::unique_ptr<ValidityMonitor> validity_;
   std::unique_ptr<LoadWatch> loads_;
 };

@@ -68,7 +68,7 @@ struct Simulation::Impl {
 
   /// Energies and warnings count from the state of now; kinematics evaluated.
   void observe_anew() {
-    if (method.energies) steps.start();
+    steps.start();
     observers.start(mechanism, steps.meter());
     reactions.forget_unresolved();
     look_anew();
@@ -468,6 +468,9 @@ std::vector<std::string> Simulation::warnings() const {
   if (unresolved) all.push_back(explain_unresolved(s.compiled, *unresolved));
   // At rest there is nothing at play but round-off.
   if (const std::string text = s.observers.energy_warning(s.steps); !text.empty()) all.push_back(text);
+  for (const std::string& text : s.observers.winch_warnings()) all.push_back(text);
+  for (const std::string& text : contact_warnings(s.compiled, s.steps.contacts(), s.method.substeps))
+    all.push_back(text);
   if (const double end = std::max(s.compiled.spec().simulation.end, time()); end > s.drives_until) {
     s.drives = drive_warnings(s.compiled, end);
     s.drives_until = end;

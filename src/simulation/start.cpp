@@ -8,6 +8,7 @@
 #include "simulation/drawn_open.h"
 #include "simulation/explain.h"
 #include "simulation/free_flight.h"
+#include "simulation/locking.h"
 #include "simulation/names.h"
 #include "simulation/redundancy.h"
 #include "simulation/start_branches.h"
@@ -49,6 +50,8 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   if (m.equations > 0) {
     found.redundancy = find_redundancy(observer, assembled);
     warn(explain_near_redundancy(found.redundancy));
+    if (warns)
+      for (const std::string& text : locking_warnings(observer, assembled)) warn(text);
   }
   mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
   mechanism.state.u = assembled.u;

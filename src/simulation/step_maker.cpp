@@ -26,11 +26,19 @@ constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_
 /// Of the energy that lifts the mechanism so, or moves it by its length scale in so many steps: round-off.
 constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 
-/// How often a part is divided again: so that a blow of a thousandth of the step is followed.
-constexpr int levels_of_contact = 6;
+/// How often a part that does not converge is divided again, and one in which contacts cannot be followed:
+/// the latter down to a part in so many. A blow takes its depth by its speed, and a hundredth of that has to
+/// show at its ends: that is 10⁻⁶ of a step in which the sphere goes 10⁴ times its radius.
+constexpr int levels_of_convergence = 6;
+constexpr double smallest_part = 0x1p-22;
+/// When a step has been attempted so often, in parts, parts are not divided any more.
+constexpr int most_divided = 5461;
+
 int levels(const Compiled& model, const Method& method) {
   if (method.substeps == 1) return 0;
-  return model.first_of_contact.back() > model.first_of_contact.front() ? levels_of_contact : 1;
+  if (model.first_of_contact.back() == model.first_of_contact.front()) return 1;
+  return std::max(1,
+                  static_cast<int>(std::floor(-std::log(smallest_part) / std::log(method.substeps) + 1e-9)));
 }
 
 using Clock = std::chrono::steady_clock;
@@ -48,8 +56,10 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       energy_keeper_(mechanism.model, free_flight_.groups()),
       swarms_(mechanism.model),
       meter_(mechanism.model),
-      begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_}),
-      before_{mechanism.state, meter_},
+      contacts_(mechanism.model),
+      log_(empty_contact_log(mechanism.model)),
+      begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_, log_}),
+      before_{mechanism.state, meter_, log_},
       length_(method.step) {
   const Compiled& m = mechanism.model;
   double mass = 0;
@@ -65,7 +75,8 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
 
 void StepMaker::start() {
   under_way_ = false;
-  meter_.start(mechanism_.observer, mechanism_.view());
+  if (method_.energies) meter_.start(mechanism_.observer, mechanism_.view());
+  std::fill(log_.begin(), log_.end(), ContactTrouble());
   for (Begin& begin : begins_) begin.state = mechanism_.state;
   before_.state = mechanism_.state;
 }
@@ -85,6 +96,7 @@ double StepMaker::step_tolerance() const {
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
+  ++attempts_;
   const bool corrects = conserves_ || !free_flight_.none();
   if (corrects) {
     m.observe_afresh();
@@ -95,6 +107,7 @@ void StepMaker::advance(StepReport& report) {
     if (!corrects) m.observe_afresh();
     swarms_.find(m.observer.workspace(), integrator_->options().step, m.state.z.data());
   }
+  if (!contacts_.none()) contacts_.begin(m.state.z.data());
   m.enter(integrator_->options().step);
   last_ = integrator_->step(m.state);
   report.code = static_cast<StepReport::Code>(last_.code);
@@ -117,19 +130,25 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (method_.energies) meter_.update(m.observer, m.view());
-  followed_ =
-      begins_.size() <= 1 || contact_followed(m.model, m.observer.workspace(), m.state.z.data(),
-                                              integrator_->options().step, quiet_speed(m.model, length_));
   m.commit(method_.energies);
+  followed_ = contacts_.none() || contacts_.followed(m.observer.workspace(), integrator_->options().step,
+                                                     quiet_speed(m.model, length_));
   m.enter(0);
   if (conserves_) m.state.energy_error += meter_.last_input();
   if (method_.profile) energy_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void StepMaker::keep_in(Begin& begin) const {
+  begin.state = mechanism_.state;
+  begin.meter = meter_;
+  begin.log = log_;
 }
 
 void StepMaker::back_to(const Begin& begin) {
   mechanism_.state = begin.state;
   mechanism_.enter(0);
   meter_ = begin.meter;
+  log_ = begin.log;
 }
 
 void StepMaker::undo() { back_to(before_); }
@@ -143,12 +162,15 @@ bool StepMaker::accurate(int level) const {
 void StepMaker::cover(double length, int level, StepReport& report) {
   Mechanism& m = mechanism_;
   const auto number = static_cast<std::size_t>(level);
-  if (number == begins_.size()) return advance(report);
-  begins_[number].state = m.state;
-  begins_[number].meter = meter_;
+  const bool whole = number == begins_.size() || attempts_ >= most_divided;
+  if (!whole) keep_in(begins_[number]);
   const StepReport before = report;
   advance(report);
-  if (report.ok() && accurate(level)) return;
+  if (report.ok() && (whole || accurate(level))) {
+    if (!contacts_.none()) contacts_.note(m.state.time, log_);
+    return;
+  }
+  if (whole || (!report.ok() && level >= levels_of_convergence)) return;
   back_to(begins_[number]);
   // Of what is accepted.
   report.code = StepReport::Code::ok;
@@ -169,10 +191,8 @@ StepReport StepMaker::step(double length) {
   StepReport report;
   // Where something jumps, a step that begins anew from there costs another residual and another factor.
   if (method_.fixed_cost && under_way_) m.state.started = true;
-  if (keeps_) {
-    before_.state = m.state;
-    before_.meter = meter_;
-  }
+  if (keeps_) keep_in(before_);
+  attempts_ = 0;
   cover(length, 0, report);
   if (!report.ok()) return report;
   under_way_ = true;
@@ -183,14 +203,14 @@ StepReport StepMaker::step(double length) {
 }
 
 int StepMaker::most_attempts() const {
-  int attempts = 1, parts = 1;
-  for (std::size_t level = 0; level < begins_.size(); ++level) attempts += parts *= method_.substeps;
-  return attempts;
+  const int depth = static_cast<int>(begins_.size());
+  return depth <= 1 ? 1 + depth * method_.substeps : most_divided + depth * (method_.substeps - 1);
 }
 
 void StepMaker::transfer(StateTransfer& transfer) {
   integrator_->transfer(transfer);
   meter_.transfer(transfer);
+  for (ContactTrouble& trouble : log_) trouble.transfer(transfer);
   if (method_.fixed_cost) transfer(under_way_);
   transfer(last_.iterations, last_.position_violation, last_.velocity_violation);
 }

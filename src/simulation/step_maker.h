@@ -35,6 +35,8 @@ class StepMaker {
   int most_attempts() const;
 
   const EnergyMeter& meter() const { return meter_; }
+  /// What went wrong at contacts since the start.
+  const ContactLog& contacts() const { return log_; }
   /// Of the integrator's last step.
   const StepStatus& last() const { return last_; }
   double length() const { return length_; }  ///< of the last step, s
@@ -51,9 +53,11 @@ class StepMaker {
   struct Begin {
     State state;
     EnergyMeter meter;
+    ContactLog log;
   };
 
   void advance(StepReport& report);
+  void keep_in(Begin& begin) const;
   void back_to(const Begin& begin);
   void cover(double length, int level, StepReport& report);
   bool accurate(int level) const;
@@ -69,9 +73,12 @@ class StepMaker {
   EnergyKeeper energy_keeper_;
   SwarmSearch swarms_;
   EnergyMeter meter_;
+  ContactWatch contacts_;
+  ContactLog log_;
   std::vector<Begin> begins_;
   Begin before_;          ///< of the last step, for undo()
   bool followed_ = true;  ///< contacts in the integrator's last step
+  int attempts_ = 0;      ///< in the last step
   StepStatus last_;
   bool keeps_ = false;
   bool under_way_ = false;  ///< a step has been made since the start

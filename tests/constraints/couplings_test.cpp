@@ -345,5 +345,35 @@ TEST_P(Couplings, AreBuiltInCode) {
   expect_near(channel(s, "joint.three.velocity"), -alpha, 1e-6 * alpha);
 }
 
+/// Two gears between the same shafts: of one ratio one is too many, of two ratios nothing turns.
+TEST(ContradictingCouplings, AreNamed) {
+  const auto warnings = [](const std::string& second) {
+    return simulation_of(R"y(
+gravity: [0, 0, 0]
+bodies:
+  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+  b: {mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}
+  c: {mass: 1, com: [2, 0, 0], inertia: [1, 1, 1]}
+joints:
+  one: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 0, 1]}
+  two: {type: revolute, between: [ground, b], at: [1, 0, 0], axis: [0, 0, 1]}
+  three: {type: revolute, between: [ground, c], at: [2, 0, 0], axis: [0, 0, 1]}
+constraints:
+  first: {type: gear, joints: [one, two], ratio: 2}
+  second: )y" + second + "\n  third: {type: gear, joints: [two, three], ratio: -1}\n",
+                         spec::Simulation::Formulation::relative)
+        .warnings();
+  };
+  EXPECT_THAT(
+      warnings("{type: gear, joints: [one, two], ratio: 3}"),
+      testing::ElementsAre(testing::HasSubstr(
+          "constraints 'first', 'second' contradict one another: together they lock joints 'one', 'two'")));
+  EXPECT_THAT(warnings("{type: gear, joints: [one, three], ratio: 2}"),
+              testing::ElementsAre(testing::HasSubstr("constraints 'first', 'second', 'third'")));
+  for (const char* agrees :
+       {"{type: gear, joints: [one, two], ratio: 2}", "{type: gear, joints: [one, three], ratio: -2}"})
+    EXPECT_THAT(warnings(agrees), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace mimbre::test

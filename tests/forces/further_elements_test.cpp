@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -111,6 +112,22 @@ outputs: [{name: z, joint: guide}]
   EXPECT_NEAR(channel(s, "z"), 0.3, 3e-3);
   EXPECT_NEAR(s.energy().numerical, 0, 1e-3 * 50 * g * 0.2);
   EXPECT_NEAR(s.energy().load_work, 50 * g * (channel(s, "z") - start) + s.energy().kinetic, 0.5);
+}
+
+/// From 0.3 m at 0.2 m/s: nothing is left after 1.5 s.
+TEST_P(FurtherElements, AWinchBelowZeroIsSaid) {
+  Simulation s = simulation_of(R"y(
+bodies: {load: {mass: 50, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, load], at: [0, 0, 0], axis: [0, 0, 1]}}
+cables: {hoist: {over: [ground, load], at: [[0, 0, 0.301], [0, 0, 0]], axial_stiffness: 5e4, damping: 3000, length: "0.3 - 0.2*t"}}
+)y",
+                               GetParam(), 1e-3);
+  step_to(s, 1.4);
+  EXPECT_THAT(s.warnings(), testing::Not(testing::Contains(testing::HasSubstr("hoist"))));
+  step_to(s, 1.51);
+  EXPECT_THAT(s.warnings(),
+              testing::Contains(testing::AllOf(testing::HasSubstr("cable 'hoist': its `length` is"),
+                                               testing::HasSubstr("t = 1.4"))));
 }
 
 /// Two levers on springs c, joined by a bar k: a torque on the left one turns it by M (c + k)/(c (c + 2 k)).
