@@ -12,11 +12,25 @@
 /// Finite-element models of any origin: what importers give, assembly makes and reduction takes.
 namespace mimbre::fe {
 
-/// Numbering of nodes within an element as in Abaqus and CalculiX. From tri3 on they are shells.
-enum class ElementType { tet4, tet10, hex8, hex20, wedge6, wedge15, tri3, quad4, tri6, quad8 };
+/// Numbering of nodes within an element as in Abaqus and CalculiX; pyramids: the base, the apex, amid the
+/// sides of the base, amid the edges to the apex. From tri3 on they are shells.
+enum class ElementType {
+  tet4,
+  tet10,
+  hex8,
+  hex20,
+  wedge6,
+  wedge15,
+  pyramid5,
+  pyramid13,
+  tri3,
+  quad4,
+  tri6,
+  quad8
+};
 
 constexpr int node_count(ElementType type) {
-  constexpr int counts[] = {4, 10, 8, 20, 6, 15, 3, 4, 6, 8};
+  constexpr int counts[] = {4, 10, 8, 20, 6, 15, 5, 13, 3, 4, 6, 8};
   return counts[static_cast<int>(type)];
 }
 constexpr bool is_shell(ElementType type) { return type >= ElementType::tri3; }

@@ -151,10 +151,11 @@ using Group = std::tuple<std::string, std::string, std::vector<int>, double>;
 FeModel from_mesh(const Eigen::MatrixX3d& nodes, const std::vector<Group>& groups, const Materials& materials,
                   const std::map<std::string, Labels>& node_sets) {
   static const std::map<std::string, fe::ElementType> types{
-      {"tetra", fe::ElementType::tet4},      {"tetra10", fe::ElementType::tet10},
-      {"hexahedron", fe::ElementType::hex8}, {"hexahedron20", fe::ElementType::hex20},
-      {"wedge", fe::ElementType::wedge6},    {"wedge15", fe::ElementType::wedge15},
-      {"triangle", fe::ElementType::tri3},   {"quad", fe::ElementType::quad4}};
+      {"tetra", fe::ElementType::tet4},       {"tetra10", fe::ElementType::tet10},
+      {"hexahedron", fe::ElementType::hex8},  {"hexahedron20", fe::ElementType::hex20},
+      {"wedge", fe::ElementType::wedge6},     {"wedge15", fe::ElementType::wedge15},
+      {"pyramid", fe::ElementType::pyramid5}, {"pyramid13", fe::ElementType::pyramid13},
+      {"triangle", fe::ElementType::tri3},    {"quad", fe::ElementType::quad4}};
   fe::FeModel model;
   model.mesh = mesh_of(nodes);
   model.mesh.materials = materials_of(materials);

@@ -14,8 +14,8 @@
 namespace mimbre::fe {
 namespace {
 
-constexpr const char* kTypeNames[] = {"tet4",    "tet10", "hex8",  "hex20", "wedge6",
-                                      "wedge15", "tri3",  "quad4", "tri6",  "quad8"};
+constexpr const char* kTypeNames[] = {"tet4",     "tet10",     "hex8", "hex20", "wedge6", "wedge15",
+                                      "pyramid5", "pyramid13", "tri3", "quad4", "tri6",   "quad8"};
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
   throw std::invalid_argument(fmt::format("{}: {}", where, what));

@@ -67,6 +67,30 @@ Quadrature wedge_rule(int triangle_points, int line_points) {
   return rule;
 }
 
+/// Bricks pressed together towards the apex, with Gauss–Jacobi's rule for the weight (1 − ζ)² along ζ.
+Quadrature pyramid_rule(int points_each_way) {
+  static const std::vector<LinePoint> two{{0.54415184401122528879, 0.10078588207982543058},
+                                          {0.12251482265544137786, 0.23254745125350790274}};
+  static const std::vector<LinePoint> three{{0.70500220988849838312, 0.02995070300858069801},
+                                            {0.34700376603835188472, 0.14624626925986602200},
+                                            {0.07299402407314973215, 0.15713636106488661331}};
+  Quadrature rule;
+  for (const LinePoint& z : points_each_way == 2 ? two : three)
+    for (const IntegrationPoint& p : square_rule(points_each_way))
+      rule.push_back({{(1 - z.at) * p.at.x(), (1 - z.at) * p.at.y(), z.at}, p.weight * z.weight});
+  return rule;
+}
+
+/// Five points, exact up to degree 2.
+Quadrature pyramid_corners() {
+  const double side = std::sqrt(32.0 / 135);
+  Quadrature rule;
+  for (const double y : {-side, side})
+    for (const double x : {-side, side}) rule.push_back({{x, y, 1.0 / 6}, 9.0 / 32});
+  rule.push_back({{0, 0, 0.7}, 5.0 / 24});
+  return rule;
+}
+
 [[noreturn]] void not_a_solid() { throw std::logic_error("shells have rules of their own"); }
 
 }  // namespace
@@ -104,6 +128,7 @@ const Quadrature& stiffness_quadrature(ElementType type) {
   static const Quadrature tet4 = tetrahedron_rule(1), tet10 = tetrahedron_rule(4);
   static const Quadrature hex8 = brick_rule(2), hex20 = brick_rule(3);
   static const Quadrature wedge6 = wedge_rule(1, 2), wedge15 = wedge_rule(3, 3);
+  static const Quadrature pyramid5 = pyramid_rule(2), pyramid13 = pyramid_rule(3);
   switch (type) {
     case ElementType::tet4:
       return tet4;
@@ -117,6 +142,10 @@ const Quadrature& stiffness_quadrature(ElementType type) {
       return wedge6;
     case ElementType::wedge15:
       return wedge15;
+    case ElementType::pyramid5:
+      return pyramid5;
+    case ElementType::pyramid13:
+      return pyramid13;
     default:
       not_a_solid();
   }
@@ -125,6 +154,7 @@ const Quadrature& stiffness_quadrature(ElementType type) {
 const Quadrature& mass_quadrature(ElementType type) {
   static const Quadrature tet4 = tetrahedron_rule(4), tet10 = tetrahedron_rule(14);
   static const Quadrature hex = brick_rule(3), wedge = wedge_rule(6, 3);
+  static const Quadrature pyramid = pyramid_rule(3);
   switch (type) {
     case ElementType::tet4:
       return tet4;
@@ -136,6 +166,10 @@ const Quadrature& mass_quadrature(ElementType type) {
     case ElementType::wedge6:
     case ElementType::wedge15:
       return wedge;
+    case ElementType::pyramid5:
+      return pyramid;
+    case ElementType::pyramid13:
+      return pyramid;
     default:
       not_a_solid();
   }
@@ -145,6 +179,7 @@ const Quadrature& stress_points(ElementType type) {
   static const Quadrature tet4 = tetrahedron_rule(1), tet10 = tetrahedron_rule(4);
   static const Quadrature hex = brick_rule(2);
   static const Quadrature wedge6 = wedge_rule(1, 2), wedge15 = wedge_rule(3, 2);
+  static const Quadrature pyramid5{{{0, 0, 0.25}, 4.0 / 3}}, pyramid13 = pyramid_corners();
   switch (type) {
     case ElementType::tet4:
       return tet4;
@@ -157,6 +192,10 @@ const Quadrature& stress_points(ElementType type) {
       return wedge6;
     case ElementType::wedge15:
       return wedge15;
+    case ElementType::pyramid5:
+      return pyramid5;
+    case ElementType::pyramid13:
+      return pyramid13;
     default:
       not_a_solid();
   }

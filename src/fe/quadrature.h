@@ -5,7 +5,8 @@
 #include "mimbre/fe_mesh.h"
 
 /// Points and weights on the reference elements (reference_nodes in solid_shape.h): tetrahedron and triangle
-/// over [0, 1], brick over [-1, 1]³, wedge the triangle over ζ in [-1, 1]. Weights sum to their volumes.
+/// over [0, 1], brick over [-1, 1]³, wedge the triangle over ζ in [-1, 1], pyramid over [-1, 1]² with its
+/// apex at ζ = 1. Weights sum to their volumes.
 namespace mimbre::fe {
 
 struct IntegrationPoint {
@@ -15,8 +16,8 @@ struct IntegrationPoint {
 using Quadrature = std::vector<IntegrationPoint>;
 
 /// 1 point for tet4, 4 for tet10, 2×2×2 for hex8, 3×3×3 for hex20, 2 for wedge6, 9 for wedge15, as CalculiX
-/// has them. All leave only rigid motions without energy, but a single wedge6: it has one more, two together
-/// not.
+/// has them; 2×2×2 for pyramid5, 3×3×3 for pyramid13. All leave only rigid motions without energy, but a
+/// single wedge6: it has one more, two together not.
 const Quadrature& stiffness_quadrature(ElementType type);
 
 /// Exact for the mass of elements with straight edges (hex20 and wedge15: and parallel ones).

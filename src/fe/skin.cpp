@@ -16,6 +16,8 @@ const std::vector<Face>& faces_of(ElementType type) {
                                      {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   static const std::vector<Face> wedge{
       {0, 2, 1, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
+  static const std::vector<Face> pyramid{
+      {0, 3, 2, 1}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}};
   switch (type) {
     case ElementType::tet4:
     case ElementType::tet10:
@@ -26,6 +28,9 @@ const std::vector<Face>& faces_of(ElementType type) {
     case ElementType::wedge6:
     case ElementType::wedge15:
       return wedge;
+    case ElementType::pyramid5:
+    case ElementType::pyramid13:
+      return pyramid;
     default:
       throw std::logic_error("a shell has no outer faces");
   }

@@ -5,7 +5,7 @@
 namespace mimbre::fe {
 namespace {
 
-constexpr int kSolidTypes = 6;
+constexpr int kSolidTypes = 8;
 using Table = std::array<ShapeSamples, kSolidTypes>;
 
 Table make_table(const Quadrature& (*rule)(ElementType)) {

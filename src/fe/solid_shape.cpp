@@ -24,6 +24,9 @@ constexpr std::array<Corner, 6> kWedgeCorners{
 constexpr std::array<Edge, 9> kWedgeEdges{
     {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
 
+constexpr std::array<Corner, 5> kPyramidCorners{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}};
+constexpr std::array<Edge, 8> kPyramidEdges{{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+
 template <class T>
 using Point = std::array<T, 3>;
 template <class T>
@@ -71,6 +74,29 @@ void wedge(const Point<T>& x, bool quadratic, Values<T>& n) {
   }
 }
 
+/// Rational functions (Bedrosian 1992): on the faces those of the triangle and the quadrilateral. At the apex
+/// they have values but no derivatives.
+template <class T>
+void pyramid(const Point<T>& x, bool quadratic, Values<T>& n) {
+  const T rest = 1.0 - x[2];
+  const bool apex = !(rest > 0.0 || rest < 0.0);
+  const T inverse = apex ? T(0.0 * rest) : T(1.0 / rest);
+  for (int i = 0; i < 4; ++i) {
+    const Corner& c = kPyramidCorners[i];
+    const T linear =
+        ((1.0 + c[0] * x[0]) * (1.0 + c[1] * x[1]) - x[2] + c[0] * c[1] * x[0] * x[1] * x[2] * inverse) / 4.0;
+    n[i] = quadratic ? T(linear * (c[0] * x[0] + c[1] * x[1] - 1.0)) : linear;
+  }
+  n[4] = quadratic ? T(x[2] * (2.0 * x[2] - 1.0)) : x[2];
+  if (!quadratic) return;
+  for (int e = 0; e < 4; ++e) {
+    const Corner &a = kPyramidCorners[kPyramidEdges[e][0]], &b = kPyramidCorners[kPyramidEdges[e][1]];
+    const int along = a[1] == b[1] ? 0 : 1, across = 1 - along;
+    n[5 + e] = (rest + x[along]) * (rest - x[along]) * (rest + a[across] * x[across]) * inverse / 2.0;
+    n[9 + e] = x[2] * (rest + a[0] * x[0]) * (rest + a[1] * x[1]) * inverse;
+  }
+}
+
 template <class T>
 Values<T> evaluate(ElementType type, const Point<T>& x) {
   Values<T> n;
@@ -92,6 +118,12 @@ Values<T> evaluate(ElementType type, const Point<T>& x) {
       break;
     case ElementType::wedge15:
       wedge(x, true, n);
+      break;
+    case ElementType::pyramid5:
+      pyramid(x, false, n);
+      break;
+    case ElementType::pyramid13:
+      pyramid(x, true, n);
       break;
     default:
       throw std::logic_error("shells have shape functions of their own");
@@ -122,6 +154,9 @@ NodePositions reference_nodes(ElementType type) {
     case ElementType::wedge6:
     case ElementType::wedge15:
       return positions(kWedgeCorners, kWedgeEdges, type == ElementType::wedge15);
+    case ElementType::pyramid5:
+    case ElementType::pyramid13:
+      return positions(kPyramidCorners, kPyramidEdges, type == ElementType::pyramid13);
     default:
       throw std::logic_error("shells have shape functions of their own");
   }

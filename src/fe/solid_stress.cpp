@@ -48,6 +48,10 @@ Eigen::RowVectorXd extrapolation_basis(ElementType type, const Eigen::Vector3d& 
       return Eigen::RowVector2d(1, z);
     case ElementType::wedge15:
       return (Eigen::RowVectorXd(6) << 1, x, y, z, x * z, y * z).finished();
+    case ElementType::pyramid5:
+      return Eigen::RowVectorXd::Ones(1);
+    case ElementType::pyramid13:
+      return (Eigen::RowVectorXd(5) << 1, x, y, z, x * y).finished();
     default:
       return (Eigen::RowVectorXd(8) << 1, x, y, z, x * y, y * z, z * x, x * y * z).finished();
   }

@@ -22,6 +22,10 @@ constexpr Edge hex_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
 constexpr Face wedge_faces[] = {{0, 1, 2, -1}, {3, 5, 4, -1}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}};
 constexpr Edge wedge_edges[] = {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}};
 
+// As C3D5 has them.
+constexpr Face pyramid_faces[] = {{0, 1, 2, 3}, {0, 4, 1, -1}, {1, 4, 2, -1}, {2, 4, 3, -1}, {3, 4, 0, -1}};
+constexpr Edge pyramid_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}};
+
 }  // namespace
 
 std::vector<int> face_nodes(ElementType type, int face) {
@@ -53,6 +57,12 @@ std::vector<int> face_nodes(ElementType type, int face) {
       [[fallthrough]];
     case ElementType::wedge6:
       faces = wedge_faces;
+      break;
+    case ElementType::pyramid13:
+      edges = pyramid_edges;
+      [[fallthrough]];
+    case ElementType::pyramid5:
+      faces = pyramid_faces;
       break;
   }
   if (face < 1 || face > static_cast<int>(faces.size())) return {};

@@ -33,7 +33,7 @@ constexpr GmshType kTypes[] = {
     {4, 3, 4, "tetrahedron", ElementType::tet4},
     {5, 3, 8, "hexahedron", ElementType::hex8},
     {6, 3, 6, "prism", ElementType::wedge6},
-    {7, 3, 5, "pyramid"},
+    {7, 3, 5, "pyramid", ElementType::pyramid5},
     {8, 1, 3, "3-node line"},
     {9, 2, 6, "6-node triangle"},
     {10, 2, 9, "9-node quadrangle"},
@@ -45,7 +45,7 @@ constexpr GmshType kTypes[] = {
     {16, 2, 8, "8-node quadrangle"},
     {17, 3, 20, "20-node hexahedron", ElementType::hex20},
     {18, 3, 15, "15-node prism", ElementType::wedge15},
-    {19, 3, 13, "13-node pyramid"},
+    {19, 3, 13, "13-node pyramid", ElementType::pyramid13},
     {20, 2, 9, "9-node triangle"},
     {21, 2, 10, "10-node triangle"},
     {26, 1, 4, "4-node line"},
@@ -68,6 +68,8 @@ std::vector<int> node_order(ElementType type) {
       return {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15};
     case ElementType::wedge15:
       return {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11};
+    case ElementType::pyramid13:
+      return {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12};
     default: {
       std::vector<int> same(static_cast<std::size_t>(node_count(type)));
       for (std::size_t i = 0; i < same.size(); ++i) same[i] = static_cast<int>(i);
@@ -364,12 +366,12 @@ class Reader {
       const GmshType& type = type_of(key.first, file_);
       if (type.dimension != (solid ? 3 : 2)) continue;
       if (!type.ours)
-        file_.fail(
-            fmt::format("element {} is a {}, of which no body can be made; there are tetrahedra (4 or 10 "
-                        "nodes), hexahedra (8, 20) and prisms (6, 15), and as shells triangles (3) and "
-                        "quadrangles (4){}",
-                        block.labels.front(), type.name,
-                        solid ? ". Second order without extra nodes: Mesh.SecondOrderIncomplete = 1" : ""));
+        file_.fail(fmt::format(
+            "element {} is a {}, of which no body can be made; there are tetrahedra (4 or 10 "
+            "nodes), hexahedra (8, 20), prisms (6, 15) and pyramids (5, 13), and as shells triangles (3) and "
+            "quadrangles (4){}",
+            block.labels.front(), type.name,
+            solid ? ". Second order without extra nodes: Mesh.SecondOrderIncomplete = 1" : ""));
       ElementGroup group;
       group.type = *type.ours;
       group.name = name_of(type.dimension, key.second);

@@ -20,6 +20,8 @@ double exact(ElementType type, int a, int b, int c) {
       return factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3);
     case ElementType::wedge6:
       return factorial(a) * factorial(b) / factorial(a + b + 2) * on_line(c);
+    case ElementType::pyramid5:
+      return on_line(a) * on_line(b) * factorial(c) * factorial(a + b + 2) / factorial(a + b + c + 3);
     default:
       return on_line(a) * on_line(b) * on_line(c);
   }
@@ -50,6 +52,8 @@ TEST(Quadrature, IsExactForPolynomialsUpToItsDegree) {
   check(ElementType::hex20, 5, 5, 3);
   check(ElementType::wedge6, 1, 4, 1);
   check(ElementType::wedge15, 2, 4, 2);
+  check(ElementType::pyramid5, 3, 5, 1);
+  check(ElementType::pyramid13, 5, 5, 2);
 }
 
 TEST(SolidShape, FunctionsAreOneAtTheirNodeAndReproduceCompletePolynomials) {

@@ -7,8 +7,8 @@
 namespace mimbre::test {
 
 std::string type_name(ElementType type) {
-  constexpr const char* names[] = {"tet4",    "tet10", "hex8",  "hex20", "wedge6",
-                                   "wedge15", "tri3",  "quad4", "tri6",  "quad8"};
+  constexpr const char* names[] = {"tet4",     "tet10",     "hex8", "hex20", "wedge6", "wedge15",
+                                   "pyramid5", "pyramid13", "tri3", "quad4", "tri6",   "quad8"};
   return names[static_cast<int>(type)];
 }
 
@@ -20,6 +20,8 @@ ElementType corners_only(ElementType type) {
       return ElementType::hex8;
     case ElementType::wedge15:
       return ElementType::wedge6;
+    case ElementType::pyramid13:
+      return ElementType::pyramid5;
     default:
       return type;
   }
@@ -35,8 +37,9 @@ void add_edge_nodes(fe::SolidMesh& mesh, ElementType type) {
       for (int j = i + 1; j < corners; ++j) {
         // Diagonals of faces and of the volume have no node in the middle of the tests' types.
         const Eigen::Vector3d d = reference.col(j) - reference.col(i);
-        const bool edge =
-            corners == 8 ? d.norm() < 2.1 : corners == 4 || d.z() == 0 || d.head<2>().norm() == 0;
+        const bool edge = corners == 8   ? d.norm() < 2.1
+                          : corners == 5 ? d.z() != 0 || d.norm() < 2.1
+                                         : corners == 4 || d.z() == 0 || d.head<2>().norm() == 0;
         if (edge && (reference.col(i) + reference.col(j) - 2 * reference.col(middle)).norm() < 1e-12)
           return std::array{i, j};
       }
@@ -96,6 +99,17 @@ fe::SolidMesh block(ElementType type, const Eigen::Vector3d& size, const std::ar
         } else if (group.type == ElementType::wedge6) {
           add({0, 1, 2, 4, 5, 6});
           add({0, 2, 3, 4, 6, 7});
+        } else if (group.type == ElementType::pyramid5) {
+          const auto centre = static_cast<int>(mesh.nodes.cols());
+          Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+          for (const int corner : c) middle += mesh.nodes.col(corner) / 8;
+          mesh.nodes.conservativeResize(3, centre + 1);
+          mesh.nodes.col(centre) = middle;
+          for (const auto& face : {std::array{0, 1, 2, 3}, std::array{4, 7, 6, 5}, std::array{0, 4, 5, 1},
+                                   std::array{1, 5, 6, 2}, std::array{2, 6, 7, 3}, std::array{3, 7, 4, 0}}) {
+            for (const int corner : face) group.nodes.push_back(c[corner]);
+            group.nodes.push_back(centre);
+          }
         } else {  // six round the diagonal 0–6
           add({0, 1, 2, 6});
           add({0, 2, 3, 6});

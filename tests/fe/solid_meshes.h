@@ -14,8 +14,9 @@ namespace mimbre::test {
 
 using fe::ElementType;
 
-inline constexpr std::array kSolidTypes{ElementType::tet4,  ElementType::tet10,  ElementType::hex8,
-                                        ElementType::hex20, ElementType::wedge6, ElementType::wedge15};
+inline constexpr std::array kSolidTypes{ElementType::tet4,     ElementType::tet10,    ElementType::hex8,
+                                        ElementType::hex20,    ElementType::wedge6,   ElementType::wedge15,
+                                        ElementType::pyramid5, ElementType::pyramid13};
 
 std::string type_name(ElementType type);
 
@@ -26,7 +27,8 @@ void add_edge_nodes(fe::SolidMesh& mesh, ElementType type);
 
 using Place = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
-/// The block [0, size] in nx × ny × nz bricks, each one element, two wedges or six tetrahedra; `place` moves
+/// The block [0, size] in nx × ny × nz bricks, each one element, two wedges, six tetrahedra or six pyramids
+/// round its centre; `place` moves
 /// the corners.
 fe::SolidMesh block(ElementType type, const Eigen::Vector3d& size, const std::array<int, 3>& counts,
                     const fe::Material& material, const Place& place = {});

@@ -19,7 +19,8 @@ using testing::HasSubstr;
 TEST(Calculix, MatricesOfTheJobAreThoseOfAFreeBody) {
   const ImportedMatrices read = read_calculix_matrices(data_file("calculix/beam.inp"));
   EXPECT_THAT(read.warnings, testing::IsEmpty());
-  const auto& [mass, stiffness, dofs] = read.matrices;
+  const Eigen::SparseMatrix<double>&mass = read.matrices.mass, &stiffness = read.matrices.stiffness;
+  const std::vector<Dof>& dofs = read.matrices.dofs;
   ASSERT_EQ(dofs.size(), 36u);
   for (std::size_t i = 1; i < dofs.size(); ++i) EXPECT_LT(dof_key(dofs[i - 1]), dof_key(dofs[i]));
   Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(36, 6);

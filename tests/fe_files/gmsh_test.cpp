@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "fe/solid_shape.h"
 #include "fe_files/element_faces.h"
 #include "fe_files/fe_files.h"
 
@@ -164,6 +165,25 @@ TEST(Gmsh, TakesWindowsLineEnds) {
   EXPECT_EQ(parse(text).mesh.nodes.cols(), 4);
 }
 
+TEST(Gmsh, ReadsPyramids) {
+  // Nodes amid the edges 01, 03, 04, 12, 14, 23, 24, 34, as Gmsh has them.
+  const std::string nodes =
+      "$Nodes\n13\n1 -1 -1 0\n2 1 -1 0\n3 1 1 0\n4 -1 1 0\n5 0 0 1\n6 0 -1 0\n7 -1 0 0\n8 -.5 -.5 .5\n9 1 0 "
+      "0\n"
+      "10 .5 -.5 .5\n11 0 1 0\n12 .5 .5 .5\n13 -.5 .5 .5\n$EndNodes\n";
+  const SolidMesh linear = parse(kHead + nodes + "$Elements\n1\n1 7 2 1 1 1 2 3 4 5\n$EndElements\n").mesh;
+  EXPECT_EQ(linear.groups.at(0).type, ElementType::pyramid5);
+  EXPECT_THAT(linear.groups[0].nodes, ElementsAre(0, 1, 2, 3, 4));
+  const SolidMesh quadratic =
+      parse(kHead + nodes + "$Elements\n1\n1 19 2 1 1 1 2 3 4 5 6 7 8 9 10 11 12 13\n$EndElements\n").mesh;
+  ASSERT_EQ(quadratic.groups.at(0).type, ElementType::pyramid13);
+  const NodePositions wanted = reference_nodes(ElementType::pyramid13);
+  for (Eigen::Index k = 0; k < 13; ++k)
+    EXPECT_EQ(
+        (quadratic.nodes.col(quadratic.groups[0].nodes[static_cast<std::size_t>(k)]) - wanted.col(k)).norm(),
+        0);
+}
+
 TEST(Gmsh, SaysWhatIsWrong) {
   const auto wrong = [](const std::string& text) { return complaint([&] { parse(text); }); };
   const std::string good = "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
@@ -186,8 +206,9 @@ TEST(Gmsh, SaysWhatIsWrong) {
               HasSubstr("node 1 is there already"));
   EXPECT_THAT(wrong(kHead + kTetNodes + "$Elements\n1\n1 4 2 1 1 1 2 3 5\n$EndElements\n"),
               HasSubstr("node 5 of element 1 is not there"));
-  EXPECT_THAT(wrong(kHead + kTetNodes + "$Elements\n1\n1 7 2 1 1 1 2 3 4 4\n$EndElements\n"),
-              HasSubstr("element 1 is a pyramid, of which no body can be made"));
+  EXPECT_THAT(wrong(kHead + kTetNodes +
+                    "$Elements\n1\n1 13 2 1 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n$EndElements\n"),
+              HasSubstr("element 1 is a 18-node prism, of which no body can be made"));
   EXPECT_THAT(wrong(kHead + kTetNodes + "$Elements\n1\n1 4 2 1 1 1 2 3\n$EndElements\n"),
               HasSubstr("node of the element is missing"));
   EXPECT_THAT(wrong(kHead + good), HasSubstr("$Nodes must stand before $Elements"));
