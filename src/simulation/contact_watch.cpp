@@ -71,11 +71,19 @@ bool ContactWatch::passes(int element, const relative::Workspace<double>& w, dou
   const double* start = before_.data() + (e.states - first_state_);
   const ElementEnds ends = ends_of(model_, e, start);
   const Motion<double>&a = w.frames[ends.frame_a], &b = w.frames[ends.frame_b];
+  const double before = start[states::gap], after = s.x[0], turned = h * a.omega.norm(),
+               spins = turned + h * b.omega.norm();
+  // Most are far from one another: what follows is not more than this where bodies turn by less than a
+  // radian.
+  const Vec3d from = place_in(start), to = place_in(s.states);
+  if (before >= 0 && after >= 0 && spins < 1 && h * h * a.alpha.norm() <= turned &&
+      3 * ((to - from).norm() + h * (b.velocity - a.velocity).norm() +
+           (turned > 0 ? 2 * turned * (from.norm() + to.norm()) : 0)) <=
+          before + after)
+    return false;
   const SurfaceData& surface = model_.surfaces[ends.surface];
-  const double before = start[states::gap], after = s.x[0];
   const Mat3d axes = a.rotation.transpose();
-  const double turned = h * a.omega.norm(), spins = turned + h * b.omega.norm();
-  SpherePath path{place_in(start), place_in(s.states), Vec3d::Zero()};
+  SpherePath path{from, to, Vec3d::Zero()};
   if (turned > 0) {
     // With the mean of the angular velocity in the step; that itself is wrong by its change of change.
     path.turn = axes * (h * a.omega - 0.5 * h * h * a.alpha);
@@ -94,44 +102,58 @@ bool ContactWatch::passes(int element, const relative::Workspace<double>& w, dou
   return true;
 }
 
-bool ContactWatch::followed(const relative::Workspace<double>& w, double h, double quiet) {
+void ContactWatch::look_for_depth(const relative::Workspace<double>& w) {
   const Compiled& m = model_;
-  std::fill(seen_.begin(), seen_.end(), Seen());
-  bool all = true;
   const auto sinks = [](Seen& seen, double depth, double limit, const ContactTrouble::Where& where) {
     if (!(depth > limit) || depth - limit <= seen.depth - seen.depth_limit) return;
     seen.depth = depth;
     seen.depth_limit = limit;
     seen.sank = where;
   };
+  for (int c = 0; c < contacts_; ++c)
+    for (int k = m.first_of_contact[c]; k < m.first_of_contact[c + 1]; ++k) {
+      const ElementData& e = m.elements[k];
+      const double gap = element_state(e, w.elements.data()).x[0];
+      const double* start = before_.data() + (e.states - first_state_);
+      if (!(gap < 0) || (e.pooled && start[law_states(e)] == 0)) continue;
+      // The centre of the sphere is in the solid, of two spheres that of the smaller one in the other.
+      const ElementEnds ends = ends_of(m, e, start);
+      const bool of_sphere = ends.surface >= own_surfaces_;
+      sinks(seen_[static_cast<std::size_t>(c)], -gap,
+            of_sphere ? std::min(ends.radius, m.surfaces[ends.surface].size[0]) : ends.radius,
+            {k, ends.frame_a, ends.frame_b, ends.radius});
+    }
+  for (int k = m.first_tyre; k < m.first_load; ++k) {
+    const ElementData& e = m.elements[k];
+    if (e.measure != Measure::wheel) continue;
+    sinks(seen_[static_cast<std::size_t>(contacts_ + e.spec)],
+          -element_state(e, w.elements.data()).x[wheel::gap], e.radius, {k, e.frame_a, e.frame_b, e.radius});
+  }
+}
+
+void ContactWatch::look(const relative::Workspace<double>& w, const double* z) {
+  begin(z);
+  std::fill(seen_.begin(), seen_.end(), Seen());
+  look_for_depth(w);
+}
+
+bool ContactWatch::followed(const relative::Workspace<double>& w, double h, double quiet) {
+  const Compiled& m = model_;
+  std::fill(seen_.begin(), seen_.end(), Seen());
+  look_for_depth(w);
+  bool all = true;
   for (int c = 0; c < contacts_; ++c) {
     const bool swarm = !m.swarms[c].spheres.empty();
-    Seen& seen = seen_[static_cast<std::size_t>(c)];
     for (int k = m.first_of_contact[c]; k < m.first_of_contact[c + 1]; ++k) {
       const ElementData& e = m.elements[k];
       const double* start = before_.data() + (e.states - first_state_);
       if (e.pooled && start[law_states(e)] == 0) continue;
-      const ElementState<const double> s = element_state(e, w.elements.data());
-      if (s.x[0] < 0) {
-        // The centre of the sphere is in the solid, of two spheres that of the smaller one in the other.
-        const ElementEnds ends = ends_of(m, e, start);
-        const SurfaceData& surface = m.surfaces[ends.surface];
-        const bool of_sphere = ends.surface >= own_surfaces_;
-        sinks(seen, -s.x[0], of_sphere ? std::min(ends.radius, surface.size[0]) : ends.radius,
-              {k, ends.frame_a, ends.frame_b, ends.radius});
-      }
-      if (passes(k, w, h, quiet, seen))
+      if (passes(k, w, h, quiet, seen_[static_cast<std::size_t>(c)]))
         all = false;
       else if (!swarm && all)
-        all = shows_blow(m.numbers.data() + e.numbers, e.struck_mass, start, s, h, quiet);
+        all = shows_blow(m.numbers.data() + e.numbers, e.struck_mass, start,
+                         element_state(e, w.elements.data()), h, quiet);
     }
-  }
-  for (int k = m.first_tyre; k < m.first_load; ++k) {
-    const ElementData& e = m.elements[k];
-    if (e.measure != Measure::wheel) continue;
-    const double depth = -element_state(e, w.elements.data()).x[wheel::gap];
-    sinks(seen_[static_cast<std::size_t>(contacts_ + e.spec)], depth, e.radius,
-          {k, e.frame_a, e.frame_b, e.radius});
   }
   return all;
 }

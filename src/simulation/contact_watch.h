@@ -16,6 +16,8 @@ class ContactWatch {
   explicit ContactWatch(const Compiled& model);
   bool none() const { return seen_.empty(); }
 
+  /// At the start, `states` likewise: what is pressed in too deep then.
+  void look(const relative::Workspace<double>& work, const double* states);
   /// Before a step: of the states of force elements at its start.
   void begin(const double* states);
   /// After a step of h seconds: whether no sphere went through a solid unseen, and blows took many of such
@@ -32,6 +34,7 @@ class ContactWatch {
     ContactTrouble::Where passed, sank;
     double depth = 0, depth_limit = 0;
   };
+  void look_for_depth(const relative::Workspace<double>& work);
   bool passes(int element, const relative::Workspace<double>& work, double h, double quiet, Seen& seen) const;
 
   const Compiled& model_;

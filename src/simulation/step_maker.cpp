@@ -77,6 +77,10 @@ void StepMaker::start() {
   under_way_ = false;
   if (method_.energies) meter_.start(mechanism_.observer, mechanism_.view());
   std::fill(log_.begin(), log_.end(), ContactTrouble());
+  if (!contacts_.none() && method_.energies) {  // these have evaluated the forces
+    contacts_.look(mechanism_.observer.workspace(), mechanism_.state.z.data());
+    contacts_.note(mechanism_.state.time, log_);
+  }
   for (Begin& begin : begins_) begin.state = mechanism_.state;
   before_.state = mechanism_.state;
 }

@@ -227,8 +227,9 @@ simulation: {{step: 0.001, end: 1}}
     run_to(simulation, 0.002);
     return simulation.warnings();
   };
-  EXPECT_THAT(wheel(-0.1), testing::Contains(AllOf(HasSubstr("tyre 'tyre': its hub is below the road"),
-                                                   HasSubstr("0.3 m"))));
+  EXPECT_THAT(wheel(-0.1),
+              testing::Contains(AllOf(HasSubstr("tyre 'tyre': its hub is below the road from t = 0 s"),
+                                      HasSubstr("0.3 m"))));
   EXPECT_THAT(wheel(0.28), testing::Not(testing::Contains(HasSubstr("hub"))));
 }
 
