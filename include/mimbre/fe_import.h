@@ -41,9 +41,10 @@ struct ImportedMatrices {
 ImportedMesh read_gmsh(const std::string& path, const FileUnits& units = {});
 
 /// The mesh of a CalculiX or Abaqus input file (.inp): nodes, elements C3D4, C3D10, C3D8, C3D20, C3D6, C3D15,
-/// S3, S4 (also with the suffixes I, R, H, M) and B31 with rectangular sections, sets, surfaces (as node
-/// sets), isotropic elastic materials, sections, includes. Sections make the element groups. Every element
-/// set is a node set too. Steps are skipped, plane elements and trusses only make node sets; constraints,
+/// S3, S4, S6, S8 (also with the suffixes I, R, H, M), B31 and B32 with sections RECT, CIRC, PIPE, BOX, point
+/// masses, springs, sets, surfaces (as node sets), elastic materials with orientations, sections, rigid
+/// bodies, couplings, equations, ties, includes. Sections make the element groups. Every element set is a
+/// node set too. Steps are skipped, plane elements and trusses only make node sets; boundary conditions,
 /// loads and the rest are left out with a warning.
 ImportedMesh read_inp(const std::string& path, const FileUnits& units = {});
 
@@ -97,11 +98,20 @@ struct FeModel {
   std::vector<Diagnostic> warnings;
 };
 
+struct NamedNumber {
+  std::string name;
+  double value = 0;
+};
+
 /// What the model's own file does not say.
 struct FeCompanions {
   std::string mass, nodes, dofs;  ///< files beside a stiffness matrix; `nodes` also of DMIG cards
   /// Of the element groups without a material, by the group's name; "": of all that are left.
   std::vector<NamedMaterial> materials;
+  /// kg/m³, of the materials without a density, by name; "": of all that are left.
+  std::vector<NamedNumber> densities;
+  /// m, of the shells without a thickness, by the name of their group; "": of all that are left.
+  std::vector<NamedNumber> thicknesses;
 };
 
 /// A model by its file's ending: .msh and .inp are meshes, assembled here (with matrices of the same name

@@ -165,6 +165,9 @@ struct FeMatrices {
   std::vector<Dof> dofs;                        ///< of each row, nodes ascending
   /// They are those of the mesh's elements, by assemble(); else another program made them.
   bool of_mesh = false;
+  /// Where equations have eliminated dofs: displacements of `all_dofs` = expansion · those of the rows.
+  Eigen::SparseMatrix<double> expansion = {};
+  std::vector<Dof> all_dofs = {};
 };
 
 /// Consistent mass and stiffness of all elements, point masses and springs; equations, rigid and mean

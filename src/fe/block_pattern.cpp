@@ -69,6 +69,9 @@ BlockPattern block_pattern(const MeshCells& cells) {
         pattern.neighbours.push_back(other);
       }
     }
+    // What only equations, masses or springs hold.
+    if (own == static_cast<std::ptrdiff_t>(pattern.neighbours.size()) && cells.node_dofs[node] > 0)
+      pattern.neighbours.push_back(node);
     std::sort(pattern.neighbours.begin() + own, pattern.neighbours.end());
     if (pattern.neighbours.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       throw std::length_error("the mesh has too many elements");

@@ -111,7 +111,35 @@ Matrix3d material_axes_on(const Orientation& orientation, const Vector3d& at, co
   return on;
 }
 
-void check_elastic(const ElasticMatrix& elastic) {
+ElementMaterial::ElementMaterial(const Material& material)
+    : density_(material.density), elastic_(elasticity(material)) {
+  const double nu = material.poisson;
+  shear_ = material.young / (2 * (1 + nu));
+  lame_ = 2 * shear_ * nu / (1 - 2 * nu);
+  sheet_.plane << 1, nu, 0, nu, 1, 0, 0, 0, (1 - nu) / 2;
+  sheet_.plane *= material.young / (1 - nu * nu);
+  sheet_.shear = shear_ * Eigen::Matrix2d::Identity();
+}
+
+ElementMaterial::ElementMaterial(const NamedMaterial& material, const Orientation* orientation)
+    : ElementMaterial(material.material) {
+  if (!material.elastic) return;
+  isotropic_ = false;
+  elastic_ = *material.elastic;
+  if (orientation != nullptr) orientation_ = *orientation;
+}
+
+Matrix6 ElementMaterial::at(const Vector3d& place) const {
+  return isotropic_ ? elastic_ : turned(elastic_, material_axes(orientation_, place));
+}
+
+SheetElasticity ElementMaterial::sheet_at(const Vector3d& place, const Matrix3d& axes) const {
+  if (isotropic_) return sheet_;
+  return sheet_elasticity(
+      turned(elastic_, axes.transpose() * material_axes_on(orientation_, place, axes.col(2))));
+}
+
+void check_elastic_matrix(const ElasticMatrix& elastic) {
   if (!elastic.allFinite() || !(elastic.diagonal().array() > 0).all())
     throw std::invalid_argument("its elastic constants must be finite, those of the diagonal positive");
   const double largest = elastic.cwiseAbs().maxCoeff();

@@ -30,7 +30,33 @@ Eigen::Matrix3d material_axes(const Orientation& orientation, const Eigen::Vecto
 Eigen::Matrix3d material_axes_on(const Orientation& orientation, const Eigen::Vector3d& at,
                                  const Eigen::Vector3d& normal);
 
+/// The elasticity of an element, wherever one asks in it.
+class ElementMaterial {
+ public:
+  /// Isotropic.
+  ElementMaterial(const Material& material);  // NOLINT: a material is one of an element
+  /// Without an orientation, in body axes.
+  ElementMaterial(const NamedMaterial& material, const Orientation* orientation);
+
+  bool isotropic() const { return isotropic_; }
+  double density() const { return density_; }
+  /// Lamé's constants of an isotropic material.
+  double lame() const { return lame_; }
+  double shear() const { return shear_; }
+  /// Stress by strain in body axes.
+  Matrix6 at(const Eigen::Vector3d& place) const;
+  /// Of a shell, in its axes (columns; the last is the normal).
+  SheetElasticity sheet_at(const Eigen::Vector3d& place, const Eigen::Matrix3d& axes) const;
+
+ private:
+  bool isotropic_ = true;
+  double density_ = 0, lame_ = 0, shear_ = 0;
+  Matrix6 elastic_;        ///< in the material's directions
+  SheetElasticity sheet_;  ///< of an isotropic one
+  Orientation orientation_;
+};
+
 /// Throws std::invalid_argument unless it is finite, symmetric and positive definite.
-void check_elastic(const ElasticMatrix& elastic);
+void check_elastic_matrix(const ElasticMatrix& elastic);
 
 }  // namespace mimbre::fe

@@ -4,8 +4,9 @@
 
 #include "fe/beam_element.h"
 #include "fe/block_pattern.h"
+#include "fe/cell_elements.h"
 #include "fe/cell_loop.h"
-#include "fe/cell_view.h"
+#include "fe/mass_points.h"
 #include "fe/shell_element.h"
 #include "fe/solid_element.h"
 #include "fe/solid_stress.h"
@@ -57,6 +58,37 @@ Mesh beam_mesh(const SolidMesh& mesh) {
   return {mesh.nodes, mesh.beams};
 }
 
+/// Adds the point masses and the springs.
+void add_points_and_springs(const SolidMesh& mesh, const BlockPattern& pattern, FeMatrices& matrices) {
+  using Triplets = std::vector<Eigen::Triplet<double>>;
+  const auto add_to = [](Eigen::SparseMatrix<double>& matrix, const Triplets& entries) {
+    Eigen::SparseMatrix<double> more(matrix.rows(), matrix.cols());
+    more.setFromTriplets(entries.begin(), entries.end());
+    matrix = Eigen::SparseMatrix<double>(matrix + more);
+  };
+  if (!mesh.point_masses.empty()) {
+    Triplets entries;
+    const auto blocks = point_mass_matrices(mesh);
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const int node = mesh.point_masses[k].node;
+      const int first = pattern.first_dof[node], dofs = pattern.first_dof[node + 1] - first;
+      for (int c = 0; c < dofs; ++c)
+        for (int r = c; r < dofs; ++r) entries.emplace_back(first + r, first + c, blocks[k](r, c));
+    }
+    add_to(matrices.mass, entries);
+  }
+  if (mesh.springs.empty()) return;
+  Triplets entries;
+  for (const Spring& spring : mesh.springs)
+    for (const LinearTerm& a : spring.stretch)
+      for (const LinearTerm& b : spring.stretch) {
+        const int row = pattern.first_dof[a.node] + a.direction,
+                  column = pattern.first_dof[b.node] + b.direction;
+        if (row >= column) entries.emplace_back(row, column, spring.stiffness * a.factor * b.factor);
+      }
+  add_to(matrices.stiffness, entries);
+}
+
 }  // namespace
 
 FeMatrices assemble(const SolidMesh& mesh, int threads) {
@@ -84,19 +116,18 @@ FeMatrices assemble(const SolidMesh& mesh, int threads) {
       mass = transformation.transpose() * element_mass(beam, geometry.length) * transformation;
       return;
     }
-    const Material& material = mesh.materials[cell.group->material].material;
     naming(cell, [&] {
+      const ElementMaterial material = material_of(mesh, cell);
       if (cell.solid()) {
-        const SolidGeometry geometry = solid_geometry(cell.group->type, positions<NodePositions>(mesh, cell));
+        const SolidGeometry geometry = geometry_of(mesh, cell);
         SolidMatrix K;
         NodalMatrix M;
         solid_stiffness(geometry, material, K);
-        solid_mass(geometry, material.density, mass_samples(geometry.type), M);
+        solid_mass(geometry, material.density(), M);
         stiffness = K;
         mass = M;
       } else {
-        const ShellMatrices shell = shell_matrices(cell.group->type, positions<ShellNodes>(mesh, cell),
-                                                   material, cell.group->thickness);
+        const ShellMatrices shell = shell_matrices(shell_of(mesh, cell), material);
         stiffness = shell.stiffness;
         mass = shell.mass;
       }
@@ -115,6 +146,7 @@ FeMatrices assemble(const SolidMesh& mesh, int threads) {
     });
   };
   loop_over_cells(cells, used_threads(threads), size, compute, add);
+  add_points_and_springs(mesh, pattern, result);
   result.of_mesh = true;
   return result;
 }
@@ -155,8 +187,7 @@ Eigen::SparseMatrix<double> geometric_stiffness(const SolidMesh& mesh,
     const CellView cell = view(mesh, cells, number);
     naming(cell, [&] {
       NodalMatrix K;
-      solid_geometric_stiffness(solid_geometry(cell.group->type, positions<NodePositions>(mesh, cell)),
-                                mesh.materials[cell.group->material].material,
+      solid_geometric_stiffness(geometry_of(mesh, cell), material_of(mesh, cell),
                                 cell_displacements(pattern, cell, displacements), K);
       DenseMap(values, cell.node_count, cell.node_count) = K;
     });

@@ -42,10 +42,24 @@ void check_group(const SolidMesh& mesh, const ElementGroup& group) {
   if (group.material < 0 || group.material >= static_cast<int>(mesh.materials.size()))
     fail(element_name(group, 0), "has no material");
   try {
-    check_elastic(mesh.materials[group.material].material);
+    const NamedMaterial& named = mesh.materials[group.material];
+    if (named.elastic) check_elastic_matrix(*named.elastic);
+    Material material = named.material;
+    // Masses beside the elements may be all that a model has.
+    if (material.density == 0 && !mesh.point_masses.empty()) material.density = 1;
+    check_elastic(material);
   } catch (const std::invalid_argument& error) {
     fail(fmt::format("material '{}' of {}", mesh.materials[group.material].name, where), error.what());
   }
+  const auto oriented = [&](int orientation) {
+    return orientation >= 0 && orientation < static_cast<int>(mesh.orientations.size());
+  };
+  if (!group.orientations.empty() &&
+      (static_cast<int>(group.orientations.size()) != group.size() ||
+       !std::all_of(group.orientations.begin(), group.orientations.end(), oriented)))
+    fail(where, fmt::format("its {} elements need as many orientations that the mesh has, {} are given",
+                            group.size(), group.orientations.size()));
+  if (!std::isfinite(group.offset)) fail(where, "its offset must be finite");
   if (is_shell(group.type) && !(std::isfinite(group.thickness) && group.thickness > 0))
     fail(element_name(group, 0), fmt::format("its thickness must be positive, is {}", group.thickness));
 }
@@ -96,6 +110,50 @@ void add_cell(MeshCells& cells, const int* nodes, int count, int dofs) {
   }
 }
 
+/// Dofs of what is not an element.
+void add_dofs_beside(const SolidMesh& mesh, MeshCells& cells) {
+  const auto at = [&](const std::string& what, const std::string& name, int node) -> int& {
+    if (node < 0 || node >= mesh.nodes.cols())
+      fail(fmt::format("{} '{}'", what, name),
+           fmt::format("its node with index {} does not exist, the mesh has {}", node, mesh.nodes.cols()));
+    return cells.node_dofs[static_cast<std::size_t>(node)];
+  };
+  // References turn; so do nodes that follow and belong to nothing else.
+  for (const RigidElement& rigid : mesh.rigid_elements) {
+    at("rigid element", rigid.name, rigid.reference) = 6;
+    for (const int node : rigid.nodes)
+      if (int& dofs = at("rigid element", rigid.name, node); dofs == 0) dofs = 6;
+  }
+  for (const MeanElement& mean : mesh.mean_elements) {
+    at("mean element", mean.name, mean.reference) = 6;
+    if (!mean.weights.empty() && mean.weights.size() != mean.nodes.size())
+      fail(fmt::format("mean element '{}'", mean.name),
+           fmt::format("{} weights for {} nodes", mean.weights.size(), mean.nodes.size()));
+    for (const int node : mean.nodes) at("mean element", mean.name, node);
+  }
+  for (const PointMass& point : mesh.point_masses) {
+    if (int& dofs = at("mass", point.name, point.node); dofs == 0) dofs = 3;
+    if (!(std::isfinite(point.mass) && point.mass >= 0) || !point.inertia.allFinite() ||
+        !point.offset.allFinite())
+      fail(fmt::format("mass '{}'", point.name),
+           "mass, inertia and offset must be finite, the mass not negative");
+  }
+  const auto terms = [&](const std::string& what, const std::string& name,
+                         const std::vector<LinearTerm>& list) {
+    for (const LinearTerm& term : list) {
+      int& dofs = at(what, name, term.node);
+      if (term.direction < 0 || term.direction > 5 || !std::isfinite(term.factor))
+        fail(fmt::format("{} '{}'", what, name), "directions are 0 to 5, factors finite");
+      if (dofs == 0) dofs = term.direction < 3 ? 3 : 6;
+      if (term.direction >= dofs)
+        fail(fmt::format("{} '{}'", what, name),
+             fmt::format("{} is of solids alone and has no rotations", node_name(mesh, term.node)));
+    }
+  };
+  for (const Spring& spring : mesh.springs) terms("spring", spring.name, spring.stretch);
+  for (const Equation& equation : mesh.equations) terms("equation", equation.name, equation.terms);
+}
+
 }  // namespace
 
 std::string element_name(const ElementGroup& group, int index) {
@@ -136,6 +194,7 @@ MeshCells mesh_cells(const SolidMesh& mesh) {
       if (!exists(node)) fail(fmt::format("beam element {}", b), missing(node));
     add_cell(cells, mesh.beams[b].nodes.data(), 2, 6);
   }
+  add_dofs_beside(mesh, cells);
   return cells;
 }
 

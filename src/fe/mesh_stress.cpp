@@ -4,8 +4,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "fe/cell_view.h"
-#include "fe/shell_element.h"
+#include "fe/cell_elements.h"
 #include "fe/solid_stress.h"
 #include "mimbre/fe_mesh.h"
 
@@ -44,6 +43,11 @@ Matrix6x3 to_body(const Eigen::Matrix3d& axes, double normal_share, bool strain)
   return out;
 }
 
+/// Of the contraction across a shell.
+double cell_poisson(const SolidMesh& mesh, const CellView& cell) {
+  return mesh.materials[static_cast<std::size_t>(cell.group->material)].material.poisson;
+}
+
 }  // namespace
 
 Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points, const std::vector<Dof>& dofs,
@@ -79,44 +83,42 @@ Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points,
         if (const int row = rows[static_cast<std::size_t>(cell.nodes[k])][static_cast<std::size_t>(d)];
             row >= 0)
           u.row(per_node * k + d) = displacements.row(row);
-    const Material& material = mesh.materials[static_cast<std::size_t>(cell.group->material)].material;
     const auto add = [&](Index point, const auto& stress, const auto& strain) {
       out.stress.middleRows<6>(6 * point) += stress;
       out.strain.middleRows<6>(6 * point) += strain;
       ++parts[static_cast<std::size_t>(point)];
     };
     naming(cell, [&] {
+      const ElementMaterial material = material_of(mesh, cell);
       if (cell.solid()) {
-        const SolidGeometry geometry = solid_geometry(cell.group->type, positions<NodePositions>(mesh, cell));
+        const SolidGeometry geometry = geometry_of(mesh, cell);
         const MatrixXd strain = nodal_strain_operator(geometry, material) * u;
-        const Matrix6 elastic = elasticity(material);
         for (int k = 0; k < cell.node_count; ++k) {
           const auto [begin, end] = at_node.equal_range(cell.nodes[k]);
           for (auto it = begin; it != end; ++it)
             if (points[static_cast<std::size_t>(it->second)].offset.isZero(0)) {
               const auto here = strain.middleRows<6>(6 * k);
+              const Matrix6 elastic = material.at(geometry.nodes.col(k));
               add(it->second, elastic * here, here);
             }
         }
         return;
       }
-      const double thickness = cell.group->thickness;
-      const ShellStrains shell =
-          shell_strains(cell.group->type, positions<ShellNodes>(mesh, cell), material, thickness);
+      const ShellGeometry geometry = shell_of(mesh, cell);
+      const ShellStrains shell = shell_strains(geometry, material);
       const MatrixXd membrane = shell.membrane * u, curvature = shell.curvature * u;
-      const double nu = material.poisson;
-      Eigen::Matrix3d elastic;
-      elastic << 1, nu, 0, nu, 1, 0, 0, 0, (1 - nu) / 2;
-      elastic *= material.young / (1 - nu * nu);
-      const Matrix6x3 strains = to_body(shell.axes, -nu / (1 - nu), true),
-                      stresses = to_body(shell.axes, 0, false) * elastic;
       for (int k = 0; k < cell.node_count; ++k) {
         const auto [begin, end] = at_node.equal_range(cell.nodes[k]);
         for (auto it = begin; it != end; ++it) {
           const Eigen::Vector3d& offset = points[static_cast<std::size_t>(it->second)].offset;
           if (offset.isZero(0)) continue;
-          const double z = offset.dot(shell.axes.col(2)) < 0 ? -0.5 * thickness : 0.5 * thickness;
-          const MatrixXd here = membrane + z * curvature.middleRows<3>(3 * k);
+          const Eigen::Matrix3d& axes = shell.axes[static_cast<std::size_t>(k)];
+          const SheetElasticity elastic = material.sheet_at(geometry.nodes.col(k), axes);
+          const double nu = cell_poisson(mesh, cell);
+          const Matrix6x3 strains = to_body(axes, -nu / (1 - nu), true),
+                          stresses = to_body(axes, 0, false) * elastic.plane;
+          const double z = 0.5 * (offset.dot(axes.col(2)) < 0 ? -geometry.thickness : geometry.thickness);
+          const MatrixXd here = membrane.middleRows<3>(3 * k) + z * curvature.middleRows<3>(3 * k);
           add(it->second, stresses * here, strains * here);
         }
       }

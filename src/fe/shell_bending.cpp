@@ -13,6 +13,8 @@ namespace {
 using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
 template <int Rows>
 using Operator = Eigen::Matrix<double, Rows, Eigen::Dynamic, Eigen::ColMajor, Rows, 12>;
+constexpr double kShearFactor = 5.0 / 6;
+
 using Gradients = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 4>;
 
 /// A side from its node to the next one. Along it the rotation towards the side β = (θy, −θx)·t is linear
@@ -25,8 +27,7 @@ struct Side {
   Row shear;   ///< mean shear strain along the side = shear · dofs
 };
 
-Side side(const PlaneNodes& nodes, int i, double poisson, double thickness) {
-  constexpr double kShearFactor = 5.0 / 6;
+Side side(const PlaneNodes& nodes, int i, const SheetElasticity& elastic, double thickness) {
   const int count = static_cast<int>(nodes.cols());
   const int j = (i + 1) % count;
   Side side;
@@ -34,7 +35,10 @@ Side side(const PlaneNodes& nodes, int i, double poisson, double thickness) {
   side.length = side.tangent.norm();
   side.tangent /= side.length;
   const double ratio = thickness / side.length;
-  const double phi = 2 * ratio * ratio / (kShearFactor * (1 - poisson));
+  const Eigen::Vector2d& t = side.tangent;
+  const Eigen::Vector3d stretch(t.x() * t.x(), t.y() * t.y(), 2 * t.x() * t.y());
+  const double phi =
+      ratio * ratio * stretch.dot(elastic.plane * stretch) / (kShearFactor * t.dot(elastic.shear * t));
   side.height.setZero(3 * count);
   side.height[3 * i] = -1;
   side.height[3 * j] = 1;
@@ -85,9 +89,9 @@ PlateShapes square_shapes(double x, double y) {
   return shapes;
 }
 
-std::array<Side, 4> all_sides(const PlaneNodes& nodes, double poisson, double thickness) {
+std::array<Side, 4> all_sides(const PlaneNodes& nodes, const SheetElasticity& elastic, double thickness) {
   std::array<Side, 4> sides;
-  for (int k = 0; k < static_cast<int>(nodes.cols()); ++k) sides[k] = side(nodes, k, poisson, thickness);
+  for (int k = 0; k < static_cast<int>(nodes.cols()); ++k) sides[k] = side(nodes, k, elastic, thickness);
   return sides;
 }
 
@@ -113,15 +117,13 @@ Operator<3> curvature_operator(const std::array<Side, 4>& sides, const Gradients
 
 }  // namespace
 
-MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness) {
+MembraneMatrix plate_stiffness(const PlaneNodes& nodes, const SheetElasticity& elastic, double thickness) {
   const int count = static_cast<int>(nodes.cols());
-  const std::array<Side, 4> sides = all_sides(nodes, poisson, thickness);
+  const std::array<Side, 4> sides = all_sides(nodes, elastic, thickness);
 
   const double t3 = thickness * thickness * thickness;
-  Eigen::Matrix3d bending;
-  bending << 1, poisson, 0, poisson, 1, 0, 0, 0, (1 - poisson) / 2;
-  bending *= young * t3 / (12 * (1 - poisson * poisson));
-  const double shear = 5.0 / 6 * thickness * young / (2 * (1 + poisson));
+  const Eigen::Matrix3d bending = t3 / 12 * elastic.plane;
+  const Eigen::Matrix2d shear = kShearFactor * thickness * elastic.shear;
 
   static const Quadrature triangle = triangle_rule(3), square = square_rule(2);
   MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
@@ -136,14 +138,14 @@ MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poi
     Operator<2> strain = Operator<2>::Zero(2, 3 * count);
     for (int k = 0; k < count; ++k) strain += sides[k].length * s.col(k) * sides[k].shear;
     stiffness += dA * curvature.transpose() * bending * curvature;
-    stiffness += dA * shear * strain.transpose() * strain;
+    stiffness += dA * strain.transpose() * shear * strain;
   }
   return 0.5 * (stiffness + stiffness.transpose());
 }
 
-Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, double poisson, double thickness) {
+Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, const SheetElasticity& elastic, double thickness) {
   const Eigen::Index count = nodes.cols();
-  const std::array<Side, 4> sides = all_sides(nodes, poisson, thickness);
+  const std::array<Side, 4> sides = all_sides(nodes, elastic, thickness);
   const double low = count == 3 ? 0 : -1;
   const std::array<Eigen::Vector3d, 4> corners{
       Eigen::Vector3d(low, low, 0), Eigen::Vector3d(1, low, 0),

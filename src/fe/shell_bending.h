@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "fe/elastic_matrix.h"
 #include "fe/shell_membrane.h"
 
 namespace mimbre::fe {
@@ -9,9 +10,9 @@ namespace mimbre::fe {
 /// rotations about x and y). The discrete Kirchhoff–Mindlin triangle and quadrilateral (Katili 1993, parts I
 /// and II): of thin plates those of Batoz (DKT, DKQ), without locking. `nodes` (2 × 3 or 2 × 4)
 /// anticlockwise, convex. Symmetric, full storage.
-MembraneMatrix plate_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
+MembraneMatrix plate_stiffness(const PlaneNodes& nodes, const SheetElasticity& elastic, double thickness);
 
 /// Curvatures at the nodes = matrix (3·nodes × dofs) · dofs: strains (xx, yy, engineering xy) per height z.
-Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, double poisson, double thickness);
+Eigen::MatrixXd nodal_curvatures(const PlaneNodes& nodes, const SheetElasticity& elastic, double thickness);
 
 }  // namespace mimbre::fe

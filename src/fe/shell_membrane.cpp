@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace mimbre::fe {
 namespace {
@@ -95,10 +96,14 @@ Matrix9 triangle_stiffness(const Triangle& nodes, const Eigen::Matrix3d& elastic
 }  // namespace
 
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness) {
-  Eigen::Matrix3d elasticity;
-  elasticity << 1, poisson, 0, poisson, 1, 0, 0, 0, (1 - poisson) / 2;
-  elasticity *= young * thickness / (1 - poisson * poisson);
+  Eigen::Matrix3d elastic;
+  elastic << 1, poisson, 0, poisson, 1, 0, 0, 0, (1 - poisson) / 2;
+  return membrane_stiffness(nodes, Eigen::Matrix3d(young / (1 - poisson * poisson) * elastic), thickness);
+}
 
+MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, const Eigen::Matrix3d& elastic, double thickness) {
+  const Eigen::Matrix3d elasticity = thickness * elastic;
+  const double poisson = elastic(0, 1) / std::sqrt(elastic(0, 0) * elastic(1, 1));
   const int count = static_cast<int>(nodes.cols());
   MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
   for_each_triangle(nodes, [&](const Triangle& triangle, const std::array<int, 3>& corners, double share) {

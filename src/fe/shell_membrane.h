@@ -12,6 +12,8 @@ using MembraneMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// with the exact energy of bending as rectangles of any aspect ratio. `nodes` (2 × 3 or 2 × 4)
 /// anticlockwise, convex. Symmetric, full storage.
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
+/// The same of any material; `elastic`: stress by strain in the plane (xx, yy, engineering xy).
+MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, const Eigen::Matrix3d& elastic, double thickness);
 
 /// Mean strain (xx, yy, engineering xy) of the element = matrix (3 × dofs) · dofs.
 Eigen::Matrix<double, 3, Eigen::Dynamic> membrane_strain(const PlaneNodes& nodes);

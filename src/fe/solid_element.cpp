@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fe/hourglass.h"
+
 namespace mimbre::fe {
 namespace {
 
@@ -56,8 +58,8 @@ void check_elastic(const Material& material) {
         fmt::format("Poisson's ratio must lie in (-1, 0.5), is {}", material.poisson));
 }
 
-SolidGeometry solid_geometry(ElementType type, const NodePositions& nodes) {
-  SolidGeometry geometry{type, nodes};
+SolidGeometry solid_geometry(ElementType type, const NodePositions& nodes, bool reduced) {
+  SolidGeometry geometry{type, nodes, reduced && type == ElementType::hex20};
   const double extent = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
   geometry.least_determinant = kNoVolume * extent * extent * extent;
   if (incompatible_modes(type) > 0) {
@@ -84,29 +86,62 @@ double body_gradients(const SolidGeometry& geometry, const ShapeSample& sample, 
   return determinant;
 }
 
-void function_stiffness(const SolidGeometry& geometry, const Material& material, SolidMatrix& stiffness) {
+const ShapeSamples& stiffness_samples(const SolidGeometry& geometry) {
+  return geometry.reduced ? stress_samples(geometry.type) : stiffness_samples(geometry.type);
+}
+
+namespace {
+
+/// ∫ λ div(u) div(v) + 2μ ε(u):ε(v) of two functions with the gradients g and, times dV, scaled.
+Eigen::Matrix3d isotropic_block(const ElementMaterial& material, const Eigen::Vector3d& g,
+                                const Eigen::Vector3d& scaled) {
+  Eigen::Matrix3d block =
+      material.lame() * g * scaled.transpose() + material.shear() * scaled * g.transpose();
+  block.diagonal().array() += material.shear() * g.dot(scaled);
+  return block;
+}
+
+using StrainBlock = Eigen::Matrix<double, 6, 3>;
+StrainBlock strain_block(const Eigen::Vector3d& g) {
+  StrainBlock strain;
+  strain << g.x(), 0, 0,  //
+      0, g.y(), 0,        //
+      0, 0, g.z(),        //
+      g.y(), g.x(), 0,    //
+      0, g.z(), g.y(),    //
+      g.z(), 0, g.x();
+  return strain;
+}
+
+}  // namespace
+
+void function_stiffness(const SolidGeometry& geometry, const ElementMaterial& material,
+                        SolidMatrix& stiffness) {
   const int functions = node_count(geometry.type) + incompatible_modes(geometry.type);
-  const double shear = material.young / (2 * (1 + material.poisson));
-  const double lame = 2 * shear * material.poisson / (1 - 2 * material.poisson);
   stiffness.setZero(3 * functions, 3 * functions);
   ShapeGradients gradients;
-  for (const ShapeSample& sample : stiffness_samples(geometry.type)) {
+  for (const ShapeSample& sample : stiffness_samples(geometry)) {
     const double dV = sample.weight * body_gradients(geometry, sample, gradients);
-    for (int b = 0; b < functions; ++b) {
-      const Eigen::Vector3d scaled = dV * gradients.col(b);
-      for (int a = b; a < functions; ++a) {
-        // ∫ λ div(u) div(v) + 2μ ε(u):ε(v)
-        const Eigen::Vector3d g = gradients.col(a);
-        Eigen::Matrix3d block = lame * g * scaled.transpose() + shear * scaled * g.transpose();
-        block.diagonal().array() += shear * g.dot(scaled);
-        stiffness.block<3, 3>(3 * a, 3 * b) += block;
+    if (material.isotropic()) {
+      for (int b = 0; b < functions; ++b) {
+        const Eigen::Vector3d scaled = dV * gradients.col(b);
+        for (int a = b; a < functions; ++a)
+          stiffness.block<3, 3>(3 * a, 3 * b) += isotropic_block(material, gradients.col(a), scaled);
       }
+      continue;
+    }
+    const Matrix6 elastic = dV * material.at(geometry.nodes.lazyProduct(sample.values));
+    for (int b = 0; b < functions; ++b) {
+      const StrainBlock stress = elastic * strain_block(gradients.col(b));
+      for (int a = b; a < functions; ++a)
+        stiffness.block<3, 3>(3 * a, 3 * b) += strain_block(gradients.col(a)).transpose() * stress;
     }
   }
+  if (geometry.reduced) add_hourglass_stiffness(geometry, material, stiffness);
   stiffness.triangularView<Eigen::StrictlyUpper>() = stiffness.transpose();
 }
 
-void solid_stiffness(const SolidGeometry& geometry, const Material& material, SolidMatrix& stiffness,
+void solid_stiffness(const SolidGeometry& geometry, const ElementMaterial& material, SolidMatrix& stiffness,
                      SolidMatrix* condensation) {
   function_stiffness(geometry, material, stiffness);
   const int dofs = 3 * node_count(geometry.type);
@@ -126,6 +161,14 @@ void solid_mass(const SolidGeometry& geometry, double density, const ShapeSample
       mass.col(b).tail(nodes - b) += dm * sample.values[b] * sample.values.tail(nodes - b);
   }
   mass.triangularView<Eigen::StrictlyUpper>() = mass.transpose();
+}
+
+void solid_mass(const SolidGeometry& geometry, double density, NodalMatrix& mass) {
+  solid_mass(geometry, density, mass_samples(geometry.type), mass);
+  if (!geometry.reduced) return;
+  NodalMatrix few;
+  solid_mass(geometry, density, stiffness_samples(geometry), few);
+  mass = kExactShare * mass + (1 - kExactShare) * few;
 }
 
 }  // namespace mimbre::fe

@@ -24,7 +24,7 @@ StrainOperator strain_operator(const ShapeGradients& gradients) {
 }
 
 /// Displacements of all functions = matrix · nodal displacements.
-SolidMatrix function_displacements(const SolidGeometry& geometry, const Material& material) {
+SolidMatrix function_displacements(const SolidGeometry& geometry, const ElementMaterial& material) {
   const int dofs = 3 * node_count(geometry.type);
   if (incompatible_modes(geometry.type) == 0) return SolidMatrix::Identity(dofs, dofs);
   SolidMatrix stiffness, condensation;
@@ -71,7 +71,7 @@ Eigen::MatrixXd extrapolation(ElementType type) {
 
 }  // namespace
 
-Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const Material& material) {
+Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const ElementMaterial& material) {
   const SolidMatrix condensation = function_displacements(geometry, material);
   const ShapeSamples& samples = stress_samples(geometry.type);
   const Eigen::MatrixXd weights = extrapolation(geometry.type);
@@ -86,19 +86,19 @@ Eigen::MatrixXd nodal_strain_operator(const SolidGeometry& geometry, const Mater
   return result;
 }
 
-void solid_geometric_stiffness(const SolidGeometry& geometry, const Material& material,
+void solid_geometric_stiffness(const SolidGeometry& geometry, const ElementMaterial& material,
                                const NodePositions& displacements, NodalMatrix& stiffness) {
   const int nodes = node_count(geometry.type);
   using Displacements = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxSolidDofs, 1>;
   Displacements all = Displacements::Map(displacements.data(), 3 * nodes);
   if (incompatible_modes(geometry.type) > 0)
     all = function_displacements(geometry, material).lazyProduct(Displacements(all)).eval();
-  const Matrix6 elastic = elasticity(material);
   stiffness.setZero(nodes, nodes);
   ShapeGradients gradients;
-  for (const ShapeSample& sample : stiffness_samples(geometry.type)) {
+  for (const ShapeSample& sample : stiffness_samples(geometry)) {
     const double dV = sample.weight * body_gradients(geometry, sample, gradients);
     const Vector6 strain = strain_operator(gradients).lazyProduct(all);
+    const Matrix6 elastic = material.at(geometry.nodes.lazyProduct(sample.values));
     const Eigen::Matrix3d stress = tensor(dV * (elastic * strain));
     const auto g = gradients.leftCols(nodes);
     stiffness += g.transpose().lazyProduct((stress * g).eval());

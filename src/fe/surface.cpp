@@ -31,8 +31,16 @@ std::vector<ShellFace> shell_faces(const SolidMesh& mesh) {
     const int count = node_count(group.type);
     for (int e = 0; e < group.size(); ++e) {
       const int* const n = group.nodes.data() + e * count;
-      faces.push_back({{n[0], n[1], n[2]}, group.thickness});
-      if (count == 4) faces.push_back({{n[0], n[2], n[3]}, group.thickness});
+      const auto add = [&](int a, int b, int c) { faces.push_back({{n[a], n[b], n[c]}, group.thickness}); };
+      if (count <= 4) {
+        add(0, 1, 2);
+        if (count == 4) add(0, 2, 3);
+        continue;
+      }
+      // Corners are cut off between the nodes amid the sides.
+      const int corners = count / 2;
+      for (int k = 0; k < corners; ++k) add(k, corners + k, corners + (k + corners - 1) % corners);
+      for (int k = 2; k < corners; ++k) add(corners, corners + k - 1, corners + k);
     }
   }
   return faces;

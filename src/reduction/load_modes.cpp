@@ -11,14 +11,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 MatrixXd load_forces(const FeMatrices& matrices, const std::vector<SpreadLoad>& loads) {
+  const bool reduced = !matrices.all_dofs.empty();
+  const std::vector<Dof>& dofs = reduced ? matrices.all_dofs : matrices.dofs;
   int nodes = 0;
-  for (const Dof& dof : matrices.dofs) nodes = std::max(nodes, dof.node + 1);
+  for (const Dof& dof : dofs) nodes = std::max(nodes, dof.node + 1);
   std::vector<std::array<Index, 3>> rows(static_cast<std::size_t>(nodes), {-1, -1, -1});
-  for (std::size_t r = 0; r < matrices.dofs.size(); ++r)
-    if (const Dof& dof = matrices.dofs[r]; dof.direction < 3)
+  for (std::size_t r = 0; r < dofs.size(); ++r)
+    if (const Dof& dof = dofs[r]; dof.direction < 3)
       rows[static_cast<std::size_t>(dof.node)][static_cast<std::size_t>(dof.direction)] =
           static_cast<Index>(r);
-  MatrixXd forces = MatrixXd::Zero(matrices.stiffness.rows(), static_cast<Index>(loads.size()));
+  MatrixXd forces = MatrixXd::Zero(static_cast<Index>(dofs.size()), static_cast<Index>(loads.size()));
   for (std::size_t l = 0; l < loads.size(); ++l) {
     const SpreadLoad& load = loads[l];
     for (std::size_t k = 0; k < l; ++k)
@@ -40,6 +42,7 @@ MatrixXd load_forces(const FeMatrices& matrices, const std::vector<SpreadLoad>& 
         forces(row, static_cast<Index>(l)) += part[i];
       }
   }
+  if (reduced) return matrices.expansion.transpose() * forces;
   return forces;
 }
 

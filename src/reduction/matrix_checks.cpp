@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fe/mass_points.h"
 #include "fe/skin.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/material_oddity.h"
@@ -44,9 +45,16 @@ void add_materials_check(const SolidMesh& mesh, std::vector<Check>& checks) {
   checks.push_back({"materials", odd.empty(), odd.empty() ? "in the range of what parts are made of" : odd});
 }
 
+double point_mass(const SolidMesh& mesh) {
+  double mass = 0;
+  for (const PointMass& point : mesh.point_masses) mass += point.mass;
+  return mass;
+}
+
 /// Mass over the volume of the box around the model tells units that do not fit: real parts fill between a
 /// hundredth and all of it, at 100 to 25 000 kg/m³. Where the material is in SI but the mesh in millimetres
-/// that is in order, and only the size tells: nobody moves parts of a thousand tonnes.
+/// that is in order, and only the size tells: nobody moves parts of a thousand tonnes. Shells and beams fill
+/// as little of their box as they are thin: of their elements the volume is known.
 Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass) {
   Vector3d low = Vector3d::Constant(INFINITY), high = -low;
   for (const Dof& dof : matrices.dofs) {
@@ -55,10 +63,12 @@ Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass
   }
   const Vector3d size = high - low;
   const double longest = size.maxCoeff();
-  const double volume = size.cwiseMax(1e-3 * longest).prod();
-  const double density = mass / volume;
-  std::string detail =
-      fmt::format("{:.4g} m long, {:.4g} kg, {:.3g} kg per m³ of the box around it", longest, mass, density);
+  const bool thin = matrices.of_mesh && has_rotating_mass(mesh);
+  const double own = thin ? element_volume(mesh) : 0;
+  const double volume = own > 0 ? own : size.cwiseMax(1e-3 * longest).prod();
+  const double density = (own > 0 ? mass - point_mass(mesh) : mass) / volume;
+  std::string detail = fmt::format("{:.4g} m long, {:.4g} kg, {:.3g} kg per m³ of {}", longest, mass, density,
+                                   own > 0 ? "its elements" : "the box around it");
   const bool filled = density > 0.5 && density < 30000,
              sound = filled && longest > 1e-4 && longest < 300 && mass < 1e6;
   if (!sound) {
@@ -143,7 +153,7 @@ std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matri
 
   // The geometry's own mass, where it has one material and nothing but solids.
   const Skin outside = skin(mesh);
-  if (outside.closed && mass > 0) {
+  if (outside.closed && mass > 0 && mesh.point_masses.empty()) {
     double density = -1;
     for (const ElementGroup& group : mesh.groups) {
       if (group.material < 0) continue;

@@ -11,10 +11,12 @@
 
 #include "base/helper_threads.h"
 #include "fe/block_lanczos.h"
+#include "fe/mass_points.h"
 #include "fe/surface.h"
 #include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/connected_parts.h"
+#include "reduction/constrained_model.h"
 #include "reduction/effective_mass.h"
 #include "reduction/free_interface.h"
 #include "reduction/given_stress.h"
@@ -22,6 +24,7 @@
 #include "reduction/krylov.h"
 #include "reduction/load_modes.h"
 #include "reduction/nodal_shape_integrals.h"
+#include "reduction/point_integrals.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/shapes.h"
 #include "reduction/solid_stiffening.h"
@@ -415,13 +418,21 @@ Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
   return nodes.empty() ? sum : Vector3d(sum / static_cast<double>(nodes.size()));
 }
 
-ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options) {
+ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const ModelReduction& wanted) {
+  const bool constrained = has_constraints(mesh);
+  ModelReduction options = wanted;
+  if (constrained) options.interfaces = at_references(mesh, options.interfaces);
   const HelperThreads threads;  // kept from one factorisation to the next
   const auto tell = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   require(options);
   tell("checks", 0);
+  const FeMatrices left = constrained ? constrain(mesh, all, options.interfaces) : FeMatrices{};
+  const FeMatrices& matrices = constrained ? left : all;
+  const auto expanded = [&](const MatrixXd& x) -> MatrixXd {
+    return constrained ? MatrixXd(left.expansion * x) : x;
+  };
   ReductionResult result;
   result.body.checks = check_matrices(mesh, matrices);
   for (const Check& check : result.body.checks)
@@ -434,8 +445,8 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
   if (!options.stress.nodes.empty()) {
-    require(options.stress, mesh, matrices);
-    result.body.checks.push_back(check_rigid(options.stress, R));
+    require(options.stress, mesh, all);
+    result.body.checks.push_back(check_rigid(options.stress, expanded(R)));
   }
   double scale = 0;  // a typical ω²
   const Shapes shapes = basis_of(mesh, matrices, options, R, scale, result);
@@ -449,8 +460,12 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
   body.mode_names = shapes.names;
   const MatrixXd mass = shapes.dofs.transpose() * symmetric_times(matrices.mass, shapes.dofs),
                  stiffness = shapes.dofs.transpose() * symmetric_times(matrices.stiffness, shapes.dofs);
-  const MatrixXd displacements = node_shapes(mesh, matrices, shapes.dofs);
-  add_shape_integrals(mesh.nodes, nodal_mass_of(mesh, matrices), displacements, body);
+  const MatrixXd all_shapes = expanded(shapes.dofs);
+  const MatrixXd displacements = node_shapes(mesh, all, all_shapes);
+  if (all.of_mesh && has_rotating_mass(mesh))
+    add_point_integrals(mesh, all.dofs, all_shapes, body);
+  else
+    add_shape_integrals(mesh.nodes, nodal_mass_of(mesh, all), displacements, body);
   body.mass_matrix = 0.5 * (mass + mass.transpose());
   body.stiffness = 0.5 * (stiffness + stiffness.transpose());
   body.damping = options.stiffness_damping * body.stiffness;
@@ -461,13 +476,15 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const 
         {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
   }
   tell("stress", 0);
-  add_surface(mesh, matrices, shapes.dofs, displacements, options.stress, body);
+  add_surface(mesh, all, all_shapes, displacements, options.stress, body);
   if (options.geometric_stiffness) {
     tell("geometric stiffness", 0);
     const TiedModel held(mesh, matrices, options.interfaces);
-    const MatrixXd x = held.solve(held.restrict(unit_inertia_forces(mesh, matrices)));
-    const MatrixXd responses = held.expand(x, MatrixXd::Zero(held.boundaries(), x.cols()));
-    body.geometric = solid_stiffening(mesh, responses, shapes.dofs, body.stiffness,
+    MatrixXd forces = unit_inertia_forces(mesh, all);
+    if (constrained) forces = (left.expansion.transpose() * forces).eval();
+    const MatrixXd x = held.solve(held.restrict(forces));
+    const MatrixXd responses = expanded(held.expand(x, MatrixXd::Zero(held.boundaries(), x.cols())));
+    body.geometric = solid_stiffening(mesh, responses, all_shapes, body.stiffness,
                                       static_cast<Index>(retained_motions(options.interfaces, 1).size()));
   }
   make_orthogonal(body);
