@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 
 namespace mimbre::fe {
@@ -33,13 +34,14 @@ std::vector<int> face_nodes(ElementType type, int face) {
   std::span<const Edge> edges;
   switch (type) {
     case ElementType::tri3:
-      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2} : std::vector<int>{};
     case ElementType::quad4:
-      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{};
     case ElementType::tri6:
-      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3, 4, 5} : std::vector<int>{};
-    case ElementType::quad8:
-      return face == 1 || face == 2 ? std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7} : std::vector<int>{};
+    case ElementType::quad8: {
+      if (face != 1 && face != 2) return {};
+      std::vector<int> all(static_cast<std::size_t>(node_count(type)));
+      std::iota(all.begin(), all.end(), 0);
+      return all;
+    }
     case ElementType::tet10:
       edges = tet_edges;
       [[fallthrough]];

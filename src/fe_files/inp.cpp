@@ -41,7 +41,7 @@ void add_members(const std::vector<int>& more, std::size_t universe, std::vector
 namespace {
 
 constexpr const char* kKnownTypes =
-    "C3D4, C3D10, C3D8, C3D20, C3D6, C3D15 (solids), S3, S4 (shells) and B31 (beam)";
+    "C3D4, C3D10, C3D8, C3D20, C3D6, C3D15 (solids), S3, S4, S6, S8 (shells), B31 and B32 (beams)";
 
 struct Named {
   std::string_view name;
@@ -57,9 +57,18 @@ constexpr Named kTypes[] = {
     {"C3D15", {Kind::element, ElementType::wedge15, 15}},
     {"S3", {Kind::element, ElementType::tri3, 3}},
     {"S4", {Kind::element, ElementType::quad4, 4}},
+    {"S6", {Kind::element, ElementType::tri6, 6}},
+    {"S8", {Kind::element, ElementType::quad8, 8}},
     {"B31", {Kind::beam, ElementType::tet4, 2}},
+    {"B32", {Kind::beam, ElementType::tet4, 3}},
     {"T3D2", {Kind::boundary_only, ElementType::tet4, 2}},
     {"T3D3", {Kind::boundary_only, ElementType::tet4, 3}},
+};
+constexpr Named kPointTypes[] = {
+    {"MASS", {Kind::mass, ElementType::tet4, 1}},
+    {"ROTARYI", {Kind::inertia, ElementType::tet4, 1}},
+    {"SPRINGA", {Kind::spring_along, ElementType::tet4, 2}},
+    {"SPRING2", {Kind::spring_between, ElementType::tet4, 2}},
 };
 
 /// Plane elements: meshers write the surfaces of a solid so.
@@ -70,11 +79,16 @@ bool is_plane(std::string_view name) {
 }
 
 std::optional<InpType> find_type(const std::string& name) {
+  for (const Named& type : kPointTypes)
+    if (name == type.name) return type.type;
   for (const Named& type : kTypes) {
     if (!name.starts_with(type.name)) continue;
     const std::string_view suffix = std::string_view(name).substr(type.name.size());
     const bool variant = suffix.find_first_not_of("IRHMS") == std::string_view::npos;
-    if (suffix.empty() || (variant && type.type.kind != Kind::boundary_only)) return type.type;
+    if (!suffix.empty() && (!variant || type.type.kind == Kind::boundary_only)) continue;
+    InpType found = type.type;
+    found.reduced = suffix.find('R') != std::string_view::npos;
+    return found;
   }
   if (is_plane(name)) {
     const std::size_t digit = name.find_first_of("0123456789", name.starts_with("M3D")     ? 3
@@ -146,7 +160,9 @@ void read_elements(InpModel& model, const InpKeyword& keyword) {
   const std::string* set_name = keyword.find("ELSET");
   const int home = set_name ? model.element_set(*set_name) : -1;
   if (!type) {
-    model.warn("type " + name, keyword.mark, fmt::format("elements {} are left out", shown(name)));
+    std::string why;
+    if (name == "SPRING1") why = ": a spring to the ground would hold the body; add it in the mechanism";
+    model.warn("type " + name, keyword.mark, fmt::format("elements {} are left out{}", shown(name), why));
     return;
   }
   if (type->kind == Kind::boundary_only)
@@ -214,8 +230,11 @@ void read_node_set(InpModel& model, const InpKeyword& keyword) {
   }
   const auto add_label = [&](std::int64_t label, const TextFile& file) {
     const int index = model.nodes.find(label);
-    if (index < 0) file.fail(fmt::format("node {} of the set {} is not there", label, shown(name)));
-    members.push_back(index);
+    if (index >= 0)
+      members.push_back(index);
+    else
+      model.warn("missing node in " + name, file.mark(),
+                 fmt::format("node {} of the set {} is not there", label, shown(name)));
   };
   for_members(
       model, keyword,
@@ -226,6 +245,14 @@ void read_node_set(InpModel& model, const InpKeyword& keyword) {
         add_members(*other, static_cast<std::size_t>(model.nodes.size()), members);
       },
       [&](std::int64_t first, std::int64_t last, std::int64_t step, const TextFile& file) {
+        // A range may be far longer than the list of nodes.
+        if ((last - first) / step > static_cast<std::int64_t>(model.nodes.size())) {
+          for (int i = 0; i < model.nodes.size(); ++i) {
+            const std::int64_t label = model.nodes.label(i);
+            if (label >= first && label <= last && (label - first) % step == 0) members.push_back(i);
+          }
+          return;
+        }
         for (std::int64_t label = first; label <= last;) {
           add_label(label, file);
           if (last - label < step) break;
@@ -322,7 +349,9 @@ void read_keyword(InpModel& model, const InpKeyword& keyword, bool& part) {
   if (keyword.name == "NSET") return read_node_set(model, keyword);
   if (keyword.name == "ELSET") return read_element_set(model, keyword);
   if (keyword.name == "SURFACE") return read_inp_surface(model, keyword);
-  if (read_inp_material(model, keyword) || read_inp_section(model, keyword)) return;
+  if (read_inp_material(model, keyword) || read_inp_section(model, keyword) ||
+      read_inp_point_property(model, keyword) || read_inp_constraint(model, keyword))
+    return;
   if (keyword.name == "STEP") return skip_steps(model);
   if (keyword.name == "PART") {
     if (part)

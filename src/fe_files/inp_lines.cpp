@@ -34,8 +34,15 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 const std::string* InpKeyword::find(std::string_view parameter) const {
+  // Blanks in names do not count, as in Abaqus: REF NODE and REFNODE.
+  const auto packed = [](std::string_view text) {
+    std::string out;
+    for (const char c : text)
+      if (c != ' ') out += c;
+    return out;
+  };
   for (const auto& [name_, value] : parameters)
-    if (name_ == parameter) return &value;
+    if (packed(name_) == packed(parameter)) return &value;
   return nullptr;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "fe/shear_coefficient.h"
 #include "fe_files/inp_lines.h"
 #include "fe_files/mesh_builder.h"
 #include "mimbre/fe_import.h"
@@ -15,9 +17,18 @@ namespace mimbre::fe {
 
 /// What an element type of an .inp file is to us.
 struct InpType {
-  enum class Kind { element, beam, boundary_only } kind = Kind::element;
+  enum class Kind {
+    element,
+    beam,
+    boundary_only,
+    mass,
+    inertia,
+    spring_along,
+    spring_between
+  } kind = Kind::element;
   ElementType type = ElementType::tet4;
   int nodes = 0;
+  bool reduced = false;  ///< integration
 };
 
 struct InpElement {
@@ -30,10 +41,37 @@ struct InpElement {
 
 struct InpSection {
   enum class Kind { solid, shell, beam } kind = Kind::solid;
-  std::string element_set, material;
+  std::string element_set, material, orientation;
   double thickness = 0;
+  double offset = 0;  ///< of the middle surface from the nodes
   Section beam;
+  ShearCoefficient shear;                                ///< of a beam's section
   Eigen::Vector3d first_axis = Eigen::Vector3d::Zero();  ///< of a beam's section
+  Mark mark;
+};
+
+/// *MASS, *ROTARY INERTIA, *SPRING: numbers for the elements of a set.
+struct InpPointProperty {
+  enum class Kind { mass, inertia, spring } kind = Kind::mass;
+  std::string element_set;
+  std::array<double, 6> values{};   ///< mass, inertia, stiffness
+  std::array<int, 2> directions{};  ///< of springs between dofs
+  Mark mark;
+};
+
+struct InpOrientation {
+  std::string name;
+  Orientation orientation;
+};
+
+/// Nodes of each face, corners first.
+struct InpSurface {
+  std::vector<std::vector<int>> faces;
+};
+
+struct InpTie {
+  std::string slave, master;  ///< surfaces
+  double tolerance = -1;      ///< −1: none said
   Mark mark;
 };
 
@@ -57,6 +95,13 @@ struct InpModel {
   std::map<std::string, int> element_set_by_name;  ///< small letters
   std::vector<NamedMaterial> materials;
   std::vector<InpSection> sections;
+  std::vector<InpPointProperty> point_properties;
+  std::vector<InpOrientation> orientations;
+  std::map<std::string, InpSurface> surfaces;  ///< small letters
+  std::vector<InpTie> ties;
+  std::vector<Equation> equations;
+  std::vector<RigidElement> rigid_elements;
+  std::vector<MeanElement> mean_elements;
   std::vector<Diagnostic> warnings;
   std::set<std::string> warned;
 
@@ -72,10 +117,26 @@ struct InpModel {
 /// sets that hold sets must not grow without bounds.
 void add_members(const std::vector<int>& more, std::size_t universe, std::vector<int>& members);
 
-/// *MATERIAL, *ELASTIC, *DENSITY; true when the keyword was one of them.
+/// *MATERIAL, *ELASTIC, *DENSITY, *ORIENTATION; true when the keyword was one of them.
 bool read_inp_material(InpModel& model, const InpKeyword& keyword);
 /// *SOLID SECTION, *SHELL SECTION, *BEAM SECTION; true when the keyword was one of them.
 bool read_inp_section(InpModel& model, const InpKeyword& keyword);
+/// *MASS, *ROTARY INERTIA, *SPRING; true when the keyword was one of them.
+bool read_inp_point_property(InpModel& model, const InpKeyword& keyword);
+/// Masses and springs of the finished mesh.
+void finish_inp_points(const InpModel& model, SolidMesh& mesh);
+/// *EQUATION, *MPC, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING, *TIE; true when the
+/// keyword was one of them.
+bool read_inp_constraint(InpModel& model, const InpKeyword& keyword);
+/// Equations of the ties, from the nodes of the finished mesh.
+void finish_inp_ties(InpModel& model, SolidMesh& mesh);
+/// The value of a parameter; throws where there is none.
+const std::string& needed(const InpKeyword& keyword, const char* parameter);
+/// `count` numbers, that may go on in further lines; throws where there are fewer.
+std::vector<double> inp_numbers(InpModel& model, const InpKeyword& keyword, int count, const char* what);
+/// Nodes that a field names: a label or a set. Empty where there are none.
+std::vector<int> inp_nodes(const InpModel& model, std::string_view field);
+
 /// *SURFACE, as a node set.
 void read_inp_surface(InpModel& model, const InpKeyword& keyword);
 /// Groups, beams and sets of the finished model.

@@ -38,7 +38,12 @@ void read_inp_surface(InpModel& model, const InpKeyword& keyword) {
     if (of_nodes) {
       const int node = label ? model.nodes.find(*label) : -1;
       const std::vector<int>* set = label ? nullptr : model.node_sets.find(std::string(first));
-      if (node < 0 && !set) file.fail(fmt::format("there is no node or node set '{}'", shown(first)));
+      if (node < 0 && !set) {
+        model.warn(
+            "surface " + *name, file.mark(),
+            fmt::format("there is no node or node set '{}' of the surface {}", shown(first), shown(*name)));
+        continue;
+      }
       if (set) add_members(*set, universe, members);
       if (node >= 0) members.push_back(node);
       continue;
@@ -49,7 +54,11 @@ void read_inp_surface(InpModel& model, const InpKeyword& keyword) {
     const std::vector<int>* elements = &one;
     if (label) {
       const auto found = model.element_by_label.find(*label);
-      if (found == model.element_by_label.end()) file.fail(fmt::format("there is no element {}", *label));
+      if (found == model.element_by_label.end()) {
+        model.warn("surface " + *name, file.mark(),
+                   fmt::format("element {} of the surface {} is not there", *label, shown(*name)));
+        continue;
+      }
       one = {found->second};
     } else {
       elements = &model.known_element_set(std::string(first), file.mark()).elements;
@@ -59,12 +68,19 @@ void read_inp_surface(InpModel& model, const InpKeyword& keyword) {
       const InpType& kind = model.types[static_cast<std::size_t>(element.type)];
       const std::vector<int> places =
           kind.kind == InpType::Kind::element ? face_nodes(kind.type, face) : std::vector<int>{};
+      if (places.empty() && kind.kind != InpType::Kind::element) {
+        model.warn(
+            "surface " + *name, file.mark(),
+            fmt::format("element {} of the surface {} is not part of the body", element.label, shown(*name)));
+        continue;
+      }
       if (places.empty())
         file.fail(fmt::format("element {} has no face '{}' (S1 to S6)", element.label, shown(face_name)));
       std::vector<int> nodes;
       for (const int place : places)
         nodes.push_back(model.element_nodes[element.first + static_cast<std::size_t>(place)]);
       add_members(nodes, universe, members);
+      model.surfaces[lower(*name)].faces.push_back(std::move(nodes));
     }
   }
   add_members(members, universe, model.node_sets[*name]);

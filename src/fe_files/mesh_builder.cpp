@@ -72,12 +72,37 @@ void scale(SolidMesh& mesh, double length, double mass, double time) {
     material.density *= mass / (area * length);
   };
   mesh.nodes *= length;
-  for (ElementGroup& group : mesh.groups) group.thickness *= length;
-  for (NamedMaterial& named : mesh.materials) to_si(named.material);
+  for (ElementGroup& group : mesh.groups) {
+    group.thickness *= length;
+    group.offset *= length;
+  }
+  for (NamedMaterial& named : mesh.materials) {
+    to_si(named.material);
+    if (named.elastic) *named.elastic *= mass / (length * time * time);
+  }
+  for (Orientation& orientation : mesh.orientations) orientation.origin *= length;
+  for (PointMass& point : mesh.point_masses) {
+    point.mass *= mass;
+    point.inertia *= mass * area;
+    point.offset *= length;
+  }
+  // Rotations among displacements have the unit of length in their factors; alone they have none.
+  const auto rotates = [](const LinearTerm& term) { return term.direction >= 3; };
+  const auto to_length = [&](std::vector<LinearTerm>& terms) {
+    const bool all = std::all_of(terms.begin(), terms.end(), rotates);
+    for (LinearTerm& term : terms)
+      if (!all && rotates(term)) term.factor *= length;
+    return !all;
+  };
+  for (Spring& spring : mesh.springs)
+    spring.stiffness *= mass / (time * time) * (to_length(spring.stretch) ? 1 : area);
+  for (Equation& equation : mesh.equations) to_length(equation.terms);
   for (BeamElement& beam : mesh.beams) {
     to_si(beam.material);
     for (Eigen::Vector3d& offset : beam.offsets) offset *= length;
     for (double* size : {&beam.section.area, &beam.section.shear_y, &beam.section.shear_z}) *size *= area;
+    for (double* reach : {&beam.section.reach_y, &beam.section.reach_z}) *reach *= length;
+    beam.section.torsion_modulus *= area * length;
     for (double* moment : {&beam.section.Iy, &beam.section.Iz, &beam.section.J}) *moment *= area * area;
   }
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -35,9 +36,63 @@ void add_materials(SolidMesh& mesh, const std::vector<NamedMaterial>& materials)
   }
 }
 
+/// The value that goes with a name, or with none; marks it as used.
+const double* value_for(const std::string& name, const std::vector<NamedNumber>& given,
+                        std::vector<char>& used) {
+  used.resize(given.size(), 0);
+  const double* value = nullptr;
+  for (std::size_t k = 0; k < given.size(); ++k)
+    if (given[k].name.empty() ? value == nullptr : lower(given[k].name) == lower(name)) {
+      value = &given[k].value;
+      used[k] = 1;
+    }
+  return value;
+}
+
+void require_used(const char* option, const char* what, const std::vector<NamedNumber>& given,
+                  const std::vector<char>& used) {
+  for (std::size_t k = 0; k < given.size(); ++k)
+    if (k >= used.size() || !used[k])
+      throw std::invalid_argument(
+          given[k].name.empty() ? fmt::format("{}: every {} has its own", option, what)
+                                : fmt::format("{}: no {} '{}' is without", option, what, given[k].name));
+}
+
+void add_densities(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
+  std::vector<char> used;
+  for (const NamedNumber& number : given)
+    if (!(number.value > 0) || !std::isfinite(number.value))
+      throw std::invalid_argument(fmt::format("--density must be positive, is {}", number.value));
+  for (NamedMaterial& named : mesh.materials)
+    if (named.material.density == 0)
+      if (const double* density = value_for(named.name, given, used)) named.material.density = *density;
+  for (BeamElement& beam : mesh.beams)  // of those without a name here: their materials are copies
+    if (beam.material.density == 0 && beam.material.young > 0)
+      for (const NamedMaterial& named : mesh.materials)
+        if (named.material.young == beam.material.young && named.material.poisson == beam.material.poisson)
+          beam.material.density = named.material.density;
+  require_used("--density", "material", given, used);
+}
+
+void add_thicknesses(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
+  std::vector<char> used;
+  for (const NamedNumber& number : given)
+    if (!(number.value > 0) || !std::isfinite(number.value))
+      throw std::invalid_argument(fmt::format("--thickness must be positive, is {}", number.value));
+  for (ElementGroup& group : mesh.groups)
+    if (is_shell(group.type) && group.thickness == 0)
+      if (const double* thickness = value_for(group.name, given, used)) group.thickness = *thickness;
+  require_used("--thickness", "group of shells", given, used);
+}
+
 FeModel assembled(const std::string& path, const FeCompanions& companions, const FileUnits& units) {
   ImportedMesh read = read_mesh(path, units);
   add_materials(read.mesh, companions.materials);
+  add_densities(read.mesh, companions.densities);
+  add_thicknesses(read.mesh, companions.thicknesses);
+  std::erase_if(read.warnings, [&](const Diagnostic& warning) {
+    return !companions.densities.empty() && warning.message.ends_with("has no *DENSITY");
+  });
   try {
     FeMatrices matrices = assemble(read.mesh);
     if (matrices.dofs.empty()) throw std::invalid_argument("has no elements");
