@@ -208,6 +208,7 @@ def reduce(
     dofs: Any = None,
     materials: Mapping[str, tuple[float, float, float]] | tuple[float, float, float] | None = None,
     thickness: Mapping[str, float] | float = 0.0,
+    density: Mapping[str, float] | float | None = None,
     units: Literal["SI", "mm", "in"] = "SI",
     name: str | None = None,
     modes: int = 10,
@@ -239,7 +240,8 @@ def reduce(
         dofs: rows × 2, node and direction (0-2 displacements, 3-5 rotations) of each; default: 3 or 6 a node, in their
             order; of a file that has none, a file.
         materials: Young's modulus (Pa), Poisson's ratio, density (kg/m³), of all or by group.
-        thickness: of shells, of all or by group, in the mesh's unit of length.
+        thickness: of shells without one, of all or by group, in the mesh's unit of length.
+        density: of a file's materials without one, of all or by their names, kg/m³.
         units: of the file: "SI", "mm" (mm, N, t) or "in" (in, lbf).
         name: of the body; default: the file's.
         modes: how many dynamic modes, 0 to 1000.
@@ -302,7 +304,9 @@ def reduce(
     options.report = _checks.callback(progress)
     if stress is None and stress_nodes is not None:
         raise InputError("stress_nodes: says which nodes the rows of `stress` belong to, which is not given")
-    model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, units)
+    model, given_name = _model(
+        source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, units
+    )
     if stress is not None:
         options.stress = _stress(model, stress, stress_nodes, _units[units])
     reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
@@ -317,6 +321,7 @@ def _model(
     dofs: Any,
     materials: dict[str, tuple[float, float, float]],
     thickness: Any,
+    density: Any,
     units: str,
 ) -> tuple[_core.FeModel, str]:
     """The finite-element model, and what it may be called."""
@@ -325,7 +330,12 @@ def _model(
         given = (mass, nodes, dofs)
         names = ("mass", "nodes", "dofs")
         a, b, c = ("" if file is None else _checks.path(name, file) for name, file in zip(names, given, strict=True))
-        return _core.read_fe(_checks.path("source", source), a, b, c, materials, factors), Path(source).stem
+        densities = _by_name("density", density)
+        depths = {k: factors[0] * t for k, t in _by_name("thickness", thickness or None).items()}
+        path = _checks.path("source", source)
+        return _core.read_fe(path, a, b, c, materials, densities, depths, factors), Path(source).stem
+    if density is not None:
+        raise InputError("density: is for a file's materials; those of a mesh have their own")
     if source is not None:
         return _mesh(source, materials, thickness), "body"
     if stiffness is None or mass is None or nodes is None:
@@ -489,6 +499,11 @@ def _materials(given: Any) -> dict[str, tuple[float, float, float]]:
             raise InputError(f"material {name!r}: Young's modulus, Poisson's ratio and density are needed")
         materials[_checks.text("materials", name)] = (numbers[0].item(), numbers[1].item(), numbers[2].item())
     return materials
+
+
+def _by_name(what: str, given: Any) -> dict[str, float]:
+    named = given if isinstance(given, Mapping) else {} if given is None else {"": given}
+    return {_checks.text(what, name): _checks.number(what, value) for name, value in named.items()}
 
 
 def _vector(what: str, given: object) -> Floats:

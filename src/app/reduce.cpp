@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string input, output, report, mass, nodes, dofs, user_modes, stress, stress_nodes;
   InterfaceOptions interfaces;
-  std::vector<std::string> materials, loads;
+  std::vector<std::string> materials, densities, thicknesses, loads;
   int modes = 10, free_modes = 10;
   std::string frame = "tangent", units = "SI", basis = "craig_bampton";
   double damping = 0, max_frequency = 0, krylov_frequency = 0, effective_mass = 0;
@@ -81,9 +81,31 @@ std::vector<fe::NamedMaterial> materials_of(const std::vector<std::string>& text
   return materials;
 }
 
+/// "NAME=VALUE" or "VALUE" (SI).
+std::vector<fe::NamedNumber> numbers_of(const char* option, const std::vector<std::string>& texts) {
+  std::vector<fe::NamedNumber> numbers;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    fe::NamedNumber number{equals == std::string::npos ? "" : text.substr(0, equals), 0};
+    const std::string value = equals == std::string::npos ? text : text.substr(equals + 1);
+    try {
+      std::size_t used = 0;
+      number.value = std::stod(value, &used);
+      if (used != value.size()) throw std::invalid_argument(value);
+    } catch (const std::exception&) {
+      throw UsageError(fmt::format("{} '{}': '{}' is not a number", option, text, value));
+    }
+    numbers.push_back(std::move(number));
+  }
+  return numbers;
+}
+
 fe::FeModel read_input(const Arguments& a) {
   try {
-    return fe::read_model(a.input, {a.mass, a.nodes, a.dofs, materials_of(a.materials)}, units_of(a.units));
+    return fe::read_model(a.input,
+                          {a.mass, a.nodes, a.dofs, materials_of(a.materials),
+                           numbers_of("--density", a.densities), numbers_of("--thickness", a.thicknesses)},
+                          units_of(a.units));
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
     throw UsageError(message.ends_with("is not known") ? message + '\n' + formats : message);
@@ -343,6 +365,16 @@ Command add_reduce(CommandLine& program) {
                   "E,nu,rho in SI, of all elements without material or of a group")
       .repeated()
       .type_name("[GROUP=]E,NU,RHO");
+  parser
+      .add_option("--density", a->densities,
+                  "kg/m³, of all materials of the file without a density or of one by its name")
+      .repeated()
+      .type_name("[MATERIAL=]RHO");
+  parser
+      .add_option("--thickness", a->thicknesses,
+                  "m, of all shells of the file without a thickness or of a group")
+      .repeated()
+      .type_name("[GROUP=]T");
   parser.add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
       .not_negative()
       .type_name("S");
