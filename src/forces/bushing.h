@@ -14,7 +14,8 @@ constexpr int stiffness = 0, damping = 36, branches = 72, branch_size = 37;
 template <class T>
 int branch_count(const LawContext<T>& c) {
   // States: what was measured at the start of the step, and the elongation of each branch's springs.
-  return c.element.state_count == 0 ? 0 : c.element.state_count / 6 - 1;
+  const int own = c.element.state_count - c.element.own_states;
+  return own == 0 ? 0 : own / 6 - 1;
 }
 /// With laws by axis: six elastic ones, then six dampers.
 template <class T>
@@ -67,11 +68,12 @@ void bushing_law(const LawContext<T>& c, ElementState<T>& s) {
     }
   const int count = branch_count(c);
   if (count == 0) return;
-  const T* before = c.states;
-  for (int k = 0; k < 6; ++k) s.states[k] = s.x[k];
+  const T* before = c.states + c.element.own_states;
+  T* after = s.states + c.element.own_states;
+  for (int k = 0; k < 6; ++k) after[k] = s.x[k];
   for (int b = 0; b < count; ++b) {
     const T *branch = p + branches + b * branch_size, *elongation = before + 6 * (1 + b);
-    T* next = s.states + 6 * (1 + b);
+    T* next = after + 6 * (1 + b);
     const T relaxation = branch[36], share = c.step > 0 ? held(c.step, relaxation) : T(0),
             kept = c.step > 0 ? T(exp(-c.step / relaxation)) : T(1);
     // Exact for an x that changes evenly over the step; at rest what is held stays.
@@ -83,7 +85,8 @@ void bushing_law(const LawContext<T>& c, ElementState<T>& s) {
 
 inline void bushing_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace bushing;
-  const double* p = c.numbers();
+  const double *p = c.numbers(), *start = c.states + c.element.own_states,
+               *end = s.states + c.element.own_states;
   e.stored = 0.5 * form(p + stiffness, s.x);
   add_times(p + damping, s.v, e.dissipating);
   if (by_axis(c))
@@ -92,14 +95,14 @@ inline void bushing_energy(const LawContext<double>& c, const ElementState<doubl
       e.dissipating[k] += c.function(6 + k).value(s.v[k]);
     }
   for (int b = 0; b < branch_count(c); ++b) {
-    const double *branch = p + branches + b * branch_size, *now = s.states + 6 * (1 + b);
+    const double *branch = p + branches + b * branch_size, *now = end + 6 * (1 + b);
     e.stored += 0.5 * form(branch, now);
     if (c.step <= 0) continue;
     // ∫ eᵀ K e dt/τ of the damper: e goes from what it was towards g, at which an even rate would hold it.
-    const double r = c.step / branch[36], lost = -std::expm1(-r), *before = c.states + 6 * (1 + b);
+    const double r = c.step / branch[36], lost = -std::expm1(-r), *before = start + 6 * (1 + b);
     double g[6], off[6], pull[6] = {};
     for (int k = 0; k < 6; ++k) {
-      g[k] = (s.x[k] - c.states[k]) / r;
+      g[k] = (s.x[k] - start[k]) / r;
       off[k] = before[k] - g[k];
     }
     add_times(branch, g, pull);

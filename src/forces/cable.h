@@ -50,20 +50,22 @@ void cable_law(const LawContext<T>& c, ElementState<T>& s) {
   next[length_before] = s.x[0];
 }
 
-/// A winch puts in what its change of the length stores, and what the damper takes of that.
+/// A winch puts in what its change of the length stores, and what the damper takes of that. At a step of 0 s
+/// the change is a jump, in which no damper works.
 inline void cable_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace cable;
   const double ea = c.numbers()[stiffness], rest = rest_now(c), length = s.x[0];
   e.stored = stored(ea, length, rest);
-  const double damped = s.force[0] - ea / rest * std::max(0.0, length - rest);
-  e.dissipating[0] = damped;
-  if (!c.has_arguments() || c.step <= 0) return;
+  e.dissipating[0] = s.force[0] - ea / rest * std::max(0.0, length - rest);
   const double* before = c.states + c.element.own_states;
-  const double was = before[rest_before], from = before[length_before], wound = damped * (rest - was);
-  e.given = 0.5 * (stored(ea, length, rest) - stored(ea, length, was) + stored(ea, from, rest) -
-                   stored(ea, from, was)) -
-            wound;
-  e.lost = -wound;
+  const double was = before[rest_before], from = before[length_before];
+  if (!c.has_arguments() || !(was > 0)) return;
+  if (c.step <= 0) {
+    e.given = e.stored - stored(ea, length, was);
+    return;
+  }
+  e.given = 0.5 * (e.stored - stored(ea, length, was) + stored(ea, from, rest) - stored(ea, from, was));
+  e.wound = rest - was;
 }
 
 }  // namespace mimbre::forces

@@ -103,12 +103,15 @@ struct LawContext {
 };
 
 /// The energy of an element: what it stores, J, and those parts of its force against each component whose
-/// work is not that of a potential: what dissipates, and what does work like a load.
+/// work is not that of a potential. Over a step a part works by the mean of its values at both ends.
 struct ElementEnergy {
   double stored = 0;
-  double lost = 0;   ///< J, that internal states dissipated in the step
+  double held =
+      0;  ///< J of that, in internal states that `inner` bends: what of its work is not held is lost
+  double lost = 0;   ///< J, that other internal states dissipated in the step
   double given = 0;  ///< J, that the step put in by what it says to the law
-  double dissipating[6] = {}, working[6] = {};
+  double wound = 0;  ///< by which signals took up in the step what `dissipating` moves along: m
+  double dissipating[6] = {}, working[6] = {}, inner[6] = {};
 };
 
 /// Arguments of a formula: `own` variables, then signals. Returns the array.

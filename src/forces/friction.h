@@ -83,14 +83,11 @@ void friction_law(const LawContext<T>& c, ElementState<T>& s) {
 inline void friction_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace friction;
   const double* p = c.numbers();
-  const double* before = c.states + c.element.own_states;
   const Bristles<double> b = bristles(c, s.x[0], s.v[0]);
   const double k = std::max(0.0, c.argument(0)) / p[sticking];
-  e.stored = 0.5 * k * b.bend * b.bend;
+  e.stored = e.held = 0.5 * k * b.bend * b.bend;
+  e.inner[0] = b.force;
   e.dissipating[0] = p[viscous] * s.v[0];
-  if (c.step <= 0 || before[known] < 0.5) return;
-  const double bent = b.bend - before[bend], slid = s.x[0] - before[place] - bent;
-  e.lost = b.force * slid + k * p[settling] * bent * bent / c.step;
 }
 
 }  // namespace mimbre::forces

@@ -1,33 +1,23 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "forces/element.h"
 #include "forces/element_ends.h"
 #include "forces/measure_contact.h"
+#include "forces/measure_turning.h"
 #include "forces/measure_wheel.h"
 #include "forces/motion.h"
 #include "joints/kernels.h"
 #include "joints/table.h"
 #include "math/function_values.h"
+#include "model/force_laws.h"
 
 /// What elements measure between two frames: x, its rate v, and the directions in which a force against it
 /// acts. All vectors are in global axes.
 namespace mimbre {
-
-/// Inverse of the left Jacobian of a rotation vector shorter than a turn: θ̇ = J⁻¹ ω.
-template <class T>
-Mat3<T> inverse_left_jacobian(const Vec3<T>& theta) {
-  using std::sqrt;
-  const T phi2 = theta.squaredNorm();
-  const RotationSeries<T> s = rotation_series<T>(phi2);
-  const Mat3<T> k = skew<T>(theta);
-  // 1/φ² − (1 + cos φ)/(2 φ sin φ) = (1 − sinc/(2 a))/φ², with its series where digits would be lost.
-  const T c = choose(
-      phi2 < T(1e-3), [&] { return T(T(1. / 12) + phi2 * (T(1. / 720) + phi2 * T(1. / 30240))); },
-      [&] { return T((T(1) - s.sinc / (T(2) * s.a)) / phi2); });
-  return Mat3<T>::Identity() - T(0.5) * k + c * (k * k);
-}
 
 /// Where the ends of a distance meet, its direction is that in which they part; without any, there is none.
 template <class T>
@@ -94,7 +84,9 @@ void measure_coordinate(const ElementData& e, const Motion<T>& a, const Motion<T
 }
 
 /// Along a direction of a, or about it. An angle about it is that of b's turning since the assembled
-/// position, as far as that is about the direction.
+/// position, as far as that is about the direction. A torque that is given acts about the direction itself,
+/// and its rate is that of turning about that; a torque by the angle acts about the line halfway between the
+/// direction in a and in b, by which the angle grows as b tilts: so a torque's work is that of an energy.
 template <class T>
 void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T& last,
                   ElementState<T>& s) {
@@ -112,33 +104,43 @@ void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, 
   const Mat3<T> turned = a.rotation.transpose() * b.rotation * e.rotation.transpose().template cast<T>();
   const Vec3<T> vee(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0), turned(1, 0) - turned(0, 1));
   constexpr double turn = 2 * std::numbers::pi;
-  const Vec3<T> n = e.direction.template cast<T>();
+  const Vec3<T> n = e.direction.template cast<T>(), tilted = turned * n;
   // Twist of the quaternion about n: of rotations about n alone it is the angle.
-  const T sine = n.dot(vee), cosine = turned.trace() - n.dot(turned * n);
+  const T sine = n.dot(vee), cosine = turned.trace() - n.dot(tilted);
   s.x[0] = atan2(sine, cosine);
   s.x[0] += T(turn) * T(round((last - s.x[0]) / turn));
-  s.v[0] = direction.dot(w);
+  const T twice = T(1) + n.dot(tilted);  // 2 cos² of half the tilt
+  const Vec3<T> about =
+      law_info(e.law).given
+          ? direction
+          : Vec3<T>(a.rotation * Vec3<T>((n + tilted) / select(twice > T(turning::least_square), twice,
+                                                               T(turning::least_square))));
+  s.v[0] = about.dot(w);
   s.set_linear(0, Vec3<T>::Zero());
-  s.set_angular(0, direction);
+  s.set_angular(0, about);
 }
 
-/// Displacement of b's origin in a's axes from where it was assembled, and the rotation vector of b since
-/// then.
+/// Displacement of b's origin in a's axes from where it was assembled, and b's turning since then
+/// (measure_turning.h).
 template <class T>
-void measure_relative(const ElementData& e, const Motion<T>& a, const Motion<T>& b, ElementState<T>& s) {
+void measure_relative(const ElementData& e, const Motion<T>& a, const Motion<T>& b, const T* states,
+                      ElementState<T>& s) {
   Vec3<T> d, u, w;
   relative_velocity(a, b, d, u, w);
   const Mat3<T> At = a.rotation.transpose();
   const Vec3<T> x = At * d - e.position.template cast<T>();
-  const Mat3<T> turned = At * b.rotation * e.rotation.transpose().template cast<T>();
-  const Vec3<T> theta = quaternion_log<T>(quaternion_of(turned));
-  const Mat3<T> inverse = inverse_left_jacobian<T>(theta);
-  const Vec3<T> ua = At * u, rate = inverse * (At * w);
-  const Mat3<T> directions = a.rotation * inverse.transpose();  // θ̇ₖ = directions.col(k) · w
+  const Mat3<T> rotation = At * b.rotation * e.rotation.transpose().template cast<T>();
+  T unknown[2 * turning::count];
+  std::fill(std::begin(unknown), std::end(unknown), T(0));
+  const T* before = e.turns < 0 ? unknown : states + e.turns;
+  T* next = e.turns < 0 ? unknown + turning::count : s.states + e.turns;
+  const turning::Turned<T> turned = turning::measure<T>(rotation, before, next);
+  const Vec3<T> ua = At * u, rate = turned.by_spin * (At * w);
+  const Mat3<T> directions = a.rotation * turned.by_spin.transpose();  // ẋₖ = directions.col(k) · w
   for (int k = 0; k < 3; ++k) {
     s.x[k] = x[k];
     s.v[k] = ua[k];
-    s.x[3 + k] = theta[k];
+    s.x[3 + k] = turned.x[k];
     s.v[3 + k] = rate[k];
     s.set_linear(k, a.rotation.col(k));
     s.set_angular(k, Vec3<T>::Zero());
@@ -201,7 +203,7 @@ void measure(const Compiled& m, const ElementData& e, const Motion<T>* a, const 
       measure_axis(e, *a, b, e.turns < 0 ? T(0) : states[e.turns], s);
       break;
     case Measure::relative:
-      return measure_relative(e, *a, b, s);
+      return measure_relative(e, *a, b, states, s);
     case Measure::velocity:
       return measure_velocity(b, s);
     case Measure::sum:  // measure_sums()

@@ -40,7 +40,14 @@ void StepMotion::start(const State& s) {
   for (int round = 0; round < 8; ++round) {
     // r = Q − M a: only the first round's, W a is followed by hand through the corrections.
     if (round == 0) {
+      // Of what remembers, forces are those at this instant, and the tangents those of a step.
+      const bool remembers = s.z.size() > 0;
+      if (remembers) system.enter(s.u.data(), s.z.data(), 0);
       system.residual(s.time, s.q.data(), s.v.data(), a.data(), g_.data(), 0, r_.data());
+      if (remembers) {
+        system.enter(s.u.data(), s.z.data(), h);
+        system.residual(s.time, s.q.data(), s.v.data(), a.data(), g_.data(), 0, x.data());
+      }
       if (!system.factor(s.q.data(), {rate * scale, scale, penalty}).ok()) return;
     } else {
       system.kinematics(s.time, s.q.data(), s.v.data(), a.data());

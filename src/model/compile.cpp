@@ -326,7 +326,7 @@ class Compiler {
   }
   static void count_turns(ElementData& e) {
     e.turns = 0;
-    e.own_states = e.state_count = 1;
+    e.own_states = e.state_count = e.measure == Measure::relative ? turning_states : 1;
   }
 
   void elements() {
@@ -522,7 +522,7 @@ class Compiler {
       e.direction = s.direction.normalized();
       e.about = s.about;
       e.reference = s.on == On::line ? apart.norm() : e.direction.dot(apart);
-      if (e.measure == Measure::axis && e.about) count_turns(e);
+      if ((e.measure == Measure::axis && e.about) || e.measure == Measure::relative) count_turns(e);
     }
     e.count = measure_size(e.measure);
     e.law = find_law(s.law);

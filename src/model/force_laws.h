@@ -48,6 +48,7 @@ struct LawInfo {
   bool path = false;         ///< along a line over several frames,
   bool velocity = false;     ///< against the velocity of a frame
   int functions = 0;         ///< that it has at most
+  bool given = false;        ///< its force does not depend on what it measures
 };
 
 /// The rows, and so ElementData::law. `sensor` only measures.
@@ -291,7 +292,8 @@ constexpr std::array<LawInfo, 17> law_table{{
     {"tyre", ""},
     {"load", ""},
     {"sensor", "", true, true, true, true},
-    {"actuator", "actuators", true, true, true, false, 1},
+    {.name = "actuator", .section = "actuators", .along = true, .coordinate = true, .axis = true,
+     .arguments = 1, .given = true},
     {.name = "bushing", .section = "bushings", .relative = true, .functions = 12},
     {"user", "", true, true, true, true},
     {"gas_spring", "gas_springs", true, false, false, false, 0, gas_spring_numbers},
@@ -309,6 +311,10 @@ constexpr std::array<LawInfo, 17> law_table{{
     {.name = "magic_tyre", .section = "", .states = 10},
 }};
 // clang-format on
+
+/// What an element between two frames remembers of their turning (forces/measure_turning.h), before the
+/// states of its law.
+constexpr int turning_states = 8;
 
 constexpr const LawInfo& law_info(int law) { return law_table[static_cast<std::size_t>(law)]; }
 /// -1: there is none of that name.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 #include "dynamics/amplitudes.h"
 #include "dynamics/elasticity.h"
@@ -59,6 +61,39 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
   return energy;
 }
 
+namespace {
+
+/// Energy that is stored where an element would measure this, with the same states.
+double stored_at(const LawContext<double>& c, ElementState<double> s, double x) {
+  s.x = &x;
+  ElementEnergy energy;
+  forces::rows<double>[static_cast<std::size_t>(c.element.law)].energy(c, s, energy);
+  return energy.stored;
+}
+/// Likewise in other surroundings.
+double stored_at(const LawContext<double>& c, ElementState<double> s, double x, double* surroundings) {
+  s.surroundings = surroundings;
+  return stored_at(c, s, x);
+}
+
+/// Whether the force moves along the rate and not along what is measured, of which that is no derivative.
+bool by_rate(const ElementData& e, int component) {
+  return is_velocity(e.measure, component) || e.measure == Measure::wheel ||
+         (e.measure == Measure::axis && law_info(e.law).given);
+}
+
+bool over_time(const Compiled& m, const ElementData& e) {
+  return on_road(e.measure) && m.roads[e.road].over == spec::Road::Over::time;
+}
+
+/// Whether its force may change while nothing moves.
+bool hears_signals(const Compiled& m, const ElementData& e) {
+  return e.measure == Measure::none || e.argument_count > 0 || e.sampled ||
+         (e.formula >= 0 && !m.formulas[e.formula].slots.empty()) || over_time(m, e);
+}
+
+}  // namespace
+
 EnergyMeter::EnergyMeter(const Compiled& m)
     : model_(&m),
       flows_(m.elements.size()),
@@ -77,7 +112,8 @@ EnergyMeter::EnergyMeter(const Compiled& m)
 
 void EnergyMeter::start(relative::RelativeSystem& system, const State& s) {
   balance_ = {};
-  started_ = false;
+  started_ = anew_ = false;
+  pending_jump_ = 0;
   for (Store& store : stores_) store = {store.place};
   observe(system, s);
   start_total_ = balance_.total();
@@ -90,12 +126,21 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
   balance_.numerical = balance_.total() - start_total_ - balance_.drive_work - balance_.load_work -
                        balance_.road_work + balance_.dissipated;
   last_input_ = balance_.numerical - before;
+  anew_ = false;
+}
+
+void EnergyMeter::jump(relative::RelativeSystem& system, const State& s) {
+  auto& w = system.workspace();
+  relative::forces(*model_, w, s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());
+  for (std::size_t k = 0; k < model_->elements.size(); ++k)
+    if (hears_signals(*model_, model_->elements[k])) jump_element(k, w);
+  anew_ = true;
 }
 
 /// Energy ½ yᵀ K_G y at the present loads of inertia and gravity, and what their change put in since the last
-/// step: as the work of K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. Forces at
-/// the boundary have an energy of their own. `first`: the velocity coordinate of the first amplitude,
-/// `forces`: scratch.
+/// step: as the work of K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. In a step
+/// that begins anew they jump first, to nearly those at its end. Forces at the boundary have an energy of
+/// their own. `first`: the velocity coordinate of the first amplitude, `forces`: scratch.
 void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<double>& motion, int first,
                                     const double* y, double* forces) {
   balance_.elastic += geometric::boundary_energy(g, y, forces);
@@ -103,9 +148,12 @@ void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<d
   geometric::add_inertial_forces(g, motion, y, forces);
   for (int k = 0; k < g.modes; ++k) {
     balance_.elastic += 0.5 * forces[k] * y[k];
-    if (started_)
-      balance_.load_work += 0.5 * (forces[k] * modal_[first + k] - geometric_force_[first + k] * y[k]);
-    geometric_force_[first + k] = forces[k];
+    double &before = geometric_force_[first + k], was = modal_[first + k];
+    if (started_) {
+      if (anew_) balance_.load_work += 0.5 * (forces[k] - before) * was;
+      balance_.load_work += 0.5 * (forces[k] * was - (anew_ ? forces[k] : before) * y[k]);
+    }
+    before = forces[k];
   }
 }
 
@@ -139,18 +187,6 @@ EnergyMeter::Unresolved EnergyMeter::most_unresolved(double nothing) const {
   return {most->place, 2 * std::numbers::pi / angle, most->highest - most->lowest};
 }
 
-namespace {
-
-/// Energy that is stored where an element would measure this, with the same states.
-double stored_at(const LawContext<double>& c, ElementState<double> s, double x) {
-  s.x = &x;
-  ElementEnergy energy;
-  forces::rows<double>[static_cast<std::size_t>(c.element.law)].energy(c, s, energy);
-  return energy.stored;
-}
-
-}  // namespace
-
 void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w, double h) {
   const Compiled& m = *model_;
   const ElementData& d = m.elements[k];
@@ -164,29 +200,65 @@ void EnergyMeter::observe_element(std::size_t k, relative::Workspace<double>& w,
     if (ends_of(m, d, context.states).frame_b < 0) return;
     if (context.states[contact_states::gap] >= 0) {
       f = {};
-      f.x[0] = context.states[contact_states::gap];
+      f.progress[0] = context.states[contact_states::gap];
     }
   }
   forces::rows<double>[static_cast<std::size_t>(d.law)].energy(context, s, now);
   if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, h, f);
   (on_road(d.measure) ? e.tyres : e.springs) += now.stored;
   if (started_) {
-    e.dissipated += now.lost;
+    e.dissipated += now.lost - (now.held - f.held);
     e.load_work += now.given;
     for (int c = 0; c < s.count; ++c) {
-      const double dx = is_velocity(d.measure, c) ? 0.5 * h * (s.x[c] + f.x[c]) : s.x[c] - f.x[c];
-      e.dissipated += 0.5 * (now.dissipating[c] + f.dissipating[c]) * dx;
-      e.load_work -= 0.5 * (now.working[c] + f.working[c]) * dx;
+      const double dx = by_rate(d, c) ? 0.5 * h * (s.v[c] + f.progress[c]) : s.x[c] - f.progress[c],
+                   wound = c == 0 ? now.wound : 0, damped = 0.5 * (now.dissipating[c] + f.dissipating[c]);
+      e.dissipated += damped * (dx - wound) + 0.5 * (now.inner[c] + f.inner[c]) * dx;
+      e.load_work -= damped * wound + 0.5 * (now.working[c] + f.working[c]) * dx;
     }
   }
   if (d.measure == Measure::height) observe_road(k, context, s, w, now.stored, f);
-  if (d.measure == Measure::wheel) observe_lift(m.roads[d.road], s, f);
+  if (d.measure == Measure::wheel) observe_wheel(context, s, now, h, f);
   observe_store(k, now.stored);
+  keep(d, s, now, f);
+  f.held = now.held;
+}
+
+void EnergyMeter::keep(const ElementData& d, const ElementState<double>& s, const ElementEnergy& now,
+                       Flow& f) {
   for (int c = 0; c < s.count; ++c) {
-    f.x[c] = s.x[c];
+    f.progress[c] = by_rate(d, c) ? s.v[c] : s.x[c];
     f.dissipating[c] = now.dissipating[c];
     f.working[c] = now.working[c];
+    f.inner[c] = now.inner[c];
   }
+}
+
+/// What stands still while signals jump. What internal states then hold more or less is reckoned with their
+/// work in the next step.
+void EnergyMeter::jump_element(std::size_t k, relative::Workspace<double>& w) {
+  const Compiled& m = *model_;
+  const ElementData& d = m.elements[k];
+  const ElementState<double> s = element_state(d, w.elements.data());
+  const LawContext<double> context = law_context(m, d, w.signals);
+  Flow& f = flows_[k];
+  if (d.measure == Measure::none) return observe_load(s, w.frames[d.frame_b], w.origin, 0, f);
+  ElementEnergy now;
+  forces::rows<double>[static_cast<std::size_t>(d.law)].energy(context, s, now);
+  balance_.load_work += now.given;
+  if (over_time(m, d)) {
+    const double before = d.measure == Measure::height ? f.height - f.road : f.gap,
+                 put_in = stored_at(context, s, s.x[0]) - stored_at(context, s, before);
+    balance_.road_work += put_in;
+    stores_[k].energy += put_in;
+    if (d.measure == Measure::height) {
+      pending_jump_ += std::abs(put_in);
+      f.road = *s.surroundings;
+      f.slope = w.signals.rate[m.roads[d.road].slot];
+    } else {
+      keep_wheel(s, now, f);
+    }
+  }
+  keep(d, s, now, f);
 }
 
 /// Work of a force and a moment on a frame.
@@ -228,13 +300,34 @@ void EnergyMeter::observe_road(std::size_t k, const LawContext<double>& context,
   f.road = road;
 }
 
-/// Work of a road over time that lifts a wheel.
-void EnergyMeter::observe_lift(const RoadData& road, const ElementState<double>& s, Flow& f) {
-  if (road.over != spec::Road::Over::time) return;
-  const double height = s.surroundings[wheel::road], push = -s.force[wheel::gap];
-  if (started_) balance_.road_work += 0.5 * (push + f.push) * (height - f.road);
-  f.road = height;
-  f.push = push;
+void EnergyMeter::keep_wheel(const ElementState<double>& s, const ElementEnergy& now, Flow& f) {
+  f.gap = s.x[wheel::gap];
+  f.spring = now.dissipating[wheel::gap] - s.force[wheel::gap];
+  std::copy_n(s.surroundings, surroundings_size(Measure::wheel), f.surroundings);
+}
+
+/// What a road does to a wheel: it moves the gap by more than the wheel's own motion does, where it rises, or
+/// bends below the wheel; half of that before and half after the wheel moves. And what a tyre stores that
+/// grows with its spin.
+void EnergyMeter::observe_wheel(const LawContext<double>& context, const ElementState<double>& s,
+                                const ElementEnergy& now, double h, Flow& f) {
+  // Within this share of the depth the spring's force is as good as constant.
+  constexpr double little = 1e-3;
+  const double gap = s.x[wheel::gap], was = f.gap, before = f.spring;
+  const double moved = gap - was - 0.5 * h * (s.v[wheel::gap] + f.progress[wheel::gap]);
+  double surroundings[surroundings_size(Measure::wheel)];
+  std::copy(std::begin(f.surroundings), std::end(f.surroundings), surroundings);
+  keep_wheel(s, now, f);
+  if (!started_) return;
+  if (gap > 0 && was > 0 && std::min(was + moved, gap - moved) > 0) return;
+  const double there = stored_at(context, s, was);
+  balance_.road_work += 0.5 * (now.stored - stored_at(context, s, gap, surroundings) + there -
+                               stored_at(context, s, was, surroundings));
+  if (std::abs(moved) < little * std::min(-gap, -was))
+    balance_.road_work -= 0.5 * (before + f.spring) * moved;
+  else
+    balance_.road_work +=
+        0.5 * (stored_at(context, s, was + moved) - there + now.stored - stored_at(context, s, gap - moved));
 }
 
 void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
@@ -243,7 +336,8 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   relative::forces(m, w, s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());
   EnergyBalance& e = balance_;
   const double h = s.time - time_;
-  jump_ = most_exchanged_ = 0;
+  jump_ = std::exchange(pending_jump_, 0.0);
+  most_exchanged_ = 0;
   place_ = {};
   const std::size_t body_store = m.elements.size();
 
@@ -309,7 +403,8 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   for (std::size_t k = 0; k < m.drives.size(); ++k) {
     const DriveData& d = m.drives[k];
     const double force = -s.multipliers[d.equation];
-    if (started_) e.drive_work += 0.5 * (force + drive_force_[k]) * (s.q[d.q] - drive_position_[k]);
+    const double before = anew_ ? force : drive_force_[k];
+    if (started_) e.drive_work += 0.5 * (force + before) * (s.q[d.q] - drive_position_[k]);
     drive_position_[k] = s.q[d.q];
     drive_force_[k] = force;
   }

@@ -17,6 +17,11 @@ class EnergyMeter {
   /// Neither allocates nor throws.
   void start(relative::RelativeSystem& system, const State& state);
   void update(relative::RelativeSystem& system, const State& state);
+  /// Before a step that begins anew, with other accelerations than those in which the last one ended: inputs,
+  /// events or controllers may have changed forces, and what elements store. From here on the forces of now
+  /// count. The system has entered the state with a step of 0 s, and its last kinematics are of it; the
+  /// forces are then, too.
+  void jump(relative::RelativeSystem& system, const State& state);
 
   const EnergyBalance& balance() const { return balance_; }
   /// Energy that the numerics put in during the last step.
@@ -47,7 +52,7 @@ class EnergyMeter {
   /// All that it remembers from step to step.
   void transfer(StateTransfer& transfer) {
     for (const EnergyTerm& term : energy_terms) transfer(balance_.*term.value);
-    transfer(start_total_, last_input_, jump_, most_exchanged_, started_, time_);
+    transfer(start_total_, last_input_, jump_, pending_jump_, most_exchanged_, started_, anew_, time_);
     place_.transfer(transfer);
     for (Flow& f : flows_) f.transfer(transfer);
     for (Store& s : stores_) transfer(s.energy, s.change, s.highest, s.lowest, s.exchanged, s.unresolved);
@@ -55,17 +60,21 @@ class EnergyMeter {
   }
 
  private:
-  /// What an element was after the step before.
+  /// What an element was after the step before. `progress`: what it measured, or where its force moves along
+  /// a rate that is none of that, the rate.
   struct Flow {
-    double x[6] = {}, dissipating[6] = {}, working[6] = {};
-    double height = 0, road = 0, along = 0, slope = 0, push = 0;  ///< on a road
+    double progress[6] = {}, dissipating[6] = {}, working[6] = {}, inner[6] = {};
+    double held = 0;
+    double height = 0, road = 0, along = 0, slope = 0;                                 ///< on a road
+    double gap = 0, spring = 0, surroundings[surroundings_size(Measure::wheel)] = {};  ///< of a wheel
     Eigen::Vector3d load_position = Eigen::Vector3d::Zero(), load_force = Eigen::Vector3d::Zero();
     double load_power = 0;
     void transfer(StateTransfer& transfer) {
-      for (double* component : {x, dissipating, working})
+      for (double* component : {progress, dissipating, working, inner})
         for (int k = 0; k < 6; ++k) transfer(component[k]);
+      for (double& x : surroundings) transfer(x);
       for (int k = 0; k < 3; ++k) transfer(load_position[k], load_force[k]);
-      transfer(height, road, along, slope, push, load_power);
+      transfer(held, height, road, along, slope, gap, spring, load_power);
     }
   };
   /// What a place stores, and how that has changed from step to step.
@@ -76,21 +85,28 @@ class EnergyMeter {
   };
   void observe(relative::RelativeSystem& system, const State& state);
   void observe_element(std::size_t element, relative::Workspace<double>& work, double h);
+  static void keep(const ElementData& element, const ElementState<double>& state, const ElementEnergy& now,
+                   Flow& flow);
   void observe_load(const ElementState<double>& state, const Motion<double>& frame, const Vec3d& origin,
                     double h, Flow& flow);
   void observe_road(std::size_t element, const LawContext<double>& context, const ElementState<double>& state,
                     relative::Workspace<double>& work, double stored, Flow& flow);
-  void observe_lift(const RoadData& road, const ElementState<double>& state, Flow& flow);
+  void observe_wheel(const LawContext<double>& context, const ElementState<double>& state,
+                     const ElementEnergy& now, double h, Flow& flow);
+  static void keep_wheel(const ElementState<double>& state, const ElementEnergy& now, Flow& flow);
+  void jump_element(std::size_t element, relative::Workspace<double>& work);
   void observe_store(std::size_t store, double energy);
   void observe_geometric(const GeometricData& geometric, const StressMotion<double>& motion, int first,
                          const double* y, double* forces);
 
   const Compiled* model_;
   EnergyBalance balance_;
-  double start_total_ = 0, last_input_ = 0, jump_ = 0;
+  double start_total_ = 0, last_input_ = 0;
+  double jump_ = 0, pending_jump_ = 0;  ///< in the last step; of a road that has jumped since then
   Place place_;
   double most_exchanged_ = 0;  ///< in the last step, at place_
   bool started_ = false;
+  bool anew_ = false;          ///< the next step begins with accelerations that are not known here
   std::vector<Flow> flows_;    ///< of elements
   std::vector<Store> stores_;  ///< elements, bodies
   std::vector<double> generalised_, drive_position_, drive_force_;

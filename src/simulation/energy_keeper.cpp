@@ -1,6 +1,7 @@
 #include "simulation/energy_keeper.h"
 
 #include <algorithm>
+#include <array>
 
 #include "dynamics/relative/shift.h"
 
@@ -13,9 +14,13 @@ constexpr double largest_share = 0.1;
 }  // namespace
 
 EnergyKeeper::EnergyKeeper(const Compiled& model, const std::vector<FreeGroup>& groups)
-    : model_(model), groups_(groups), meter_(model), momenta_(groups.size()), rotations_(groups.size()) {}
-
-void EnergyKeeper::begin(relative::RelativeSystem& observer, const State& s) { meter_.start(observer, s); }
+    : model_(model),
+      groups_(groups),
+      sets_(floating_sets(model)),
+      meter_(model),
+      momenta_(groups.size()),
+      set_momenta_(sets_.size()),
+      rotations_(groups.size()) {}
 
 /// The turn at a share λ: θ = −λ g / 2T, g the gain of energy per angle, T the energy of rotation.
 Mat3d EnergyKeeper::turn_of(std::size_t group, double share) const {
@@ -37,10 +42,11 @@ double EnergyKeeper::gain(double share) const {
 }
 
 void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& s,
-                       State& state) {
+                       const EnergyMeter& meter, State& state) {
+  meter_ = meter;
   meter_.update(observer, s);
   auto& work = observer.workspace();
-  const double excess = meter_.balance().numerical + state.energy_error;
+  const double excess = meter_.last_input() + state.energy_error;
   const double kinetic = kinetic_energy(model_, work, s.q.data(), s.v.data());
   // With E the energies: minimise Σ E (relative change)², subject to the change of energy.
   double mean = 0, turning = 0;
@@ -51,6 +57,11 @@ void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSyste
     mean += 0.5 * p.linear.dot(p.velocity()) + rotations_[k].energy;
     if (!groups_[k].rigid && rotations_[k].energy > 0)
       turning += rotations_[k].gain.squaredNorm() / (2 * rotations_[k].energy);
+  }
+  for (std::size_t k = 0; k < sets_.size(); ++k) {
+    set_momenta_[k] = relative::momentum(model_, work, sets_[k].bodies, s.q.data(), s.v.data());
+    const relative::Momentum& p = set_momenta_[k];
+    mean += 0.5 * p.linear.dot(p.velocity()) + rotation_of(p.inertia, p.angular).energy;
   }
   inner_ = model_.drives.empty() ? std::max(0.0, kinetic - mean) : 0;
   const double slope = inner_ + turning;
@@ -76,15 +87,18 @@ void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSyste
 void EnergyKeeper::scale(relative::RelativeSystem& observer, natural::NaturalSystem* natural, double by,
                          State& state) {
   state.v *= 1 + by;
-  for (std::size_t k = 0; k < groups_.size(); ++k) {
-    const relative::Momentum& p = momenta_[k];
+  const auto leave_mean = [&](const relative::Momentum& p, const std::vector<char>& has, const auto& roots) {
     const Vec3d spin = relative::mean_spin(p.inertia, p.angular);
     const Vec3d velocity = p.velocity() - spin.cross(p.centre);  // at the common point
     if (natural)
-      natural->add_rigid_motion(groups_[k].has, -by, velocity, spin, observer.workspace().origin, state);
+      natural->add_rigid_motion(has, -by, velocity, spin, observer.workspace().origin, state);
     else
-      relative::add_rigid_motion(model_, observer.workspace(), groups_[k].root, -by, velocity, spin, state);
-  }
+      for (const int root : roots)
+        relative::add_rigid_motion(model_, observer.workspace(), root, -by, velocity, spin, state);
+  };
+  for (std::size_t k = 0; k < groups_.size(); ++k)
+    leave_mean(momenta_[k], groups_[k].has, std::array{groups_[k].root});
+  for (std::size_t k = 0; k < sets_.size(); ++k) leave_mean(set_momenta_[k], sets_[k].has, sets_[k].roots);
 }
 
 }  // namespace mimbre

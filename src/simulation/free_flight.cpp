@@ -1,8 +1,8 @@
 #include "simulation/free_flight.h"
 
 #include <algorithm>
-
 #include <cmath>
+#include <utility>
 
 #include "dynamics/relative/shift.h"
 #include "joints/table.h"
@@ -29,48 +29,97 @@ Mat3d restoring_turn(const Mat3d& inertia, const Vec3d& angular, double energy) 
   return turn;
 }
 
-}  // namespace
+/// What ties the trees of bodies to each other and to the ground, besides the joints that they stand on.
+struct Ties {
+  std::vector<int> root;                   ///< by body
+  std::vector<std::pair<int, int>> pairs;  ///< of roots; -1: the ground
+  std::vector<char> tied;                  ///< by root: to anything, or it has no floating joint
+};
 
-std::vector<FreeGroup> free_groups(const Compiled& m) {
+Ties find_ties(const Compiled& m) {
   const int count = static_cast<int>(m.bodies.size());
-  std::vector<int> root(m.bodies.size());
-  std::vector<char> free(m.bodies.size(), 0);  // by root
+  Ties t;
+  t.root.resize(m.bodies.size());
+  t.tied.assign(m.bodies.size(), 0);
+  const auto add = [&](int a, int b) {
+    if (a == b) return;
+    t.pairs.emplace_back(a, b);
+    if (a >= 0) t.tied[a] = 1;
+    if (b >= 0) t.tied[b] = 1;
+  };
   for (int i = 0; i < count; ++i) {
     const BodyData& b = m.bodies[i];
-    root[i] = b.parent < 0 ? i : root[b.parent];
-    if (b.parent < 0) free[i] = b.joint == spec::JointType::floating;
+    t.root[i] = b.parent < 0 ? i : t.root[b.parent];
+    if (b.parent < 0 && b.joint != spec::JointType::floating) add(i, -1);
   }
-  const auto tie = [&](int frame_a, int frame_b) {
-    const auto root_of = [&](int frame) {
-      return m.frames[frame].body < 0 ? -1 : root[m.frames[frame].body];
-    };
-    const int a = root_of(frame_a), b = root_of(frame_b);
-    if (a == b) return;
-    if (a >= 0) free[a] = 0;
-    if (b >= 0) free[b] = 0;
+  const auto root_of = [&](int frame) {
+    return frame < 0 || m.frames[frame].body < 0 ? -1 : t.root[m.frames[frame].body];
   };
+  const auto tie = [&](int frame_a, int frame_b) { add(root_of(frame_a), root_of(frame_b)); };
   for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
   for (const ConstraintData& c : m.constraints)
-    for (const ConstraintTerm& t : c.terms) tie(t.frame_a, t.frame_b);
+    for (const ConstraintTerm& term : c.terms) tie(term.frame_a, term.frame_b);
   for (const ElementData& e : m.elements) {
     // Of a sum the legs act.
     const bool acts = e.leg || (e.measure != Measure::sum && e.law != static_cast<int>(Law::sensor));
     if (e.measure == Measure::none || !acts || e.pooled) continue;
-    if (e.body >= 0) {
-      if (m.bodies[e.body].parent < 0) free[e.body] = 0;
-    } else if (e.frame_a < 0)
-      free[root[m.frames[e.frame_b].body]] = 0;
-    else
+    if (e.body < 0)
       tie(e.frame_a, e.frame_b);
+    else if (m.bodies[e.body].parent < 0)
+      add(e.body, -1);
   }
   for (const SwarmData& swarm : m.swarms)
     for (const SwarmSphere& sphere : swarm.spheres) tie(swarm.spheres[0].frame, sphere.frame);
   for (const DriveData& d : m.drives)
-    if (m.bodies[d.body].parent < 0) free[d.body] = 0;
+    if (m.bodies[d.body].parent < 0) add(d.body, -1);
+  return t;
+}
 
+}  // namespace
+
+std::vector<FloatingSet> floating_sets(const Compiled& m) {
+  const Ties ties = find_ties(m);
+  // Of each root the lowest one that it is tied to; -1: the ground.
+  std::vector<int> lowest(m.bodies.size());
+  for (std::size_t i = 0; i < lowest.size(); ++i) lowest[i] = static_cast<int>(i);
+  const auto of = [&](int root) { return root < 0 ? -1 : lowest[root]; };
+  for (bool changes = true; changes;) {
+    changes = false;
+    for (const auto& [a, b] : ties.pairs) {
+      const int low = std::min(of(a), of(b));
+      for (const int root : {a, b})
+        if (root >= 0 && lowest[root] != low) {
+          lowest[root] = low;
+          changes = true;
+        }
+    }
+  }
+  std::vector<FloatingSet> sets;
+  const int count = static_cast<int>(m.bodies.size());
+  for (int first = 0; first < count; ++first) {
+    if (ties.root[first] != first || lowest[first] != first || !ties.tied[first]) continue;
+    FloatingSet set;
+    set.has.assign(m.bodies.size(), 0);
+    double mass = 0;
+    for (int i = 0; i < count; ++i) {
+      if (lowest[ties.root[i]] != first) continue;
+      if (ties.root[i] == i) set.roots.push_back(i);
+      set.bodies.push_back(i);
+      set.has[i] = 1;
+      mass += m.bodies[i].mass;
+    }
+    if (mass > 0) sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+std::vector<FreeGroup> free_groups(const Compiled& m) {
+  const int count = static_cast<int>(m.bodies.size());
+  const Ties ties = find_ties(m);
+  const std::vector<int>& root = ties.root;
   std::vector<FreeGroup> groups;
   for (int i = 0; i < count; ++i) {
-    if (root[i] != i || !free[i]) continue;
+    if (root[i] != i || ties.tied[i]) continue;
     FreeGroup g;
     g.root = i;
     g.has.assign(m.bodies.size(), 0);

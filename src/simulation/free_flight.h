@@ -19,6 +19,15 @@ struct FreeGroup {
 
 std::vector<FreeGroup> free_groups(const Compiled& model);
 
+/// Several trees of bodies with floating joints that loops, springs or contacts tie to each other, and
+/// nothing to the ground: momentum is theirs together.
+struct FloatingSet {
+  std::vector<int> roots, bodies;
+  std::vector<char> has;  ///< by body
+};
+
+std::vector<FloatingSet> floating_sets(const Compiled& model);
+
 /// The laws that no rule of integration in coordinates keeps by itself: linear and angular momentum of what
 /// flies freely are constant but for gravity, and the centre of mass is on its parabola; of what is rigid
 /// also the energy of its rotation is constant. After a step the group is moved as one rigid body to where

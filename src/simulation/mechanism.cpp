@@ -36,13 +36,21 @@ bool Mechanism::remembers() const {
   return state.z.size() > 0 || !model.signals.integrals.empty() || model.signals.clock >= 0;
 }
 
+void Mechanism::evaluate_forces() {
+  const State& s = view();
+  relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(),
+                   generalised_.data());
+}
+
 void Mechanism::commit(bool known) {
   if (!remembers()) return;
-  const State& s = view();
-  if (!known)
-    relative::forces(model, observer.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(),
-                     generalised_.data());
+  if (!known) evaluate_forces();
   commit_signals(model, observer, state);
+}
+
+void Mechanism::commit_jump(bool known) {
+  if (!known) evaluate_forces();
+  commit_signalled_laws(model, observer, state);
 }
 
 }  // namespace mimbre

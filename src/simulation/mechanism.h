@@ -26,6 +26,9 @@ struct Mechanism {
   /// After a step, and at the start: takes over what force elements and signals remember. `known`: the
   /// observer's last forces are of the state.
   void commit(bool known);
+  /// Where signals have jumped: the laws of force elements remember what these say now. `known`: as of
+  /// commit(), of an evaluation with a step of 0 s.
+  void commit_jump(bool known);
 
   const Compiled& model;
   relative::RelativeSystem observer;  ///< the system itself in relative coordinates
@@ -34,6 +37,8 @@ struct Mechanism {
   State state, seen;
 
  private:
+  void evaluate_forces();
+
   Eigen::VectorXd generalised_;
 };
 

@@ -3,7 +3,10 @@
 namespace mimbre {
 
 Observers::Observers(const Mechanism& mechanism, const Method& method, bool redundant)
-    : model_(mechanism.model), energies_(method.energies && method.warnings), winches_(mechanism.model) {
+    : model_(mechanism.model),
+      energies_(method.energies && method.warnings),
+      winches_(mechanism.model),
+      turns_(mechanism.model) {
   if (!method.validity) return;
   validity_ = std::make_unique<ValidityMonitor>(model_);
   if (validity_->empty()) validity_.reset();
@@ -14,6 +17,7 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
 void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
   if (energies_) monitor_.start(meter);
   winches_.start();
+  turns_.start();
   if (!validity_) return;
   validity_->start();
   validity_->watch(mechanism.view());
@@ -23,6 +27,7 @@ void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
 void Observers::watch(const Mechanism& mechanism, const EnergyMeter& meter) {
   if (energies_) monitor_.watch(meter, mechanism.state.time);
   winches_.watch(mechanism.state.z.data(), mechanism.state.time);
+  turns_.watch(mechanism.observer.workspace(), mechanism.state.time);
   if (validity_) validity_->watch(mechanism.view());
   if (loads_) loads_->watch(mechanism, *validity_);
 }
@@ -30,6 +35,7 @@ void Observers::watch(const Mechanism& mechanism, const EnergyMeter& meter) {
 void Observers::transfer(StateTransfer& transfer) {
   monitor_.transfer(transfer);
   winches_.transfer(transfer);
+  turns_.transfer(transfer);
   if (validity_) validity_->transfer(transfer);
   if (loads_) loads_->transfer(transfer);
 }

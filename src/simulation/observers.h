@@ -8,6 +8,7 @@
 #include "simulation/load_watch.h"
 #include "simulation/mechanism.h"
 #include "simulation/step_maker.h"
+#include "simulation/turn_watch.h"
 #include "simulation/validity.h"
 #include "simulation/winch_watch.h"
 
@@ -29,6 +30,8 @@ class Observers {
   /// Of linear theory.
   std::vector<std::string> validity_warnings();
   std::vector<std::string> winch_warnings() const { return winches_.warnings(); }
+  /// Of turning that laws of force were not made for.
+  std::vector<std::string> turn_warnings() const { return turns_.warnings(); }
   /// Empty when there is none.
   std::string energy_warning(const StepMaker& steps) const;
   /// The first reactions that were not resolved, of those that were watched.
@@ -39,6 +42,7 @@ class Observers {
   const bool energies_;
   EnergyMonitor monitor_;
   WinchWatch winches_;
+  TurnWatch turns_;
   std::unique_ptr<ValidityMonitor> validity_;
   std::unique_ptr<LoadWatch> loads_;
 };

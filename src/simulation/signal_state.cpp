@@ -66,13 +66,24 @@ void start_signals(const Compiled& m, const std::map<std::string, double>& input
   }
 }
 
+namespace {
+
+void commit_element(const ElementData& e, const relative::Workspace<double>& w, State& state) {
+  const ElementState<const double> s = element_state(e, w.elements.data());
+  std::copy_n(s.states, e.state_count, state.z.data() + e.states);
+}
+
+}  // namespace
+
+void commit_signalled_laws(const Compiled& m, const relative::RelativeSystem& system, State& state) {
+  for (const ElementData& e : m.elements)
+    if (e.state_count > 0 && e.argument_count > 0 && !e.user) commit_element(e, system.workspace(), state);
+}
+
 void commit_signals(const Compiled& m, const relative::RelativeSystem& system, State& state) {
   const auto& w = system.workspace();
-  for (const ElementData& e : m.elements) {
-    if (e.state_count == 0) continue;
-    const ElementState<const double> s = element_state(e, w.elements.data());
-    std::copy_n(s.states, e.state_count, state.z.data() + e.states);
-  }
+  for (const ElementData& e : m.elements)
+    if (e.state_count > 0) commit_element(e, w, state);
   for (const ConstraintData& c : m.constraints)
     std::copy_n(w.constraint_states.data() + c.next_states, c.state_count, state.z.data() + c.states);
   for (const SignalsData::Integral& i : m.signals.integrals) {

@@ -20,6 +20,9 @@ void start_signals(const Compiled& model, const std::map<std::string, double>& i
 /// elements at its end, and moves integrals of signals on.
 void commit_signals(const Compiled& model, const relative::RelativeSystem& system, State& state);
 
+/// The part of that of laws that take signals, but for users' laws: before a step, where signals have jumped.
+void commit_signalled_laws(const Compiled& model, const relative::RelativeSystem& system, State& state);
+
 /// The part of that of continuous blocks: their states, and their inputs of now. Also by itself, before a
 /// step, where inputs have jumped since then.
 void commit_blocks(const Compiled& model, const relative::RelativeSystem& system, State& state);

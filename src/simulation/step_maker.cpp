@@ -97,6 +97,16 @@ double StepMaker::step_tolerance() const {
                              : substep_without_gravity * play;
 }
 
+/// Where a step begins with accelerations of its own, what signals say may have jumped: forces, what elements
+/// store, and what their laws remember of it.
+void StepMaker::begin_anew() {
+  Mechanism& m = mechanism_;
+  m.enter(0);
+  m.observe_afresh();
+  if (method_.energies) meter_.jump(m.observer, m.view());
+  m.commit_jump(method_.energies);
+}
+
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
@@ -105,7 +115,6 @@ void StepMaker::advance(StepReport& report) {
   if (corrects) {
     m.observe_afresh();
     free_flight_.begin(m.observer, m.view());
-    if (conserves_) energy_keeper_.begin(m.observer, m.view());
   }
   if (!swarms_.none()) {
     if (!corrects) m.observe_afresh();
@@ -130,7 +139,7 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (conserves_) {
-    energy_keeper_.end(m.observer, m.natural.get(), m.view(), m.state);
+    energy_keeper_.end(m.observer, m.natural.get(), m.view(), meter_, m.state);
     m.observe();
   }
   if (method_.energies) meter_.update(m.observer, m.view());
@@ -195,6 +204,7 @@ StepReport StepMaker::step(double length) {
   StepReport report;
   // Where something jumps, a step that begins anew from there costs another residual and another factor.
   if (method_.fixed_cost && under_way_) m.state.started = true;
+  if (!m.state.started) begin_anew();
   if (keeps_) keep_in(before_);
   attempts_ = 0;
   cover(length, 0, report);

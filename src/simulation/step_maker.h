@@ -56,6 +56,7 @@ class StepMaker {
     ContactLog log;
   };
 
+  void begin_anew();
   void advance(StepReport& report);
   void keep_in(Begin& begin) const;
   void back_to(const Begin& begin);

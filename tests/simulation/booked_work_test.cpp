@@ -1,0 +1,236 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "mimbre/simulation.h"
+#include "support/models.h"
+#include "support/random_elements.h"
+#include "support/simulate.h"
+
+/// What the energy balance books of forces is what they do, also where they jump.
+namespace mimbre::test {
+namespace {
+
+using Rule = spec::Simulation::Integrator;
+using testing::IsEmpty;
+
+struct Case {
+  Rule rule;
+  Formulation formulation;
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << (c.rule == Rule::conserve ? "conserve" : "default")
+       << (c.formulation == Formulation::natural ? "_natural" : "_relative");
+}
+
+class BookedWork : public testing::TestWithParam<Case> {
+ protected:
+  /// Natural coordinates turn by unit vectors: an angle has the rule's error, of second order.
+  static double close(double exactly, double by_rule) {
+    return GetParam().formulation == Formulation::natural ? by_rule : exactly;
+  }
+  Simulation simulation(const std::string& text, double step = 0) const {
+    RunOptions options;
+    options.formulation = GetParam().formulation;
+    if (GetParam().rule == Rule::conserve) options.integrator = Rule::conserve;
+    options.energies = true;
+    options.step = step;
+    return Simulation(model_of(text), options);
+  }
+};
+
+/// A torque of 2 N m about the global z on a body that tumbles: Lz grows by 2 N m s/s, and the work is the
+/// gain of kinetic energy.
+TEST_P(BookedWork, ATorqueAboutAnAxisOfATumblingBody) {
+  Simulation s = simulation(R"(
+gravity: [0, 0, 0]
+bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 2, 3]}}
+joints: {f: {type: floating, between: [ground, b], at: [0, 0, 0], velocity: [0, 0, 0, 1.0, 2.0, 0.5]}}
+actuators: {g: {between: [ground, b], at: [0, 0, 0], about: [0, 0, 1], torque: "2.0"}}
+outputs:
+  - {name: wz, angular_velocity: b, component: z}
+  - {name: Lz, angular_momentum: b, component: z}
+  - {name: Lx, angular_momentum: b, component: x}
+simulation: {step: 0.0005, end: 1}
+)");
+  // ∫ 2 ωz dt by Simpson's rule over pairs of steps.
+  double work = 0, before = channel(s, "wz");
+  while (s.time() < 1 - 1e-9) {
+    ASSERT_TRUE(s.step().ok());
+    const double middle = channel(s, "wz");
+    ASSERT_TRUE(s.step().ok());
+    const double after = channel(s, "wz");
+    work += 2 * 0.001 / 6 * (before + 4 * middle + after);
+    before = after;
+  }
+  EXPECT_NEAR(s.energy().load_work, work, close(1e-6, 1e-5));
+  EXPECT_NEAR(work, 2.51, 0.01);
+  EXPECT_NEAR(channel(s, "Lz"), 1.5 + 2, close(2e-6, 1e-5));
+  EXPECT_NEAR(channel(s, "Lx"), 1, close(2e-6, 1e-5));
+  EXPECT_NEAR(s.energy().numerical, 0, close(1e-6, 1e-5));
+  EXPECT_THAT(s.warnings(), IsEmpty());
+}
+
+/// A hinge of 1 kg m² under torques that are constant from one jump to the next.
+struct Hinge {
+  double angle = 0, rate = 0;
+  void turn(double torque, double time) {
+    angle += rate * time + 0.5 * torque * time * time;
+    rate += torque * time;
+  }
+};
+constexpr const char* hinge = R"(
+gravity: [0, 0, 0]
+bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: revolute, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1]}}
+actuators: {m: {joint: j, torque: u}}
+outputs: [{name: a, joint: j}, {name: w, joint_velocity: j}]
+)";
+
+TEST_P(BookedWork, AnEventThatTurnsATorqueRound) {
+  Simulation s = simulation(std::string(hinge) +
+                            "inputs: {u: 1}\nevents: {e: {when: t, crosses: 0.5, set: {u: -1}}}\n"
+                            "simulation: {step: 0.01, end: 1}\n");
+  run_to(s, 0.5);
+  EXPECT_NEAR(s.energy().load_work, 0.125, close(1e-7, 1e-5));
+  run_to(s, 1);
+  // The event is found 1e-9 s behind.
+  EXPECT_NEAR(channel(s, "a"), 0.25, close(1e-8, 1e-5));
+  EXPECT_NEAR(s.energy().load_work, 0, close(1e-8, 1e-5));
+  EXPECT_NEAR(s.energy().numerical, 0, close(1e-10, 1e-5));
+}
+
+TEST_P(BookedWork, ASampledController) {
+  Simulation s =
+      simulation(std::string(hinge) +
+                 "signals: {u: {value: \"sin(20*t)\", every: 0.02}}\nsimulation: {step: 0.002, end: 1}\n");
+  Hinge exact;
+  for (int k = 0; k < 50; ++k) {
+    exact.turn(std::sin(20 * 0.02 * k), 0.02);
+    run_to(s, 0.02 * (k + 1));
+    ASSERT_NEAR(channel(s, "a"), exact.angle, close(1e-9, 1e-6)) << k;
+    ASSERT_NEAR(s.energy().load_work, 0.5 * exact.rate * exact.rate, close(1e-9, 1e-6)) << k;
+  }
+  EXPECT_NEAR(exact.angle, 0.0468, 1e-4);
+}
+
+TEST_P(BookedWork, AnInputThatJumps) {
+  Simulation s = simulation(std::string(hinge) + "inputs: {u: 0}\nsimulation: {step: 0.01, end: 1}\n");
+  Hinge exact;
+  const int u = s.input("u");
+  for (int k = 0; k < 20; ++k) {
+    const double torque = std::sin(1 + 14.3 * 0.05 * k);
+    s.set_input(u, torque);
+    exact.turn(torque, 0.05);
+    run_to(s, 0.05 * (k + 1));
+    ASSERT_NEAR(channel(s, "a"), exact.angle, close(1e-9, 1e-6)) << k;
+    ASSERT_NEAR(s.energy().load_work, 0.5 * exact.rate * exact.rate, close(1e-9, 1e-6)) << k;
+  }
+}
+
+/// Before the first step, too.
+TEST_P(BookedWork, AnInputThatIsSetAtTheStart) {
+  Simulation s = simulation(std::string(hinge) + "inputs: {u: -3}\nsimulation: {step: 0.01, end: 1}\n");
+  s.set_input(s.input("u"), 2);
+  run_to(s, 1);
+  EXPECT_NEAR(channel(s, "a"), 1, close(1e-9, 3e-4));
+  EXPECT_NEAR(s.energy().load_work, 2, close(1e-9, 6e-4));
+}
+
+/// A load, a winch, wind, a motor, a spring with a tunable rate and a road, all of which jump on a moving
+/// mass: the balance holds to the order of the rule.
+TEST_P(BookedWork, WhateverJumps) {
+  for (const char* const element :
+       {"loads: {f: {on: b, at: [0, 0, 0.3], force: [3, 1, 2], moment: [0, 1, 0], scale: u}}",
+        "cables: {c: {over: [ground, b], at: [[0, 0, 2], [0, 0, 0.2]], axial_stiffness: 40, damping: 0.4, "
+        "length: "
+        "\"1.6 - 0.1*u\"}}",
+        "drags: {d: {on: b, at: [0, 0, 0.3], area: 1, coefficients: [1, 1, 1], wind: [\"3*u\", 0, 0]}}",
+        "motors: {m: {joint: j, ratio: 3, constant: 0.3, resistance: 1, voltage: \"4*u\", inertia: 0.01}}",
+        "springs: {s: {between: [ground, b], at: [[0, 0.5, 0.8], [0, 0, 0.4]], force: \"(20 + 8*u)*(l - "
+        "0.4)\"}}",
+        "frictions: {f: {joint: j, torque: \"0.5*(1.3 + u)\", sticking: 0.01, settling: 0.01}}",
+        "roads: {r: {over: time, height: \"0.05*u\"}}\ntyres: {t: {on: b, at: [0, 0, 0.2], road: r, "
+        "stiffness: 300, "
+        "radius: 0.3}}"}) {
+    const std::string text = fmt::format(R"(
+gravity: [0, 0, -2]
+inputs: {{u: 0.2}}
+bodies: {{b: {{mass: 1, com: [0.1, 0, 0.3], inertia: [0.1, 0.1, 0.1]}}}}
+joints:
+  j: {{type: revolute, between: [ground, b], at: [0, 0, 0], axis: [1, 0.2, 0], velocity: 2, spring: {{stiffness: 3}}}}
+{}
+events: {{e: {{when: t, crosses: 0.313, set: {{u: -0.8}}}}}}
+simulation: {{step: 0.001}}
+)",
+                                         element);
+    double coarse = 0, play = 0;
+    for (const double step : {4e-3, 1e-3}) {
+      Simulation s = simulation(text, step);
+      double most = 0;
+      for (int k = 0; s.time() < 1 - 1e-9; ++k) {
+        if (std::abs(s.time() - 0.6) < 0.1 * step) s.set_input(s.input("u"), 0.9);
+        const StepReport report = s.step();
+        ASSERT_TRUE(report.ok()) << s.explain(report);
+        most = std::max(most, std::abs(s.energy().numerical));
+        play = std::max(play, s.energy().kinetic);
+      }
+      if (coarse == 0) coarse = most;
+      if (step > 1e-3) continue;
+      EXPECT_LT(most, 5e-5 * play) << element;
+      if (coarse > 1e-9 * play) {
+        EXPECT_GT(coarse / most, 8) << element;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BookedWork,
+                         testing::Values(Case{Rule::generalized_alpha, Formulation::relative},
+                                         Case{Rule::generalized_alpha, Formulation::natural},
+                                         Case{Rule::conserve, Formulation::relative},
+                                         Case{Rule::conserve, Formulation::natural}),
+                         testing::PrintToStringParamName());
+
+/// Two bodies in space and a spring between them, which the step hardly resolves: `conserve` gives back the
+/// energy that the rule takes, and not at the cost of their momentum.
+TEST(BookedWork, ConserveKeepsTheMomentumOfBodiesThatSpringsTie) {
+  for (const Formulation formulation : {Formulation::relative, Formulation::natural}) {
+    RunOptions options;
+    options.formulation = formulation;
+    options.integrator = Rule::conserve;
+    Simulation s(model_of(R"(
+gravity: [0, 0, 0]
+bodies:
+  a: {mass: 1, com: [0, 0, 0], inertia: [0.1, 0.2, 0.1]}
+  b: {mass: 2, com: [1, 0, 0], inertia: [0.2, 0.2, 0.1]}
+joints:
+  a: {type: floating, between: [ground, a], at: [0, 0, 0], velocity: [1, 0.5, 0, 0, 0, 1]}
+  b: {type: floating, between: [ground, b], at: [1, 0, 0], velocity: [-2, 0.5, 1, 0, 2, 0]}
+springs: {s: {between: [a, b], at: [[0, 0.1, 0], [1, 0, 0.2]], elastic: {stiffness: 300, zero: 1}}}
+outputs:
+  - {name: px, linear_momentum: all, component: x}
+  - {name: py, linear_momentum: all, component: y}
+  - {name: pz, linear_momentum: all, component: z}
+  - {name: Lx, angular_momentum: all, component: x}
+  - {name: Ly, angular_momentum: all, component: y}
+  - {name: Lz, angular_momentum: all, component: z}
+simulation: {step: 0.02}
+)"),
+                 options);
+    const char* const names[] = {"px", "py", "pz", "Lx", "Ly", "Lz"};
+    double start[6];
+    for (int k = 0; k < 6; ++k) start[k] = channel(s, names[k]);
+    double energy = s.energy().total();
+    run_to(s, 10);
+    EXPECT_NEAR(s.energy().total(), energy, 1e-6 * energy);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(channel(s, names[k]), start[k], 1e-6) << names[k];
+    for (int k = 3; k < 6; ++k) EXPECT_NEAR(channel(s, names[k]), start[k], 2e-2) << names[k];
+  }
+}
+
+}  // namespace
+}  // namespace mimbre::test
