@@ -13,7 +13,6 @@ namespace {
 // As shares of the sphere's radius.
 constexpr double graze = 1e-3;       ///< what is not deeper on the way may be passed over
 constexpr double deeper = 0.1;       ///< likewise against the depth at an end that touches
-constexpr double short_way = 0.25;   ///< on which a sphere that touches does not come to another side
 constexpr double well_known = 2e-3;  ///< errors of the way that do not matter
 
 constexpr int most_pieces = 64;  ///< chords in place of a way, and samples of one

@@ -24,6 +24,9 @@ enum class Passage {
   certain    ///< in between it was in the surface, or deeper in it than at both ends
 };
 
+/// A way on which a sphere that touches does not come to another side, as a share of its radius.
+constexpr double short_way = 0.25;
+
 /// `before`, `after`: the gaps at the ends, m, negative where they touch. `slow`: a sphere that would come
 /// nearer to the surface by less than that in the step when it meets it only grazes it, m.
 Passage passage(const SurfaceData& surface, double radius, const SpherePath& path, double before,

@@ -55,31 +55,34 @@ ContactWatch::ContactWatch(const Compiled& m)
   first_state_ = m.elements[first].states;
   int end = first_state_;
   for (int k = first; k < last; ++k) end = std::max(end, m.elements[k].states + m.elements[k].state_count);
-  before_.resize(static_cast<std::size_t>(end - first_state_));
+  kept_.resize(static_cast<std::size_t>(end - first_state_));
 }
 
-void ContactWatch::begin(const double* z) { std::copy_n(z + first_state_, before_.size(), before_.begin()); }
+void ContactWatch::begin(const double* z, bool keep) {
+  before_ = z + first_state_;
+  if (!keep) return;
+  std::copy_n(before_, kept_.size(), kept_.begin());
+  before_ = kept_.data();
+}
 
 /// Whether the way of the sphere in the step may have led through the surface.
-bool ContactWatch::passes(int element, const relative::Workspace<double>& w, double h, double quiet,
-                          Seen& seen) const {
+bool ContactWatch::passes(int element, const double* start, const ElementState<const double>& s,
+                          const relative::Workspace<double>& w, double h, double quiet, Seen& seen) const {
   // A step of the rule turns a body that turns by θ by about θ³/12 less; of a bend ½θ²ρ that is its sixth by
   // θ, and more than the error of a parabola through the arc, 4/27 · ⅙ θ³ρ.
   constexpr double of_turn = 1.0 / 12, of_bend = 0.2;
   const ElementData& e = model_.elements[element];
-  const ElementState<const double> s = element_state(e, w.elements.data());
-  const double* start = before_.data() + (e.states - first_state_);
   const ElementEnds ends = ends_of(model_, e, start);
   const Motion<double>&a = w.frames[ends.frame_a], &b = w.frames[ends.frame_b];
   const double before = start[states::gap], after = s.x[0], turned = h * a.omega.norm(),
-               spins = turned + h * b.omega.norm();
-  // Most are far from one another: what follows is not more than this where bodies turn by less than a
-  // radian.
+               spins = turned + h * b.omega.norm(), turn = turned + 0.5 * h * h * a.alpha.norm();
+  // Most are far from one another, or hardly move: the way is not longer than this where bodies turn by less
+  // than a radian.
   const Vec3d from = place_in(start), to = place_in(s.states);
-  if (before >= 0 && after >= 0 && spins < 1 && h * h * a.alpha.norm() <= turned &&
-      3 * ((to - from).norm() + h * (b.velocity - a.velocity).norm() +
-           (turned > 0 ? 2 * turned * (from.norm() + to.norm()) : 0)) <=
-          before + after)
+  const bool touch = before < 0 || after < 0;
+  if (spins + turn < 1 && 3 * ((to - from).norm() + h * (b.velocity - a.velocity).norm() +
+                               (turn > 0 ? 2 * turn * (from.norm() + to.norm()) : 0)) <=
+                              (touch ? short_way * ends.radius : before + after))
     return false;
   const SurfaceData& surface = model_.surfaces[ends.surface];
   const Mat3d axes = a.rotation.transpose();
@@ -94,7 +97,7 @@ bool ContactWatch::passes(int element, const relative::Workspace<double>& w, dou
   }
   path.bend = h * (axes * (b.velocity - a.velocity)) + path.from - path.to;
   path.error += of_bend * path.bend.norm() * spins;
-  if (before >= 0 && after >= 0 && path.longest() + path.error <= before + after) return false;
+  if (!touch && path.longest() + path.error <= before + after) return false;
   const Passage found = passage(surface, ends.radius, path, before, after, quiet * h);
   if (found == Passage::none) return false;
   if (found == Passage::certain && seen.passes++ == 0)
@@ -102,59 +105,70 @@ bool ContactWatch::passes(int element, const relative::Workspace<double>& w, dou
   return true;
 }
 
-void ContactWatch::look_for_depth(const relative::Workspace<double>& w) {
-  const Compiled& m = model_;
-  const auto sinks = [](Seen& seen, double depth, double limit, const ContactTrouble::Where& where) {
-    if (!(depth > limit) || depth - limit <= seen.depth - seen.depth_limit) return;
-    seen.depth = depth;
-    seen.depth_limit = limit;
-    seen.sank = where;
-  };
-  for (int c = 0; c < contacts_; ++c)
-    for (int k = m.first_of_contact[c]; k < m.first_of_contact[c + 1]; ++k) {
-      const ElementData& e = m.elements[k];
-      const double gap = element_state(e, w.elements.data()).x[0];
-      const double* start = before_.data() + (e.states - first_state_);
-      if (!(gap < 0) || (e.pooled && start[law_states(e)] == 0)) continue;
-      // The centre of the sphere is in the solid, of two spheres that of the smaller one in the other.
-      const ElementEnds ends = ends_of(m, e, start);
-      const bool of_sphere = ends.surface >= own_surfaces_;
-      sinks(seen_[static_cast<std::size_t>(c)], -gap,
-            of_sphere ? std::min(ends.radius, m.surfaces[ends.surface].size[0]) : ends.radius,
-            {k, ends.frame_a, ends.frame_b, ends.radius});
-    }
-  for (int k = m.first_tyre; k < m.first_load; ++k) {
-    const ElementData& e = m.elements[k];
+namespace {
+
+void sinks(double depth, double limit, const ContactTrouble::Where& where, double& most, double& most_limit,
+           ContactTrouble::Where& most_where) {
+  if (!(depth > limit) || depth - limit <= most - most_limit) return;
+  most = depth;
+  most_limit = limit;
+  most_where = where;
+}
+
+}  // namespace
+
+/// The centre of the sphere is in the solid, of two spheres that of the smaller one in the other.
+void ContactWatch::look_for_depth(int element, double gap, Seen& seen) const {
+  const ElementData& e = model_.elements[element];
+  const ElementEnds ends = ends_of(model_, e, before_ + (e.states - first_state_));
+  const bool of_sphere = ends.surface >= own_surfaces_;
+  sinks(-gap, of_sphere ? std::min(ends.radius, model_.surfaces[ends.surface].size[0]) : ends.radius,
+        {element, ends.frame_a, ends.frame_b, ends.radius}, seen.depth, seen.depth_limit, seen.sank);
+}
+
+void ContactWatch::look_under_wheels(const relative::Workspace<double>& w) {
+  for (int k = model_.first_tyre; k < model_.first_load; ++k) {
+    const ElementData& e = model_.elements[k];
     if (e.measure != Measure::wheel) continue;
-    sinks(seen_[static_cast<std::size_t>(contacts_ + e.spec)],
-          -element_state(e, w.elements.data()).x[wheel::gap], e.radius, {k, e.frame_a, e.frame_b, e.radius});
+    Seen& seen = seen_[static_cast<std::size_t>(contacts_ + e.spec)];
+    sinks(-element_state(e, w.elements.data()).x[wheel::gap], e.radius, {k, e.frame_a, e.frame_b, e.radius},
+          seen.depth, seen.depth_limit, seen.sank);
   }
+}
+
+/// Calls f(contact, element, its states at the start, its state now) with all pairs.
+template <class F>
+void ContactWatch::for_pairs(const relative::Workspace<double>& w, const F& f) const {
+  for (int c = 0; c < contacts_; ++c)
+    for (int k = model_.first_of_contact[c]; k < model_.first_of_contact[c + 1]; ++k) {
+      const ElementData& e = model_.elements[k];
+      const double* start = before_ + (e.states - first_state_);
+      if (!e.pooled || start[law_states(e)] != 0) f(c, k, start, element_state(e, w.elements.data()));
+    }
 }
 
 void ContactWatch::look(const relative::Workspace<double>& w, const double* z) {
-  begin(z);
+  begin(z, false);
   std::fill(seen_.begin(), seen_.end(), Seen());
-  look_for_depth(w);
+  for_pairs(w, [&](int c, int k, const double*, const ElementState<const double>& s) {
+    if (s.x[0] < 0) look_for_depth(k, s.x[0], seen_[static_cast<std::size_t>(c)]);
+  });
+  look_under_wheels(w);
 }
 
 bool ContactWatch::followed(const relative::Workspace<double>& w, double h, double quiet) {
-  const Compiled& m = model_;
   std::fill(seen_.begin(), seen_.end(), Seen());
-  look_for_depth(w);
   bool all = true;
-  for (int c = 0; c < contacts_; ++c) {
-    const bool swarm = !m.swarms[c].spheres.empty();
-    for (int k = m.first_of_contact[c]; k < m.first_of_contact[c + 1]; ++k) {
-      const ElementData& e = m.elements[k];
-      const double* start = before_.data() + (e.states - first_state_);
-      if (e.pooled && start[law_states(e)] == 0) continue;
-      if (passes(k, w, h, quiet, seen_[static_cast<std::size_t>(c)]))
-        all = false;
-      else if (!swarm && all)
-        all = shows_blow(m.numbers.data() + e.numbers, e.struck_mass, start,
-                         element_state(e, w.elements.data()), h, quiet);
-    }
-  }
+  for_pairs(w, [&](int c, int k, const double* start, const ElementState<const double>& s) {
+    Seen& seen = seen_[static_cast<std::size_t>(c)];
+    const ElementData& e = model_.elements[k];
+    if (s.x[0] < 0) look_for_depth(k, s.x[0], seen);
+    if (passes(k, start, s, w, h, quiet, seen))
+      all = false;
+    else if (all && model_.swarms[c].spheres.empty())
+      all = shows_blow(model_.numbers.data() + e.numbers, e.struck_mass, start, s, h, quiet);
+  });
+  look_under_wheels(w);
   return all;
 }
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "dynamics/relative/workspace.h"
+#include "forces/element.h"
 #include "simulation/contact_log.h"
 
 namespace mimbre {
@@ -18,8 +19,9 @@ class ContactWatch {
 
   /// At the start, `states` likewise: what is pressed in too deep then.
   void look(const relative::Workspace<double>& work, const double* states);
-  /// Before a step: of the states of force elements at its start.
-  void begin(const double* states);
+  /// Before a step: of the states of force elements at its start. `keep`: they will have changed when the
+  /// step is looked at.
+  void begin(const double* states, bool keep);
   /// After a step of h seconds: whether no sphere went through a solid unseen, and blows took many of such
   /// steps. Blows of swarms, of which there are some in every step, do not count. `work`: of the forces at
   /// its end; `quiet`: speed of the blows that do not count.
@@ -34,13 +36,18 @@ class ContactWatch {
     ContactTrouble::Where passed, sank;
     double depth = 0, depth_limit = 0;
   };
-  void look_for_depth(const relative::Workspace<double>& work);
-  bool passes(int element, const relative::Workspace<double>& work, double h, double quiet, Seen& seen) const;
+  template <class F>
+  void for_pairs(const relative::Workspace<double>& work, const F& f) const;
+  void look_for_depth(int element, double gap, Seen& seen) const;
+  void look_under_wheels(const relative::Workspace<double>& work);
+  bool passes(int element, const double* start, const ElementState<const double>& s,
+              const relative::Workspace<double>& work, double h, double quiet, Seen& seen) const;
 
   const Compiled& model_;
   int contacts_ = 0, own_surfaces_ = 0;  ///< of the model file; behind these surfaces spheres come
   int first_state_ = 0;
-  std::vector<double> before_;  ///< states of contacts
+  const double* before_ = nullptr;  ///< states of contacts at the start of the step
+  std::vector<double> kept_;        ///< where they are kept
   std::vector<Seen> seen_;
 };
 

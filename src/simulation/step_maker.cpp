@@ -120,7 +120,7 @@ void StepMaker::advance(StepReport& report) {
     if (!corrects) m.observe_afresh();
     swarms_.find(m.observer.workspace(), integrator_->options().step, m.state.z.data());
   }
-  if (!contacts_.none()) contacts_.begin(m.state.z.data());
+  if (!contacts_.none()) contacts_.begin(m.state.z.data(), !method_.energies);
   m.enter(integrator_->options().step);
   last_ = integrator_->step(m.state);
   report.code = static_cast<StepReport::Code>(last_.code);
@@ -143,9 +143,14 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (method_.energies) meter_.update(m.observer, m.view());
+  // Energies have evaluated the forces at the end, else commit() does.
+  const auto look_at_contacts = [&] {
+    followed_ = contacts_.none() || contacts_.followed(m.observer.workspace(), integrator_->options().step,
+                                                       quiet_speed(m.model, length_));
+  };
+  if (method_.energies) look_at_contacts();
   m.commit(method_.energies);
-  followed_ = contacts_.none() || contacts_.followed(m.observer.workspace(), integrator_->options().step,
-                                                     quiet_speed(m.model, length_));
+  if (!method_.energies) look_at_contacts();
   m.enter(0);
   if (conserves_) m.state.energy_error += meter_.last_input();
   if (method_.profile) energy_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
