@@ -233,6 +233,27 @@ const char* const nastran_punch =
     "DMIG*   KAAX                           2               1\n"
     "*                      1               1-1.000000000D+00\n"
     "*                      2               1 3.500000000D+00\n";
+const char* const nastran_solids =
+    "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD1R,6,1,2,4\nGRDSET,,,,,,\n"
+    "GRID           1              0.      0.      "
+    "0.\nGRID,2,5,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,5,1.,90.,0.\n"
+    "GRID*                  5                             0.0             0.0*\n*                    1.0\n"
+    "GRID,6,,1.,0.,1.\nGRID,7,,1.,1.,1.\nGRID,8,,0.,1.,1.\nGRID,9,,.5,.5,2.\n"
+    "CHEXA,1,1,1,2,3,4,5,6\n+,7,8\nCPYRAM,2,2,5,6,7,8,9\nPSOLID,1,1\nPSOLID,2,2,6\n"
+    "MAT1,1,2.1+11,,.3,7800.\nMAT9,2,3.+11,1.+11,1.+11,,,,3.+11\n,1.+11,,,,3.+11,,,\n,1.+11,,,1.+11,,1.+11,"
+    "7800.\n"
+    "SPC1,1,123,1,THRU,4\nENDDATA\n";
+const char* const nastran_frame =
+    "CORD2S,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,,0.,0.,0.,5\nGRID,2,,1.,0.,0.,5\nGRID,3,,1.,1.,0.\nGRID,"
+    "4,,0.,1.,0.\n"
+    "GRID,5,,0.,0.,1.\nGRID,6,,0.,0.,2.\nMAT1,1,2.1+11,,.3,7800.\nMAT8,2,1.4+11,1.+10,.3,5.+9,,,1600.\n"
+    "PSHELL,1,1,.01,1,2.,1,1.,3.\nPCOMP,2,,,,,,,SYM\n,2,.001,0.,,2,.001,90.\n"
+    "CQUAD4,1,1,1,2,3,4\nCTRIA3,2,2,1,2,3,5\nCBAR,3,3,1,5,1.,1.,0.,,\n,4,,.1,0.,0.\nPBARL,3,1,,I,,,,,\n,.1,."
+    "05,.05,.005,.005,.005\n"
+    "CBEAM,4,4,5,6,1.,1.,0.\nPBEAML,4,1,,L,,,,,\n,.1,.1,.01,.01\nCROD,5,5,1,3\nPROD,5,1,1.-4,1.-8\n"
+    "RBE2,10,6,1246,3,4\nRBE3,11,,5,123,1.,123,1,2,,\n,3\nCONM2,12,6,,2.,.1\nCELAS2,13,5.,1,1,2,1\nCBUSH,14,"
+    "7,1,4,,,,0\n"
+    "PBUSH,7,K,1.,2.,3.\nMPC,1,1,3,1.,2,3,-1.\nENDDATA\n";
 const char* const user_modes = "node,x1,y1,z1,x2,y2,z2\n1,0,0,0,0,0,0\n2,0,0.1,0,0,0,0.2\n3,0,1,0,0,0,1\n";
 const char* const node_table = "label,x,y,z\n1,0,0,0\n2,1,0,0\n3;1.5;0;1e-3\n";
 
@@ -295,17 +316,16 @@ const std::vector<Reader>& readers() {
        }},
       {"nastran",
        [](const std::string& bytes) {
-         NastranGrids grids;
-         SolidMesh mesh;
-         read_text(
-             bytes,
-             [&](TextFile& file) {
-               grids.read(file);
-               mesh = grids.finish(file.mark());
-             },
-             [&](TextFile& file) { parse_dmig(file, grids.matrices(), mesh); });
+         SolidMesh mesh = nodes(4);
+         read_text(bytes, [&](TextFile& file) {
+           NastranLines lines(file);
+           parse_dmig(lines, {"KAAX"}, mesh);
+         });
+         read_text(bytes, [](TextFile& file) { reduce_mesh(parse_nastran(file)); });
        },
-       [](const std::string&) { return std::vector<std::string>{nastran_punch}; }},
+       [](const std::string&) {
+         return std::vector<std::string>{nastran_punch, nastran_solids, nastran_frame};
+       }},
       {"matrix_market",
        [](const std::string& bytes) {
          read_text(bytes, [](TextFile& file) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,9 +76,18 @@ ImportedMatrices read_abaqus_matrices(const std::string& stiffness_path, const s
                                       const std::string& nodes_path, const std::string& dofs_path = "",
                                       const FileUnits& units = {});
 
+/// The mesh of a Nastran deck: bulk data in small, large and free field with its includes; case control
+/// chooses the MPC. Solids CTETRA, CHEXA, CPENTA, CPYRAM; shells CQUAD4, CQUADR, CQUAD8, CTRIA3, CTRIAR,
+/// CTRIA6 with PSHELL or a symmetric PCOMP; CBAR, CBEAM, CROD, CTUBE, CONROD; CELAS, CBUSH, CMASS, CONM1,
+/// CONM2; RBE1, RBE2, RBE3, RBAR, RROD, MPC; MAT1, MAT2, MAT8, MAT9, MAT11; all CORD systems, of positions
+/// and displacements. Properties, ties and sets of nodes become node sets (PSHELL:3, RBE2:7, SPC:1, SET:4).
+/// Loads, constraints to the ground, contact and dampers are left out; elements that are not read are
+/// refused, each by its card and line. Nothing: the deck has no elements but matrices (read_nastran_dmig).
+std::optional<ImportedMesh> read_nastran(const std::string& path, const FileUnits& units = {});
+
 /// Nastran and OptiStruct: DMIG cards (small, large and free field; square or symmetric, real) of a punch
 /// file and GRID cards of the same file or of `bulk_path`. An empty name means the only matrix whose name
-/// begins with K or M. Displacements must be in basic axes; positions may be in CORD2R systems.
+/// begins with K or M. Positions and displacements may be in any system; the matrices come in basic axes.
 ImportedMatrices read_nastran_dmig(const std::string& punch_path, const std::string& bulk_path = "",
                                    const std::string& stiffness_name = "", const std::string& mass_name = "",
                                    const FileUnits& units = {});
@@ -115,13 +125,14 @@ struct FeCompanions {
 };
 
 /// A model by its file's ending: .msh and .inp are meshes, assembled here (with matrices of the same name
-/// beside an .inp those are taken), .mtx and .npz stiffness matrices, .pch, .dmig, .bdf and .dat DMIG cards.
+/// beside an .inp those are taken), .mtx and .npz stiffness matrices, .bdf, .dat, .nas,
+/// .pch and .dmig Nastran bulk data: elements or, without these, DMIG cards.
 /// Throws std::invalid_argument for an ending that is not known, companions that are missing or groups that
 /// are not there, InputError for what is wrong with the files.
 FeModel read_model(const std::string& path, const FeCompanions& companions = {}, const FileUnits& units = {});
 
-/// What read_model() reads beside a CalculiX or Abaqus input: its includes, and matrices of the same name (if
-/// they exist). Throws InputError when an include is missing.
+/// What read_model() reads beside a file: the includes of a CalculiX, Abaqus or Nastran input, and the
+/// matrices of the same name as an .inp (if they exist). Throws InputError when an include is missing.
 std::vector<std::string> files_beside(const std::string& inp_path);
 
 /// Nodes that a text selects: `group:NAME` or `set:NAME` (a node set of the mesh), `nodes:FILE` (labels, one

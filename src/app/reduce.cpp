@@ -42,7 +42,10 @@ constexpr const char* formats =
     ".dof\n"
     "                        of the same name where they lie beside it\n"
     "  .mtx, .npz            stiffness as Matrix Market, Abaqus or SciPy matrix: needs --mass and --nodes\n"
-    "  .pch, .dmig, .bdf     Nastran DMIG and GRID cards (--nodes FILE: the cards' own file)\n";
+    "  .bdf, .dat, .nas      Nastran bulk data: mesh, materials, properties\n"
+    "  .pch, .dmig, .bdf     Nastran DMIG and GRID cards, where there are no elements (--nodes FILE: the "
+    "cards'\n"
+    "                        own file)\n";
 
 fe::FileUnits units_of(const std::string& name) {
   if (name == "mm") return {1e-3, 1e3, 1};
@@ -277,8 +280,7 @@ std::vector<std::string> inputs_of(const Arguments& a) {
   for (const std::string& interface : a.interfaces.interfaces)
     if (const auto file = interface.find("=nodes:"); file != std::string::npos)
       inputs.push_back(interface.substr(file + std::string_view("=nodes:").size()));
-  if (a.input.ends_with(".inp"))
-    for (const std::string& beside : fe::files_beside(a.input)) inputs.push_back(beside);
+  for (const std::string& beside : fe::files_beside(a.input)) inputs.push_back(beside);
   return inputs;
 }
 

@@ -144,10 +144,7 @@ void add_dofs_beside(const SolidMesh& mesh, MeshCells& cells) {
       int& dofs = at(what, name, term.node);
       if (term.direction < 0 || term.direction > 5 || !std::isfinite(term.factor))
         fail(fmt::format("{} '{}'", what, name), "directions are 0 to 5, factors finite");
-      if (dofs == 0) dofs = term.direction < 3 ? 3 : 6;
-      if (term.direction >= dofs)
-        fail(fmt::format("{} '{}'", what, name),
-             fmt::format("{} is of solids alone and has no rotations", node_name(mesh, term.node)));
+      dofs = std::max(dofs, term.direction < 3 ? 3 : 6);
     }
   };
   for (const Spring& spring : mesh.springs) terms("spring", spring.name, spring.stretch);

@@ -5,132 +5,30 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
+#include <memory>
 #include <unordered_map>
 
+#include "fe_files/mesh_builder.h"
+#include "fe_files/nastran_build.h"
 #include "fe_files/text.h"
+#include "fe_files/units.h"
 
-// Cards: MSC Nastran Quick Reference Guide, DMIG, GRID, CORD2R.
+// Cards: MSC Nastran Quick Reference Guide, DMIG.
 
 namespace mimbre::fe {
 
 namespace {
 
-constexpr int kDeepest = 100;
-
-std::int64_t integer(const NastranCard& card, std::size_t i, const char* what, std::int64_t missing) {
-  const std::string_view field = card.field(i);
-  if (field.empty()) return missing;
-  const auto value = to_integer(field);
-  if (!value) throw InputError(card.mark, fmt::format("'{}' is no {}", shown(field), what));
-  return *value;
-}
-
-double real(const NastranCard& card, std::size_t i, const char* what) {
-  const std::string_view field = card.field(i);
-  if (field.empty()) return 0;
-  const auto value = to_real(field);
-  if (!value) throw InputError(card.mark, fmt::format("'{}' is no {}", shown(field), what));
-  return *value;
-}
-
-Eigen::Vector3d point(const NastranCard& card, std::size_t first) {
-  Eigen::Vector3d result;
-  for (std::size_t i = 0; i < 3; ++i) result(static_cast<int>(i)) = real(card, first + i, "coordinate");
-  return result;
-}
-
-std::string capitals(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
-
 bool is_dmig_head(const NastranCard& card) { return card.name == "DMIG" && card.field(1) == "0"; }
 
 }  // namespace
 
-void NastranGrids::read(TextFile& file) {
-  NastranCards cards(file);
-  NastranCard card;
-  while (cards.next(card)) {
-    if (card.name == "GRID") {
-      Grid grid;
-      grid.label = integer(card, 0, "node number", 0);
-      if (grid.label <= 0) throw InputError(card.mark, "a GRID needs a number from 1");
-      grid.position_system = integer(card, 1, "coordinate system", 0);
-      grid.displacement_system = integer(card, 5, "coordinate system", 0);
-      grid.position = point(card, 2);
-      grid.mark = card.mark;
-      grids_.push_back(grid);
-    } else if (card.name == "GRDSET") {
-      if (integer(card, 1, "coordinate system", 0) != 0 || integer(card, 5, "coordinate system", 0) != 0)
-        throw InputError(card.mark, "GRDSET with coordinate systems is not read; say them on every GRID");
-    } else if (card.name == "CORD2R") {
-      const std::int64_t label = integer(card, 0, "coordinate system", 0);
-      if (label <= 0) throw InputError(card.mark, "a coordinate system needs a number from 1");
-      const bool is_new = systems_
-                              .emplace(label, System{integer(card, 1, "coordinate system", 0), point(card, 2),
-                                                     point(card, 5), point(card, 8), card.mark})
-                              .second;
-      if (!is_new) throw InputError(card.mark, fmt::format("coordinate system {} is there already", label));
-    } else if (card.name.starts_with("CORD")) {
-      other_systems_[integer(card, 0, "coordinate system", 0)] = card.name;
-    } else if (is_dmig_head(card)) {
-      matrices_.push_back(capitals(card.field(0)));
-    }
-  }
-}
-
-NastranGrids::Axes NastranGrids::axes(std::int64_t system, const Mark& mark, int depth) const {
-  if (system == 0) return {};
-  const auto found = systems_.find(system);
-  if (found == systems_.end()) {
-    const auto other = other_systems_.find(system);
-    throw InputError(
-        mark, other == other_systems_.end()
-                  ? fmt::format("coordinate system {} is not there; give the file that has it", system)
-                  : fmt::format("coordinate system {} is a {}; only CORD2R is read", system, other->second));
-  }
-  if (depth > kDeepest)
-    throw InputError(found->second.mark, "coordinate systems refer to each other in a circle");
-  const Axes reference = axes(found->second.reference, found->second.mark, depth + 1);
-  const System& own = found->second;
-  const Eigen::Vector3d z = own.on_z - own.origin, aside = own.in_xz - own.origin;
-  const Eigen::Vector3d y = z.cross(aside);
-  if (!(y.norm() > 1e-12 * z.norm() * aside.norm()))
-    throw InputError(own.mark, "the three points of the coordinate system are on a line");
-  Eigen::Matrix3d turn;
-  turn.col(1) = y.normalized();
-  turn.col(2) = z.normalized();
-  turn.col(0) = turn.col(1).cross(turn.col(2));
-  return {reference.origin + reference.rotation * own.origin, reference.rotation * turn};
-}
-
-SolidMesh NastranGrids::finish(const Mark& end) const {
-  if (grids_.empty()) throw InputError(end, "has no GRID cards; give the bulk-data file that has them");
-  SolidMesh mesh;
-  mesh.nodes.resize(3, static_cast<Eigen::Index>(grids_.size()));
-  std::unordered_map<std::int64_t, int> labels;
-  std::map<std::int64_t, Axes> known;
-  const auto axes_of = [&](std::int64_t system, const Mark& mark) {
-    const auto found = known.find(system);
-    return found != known.end() ? found->second : known.emplace(system, axes(system, mark)).first->second;
-  };
-  for (std::size_t i = 0; i < grids_.size(); ++i) {
-    const Grid& grid = grids_[i];
-    if (!labels.emplace(grid.label, static_cast<int>(i)).second)
-      throw InputError(grid.mark, fmt::format("node {} is there already", grid.label));
-    const Axes position = axes_of(grid.position_system, grid.mark);
-    mesh.nodes.col(static_cast<Eigen::Index>(i)) = position.origin + position.rotation * grid.position;
-    const Axes displacement = axes_of(grid.displacement_system, grid.mark);
-    if (!displacement.rotation.isIdentity(1e-9))
-      throw InputError(grid.mark,
-                       fmt::format("node {} has its displacements in the turned system {}; leave CD empty",
-                                   grid.label, grid.displacement_system));
-    mesh.labels.push_back(grid.label);
-  }
-  return mesh;
+ImportedMesh parse_nastran(TextFile& file) {
+  NastranModel model;
+  NastranLines lines(file);
+  read_nastran_bulk(lines, model);
+  return finish_nastran(model);
 }
 
 std::string choose_matrix(const std::vector<std::string>& names, const std::string& wanted, char letter,
@@ -153,13 +51,13 @@ std::string choose_matrix(const std::vector<std::string>& names, const std::stri
   return fitting.front();
 }
 
-std::vector<NastranMatrix> parse_dmig(TextFile& file, const std::vector<std::string>& names,
+std::vector<NastranMatrix> parse_dmig(NastranLines& lines, const std::vector<std::string>& names,
                                       const SolidMesh& mesh) {
   std::unordered_map<std::int64_t, int> by_label;
   for (std::size_t i = 0; i < mesh.labels.size(); ++i) by_label.emplace(mesh.labels[i], static_cast<int>(i));
   std::vector<NastranMatrix> matrices(names.size());
   std::vector<char> has_head(names.size(), 0);
-  NastranCards cards(file);
+  NastranCards cards(lines);
   NastranCard card;
   const auto key = [&](std::string_view grid, std::string_view component) {
     const auto label = to_integer(grid), direction = to_integer(component);
@@ -187,8 +85,8 @@ std::vector<NastranMatrix> parse_dmig(TextFile& file, const std::vector<std::str
     if (is_dmig_head(card)) {
       if (has_head[index]) throw InputError(card.mark, fmt::format("the matrix {} is there twice", *name));
       has_head[index] = 1;
-      const std::int64_t form = integer(card, 2, "form of a matrix", 0),
-                         type = integer(card, 3, "type of a matrix", 1);
+      const std::int64_t form = card.whole(2, "form of a matrix", 0),
+                         type = card.whole(3, "type of a matrix", 1);
       if (form != 1 && form != 2 && form != 6 && form != 9)
         throw InputError(
             card.mark, fmt::format("form {} of the matrix {}: 6 (symmetric), 1 or 9 is needed", form, *name));
@@ -219,26 +117,123 @@ std::vector<NastranMatrix> parse_dmig(TextFile& file, const std::vector<std::str
   return matrices;
 }
 
+namespace {
+
+/// What the reader of one file after another has; the first one's control tells which constraints count.
+struct Deck {
+  NastranModel model;
+  std::vector<std::string> included;
+};
+
+std::unique_ptr<NastranLines> bulk_of(const std::string& path, NastranModel& model) {
+  auto lines = std::make_unique<NastranLines>(std::make_unique<TextFile>(path));
+  if (read_nastran_control(*lines, model)) {
+    model.has_control = true;
+    return lines;
+  }
+  // There is no BEGIN BULK: the file is bulk data from its start, whatever was taken for case control.
+  model.sets.clear();
+  model.equation_sets.clear();
+  return std::make_unique<NastranLines>(std::make_unique<TextFile>(path));
+}
+
+void read_deck(const std::string& path, Deck& deck) {
+  const std::unique_ptr<NastranLines> lines = bulk_of(path, deck.model);
+  read_nastran_bulk(*lines, deck.model);
+  deck.included.insert(deck.included.end(), lines->included().begin(), lines->included().end());
+}
+
+void refuse_errors(NastranModel& model) {
+  if (!model.errors.empty()) throw InputError(std::move(model.errors));
+}
+
+/// Turns the dofs of nodes whose displacements are in directions of their own into body axes.
+void turn(const NastranBuild& build, FeMatrices& matrices, const Mark& mark) {
+  using Eigen::Index;
+  std::vector<Eigen::Triplet<double>> entries;
+  bool any = false;
+  const auto rows = static_cast<Index>(matrices.dofs.size());
+  std::map<std::pair<int, int>, Index> row_of;
+  for (Index r = 0; r < rows; ++r) {
+    const Dof& dof = matrices.dofs[static_cast<std::size_t>(r)];
+    row_of[{dof.node, dof.direction}] = r;
+  }
+  for (Index r = 0; r < rows; ++r) {
+    const Dof& dof = matrices.dofs[static_cast<std::size_t>(r)];
+    const Eigen::Matrix3d axes = build.directions(dof.node, {});
+    if (axes.isIdentity(1e-9)) {
+      entries.emplace_back(r, r, 1.0);
+      continue;
+    }
+    any = true;
+    const int kind = dof.direction / 3 * 3;
+    for (int k = 0; k < 3; ++k) {
+      const auto found = row_of.find({dof.node, kind + k});
+      if (found == row_of.end())
+        throw InputError(
+            mark, fmt::format("node {} has its displacements in a turned system (CD) and not all three "
+                              "of its {} in the matrices",
+                              build.mesh.labels[static_cast<std::size_t>(dof.node)],
+                              kind == 0 ? "translations" : "rotations"));
+      entries.emplace_back(found->second, r, axes(k, dof.direction - kind));  // body from own
+    }
+  }
+  if (!any) return;
+  Eigen::SparseMatrix<double> T(rows, rows);
+  T.setFromTriplets(entries.begin(), entries.end());
+  for (Eigen::SparseMatrix<double>* matrix : {&matrices.stiffness, &matrices.mass}) {
+    const Eigen::SparseMatrix<double> all = matrix->selfadjointView<Eigen::Lower>();
+    const Eigen::SparseMatrix<double> product = T * all * T.transpose();
+    *matrix = product.triangularView<Eigen::Lower>();
+  }
+}
+
+}  // namespace
+
 ImportedMatrices read_nastran_dmig(const std::string& punch_path, const std::string& bulk_path,
                                    const std::string& stiffness_name, const std::string& mass_name,
                                    const FileUnits& units) {
-  NastranGrids grids;
-  TextFile first(punch_path);
-  grids.read(first);
+  Deck deck;
+  deck.model.grids_only = true;
+  read_deck(punch_path, deck);
   const Mark mark{punch_path, 0, 0};
-  std::vector<std::string> names = {choose_matrix(grids.matrices(), stiffness_name, 'K', mark),
-                                    choose_matrix(grids.matrices(), mass_name, 'M', mark)};
-  if (!bulk_path.empty()) {
-    TextFile bulk(bulk_path);
-    grids.read(bulk);
-  }
-  SolidMesh mesh = grids.finish(mark);
-  TextFile second(punch_path);
-  std::vector<NastranMatrix> matrices = parse_dmig(second, names, mesh);
+  const std::vector<std::string> names = {choose_matrix(deck.model.matrices, stiffness_name, 'K', mark),
+                                          choose_matrix(deck.model.matrices, mass_name, 'M', mark)};
+  if (!bulk_path.empty()) read_deck(bulk_path, deck);
+  if (deck.model.grids.empty())
+    throw InputError(mark, "has no GRID cards; give the bulk-data file that has them");
+  NastranBuild build(deck.model);
+  refuse_errors(deck.model);
+  NastranModel ignored;
+  ignored.grids_only = true;
+  const std::unique_ptr<NastranLines> lines = bulk_of(punch_path, ignored);
+  std::vector<NastranMatrix> matrices = parse_dmig(*lines, names, build.mesh);
+  SolidMesh mesh = build.mesh;
   mesh.nodes *= units.length;
   MatrixEntries entries{std::move(matrices[0].entries), std::move(matrices[1].entries)};
-  return finish_matrices(std::move(mesh), {}, std::move(entries), {}, SymmetricEntries::Repeated::refused,
-                         matrices[0].stored, matrices[1].stored, mark, mark, units);
+  ImportedMatrices result =
+      finish_matrices(std::move(mesh), {}, std::move(entries), {}, SymmetricEntries::Repeated::refused,
+                      matrices[0].stored, matrices[1].stored, mark, mark, units);
+  turn(build, result.matrices, mark);
+  return result;
+}
+
+std::optional<ImportedMesh> read_nastran(const std::string& path, const FileUnits& units) {
+  check(units);
+  Deck deck;
+  read_deck(path, deck);
+  if (!deck.model.has_elements() && !deck.model.matrices.empty()) return std::nullopt;
+  ImportedMesh result = finish_nastran(deck.model);
+  scale(result.mesh, units.length, units.mass, units.time);
+  return result;
+}
+
+std::vector<std::string> nastran_includes(const std::string& path) {
+  NastranLines lines(std::make_unique<TextFile>(path));
+  std::string_view line;
+  while (lines.next(line)) {
+  }
+  return lines.included();
 }
 
 }  // namespace mimbre::fe

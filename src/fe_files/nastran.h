@@ -1,50 +1,26 @@
 #pragma once
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "fe_files/nastran_cards.h"
+#include "fe_files/nastran_lines.h"
 #include "fe_files/symmetric_entries.h"
+#include "mimbre/fe_import.h"
 
 namespace mimbre::fe {
 
-/// GRID and CORD2R cards of one file or several, and the names of the matrices.
-class NastranGrids {
- public:
-  void read(TextFile& file);
-  /// Nodes in basic axes. Throws at systems that are not there, and at displacements in turned axes.
-  SolidMesh finish(const Mark& end) const;
-  const std::vector<std::string>& matrices() const { return matrices_; }
+/// Bulk data of one text, without includes, as a mesh in its own units.
+ImportedMesh parse_nastran(TextFile& file);
 
- private:
-  struct Grid {
-    std::int64_t label = 0, position_system = 0, displacement_system = 0;
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();
-    Mark mark;
-  };
-  struct System {
-    std::int64_t reference = 0;
-    Eigen::Vector3d origin, on_z, in_xz;
-    Mark mark;
-  };
-  struct Axes {
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  };
-  Axes axes(std::int64_t system, const Mark& mark, int depth = 0) const;
-
-  std::vector<Grid> grids_;
-  std::map<std::int64_t, System> systems_;
-  std::map<std::int64_t, std::string> other_systems_;  ///< those that are not read, with the card's name
-  std::vector<std::string> matrices_;
-};
+/// The files that a deck includes, and these again.
+std::vector<std::string> nastran_includes(const std::string& path);
 
 struct NastranMatrix {
   SymmetricEntries entries;
   SymmetricEntries::Stored stored = SymmetricEntries::Stored::triangle;
 };
-/// The matrices of the given names from DMIG cards.
-std::vector<NastranMatrix> parse_dmig(TextFile& file, const std::vector<std::string>& names,
+/// The matrices of the given names from DMIG cards, in the directions of the nodes' displacements.
+std::vector<NastranMatrix> parse_dmig(NastranLines& lines, const std::vector<std::string>& names,
                                       const SolidMesh& mesh);
 
 /// The only one of `names` that begins with `letter`, or `wanted`.

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "fe_files/inp_lines.h"
+#include "fe_files/nastran.h"
 #include "fe_files/text.h"
 #include "mimbre/fe_import.h"
 
@@ -34,6 +36,10 @@ void add_materials(SolidMesh& mesh, const std::vector<NamedMaterial>& materials)
       throw std::invalid_argument(
           fmt::format("--material: no elements belong to a group '{}'", material.name));
   }
+}
+
+bool is_nastran(const std::string& ending) {
+  return ending == ".pch" || ending == ".dmig" || ending == ".bdf" || ending == ".dat" || ending == ".nas";
 }
 
 /// The value that goes with a name, or with none; marks it as used.
@@ -85,8 +91,7 @@ void add_thicknesses(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
   require_used("--thickness", "group of shells", given, used);
 }
 
-FeModel assembled(const std::string& path, const FeCompanions& companions, const FileUnits& units) {
-  ImportedMesh read = read_mesh(path, units);
+FeModel assembled(const std::string& path, ImportedMesh read, const FeCompanions& companions) {
   add_materials(read.mesh, companions.materials);
   add_densities(read.mesh, companions.densities);
   add_thicknesses(read.mesh, companions.thicknesses);
@@ -122,18 +127,25 @@ FeModel read_model(const std::string& path, const FeCompanions& companions, cons
   const std::string ending = lower(fs::path(path).extension().string());
   if (ending == ".inp" && all_exist(matrices_beside(path)))
     return model_of(read_calculix_matrices(path, units));
-  if (ending == ".msh" || ending == ".inp") return assembled(path, companions, units);
+  if (ending == ".msh" || ending == ".inp") return assembled(path, read_mesh(path, units), companions);
   if (ending == ".mtx" || ending == ".npz") {
     if (companions.mass.empty() || companions.nodes.empty())
       throw std::invalid_argument("a stiffness matrix needs --mass FILE and --nodes FILE beside it");
     return model_of(read_sparse_matrices(path, companions.mass, companions.nodes, companions.dofs, units));
   }
-  if (ending == ".pch" || ending == ".dmig" || ending == ".bdf" || ending == ".dat")
+  if (is_nastran(ending)) {
+    if (companions.nodes.empty())
+      if (std::optional<ImportedMesh> mesh = read_nastran(path, units))
+        return assembled(path, std::move(*mesh), companions);
     return model_of(read_nastran_dmig(path, companions.nodes, "", "", units));
+  }
   throw std::invalid_argument(fmt::format("'{}': the ending '{}' is not known", path, ending));
 }
 
 std::vector<std::string> files_beside(const std::string& inp_path) {
+  const std::string ending = lower(fs::path(inp_path).extension().string());
+  if (is_nastran(ending)) return nastran_includes(inp_path);
+  if (ending != ".inp") return {};
   std::vector<std::string> files;
   for (const std::string& file : matrices_beside(inp_path))
     if (fs::exists(file)) files.push_back(file);

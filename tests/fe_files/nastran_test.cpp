@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fe_files/fe_files.h"
+#include "fe_files/nastran_cards.h"
 #include "mimbre/fe_import.h"
 
 namespace mimbre::fe {
@@ -25,7 +26,8 @@ TEST(NastranCards, FieldsOfAllThreeForms) {
       "              13       2    2.-3\n"
       "DMIG,KAA,12,1,,12,1,1.+3,,+A\n+A,13,2,2.-3\n",
       "a.bdf");
-  NastranCards cards(file);
+  NastranLines lines(file);
+  NastranCards cards(lines);
   NastranCard card;
   ASSERT_TRUE(cards.next(card));
   EXPECT_EQ(card.name, "GRID");
@@ -101,20 +103,34 @@ TEST(Nastran, GridsMayStandInSystemsAndInAnotherFile) {
   EXPECT_LT((read.mesh.nodes.col(0) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-15);
 }
 
+TEST(Nastran, DisplacementsMayBeInTurnedSystems) {
+  Rod rod;
+  // Node 9 at (1, 0, 0): its directions are out of, round and along the axis z, at 90° from x: y, −x, z of
+  // the cylindrical system about (1, −1, 0).
+  rod.grids = "CORD2C,7,,1.,-1.,0.,1.,-1.,1.\n,2.,-1.,0.\nGRID,5,,0.,0.,0.\nGRID,9,,1.,0.,0.,7\n";
+  const ImportedMatrices read = rod.read();
+  // Direction 1 of node 9 is body y.
+  EXPECT_NEAR(read.matrices.stiffness.coeff(4, 0), -5, 1e-15);
+  EXPECT_NEAR(read.matrices.stiffness.coeff(4, 4), 5, 1e-15);
+  EXPECT_NEAR(read.matrices.stiffness.coeff(3, 3), 0, 1e-15);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(read.matrices.mass.coeff(i, i), 1.5, 1e-15);
+}
+
 TEST(Nastran, SaysWhatIsWrong) {
   EXPECT_EQ(with([](Rod&) {}), "");
   EXPECT_THAT(with([](Rod& r) { r.grids = ""; }), HasSubstr("has no GRID cards; give the bulk-data file"));
   EXPECT_THAT(with([](Rod& r) { r.grids += "GRID,5,,0.,0.,0.\n"; }),
-              HasSubstr("a.pch:3:1: node 5 is there already"));
+              HasSubstr("a.pch:3:1: GRID 5: is there already"));
   EXPECT_THAT(with([](Rod& r) { r.grids = "GRID,5,7,0.,0.,0.\n"; }),
               HasSubstr("coordinate system 7 is not there"));
-  EXPECT_THAT(with([](Rod& r) { r.grids = "CORD2C,7\nGRID,5,7,0.,0.,0.\n"; }),
-              HasSubstr("coordinate system 7 is a CORD2C"));
   EXPECT_THAT(with([](Rod& r) { r.grids = "CORD2R,7,8\nCORD2R,8,7\nGRID,5,7\n"; }), HasSubstr("in a circle"));
   EXPECT_THAT(with([](Rod& r) { r.grids = "CORD2R,7,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,5,7\n"; }),
               HasSubstr("are on a line"));
-  EXPECT_THAT(with([](Rod& r) { r.grids = "CORD2R,7,,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\nGRID,5,,0.,0.,0.,7\n"; }),
-              HasSubstr("displacements in the turned system 7"));
+  EXPECT_THAT(with([](Rod& r) {
+                r.grids = "CORD2R,7,,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\nGRID,5,,0.,0.,0.,7\nGRID,9,,1.,0.,0.\n";
+                r.mass = "DMIG,MAAX,0,6,1\nDMIG,MAAX,5,1,,5,1,1.\nDMIG,MAAX,9,1,,9,1,1.\n";
+              }),
+              HasSubstr("node 5 has its displacements in a turned system (CD) and not all three"));
   EXPECT_THAT(with([](Rod& r) { r.stiffness = ""; }),
               HasSubstr("has 0 DMIG matrices whose names begin with K"));
   EXPECT_THAT(with([](Rod& r) { r.stiffness = "DMIG,KAAX,0,6,3\n"; }),
