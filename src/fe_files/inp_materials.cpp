@@ -7,6 +7,7 @@
 #include "fe/elastic_matrix.h"
 #include "fe_files/inp_model.h"
 #include "fe_files/text.h"
+#include "math/decompositions.h"
 
 namespace mimbre::fe {
 namespace {
@@ -51,7 +52,7 @@ void read_elastic(InpModel& model, const InpKeyword& keyword) {
       throw InputError(keyword.mark, fmt::format("material {}: {}", shown(named.name), error.what()));
     }
     // What an isotropic material would have, for checks and where only that counts (beams).
-    const ElasticMatrix compliance = named.elastic->inverse();
+    const ElasticMatrix compliance = inverse(*named.elastic);
     named.material.young = 1 / compliance(0, 0);
     named.material.poisson = std::min(0.49, std::max(-0.9, -compliance(1, 0) / compliance(0, 0)));
   };
