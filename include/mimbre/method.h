@@ -8,6 +8,9 @@
 /// How a model is computed: what a run was asked for, and what it took.
 namespace mimbre {
 
+/// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
+inline constexpr double least_hht_rho = 0.5;
+
 /// Options of a run; fields left at their defaults are taken from the model file's simulation section.
 struct RunOptions {
   double step = 0;  ///< s
@@ -15,6 +18,7 @@ struct RunOptions {
   std::optional<spec::Simulation::Inertia> inertia;
   std::optional<spec::Simulation::Formalism> formalism;
   /// Where it is not given, `xi` asks for Newmark's rule, and `rho` for generalised-α in Newmark's place.
+  /// `rho` and `xi` do not go together, nor with an integrator that has none.
   std::optional<spec::Simulation::Integrator> integrator;
   double rho = -1;
   double xi = 1;         ///< Newmark's ξ ≤ 0; 1: not given
@@ -62,8 +66,8 @@ struct Method {
   bool validity = true, warnings = true;
 };
 
-/// The only place where defaults are decided, and where is asked what they are. Throws InputError where a
-/// fixed cost is asked for and the formalism has none.
+/// The only place where defaults are decided, and where is asked what they are. Throws InputError, with the
+/// names of the options, where one is out of its range or two of them conflict.
 Method resolve_method(const spec::Simulation& given, const RunOptions& options);
 
 }  // namespace mimbre

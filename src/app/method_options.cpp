@@ -32,12 +32,16 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
   if ((arguments.rho || arguments.xi) && named_one && of_conserve)
     throw UsageError(fmt::format("{} belongs to other integrators; conserve has none",
                                  arguments.rho ? "--rho" : "--integrator-xi"));
+  if (arguments.rho && of_conserve)
+    throw UsageError(
+        "--rho belongs to generalized_alpha and hht, and the model's integrator is conserve; name the one "
+        "that you mean with --integrator, too");
   if (arguments.rho && named_one && of_newmark)
     throw UsageError("--rho belongs to generalized_alpha and hht; newmark has --integrator-xi");
   if (arguments.xi && named_one && !of_newmark)
     throw UsageError(fmt::format("--integrator-xi belongs to newmark; {} has --rho", arguments.integrator));
   if (arguments.xi) return Integrator::newmark;
-  if (arguments.rho && (of_newmark || of_conserve)) return Integrator::generalized_alpha;
+  if (arguments.rho && of_newmark) return Integrator::generalized_alpha;
   return named_one;
 }
 
@@ -148,9 +152,8 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.fixed_cost || arguments.no_fixed_cost) options.fixed_cost = arguments.fixed_cost;
   check_fixed_cost(arguments, options, given);
   if (options.integrator.value_or(given.integrator) == Integrator::hht && arguments.rho &&
-      options.rho < resolve_method(given, options).rho)
-    throw UsageError(
-        fmt::format("--rho {}: hht takes {} to 1", options.rho, resolve_method(given, options).rho));
+      options.rho < least_hht_rho)
+    throw UsageError(fmt::format("--rho {}: hht takes {} to 1", options.rho, least_hht_rho));
   return options;
 }
 

@@ -2,11 +2,9 @@
 #include <algorithm>
 
 #include "integrate/stepper.h"
+#include "mimbre/method.h"
 
 namespace mimbre {
-
-/// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
-constexpr double least_hht_rho = 0.5;
 
 /// The spectral radius of `conserve`: enough that vibrations faster than the step do not take up energy,
 /// while of those with twenty steps a period next to nothing is damped.

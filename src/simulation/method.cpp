@@ -1,6 +1,9 @@
 #include "mimbre/method.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "integrate/rule.h"
 #include "mimbre/diagnostics.h"
@@ -17,10 +20,49 @@ constexpr int default_fixed_iterations = 6;
 /// The first one may only find where to start from.
 constexpr int least_fixed_iterations = 2;
 
+using Rule = spec::Simulation::Integrator;
+
+[[noreturn]] void refuse(const std::string& text) { throw InputError(Mark{}, text); }
+
+/// Each option by itself. What is not given has the value that RunOptions starts with.
+void check_ranges(const RunOptions& o) {
+  const auto check = [](bool sound, const char* name, double value, const char* wanted) {
+    if (!sound) refuse(fmt::format("{} is {}; it must be {}", name, value, wanted));
+  };
+  check(std::isfinite(o.step) && o.step >= 0, "step", o.step, "a time in s, or 0 for the model's");
+  check(o.rho <= 1, "rho", o.rho, "from 0 to 1, or negative for the default");
+  check(o.xi == RunOptions{}.xi || (std::isfinite(o.xi) && o.xi <= 0), "xi", o.xi, "0 or less");
+  check(std::isfinite(o.tolerance) && o.tolerance >= 0, "tolerance", o.tolerance,
+        "positive, or 0 for the default");
+  check(o.substeps >= 0 && o.substeps <= 100, "substeps", o.substeps, "from 1 to 100, or 0 for the default");
+  check(o.max_iterations >= 0 && o.max_iterations <= 1000, "max_iterations", o.max_iterations,
+        "from 1 to 1000, or 0 for the default");
+  check(!std::isnan(o.end), "end", o.end, "a time in s, or negative for the model's");
+}
+
+/// rho and xi belong to integrators, which are named or follow from them.
+void check_integrator(const spec::Simulation& given, const RunOptions& o) {
+  const bool has_rho = o.rho >= 0, has_xi = o.xi <= 0;
+  const Rule rule = o.integrator.value_or(given.integrator);
+  if (has_rho && has_xi)
+    refuse(
+        fmt::format("rho ({}) and xi ({}) exclude each other: rho belongs to generalized_alpha and hht, "
+                    "xi to newmark",
+                    o.rho, o.xi));
+  if (has_rho && (rule == Rule::conserve || (o.integrator && rule == Rule::newmark)))
+    refuse(fmt::format("rho is {}, but the integrator is {}{}; rho belongs to generalized_alpha and hht",
+                       o.rho, name_of(rule), o.integrator ? "" : " in the model"));
+  if (has_xi && o.integrator && rule != Rule::newmark)
+    refuse(fmt::format("xi is {}, but the integrator is {}; xi belongs to newmark", o.xi, name_of(rule)));
+  if (has_rho && rule == Rule::hht && o.rho < least_hht_rho)
+    refuse(fmt::format("rho is {}; hht takes {} to 1", o.rho, least_hht_rho));
+}
+
 }  // namespace
 
 Method resolve_method(const spec::Simulation& given, const RunOptions& options) {
-  using Rule = spec::Simulation::Integrator;
+  check_ranges(options);
+  check_integrator(given, options);
   const IntegratorOptions defaults;
   Method m;
   m.formulation = options.formulation.value_or(given.formulation);
@@ -28,8 +70,7 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.formalism = options.formalism.value_or(given.formalism);
   m.integrator = options.integrator.value_or(given.integrator);
   if (options.xi <= 0) m.integrator = Rule::newmark;
-  if (options.rho >= 0 && (m.integrator == Rule::newmark || m.integrator == Rule::conserve))
-    m.integrator = Rule::generalized_alpha;
+  if (options.rho >= 0 && m.integrator == Rule::newmark) m.integrator = Rule::generalized_alpha;
   m.step = options.step > 0 ? options.step : given.step;
   m.rho = options.rho >= 0 ? options.rho : given.rho >= 0 ? given.rho : default_rho;
   if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
@@ -40,14 +81,17 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
   m.fixed_cost = options.fixed_cost.value_or(given.fixed_cost);
   if (m.fixed_cost && m.formalism != spec::Simulation::Formalism::index3)
-    throw InputError(Mark{}, std::string("steps of a fixed cost are made by the formalism index3, not by ") +
-                                 name_of(m.formalism));
+    refuse(fmt::format("steps of a fixed cost are made by the formalism index3, not by {}",
+                       name_of(m.formalism)));
   m.max_iterations = options.max_iterations > 0 ? options.max_iterations
                      : given.max_iterations > 0 ? given.max_iterations
                      : m.fixed_cost             ? default_fixed_iterations
                                                 : defaults.max_iterations;
   if (m.fixed_cost && m.max_iterations < least_fixed_iterations)
-    throw InputError(Mark{}, "steps of a fixed cost need two iterations at least");
+    refuse("steps of a fixed cost need two iterations at least");
+  if (m.fixed_cost && options.substeps > 1)
+    refuse(fmt::format("a fixed cost makes each step once, but substeps is {}; leave one of them out",
+                       options.substeps));
   if (m.integrator == Rule::conserve) m.xi = 0;
   // Other formalisms and Newmark's rule are there to be seen as they are.
   const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark &&

@@ -179,6 +179,18 @@ TEST_F(Method, WrongNamesAreAnsweredWithTheRightOnes) {
   EXPECT_THAT(error({"--rho", "0.5", "--integrator-xi", "0"}), HasSubstr("excludes"));
 }
 
+TEST_F(Method, AParameterDoesNotReplaceConserve) {
+  std::string text = pendulum;
+  text.insert(text.find("step: 0.01"), "integrator: {type: conserve}, ");
+  write_file(folder / "conserve.yaml", text);
+  const Outcome refused = run({"run", "conserve.yaml", "--until", "0.1", "--rho", "0.5"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("--rho belongs to generalized_alpha and hht, and the model's integrator is "
+                        "conserve"));
+  EXPECT_EQ(summary("conserve.yaml", {"--integrator", "generalized_alpha", "--rho", "0.5"}).at("rho"), 0.5);
+}
+
 TEST_F(Method, HelpExplainsTheNames) {
   for (const char* command : {"run", "bench", "check", "verify"}) {
     const std::string help = run({command, "--help"}).out;
