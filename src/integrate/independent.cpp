@@ -62,7 +62,7 @@ StepStatus IndependentStepper::step(State& s) {
   };
 
   system_.begin_step(s.q.data());
-  motion_.begin(s);
+  if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
   system_.residual(s.time, s.q.data(), s.v.data(), motion_.start_a.data(), none_.data(), 0, r_.data());
   if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
     status.coordinate = bad;

@@ -99,12 +99,12 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
   StepStatus status;
 
   system_.begin_step(s.q.data());
-  motion_.begin(s);
   lambda_ = s.multipliers;
   const auto fail = [&](StepCode code) {
     status.code = code;
     return status;
   };
+  if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
   motion_.predict(s);
 
   double violation = 0, reference = 0, predicted = 0, before = 0, enough_velocity = 0;

@@ -42,7 +42,7 @@ StepStatus LagrangeStepper::step(State& s) {
   frequency_ = stabilises_ ? options_.constraint_frequency * system_.scales().rate(s.v.data()) : 0;
   sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, frequency_);
   system_.begin_step(s.q.data());
-  motion_.begin(s);
+  if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
   lambda_ = s.multipliers;
   system_.residual(s.time, s.q.data(), s.v.data(), motion_.start_a.data(), lambda_.data(), 0, r_.data());
   if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {

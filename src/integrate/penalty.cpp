@@ -42,7 +42,7 @@ StepStatus PenaltyStepper::step(State& s) {
   sigma_rate_ = stabilised_rate(motion_, options_.constraint_damping, frequency_);
   weights_ = {motion_.rate * motion_.scale, motion_.scale, penalty_ * sigma_rate_ * motion_.scale};
   system_.begin_step(s.q.data());
-  motion_.begin(s);
+  if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
   motion_.predict(s);
   lambda_ = s.multipliers;
   mixing_.reset();

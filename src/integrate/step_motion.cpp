@@ -22,17 +22,17 @@ void StepMotion::set_step(double step) {
   rate = rule.gamma / (rule.beta * step);
 }
 
-void StepMotion::begin(const State& s) {
+StepCode StepMotion::begin(const State& s, StepStatus& status) {
   start_a = s.a;
   start_algorithmic = s.algorithmic;
-  if (!s.started) start(s);
+  return s.started ? StepCode::ok : start(s, status);
 }
 
 /// Accelerations W a + Φzᵀ λ = Q, Φ̈ = 0 with W = M + γhC + βh²K instead of M. Where the start is not in
 /// balance, stiff modes would start with accelerations that no step of this length can follow and that
 /// overshoot by far; W bounds them by what the step can bring about, and changes those of slow motions by
 /// terms of the order of the step.
-void StepMotion::start(const State& s) {
+StepCode StepMotion::start(const State& s, StepStatus& status) {
   const int n = system.velocities(), m = system.equations();
   const double* alpha = system.penalty();
   a.setZero();
@@ -48,7 +48,15 @@ void StepMotion::start(const State& s) {
         system.enter(s.u.data(), s.z.data(), h);
         system.residual(s.time, s.q.data(), s.v.data(), a.data(), g_.data(), 0, x.data());
       }
-      if (!system.factor(s.q.data(), {rate * scale, scale, penalty}).ok()) return;
+      const linalg::FactorStatus f = system.factor(s.q.data(), {rate * scale, scale, penalty});
+      if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
+        status.coordinate = bad;
+        return StepCode::not_finite;
+      }
+      if (!f.ok()) {
+        status.coordinate = f.unknown;
+        return StepCode::singular;
+      }
     } else {
       system.kinematics(s.time, s.q.data(), s.v.data(), a.data());
       r_.setZero();
@@ -57,12 +65,16 @@ void StepMotion::start(const State& s) {
     system.add_jacobian_transposed(g_.data(), 1, r_.data());
     for (int k = 0; k < n; ++k) r_[k] = -r_[k];
     system.solve(r_.data());
-    if (find_not_finite(r_.data(), n) >= 0) return;
+    if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
+      status.coordinate = bad;
+      return StepCode::not_finite;
+    }
     a += r_;
     const Scales& scales = system.scales();
     if (m == 0 || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data())) break;
   }
   start_a = start_algorithmic = a;
+  return StepCode::ok;
 }
 
 void StepMotion::predict(const State& s) {

@@ -13,8 +13,9 @@ struct StepMotion {
   StepMotion(System& system, const IntegratorOptions& options);
   void set_step(double step);
 
-  /// Takes over the accelerations at the start; the first step makes its own.
-  void begin(const State& s);
+  /// Takes over the accelerations at the start; the first step makes its own. Where these are not determined
+  /// `status` says which coordinate is the culprit, and the step cannot be made.
+  StepCode begin(const State& s, StepStatus& status);
   /// x for constant true accelerations, without what should not be extrapolated.
   void predict(const State& s);
   /// x for constant velocities.
@@ -34,7 +35,7 @@ struct StepMotion {
   Eigen::VectorXd start_a, start_algorithmic;  ///< at its start
 
  private:
-  void start(const State& s);
+  StepCode start(const State& s, StepStatus& status);
   Eigen::VectorXd r_, g_;
 };
 
