@@ -104,8 +104,9 @@ class Simulation {
   };
   Phases phases() const;
 
-  /// How often at most the iterations of a step begin anew, where it is made again in parts; each has at most
-  /// Method::max_iterations. Events, whose instants are searched for, are not counted.
+  /// How often at most the iterations of a step begin anew: where it is made again in parts, where a part is
+  /// divided further, and near singular positions. Each time there are at most Method::max_iterations.
+  /// Events, whose instants are searched for, are not counted.
   int most_attempts() const;
 
   /// Unknowns and constraint equations of the formulation in use.

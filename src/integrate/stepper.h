@@ -61,6 +61,9 @@ class Stepper {
   /// marks) and memory (transfer). The system's last evaluation is then
   /// of the new positions and velocities.
   virtual StepStatus step(State& state) = 0;
+  /// How often at most the iterations of a step begin anew; each time there are at most
+  /// IntegratorOptions::max_iterations of them.
+  virtual int most_attempts() const { return 1; }
   /// Changes the step, s > 0.
   virtual void set_step(double step) = 0;
   /// What it remembers from step to step beside the state.

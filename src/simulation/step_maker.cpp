@@ -30,16 +30,19 @@ constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 /// the latter down to a part in so many. A blow takes its depth by its speed, and a hundredth of that has to
 /// show at its ends: that is 10⁻⁶ of a step in which the sphere goes 10⁴ times its radius.
 constexpr int levels_of_convergence = 6;
-constexpr double smallest_part = 0x1p-22;
-/// When a step has been attempted so often, in parts, parts are not divided any more.
-constexpr int most_divided = 5461;
+constexpr int most_parts = 1 << 22;
 
 int levels(const Compiled& model, const Method& method) {
   if (method.substeps == 1) return 0;
   if (model.first_of_contact.back() == model.first_of_contact.front()) return 1;
-  return std::max(1,
-                  static_cast<int>(std::floor(-std::log(smallest_part) / std::log(method.substeps) + 1e-9)));
+  int levels = 1;
+  for (int parts = method.substeps; parts <= most_parts / method.substeps; parts *= method.substeps) ++levels;
+  return levels;
 }
+
+/// How often in a step a part is divided at most, a level: a blow takes two to four divisions a level down to
+/// its own. Beyond, parts are taken as they are, so that what a step may cost is known beforehand.
+constexpr int divisions_a_level = 16;
 
 using Clock = std::chrono::steady_clock;
 
@@ -110,7 +113,6 @@ void StepMaker::begin_anew() {
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
-  ++attempts_;
   const bool corrects = conserves_ || !free_flight_.none();
   if (corrects) {
     m.observe_afresh();
@@ -180,7 +182,7 @@ bool StepMaker::accurate(int level) const {
 void StepMaker::cover(double length, int level, StepReport& report) {
   Mechanism& m = mechanism_;
   const auto number = static_cast<std::size_t>(level);
-  const bool whole = number == begins_.size() || attempts_ >= most_divided;
+  const bool whole = number == begins_.size() || divisions_left_ == 0;
   if (!whole) keep_in(begins_[number]);
   const StepReport before = report;
   advance(report);
@@ -190,6 +192,7 @@ void StepMaker::cover(double length, int level, StepReport& report) {
   }
   if (whole || (!report.ok() && level >= levels_of_convergence)) return;
   back_to(begins_[number]);
+  --divisions_left_;
   // Of what is accepted.
   report.code = StepReport::Code::ok;
   report.position_violation = before.position_violation;
@@ -205,13 +208,13 @@ void StepMaker::cover(double length, int level, StepReport& report) {
 StepReport StepMaker::step(double length) {
   Mechanism& m = mechanism_;
   length_ = length;
+  divisions_left_ = most_divisions();
   if (length != integrator_->options().step) integrator_->set_step(length);
   StepReport report;
   // Where something jumps, a step that begins anew from there costs another residual and another factor.
   if (method_.fixed_cost && under_way_) m.state.started = true;
   if (!m.state.started) begin_anew();
   if (keeps_) keep_in(before_);
-  attempts_ = 0;
   cover(length, 0, report);
   if (!report.ok()) return report;
   under_way_ = true;
@@ -221,9 +224,13 @@ StepReport StepMaker::step(double length) {
   return report;
 }
 
+int StepMaker::most_divisions() const {
+  const int levels = static_cast<int>(begins_.size());
+  return levels <= 1 ? levels : divisions_a_level * levels;
+}
+
 int StepMaker::most_attempts() const {
-  const int depth = static_cast<int>(begins_.size());
-  return depth <= 1 ? 1 + depth * method_.substeps : most_divided + depth * (method_.substeps - 1);
+  return (1 + most_divisions() * method_.substeps) * integrator_->most_attempts();
 }
 
 void StepMaker::transfer(StateTransfer& transfer) {

@@ -31,7 +31,7 @@ class StepMaker {
   /// What it remembers from step to step beside the state and the system's tangent marks.
   void transfer(StateTransfer& transfer);
 
-  /// How often it may try to make a step, or a part of one.
+  /// How often the iterations of a step may begin anew: for itself and for its parts.
   int most_attempts() const;
 
   const EnergyMeter& meter() const { return meter_; }
@@ -62,6 +62,7 @@ class StepMaker {
   void back_to(const Begin& begin);
   void cover(double length, int level, StepReport& report);
   bool accurate(int level) const;
+  int most_divisions() const;
   double step_error() const;
   double step_tolerance() const;
 
@@ -77,9 +78,9 @@ class StepMaker {
   ContactWatch contacts_;
   ContactLog log_;
   std::vector<Begin> begins_;
-  Begin before_;          ///< of the last step, for undo()
-  bool followed_ = true;  ///< contacts in the integrator's last step
-  int attempts_ = 0;      ///< in the last step
+  Begin before_;            ///< of the last step, for undo()
+  bool followed_ = true;    ///< contacts in the integrator's last step
+  int divisions_left_ = 0;  ///< how often a part of the step under way may still be divided
   StepStatus last_;
   bool keeps_ = false;
   bool under_way_ = false;  ///< a step has been made since the start
