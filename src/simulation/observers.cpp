@@ -8,6 +8,8 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
       winches_(mechanism.model),
       turns_(mechanism.model) {
   if (!method.validity) return;
+  if (method.warnings) spins_ = std::make_unique<SpinWatch>(model_);
+  if (spins_ && spins_->none()) spins_.reset();
   validity_ = std::make_unique<ValidityMonitor>(model_);
   if (validity_->empty()) validity_.reset();
   if (validity_ && validity_->watches_loads())
@@ -18,16 +20,18 @@ void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
   if (energies_) monitor_.start(meter);
   winches_.start();
   turns_.start();
+  if (spins_) spins_->start();
   if (!validity_) return;
   validity_->start();
   validity_->watch(mechanism.view());
   if (loads_) loads_->start(mechanism, *validity_);
 }
 
-void Observers::watch(const Mechanism& mechanism, const EnergyMeter& meter) {
+void Observers::watch(Mechanism& mechanism, const EnergyMeter& meter, double length) {
   if (energies_) monitor_.watch(meter, mechanism.state.time);
   winches_.watch(mechanism.state.z.data(), mechanism.state.time);
   turns_.watch(mechanism.observer.workspace(), mechanism.state.time);
+  if (spins_) spins_->watch(mechanism, length);
   if (validity_) validity_->watch(mechanism.view());
   if (loads_) loads_->watch(mechanism, *validity_);
 }
@@ -36,6 +40,7 @@ void Observers::transfer(StateTransfer& transfer) {
   monitor_.transfer(transfer);
   winches_.transfer(transfer);
   turns_.transfer(transfer);
+  if (spins_) spins_->transfer(transfer);
   if (validity_) validity_->transfer(transfer);
   if (loads_) loads_->transfer(transfer);
 }
@@ -50,6 +55,10 @@ std::vector<std::string> Observers::validity_warnings() {
   if (!validity_) return {};
   if (loads_) loads_->finish(*validity_);
   return validity_->warnings();
+}
+
+std::vector<std::string> Observers::spin_warnings() const {
+  return spins_ ? spins_->warnings(model_) : std::vector<std::string>();
 }
 
 std::string Observers::energy_warning(const StepMaker& steps) const {

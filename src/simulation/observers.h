@@ -7,6 +7,7 @@
 #include "simulation/energy_monitor.h"
 #include "simulation/load_watch.h"
 #include "simulation/mechanism.h"
+#include "simulation/spin_watch.h"
 #include "simulation/step_maker.h"
 #include "simulation/turn_watch.h"
 #include "simulation/validity.h"
@@ -22,8 +23,8 @@ class Observers {
 
   /// From now on.
   void start(const Mechanism& mechanism, const EnergyMeter& meter);
-  /// After every accepted step. Neither allocates nor throws.
-  void watch(const Mechanism& mechanism, const EnergyMeter& meter);
+  /// After every accepted step of `length` seconds. Neither allocates nor throws.
+  void watch(Mechanism& mechanism, const EnergyMeter& meter, double length);
   void transfer(StateTransfer& transfer);
 
   std::vector<Validity> validity();
@@ -32,6 +33,8 @@ class Observers {
   std::vector<std::string> winch_warnings() const { return winches_.warnings(); }
   /// Of turning that laws of force were not made for.
   std::vector<std::string> turn_warnings() const { return turns_.warnings(); }
+  /// Of bodies that turn too far in a step.
+  std::vector<std::string> spin_warnings() const;
   /// Empty when there is none.
   std::string energy_warning(const StepMaker& steps) const;
   /// The first reactions that were not resolved, of those that were watched.
@@ -43,6 +46,7 @@ class Observers {
   EnergyMonitor monitor_;
   WinchWatch winches_;
   TurnWatch turns_;
+  std::unique_ptr<SpinWatch> spins_;
   std::unique_ptr<ValidityMonitor> validity_;
   std::unique_ptr<LoadWatch> loads_;
 };

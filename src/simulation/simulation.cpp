@@ -104,7 +104,7 @@ struct Simulation::Impl {
     commit_blocks(compiled, mechanism.observer, mechanism.state);
   }
 
-  void watch() { observers.watch(mechanism, steps.meter()); }
+  void watch() { observers.watch(mechanism, steps.meter(), steps.length()); }
 
   StepReport step(double length) {
     stopped = false;
@@ -463,8 +463,9 @@ std::vector<std::string> Simulation::warnings() const {
   Impl& s = *impl_;
   if (!s.method.warnings) return {};
   std::vector<std::string> all = s.begin.warnings;
-  for (const std::string& text : s.observers.validity_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
+  for (const std::string& text : s.observers.validity_warnings()) all.push_back(text);
+  for (const std::string& text : s.observers.spin_warnings()) all.push_back(text);
   const auto unresolved = s.reactions.unresolved() ? s.reactions.unresolved() : s.observers.unresolved();
   if (unresolved) all.push_back(explain_unresolved(s.compiled, *unresolved));
   // At rest there is nothing at play but round-off.
