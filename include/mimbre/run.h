@@ -35,8 +35,7 @@ struct RunTotals {
   std::int64_t repeated_steps = 0;     ///< steps that were made again in parts (RunOptions::substeps)
   std::int64_t unconverged_steps = 0;  ///< taken before their iterations converged (RunOptions::fixed_cost)
   double cpu_seconds = 0;              ///< of this thread, of the steps alone
-  double max_position_violation = 0;
-  double max_velocity_violation = 0;
+  Violations violations;               ///< the largest of the constraints
 };
 
 /// Simulated seconds (`simulated`) per CPU second of stepping; larger than 1 is faster than real time. NaN

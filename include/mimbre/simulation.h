@@ -12,18 +12,18 @@
 #include "mimbre/energy.h"
 #include "mimbre/method.h"
 #include "mimbre/model.h"
+#include "mimbre/violations.h"
 
 namespace mimbre {
 
 /// How a step ended. Everything but ok leaves the state as it was before the step.
-struct StepReport {
+struct StepReport : Violations {
   enum class Code { ok, not_converged, not_finite, singular, drifted } code = Code::ok;
   int iterations = 0;
   int factorisations = 0;
-  double position_violation = 0;  ///< m
-  double velocity_violation = 0;  ///< m/s
   int coordinate = -1;            ///< where it went wrong
   int equation = -1;              ///< likewise, where it was in a constraint equation
+  double equation_violation = 0;  ///< of that equation, where the constraints came apart: m or rad
   int substeps = 1;               ///< parts that the step was made in
   bool unconverged = false;       ///< taken before its iterations converged (RunOptions::fixed_cost)
   bool ok() const { return code == Code::ok; }

@@ -102,8 +102,10 @@ Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& 
   summary["factorisations"] = totals.factorisations;
   summary["repeated_steps"] = totals.repeated_steps;
   if (simulation.method().fixed_cost) summary["unconverged_steps"] = totals.unconverged_steps;
-  summary["max_position_violation"] = totals.max_position_violation;
-  summary["max_velocity_violation"] = totals.max_velocity_violation;
+  summary["max_position_violation"] = totals.violations.position_violation;
+  summary["max_angle_violation"] = totals.violations.angle_violation;
+  summary["max_velocity_violation"] = totals.violations.velocity_violation;
+  summary["max_angular_velocity_violation"] = totals.violations.angular_velocity_violation;
   for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
   if (Json bodies = validity(simulation); !bodies.empty()) summary["validity"] = std::move(bodies);
   if (Json events = happened(simulation); !events.empty()) summary["events"] = std::move(events);
@@ -160,8 +162,11 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   line("stepping", fmt::format("{:.4g}", totals.cpu_seconds), "CPU s");
   line("real-time factor", fmt::format("{:.4g}", real_time_factor(totals, simulation.time())),
        "(above 1: faster than real time)");
-  line("largest position violation", fmt::format("{:.3g}", totals.max_position_violation), "m");
-  line("largest velocity violation", fmt::format("{:.3g}", totals.max_velocity_violation), "m/s");
+  const Violations& v = totals.violations;
+  line("largest position violation", fmt::format("{:.3g}", v.position_violation), "m");
+  line("largest angle violation", fmt::format("{:.3g}", v.angle_violation), "rad");
+  line("largest velocity violation", fmt::format("{:.3g}", v.velocity_violation), "m/s");
+  line("largest angular velocity violation", fmt::format("{:.3g}", v.angular_velocity_violation), "rad/s");
   for (const EventRecord& e : simulation.events())
     line(fmt::format("event {}", e.name).c_str(),
          e.count > 0 ? fmt::format("{:.9g}", e.last) : fmt::format("{}", e.count),

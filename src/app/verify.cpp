@@ -46,10 +46,13 @@ Json to_json(const VerificationPair& pair) {
   json["iterations"] = of_both(pair, [](const VerificationRun& r) { return r.totals.iterations; });
   json["repeated_steps"] = of_both(pair, [](const VerificationRun& r) { return r.totals.repeated_steps; });
   json["cpu_seconds"] = of_both(pair, [](const VerificationRun& r) { return r.totals.cpu_seconds; });
-  json["position_violation"] =
-      of_both(pair, [](const VerificationRun& r) { return r.totals.max_position_violation; });
-  json["velocity_violation"] =
-      of_both(pair, [](const VerificationRun& r) { return r.totals.max_velocity_violation; });
+  const auto violation = [&](double Violations::*kind) {
+    return of_both(pair, [kind](const VerificationRun& r) { return r.totals.violations.*kind; });
+  };
+  json["position_violation"] = violation(&Violations::position_violation);
+  json["angle_violation"] = violation(&Violations::angle_violation);
+  json["velocity_violation"] = violation(&Violations::velocity_violation);
+  json["angular_velocity_violation"] = violation(&Violations::angular_velocity_violation);
   json["energy_drift"] = of_both(pair, [](const VerificationRun& r) { return r.energy_drift; });
   return json;
 }
@@ -133,7 +136,7 @@ std::string channel_table(const Agreement& agreement, bool all) {
 
 std::string run_table(const Verification& v) {
   Table table({"formulation", "coordinates", "step, s", "steps", "repeated", "iterations per step", "CPU s",
-               "position violation, m", "velocity violation, m/s", "energy drift, J"});
+               "violation, m", "violation, rad", "violation, m/s", "violation, rad/s", "energy drift, J"});
   const auto add = [&](const VerificationPair& pair) {
     for (std::size_t f = 0; f < pair.runs.size(); ++f) {
       const RunTotals& t = pair.runs[f].totals;
@@ -142,8 +145,10 @@ std::string run_table(const Verification& v) {
                  fmt::format("{:.6g}", pair.runs[f].step), fmt::format("{}", t.steps),
                  fmt::format("{}", t.repeated_steps),
                  fmt::format("{:.3g}", static_cast<double>(t.iterations) / steps),
-                 fmt::format("{:.4g}", t.cpu_seconds), fmt::format("{:.3g}", t.max_position_violation),
-                 fmt::format("{:.3g}", t.max_velocity_violation),
+                 fmt::format("{:.4g}", t.cpu_seconds), fmt::format("{:.3g}", t.violations.position_violation),
+                 fmt::format("{:.3g}", t.violations.angle_violation),
+                 fmt::format("{:.3g}", t.violations.velocity_violation),
+                 fmt::format("{:.3g}", t.violations.angular_velocity_violation),
                  fmt::format("{:.3g}", pair.runs[f].energy_drift)});
     }
   };

@@ -11,6 +11,7 @@ namespace mimbre {
 /// |g|/L, 1/s².
 struct Scales {
   std::vector<double> coordinates, equations;
+  std::vector<char> is_angle;  ///< by equation: Φ is in rad, otherwise in m
   double acceleration = 0;
   double round_off = 0;  ///< what violations cannot be driven below
 
@@ -21,6 +22,14 @@ struct Scales {
   }
   /// The same of equations, their rates or second derivatives.
   double of_equations(const double* phi) const { return largest(phi, equations); }
+  /// The largest of the equations that are lengths, and of those that are angles; not a number counts as 0.
+  void of_kinds(const double* phi, double& length, double& angle) const {
+    length = angle = 0;
+    for (std::size_t k = 0; k < is_angle.size(); ++k) {
+      double& most = is_angle[k] ? angle : length;
+      most = std::max(most, std::abs(phi[k]));
+    }
+  }
   /// Of accelerations at play, 1/s²: of the coordinates, and of gravity.
   double accelerations(const double* a) const { return std::max(acceleration, of_coordinates(a)); }
   /// How fast things go that are neither slow nor fast, 1/s: as a pendulum does, without gravity as v.

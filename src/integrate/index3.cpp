@@ -206,7 +206,7 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
         if (foreseen) project(v.data(), rates_.data(), enough_velocity);
       }
       system_.kinematics(time, q.data(), v.data(), a.data());
-      status.position_violation = largest(system_.phi(), m);
+      scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
       if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
       // The rate promised too much.
       converged = false;
@@ -251,7 +251,7 @@ StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
     } else if (!held) {
       return fail(StepCode::not_converged);
     }
-    status.velocity_violation = largest(system_.phi_dot(), m);
+    scales_.of_kinds(system_.phi_dot(), status.velocity_violation, status.angular_velocity_violation);
     // The multipliers follow the accelerations, so that they balance the projected ones: M δ + Φzᵀ Δλ = 0.
     // Near singular positions this would amplify what is left of the velocities' error.
     if (!precise && !near_singular) {

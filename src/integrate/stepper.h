@@ -6,6 +6,7 @@
 #include "dynamics/state_transfer.h"
 #include "dynamics/system.h"
 #include "mimbre/spec.h"
+#include "mimbre/violations.h"
 
 namespace mimbre {
 
@@ -40,15 +41,14 @@ struct IntegratorOptions {
 /// drifted: the loops have come apart by more than the formalism should be trusted with.
 enum class StepCode { ok, not_converged, not_finite, singular, drifted };
 
-struct StepStatus {
+struct StepStatus : Violations {
   StepCode code = StepCode::ok;
   int iterations = 0;
   int factorisations = 0;
   int coordinate = -1;            ///< of the largest correction, or the culprit
   int equation = -1;              ///< the culprit, where it is an equation (singular, drifted)
+  double equation_violation = 0;  ///< |Φ| of that equation, where it drifted: m or rad, see Scales::is_angle
   double correction = 0;          ///< last Newton correction, largest entry
-  double position_violation = 0;  ///< max |Φ| after the step
-  double velocity_violation = 0;  ///< max |Φ̇| after the step
   bool unconverged = false;       ///< taken as it was (IntegratorOptions::fixed_cost)
 };
 

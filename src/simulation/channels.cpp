@@ -387,8 +387,13 @@ Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.
   });
   add_with(Of::solver, 0, Needs::motion, [&] {
     info_.push_back({"solver.iterations", "1", "iterations of the last step"});
-    info_.push_back({"solver.position_violation", "m", "largest violation of the constraints"});
-    info_.push_back({"solver.velocity_violation", "m/s", "largest violation of the constraints' rates"});
+    info_.push_back(
+        {"solver.position_violation", "m", "largest violation of the constraints that are lengths"});
+    info_.push_back(
+        {"solver.angle_violation", "rad", "largest violation of the constraints that are angles"});
+    info_.push_back({"solver.velocity_violation", "m/s", "largest rate of the constraints that are lengths"});
+    info_.push_back(
+        {"solver.angular_velocity_violation", "rad/s", "largest rate of the constraints that are angles"});
   });
 }
 
@@ -618,8 +623,10 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       return;
     case Part::Kind::solver:
       to[0] = statistics.iterations;
-      to[1] = statistics.position_violation;
-      to[2] = statistics.velocity_violation;
+      to[1] = statistics.violations.position_violation;
+      to[2] = statistics.violations.angle_violation;
+      to[3] = statistics.violations.velocity_violation;
+      to[4] = statistics.violations.angular_velocity_violation;
       return;
   }
 }

@@ -53,7 +53,8 @@ class Channels {
   int part_of(int channel) const { return part_of_[static_cast<std::size_t>(channel)]; }
 
   struct Statistics {
-    double iterations = 0, position_violation = 0, velocity_violation = 0;
+    double iterations = 0;
+    Violations violations;
     std::span<const EventRecord> events = {};
   };
   /// Puts a part's channels to their places among all. The system's last evaluation must be what the part

@@ -79,10 +79,10 @@ class EventStep {
     report_.code = made.code;
     report_.iterations += made.iterations;
     report_.factorisations += made.factorisations;
-    report_.position_violation = made.position_violation;
-    report_.velocity_violation = made.velocity_violation;
+    static_cast<Violations&>(report_) = made;
     report_.coordinate = made.coordinate;
     report_.equation = made.equation;
+    report_.equation_violation = made.equation_violation;
     report_.substeps = std::max(report_.substeps, made.substeps);
     report_.unconverged = report_.unconverged || made.unconverged;
     host_.look_anew();

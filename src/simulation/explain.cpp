@@ -30,6 +30,13 @@ std::string quoted(const std::vector<std::string>& names) {
   return names.size() > most ? text + ", …" : text;
 }
 
+/// That of the equation that came apart, with its unit.
+std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
+  const bool is_angle =
+      r.equation >= 0 && mechanism.system.scales().is_angle[static_cast<std::size_t>(r.equation)];
+  return fmt::format("{:.3g} {}", r.equation_violation, is_angle ? "rad" : "m");
+}
+
 /// The body that a velocity coordinate moves, where that floats freely; null elsewhere.
 const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
   for (std::size_t k = 0; k < m.bodies.size(); ++k) {
@@ -57,8 +64,9 @@ std::string explain_undetermined_start(const Compiled& m) {
       names.size() > 1 ? "them" : "it");
 }
 
-std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& r,
-                    double t, const std::string& jump) {
+std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump) {
+  const Compiled& model = mechanism.model;
+  const natural::NaturalSystem* const natural = mechanism.natural.get();
   const std::string where = coordinate_name(model, natural, r.coordinate);
   switch (r.code) {
     case StepReport::Code::ok:
@@ -81,14 +89,12 @@ std::string explain(const Compiled& model, const natural::NaturalSystem* natural
       if (r.unconverged)
         return fmt::format(
             "the {} iterations that the fixed cost allows for the step to t = {:.6g} s led nowhere: {} is "
-            "off "
-            "by {:.3g} m; allow more of them (max_iterations), take a smaller step, or no fixed cost",
-            r.iterations, t, equation_name(model, natural, r.equation), r.position_violation);
+            "off by {}; allow more of them (max_iterations), take a smaller step, or no fixed cost",
+            r.iterations, t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
       return fmt::format(
-          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {:.3g} m; this "
-          "formalism "
+          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {}; this formalism "
           "does not hold them, take `index3`, a stabilised one or a smaller step",
-          t, equation_name(model, natural, r.equation), r.position_violation);
+          t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
     case StepReport::Code::singular:
       if (r.equation >= 0)
         return fmt::format(

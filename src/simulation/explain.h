@@ -4,15 +4,14 @@
 #include "dynamics/natural/system.h"
 #include "integrate/statics.h"
 #include "mimbre/simulation.h"
+#include "simulation/mechanism.h"
 #include "simulation/smallest_reactions.h"
 
 namespace mimbre {
 
-/// What went wrong in the step to `t`, and where, for people. `natural`: the system in natural coordinates
-/// where it made the step, else null. `jump`: of a step that did not converge the law that jumps
-/// (jumping_law), if any.
-std::string explain(const Compiled& model, const natural::NaturalSystem* natural, const StepReport& report,
-                    double t, const std::string& jump);
+/// What went wrong in the step to `t`, and where, for people. `jump`: of a step that did not converge the law
+/// that jumps (jumping_law), if any.
+std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump);
 
 /// Why the accelerations at the start are not determined: the bodies that move without mass, and what to do.
 std::string explain_undetermined_start(const Compiled& model);

@@ -67,8 +67,7 @@ StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t unt
     if (!simulation.stopped()) ++totals.steps;
     if (report.substeps > 1) ++totals.repeated_steps;
     if (report.unconverged) ++totals.unconverged_steps;
-    totals.max_position_violation = std::max(totals.max_position_violation, report.position_violation);
-    totals.max_velocity_violation = std::max(totals.max_velocity_violation, report.velocity_violation);
+    totals.violations.raise(report);
     if (simulation.stopped()) break;
   }
   totals.cpu_seconds += thread_cpu_seconds() - start;

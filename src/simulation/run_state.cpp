@@ -18,7 +18,7 @@ namespace mimbre {
 namespace {
 
 /// Ends with the number of the layout.
-constexpr std::string_view mark = "mimbre-run-state-002";
+constexpr std::string_view mark = "mimbre-run-state-003";
 constexpr std::string_view kind = mark.substr(0, 17);
 
 void add_matrix(Hash64& hash, const double* x, Eigen::Index count) {
@@ -81,8 +81,10 @@ void for_values(State& s, Each&& each) {
   each(t.repeated_steps);
   each(t.unconverged_steps);
   each(t.cpu_seconds);
-  each(t.max_position_violation);
-  each(t.max_velocity_violation);
+  each(t.violations.position_violation);
+  each(t.violations.angle_violation);
+  each(t.violations.velocity_violation);
+  each(t.violations.angular_velocity_violation);
   each(s.rows.count);
   each(s.rows.hash);
   each(s.recorded);

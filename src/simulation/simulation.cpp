@@ -196,8 +196,7 @@ struct Simulation::Impl {
   }
   Channels::Statistics statistics() const {
     const StepStatus& last = steps.last();
-    return {static_cast<double>(last.iterations), last.position_violation, last.velocity_violation,
-            events.records()};
+    return {static_cast<double>(last.iterations), last, events.records()};
   }
 
   double value(int channel) {
@@ -303,7 +302,7 @@ std::string Simulation::explain(const StepReport& report) const {
   Impl& s = *impl_;
   std::string jump;
   if (report.code == StepReport::Code::not_converged) jump = s.law_that_jumps();
-  return mimbre::explain(s.compiled, s.mechanism.natural.get(), report, time() + s.steps.length(), jump);
+  return mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump);
 }
 
 double Simulation::initialisation_seconds() const { return impl_->initialisation; }
@@ -463,7 +462,6 @@ std::vector<std::string> Simulation::warnings() const {
   Impl& s = *impl_;
   if (!s.method.warnings) return {};
   std::vector<std::string> all = s.begin.warnings;
-  for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.validity_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.spin_warnings()) all.push_back(text);
   const auto unresolved = s.reactions.unresolved() ? s.reactions.unresolved() : s.observers.unresolved();

@@ -128,10 +128,10 @@ void StepMaker::advance(StepReport& report) {
   report.code = static_cast<StepReport::Code>(last_.code);
   report.iterations += last_.iterations;
   report.factorisations += last_.factorisations;
-  report.position_violation = std::max(report.position_violation, last_.position_violation);
-  report.velocity_violation = std::max(report.velocity_violation, last_.velocity_violation);
+  report.raise(last_);
   report.coordinate = last_.coordinate;
   report.equation = last_.equation;
+  report.equation_violation = last_.equation_violation;
   report.unconverged = report.unconverged || last_.unconverged;
   if (!report.ok()) return m.enter(0);
   const auto start = method_.profile ? Clock::now() : Clock::time_point();
@@ -195,8 +195,7 @@ void StepMaker::cover(double length, int level, StepReport& report) {
   --divisions_left_;
   // Of what is accepted.
   report.code = StepReport::Code::ok;
-  report.position_violation = before.position_violation;
-  report.velocity_violation = before.velocity_violation;
+  static_cast<Violations&>(report) = before;
   report.substeps = before.substeps + method_.substeps - 1;
   integrator_->set_step(length / method_.substeps);
   for (int k = 0; k < method_.substeps && report.ok(); ++k)
@@ -208,8 +207,8 @@ void StepMaker::cover(double length, int level, StepReport& report) {
 StepReport StepMaker::step(double length) {
   Mechanism& m = mechanism_;
   length_ = length;
-  divisions_left_ = most_divisions();
   if (length != integrator_->options().step) integrator_->set_step(length);
+  divisions_left_ = most_divisions();
   StepReport report;
   // Where something jumps, a step that begins anew from there costs another residual and another factor.
   if (method_.fixed_cost && under_way_) m.state.started = true;
@@ -238,7 +237,8 @@ void StepMaker::transfer(StateTransfer& transfer) {
   meter_.transfer(transfer);
   for (ContactTrouble& trouble : log_) trouble.transfer(transfer);
   if (method_.fixed_cost) transfer(under_way_);
-  transfer(last_.iterations, last_.position_violation, last_.velocity_violation);
+  transfer(last_.iterations, last_.position_violation, last_.angle_violation, last_.velocity_violation,
+           last_.angular_velocity_violation);
 }
 
 }  // namespace mimbre

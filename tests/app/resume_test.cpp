@@ -200,7 +200,7 @@ TEST_F(Resume, WhatDoesNotFitIsSaid) {
   std::string later = whole;
   later[19] = '9';
   write_file(folder / "state", later);
-  fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-002'");
+  fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-003'");
 }
 
 /// What was taken is said once for all: in the summary, the results file and by check.

@@ -63,6 +63,12 @@ function energyLine(energy: unknown): string {
   return [known("kinetic", "kinetic"), known("elastic", "strain"), known("numerical", "fed in by the numerics")].filter((text) => text !== "").join(" · ");
 }
 
+/** Lengths and angles apart; what an older file does not know is left out. */
+function atMost(...values: [unknown, string][]): string {
+  const known = values.filter(([value]) => isNumber(value)).map(([value, unit]) => quantity(value as number, unit, 2));
+  return known.length > 0 ? `at most ${known.join(" and ")}` : "";
+}
+
 /** At most twelve; what is not known is left out. */
 export function summaryLines(summary: unknown, facts: { end: number; step: number; instants: number; bodies: number; joints: number }): Line[] {
   const s = asSummary(summary);
@@ -78,8 +84,8 @@ export function summaryLines(summary: unknown, facts: { end: number; step: numbe
     ["Method", join(words(s.formulation), words(s.formalism), words(s.integrator), isNumber(s.rho) ? `ρ∞ ${formatNumber(s.rho)}` : "")],
     ["Iterations", isNumber(s.iterations_per_step) ? `${formatNumber(s.iterations_per_step, 3)} per step` : ""],
     ["Computed in", isNumber(s.cpu_seconds) ? join(`${quantity(s.cpu_seconds, "s")} of processor`, isNumber(s.real_time_factor) ? `${formatNumber(s.real_time_factor, 3)}× real time` : "") : ""],
-    ["Joints open by", isNumber(s.max_position_violation) ? `at most ${quantity(s.max_position_violation, "m", 2)}` : ""],
-    ["Joints drift by", isNumber(s.max_velocity_violation) ? `at most ${quantity(s.max_velocity_violation, "m/s", 2)}` : ""],
+    ["Joints open by", atMost([s.max_position_violation, "m"], [s.max_angle_violation, "rad"])],
+    ["Joints drift by", atMost([s.max_velocity_violation, "m/s"], [s.max_angular_velocity_violation, "rad/s"])],
     ["Energy at the end", energyLine(s.energy)],
     ["Against linear theory", worstValidity(s.validity)],
     ["Warnings", Array.isArray(s.warnings) ? (s.warnings.length === 0 ? "none" : `${s.warnings.length}, above`) : ""],

@@ -184,6 +184,7 @@ test("the summary is a dozen lines with units", () => {
     repeated_steps: 3,
     unconverged_steps: 7,
     max_position_violation: 1.2e-12,
+    max_angle_violation: 2.5e-10,
     max_velocity_violation: 3e-9,
     energy: { kinetic: 12345, elastic: 0.5, numerical: -0.002 },
     validity: [{ body: "arm", deflection: 0.02, high_modes: null, time: { deflection: 1.5 } }, { body: "rod", deflection: 0.01, foreshortening: 0.03, time: {} }],
@@ -195,7 +196,7 @@ test("the summary is a dozen lines with units", () => {
   const lines = summaryLines(summary, { end: 8, step: 0.002, instants: 4001, bodies: 17, joints: 24 });
   assert.equal(lines.length, 12);
   const text = lines.map(({ label, value }) => `${label}: ${value}`).join("\n");
-  for (const part of ["of 2 ms · 3 repeated in parts · 7 taken unconverged", "17 bodies · 24 joints · 98 coordinates", "kinetic 12.3 kJ", "3 % (shortening of rod)", "1.25 s of processor · 6.4× real time"]) assert.ok(text.includes(part), `${part} in\n${text}`);
+  for (const part of ["of 2 ms · 3 repeated in parts · 7 taken unconverged", "17 bodies · 24 joints · 98 coordinates", "kinetic 12.3 kJ", "3 % (shortening of rod)", "Joints open by: at most 0.0012 nm and 1.4·10⁻⁸ °", "Joints drift by: at most 0.003 µm/s", "1.25 s of processor · 6.4× real time"]) assert.ok(text.includes(part), `${part} in\n${text}`);
   assert.deepEqual(summaryLines(null, { end: NaN, step: 0.01, instants: 3, bodies: 1, joints: 0 }).map(({ label }) => label), ["Steps", "Recorded", "Mechanism"]);
 });
 

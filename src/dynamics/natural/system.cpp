@@ -20,6 +20,11 @@ Scales scales_of(const Compiled& m, const Layout& l) {
   s.round_off = round_off_of_positions(m);
   s.coordinates.assign(l.unknowns, length);
   s.equations.assign(l.equations, 1.0);
+  s.is_angle.assign(l.equations, 1);
+  const auto is_length = [&](int equation) {
+    s.equations[equation] = length;
+    s.is_angle[equation] = 0;
+  };
   s.acceleration = m.gravity.norm() / length;
 
   for (int k = 0; k < l.unknown_variables; ++k)
@@ -30,14 +35,14 @@ Scales scales_of(const Compiled& m, const Layout& l) {
     int row = j.first_equation;
     for (const JointEquation& e : j.equations)
       for (int k = 0; k < e.count(); ++k, ++row)
-        if (e.kind != JointEquation::Kind::angle) s.equations[row] = length;
+        if (e.kind != JointEquation::Kind::angle) is_length(row);
   }
   for (std::size_t k = 0; k < m.drives.size(); ++k)
     if (!is_angle(m.bodies[m.drives[k].body].joint, m.drives[k].local))
-      s.equations[l.first_drive + k] = length;
+      is_length(l.first_drive + static_cast<int>(k));
   for (std::size_t k = 0; k < m.constraints.size(); ++k)
     for (int r = 0; r < m.constraints[k].count; ++r)
-      if (m.constraints[k].is_length(r)) s.equations[l.constraints[k].first_equation + r] = length;
+      if (m.constraints[k].is_length(r)) is_length(l.constraints[k].first_equation + r);
   return s;
 }
 

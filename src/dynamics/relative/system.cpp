@@ -23,6 +23,11 @@ Scales scales_of(const Compiled& m) {
   s.round_off = round_off_of_positions(m);
   s.coordinates.assign(m.velocities, 1.0);
   s.equations.assign(m.equations, 1.0);
+  s.is_angle.assign(m.equations, 1);
+  const auto is_length = [&](int equation) {
+    s.equations[equation] = m.length_scale;
+    s.is_angle[equation] = 0;
+  };
   s.acceleration = m.gravity.norm() / m.length_scale;
 
   for (const BodyData& b : m.bodies) {
@@ -32,12 +37,12 @@ Scales scales_of(const Compiled& m) {
   }
   for (const LoopData& l : m.loops)
     for (int r = 0; r < l.count; ++r)
-      if (l.closure[r].kind == LoopClosure::Kind::distance)
-        s.equations[l.first_equation + r] = m.length_scale;
-  for (const DriveData& d : m.drives) s.equations[d.equation] = s.coordinates[d.v];
+      if (l.closure[r].kind == LoopClosure::Kind::distance) is_length(l.first_equation + r);
+  for (const DriveData& d : m.drives)
+    if (!is_angle(m.bodies[d.body].joint, d.local)) is_length(d.equation);
   for (const ConstraintData& c : m.constraints)
     for (int r = 0; r < c.count; ++r)
-      if (c.is_length(r)) s.equations[c.first_equation + r] = m.length_scale;
+      if (c.is_length(r)) is_length(c.first_equation + r);
   return s;
 }
 
