@@ -8,9 +8,6 @@
 /// How a model is computed: what a run was asked for, and what it took.
 namespace mimbre {
 
-/// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
-inline constexpr double least_hht_rho = 0.5;
-
 /// Options of a run; fields left at their defaults are taken from the model file's simulation section.
 struct RunOptions {
   double step = 0;  ///< s

@@ -18,6 +18,9 @@ inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "
 
 namespace mimbre {
 
+/// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
+inline constexpr double least_hht_rho = 0.5;
+
 inline const char* name_of(spec::Simulation::Formulation f) {
   return method_names::formulations[static_cast<std::size_t>(f)];
 }

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "integrate/stepper.h"
-#include "mimbre/method.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre {
 

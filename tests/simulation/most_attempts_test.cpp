@@ -46,7 +46,7 @@ TEST(MostAttempts, BoundTheIterationsOfEveryStep) {
       Simulation s(rain(balls), options);
       ASSERT_GE(s.most_attempts(), 1);
       // So that the bound is of use for a step that has to be ready in time.
-      EXPECT_LE(s.most_attempts(), substeps == 1 ? 1 : 1 + 64 * std::max(16, substeps)) << substeps;
+      EXPECT_LE(s.most_attempts(), substeps == 1 ? 1 : 1 + 80 * std::max(16, substeps)) << substeps;
       int most = 0;
       for (int k = 0; k < (balls == 1 ? 60 : 25); ++k) {
         const StepReport report = s.step();
