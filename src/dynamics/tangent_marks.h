@@ -10,8 +10,8 @@
 
 namespace mimbre {
 
-/// An element's share of the leading matrix, kg: of several components, of the first three, which are
-/// lengths.
+/// An element's share of the leading matrix, kg, or kg m² of one that measures an angle: of several
+/// components, of the first three, which are lengths.
 template <class T>
 double element_tangent(const ElementState<T>& s, const MatrixWeights& weights) {
   double sum = 0;
@@ -21,31 +21,31 @@ double element_tangent(const ElementState<T>& s, const MatrixWeights& weights) {
   return sum;
 }
 
-/// The tangents of forces that may change at once, as they are in a factorised matrix: of elements, kg, and
-/// of beams by absolute nodal coordinates (see ancf.h), by body.
+/// The tangents of forces that may change at once, as they are in a factorised matrix: of elements, and of
+/// beams by absolute nodal coordinates (see ancf.h), by body.
 class TangentMarks {
  public:
-  explicit TangentMarks(const Compiled& m) : ancf_(m.elements.size()), values_(ancf_ + ancf::all_marks(m)) {}
+  explicit TangentMarks(const Compiled& m);
   std::span<double> values() { return values_; }
   double& element(std::size_t k) { return values_[k]; }
   double* ancf() { return values_.data() + ancf_; }
 
-  /// Whether the present tangents differ from these by more than a fiftieth of a body's mean mass.
-  /// `elements`: storage of their states; `amplitudes(i)`: those of body i.
+  /// Whether the present tangents differ from these by more than a fiftieth of a body's mean mass, or half of
+  /// what one of the bodies resists motion with. `elements`: storage of their states; `amplitudes(i)`: those
+  /// of body i.
   template <class Amplitudes>
   bool changed(const Compiled& m, const double* elements, const MatrixWeights& weights,
                const Amplitudes& amplitudes) const {
-    const double small = 0.02 * m.mass_scale;
     for (std::size_t k = 0; k < m.elements.size(); ++k) {
       if (!m.elements[k].marked) continue;
       const ElementState<const double> s = element_state(m.elements[k], elements);
-      if (std::abs(element_tangent(s, weights) - values_[k]) > small) return true;
+      if (std::abs(element_tangent(s, weights) - values_[k]) > small_[k]) return true;
     }
     const double* marks = values_.data() + ancf_;
     for (std::size_t i = 0; i < m.bodies.size(); ++i) {
       if (m.bodies[i].modes == 0 || m.flexible[m.bodies[i].flexible].ancf.empty()) continue;
       const FlexibleData& f = m.flexible[m.bodies[i].flexible];
-      if (ancf::marks_moved(f, amplitudes(i), marks, small / weights.stiffness)) return true;
+      if (ancf::marks_moved(f, amplitudes(i), marks, small_[ancf_ + i] / weights.stiffness)) return true;
       marks += ancf::marks(f);
     }
     return false;
@@ -54,6 +54,7 @@ class TangentMarks {
  private:
   std::size_t ancf_;
   std::vector<double> values_;
+  std::vector<double> small_;  ///< of elements, then of bodies
 };
 
 }  // namespace mimbre

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mimbre {
 namespace {
@@ -41,7 +42,7 @@ VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const Ve
 
 /// The same without damping for large systems, with J at q: equations that depend on others are left out.
 VectorXd sparse_least_change(System& system, double t, const VectorXd& q, const VectorXd& weight,
-                             const VectorXd& b) {
+                             const VectorXd& b, double negligible) {
   const int n = system.velocities(), m = system.equations();
   const VectorXd zero = VectorXd::Zero(n), none = VectorXd::Zero(m);
   VectorXd r(n);
@@ -55,16 +56,77 @@ VectorXd sparse_least_change(System& system, double t, const VectorXd& q, const 
   transposed.setFromTriplets(entries.begin(), entries.end());
   double longest = 0;
   for (int k = 0; k < m; ++k) longest = std::max(longest, transposed.col(k).norm());
-  if (longest < 1e-13) return zero;
+  if (longest < negligible) return zero;
   return weight.cwiseProduct(linalg::SparseQr(transposed, same * longest).shortest(b));
+}
+
+Map<const VectorXd> coordinate_scales(const System& system) {
+  return {system.scales().coordinates.data(), system.velocities()};
 }
 
 /// Least change of the coordinates that makes up for `b`.
 VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& weight, const VectorXd& b,
                    double damping = 0, double negligible = 1e-13) {
   const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(system.velocities()) * system.equations();
-  if (damping == 0 && entries > dense_entries) return sparse_least_change(system, t, q, weight, b);
+  if (damping == 0 && entries > dense_entries)
+    return sparse_least_change(system, t, q, weight, b, negligible);
   return least_change(dense_jacobian(system, t, q), weight, b, damping, negligible);
+}
+
+/// Of violations by the scales of equations: known to round-off, and nearly closed; of changes by the scales
+/// of coordinates: none any more, and as far as a linear step is trusted.
+constexpr double exactly_closed = 1e-13, nearly_closed = 1e-8, no_change = 1e-15, furthest_change = 0.5;
+/// Of the accelerations at play: what a round may still change of them; beyond the second the matrix is not
+/// that of the motion.
+constexpr double settled = 1e-10, unsettled = 1e-6;
+/// Pivots that are no more than this of the entry that they come from are round-off.
+constexpr double pivot_round_off = 1e3 * std::numeric_limits<double>::epsilon();
+/// Times the scales of the penalties.
+constexpr double start_penalty = 1e6;
+
+/// The coordinate that the matrix with these weights does not determine beyond round-off; -1: there is none.
+int undetermined_coordinate(System& system, const State& s, const MatrixWeights& weights) {
+  const int n = system.velocities();
+  if (n == 0) return -1;
+  MatrixXd matrix(n, n);
+  system.dense_matrix(s.q.data(), weights, matrix.data());
+  VectorXd work(n);
+  for (int k = 0; k < n; ++k) {
+    if (!(matrix(k, k) > 0)) return k;
+    work[k] = 1 / std::sqrt(matrix(k, k));
+  }
+  matrix = (work.asDiagonal() * matrix * work.asDiagonal()).eval();
+  return PivotedCholesky(matrix).singular_at(matrix, pivot_round_off, work);
+}
+
+/// Corrects accelerations by the factorised matrix, over and over where that is the mass matrix; otherwise
+/// the first round's forces alone count. Returns the last correction, by the accelerations at play.
+double iterate_accelerations(System& system, State& s, bool by_mass) {
+  const int n = system.velocities(), m = system.equations();
+  const Scales& scales = system.scales();
+  VectorXd r(n), g(m), jd(m);
+  s.a.setZero(n);
+  s.multipliers.setZero(m);
+  double change = 0;
+  for (int round = 0; round < 60; ++round) {
+    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+    if (round > 0 && !by_mass) r.setZero();
+    for (int k = 0; k < m; ++k) g[k] = start_penalty * system.penalty()[k] * system.phi_ddot()[k];
+    system.add_jacobian_transposed(g.data(), 1, r.data());
+    r = -r;
+    system.solve(r.data());
+    s.a += r;
+    system.jacobian_times(r.data(), jd.data());
+    for (int k = 0; k < m; ++k) s.multipliers[k] += g[k] + start_penalty * system.penalty()[k] * jd[k];
+    if (!r.allFinite() || !s.a.allFinite()) return std::numeric_limits<double>::infinity();
+    // What turns without gravity has accelerations of the order of its squared velocities.
+    const double correction = scales.of_coordinates(r.data()), rate = scales.of_coordinates(s.v.data());
+    const double play = std::max(scales.accelerations(s.a.data()), rate * rate);
+    change = correction == 0 ? 0 : play > 0 ? correction / play : 1;
+    if (change <= settled) break;
+  }
+  s.algorithmic = s.a;
+  return change;
 }
 
 }  // namespace
@@ -94,13 +156,13 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
   for (int iteration = 0; iteration < 60; ++iteration) {
     system.kinematics(t, q.data(), zero.data(), zero.data());
     const VectorXd phi = copy(system.phi(), m);
-    violation = phi.cwiseAbs().maxCoeff();
-    if (!(violation > 1e-13)) break;
-    const double damping = violation > 1e-8 ? caution * violation : 0;
+    violation = system.scales().of_equations(phi.data());
+    if (!(violation > exactly_closed)) break;
+    const double damping = violation > nearly_closed ? caution * violation : 0;
     VectorXd x = change_of(system, t, q, weight, -phi, damping, negligible);
-    const double length = x.norm();
-    if (!(length > 1e-15)) break;
-    if (length > 0.5) x *= 0.5 / length;
+    const double length = x.cwiseQuotient(coordinate_scales(system)).norm();
+    if (!(length > no_change)) break;
+    if (length > furthest_change) x *= furthest_change / length;
     system.retract(q.data(), x.data(), q.data());
   }
   return violation;
@@ -114,7 +176,7 @@ double close_velocities(System& system, double t, const VectorXd& q, const Vecto
   for (int round = 0; round < 3; ++round) {
     system.kinematics(t, q.data(), v.data(), zero.data());
     const VectorXd phi_dot = copy(system.phi_dot(), m);
-    violation = phi_dot.cwiseAbs().maxCoeff();
+    violation = system.scales().of_equations(phi_dot.data());
     if (violation == 0) break;
     if (round < 2) v += change_of(system, t, q, weight, -phi_dot);
   }
@@ -131,27 +193,38 @@ void find_multipliers(System& system, State& s, double negligible) {
   s.multipliers = least_change(jacobian.transpose(), VectorXd::Ones(m), -r, 0, negligible);
 }
 
-bool solve_accelerations(System& system, State& s) {
-  const int n = system.velocities(), m = system.equations();
+bool solve_accelerations(System& system, State& s, double step, int* undetermined) {
+  const int n = system.velocities();
   s.a.setZero(n);
-  s.multipliers.setZero(m);
-  const double penalty = 1e6;
-  VectorXd r(n), g(m), jd(m);
-  for (int round = 0; round < 60; ++round) {
-    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-    if (round == 0 && !system.factor(s.q.data(), {0, 0, penalty}).ok()) return false;
-    for (int k = 0; k < m; ++k) g[k] = penalty * system.penalty()[k] * system.phi_ddot()[k];
-    system.add_jacobian_transposed(g.data(), 1, r.data());
-    r = -r;
-    system.solve(r.data());
-    s.a += r;
-    system.jacobian_times(r.data(), jd.data());
-    for (int k = 0; k < m; ++k) s.multipliers[k] += g[k] + penalty * system.penalty()[k] * jd[k];
-    if (!r.allFinite()) return false;
-    if (n == 0 || r.cwiseAbs().maxCoeff() <= 1e-10 * std::max(1.0, s.a.cwiseAbs().maxCoeff())) break;
+  s.algorithmic.setZero(n);
+  s.multipliers.setZero(system.equations());
+  const VectorXd zero = s.a, none = s.multipliers;
+  VectorXd r(n);
+  if (undetermined) *undetermined = -1;
+  const auto evaluate = [&] {
+    system.residual(s.time, s.q.data(), s.v.data(), zero.data(), none.data(), 0, r.data());
+    return r.allFinite();
+  };
+  if (!evaluate()) return false;
+  const MatrixWeights by_mass{0, 0, start_penalty};
+  const double change = system.factor(s.q.data(), by_mass).ok() ? iterate_accelerations(system, s, true)
+                                                                : std::numeric_limits<double>::infinity();
+  if (change <= unsettled) return true;
+  evaluate();
+  int weakest = undetermined_coordinate(system, s, by_mass);
+  // Slow where constraints are nearly dependent, in singular positions.
+  if (weakest < 0) return std::isfinite(change);
+  if (step > 0) {
+    const MatrixWeights by_step{0.5 * step, 0.25 * step * step, start_penalty};
+    evaluate();
+    weakest = undetermined_coordinate(system, s, by_step);
+    evaluate();
+    if (weakest < 0 && system.factor(s.q.data(), by_step).ok() &&
+        std::isfinite(iterate_accelerations(system, s, false)))
+      return true;
   }
-  s.algorithmic = s.a;
-  return s.a.allFinite();
+  if (undetermined) *undetermined = weakest;
+  return false;
 }
 
 }  // namespace mimbre

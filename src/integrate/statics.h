@@ -6,9 +6,9 @@ namespace mimbre {
 struct StaticsStatus {
   bool converged = false;
   int iterations = 0;
-  double residual = 0;   ///< largest generalised force that is not balanced, N or N m
+  double residual = 0;   ///< generalised force that is not balanced and does most work, N or N m
   int coordinate = -1;   ///< where
-  double violation = 0;  ///< max |Φ|
+  double violation = 0;  ///< max |Φ|, by the scales of the equations
   /// 1/s: how fast the smallest disturbance grows without damping, 0 where the equilibrium is stable or
   /// neutral: λ² of the least eigenvalue −λ² of the tangent stiffness along the motions that the constraints
   /// leave, by their mass.
@@ -20,8 +20,8 @@ struct StaticsStatus {
 /// Pseudo-transient continuation (Kelley, Keyes 1998): Newton with the tangent by central differences and
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
 /// that does not touch yet falls until it does. Where that leads nowhere, once more from the start with τ
-/// that gets smaller where a step leads too far. On return velocities and accelerations are zero. Constraints
-/// that move by less than 1e-9 of `length`, the mechanism's scale, hold nothing.
-StaticsStatus find_equilibrium(System& system, State& state, double length = 1e-4);
+/// that gets smaller where a step leads too far. On return velocities and accelerations are zero. Everything
+/// is measured by the mechanism's own scales (Scales): similar mechanisms take the same iterations.
+StaticsStatus find_equilibrium(System& system, State& state);
 
 }  // namespace mimbre

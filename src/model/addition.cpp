@@ -5,13 +5,11 @@
 #include "joints/axes.h"
 #include "mimbre/reduced_body.h"
 #include "model/model_builder_parts.h"
+#include "model/nearest_place.h"
 
 /// Names, places and frames of what is added to a builder.
 namespace mimbre {
 namespace {
-
-/// A frame sits on a node when it is this close (m).
-constexpr double same_place = 1e-6;
 
 std::string to_text(const Eigen::Vector3d& v) {
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
@@ -164,11 +162,12 @@ int Addition::new_frame(const std::string& name, int body, const spec::Pose& glo
   const auto& reduced =
       body == spec::ground ? nullptr : builder_.model.bodies[static_cast<std::size_t>(body)].flexible;
   if (reduced) {
-    for (std::size_t k = 0; k < reduced->frames.size() && made.flexible_frame < 0; ++k)
-      if ((reduced->frames[k].position - made.pose.position).norm() < same_place)
-        made.flexible_frame = static_cast<int>(k);
+    std::vector<Eigen::Vector3d> places;
+    for (const BodyFrame& f : reduced->frames) places.push_back(f.position);
+    const double within = place_tolerance(places, global.position.norm() + outer.position.norm());
+    made.flexible_frame = nearest_place(places, made.pose.position, within);
     // The body frame's origin moves with the body, not with the modes.
-    if (made.flexible_frame < 0 && !(made.pose.position.norm() < same_place)) {
+    if (made.flexible_frame < 0 && !(made.pose.position.norm() <= within)) {
       std::vector<std::string> nodes;
       for (const BodyFrame& f : reduced->frames)
         nodes.push_back(f.name + " " + to_text(outer.position + outer.rotation * f.position));

@@ -16,11 +16,11 @@
 #include "model/compiled.h"
 #include "model/constraint_kinds.h"
 #include "model/contact_pairs.h"
+#include "model/find_scales.h"
 #include "model/flexible_data.h"
 #include "model/force_laws.h"
 #include "model/image.h"
 #include "model/rolling_size.h"
-#include "model/struck_mass.h"
 #include "model/topology.h"
 #include "model/triangle_mesh.h"
 
@@ -55,7 +55,7 @@ class Compiler {
       c_.element_storage += mimbre::element_storage(e);
     }
     matrix();
-    scales();
+    find_scales(c_);
     return std::make_unique<const Image>(c_);
   }
 
@@ -756,35 +756,6 @@ class Compiler {
         const int a = c_.frames[frame].body;
         c_.mass_places[b].push_back({a, c_.frames[frame].subspace, c_.symbolic.place(a, b)});
       }
-    }
-  }
-
-  void scales() {
-    double mass = 0, length = 0;
-    int with_mass = 0, with_length = 0;
-    for (const BodyData& b : c_.bodies) {
-      if (b.mass > 0) mass += b.mass, ++with_mass;
-      // From the centre of mass, so that it does not matter where the body's own frame lies.
-      const Vec3d centre = b.mass > 0 ? Vec3d(b.first_moment / b.mass) : Vec3d::Zero();
-      double largest = 0;
-      for (int f = b.first_frame; f < b.last_frame; ++f)
-        largest = std::max(largest, (c_.frames[f].position - centre).norm());
-      if (!(largest > 0) && b.mass > 0)  // held nowhere else: the radius of gyration
-        largest = std::sqrt(std::max(0.0, b.second_moment.trace() / b.mass - centre.squaredNorm()));
-      if (largest > 0) length += largest, ++with_length;
-    }
-    if (with_mass > 0) c_.mass_scale = mass / with_mass;
-    if (with_length > 0) c_.length_scale = length / with_length;
-    for (ElementData& e : c_.elements)
-      if (e.measure == Measure::contact && !e.pooled) e.struck_mass = struck_mass(c_, e);
-    const double angle = c_.length_scale * c_.length_scale;
-    for (LoopData& l : c_.loops)
-      for (int r = 0; r < l.count; ++r)
-        l.scale[r] = l.closure[r].kind == LoopClosure::Kind::angle ? angle : 1.0;
-    for (ConstraintData& c : c_.constraints)
-      for (int r = 0; r < c.count; ++r) c.scale[r] = c.is_length(r) ? 1.0 : angle;
-    for (DriveData& d : c_.drives) {
-      d.scale = is_angle(c_.bodies[d.body].joint, d.local) ? angle : 1.0;
     }
   }
 

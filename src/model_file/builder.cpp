@@ -8,11 +8,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "model/nearest_place.h"
+
 namespace mimbre::model_file {
 namespace {
-
-/// A frame sits on a node when it is this close (m).
-constexpr double same_place = 1e-6;
 
 std::vector<std::string> attachment_names(const Builder& builder, const Part& part) {
   std::vector<std::string> names{"ground"};
@@ -165,11 +164,10 @@ int Builder::add_frame_at(const std::string& name, int body, const Eigen::Vector
     const BodyInfo& info = bodies[static_cast<std::size_t>(body)];
     // The body frame's origin is where the clamped nodes hold the tangent frame: it moves with the body, not
     // the modes.
-    const bool at_origin = frame.pose.position.norm() < same_place;
+    const double within = place_tolerance(info.node_positions, position.norm() + pose.position.norm());
+    const bool at_origin = frame.pose.position.norm() <= within;
     if (info.flexible && !info.failed) {
-      for (std::size_t k = 0; k < info.node_positions.size() && frame.flexible_frame < 0; ++k)
-        if ((info.node_positions[k] - frame.pose.position).norm() < same_place)
-          frame.flexible_frame = static_cast<int>(k);
+      frame.flexible_frame = nearest_place(info.node_positions, frame.pose.position, within);
       if (frame.flexible_frame < 0 && !at_origin) {
         std::vector<std::string> nodes;
         for (std::size_t k = 0; k < info.node_names.size(); ++k)

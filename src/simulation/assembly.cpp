@@ -20,8 +20,8 @@
 namespace mimbre {
 namespace {
 
-constexpr double close_enough = 1e-8;  ///< m, m/s
-constexpr double alike = 1e-8;         ///< m, of how carcasses bend
+constexpr double close_enough = 1e-8;  ///< of the equations' scales
+constexpr double alike = 1e-8;         ///< of the length scale, of how carcasses bend
 /// Of the largest bend: a change that small, and that is no smaller than this much of the one before, is that
 /// of a road which is no plane, under a car that comes down a slope.
 constexpr double little_of_bend = 0.01, hardly_smaller = 0.9;
@@ -34,14 +34,13 @@ struct Bends {
 };
 
 StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
-  const double length = observer.model().length_scale;
-  if (!natural) return find_equilibrium(observer, s, length);
+  if (!natural) return find_equilibrium(observer, s);
   State n = natural_state(*natural, observer, s);
   natural->enter(s.u.data(), s.z.data(), 0);
-  const StaticsStatus status = find_equilibrium(*natural, n, length);
+  const StaticsStatus status = find_equilibrium(*natural, n);
   natural->to_relative(n, s);
   observer.begin_step(s.q.data());
-  find_multipliers(observer, s, 1e-9 * length);
+  find_multipliers(observer, s, 1e-9);
   return status;
 }
 
@@ -68,7 +67,8 @@ bool let_wheels_go(relative::RelativeSystem& observer, State& s, Bends& bends) {
     largest = std::max(largest, std::abs(now[k]));
     change = std::max(change, std::abs(now[k] - bends.values[k]));
   }
-  if (change <= alike || (change <= little_of_bend * largest && change >= hardly_smaller * bends.change))
+  if (change <= alike * m.length_scale ||
+      (change <= little_of_bend * largest && change >= hardly_smaller * bends.change))
     return false;
   bends = {std::move(now), change};
   each([&](const ElementData& e, const double* states) {
@@ -141,45 +141,57 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
   system.begin_step(s.q.data());
 
   static constexpr std::string_view closing = "cannot be closed";
-  const auto where = [&](double gap, const double* violation, std::string_view what, std::string_view unit,
+  // The equation that is furthest off by its scale.
+  const auto where = [&](const double* violation, std::string_view what, std::string_view unit,
                          std::string_view angle_unit) {
+    const std::vector<double>& scale = system.scales().equations;
+    int worst = 0;
+    const auto share = [&](int k) { return std::abs(violation[k]) / scale[static_cast<std::size_t>(k)]; };
+    for (int k = 1; k < m.equations; ++k)
+      if (!(share(k) <= share(worst))) worst = k;
+    const double gap = std::abs(violation[worst]);
+    const auto has = [&](const EquationRows& rows) {
+      return worst >= rows.first_equation && worst < rows.first_equation + rows.count;
+    };
     for (const LoopData& l : m.loops)
-      for (int r = 0; r < l.count; ++r)
-        if (std::abs(violation[l.first_equation + r]) >= 0.99 * gap) {
-          const spec::Joint& j = m.spec().joints[l.joint_spec];
-          return InputError(
-              j.mark, fmt::format("the loop through joint '{}' {}: {:.3g} {} is left; check the points "
-                                  "and axes of the joints in the loop and the initial values that are given",
-                                  j.name, what, gap, unit));
-        }
+      if (has(l)) {
+        const spec::Joint& j = m.spec().joints[l.joint_spec];
+        const bool angle = l.closure[worst - l.first_equation].kind == LoopClosure::Kind::angle;
+        return InputError(
+            j.mark, fmt::format("the loop through joint '{}' {}: {:.3g} {} is left; check the points "
+                                "and axes of the joints in the loop and the initial values that are given",
+                                j.name, what, gap, angle ? angle_unit : unit));
+      }
     for (const ConstraintData& c : m.constraints)
-      for (int r = 0; r < c.count; ++r)
-        if (std::abs(violation[c.first_equation + r]) >= 0.99 * gap) {
-          const spec::Constraint& of = m.spec().constraints[c.spec];
-          return InputError(
-              of.mark,
-              fmt::format(
-                  "constraint '{}' {}: {:.3g} {} is left; check what it joins, what else holds that, and "
-                  "the initial values that are given",
-                  of.name, what == closing ? "cannot be fulfilled" : what, gap,
-                  c.is_length(r) ? unit : angle_unit));
-        }
-    return InputError(
-        {}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap, unit));
+      if (has(c)) {
+        const spec::Constraint& of = m.spec().constraints[c.spec];
+        return InputError(
+            of.mark,
+            fmt::format(
+                "constraint '{}' {}: {:.3g} {} is left; check what it joins, what else holds that, and "
+                "the initial values that are given",
+                of.name, what == closing ? "cannot be fulfilled" : what, gap,
+                c.is_length(worst - c.first_equation) ? unit : angle_unit));
+      }
+    bool angle = false;
+    for (const DriveData& d : m.drives)
+      if (d.equation == worst) angle = is_angle(m.bodies[d.body].joint, d.local);
+    return InputError({}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap,
+                                      angle ? angle_unit : unit));
   };
   double gap = close_positions(system, 0, position_weight, s.q);
   if (gap > close_enough) {  // let the modes help
     for (const BodyData& b : m.bodies) position_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
     gap = close_positions(system, 0, position_weight, s.q);
   }
-  if (!(gap <= close_enough)) throw where(gap, system.phi(), closing, "m", "rad");
+  if (!(gap <= close_enough)) throw where(system.phi(), closing, "m", "rad");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   if (gap > close_enough) {
     for (const BodyData& b : m.bodies) velocity_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
     gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   }
   if (!(gap <= close_enough))
-    throw where(gap, system.phi_dot(), "contradicts the initial velocities", "m/s", "rad/s");
+    throw where(system.phi_dot(), "contradicts the initial velocities", "m/s", "rad/s");
   // What elements remember counts from here on, in an equilibrium that is sought too.
   system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   Eigen::VectorXd generalised(m.velocities);

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double closed = 1e-8;           ///< m
+constexpr double closed = 1e-8;           ///< of the equations' scales
 constexpr double right_way_round = 1e-5;  ///< by which a cut joint's rotation may differ from one it can have
 constexpr double same_place = 1e-5;       ///< of the mechanism's size
 constexpr int most_coordinates = 200;     ///< of a model in which ways are searched
@@ -72,7 +72,8 @@ struct Puzzle {
 
   bool is_closed(const LoopData& l) const {
     for (int k = l.first_equation; k < l.first_equation + l.count; ++k)
-      if (!(std::abs(system.phi()[k]) <= closed)) return false;
+      if (!(std::abs(system.phi()[k]) <= closed * system.scales().equations[static_cast<std::size_t>(k)]))
+        return false;
     if (l.joint_spec < 0) return true;
     const auto& frames = system.workspace().frames;
     const Motion<double>&a = frames[l.frame_a], &b = frames[l.frame_b];
@@ -243,7 +244,13 @@ bool find_closed(Puzzle& puzzle, VectorXd& q) {
 
 /// Weights of the coordinates that the others of the group decide: those near the ground stay.
 VectorXd dependent(Puzzle& puzzle, const Group& group, const VectorXd& q) {
-  const Eigen::MatrixXd jacobian = dense_jacobian(puzzle.system, 0, q);
+  // By the scales of coordinates and equations, so that lengths and angles compare.
+  const Scales& scales = puzzle.system.scales();
+  Eigen::MatrixXd jacobian = dense_jacobian(puzzle.system, 0, q);
+  for (Eigen::Index k = 0; k < jacobian.cols(); ++k)
+    for (Eigen::Index r = 0; r < jacobian.rows(); ++r)
+      jacobian(r, k) *=
+          scales.coordinates[static_cast<std::size_t>(k)] / scales.equations[static_cast<std::size_t>(r)];
   std::vector<int> columns;
   for (int k = static_cast<int>(group.weight.size()) - 1; k >= 0; --k)
     if (group.weight[k] > 0) columns.push_back(k);
@@ -254,7 +261,7 @@ VectorXd dependent(Puzzle& puzzle, const Group& group, const VectorXd& q) {
     VectorXd rest = jacobian.col(k);
     const double length = rest.norm();
     for (int round = 0; round < 2; ++round) rest -= basis * (basis.transpose() * rest);
-    if (!(rest.norm() > 1e-6 * std::max(length, 1e-6 * puzzle.size))) continue;
+    if (!(rest.norm() > 1e-6 * std::max(length, 1e-6))) continue;
     weight[k] = 1;
     basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
     basis.rightCols<1>() = rest.normalized();

@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "simulation/names.h"
 
 namespace mimbre {
 namespace {
+
+/// Masses that are further apart than this may be lost in each other's round-off.
+constexpr double digits_of_masses = 1e10;
+/// Masses that are joined and further apart than this make stiff mechanisms.
+constexpr double apart = 1e5;
 
 /// Bodies that no mass moves with: neither they nor what they carry have any.
 std::vector<std::string> moved_without_mass(const Compiled& m) {
@@ -37,31 +43,90 @@ std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
   return fmt::format("{:.3g} {}", r.equation_violation, is_angle ? "rad" : "m");
 }
 
-/// The body that a velocity coordinate moves, where that floats freely; null elsewhere.
-const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
-  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+/// Where a body is joined to one so much heavier that few digits are left of what moves it: which ones, else
+/// nothing.
+std::string lost_masses(const Compiled& m) {
+  struct Extremes {
+    const BodyData *lightest = nullptr, *heaviest = nullptr;
+  };
+  std::vector<std::size_t> root;  // of the tree that stands on the ground there
+  std::vector<Extremes> trees(m.bodies.size());
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {  // parents come before children
     const BodyData& b = m.bodies[k];
-    const bool here = natural ? coordinate >= 0 && natural->body_of(coordinate) == static_cast<int>(k)
-                              : coordinate >= b.v && coordinate < b.v + b.joint_velocities;
-    if (here && b.joint == spec::JointType::floating && b.parent < 0) return &b;
+    root.push_back(b.parent < 0 ? k : root[static_cast<std::size_t>(b.parent)]);
+    if (!(b.mass > 0)) continue;
+    Extremes& e = trees[root[k]];
+    if (!e.lightest || b.mass < e.lightest->mass) e.lightest = &b;
+    if (!e.heaviest || b.mass > e.heaviest->mass) e.heaviest = &b;
+  }
+  for (const Extremes& e : trees)
+    if (e.lightest && e.heaviest->mass > apart * e.lightest->mass)
+      return fmt::format(
+          "; body '{}' of {:.3g} kg is joined to '{}' of {:.3g} kg: what holds the one moves the other so "
+          "fast "
+          "that only a very short step follows it, and beyond a ratio of 1e10 too few digits are left",
+          m.spec().bodies[e.lightest->spec].name, e.lightest->mass, m.spec().bodies[e.heaviest->spec].name,
+          e.heaviest->mass);
+  return {};
+}
+
+/// The body that a velocity coordinate moves, or with `carried` what carries that, where it floats freely;
+/// null elsewhere.
+const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natural, int coordinate,
+                          bool carried) {
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+    const BodyData* root = &m.bodies[k];
+    while (carried && root->parent >= 0) root = &m.bodies[static_cast<std::size_t>(root->parent)];
+    const BodyData& b = m.bodies[k];
+    const bool here = natural
+                          ? coordinate >= 0 && natural->body_of(coordinate) == static_cast<int>(k)
+                          : coordinate >= b.v && coordinate < b.v + (carried ? b.size() : b.joint_velocities);
+    if (here && root->joint == spec::JointType::floating && root->parent < 0) return root;
   }
   return nullptr;
 }
 
 }  // namespace
 
-std::string explain_undetermined_start(const Compiled& m) {
+std::string explain_undetermined_start(const Compiled& m, const natural::NaturalSystem* natural,
+                                       int coordinate) {
   const std::vector<std::string> names = moved_without_mass(m);
-  if (names.empty())
+  if (!names.empty())
+    return fmt::format(
+        "the accelerations at the start are not determined: {} {} move{} without any mass, of {} own or of "
+        "what "
+        "{} carr{}; give mass and inertia, or fix {} to another body",
+        names.size() > 1 ? "bodies" : "body", quoted(names), names.size() > 1 ? "" : "s",
+        names.size() > 1 ? "their" : "its", names.size() > 1 ? "they" : "it", names.size() > 1 ? "y" : "ies",
+        names.size() > 1 ? "them" : "it");
+  if (coordinate < 0)
     return "the accelerations at the start are not determined: some motion moves neither mass nor inertia; "
            "give every body that turns about an axis through its centre of mass an inertia";
+  const std::string where = coordinate_name(m, natural, coordinate);
+  double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;
+  std::vector<std::string> massless;
+  for (const BodyData& b : m.bodies) {
+    if (b.mass > 0) lightest = std::min(lightest, b.mass);
+    heaviest = std::max(heaviest, b.mass);
+    if (!(b.mass > 0)) massless.push_back(m.spec().bodies[static_cast<std::size_t>(b.spec)].name);
+  }
+  if (!massless.empty())
+    return fmt::format(
+        "the accelerations at the start are not determined: a motion of {} moves neither mass nor inertia, "
+        "and no spring or damper holds it; {} {} no mass: give mass and inertia, a spring with a damper, or "
+        "one of two joints that leave the same motion free fewer freedoms",
+        where, quoted(massless), massless.size() > 1 ? "have" : "has");
+  if (heaviest > lightest * digits_of_masses)
+    return fmt::format(
+        "the accelerations at the start are not determined: a motion of {} moves so little beside the rest "
+        "that its inertia is lost in round-off; masses go from {:.3g} to {:.3g} kg, of which a number has 15 "
+        "digits: leave out or fix what is that light, or try the other formulation",
+        where, lightest, heaviest);
   return fmt::format(
-      "the accelerations at the start are not determined: {} {} move{} without any mass, of {} own or of "
-      "what "
-      "{} carr{}; give mass and inertia, or fix {} to another body",
-      names.size() > 1 ? "bodies" : "body", quoted(names), names.size() > 1 ? "" : "s",
-      names.size() > 1 ? "their" : "its", names.size() > 1 ? "they" : "it", names.size() > 1 ? "y" : "ies",
-      names.size() > 1 ? "them" : "it");
+      "the accelerations at the start are not determined: a motion of {} moves neither mass nor inertia, or "
+      "so little of them beside the rest that it is lost in round-off; give every body that turns about an "
+      "axis through its centre of mass an inertia",
+      where);
 }
 
 std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump) {
@@ -81,10 +146,11 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
             t, r.iterations, jump);
       return fmt::format(
           "the step to t = {:.6g} s did not converge in {} iterations, the largest correction in {}; "
-          "a smaller step or an integrator with more damping (smaller rho) may help",
-          t, r.iterations, where);
+          "a smaller step or an integrator with more damping (smaller rho) may help{}",
+          t, r.iterations, where, lost_masses(model));
     case StepReport::Code::not_finite:
-      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}", t, where);
+      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}", t, where,
+                         lost_masses(model));
     case StepReport::Code::drifted:
       if (r.unconverged)
         return fmt::format(
@@ -104,17 +170,18 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
             t, equation_name(model, natural, r.equation));
       return fmt::format(
           "the matrix of the step to t = {:.6g} s is singular at {}: is there a body without mass that "
-          "nothing holds?",
-          t, where);
+          "nothing holds?{}",
+          t, where, lost_masses(model));
   }
   return {};
 }
 
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
                               const StaticsStatus& status) {
-  const BodyData* const body = free_body(model, natural, status.coordinate);
   const bool has_wheels = std::any_of(model.elements.begin(), model.elements.end(),
                                       [](const ElementData& e) { return e.measure == Measure::wheel; });
+  // What is not balanced lies anywhere between a vehicle and its wheels.
+  const BodyData* const body = free_body(model, natural, status.coordinate, has_wheels);
   if (body && has_wheels)
     return fmt::format(
         "no static equilibrium was found: nothing holds body '{}' against a force or moment of {:.3g} (N or "

@@ -13,8 +13,10 @@ namespace mimbre {
 /// that jumps (jumping_law), if any.
 std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump);
 
-/// Why the accelerations at the start are not determined: the bodies that move without mass, and what to do.
-std::string explain_undetermined_start(const Compiled& model);
+/// Why the accelerations at the start are not determined: the bodies that move without mass, or the
+/// coordinate, -1: unknown, whose inertia is round-off, and what to do.
+std::string explain_undetermined_start(const Compiled& model, const natural::NaturalSystem* natural,
+                                       int coordinate);
 
 /// Why a static equilibrium was not found: what is not balanced, and where.
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,

@@ -18,7 +18,7 @@ namespace mimbre {
 namespace {
 
 /// Why there are no accelerations to start with.
-std::string explain_start(Mechanism& mechanism) {
+std::string explain_start(Mechanism& mechanism, int undetermined) {
   System& system = mechanism.system;
   State& s = mechanism.state;
   s.a.setZero();
@@ -26,7 +26,7 @@ std::string explain_start(Mechanism& mechanism) {
   Eigen::VectorXd forces(system.velocities());
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, forces.data());
   const int bad = find_not_finite(forces.data(), system.velocities());
-  if (bad < 0) return explain_undetermined_start(mechanism.model);
+  if (bad < 0) return explain_undetermined_start(mechanism.model, mechanism.natural.get(), undetermined);
   return fmt::format(
       "a force is not a number at the start, first in {}; look at the laws of what acts there: a root or a "
       "logarithm of something negative, a division by 0",
@@ -62,8 +62,9 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
     for (const std::string& text : swarm_warnings(m, method.step)) warn(text);
   }
   mechanism.enter(0);
-  if (!solve_accelerations(mechanism.system, mechanism.state))
-    throw InputError({m.spec().file, 0, 0}, explain_start(mechanism));
+  int undetermined = -1;
+  if (!solve_accelerations(mechanism.system, mechanism.state, method.step, &undetermined))
+    throw InputError({m.spec().file, 0, 0}, explain_start(mechanism, undetermined));
   if (method.integrator == spec::Simulation::Integrator::conserve && !m.drives.empty())
     warn(fmt::format(
         "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "

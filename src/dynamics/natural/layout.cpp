@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "joints/table.h"
+#include "model/find_scales.h"
 
 namespace mimbre::natural {
 namespace {
@@ -16,21 +17,9 @@ namespace {
 /// Sum of variables times constants, ordered by variable.
 using Combination = std::vector<std::pair<int, double>>;
 
-/// x − y.
-Combination difference(const Combination& x, const Combination& y) {
-  Combination terms = x, sum;
-  for (const auto& [variable, factor] : y) terms.push_back({variable, -factor});
-  std::sort(terms.begin(), terms.end());
-  for (const auto& [variable, factor] : terms)
-    if (!sum.empty() && sum.back().first == variable)
-      sum.back().second += factor;
-    else
-      sum.push_back({variable, factor});
-  sum.erase(
-      std::remove_if(sum.begin(), sum.end(), [](const auto& term) { return std::abs(term.second) < 1e-9; }),
-      sum.end());
-  return sum;
-}
+/// Shares of what is compared, points by the model's length scale: what differs by less is the same, but for
+/// how exactly a joint's sides are given; what is less is round-off.
+constexpr double alike = 1e-9, round_off = 1e-12;
 
 /// A body that is fixed in this many variables at most; joints that would exceed it get equations instead.
 constexpr int most_variables = 10;
@@ -72,7 +61,7 @@ struct Side {
 
 class Builder {
  public:
-  Builder(const Compiled& model, Layout& layout) : m_(model), l_(layout) {}
+  Builder(const Compiled& model, Layout& layout) : m_(model), l_(layout), resistances_(model) {}
 
   void run() {
     if (!m_.bodies.empty()) l_.origin = m_.spec().bodies[m_.bodies.front().spec].pose.position;
@@ -129,10 +118,33 @@ class Builder {
     return c;
   }
 
+  /// The size of what is neither small nor large of a point or a vector, and of a variable.
+  double size_of_value(bool point) const { return point ? m_.length_scale : 1; }
+  double size_of_variable(int variable) const {
+    return size_of_value(variable >= 0 ? l_.variables[variable].point : constants_[-1 - variable].point);
+  }
+
+  /// x − y of points or vectors, without the terms that cancel.
+  Combination difference(const Combination& x, const Combination& y, bool point) const {
+    Combination terms = x, sum;
+    for (const auto& [variable, factor] : y) terms.push_back({variable, -factor});
+    std::sort(terms.begin(), terms.end());
+    for (const auto& [variable, factor] : terms)
+      if (!sum.empty() && sum.back().first == variable)
+        sum.back().second += factor;
+      else
+        sum.push_back({variable, factor});
+    std::erase_if(sum, [&](const auto& term) {
+      return std::abs(term.second) * size_of_variable(term.first) < alike * size_of_value(point);
+    });
+    return sum;
+  }
+
   /// A constant point or vector, made once.
   Combination constant(bool point, const Vec3d& place) {
     for (std::size_t k = 0; k < constants_.size(); ++k)
-      if (constants_[k].point == point && (constants_[k].place - place).norm() < 1e-12)
+      if (constants_[k].point == point &&
+          (constants_[k].place - place).norm() < round_off * size_of_value(point))
         return {{-1 - static_cast<int>(k), 1.0}};
     constants_.push_back({point, -1, place});
     return {{-static_cast<int>(constants_.size()), 1.0}};
@@ -150,8 +162,8 @@ class Builder {
     bool is_constant = true;
     for (std::size_t k = 0; k < b.variables.size(); ++k) {
       const double x = sum[static_cast<Eigen::Index>(k)];
-      if (std::abs(x) < 1e-12) continue;
-      c.push_back({b.variables[k], std::abs(x - 1) < 1e-12 ? 1.0 : x});
+      if (std::abs(x) * size_of_variable(b.variables[k]) < round_off * size_of_value(point)) continue;
+      c.push_back({b.variables[k], std::abs(x - 1) < round_off ? 1.0 : x});
       if (b.variables[k] >= 0)
         is_constant = false;
       else
@@ -254,6 +266,7 @@ class Builder {
       return (x < 0) != (y < 0) ? x >= 0 : x < y;
     });
     b.variables.erase(std::unique(b.variables.begin(), b.variables.end()), b.variables.end());
+    b.inertia = resistances_.of(body).inertia;
     b.unknown = static_cast<int>(
         std::count_if(b.variables.begin(), b.variables.end(), [](int variable) { return variable >= 0; }));
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, static_cast<Eigen::Index>(b.variables.size()));
@@ -261,8 +274,11 @@ class Builder {
       for (const auto& [variable, factor] : slots[k].sum)
         sums(k, std::find(b.variables.begin(), b.variables.end(), variable) - b.variables.begin()) = factor;
     b.base = h.inverse().transpose() * sums;
-    for (Eigen::Index k = 0; k < b.base.size(); ++k)
-      if (std::abs(b.base.data()[k]) < 1e-14) b.base.data()[k] = 0;
+    for (Eigen::Index k = 0; k < b.base.cols(); ++k)
+      for (Eigen::Index r = 0; r < 4; ++r)
+        if (std::abs(b.base(r, k)) * size_of_variable(b.variables[static_cast<std::size_t>(k)]) <
+            1e-2 * round_off * size_of_value(r == 0))
+          b.base(r, k) = 0;
 
     // Directions: from the first point to the others, and the vectors.
     int reference = 0, direction = 0;
@@ -273,7 +289,8 @@ class Builder {
       const Vec3d d = slots[k].point ? Vec3d(slots[k].place - slots[reference].place) : slots[k].place;
       b.directions.col(direction) = d.normalized();
       b.lengths[direction] = slots[k].point ? d.norm() : m_.length_scale;
-      vectors[direction++] = slots[k].point ? difference(slots[k].sum, slots[reference].sum) : slots[k].sum;
+      vectors[direction++] =
+          slots[k].point ? difference(slots[k].sum, slots[reference].sum, true) : slots[k].sum;
     }
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j)
@@ -299,7 +316,7 @@ class Builder {
     for (std::size_t k = 0; k < b.variables.size(); ++k) {
       const auto factors = b.base.col(static_cast<Eigen::Index>(k)).tail<3>().transpose();
       if (b.variables[k] >= 0)
-        axes.row(static_cast<Eigen::Index>(k)) = factors;
+        axes.row(static_cast<Eigen::Index>(k)) = size_of_variable(b.variables[k]) * factors;
       else
         axes.bottomRows<3>() += constants_[-1 - b.variables[k]].place * factors;
     }
@@ -311,10 +328,10 @@ class Builder {
       const auto last = b.variables.begin() + b.unknown;
       const auto found = std::find(b.variables.begin(), last, variable);
       if (found == last) return false;
-      wanted[found - b.variables.begin()] = factor;
+      wanted[found - b.variables.begin()] = size_of_variable(variable) * factor;
     }
     const Vec3d place = axes.colPivHouseholderQr().solve(wanted);
-    return (axes * place - wanted).norm() < 1e-9 * std::max(1.0, wanted.norm());
+    return (axes * place - wanted).norm() <= alike * wanted.norm();
   }
 
   /// Modal amplitudes behind the variables; stencils of the bodies.
@@ -441,10 +458,15 @@ class Builder {
       };
       const bool shared_point = shared(true, 0);
       const bool shared_axis[3] = {shared(false, 0), shared(false, 1), shared(false, 2)};
-      const double angle = m_.length_scale * m_.length_scale;
+      const double mass = m_.mass_scale, angle = m_.length_scale * m_.length_scale;
+      const BodyResistance least =
+          resistances_.least(m_.frames[joint.frame_a].body, m_.frames[joint.frame_b].body);
       const auto equation = [&](const JointEquation& e) {
         for (int k = 0; k < e.count(); ++k)
-          joint.scale[joint.count++] = e.kind == JointEquation::Kind::angle ? angle : 1.0;
+          joint.scale[joint.count++] =
+              (e.kind == JointEquation::Kind::angle ? penalty_scale(mass * angle, least.inertia)
+                                                    : penalty_scale(mass, least.mass)) /
+              mass;
         joint.equations.push_back(e);
       };
       int distances = 0;
@@ -472,11 +494,11 @@ class Builder {
     if (!rigid(frame_a) || !rigid(frame_b)) return false;
     Vec3d constants = Vec3d::Zero();
     for (const auto& [variable, factor] :
-         difference(of_frame(frame_a, point, axis), of_frame(frame_b, point, axis))) {
+         difference(of_frame(frame_a, point, axis), of_frame(frame_b, point, axis), point)) {
       if (variable >= 0) return false;
       constants += factor * constants_[-1 - variable].place;
     }
-    return constants.norm() < 1e-9;
+    return constants.norm() < alike * size_of_value(point);
   }
 
   void coordinates() {
@@ -605,6 +627,7 @@ class Builder {
 
   const Compiled& m_;
   Layout& l_;
+  BodyResistances resistances_;
   std::vector<std::vector<Side>> sides_;  // by body
   std::vector<std::vector<Slot>> slots_;  // by body
   std::vector<Variable> constants_;       // numbered -1, -2, … until all are known

@@ -42,6 +42,7 @@ struct Body {
   int amplitudes = 0;                             ///< first of its padded amplitudes in the workspace
   Mat3d directions = Mat3d::Identity();           ///< columns δ1, δ2, δ3, in body axes, of length one
   double lengths[3] = {1, 1, 1};  ///< distances of the points that they join; vectors: the length scale
+  double inertia = 0;             ///< what it resists turning with, kg m² (model/find_scales.h)
   std::vector<Rigidity> rigidity;
   int first_equation = 0;
   int jacobian = 0;  ///< offset of the rigidity equations' rows, over the stencil's columns

@@ -10,6 +10,7 @@
 #include "dynamics/natural/inertia.h"
 #include "dynamics/natural/kinematics.h"
 #include "dynamics/natural/matrix.h"
+#include "model/find_scales.h"
 
 namespace mimbre::natural {
 namespace {
@@ -79,8 +80,8 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
   for (const Body& b : layout_.bodies)
     for (std::size_t k = 0; k < b.rigidity.size(); ++k)
-      penalty_[b.first_equation + k] =
-          model.mass_scale * b.lengths[b.rigidity[k].i] * b.lengths[b.rigidity[k].j];
+      penalty_[b.first_equation + k] = penalty_scale(
+          model.mass_scale * b.lengths[b.rigidity[k].i] * b.lengths[b.rigidity[k].j], b.inertia);
   for (const Joint& j : layout_.joints)
     for (int k = 0; k < j.count; ++k) penalty_[j.first_equation + k] = model.mass_scale * j.scale[k];
   for (std::size_t k = 0; k < model.drives.size(); ++k)
