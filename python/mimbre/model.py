@@ -121,15 +121,18 @@ class Model:
         floating: bool = False,
         keep_fixed: bool = False,
         packages: Mapping[str, str | os.PathLike[str]] | None = None,
+        repair: bool = False,
     ) -> Model:
-        """A robot from a URDF file (docs/urdf.md); `to_yaml` gives the model file. What was left out or assumed is
-        among its `warnings`.
+        """A robot from a URDF file (docs/urdf.md); `to_yaml` gives the model file. What was left out, assumed or
+        repaired is among its `warnings`.
 
         Args:
             path: of the file.
             floating: the root link moves freely; else the ground holds it.
             keep_fixed: links on fixed joints stay bodies; else they become part of what carries them.
             packages: the folders that package://NAME means, by NAME.
+            repair: masses and inertias that no matter can have become the nearest that it can, and what cannot be read
+                as it is written is read as it must be meant; else a model of them is refused.
 
         Returns:
             The model.
@@ -143,7 +146,7 @@ class Model:
             name: _checks.path(f"packages: {name}", place)
             for name, place in _checks.mapping("packages", packages or {}, "a folder for each name").items()
         }
-        text, notes = _core.robot(file, str(folder), bool(floating), bool(keep_fixed), given)
+        text, notes = _core.robot(file, str(folder), bool(floating), bool(keep_fixed), given, bool(repair))
         model = cls._parsed(text, str(Path(file).with_suffix(".yaml")), folder, {})
         model._warnings[:0] = [Diagnostic(*note) for note in notes]
         return model

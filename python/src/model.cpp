@@ -63,11 +63,13 @@ std::vector<Place> warnings_of(const LoadedModel& loaded) { return places_of(loa
 
 /// The text of a robot's model file, which names other files from `folder`, and what was left out.
 std::tuple<std::string, std::vector<Place>> robot(const std::string& path, const std::string& folder,
-                                                  bool floating, bool keep_fixed,
-                                                  const Parameters& packages) {
+                                                  bool floating, bool keep_fixed, const Parameters& packages,
+                                                  bool repair) {
   const nb::gil_scoped_release others_run;
-  const ConvertedRobot converted = convert_urdf(path, {floating, keep_fixed, packages, folder});
-  return {converted.text, places_of(converted.notes)};
+  const ConvertedRobot converted = convert_urdf(path, {floating, keep_fixed, packages, folder, repair});
+  std::vector<Diagnostic> notes = converted.notes;
+  for (const Diagnostic& one : converted.repairs) notes.push_back({one.mark, "repaired: " + one.message});
+  return {converted.text, places_of(notes)};
 }
 
 template <class Things>
@@ -149,7 +151,7 @@ void bind_model(nb::module_& module) {
                    [](const LoadedModel& m) { return m.model->spec().simulation.start_at_equilibrium; });
   module.def("load", &load, nb::arg("path"), nb::arg("parameters"));
   module.def("robot", &robot, nb::arg("path"), nb::arg("folder"), nb::arg("floating"), nb::arg("keep_fixed"),
-             nb::arg("packages"));
+             nb::arg("packages"), nb::arg("repair"));
   module.def("parse", &parse, nb::arg("text"), nb::arg("name"), nb::arg("directory"), nb::arg("parameters"),
              nb::arg("laws") = std::vector<PlacedLaw>());
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string input, output, to;
   std::vector<std::string> packages;
-  bool no_stress = false, floating = false, keep_fixed = false, json = false;
+  bool no_stress = false, floating = false, keep_fixed = false, repair = false, json = false;
 };
 
 fe::BodyFormat format_of(const std::string& path) {
@@ -52,8 +52,9 @@ int convert_robot(const Arguments& a) {
   require_writable(output);
   const fs::path folder = fs::path(output).parent_path();
   const ConvertedRobot robot = convert_urdf(
-      a.input, {a.floating, a.keep_fixed, packages_of(a), folder.empty() ? "." : folder.string()});
+      a.input, {a.floating, a.keep_fixed, packages_of(a), folder.empty() ? "." : folder.string(), a.repair});
   for (const Diagnostic& note : robot.notes) fmt::print(stderr, "{}\n", diagnostic_line(note, "note"));
+  for (const Diagnostic& one : robot.repairs) fmt::print(stderr, "{}\n", diagnostic_line(one, "repaired"));
   save(robot, output);
   print_data(made("convert", output, a.json));
   return done;
@@ -62,8 +63,8 @@ int convert_robot(const Arguments& a) {
 int convert_body(const Arguments& a) {
   if (a.to.empty()) throw UsageError("--to is needed: sid, fem or h5");
   if (a.to == "yaml") throw UsageError("--to yaml is for robots (.urdf)");
-  if (a.floating || a.keep_fixed || !a.packages.empty())
-    throw UsageError("--floating, --keep-fixed and --package belong to robots (.urdf)");
+  if (a.floating || a.keep_fixed || a.repair || !a.packages.empty())
+    throw UsageError("--floating, --keep-fixed, --repair and --package belong to robots (.urdf)");
   format_of(a.input);
   const std::string output =
       a.output.empty() ? fs::path(a.input).replace_extension("." + a.to).string() : a.output;
@@ -106,6 +107,9 @@ Command add_convert(CommandLine& program) {
   parser.add_flag("--floating", a->floating, "The robot's root moves freely; else the ground holds it");
   parser.add_flag("--keep-fixed", a->keep_fixed,
                   "Links on fixed joints stay bodies; else they become part of what carries them");
+  parser.add_flag("--repair", a->repair,
+                  "The robot's masses and inertias that no matter can have become the nearest that it can, "
+                  "and what cannot be read as it is written is read as it must be meant; each is listed");
   parser.add_option("--package", a->packages, "Folder of package://NAME, where meshes are")
       .type_name("NAME=FOLDER")
       .repeated();

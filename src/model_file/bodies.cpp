@@ -102,8 +102,9 @@ void read_shapes(Builder& builder, const Value& value, const Local& local, spec:
       shape.size[static_cast<Eigen::Index>(k)] = size[k];
     }
     if (mesh) {
-      shape.mesh = read_surface_file(builder, *mesh);
+      shape.mesh = read_drawn_file(builder, *mesh);
       shape.size = part.place.mirror.cwiseProduct(read_scale(fields));
+      if (!shape.mesh) continue;
     }
     shape.kind = box        ? spec::Shape::Kind::box
                  : cylinder ? spec::Shape::Kind::cylinder

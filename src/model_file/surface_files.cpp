@@ -1,21 +1,50 @@
 #include "model_file/surface_files.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <functional>
+
 namespace mimbre::model_file {
 
-std::shared_ptr<const SurfaceMesh> read_surface_file(Builder& builder, const Value& value) {
+namespace {
+
+using Refused = std::function<void(const std::string& file, const InputError&)>;
+
+std::shared_ptr<const SurfaceMesh> read(Builder& builder, const Value& value, const Refused& refused) {
   const auto path = value.word();
   if (!path) return nullptr;
   if (!has_folder(builder, value)) return nullptr;
   const std::string file = path_of(builder, value.mark(), *path);
-  const auto [known, fresh] = builder.surfaces.try_emplace(file);
-  if (!fresh) return known->second;
+  if (const auto known = builder.surfaces.find(file); known != builder.surfaces.end() && known->second)
+    return known->second;
   builder.other_files.push_back(file);
   try {
-    known->second = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
+    return builder.surfaces[file] = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
   } catch (const InputError& e) {
-    for (const Diagnostic& d : e.diagnostics()) value.error(to_string(d));
+    refused(file, e);
   }
-  return known->second;
+  return nullptr;
+}
+
+void all_errors(const Value& value, const InputError& e) {
+  for (const Diagnostic& d : e.diagnostics()) value.error(to_string(d));
+}
+
+}  // namespace
+
+std::shared_ptr<const SurfaceMesh> read_surface_file(Builder& builder, const Value& value) {
+  return read(builder, value, [&](const std::string&, const InputError& e) { all_errors(value, e); });
+}
+
+std::shared_ptr<const SurfaceMesh> read_drawn_file(Builder& builder, const Value& value) {
+  return read(builder, value, [&](const std::string& file, const InputError& e) {
+    std::error_code status;
+    if (!std::filesystem::is_regular_file(file, status))
+      return all_errors(value, e);  // a mistake in the name
+    for (const Diagnostic& d : e.diagnostics())
+      builder.warnings.push_back({value.mark(), fmt::format("the shape is left out: {}", to_string(d))});
+  });
 }
 
 Eigen::Vector3d read_scale(const Fields& fields) {

@@ -109,10 +109,28 @@ class Collector {
   std::unordered_map<Place, int, Hash> numbers_;
 };
 
+/// Cameras and lights are no part of a surface: what is wrong with them shall not matter.
+template <class T>
+void remove_all(T**& things, unsigned& count) {
+  for (unsigned k = 0; k < count; ++k) delete things[k];
+  delete[] things;
+  things = nullptr;
+  count = 0;
+}
+
+const aiScene* import(Assimp::Importer& importer, const std::string& path) {
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  if (!importer.ReadFile(path, 0)) return nullptr;
+  // The importer owns the scene and hands it out const; this is where it may be changed.
+  auto* scene = const_cast<aiScene*>(importer.GetScene());
+  remove_all(scene->mCameras, scene->mNumCameras);
+  remove_all(scene->mLights, scene->mNumLights);
+  return importer.ApplyPostProcessing(aiProcess_ValidateDataStructure | aiProcess_Triangulate);
+}
+
 SurfaceMesh read(const std::string& path) {
   Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure | aiProcess_Triangulate);
+  const aiScene* scene = import(importer, path);
   if (!scene || !scene->mRootNode) {
     std::string why = importer.GetErrorString();
     std::replace(why.begin(), why.end(), '\n', ' ');

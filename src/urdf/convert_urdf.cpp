@@ -10,11 +10,12 @@
 #include <stdexcept>
 
 #include "base/output_place.h"
-#include "math/decompositions.h"
+#include "mimbre/spec.h"
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
 #include "urdf/merged.h"
 #include "urdf/mesh_paths.h"
+#include "urdf/repair.h"
 #include "urdf/yaml_text.h"
 
 /// A robot's model file.
@@ -24,11 +25,16 @@ namespace {
 using namespace urdf;
 namespace fs = std::filesystem;
 
-// What URDF does not say of a stop: it yields so far under the joint's effort, and takes most of a blow's
-// energy.
-constexpr double yields_by_angle = 0.01, yields_by_length = 0.001;  ///< rad, m
+// What URDF does not say of a stop: how long a blow takes, in default steps, and that it takes most of the
+// blow's energy.
+constexpr double steps_of_blow = 5;
 constexpr double restitution = 0.1;
-constexpr double effort_unsaid = 100;  ///< N m or N
+
+/// Of a stop that throws the inertia (kg m² or kg) back within that time, half a period.
+double stop_stiffness(double inertia) {
+  const double rate = EIGEN_PI / (steps_of_blow * spec::Simulation().step);
+  return inertia * rate * rate;
+}
 
 /// Names that a model may have, each once.
 class Names {
@@ -58,13 +64,24 @@ class Writer {
   Writer(const std::string& path, const UrdfOptions& options)
       : path_(path),
         options_(options),
-        robot_(read_robot(path)),
-        merged_(merged(robot_, options.keep_fixed)) {
+        robot_(read_robot(path, options.repair)),
+        merged_(joined(robot_, options.keep_fixed, options.floating)) {
     for (const Link& link : robot_.links) links_.push_back(places_.make(link.name));
     for (const Joint& joint : robot_.joints) joints_.push_back(couplings_.make(joint.name));
     // A root that is nothing but a name is the ground.
     const MergedBody& root = merged_.bodies.front();
     root_is_ground_ = !options.floating && root.mass == 0 && root.visuals.empty();
+    result_.notes = robot_.notes;
+    result_.repairs = robot_.repairs;
+    const std::size_t first = root_is_ground_ ? 1 : 0;
+    if (options.repair)
+      for (Diagnostic& repair : urdf::repair(robot_, merged_, options.floating, first,
+                                             [&](const Visual& mesh) { return box_of(mesh); }))
+        result_.repairs.push_back(std::move(repair));
+    for (Diagnostic& fault : faults(robot_, merged_, options.floating, first)) {
+      if (!options.repair) fault.message += "; --repair does";
+      result_.notes.push_back(std::move(fault));
+    }
   }
 
   ConvertedRobot write() {
@@ -79,9 +96,14 @@ class Writer {
     say_left_out();
     std::string head =
         fmt::format("# {} as a model of mimbre.\n", comment(fs::path(path_).filename().string()));
-    for (const Diagnostic& note : result_.notes)
-      head += fmt::format("#   {}{}\n", note.mark.line > 0 ? fmt::format("line {}: ", note.mark.line) : "",
-                          comment(note.message));
+    const auto add = [&](const char* kind, const std::vector<Diagnostic>& list) {
+      for (const Diagnostic& one : list)
+        head += fmt::format("#   {}{}{}\n", kind,
+                            one.mark.line > 0 ? fmt::format("line {}: ", one.mark.line) : "",
+                            comment(one.message));
+    };
+    add("", result_.notes);
+    add("repaired: ", result_.repairs);
     std::string title = robot_.name.empty() ? "robot" : robot_.name;
     std::replace(title.begin(), title.end(), '$', '_');  // which would be a parameter
     result_.text = head + fmt::format("mimbre: 1\ntitle: {}\n\n", yaml_word(title)) + text;
@@ -89,6 +111,13 @@ class Writer {
   }
 
  private:
+  static MergedRobot joined(Robot& robot, bool keep_fixed, bool floating) {
+    fix_immobile_joints(robot);
+    MergedRobot all = merged(robot, keep_fixed);
+    // A root without mass that the ground holds does not move, and so needs no inertia.
+    if (MergedBody& root = all.bodies.front(); !floating && root.mass == 0) root.inertia.setZero();
+    return all;
+  }
   static std::string section(const std::string& name, const std::string& content) {
     return content.empty() ? "" : fmt::format("{}:\n{}\n", name, content);
   }
@@ -108,7 +137,7 @@ class Writer {
       const MergedBody& body = merged_.bodies[k];
       text += fmt::format("  {}:\n    mass: {}\n    com: {}\n", yaml_word(name_of_link(body.link)),
                           number(body.mass), point(body.com));
-      if (body.mass > 0) {
+      if (body.mass > 0 || !body.inertia.isZero(0)) {
         const Eigen::Matrix3d& J = body.inertia;
         text +=
             fmt::format("    inertia: {}\n", numbers({J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(0, 2), J(1, 2)}));
@@ -117,35 +146,26 @@ class Writer {
       std::string shapes;
       for (const Visual& visual : body.visuals) shapes += shape(visual);
       if (!shapes.empty()) text += "    shapes:\n" + shapes;
-      check(body);
     }
     return text;
   }
 
-  /// What the model's check would refuse, or the motion could not bear.
-  void check(const MergedBody& body) {
-    const Link& first = link(body.link);
-    if (body.mass == 0) {
-      const int holder = robot_.held_by[static_cast<std::size_t>(body.link)];
-      const bool leaf = std::none_of(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& joint) {
-        return merged_.body_of[static_cast<std::size_t>(joint.parent)] ==
-                   merged_.body_of[static_cast<std::size_t>(body.link)] &&
-               merged_.body_of[static_cast<std::size_t>(joint.child)] !=
-                   merged_.body_of[static_cast<std::size_t>(body.link)];
-      });
-      if (leaf && holder >= 0 && robot_.joints[static_cast<std::size_t>(holder)].type != Joint::Type::fixed)
-        note(first.mark, fmt::format("link '{}' moves but has no mass: give it some before the model can run",
-                                     first.name));
-      return;
+  /// The corners of the box around a mesh, without the factors on its coordinates.
+  std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> box_of(const Visual& visual) const {
+    const auto file = find_mesh(visual.file, path_, options_.packages);
+    if (!file) return {};
+    try {
+      const SurfaceMesh mesh = read_surface_mesh(*file);
+      return std::pair(Eigen::Vector3d(mesh.vertices.rowwise().minCoeff()),
+                       Eigen::Vector3d(mesh.vertices.rowwise().maxCoeff()));
+    } catch (const InputError&) {
+      return {};
     }
-    const Eigen::Vector3d I = eigenvalues3(body.inertia);
-    if (!(I[0] > 0) || I[0] + I[1] < I[2] * (1 - 1e-6))
-      note(first.mark,
-           fmt::format(
-               "link '{}': no matter has the principal moments {}; the model is refused until they are right",
-               first.name, list(I)));
   }
 
+  static std::string sphere(double radius, const Eigen::Vector3d& at) {
+    return fmt::format("      - {{sphere: {}, at: {}}}\n", number(radius), point(at));
+  }
   std::string shape(const Visual& visual) {
     const std::string place =
         fmt::format("at: {}{}", point(visual.pose.position), axes(visual.pose.rotation));
@@ -163,7 +183,13 @@ class Writer {
         return fmt::format("      - {{cylinder: {}, at: {}, axis: {}}}\n", numbers({size[0], size[1]}),
                            point(visual.pose.position), list(Eigen::Vector3d(visual.pose.rotation.col(2))));
       case Visual::Kind::sphere:
-        return fmt::format("      - {{sphere: {}, at: {}}}\n", number(size[0]), point(visual.pose.position));
+        return sphere(size[0], visual.pose.position);
+      case Visual::Kind::capsule: {
+        const Eigen::Vector3d axis = visual.pose.rotation.col(2), end = 0.5 * size[1] * axis;
+        return fmt::format("      - {{cylinder: {}, at: {}, axis: {}}}\n", numbers({size[0], size[1]}),
+                           point(visual.pose.position), list(axis)) +
+               sphere(size[0], visual.pose.position - end) + sphere(size[0], visual.pose.position + end);
+      }
       case Visual::Kind::mesh:
         break;
     }
@@ -230,22 +256,24 @@ class Writer {
   }
 
   std::string joint(const Joint& joint, const std::string& name) {
-    static constexpr const char* types[] = {"fixed",     "revolute", "revolute",
-                                            "prismatic", "floating", "planar"};
+    static constexpr const char* types[] = {"fixed",    "revolute", "revolute", "prismatic",
+                                            "floating", "planar",   "spherical"};
     const Pose& child = merged_.links[static_cast<std::size_t>(joint.child)];
     std::string text = fmt::format("  {}: {{type: {}, between: [{}, {}]", yaml_word(name),
                                    types[static_cast<int>(joint.type)], yaml_word(body_name(joint.parent)),
                                    yaml_word(body_name(joint.child)));
-    if (joint.type != Joint::Type::fixed && joint.type != Joint::Type::floating)
+    if (joint.type == Joint::Type::spherical)
+      text += fmt::format(", at: {}", point(child.position));
+    else if (joint.type != Joint::Type::fixed && joint.type != Joint::Type::floating)
       text += fmt::format(", at: {}, axis: {}", point(child.position),
                           list(Eigen::Vector3d(child.rotation * joint.axis)));
-    const bool outside = joint.lower && !(*joint.lower <= 0 && *joint.upper >= 0);
+    const double start = start_of(joint);
+    const bool outside = start != 0;
     const bool leads = std::any_of(robot_.joints.begin(), robot_.joints.end(), [&](const Joint& other) {
       return other.mimic && other.mimic->joint == joint.name;
     });
     // What follows another joint starts where that puts it.
     if (!joint.mimic && (outside || leads)) {
-      const double start = outside ? 0.5 * (*joint.lower + *joint.upper) : 0;
       text += fmt::format(", position: {}", number(start));
       if (outside)
         note(joint.mark,
@@ -279,21 +307,23 @@ class Writer {
 
   std::string stops() {
     bool any = false;
+    const std::vector<double> inertias = BodyTree(robot_, merged_, options_.floating).least_inertias();
     const std::string text = of_scalar_joints([&](const Joint& joint, const std::string& name) {
       if (!joint.lower) return std::string();
       any = true;
-      const double effort = joint.effort > 0 ? joint.effort : effort_unsaid;
-      return fmt::format("  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {}, restitution: {}}}\n",
-                         yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
-                         number(*joint.upper),
-                         number(effort / (joint.turns() ? yields_by_angle : yields_by_length)),
-                         number(restitution));
+      // A joint that moves no inertia cannot run; its stop has some stiffness, so that the file is complete.
+      const double moved = inertias[static_cast<std::size_t>(&joint - robot_.joints.data())];
+      return fmt::format(
+          "  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {:.3g}, restitution: {}}}{}\n",
+          yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
+          number(*joint.upper), stop_stiffness(moved > 0 ? moved : 1), number(restitution),
+          moved > 0 ? fmt::format("  # {:.3g} {}", moved, joint.turns() ? "kg m2" : "kg") : "");
     });
     if (any)
-      note({}, fmt::format("stiffness and restitution of the stops are assumed: they yield by {} rad or {} m "
-                           "under the joint's effort ({} N m or N "
-                           "where none is said)",
-                           yields_by_angle, yields_by_length, effort_unsaid));
+      note({}, fmt::format("stiffness and restitution of the stops are assumed: with the least inertia that "
+                           "the joint moves within the limits (behind each stop) a blow takes {} s, {} "
+                           "default steps; with steps n times as short they may be n² times as stiff",
+                           steps_of_blow * spec::Simulation().step, steps_of_blow));
     return text;
   }
 
@@ -303,12 +333,6 @@ class Writer {
     for (std::size_t k = 0; k < robot_.joints.size(); ++k) {
       const auto& mimic = robot_.joints[k].mimic;
       if (!mimic) continue;
-      if (mimic->multiplier == 0) {
-        note(robot_.joints[k].mark,
-             fmt::format("joint '{}' moves freely: it mimics '{}' with the multiplier 0",
-                         robot_.joints[k].name, mimic->joint));
-        continue;
-      }
       const auto other = static_cast<std::size_t>(
           std::find_if(robot_.joints.begin(), robot_.joints.end(),
                        [&](const Joint& joint) { return joint.name == mimic->joint; }) -

@@ -8,12 +8,12 @@ Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& arm) {
   return mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
 }
 
-/// Adds a link's mass; the body's inertia is in global axes meanwhile.
+/// Adds a link's mass and inertia, of which one may be 0; the body's inertia is in global axes meanwhile.
 void add_mass(MergedBody& body, const Link& link, const Pose& place) {
   const Eigen::Vector3d com = place.position + place.rotation * link.com;
   const double mass = body.mass + link.mass;
   const Eigen::Vector3d centre =
-      mass > 0 ? Eigen::Vector3d((body.mass * body.com + link.mass * com) / mass) : Eigen::Vector3d(com);
+      mass > 0 ? Eigen::Vector3d((body.mass * body.com + link.mass * com) / mass) : body.com;
   body.inertia += place.rotation * link.inertia * place.rotation.transpose() +
                   steiner(body.mass, body.com - centre) + steiner(link.mass, com - centre);
   body.mass = mass;
@@ -44,11 +44,22 @@ MergedRobot merged(const Robot& robot, bool keep_fixed) {
     }
     MergedBody& body = result.bodies[static_cast<std::size_t>(result.body_of[l])];
     if (merges) body.frames.push_back(index);
-    if (link.mass > 0) add_mass(body, link, result.links[l]);
-    for (Visual visual : link.visuals) {
-      visual.pose = result.links[l].of(visual.pose);
-      body.visuals.push_back(visual);
-    }
+    // Inertia without mass turns with what carries it, whether the link stays a body or not.
+    const bool massless_inertia = link.mass == 0 && !link.inertia.isZero(0);
+    const bool held = joint && joint->type == Joint::Type::fixed;
+    MergedBody& moved =
+        massless_inertia && held
+            ? result.bodies[static_cast<std::size_t>(result.body_of[static_cast<std::size_t>(joint->parent)])]
+            : body;
+    if (link.mass > 0 || massless_inertia) add_mass(moved, link, result.links[l]);
+    const auto place = [&](const std::vector<Visual>& from, std::vector<Visual>& to) {
+      for (Visual shape : from) {
+        shape.pose = result.links[l].of(shape.pose);
+        to.push_back(shape);
+      }
+    };
+    place(link.visuals, body.visuals);
+    place(link.collisions, body.collisions);
   }
   for (MergedBody& body : result.bodies)
     body.inertia = body.pose.rotation.transpose() * body.inertia * body.pose.rotation;

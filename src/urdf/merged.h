@@ -14,7 +14,7 @@ struct MergedBody {
   double mass = 0;
   Eigen::Vector3d com = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass, in the body's axes
-  std::vector<Visual> visuals;
+  std::vector<Visual> visuals, collisions;
   std::vector<int> frames;  ///< the other links
 };
 

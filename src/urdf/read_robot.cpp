@@ -21,7 +21,8 @@ constexpr std::size_t most_bytes = 64u << 20;
 
 class Reader {
  public:
-  Reader(const std::string& path, const std::string& text) : path_(path), text_(text) {
+  Reader(const std::string& path, const std::string& text, bool repair)
+      : path_(path), text_(text), repair_(repair) {
     for (std::size_t k = 0; k < text.size(); ++k)
       if (text[k] == '\n') ends_.push_back(k);
   }
@@ -54,6 +55,8 @@ class Reader {
     check_joints(robot);
     if (errors_.empty()) order(robot);
     if (!errors_.empty()) throw InputError(errors_);
+    robot.notes = std::move(notes_);
+    robot.repairs = std::move(repairs_);
     return robot;
   }
 
@@ -66,21 +69,46 @@ class Reader {
   }
   Mark mark(const xml_node& node) const { return at(node.offset_debug() - 1); }
   void error(const xml_node& node, const std::string& message) { errors_.push_back({mark(node), message}); }
+  void repaired(const xml_node& node, const std::string& message) {
+    repairs_.push_back({mark(node), message});
+  }
+  /// An error that has only one sensible repair.
+  void error_or_repair(const xml_node& node, const std::string& wrong, const std::string& repair) {
+    if (repair_)
+      repaired(node, wrong + ": " + repair);
+    else
+      error(node, wrong);
+  }
 
-  /// Finite numbers, blanks between.
-  std::vector<double> numbers(const xml_node& node, const char* attribute, std::size_t count) {
-    const std::string text = node.attribute(attribute).value();
+  /// Finite numbers, blanks between; empty where something else stands there.
+  static std::vector<double> finite_numbers(const std::string& text) {
     std::vector<double> values;
-    bool good = true;
     std::istringstream words(text);
     for (std::string word; words >> word;) {
       double value = 0;
       const char* first = word.data() + (word.starts_with('+') ? 1 : 0);
       const auto [end, status] = std::from_chars(first, word.data() + word.size(), value);
-      good = good && status == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+      if (status != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return {};
       values.push_back(value);
     }
-    if (good && values.size() == count) return values;
+    return values;
+  }
+
+  std::vector<double> numbers(const xml_node& node, const char* attribute, std::size_t count) {
+    std::string text = node.attribute(attribute).value();
+    std::vector<double> values = finite_numbers(text);
+    if (values.size() == count) return values;
+    if (repair_) {
+      std::string blanks = text;
+      std::replace(blanks.begin(), blanks.end(), ',', ' ');
+      values = finite_numbers(blanks);
+      if (values.size() >= count) {
+        values.resize(count);
+        repaired(node, fmt::format("<{}>: {}=\"{}\" is not {} finite numbers: {} is read", node.name(),
+                                   attribute, text, count, fmt::join(values, " ")));
+        return values;
+      }
+    }
     error(node, fmt::format("<{}>: {}=\"{}\" is not {} finite number{}", node.name(), attribute, text,
                             count == 1 ? "a" : fmt::format("{}", count), count == 1 ? "" : "s"));
     return std::vector<double>(count, 0);
@@ -118,10 +146,12 @@ class Reader {
     if (const xml_node inertial = node.child("inertial")) read_inertia(inertial, link);
     for (const xml_node part : node.children()) {
       const std::string tag = part.name();
-      if (tag == "visual")
-        read_visual(part, link);
-      else if (part.type() == pugi::node_element && tag != "inertial")
+      if (tag == "visual") {
+        read_shape(part, link, link.visuals);
+      } else if (part.type() == pugi::node_element && tag != "inertial") {
         ++robot.left_out[tag];
+        if (tag == "collision" && repair_) read_shape(part, link, link.collisions);
+      }
     }
     return link;
   }
@@ -131,7 +161,10 @@ class Reader {
     link.com = pose.position;
     if (const xml_node mass = node.child("mass")) {
       link.mass = number(mass, "value");
-      if (link.mass < 0) error(mass, fmt::format("link '{}': mass {} is negative", link.name, link.mass));
+      if (link.mass < 0) {
+        error_or_repair(mass, fmt::format("link '{}': mass {} is negative", link.name, link.mass), "0");
+        link.mass = 0;
+      }
     }
     const xml_node tensor = node.child("inertia");
     if (!tensor) return;
@@ -142,7 +175,7 @@ class Reader {
     link.inertia = pose.rotation * own * pose.rotation.transpose();
   }
 
-  void read_visual(const xml_node& node, Link& link) {
+  void read_shape(const xml_node& node, const Link& link, std::vector<Visual>& shapes) {
     const xml_node geometry = node.child("geometry");
     Visual visual;
     visual.mark = mark(node);
@@ -157,17 +190,30 @@ class Reader {
     } else if (const xml_node sphere = geometry.child("sphere")) {
       visual.kind = Visual::Kind::sphere;
       visual.size = {number(sphere, "radius"), 1, 1};
+    } else if (const xml_node capsule = geometry.child("capsule")) {
+      visual.kind = Visual::Kind::capsule;
+      visual.size = {number(capsule, "radius"), number(capsule, "length"), 1};
     } else if (const xml_node mesh = geometry.child("mesh")) {
       visual.kind = Visual::Kind::mesh;
       visual.file = mesh.attribute("filename").value();
       visual.size = triple(mesh, "scale", Eigen::Vector3d::Ones());
       if (visual.file.empty()) return error(mesh, "<mesh> has no filename");
     } else {
-      return error(node,
-                   fmt::format("link '{}': a <visual> needs a <geometry> with box, cylinder, sphere or mesh",
-                               link.name));
+      // It is only drawn, or an aid to guess a mass: the robot moves without it.
+      std::string what;
+      for (const xml_node part : geometry.children())
+        if (part.type() == pugi::node_element) what = part.name();
+      if (&shapes == &link.visuals)
+        notes_.push_back(
+            {mark(node),
+             what.empty()
+                 ? fmt::format("link '{}': a <visual> without a <geometry> is left out", link.name)
+                 : fmt::format("link '{}': a <visual> of the kind <{}> is left out; box, cylinder, sphere, "
+                               "capsule and mesh are known",
+                               link.name, what)});
+      return;
     }
-    link.visuals.push_back(visual);
+    shapes.push_back(visual);
   }
 
   void name_links(const Robot& robot) {
@@ -192,8 +238,9 @@ class Reader {
     Joint joint;
     joint.name = name(node);
     joint.mark = mark(node);
-    static const std::vector<std::string> types{"fixed",     "revolute", "continuous",
-                                                "prismatic", "floating", "planar"};
+    // The last is no type of URDF's, but pybullet's.
+    static const std::vector<std::string> types{"fixed",    "revolute", "continuous", "prismatic",
+                                                "floating", "planar",   "spherical"};
     const std::string type = node.attribute("type").value();
     const auto found = std::find(types.begin(), types.end(), type);
     if (found == types.end())
@@ -208,7 +255,7 @@ class Reader {
       joint.axis = triple(axis, "xyz", Eigen::Vector3d::UnitX());
       if (const double length = joint.axis.stableNorm(); length > 1e-9)
         joint.axis /= length;
-      else if (joint.type != Joint::Type::fixed && joint.type != Joint::Type::floating)
+      else if (joint.scalar() || joint.type == Joint::Type::planar)
         error(axis, fmt::format("joint '{}': the axis has no length", joint.name));
     }
     if (const xml_node limit = node.child("limit"); limit && joint.scalar()) {
@@ -216,9 +263,13 @@ class Reader {
       if (joint.type != Joint::Type::continuous && (limit.attribute("lower") || limit.attribute("upper"))) {
         joint.lower = number(limit, "lower", 0);
         joint.upper = number(limit, "upper", 0);
-        if (*joint.lower > *joint.upper)
-          error(limit, fmt::format("joint '{}': the lower limit {} is above the upper limit {}", joint.name,
-                                   *joint.lower, *joint.upper));
+        if (*joint.lower > *joint.upper) {
+          error_or_repair(limit,
+                          fmt::format("joint '{}': the lower limit {} is above the upper limit {}",
+                                      joint.name, *joint.lower, *joint.upper),
+                          "it has no limits");
+          joint.lower.reset(), joint.upper.reset();
+        }
       }
     }
     if (const xml_node dynamics = node.child("dynamics")) {
@@ -233,7 +284,7 @@ class Reader {
     return joint;
   }
 
-  void check_joints(const Robot& robot) {
+  void check_joints(Robot& robot) {
     std::map<std::string, const Joint*> known;
     std::vector<std::string> names;
     for (const Joint& joint : robot.joints) {
@@ -241,14 +292,22 @@ class Reader {
         errors_.push_back({joint.mark, fmt::format("there are two joints '{}'", joint.name)});
       names.push_back(joint.name);
     }
-    for (const Joint& joint : robot.joints) {
+    const auto follows = [](const Joint& joint) {
+      return joint.scalar() || joint.type == Joint::Type::fixed;
+    };
+    for (Joint& joint : robot.joints) {
       if (!joint.mimic) continue;
       const auto other = known.find(joint.mimic->joint);
-      if (other == known.end())
+      if (other == known.end() && repair_) {
+        repairs_.push_back(
+            {joint.mark, fmt::format("joint '{}' mimics '{}', which is not there: it moves freely",
+                                     joint.name, joint.mimic->joint)});
+        joint.mimic.reset();
+      } else if (other == known.end())
         errors_.push_back(
             {joint.mark, fmt::format("joint '{}' mimics '{}', which is not there{}", joint.name,
                                      joint.mimic->joint, did_you_mean(joint.mimic->joint, names))});
-      else if (!joint.scalar() || !other->second->scalar())
+      else if (!follows(joint) || !follows(*other->second))
         errors_.push_back(
             {joint.mark, fmt::format("joint '{}' mimics '{}'; both must turn about or slide along an axis",
                                      joint.name, joint.mimic->joint)});
@@ -301,12 +360,13 @@ class Reader {
   std::vector<std::size_t> ends_;  ///< of lines
   std::vector<xml_node> joints_;
   std::map<std::string, int> links_;
-  std::vector<Diagnostic> errors_;
+  bool repair_;
+  std::vector<Diagnostic> errors_, notes_, repairs_;
 };
 
 }  // namespace
 
-Robot read_robot(const std::string& path) {
+Robot read_robot(const std::string& path, bool repair) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status))
     throw InputError(Mark{path, 0, 0}, "there is no such file");
@@ -317,7 +377,7 @@ Robot read_robot(const std::string& path) {
   text << file.rdbuf();
   if (!file) throw InputError(Mark{path, 0, 0}, "cannot be read");
   const std::string content = text.str();
-  return Reader(path, content).read();
+  return Reader(path, content, repair).read();
 }
 
 }  // namespace mimbre::urdf

@@ -273,12 +273,10 @@ TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
       joint("axle", "continuous", "arm", "wheel",
             "<axis xyz=\"0 0 1\"/><limit effort=\"3\" velocity=\"1\"/>");
   const ConvertedRobot robot = convert(content);
-  EXPECT_THAT(
-      robot.text,
-      AllOf(HasSubstr("hinge_friction: {joint: hinge, torque: 0.3}"),
-            HasSubstr("hinge_stop: {joint: hinge, lower: -1, upper: 0.5, stiffness: 2000, restitution: 0.1}"),
-            HasSubstr("rail_stop: {joint: rail, lower: 0, upper: 0.2, stiffness: 100000, restitution: 0.1}"),
-            HasSubstr("axis: [0, 1, 0], spring: {stiffness: 0, damping: 0.7}")));
+  EXPECT_THAT(robot.text, AllOf(HasSubstr("hinge_friction: {joint: hinge, torque: 0.3}"),
+                                HasSubstr("hinge_stop: {joint: hinge, lower: -1, upper: 0.5, stiffness: "),
+                                HasSubstr("rail_stop: {joint: rail, lower: 0, upper: 0.2, stiffness: "),
+                                HasSubstr("axis: [0, 1, 0], spring: {stiffness: 0, damping: 0.7}")));
   EXPECT_THAT(all_of(robot), AllOf(HasSubstr("assumed"), HasSubstr("effort and speed of 2 joints")));
   const spec::Model m = parse_model(robot.text, "robot.yaml", "");
   EXPECT_EQ(m.elements.size(), 3u);
@@ -384,6 +382,77 @@ TEST_F(UrdfFile, WhatCannotMoveIsTold) {
   EXPECT_THAT(all_of(convert("<link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
                              "izz=\"9\"/></inertial></link>")),
               HasSubstr("no matter has the principal moments"));
+}
+
+/// Half a period of the inertia (J + m a², at the fixed base) on the stop takes five default steps.
+TEST_F(UrdfFile, StopsAreAsStiffAsTheInertiaStands) {
+  const ConvertedRobot robot =
+      convert(link("base") + link("arm") +
+              joint("hinge", "revolute", "base", "arm",
+                    "<axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1e6\" velocity=\"1\"/>"));
+  const double rate = EIGEN_PI / 0.05, inertia = 1 + 2 * 0.1 * 0.1;
+  EXPECT_THAT(robot.text, AllOf(HasSubstr(fmt::format("stiffness: {:.3g}", inertia * rate * rate)),
+                                HasSubstr("# 1.02 kg m2")));
+}
+
+TEST_F(UrdfFile, MasslessLinksOnFixedJointsKeepTheirInertia) {
+  UrdfOptions floating;
+  floating.floating = true;
+  const std::string content =
+      link("a") +
+      "<link name=\"b\"><inertial><inertia ixx=\"0.1\" iyy=\"0.2\" izz=\"0.25\"/></inertial></link>" +
+      joint("j", "fixed", "a", "b", "<origin xyz=\"1 0 0\" rpy=\"0 0 1.5707963267948966\"/>");
+  for (const bool keep : {false, true}) {
+    floating.keep_fixed = keep;
+    const Eigen::Vector3d moments = model(content, floating).bodies[0].inertia.diagonal();
+    EXPECT_LT((moments - Eigen::Vector3d(1.2, 1.1, 1.25)).norm(), 1e-12) << keep;
+  }
+}
+
+/// Lower = upper, and followers of what is fixed, at the place that they have.
+TEST_F(UrdfFile, JointsThatCannotMoveAreFixed) {
+  const ConvertedRobot robot =
+      convert(link("a") + link("b") + link("c") + link("d") +
+              joint("still", "prismatic", "a", "b",
+                    "<axis xyz=\"0 0 1\"/><limit lower=\"0.2\" upper=\"0.2\" effort=\"1\" velocity=\"1\"/>") +
+              joint("mimic", "prismatic", "b", "c",
+                    "<axis xyz=\"0 0 1\"/><mimic joint=\"still\" multiplier=\"2\" offset=\"0.1\"/>") +
+              joint("free", "revolute", "c", "d"));
+  EXPECT_THAT(all_of(robot), AllOf(HasSubstr("joint 'still' is fixed at 0.2: its lower limit is its upper"),
+                                   HasSubstr("joint 'mimic' is fixed at 0.5: it mimics 'still'")));
+  const spec::Model m = parse_model(robot.text, "robot.yaml", "");
+  EXPECT_EQ(m.joints.size(), 2u);
+  EXPECT_NEAR(named(m.bodies, "d").pose.position.z(), 0.7, 1e-12);
+}
+
+TEST_F(UrdfFile, WhatNoMatterCanHaveIsRepairedAndListed) {
+  UrdfOptions repair;
+  repair.repair = true;
+  const std::string content =
+      link("a") +
+      "<link name=\"b\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+      "izz=\"9\"/></inertial></link>"
+      "<link name=\"c\"><visual><geometry><box size=\"0.1 0.2 0.3\"/></geometry></visual></link>" +
+      joint("ab", "revolute", "a", "b") + joint("bc", "revolute", "b", "c");
+  const ConvertedRobot robot = convert(content, repair);
+  ASSERT_EQ(robot.repairs.size(), 2u);
+  EXPECT_THAT(robot.repairs[0].message, HasSubstr("link 'b': principal moments [1, 1, 9] are"));
+  EXPECT_THAT(robot.repairs[1].message, HasSubstr("link 'c': mass 0 is 6 kg"));
+  const spec::Model m = parse_model(robot.text, "robot.yaml", "");
+  const spec::Body& box = named(m.bodies, "c");
+  EXPECT_NEAR(box.mass, 6, 1e-9);
+  EXPECT_LT((box.inertia.diagonal() - Eigen::Vector3d(0.065, 0.05, 0.025)).norm(), 1e-9);
+  Simulation simulation(Model::compile(m));
+  for (int k = 0; k < 20; ++k) EXPECT_TRUE(simulation.step().ok()) << k;
+}
+
+TEST_F(UrdfFile, CapsulesAreDrawnAndUnknownShapesLeftOut) {
+  const ConvertedRobot robot =
+      convert(link("a",
+                   "<visual><geometry><capsule radius=\"0.1\" length=\"0.3\"/></geometry></visual>"
+                   "<visual><geometry><torus/></geometry></visual>"));
+  EXPECT_EQ(parse_model(robot.text, "robot.yaml", "").bodies[0].shapes.size(), 3u);
+  EXPECT_THAT(all_of(robot), HasSubstr("of the kind <torus> is left out"));
 }
 
 }  // namespace
