@@ -22,6 +22,17 @@ std::optional<Eigen::Vector2d> read_pair(const std::optional<Value>& given) {
   return Eigen::Vector2d((*numbers)[0], (*numbers)[1]);
 }
 
+/// Along x and y: where nothing else is asked for, as fine as the road's own grid. A straight road along x
+/// has its own points then, if its sections are whole gaps apart; one that bends is as fine along as across
+/// everywhere.
+Eigen::Vector2d own_spacing(const RoadGrid& road) {
+  double gap = road.v.back() - road.v.front();
+  for (std::size_t k = 1; k < road.v.size(); ++k) gap = std::min(gap, road.v[k] - road.v[k - 1]);
+  const auto [low, high] = std::minmax_element(road.y.begin(), road.y.end());
+  if (*low == *high) return {road.increment, gap};
+  return Eigen::Vector2d::Constant(std::min(road.increment, gap));
+}
+
 /// A straight grid over all of a curved one, from its heights over the straight one's points.
 void sample(const RoadGrid& from, const Eigen::Vector2d& spacing, const Value& value, spec::Road& road) {
   const double left = from.v.back(), right = from.v.front(),
@@ -58,8 +69,7 @@ void read_file(Builder& builder, const Fields& fields, const Value& file, spec::
   builder.other_files.push_back(found);
   try {
     const RoadGrid read = read_road_grid(found);
-    sample(read, read_pair(fields.get("spacing")).value_or(Eigen::Vector2d::Constant(read.increment)), file,
-           road);
+    sample(read, read_pair(fields.get("spacing")).value_or(own_spacing(read)), file, road);
   } catch (const InputError& e) {
     for (const Diagnostic& d : e.diagnostics()) file.error(to_string(d));
   }

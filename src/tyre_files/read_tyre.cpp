@@ -109,6 +109,10 @@ class Reading {
       return;
     }
     const Number number = found->second;
+    if (property.value.empty() && !property.text) {  // as if it were not there; need() names what is needed
+      tyre_.unused.push_back(fmt::format("[{}] {}, which has no value", property.section, property.key));
+      return;
+    }
     const auto value = property.text ? std::nullopt : fe::to_real(property.value);
     if (!value) {
       refuse(property.mark,
@@ -180,6 +184,9 @@ class Reading {
     tyre_.nominal_load = F;
     tyre_.pressure = at(inflpres);
     tyre_.nominal_pressure = at(nompres);
+    // Rolling resistance of 5.2 and PAC2002 is Fz {…} (Fz/Fz₀)^QSY7, that since 6.1 Fz₀ {…} (Fz/Fz₀)^QSY7,
+    // which is evaluated.
+    if (tyre_.version < 60 && given_.contains(qsy7)) at(qsy7) += 1;
     // A file that says none, as those of version 5.2 do, has the nominal one, whatever that is.
     if (!given_.contains(nompres) && !given_.contains(inflpres)) at(nompres) = at(inflpres) = 1;
   }

@@ -46,6 +46,16 @@ TEST(RoadGrids, AnOpenCrgRoadIsSampled) {
   }
 }
 
+/// Other increments across than along: a straight road keeps its own points, and so its heights between them.
+TEST(RoadGrids, AStraightOpenCrgRoadKeepsItsOwnGrid) {
+  const spec::Model model = read(body + "roads: {straight: {over: grid, file: roads/straight.crg}}\n");
+  const spec::Road& road = model.roads.front();
+  EXPECT_EQ(road.origin, Eigen::Vector2d(0, -0.5));
+  EXPECT_EQ(road.spacing, Eigen::Vector2d(2, 0.5));
+  const Eigen::MatrixXd expected{{0, 0.2, 0.4}, {0, -0.1, 0.5}, {0.1, 0.3, 0.6}};
+  EXPECT_TRUE(road.heights.isApprox(expected, 1e-12)) << road.heights;
+}
+
 TEST(RoadGrids, ARandomRoadLiesAlongX) {
   const auto road = [](const char* road_class, int seed) {
     return read(body +

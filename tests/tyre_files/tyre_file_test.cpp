@@ -97,6 +97,24 @@ TEST(TyreFile, WhatIsMissingIsNeutral) {
   EXPECT_DOUBLE_EQ(tyre.numbers[magic::q_fz1], 2e5 * 0.3 / 4000);
 }
 
+/// In 5.2 and PAC2002 My = −R₀ Fz {…} (Fz/Fz₀)^QSY7, since 6.1 −R₀ Fz₀ {…} (Fz/Fz₀)^QSY7: a file of either
+/// with the same moment has exponents that differ by one.
+TEST(TyreFile, RollingResistanceFollowsTheLoadAsTheVersionSays) {
+  const std::string resistance = "[ROLLING_COEFFICIENTS]\nQSY1 = 0.01\nQSY7 = ";
+  const std::string stiff = "\nLONGITUDINAL_STIFFNESS=3e5\nLATERAL_STIFFNESS=1e5\n";
+  for (const double exponent : {0.0, -0.15, 0.9})
+    EXPECT_DOUBLE_EQ(
+        parsed(least(resistance + std::to_string(exponent) + stiff)).numbers[magic::qsy7],
+        parsed(least(resistance + std::to_string(exponent + 1) + stiff, "61")).numbers[magic::qsy7]);
+}
+
+TEST(TyreFile, KeysWithoutAValueAreAsIfTheyWereNotThere) {
+  const TyreProperties tyre = parsed(least("[DIMENSION]\nWIDTH =\nRIM_RADIUS = $ none\n"));
+  EXPECT_EQ(tyre.width, parsed(least()).width);
+  EXPECT_THAT(tyre.unused, Contains("[DIMENSION] WIDTH, which has no value"));
+  EXPECT_THAT(complaint("[MODEL]\nFITTYP = 6\n[VERTICAL]\nFNOMIN =\n"), HasSubstr("has no FNOMIN"));
+}
+
 TEST(TyreFile, WrittenInManyWays) {
   const TyreProperties tyre =
       parsed("$ title\n! FITTYP = 3\n" +

@@ -22,7 +22,7 @@ T overturning(const Terms<T>& t, const T& Fy) {
 }
 
 /// Rolling resistance, N m: against the wheel's rotation, so below 0 when it rolls forward, (A48). Fades
-/// towards standstill. 5.2 is the case QSY7 = 1, QSY5 = QSY6 = QSY8 = 0.
+/// towards standstill. In 5.2 the load stands before the power: its QSY7, 0 by default, counts one more here.
 template <class T>
 T rolling_resistance(const Terms<T>& t, const T& Fx) {
   using std::pow;
