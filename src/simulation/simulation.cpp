@@ -469,6 +469,7 @@ std::vector<std::string> Simulation::warnings() const {
   // At rest there is nothing at play but round-off.
   if (const std::string text = s.observers.energy_warning(s.steps); !text.empty()) all.push_back(text);
   for (const std::string& text : s.observers.winch_warnings()) all.push_back(text);
+  for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
   for (const std::string& text : contact_warnings(s.compiled, s.steps.contacts(), s.method.substeps))
     all.push_back(text);
   if (const double end = std::max(s.compiled.spec().simulation.end, time()); end > s.drives_until) {

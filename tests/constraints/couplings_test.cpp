@@ -234,6 +234,7 @@ TEST_P(Couplings, HoldByEveryFormalism) {
   }
   RunOptions conserving = options();
   conserving.integrator = spec::Simulation::Integrator::conserve;
+  conserving.xi = RunOptions().xi;  // which belongs to Newmark's rule
   Simulation s(model_of(train()), conserving);
   run_to(s, 0.5);
   expect_near(channel(s, "joint.one.velocity"), alpha / 2, 1e-6 * alpha);

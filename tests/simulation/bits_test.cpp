@@ -51,7 +51,6 @@ std::shared_ptr<const Model> random_model(unsigned seed) {
   o.loops = static_cast<int>(seed % 3);
   o.springs = o.damping = o.loads = true;
   o.tyres = seed % 2 == 0;
-  o.drives = seed % 4 == 1;
   return random_mechanism(seed, o).model;
 }
 
