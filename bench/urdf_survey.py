@@ -2,7 +2,7 @@
 """Public robots: how many URDF files convert, check and run 1 s at the default step, and why the others do not.
 
     python3 -m venv env && env/bin/pip install example-robot-data==6.0.0 pybullet==3.2.7
-    bench/python/urdf_survey.py build/release/mimbre env
+    bench/urdf_survey.py build/release/mimbre env
 
 Searches the given folders for .urdf files, each content once. The 1000 one-link objects of pybullet's
 `random_urdfs` are left out. Prints one line a file that fails, then the counts. `--json FILE` writes all results.

@@ -2,7 +2,7 @@
 """Public robots against Pinocchio: joint coordinates after 0.2 s of free motion from random speeds.
 
     python3 -m venv env && env/bin/pip install pin==4.1.0 example-robot-data==6.0.0 pybullet==3.2.7
-    env/bin/python bench/python/urdf_pinocchio.py build/release/mimbre env
+    env/bin/python bench/urdf_pinocchio.py build/release/mimbre env
 
 Every robot is converted with its root held by the ground; its stops, frictions, dampers and couplings, which
 Pinocchio does not have, are taken out of the model file. mimbre integrates with the trapezoidal rule at three
@@ -81,7 +81,7 @@ def our_motion(program, lines, speeds, folder):
             raise LeftOut("does not run: " + done.stderr.strip().splitlines()[-1])
         with open(table, encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file))
-        last = dict(zip(rows[0], rows[-1]))
+        last = dict(zip(rows[0], rows[-1], strict=True))
         results.append(np.array([float(last[name]) for name in starts]))
     coarse, middle = (4 * results[1] - results[0]) / 3, (4 * results[2] - results[1]) / 3
     return starts, (16 * middle - coarse) / 15
