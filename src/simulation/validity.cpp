@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "math/decompositions.h"
+#include "math/multiply_add.h"
 #include "simulation/validity_measures.h"
 
 namespace mimbre {
@@ -199,7 +200,13 @@ void BodyValidity::transfer(StateTransfer& transfer) {
 }
 
 void BodyValidity::watch(const double* positions, double time) {
-  values_.noalias() = functionals_ * Eigen::Map<const VectorXd>(positions + first_amplitude_, modes_);
+  const double* const amplitudes = positions + first_amplitude_;
+  values_.setZero();
+  for (int c = 0; c < modes_; ++c) {
+    const double* const column = functionals_.col(c).data();
+    for (Eigen::Index r = 0; r < values_.size(); ++r)
+      values_[r] = multiply_add(column[r], amplitudes[c], values_[r]);
+  }
   double largest = 0;
   for (int k = points_.first; k < points_.last; k += 3)
     largest = std::max(largest, values_.segment<3>(k).squaredNorm());
