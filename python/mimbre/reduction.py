@@ -304,9 +304,7 @@ def reduce(
     options.report = _checks.callback(progress)
     if stress is None and stress_nodes is not None:
         raise InputError("stress_nodes: says which nodes the rows of `stress` belong to, which is not given")
-    model, given_name = _model(
-        source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, units
-    )
+    model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, units)
     if stress is not None:
         options.stress = _stress(model, stress, stress_nodes, _units[units])
     reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
