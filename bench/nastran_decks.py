@@ -3,10 +3,11 @@
 
     bench/nastran_decks.py FOLDER [--program build/release/mimbre] [--timeout 120]
 
-A node of a shell or a bar or three nodes of a solid are the interface. Decks whose materials have no density get one
-(--density). Where a file of printed results (.f06) lies beside a free deck, the lowest elastic frequencies are
-compared. Decks without a mesh of their own (parts to be included), of heat, fluids, rotational symmetry, large
-strain or aerodynamics alone are no linear structures; the share is of those that are.
+The interface are the nodes that the deck holds (SPC), else a node of a shell or a bar or three nodes of a solid.
+Decks whose materials have no density get one (--density). Where a file of printed results (.f06) lies beside a deck
+that is free, or that holds nothing but whole nodes, the lowest elastic frequencies are compared. Decks without a mesh
+of their own (parts to be included), of heat, fluids, rotational symmetry, large strain or aerodynamics alone are no
+linear structures; the share is of those that are.
 """
 
 import argparse
@@ -34,7 +35,8 @@ CONTACT = re.compile(r"^(BCTABLE|BCTSET|BCONP|BCONTACT|BCTADD)$")
 
 def lines_of(path, depth=0):
     try:
-        text = open(path, encoding="latin-1").read().splitlines()
+        with open(path, encoding="latin-1") as file:
+            text = file.read().splitlines()
     except OSError:
         return
     for line in text:
@@ -69,8 +71,62 @@ def kind_of(path):
     return ""
 
 
-def is_free(path):
-    return not any(re.match(r"\s*SPC\s*[=(]", line, re.I) for line in lines_of(path))
+def fields_of(line):
+    """Of a line of bulk data, the card's name first."""
+    text = line.split("$")[0].rstrip()
+    if "," in text[:10]:
+        return [field.strip() for field in text.split(",")]
+    text = text.expandtabs(8)
+    width = 16 if text[:8].strip().endswith("*") else 8
+    return [text[:8].strip().rstrip("*")] + [text[i : i + width].strip() for i in range(8, 72, width)]
+
+
+def cards_of(path):
+    """Bulk data cards with what goes on in further lines, without the fields that only join lines."""
+    card = []
+    for line in lines_of(path):
+        fields = fields_of(line)
+        if not any(fields):
+            continue
+        if re.match(r"[A-Za-z]", fields[0] or " "):
+            if card:
+                yield card
+            card = [fields[0].upper(), *fields[1:9]]
+        elif card and (not fields[0] or fields[0][0] in "+*"):
+            card += [""] * ((1 - len(card)) % (4 if line.lstrip()[:1] == "*" else 8)) + fields[1:9]
+    if card:
+        yield card
+
+
+def chosen_constraints(path):
+    """Numbers of the SPC sets of the case control; none: every set counts."""
+    chosen = [int(m[1]) for m in (re.match(r"\s*SPC\s*=\s*(\d+)", line, re.I) for line in lines_of(path)) if m]
+    sums = {int(c[1]): [int(x) for x in c[2:] if x.isdigit()] for c in cards_of(path) if c[0] == "SPCADD"}
+    return {part for one in chosen[:1] for part in sums.get(one, [one])}
+
+
+def held_nodes(path):
+    """Components that single-point constraints hold, by node."""
+    chosen, held = chosen_constraints(path), collections.defaultdict(set)
+    for card in cards_of(path):
+        if card[0] not in ("SPC", "SPC1") or not card[1].isdigit() or (chosen and int(card[1]) not in chosen):
+            continue
+        if card[0] == "SPC":
+            for k in range(2, len(card) - 1, 3):
+                if card[k].isdigit():
+                    held[int(card[k])] |= set(card[k + 1])
+            continue
+        nodes, k = [], 3
+        while k < len(card):
+            if card[k].upper() == "THRU" and nodes and k + 1 < len(card) and card[k + 1].isdigit():
+                nodes += range(nodes[-1] + 1, int(card[k + 1]) + 1)
+                k += 1
+            elif card[k].isdigit():
+                nodes.append(int(card[k]))
+            k += 1
+        for node in nodes:
+            held[node] |= set(card[2])
+    return held
 
 
 def printed_frequencies(path):
@@ -78,8 +134,10 @@ def printed_frequencies(path):
     base = os.path.splitext(path)[0] + ".f06"
     if not os.path.exists(base):
         return []
+    with open(base, encoding="latin-1") as file:
+        lines = file.readlines()
     found, inside = [], False
-    for line in open(base, encoding="latin-1"):
+    for line in lines:
         if "R E A L   E I G E N V A L U E S" in line:
             if found:
                 break
@@ -94,47 +152,72 @@ def printed_frequencies(path):
 
 
 CORNERS = {"CQUAD4": 1, "CQUADR": 1, "CQUAD8": 1, "CTRIA3": 1, "CTRIAR": 1, "CTRIA6": 1, "CTETRA": 3, "CPENTA": 3}
-CORNERS.update({"CHEXA": 3, "CPYRAM": 3, "CBAR": 1, "CBEAM": 1})
+CORNERS.update({"CHEXA": 3, "CPYRAM": 3, "CBAR": 1, "CBEAM": 1, "CBUSH": 1, "CONROD": 1, "CROD": 1})
 
 
 def first_element(path):
-    """A node of a shell, else three of a solid, else one of a bar."""
+    """A node of a shell, else three of a solid, else one of a bar, a bush or a rod."""
     found = {}
-    for line in lines_of(path):
-        if line[:1] in "$+* \t,":
-            continue
-        if "," in line[:10]:
-            fields = [field.strip() for field in line.split("$")[0].split(",")]
-        else:
-            text = line.split("$")[0].expandtabs(8)
-            width = 16 if text[:8].strip().endswith("*") else 8
-            fields = [text[:8].strip().rstrip("*")]
-            fields += [text[i : i + width].strip() for i in range(8, 72, width)]
-        name = fields[0].upper().rstrip("*")
-        count = CORNERS.get(name)
+    for fields in cards_of(path):
+        name, count = fields[0], CORNERS.get(fields[0])
         if count and name not in found:
-            nodes = [field for field in fields[3 : 3 + count] if field.isdigit()]
+            start = 2 if name == "CONROD" else 3
+            nodes = [field for field in fields[start : start + count] if field.isdigit() and int(field) > 0]
             if len(nodes) == count:
                 found[name] = nodes
     return next((found[name] for name in CORNERS if name in found), [])
 
 
-def reduce(program, deck, body, timeout, more):
+def solves_for_modes(path):
+    """Not for buckling, whose eigenvalues are printed alike."""
+    solution = next(
+        (m[1].upper() for m in (re.match(r"\s*SOL\s+(\w+)", line, re.I) for line in lines_of(path)) if m), ""
+    )
+    return solution in (
+        "3",
+        "103",
+        "SEMODES",
+        "107",
+        "108",
+        "109",
+        "110",
+        "111",
+        "112",
+        "145",
+        "146",
+        "200",
+        "SEFLUTTR",
+    )
+
+
+def interface_of(path):
+    """Nodes that the deck holds, else those of an element; and whether they hold all that the deck does."""
+    held, there = held_nodes(path), {int(c[1]) for c in cards_of(path) if c[0] == "GRID" and c[1].isdigit()}
+    held = {node: what for node, what in held.items() if node in there}
+    fixed = [str(node) for node, what in held.items() if what >= set("123")]
+    turned = [node for node in held if held[node] >= set("123456")]
+    if not (turned or len(fixed) >= 3):
+        return first_element(path), False
+    return fixed, len(turned) == len(held)
+
+
+def reduce(program, deck, interface, body, timeout, more):
     nodes = body + ".txt"
     with open(nodes, "w") as file:
-        file.write("\n".join(first_element(deck)))
+        file.write("\n".join(interface))
     command = [program, "reduce", deck, "--interface", "element=nodes:" + nodes, "--no-cache", "--json"]
     command += ["-o", body] + more + ([] if "--modes" in more else ["--modes", "4", "--free-modes", "6"])
     command += ["--free-modes", "1"] if "--modes" in more else []
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
     except subprocess.TimeoutExpired:
-        return None, "takes longer than %g s" % timeout
+        return None, f"takes longer than {timeout:g} s"
     if done.returncode in (0, 4):
         return json.loads(done.stdout), ""
     message = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
     text = re.sub(r"^.*?error: ", "", message[0])
-    return None, "%s%s" % (text[:150], " (and %d more)" % (len(message) - 1) if len(message) > 1 else "")
+    more = f" (and {len(message) - 1} more)" if len(message) > 1 else ""
+    return None, text[:150] + more
 
 
 def main():
@@ -157,26 +240,36 @@ def main():
                 print(f"-        {name}: {kind}")
                 continue
             linear += 1
-            result, why = reduce(options.program, deck, body, options.timeout, [])
+            interface, holds_all = interface_of(deck)
+            result, why = reduce(options.program, deck, interface, body, options.timeout, [])
             note, more = "", []
             if "density" in why:
-                result, why = reduce(options.program, deck, body, options.timeout, more := ["--density", "7850"])
+                result, why = reduce(
+                    options.program, deck, interface, body, options.timeout, more := ["--density", "7850"]
+                )
                 note = " with --density"
             if "more modes" in why or "fewer modes" in why:
-                result, why = reduce(options.program, deck, body, options.timeout, more + ["--modes", "1"])
+                result, why = reduce(options.program, deck, interface, body, options.timeout, [*more, "--modes", "1"])
             if result is None:
                 print(f"refused  {name}: {why}", flush=True)
                 reasons[re.sub(r"[-+.\d]+", "#", re.sub(r"'.*?'", "''", why))[:70]] += 1
                 continue
             reduced += 1
             found = [f for f in result.get("free_frequencies_hz", []) if f]
-            print(f"reduces  {name}{note}: {', '.join('%.5g Hz' % f for f in found[:3])}", flush=True)
+            print(f"reduces  {name}{note}: {', '.join(f'{f:.5g} Hz' for f in found[:3])}", flush=True)
             printed = printed_frequencies(deck)
-            if printed and is_free(deck):
-                elastic = [f for f in printed if f > 1e-3 * max(printed)][: len(found)]
-                worst = max((abs(a / b - 1) for a, b in zip(found, elastic)), default=math.nan)
-                print(f"         printed {', '.join('%.5g' % f for f in elastic)}: off by {100 * worst:.2g} % at most")
-    print(f"\n{reduced} of {linear} linear structures reduce ({100 * reduced / max(linear, 1):.0f} %), of {len(decks)} files")
+            free = not held_nodes(deck)
+            if printed and (free or holds_all) and solves_for_modes(deck):
+                ours = found if free else [f for f in result["frequencies_hz"] if f]
+                elastic = [f for f in printed if f > 1e-3 * max(printed)][: len(ours)]
+                worst = max((abs(a / b - 1) for a, b in zip(ours, elastic, strict=False)), default=math.nan)
+                here = ", ".join(f"{f:.5g}" for f in ours[: len(elastic)])
+                there = ", ".join(f"{f:.5g}" for f in elastic)
+                print(
+                    f"         {'free' if free else 'held'} {here}, printed {there}: off by {100 * worst:.2g} % at most"
+                )
+    share = 100 * reduced / max(linear, 1)
+    print(f"\n{reduced} of {linear} linear structures reduce ({share:.0f} %), of {len(decks)} files")
     for why, count in reasons.most_common(25):
         print(f"{count:5d}  {why}")
     return 0

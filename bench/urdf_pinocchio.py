@@ -13,6 +13,7 @@ whose masses or inertias needed a repair are left out, with the reason. Prints o
 
 import argparse
 import csv
+import os
 import re
 import subprocess
 import tempfile
@@ -87,8 +88,24 @@ def our_motion(program, lines, speeds, folder):
     return starts, (16 * middle - coarse) / 15
 
 
+def parsed(path):
+    """Pinocchio's parser leaves out inertia with numbers that it cannot read, and only prints that."""
+    with tempfile.TemporaryFile() as messages:
+        kept = os.dup(2)
+        os.dup2(messages.fileno(), 2)
+        try:
+            model = pin.buildModelFromUrdf(str(path))
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+        messages.seek(0)
+        if b"Could not parse inertial" in messages.read():
+            raise LeftOut("Pinocchio leaves out inertia whose numbers it cannot read")
+    return model
+
+
 def their_motion(path, fixed, starts, speeds):
-    model = pin.buildModelFromUrdf(str(path))
+    model = parsed(path)
     if fixed:
         reference = pin.neutral(model)
         locked = [k for k, name in enumerate(model.names) if name in fixed]
