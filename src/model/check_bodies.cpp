@@ -1,45 +1,25 @@
 #include <set>
 
-#include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
 #include "model/checked_thing.h"
+#include "model/rigid_inertia.h"
 #include "reduction/check_arrays.h"
 
 /// Bodies and the frames on them.
 namespace mimbre::checks {
 namespace {
 
-std::string to_text(const Eigen::Vector3d& v) {
-  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
-}
-
-/// About the centre of mass. A point mass and a thin rod are bodies too: principal moments may be 0.
-void check_inertia(const Thing& thing, const spec::Body& body) {
-  constexpr double rounding = 1e-6;
-  const Eigen::Matrix3d& J = body.inertia;
-  if (!thing.finite("inertia", J)) return;
-  if (body.mass == 0) {
-    if (!J.isZero(0)) thing.error("the mass is 0 but the inertia is not; make both 0 or none");
-    return;
-  }
-  const double size = J.cwiseAbs().maxCoeff();
-  if ((J - J.transpose()).cwiseAbs().maxCoeff() > rounding * size)
-    return thing.error("inertia is not symmetric; Ixy must be Iyx, and so on");
-  const Eigen::Vector3d I = eigenvalues3(J);
-  if (I[0] < -rounding * size)
-    thing.error(fmt::format("inertia is not positive definite: principal moments {}; none can be negative",
-                            to_text(I)));
-  else if (I[0] + I[1] < I[2] * (1 - rounding))
-    thing.error(
-        fmt::format("inertia breaks the triangle inequality: principal moments {}, but no body has "
-                    "one larger than the sum of the others",
-                    to_text(I)));
-}
-
-void check_rigid(const Thing& thing, const spec::Body& body) {
+void check_rigid(const Thing& thing, const spec::Model& model, std::size_t number) {
+  const spec::Body& body = model.bodies[number];
   thing.finite("com", body.com);
-  if (thing.not_negative("mass", body.mass)) check_inertia(thing, body);
+  const Eigen::Matrix3d& J = body.inertia;
+  if (!thing.not_negative("mass", body.mass) || !thing.finite("inertia", J)) return;
+  constexpr double rounding = 1e-6;
+  if ((J - J.transpose()).cwiseAbs().maxCoeff() > rounding * J.cwiseAbs().maxCoeff())
+    return thing.error("inertia is not symmetric; Ixy must be Iyx, and so on");
+  const auto fault = inertia_fault(model, number);
+  if (fault && fault->harmless.empty()) thing.error((body.mass > 0 ? "inertia " : "") + fault->what);
 }
 
 void check_ancf(const Thing& thing, const ReducedBody& body) {
@@ -126,7 +106,7 @@ void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors) {
     thing.pose(body.pose);
     check_drawing(thing, body);
     if (!body.flexible)
-      check_rigid(thing, body);
+      check_rigid(thing, model, k);
     else if (known.insert(body.flexible.get()).second)
       check_flexible(thing, *body.flexible);
   }

@@ -4,9 +4,9 @@
 #include <Eigen/Geometry>
 
 #include "joints/axes.h"
-#include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
+#include "model/rigid_inertia.h"
 #include "model_file/builder.h"
 #include "model_file/surface_files.h"
 #include "reduction/mirror.h"
@@ -45,25 +45,8 @@ std::optional<Eigen::Matrix3d> read_inertia(const Value& value) {
   return J;
 }
 
-/// What no matter can have is refused here, before it makes the motion explode.
-void check_inertia(const Value& value, double mass, const Eigen::Matrix3d& J) {
-  if (mass == 0) {
-    if (!J.isZero(0)) value.error("the mass is 0 but the inertia is not; make both 0 or none");
-    return;
-  }
-  const Eigen::Vector3d I = eigenvalues3(J);
-  if (!(I[0] > 0)) {
-    value.error(
-        fmt::format("not positive definite: principal moments {}; they must all be positive", to_text(I)));
-  } else if (I[0] + I[1] < I[2] * (1 - 1e-6)) {
-    value.error(fmt::format(
-        "breaks the triangle inequality: principal moments {}, but no body has one larger than the "
-        "sum of the others",
-        to_text(I)));
-  }
-}
-
-void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d* com, spec::Body& body) {
+void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d* com, spec::Body& body,
+                BodyInfo& info) {
   const auto mass = fields.need("mass", "1.5");
   const auto kilograms = mass ? mass->not_negative(quantity::mass) : std::nullopt;
   body.mass = kilograms.value_or(0);
@@ -74,7 +57,7 @@ void read_rigid(const Fields& fields, const Local& local, const Eigen::Vector3d*
     return;
   }
   if (const auto J = read_inertia(*inertia)) {
-    if (kilograms) check_inertia(*inertia, *kilograms, *J);
+    if (kilograms) info.inertia = *inertia;
     body.inertia = local.part.place.tensor(*J);
   }
 }
@@ -246,7 +229,7 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
 
   if (rigid.has("mass") || rigid_part) {
     const Eigen::Vector3d* place = com ? &*com : nullptr;
-    read_rigid(rigid, local, place, body);
+    read_rigid(rigid, local, place, body, info);
   }
   if (const auto flexible = fields.get("flexible")) {
     auto description = read_flexible(builder, part, *flexible, body.pose, info);
@@ -321,6 +304,21 @@ void read_bodies(Builder& builder, Part& part) {
     builder.bodies.emplace_back();
     read_body(builder, part, Value(part.reading, *entry.value, fmt::format("body '{}'", name)), index);
     add_body_frame(builder, index);
+  }
+}
+
+void check_inertias(Builder& builder) {
+  for (std::size_t k = 0; k < builder.bodies.size(); ++k) {
+    const auto& inertia = builder.bodies[k].inertia;
+    if (!inertia || builder.bodies[k].flexible) continue;
+    const auto fault = inertia_fault(builder.model, k);
+    if (!fault) continue;
+    if (fault->harmless.empty())
+      inertia->error(fault->what);
+    else
+      builder.warnings.push_back(
+          {inertia->mark(), fmt::format("body '{}': inertia: {}; it is taken all the same, since {}",
+                                        builder.model.bodies[k].name, fault->what, fault->harmless)});
   }
 }
 

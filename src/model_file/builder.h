@@ -96,6 +96,7 @@ struct BodyInfo {
   std::vector<std::string> node_names;
   std::vector<Eigen::Vector3d> node_positions;  ///< body axes
   std::optional<FlexibleDescription> description;
+  std::optional<Value> inertia;  ///< of a rigid body with a sound mass, to be checked with the joints
 };
 
 /// Names of one kind of things: index by full name.
@@ -167,6 +168,9 @@ int attach(Builder& builder, const Part& part, const Value& value, const std::op
 /// Reading of the sections, in the order in which they need one another.
 void read_materials_and_sections(Builder& builder, Part& part);
 void read_bodies(Builder& builder, Part& part);
+/// What no matter can have is refused before it makes the motion explode, or warned of where joints make it
+/// harmless.
+void check_inertias(Builder& builder);
 void read_frames(Builder& builder, Part& part);
 void read_joints(Builder& builder, Part& part);
 void read_springs(Builder& builder, Part& part);

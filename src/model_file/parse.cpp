@@ -89,6 +89,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_frames(builder, part);
   for (Part& part : builder.parts) read_joints(builder, part);
   add_floating_joints(builder);
+  check_inertias(builder);
   for (Part& part : builder.parts) read_constraints(builder, part);
   for (Part& part : builder.parts) read_springs(builder, part);
   for (Part& part : builder.parts) read_loads(builder, part);

@@ -13,6 +13,7 @@
 #include "mimbre/spec.h"
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
+#include "model/force_laws.h"
 #include "urdf/merged.h"
 #include "urdf/mesh_paths.h"
 #include "urdf/repair.h"
@@ -26,14 +27,16 @@ using namespace urdf;
 namespace fs = std::filesystem;
 
 // What URDF does not say of a stop: how long a blow takes, in default steps, and that it takes most of the
-// blow's energy.
-constexpr double steps_of_blow = 5;
+// blow's energy. Nor of friction: how far what sticks gives; half a period of that takes a step at least.
+constexpr double steps_of_blow = 5, steps_of_sticking = 1;
 constexpr double restitution = 0.1;
+const double default_sticking = friction_numbers.front().otherwise;
 
-/// Of a stop that throws the inertia (kg m² or kg) back within that time, half a period.
-double stop_stiffness(double inertia) {
-  const double rate = EIGEN_PI / (steps_of_blow * spec::Simulation().step);
-  return inertia * rate * rate;
+/// The square of 1/ω of what swings to and fro once in twice as many default steps, s²: displacement under a
+/// load by the acceleration that the load gives what is free.
+double softness(double steps) {
+  const double time = steps * spec::Simulation().step / EIGEN_PI;
+  return time * time;
 }
 
 /// Names that a model may have, each once.
@@ -82,6 +85,7 @@ class Writer {
       if (!options.repair) fault.message += "; --repair does";
       result_.notes.push_back(std::move(fault));
     }
+    inertias_ = BodyTree(robot_, merged_, options.floating).least_inertias();
   }
 
   ConvertedRobot write() {
@@ -297,33 +301,60 @@ class Writer {
     return text;
   }
 
+  /// Behind a line: the least inertia that a joint moves within its limits.
+  std::string inertia_comment(const Joint& joint) const {
+    const double moved = inertia_of(joint);
+    return moved > 0 ? fmt::format("  # {:.3g} {}", moved, joint.turns() ? "kg m2" : "kg") : "";
+  }
+  double inertia_of(const Joint& joint) const {
+    return inertias_[static_cast<std::size_t>(&joint - robot_.joints.data())];
+  }
+
   std::string frictions() {
-    return of_scalar_joints([&](const Joint& joint, const std::string& name) {
+    bool any = false;
+    const std::string text = of_scalar_joints([&](const Joint& joint, const std::string& name) {
       if (joint.friction == 0) return std::string();
-      return fmt::format("  {}: {{joint: {}, {}: {}}}\n", yaml_word(elements_.make(name + "_friction")),
-                         yaml_word(name), joint.turns() ? "torque" : "force", number(joint.friction));
+      const double moved = inertia_of(joint);
+      const double sticking = moved > 0 ? joint.friction / moved * softness(steps_of_sticking) : 0;
+      const bool soft = sticking > default_sticking;
+      any = any || soft;
+      return fmt::format("  {}: {{joint: {}, {}: {}{}}}{}\n", yaml_word(elements_.make(name + "_friction")),
+                         yaml_word(name), joint.turns() ? "torque" : "force", number(joint.friction),
+                         soft ? fmt::format(", sticking: {:.3g}", sticking) : "",
+                         soft ? inertia_comment(joint) : "");
     });
+    if (any)
+      note({},
+           fmt::format(
+               "'sticking' of frictions is assumed: with the least inertia that the joint moves within "
+               "the limits (behind each friction) half a period of what sticks takes a default step, so a "
+               "load moves it by {:.1g} s² times the acceleration of the free joint; with steps n times as "
+               "short it may be n² times as small",
+               softness(steps_of_sticking)));
+    return text;
   }
 
   std::string stops() {
     bool any = false;
-    const std::vector<double> inertias = BodyTree(robot_, merged_, options_.floating).least_inertias();
     const std::string text = of_scalar_joints([&](const Joint& joint, const std::string& name) {
       if (!joint.lower) return std::string();
       any = true;
       // A joint that moves no inertia cannot run; its stop has some stiffness, so that the file is complete.
-      const double moved = inertias[static_cast<std::size_t>(&joint - robot_.joints.data())];
-      return fmt::format(
-          "  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {:.3g}, restitution: {}}}{}\n",
-          yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
-          number(*joint.upper), stop_stiffness(moved > 0 ? moved : 1), number(restitution),
-          moved > 0 ? fmt::format("  # {:.3g} {}", moved, joint.turns() ? "kg m2" : "kg") : "");
+      const double moved = inertia_of(joint);
+      return fmt::format("  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {:.3g}, restitution: {}}}{}\n",
+                         yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
+                         number(*joint.upper), (moved > 0 ? moved : 1) / softness(steps_of_blow),
+                         number(restitution), inertia_comment(joint));
     });
     if (any)
-      note({}, fmt::format("stiffness and restitution of the stops are assumed: with the least inertia that "
-                           "the joint moves within the limits (behind each stop) a blow takes {} s, {} "
-                           "default steps; with steps n times as short they may be n² times as stiff",
-                           steps_of_blow * spec::Simulation().step, steps_of_blow));
+      note({},
+           fmt::format("stiffness and restitution of the stops are assumed: with the least inertia that "
+                       "the joint moves within the limits (behind each stop) a blow takes {} s, {} "
+                       "default steps. They are soft: a blow at 1 rad/s or m/s goes up to {:.2g} rad or m "
+                       "deep, a load by {:.1g} s² times the acceleration of the free joint. With steps n "
+                       "times as short they may be n² times as stiff",
+                       steps_of_blow * spec::Simulation().step, steps_of_blow,
+                       std::sqrt(softness(steps_of_blow)), softness(steps_of_blow)));
     return text;
   }
 
@@ -386,6 +417,7 @@ class Writer {
   std::map<std::string, std::pair<int, std::string>>
       missing_;  ///< meshes by package: how many, and one of them
   bool root_is_ground_ = false;
+  std::vector<double> inertias_;  ///< the least that each joint moves
   ConvertedRobot result_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/random_numbers.h"
+#include "math/cross_matrix.h"
 #include "math/decompositions.h"
 
 namespace mimbre::urdf {
@@ -12,12 +13,6 @@ namespace {
 
 constexpr int positions = 8;
 constexpr double no_inertia = 1e-12;  ///< of what moves
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 Spatial turn(const Eigen::Vector3d& axis, const Eigen::Vector3d& point) {
   Spatial motion;
@@ -114,9 +109,9 @@ SpatialInertia BodyTree::inertia(const MergedBody& body, const Pose& pose) const
   const Eigen::Vector3d c =
       pose.position + pose.rotation * (body.pose.rotation.transpose() * (body.com - body.pose.position));
   const Eigen::Matrix3d J = pose.rotation * body.inertia * pose.rotation.transpose(),
-                        mc = body.mass * cross(c);
+                        mc = body.mass * cross_matrix(c);
   SpatialInertia I;
-  I << J - mc * cross(c), mc, -mc, body.mass * Eigen::Matrix3d::Identity();
+  I << J - mc * cross_matrix(c), mc, -mc, body.mass * Eigen::Matrix3d::Identity();
   return I;
 }
 

@@ -245,7 +245,7 @@ std::vector<Diagnostic> faults(const Robot& robot, const MergedRobot& merged, bo
     if (!is_possible(body.inertia) || (body.mass > 0 && body.inertia.isZero(0)))
       list.push_back({link(k).mark,
                       fmt::format("link '{}': no matter has the principal moments {}; the model is refused "
-                                  "until they are right",
+                                  "until they are right, unless its joints make them harmless",
                                   link(k).name, urdf::list(eigenvalues3(body.inertia)))});
     else if (body.mass == 0 && !body.inertia.isZero(0))
       list.push_back({link(k).mark, fmt::format("link '{}' has inertia but no mass; the model is refused "

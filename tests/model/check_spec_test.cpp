@@ -255,7 +255,10 @@ const std::vector<Mistake>& mistakes() {
       in("inertia not symmetric", "body", &M::bodies, rigid, "symmetric", [](B& b, M&, Random&) { b.inertia(0, 1) += 0.01; }),
       in("inertia negative", "body", &M::bodies, rigid, "positive definite", [](B& b, M&, Random&) { b.inertia *= -1; }),
       in("triangle inequality", "body", &M::bodies, rigid, "triangle",
-         [](B& b, M&, Random&) { b.inertia = Vec3d(1, 1, 2.1).asDiagonal(); }),
+         [](B& b, M& m, Random&) {
+           b.inertia = Vec3d(1, 1, 2.1).asDiagonal();
+           for (J& j : m.joints) j.apart = true;  // nothing is known of how the body turns
+         }),
       in("shape without size", "body", &M::bodies, "size of a shape", [](B& b, M&, Random&) { b.shapes.push_back({}); }),
       in("shape of no kind", "body", &M::bodies, "kind of a shape",
          [](B& b, M&, Random&) { b.shapes.push_back({static_cast<spec::Shape::Kind>(9), {}, {1, 1, 1}}); }),

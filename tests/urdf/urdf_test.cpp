@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -13,6 +14,7 @@
 #include "dynamics/relative/system.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
+#include "model/force_laws.h"
 #include "support/simulate.h"
 
 namespace mimbre {
@@ -21,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string data = MIMBRE_SOURCE_DIR "/tests/data/urdf/";
 
@@ -280,6 +283,13 @@ TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
   EXPECT_THAT(all_of(robot), AllOf(HasSubstr("assumed"), HasSubstr("effort and speed of 2 joints")));
   const spec::Model m = parse_model(robot.text, "robot.yaml", "");
   EXPECT_EQ(m.elements.size(), 3u);
+  for (const char* stop : {"hinge_stop", "rail_stop"}) {
+    const auto number =
+        std::find_if(stop_numbers.begin(), stop_numbers.end(),
+                     [](const LawNumber& one) { return one.key == std::string("restitution"); }) -
+        stop_numbers.begin();
+    EXPECT_EQ(named(m.elements, stop).numbers.at(static_cast<std::size_t>(number)), 0.1);
+  }
   Simulation simulation(Model::compile(m));
   for (int k = 0; k < 20; ++k) EXPECT_TRUE(simulation.step().ok()) << k;
 }
@@ -393,6 +403,35 @@ TEST_F(UrdfFile, StopsAreAsStiffAsTheInertiaStands) {
   const double rate = EIGEN_PI / 0.05, inertia = 1 + 2 * 0.1 * 0.1;
   EXPECT_THAT(robot.text, AllOf(HasSubstr(fmt::format("stiffness: {:.3g}", inertia * rate * rate)),
                                 HasSubstr("# 1.02 kg m2")));
+}
+
+/// Half a period of the inertia on the friction's bristles takes a default step; where 1e-5 rad is softer,
+/// that is left.
+TEST_F(UrdfFile, FrictionsGiveAsTheInertiaStands) {
+  const auto friction = [](const std::string& value) {
+    return link("base") + link("arm") +
+           joint("hinge", "continuous", "base", "arm",
+                 "<axis xyz=\"0 0 1\"/><dynamics friction=\"" + value + "\"/>");
+  };
+  const double inertia = 1 + 2 * 0.1 * 0.1, rate = EIGEN_PI / 0.01;
+  const ConvertedRobot robot = convert(friction("40"));
+  EXPECT_THAT(robot.text, AllOf(HasSubstr(fmt::format("sticking: {:.3g}}}", 40 / (inertia * rate * rate))),
+                                HasSubstr("# 1.02 kg m2")));
+  EXPECT_THAT(all_of(robot), HasSubstr("'sticking' of frictions is assumed"));
+  EXPECT_THAT(convert(friction("0.5")).text, Not(HasSubstr("sticking")));
+}
+
+/// Gravity about the hinge is below the friction: the arm goes down by what the bristles give, and stays.
+TEST_F(UrdfFile, WhatSticksGivesAsItsNoteSays) {
+  const ConvertedRobot robot = convert(
+      link("base") + link("arm") +
+      joint("hinge", "continuous", "base", "arm", "<axis xyz=\"0 1 0\"/><dynamics friction=\"40\"/>"));
+  const auto model = Model::compile(parse_model(robot.text, "robot.yaml", ""));
+  Simulation simulation = test::simulation_of(model, spec::Simulation::Formulation::relative);
+  for (int k = 0; k < 200; ++k) ASSERT_TRUE(simulation.step().ok());
+  // Of the free joint: m g a/(J + m a²).
+  const double acceleration = 2 * 9.81 * 0.1 / (1 + 2 * 0.1 * 0.1), softness = std::pow(0.01 / EIGEN_PI, 2);
+  EXPECT_NEAR(test::channel(simulation, "hinge"), acceleration * softness, 0.01 * acceleration * softness);
 }
 
 TEST_F(UrdfFile, MasslessLinksOnFixedJointsKeepTheirInertia) {
