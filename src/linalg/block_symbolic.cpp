@@ -32,26 +32,31 @@ int total(const std::vector<int>& blocks, const std::vector<int>& sizes) {
 std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std::vector<int>> neighbours) {
   std::set<std::pair<int, int>> queue;  // (degree, -block)
   std::vector<int> degree(sizes.size()), seen_by(sizes.size(), -1), merged;
+  std::size_t ends = 0;  // of couplings, twice their number
   for (int block = 0; block < static_cast<int>(sizes.size()); ++block) {
     degree[block] = total(neighbours[block], sizes);
     if (sizes[block] > 0) queue.emplace(degree[block], -block);
+    ends += neighbours[block].size();
   }
   std::vector<Supernode> result;
-  while (!queue.empty()) {
+  // In a long chain all blocks are coupled with all, and so are those that are left of any mechanism in the
+  // end: then nothing fills in, and each elimination takes the same from all degrees.
+  while (ends < queue.size() * (queue.size() - 1)) {
     const int block = -queue.begin()->second;
     queue.erase(queue.begin());
     std::vector<int> below = std::move(neighbours[block]);
+    ends -= 2 * below.size();
     for (const int other : below) seen_by[other] = block;
     for (const int other : below) {
       std::vector<int>& its = neighbours[other];
       its.erase(std::lower_bound(its.begin(), its.end(), block));
       int now = degree[other] - sizes[block];
-      // In a long chain all blocks are coupled with all: mostly there is nothing to merge.
       const auto known = std::count_if(its.begin(), its.end(), [&](int i) { return seen_by[i] == block; });
       if (known + 1 < std::ssize(below)) {
         merged.clear();
         std::set_union(its.begin(), its.end(), below.begin(), below.end(), std::back_inserter(merged));
         merged.erase(std::lower_bound(merged.begin(), merged.end(), other));
+        ends += merged.size() - its.size();
         its = merged;
         now = total(its, sizes);
       }
@@ -61,6 +66,16 @@ std::vector<Supernode> eliminate(const std::vector<int>& sizes, std::vector<std:
     }
     const int rows = total(below, sizes);
     result.push_back({{block}, std::move(below), sizes[block], rows});
+  }
+  std::vector<int> left;
+  for (const auto& [of_degree, negative] : queue) left.push_back(-negative);
+  std::sort(left.begin(), left.end());
+  int rows = total(left, sizes);
+  for (const auto& [of_degree, negative] : queue) {
+    const int block = -negative;
+    left.erase(std::lower_bound(left.begin(), left.end(), block));
+    rows -= sizes[block];
+    result.push_back({{block}, left, sizes[block], rows});
   }
   return result;
 }
