@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "mimbre/diagnostics.h"
+#include "mimbre/isolation.h"
 #include "readers.h"
 
 /// Changes the sample files of every reader at random, always in the same way for the same number, and reads
@@ -278,6 +279,8 @@ void find_faults(const std::vector<Trial>& trials, Report&& report, See&& see) {
 }
 
 int main_program(int argc, char** argv) {
+  if (const auto rehearsed = rehearse_reading(argc, argv)) return *rehearsed;
+  isolate_reading("/proc/self/exe");
   if (argc < 2) {
     fmt::print(stderr, "mimbre_mutate COUNT [FIRST [READER]]\n");
     return 2;

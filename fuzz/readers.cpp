@@ -19,6 +19,7 @@
 #include "fe_files/reduced_files.h"
 #include "fe_files/stress_matrix.h"
 #include "fe_files/user_modes_file.h"
+#include "mimbre/input_table.h"
 #include "mimbre/model.h"
 #include "mimbre/model_file.h"
 #include "mimbre/results.h"
@@ -372,6 +373,24 @@ const std::vector<Reader>& readers() {
       {"urdf", [](const std::string& bytes) { convert_urdf(written(bytes, "robot.urdf")); },
        [](const std::string& s) {
          return files(s, {"tests/data/urdf/ur5.urdf", "tests/data/urdf/panda.urdf"});
+       }},
+      {"input_table",
+       [](const std::string& bytes) {
+         spec::Input torque, speed;
+         torque.name = "torque";
+         torque.unit = "N m";
+         speed.name = "speed";
+         const std::string path = written(bytes, "inputs.csv");
+         const std::vector<spec::Input> inputs{torque, speed};
+         try {
+           read_input_table(path, inputs, "torque");
+         } catch (const InputError&) {
+         }
+         read_input_table(path, inputs);
+       },
+       [](const std::string&) {
+         return std::vector<std::string>{"t [s];torque [N m];speed\n0;1,5;\"2\"\n0,5;2;\n# x\n1;3;4\n",
+                                         "speed,time\nm/s,s\n0,1\n2,1.5\n", "0\t1\n1\t2.5e3\n"};
        }},
       {"tyre",
        [](const std::string& bytes) {

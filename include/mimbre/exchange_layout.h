@@ -53,7 +53,7 @@ typedef struct mimbre_exchange_memory {
   uint32_t names_size;
   uint32_t output_block; /**< where their mimbre_exchange_block is */
   uint32_t input_block;
-  uint64_t alive; /**< counts the simulation's steps; 0: it has ended */
+  uint64_t alive; /**< 1 before the first step, and one more with each; 0: it has ended */
 } mimbre_exchange_memory;
 
 #ifdef __GNUC__

@@ -59,6 +59,8 @@ struct ElementGroup {
   /// points do not see have a small stiffness.
   bool reduced_integration = false;
   double offset = 0;  ///< m, shells: of the middle surface from the nodes, along the normal
+  /// Shells with an offset: its direction at each node of each element; empty: the element's normal.
+  std::vector<Eigen::Vector3d> normals = {};
   /// Of each element, into SolidMesh::orientations; empty: the body's axes. Shells: direction 1 is projected
   /// onto the shell, 3 is the normal.
   std::vector<int> orientations = {};

@@ -139,7 +139,8 @@ class RealTimeLoop {
 
   // The rest is for any thread, at any time, without locks.
   void stop();
-  /// False where too many are waiting. One thread may ask.
+  /// False where too many are waiting. One thread may ask. Throws std::out_of_range where there is no such
+  /// place.
   bool request(const RealTimeRequest& request);
   State state() const;
   /// Why it failed or ended; only while state() is one of these. Empty: its time was over.

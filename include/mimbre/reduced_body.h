@@ -67,6 +67,20 @@ struct GeometricStiffness {
   Eigen::MatrixXd boundary_loads;          ///< elastic forces (N, N m) by amplitudes: count × modes
 };
 
+/// What bending does to lengths and areas in the second order, for judging what linear modes neglect: where
+/// ends or edges are held it costs energy. States of stress σ_s, in equilibrium with forces at places that
+/// frames are at and no others, scaled so that ∫ σ_s C⁻¹ σ_t dV = δ_st. With z the amplitudes y, then a
+/// rotation of the whole body (3, rad), and d the further motion of the places (6 each: displacement, m, and
+/// rotation, rad; body axes) the energy is
+///   ½ |e|² + eᵀ places d + ½ dᵀ stiffness d,   e_s = ½ zᵀ forms[s] z
+/// beside the linear one. The dynamics has no such term.
+struct Stretching {
+  std::vector<Eigen::MatrixXd> forms;  ///< modes + 3 square each, symmetric, √J
+  Eigen::MatrixXd places;              ///< states × 6·places, √J by m and rad
+  Eigen::MatrixXd stiffness;           ///< of the places, nothing else held: 6·places square
+  std::vector<int> place_of_frame;     ///< of each of the body's frames
+};
+
 /// How a frame turns by its small rotations θ = X_theta y (Lugrís 2008, 2.11, 4.2). All but the first are
 /// there for comparison: `successive` is singular at a quarter turn, `infinitesimal` is no rotation.
 enum class BoundaryRotation {
@@ -175,6 +189,7 @@ struct ReducedBody {
 
   std::optional<SecondOrder> second_order;      ///< absent: linear in the amplitudes
   std::optional<GeometricStiffness> geometric;  ///< absent: stress does not stiffen
+  std::optional<Stretching> stretching;         ///< absent: not known, or nothing can be held
   std::optional<AncfBeam> ancf;         ///< present: elastic forces are its own; `stiffness` is that at y = 0
   std::optional<BarSections> sections;  ///< absent: not of bars, not asked for, or from a file
   std::optional<BarStress> bar_stress;  ///< absent: not of bars, of sections of unknown shape, or from a file

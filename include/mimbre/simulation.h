@@ -42,7 +42,9 @@ struct Validity {
   double axial = 0;     ///< what the modes changed the lines' length by then, likewise (root mean square)
   Peak compression;     ///< load over buckling load, held at the tangent frame
   Peak tension;         ///< geometric over elastic stiffness in the shape that it stiffens most
-  Peak high_modes;      ///< largest energy of the highest third of the dynamic modes over the largest of all
+  /// By how much deflections are too large since bending would stretch the body between what holds it
+  Peak held;
+  Peak high_modes;  ///< largest energy of the highest third of the dynamic modes over the largest of all
 };
 
 /// Constraint equations that say again what others say, in the assembled position: of the reactions of the
@@ -67,6 +69,11 @@ struct EventRecord {
 };
 
 /// A compiled model in motion. One thread at a time; any number of simulations may share a Model.
+///
+/// Names that the model does not have throw UnknownName where a handle is asked for. A handle of nothing (an
+/// index out of range) throws std::out_of_range, and a number that is not finite std::invalid_argument, from
+/// every call that takes one; the message begins with the call's name, and nothing has changed. The checks
+/// take constant time. Nothing else is thrown while stepping.
 class Simulation {
  public:
   /// Closes the loops, finds consistent velocities, the equilibrium if asked for, and accelerations.
@@ -81,7 +88,7 @@ class Simulation {
   /// itself.
   StepReport step();
   /// The same, of the length that ends at `time` (later than now): for the rest of a run that is no whole
-  /// number of steps.
+  /// number of steps. Throws std::invalid_argument for a time that is not later.
   StepReport step_to(double time);
   double time() const;
   double step_size() const;
@@ -155,14 +162,14 @@ class Simulation {
   };
   Channel channel(const std::string& name) const;
   /// A channel's value now. Allocates nothing, and evaluates what the channel needs: kinematics, forces or
-  /// reactions, once per step for all channels.
+  /// reactions, once per step for all channels. Throws std::out_of_range.
   double value(Channel channel);
   /// The same for bodies, of the model as it was given.
   struct Body {
     int index = -1;
   };
   Body body(const std::string& name) const;
-  /// Position and rotation of a body's frame now, global. Allocates nothing.
+  /// Position and rotation of a body's frame now, global. Allocates nothing. Throws std::out_of_range.
   spec::Pose pose(Body body);
   /// Time, all channels, poses and modal amplitudes now. Reuses the row's memory.
   void sample(ResultsRow& row);
@@ -174,8 +181,11 @@ class Simulation {
   /// Inputs and tunable parameters, and the number of one by its name. Throws UnknownName if there is none.
   const std::vector<spec::Input>& inputs() const;
   int input(const std::string& name) const;
-  /// Sets one, within its range, for the steps that follow. Allocates nothing, throws nothing.
+  /// Sets one for the steps that follow. What lies beyond its range is cut to it, and warnings() has how
+  /// often. Allocates nothing. Throws std::out_of_range, and std::invalid_argument for NaN and infinities: a
+  /// host that takes values from elsewhere in a real-time thread checks them first.
   void set_input(int input, double value);
+  /// Throws std::out_of_range.
   double input_value(int input) const;
 
   /// The energy balance so far (see docs/theory.md); not a number where it is not watched

@@ -6,7 +6,7 @@
 
 SI units and radians throughout."""
 
-from . import _processor as _processor  # before the compiled module, which may not run here
+from . import _isolation as _isolation  # before anybody else uses the compiled module
 from ._core import version as _version
 from .analysis import (
     Apart,

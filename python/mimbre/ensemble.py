@@ -18,7 +18,7 @@ import numpy.typing as npt
 from . import _checks, _core
 from .errors import InputError, SweepInterrupted
 from .history_folder import HistoryFolder
-from .model import Model
+from .model import Model, read_inputs
 from .simulation import checked_method
 from .study import LOST, NOT_RUN, Floats, Row, Study, Value, reductions, run_rows, words
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from typing_extensions import Unpack
 
-    from .model import Input
+    from .model import Inputs
     from .simulation import Method
 
     Reduction = str | Callable[[Any], Any]
@@ -81,7 +81,7 @@ def sweep(
     *,
     outputs: Sequence[str] | None = None,
     reduce: Reduction | Sequence[Reduction] = "last",
-    inputs: Mapping[str, Input] | None = None,
+    inputs: Inputs | None = None,
     until: float | None = None,
     workers: int | None = None,
     executor: Any = None,
@@ -393,7 +393,7 @@ def _study(
     rows: list[dict[str, Value]],
     outputs: Sequence[str] | None,
     reduce: Any,
-    inputs: Mapping[str, Input] | None,
+    inputs: Inputs | None,
     until: float | None,
     method: Method,
 ) -> tuple[Study, _Units]:
@@ -401,8 +401,8 @@ def _study(
     simulation = model.simulation(**method)
     until = _checks.given("until", until)
     _core.check_run(model._compiled, checked_method(method), until)
-    inputs = {} if inputs is None else _checks.mapping("inputs", inputs, "names with values")
-    for name in inputs:
+    values = read_inputs(inputs, model)
+    for name in values:
         _checks.known("input or tunable parameter", name, model.inputs)
         if name in names:
             raise InputError(f"inputs: {name!r} is one of the parameters; it can have one value only")
@@ -413,7 +413,7 @@ def _study(
         _checks.known("channel", name, simulation.channel_names())
     if not chosen:
         raise InputError("outputs: the model has none; give the names of channels")
-    study = Study(model, chosen, _reductions(reduce), live, inputs, until, method)
+    study = Study(model, chosen, _reductions(reduce), live, values, until, method)
     if rows:
         with names_alone():
             study.variant(study.compiled_with(rows[0]))

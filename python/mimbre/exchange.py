@@ -189,7 +189,7 @@ class SharedPeer(_Peer):
 
     @property
     def alive(self) -> int:
-        """Steps made so far; 0 before the first and when the simulation has ended."""
+        """1 before the first step and one more with each; 0 when the simulation has ended."""
         return int(_memory.unpack_from(self._map)[-1])
 
     def read(self) -> Outputs:

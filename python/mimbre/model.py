@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     from typing_extensions import Unpack
 
-    #: What an input has: a value, times and values, or a function of time that is asked at every step.
-    Input = float | tuple[npt.ArrayLike, npt.ArrayLike] | Callable[[float], float]
+    #: What an input has: a value, times and values, a table's file, or a function of time that is asked at every step.
+    Input = float | tuple[npt.ArrayLike, npt.ArrayLike] | str | os.PathLike[str] | Callable[[float], float]
+    #: Of inputs by their names, or a table's file whose header has the names.
+    Inputs = Mapping[str, Input] | str | os.PathLike[str]
 
 
 class Model:
@@ -237,7 +239,7 @@ class Model:
         self,
         *,
         until: float | None = None,
-        inputs: Mapping[str, Input] | None = None,
+        inputs: Inputs | None = None,
         progress: Callable[[float], object] | None = None,
         **method: Unpack[Method],
     ) -> Run:
@@ -245,8 +247,9 @@ class Model:
 
         Args:
             until: the end, s; default: the model's.
-            inputs: of inputs and tunable parameters, by name: a number, (times in s, values), or a function of time
-                that is called before each step. They count from the start on, with its equilibrium.
+            inputs: of inputs and tunable parameters, by name: a number, (times in s, values), a file with a table of
+                them (CSV), or a function of time that is called before each step; or one file with a table of several
+                inputs. They count from the start on, with its equilibrium.
             progress: is called now and then with the time, s.
             **method: step and method where the model is not to say them, see `Method`.
 
@@ -263,7 +266,7 @@ class Model:
             run = model.run(until=2, step=0.001, inputs={"throttle": lambda t: min(t, 1)})
             ```
         """
-        tables, functions = _inputs(inputs)
+        tables, functions = _inputs(read_inputs(inputs, self))
         finished = _core.run(
             self._compiled,
             checked_method(method),
@@ -392,17 +395,35 @@ def _texts(parameters: Mapping[str, object]) -> dict[str, str]:
     return texts
 
 
+def read_inputs(inputs: Inputs | None, model: Model) -> dict[str, Input]:
+    """By names; those that lie in files are read."""
+
+    def tables(path: str | os.PathLike[str], name: str) -> dict[str, Input]:
+        read = _core.read_input_table(model._compiled, _checks.path("inputs", path), name)
+        return {of: (np.array(times), np.array(values)) for of, times, values in read}
+
+    if inputs is None:
+        return {}
+    if isinstance(inputs, str | os.PathLike):
+        return tables(inputs, "")
+    if not isinstance(inputs, Mapping):
+        raise InputError(
+            f"inputs: names with values are needed, as {{'throttle': 0.5}}, or a table's file, not "
+            f"{_checks.described(inputs)}"
+        )
+    found: dict[str, Input] = {}
+    for name, value in inputs.items():
+        name = _checks.text("inputs", name)
+        found |= tables(value, name) if isinstance(value, str | os.PathLike) else {name: value}
+    return found
+
+
 def _inputs(
-    inputs: Mapping[str, Input] | None,
+    inputs: Mapping[str, Input],
 ) -> tuple[list[tuple[str, list[float], list[float]]], list[tuple[str, Any]]]:
     """Those that are tables, and those that are functions."""
     tables, functions = [], []
-    if inputs is not None and not isinstance(inputs, Mapping):
-        raise InputError(
-            f"inputs: names with values are needed, as {{'throttle': 0.5}}, not {_checks.described(inputs)}"
-        )
-    for name, value in (inputs or {}).items():
-        name = _checks.text("inputs", name)
+    for name, value in inputs.items():
         what = f"input {name!r}"
         if callable(value):
             functions.append((name, value))

@@ -133,7 +133,7 @@ class Simulation(_core.Simulation):
         page: bool = False,
         port: int = 0,
         address: str = "127.0.0.1",
-        token: str = "",
+        token: str | None = None,
         record: str | os.PathLike[str] | None = None,
     ) -> RealTime:
         """Makes steps that begin when the clock says so, for `duration` simulated seconds or until Ctrl-C, and tells
@@ -154,7 +154,7 @@ class Simulation(_core.Simulation):
             page: serves a page that shows and drives it; its address is printed.
             port: of the page; 0: one that is free.
             address: of the page; other than the loopback interface's, others can reach it, and need the token.
-            token: what a viewer has to know.
+            token: what a viewer has to know; default: nothing, or a random one where others can reach the page.
             record: results file (HDF5).
 
         Raises:
@@ -186,7 +186,7 @@ class Simulation(_core.Simulation):
             each_step,
             _checks.whole("port", port) if page else None,
             _checks.text("address", address),
-            _checks.text("token", token),
+            _token(token),
             "" if record is None else _checks.path("record", record),
             lambda url: print(url, flush=True),
         )
@@ -215,6 +215,13 @@ class Simulation(_core.Simulation):
 
     def __repr__(self) -> str:
         return f"<mimbre.Simulation of {self._model.title!r} at t = {self.time:g} s>"
+
+
+def _token(given: str | None) -> str:
+    token = "" if given is None else _checks.text("token", given)
+    if given is not None and not token:
+        raise InputError("token: is empty; None where nobody is to be asked for one")
+    return token
 
 
 def _unpickled(

@@ -11,12 +11,14 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "bindings.h"
 #include "loaded_model.h"
 #include "mimbre/assembly.h"
 #include "mimbre/build.h"
+#include "mimbre/input_table.h"
 #include "mimbre/method_names.h"
 #include "mimbre/model_file.h"
 #include "mimbre/urdf.h"
@@ -89,6 +91,17 @@ std::string word(const char* name, const std::optional<std::string>& given, cons
                                        did_you_mean(*given, all)));
 }
 
+/// Names of inputs, with the times and values that a table has of them.
+std::vector<std::tuple<std::string, std::vector<double>, std::vector<double>>> input_table(
+    const LoadedModel& loaded, const std::string& path, const std::string& name) {
+  const std::vector<spec::Input>& inputs = loaded.model->spec().inputs;
+  std::vector<std::tuple<std::string, std::vector<double>, std::vector<double>>> tables;
+  for (RecordedInput& read : read_input_table(path, inputs, name))
+    tables.emplace_back(inputs[static_cast<std::size_t>(read.input)].name, std::move(read.times),
+                        std::move(read.values));
+  return tables;
+}
+
 void require(bool good, const char* name, std::optional<double> value, const char* wanted) {
   if (!good) throw InputError(Mark{}, fmt::format("{}: is {}; {} is needed", name, *value, wanted));
 }
@@ -150,6 +163,7 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("starts_at_equilibrium",
                    [](const LoadedModel& m) { return m.model->spec().simulation.start_at_equilibrium; });
   module.def("load", &load, nb::arg("path"), nb::arg("parameters"));
+  module.def("read_input_table", &input_table, nb::arg("model"), nb::arg("path"), nb::arg("name"));
   module.def("robot", &robot, nb::arg("path"), nb::arg("folder"), nb::arg("floating"), nb::arg("keep_fixed"),
              nb::arg("packages"), nb::arg("repair"));
   module.def("parse", &parse, nb::arg("text"), nb::arg("name"), nb::arg("directory"), nb::arg("parameters"),

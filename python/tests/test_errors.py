@@ -8,6 +8,7 @@ from pathlib import Path
 import mimbre
 import numpy as np
 import pytest
+from mimbre import _core
 
 
 def body(m: mimbre.ModelBuilder, **keys):
@@ -51,7 +52,7 @@ MISTAKES = {
     ),
     "an input's times that do not ascend": (
         lambda p, f: p.run(inputs={"torque": ([1, 0], [1, 1])}),
-        "times do not ascend",
+        "times do not increase",
     ),
     "an input that is not finite": (lambda p, f: p.run(inputs={"torque": np.inf}), "input 'torque': is inf"),
     "a channel that is not there": (lambda p, f: p.run()["angel"], "did you mean 'angle'?"),
@@ -110,3 +111,21 @@ def test_names_of_files_may_be_paths(pendulum, tmp_path):
     run = pendulum.run(until=0.1)
     run.save(Path(tmp_path) / "run.h5")
     assert mimbre.Run.open(Path(tmp_path) / "run.h5").title == "Pendulum"
+
+
+def test_files_are_read_by_another_process_first(pendulum, tmp_path):
+    path, helper = tmp_path / "run.h5", tmp_path / "helper"
+    pendulum.run(until=0.1).save(path)
+    carried = Path(mimbre.__file__).with_name("bin") / "mimbre"
+    assert carried.exists()
+    helper.write_text("#!/bin/sh\nprintf 'mimbre rehearsal 1\\n'\nkill -SEGV $$\n", encoding="utf-8")
+    helper.chmod(0o700)
+    try:
+        _core.isolate_reading(str(helper))
+        with pytest.raises(mimbre.InputError, match="is damaged: it cannot be read to its end"):
+            mimbre.Run.open(path)
+        _core.isolate_reading("")
+        assert mimbre.Run.open(path).title == "Pendulum"
+    finally:
+        _core.isolate_reading(str(carried))
+    assert mimbre.Run.open(path).title == "Pendulum"

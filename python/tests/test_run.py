@@ -114,6 +114,22 @@ def test_inputs_are_numbers_tables_or_functions(pendulum):
     assert times == pytest.approx([0, 0, 0.01, 0.02, 0.03, 0.04])
 
 
+def test_inputs_are_read_from_tables_in_files(pendulum, tmp_path):
+    constant = pendulum.run(inputs={"torque": ([0, 0.5], [0.5, -0.5]), "k": 2})
+    one, all_ = tmp_path / "one.csv", tmp_path / "all.csv"
+    one.write_text("value;t [s]\r\n0,5;0\r\n-0,5;0,5\r\n")
+    all_.write_text("t,torque,k\n0,0.5,2\n0.5,-0.5,\n")
+    for inputs in ({"torque": one, "k": 2}, {"torque": str(all_), "k": 2}, all_, str(all_)):
+        assert np.array_equal(pendulum.run(inputs=inputs)["angle"], constant["angle"])
+    one.write_text("t,value\n0,nan\n")
+    with pytest.raises(mimbre.InputError, match=r"one.csv:2:1: the value of 'torque': 'nan' is not a finite number"):
+        pendulum.run(inputs={"torque": one})
+    with pytest.raises(mimbre.UnknownName, match="torque"):
+        pendulum.run(inputs={"torqe": all_})
+    with pytest.raises(mimbre.InputError, match="missing"):
+        pendulum.run(inputs=tmp_path / "missing.csv")
+
+
 def test_what_a_function_raises_comes_through(pendulum):
     def torque(t):
         if t > 0.1:

@@ -118,8 +118,8 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
 }
 
 int live(const Arguments& arguments) {
-  RecordedInputs inputs(arguments.inputs);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
+  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   if (!arguments.record.empty()) {
     require_different(arguments.model, arguments.record);
     for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
@@ -195,6 +195,7 @@ int live(const Arguments& arguments) {
   summary["granted"] = {
       {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
   summary["worst_case"] = loop.worst_case();
+  for (const std::string& warning : simulation->warnings()) print_warning(warning);
   summary["warnings"] = simulation->warnings();
   if (recorder) {
     recorder->finish(loop, to_text(summary));
@@ -302,7 +303,12 @@ Command add_live(CommandLine& program) {
       "pauses, "
       "resets, sets\nthe inputs; others look on. Control-C ends it.\n"
       "Example:\n  mimbre live examples/iltis/vehicle.yaml --open");
-  return {parser, [a] { return live(*a); }};
+  return {parser, [a, parser] {
+            if (parser.has("--token") && a->token.empty())
+              throw UsageError(
+                  "--token: the token is empty; leave the option out where nobody is to be asked for one");
+            return live(*a);
+          }};
 }
 
 }  // namespace mimbre::app

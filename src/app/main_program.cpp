@@ -9,6 +9,8 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "mimbre/isolation.h"
+#include "mimbre/threads.h"
 
 /// The command line `mimbre`: finds the command, and tells what goes wrong in it.
 namespace mimbre::app {
@@ -93,6 +95,9 @@ int usage_error(const std::string& message, const std::string& command, bool jso
 }  // namespace
 
 int main_program(int argc, char** argv) {
+  if (const auto rehearsed = rehearse_reading(argc, argv)) return *rehearsed;
+  isolate_reading("/proc/self/exe");
+  use_one_blas_thread();
   CommandLine program("mimbre", "Flexible multibody systems in real time", fmt::format("mimbre {}", version));
   program.footer(
       "Messages go to the standard error, data to the standard output.\n"

@@ -145,9 +145,9 @@ std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
 }
 
 int plan(const Arguments& a) {
-  RecordedInputs inputs(a.inputs);
   const LoadedModel loaded = load(a.model, a.settings);
   const spec::Model& model = loaded.model->spec();
+  RecordedInputs inputs(a.inputs, model.inputs);
   RealTimePlanOptions options;
   options.deadline = duration_of(a.deadline, "--deadline");
   options.end = a.until.value_or(0);

@@ -2,73 +2,36 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "app/common.h"
 #include "mimbre/diagnostics.h"
+#include "mimbre/input_table.h"
 
 namespace mimbre::app {
-namespace {
 
-constexpr std::uintmax_t largest_file = 1u << 30;
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// The number that a cell is, and nothing else.
-std::optional<double> number(const std::string& cell) {
-  const std::string text = trimmed(cell);
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
-
-}  // namespace
-
-RecordedInputs::RecordedInputs(const std::vector<std::string>& given) {
+RecordedInputs::RecordedInputs(const std::vector<std::string>& given,
+                               const std::vector<spec::Input>& inputs) {
   for (const std::string& text : given) {
     const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-      throw UsageError(fmt::format("--input {}: NAME=FILE.csv is needed", text));
-    Track track;
-    track.name = text.substr(0, equals);
-    const std::string path = text.substr(equals + 1);
-    for (const Track& other : tracks_)
-      if (other.name == track.name) throw UsageError(fmt::format("--input {}: is given twice", track.name));
+    const bool named = equals != std::string::npos && text.find('/') >= equals;  // which no name has
+    const std::string name = named ? text.substr(0, equals) : "";
+    const std::string path = named ? text.substr(equals + 1) : text;
+    if (path.empty() || (named && name.empty()))
+      throw UsageError(fmt::format("--input {}: NAME=FILE.csv or FILE.csv is needed", text));
     std::error_code failed;
-    if (!std::filesystem::is_regular_file(path, failed))
-      throw InputError({path, 0, 0}, "there is no such file with the input's values");
-    if (std::filesystem::file_size(path, failed) > largest_file)
-      throw InputError({path, 0, 0}, "is larger than 1 GiB; an input's table has a line per change");
-    std::ifstream file(path);
-    std::string line;
-    for (int row = 1; std::getline(file, line); ++row) {
-      if (row == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-      if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
-      const auto separator = line.find_first_of(",;\t");
-      const auto time = number(line.substr(0, separator));
-      const auto value = separator == std::string::npos ? std::nullopt : number(line.substr(separator + 1));
-      if (!time || !value) {
-        if (track.times.empty() && row <= 2) continue;  // names, units
-        throw InputError({path, row, 1}, fmt::format("'{}' is not a time and a value, for example 0.5, 12",
-                                                     trimmed(line).substr(0, 60)));
-      }
-      if (!track.times.empty() && *time <= track.times.back())
-        throw InputError({path, row, 1}, fmt::format("the times do not ascend: {} comes after {}", *time,
-                                                     track.times.back()));
-      track.times.push_back(*time);
-      track.values.push_back(*value);
+    if (!std::filesystem::exists(path, failed))
+      throw InputError({path, 0, 0}, fmt::format("there is no such file with {} values",
+                                                 named ? "the input's" : "inputs'"));
+    for (RecordedInput& input : read_input_table(path, inputs, name)) {
+      Track track{inputs[static_cast<std::size_t>(input.input)].name, std::move(input.times),
+                  std::move(input.values)};
+      for (const Track& other : tracks_)
+        if (other.name == track.name) throw UsageError(fmt::format("--input {}: is given twice", track.name));
+      tracks_.push_back(std::move(track));
     }
-    if (track.times.empty()) throw InputError({path, 0, 0}, "has no line with a time and a value");
     files_.push_back(path);
-    tracks_.push_back(std::move(track));
   }
 }
 
@@ -82,7 +45,7 @@ void RecordedInputs::add(const std::string& name, std::vector<double> times, std
     if (!std::isfinite(times[k]) || !std::isfinite(values[k]))
       throw bad(fmt::format("entry {}: ({}, {}) is no finite number", k, times[k], values[k]));
     if (k > 0 && times[k] <= times[k - 1])
-      throw bad(fmt::format("the times do not ascend: {} comes after {}", times[k], times[k - 1]));
+      throw bad(fmt::format("the times do not increase: {} comes after {}", times[k], times[k - 1]));
   }
   tracks_.push_back({name, std::move(times), std::move(values)});
 }
@@ -121,9 +84,9 @@ void RecordedInputs::set(Simulation& simulation) {
 void add_input_option(Parser& command, std::vector<std::string>& inputs) {
   command
       .add_option("--input", inputs,
-                  "Plays an input, or a tunable parameter, from a table with the columns t and value; may be "
-                  "given several times")
-      .type_name("NAME=FILE.csv");
+                  "Plays an input, or a tunable parameter, from a table with the columns t and value,\n"
+                  "or without NAME all inputs that the table's header names; may be repeated")
+      .type_name("[NAME=]FILE.csv");
 }
 
 }  // namespace mimbre::app

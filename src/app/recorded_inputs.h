@@ -11,10 +11,12 @@ namespace mimbre::app {
 
 class RecordedInputs {
  public:
-  /// "NAME=FILE.csv", several: columns t and value, t ascending; a line of names may come first. Throws
-  /// InputError for what is no such table, UsageError for what is no such text.
-  explicit RecordedInputs(const std::vector<std::string>& given = {});
-  /// The same from memory. Throws InputError for times that do not ascend, numbers that are not finite, and
+  RecordedInputs() = default;
+  /// "NAME=FILE.csv" and "FILE.csv", several: tables of one of these inputs, and of all that the table names
+  /// (mimbre/input_table.h). Throws InputError for what is no such table, UsageError for what is no such
+  /// text.
+  RecordedInputs(const std::vector<std::string>& given, const std::vector<spec::Input>& inputs);
+  /// The same from memory. Throws InputError for times that do not increase, numbers that are not finite, and
   /// where there are not as many values as times.
   void add(const std::string& name, std::vector<double> times, std::vector<double> values);
   const std::vector<std::string>& files() const { return files_; }

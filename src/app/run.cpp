@@ -177,8 +177,8 @@ int run(const Arguments& given_arguments) {
     if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
     arguments.state = arguments.resume;
   }
-  RecordedInputs inputs(arguments.inputs);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
+  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   check_targets(arguments, loaded, inputs);
   const spec::Simulation& given = loaded.model->spec().simulation;
   std::optional<RunState> saved;

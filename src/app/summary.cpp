@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -17,11 +18,12 @@
 namespace mimbre::app {
 namespace {
 
-std::array<std::pair<const char*, Validity::Peak>, 5> named(const Validity& v) {
+std::array<std::pair<const char*, Validity::Peak>, 6> named(const Validity& v) {
   return {{{"deflection", v.deflection},
            {"foreshortening", v.foreshortening},
            {"compression", v.compression},
            {"tension", v.tension},
+           {"held", v.held},
            {"high_modes", v.high_modes}}};
 }
 
@@ -50,9 +52,9 @@ Json validity(const Simulation& simulation) {
 
 /// The same for people: the worst of all bodies.
 std::string worst(const std::vector<Validity>& bodies) {
-  const char* names[] = {"deflection", "shortening", "compression", "tension", "highest modes"};
+  const char* names[] = {"deflection", "shortening", "compression", "tension", "held", "highest modes"};
   std::string text;
-  for (std::size_t k = 0; k < 5; ++k) {
+  for (std::size_t k = 0; k < std::size(names); ++k) {
     double largest = 0;
     std::size_t watched = 0;
     for (const Validity& v : bodies) {

@@ -2,14 +2,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace mimbre {
 namespace {
@@ -18,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr int most_links = 40;
 constexpr int most_names = 1000;
-constexpr std::size_t longest_stem = 180;  ///< of 255 bytes that a name may have
+constexpr mode_t growing_mode = S_IRUSR | S_IWUSR;  ///< of what grows beside an older file
+constexpr std::size_t longest_stem = 180;           ///< of 255 bytes that a name may have
 
 [[noreturn]] void fail(int error) { throw std::runtime_error(std::strerror(error)); }
 
@@ -136,7 +141,7 @@ OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
   int made = -1;
   for (int k = 0; made < 0 && k < most_names; ++k) {
     path_ = part_name(target_, k).string();
-    made = create(path_, existed_ ? S_IRUSR | S_IWUSR : 0666);
+    made = create(path_, existed_ ? growing_mode : 0666);
     if (made < 0 && errno != EEXIST) break;
   }
   if (made < 0) {
@@ -148,12 +153,8 @@ OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
     fail(error);
   }
   fstat(made, &own_);
-  if (existed_) {
-    close(made);
-  } else {
-    lock_ = made;
-    lock(lock_);  // for the time when it is the target
-  }
+  lock(made);
+  (existed_ ? own_lock_ : lock_) = made;  // for the time when it is the target
   pending_ = true;
 }
 
@@ -161,6 +162,7 @@ OutputPlace::~OutputPlace() {
   struct stat now {};
   if (pending_ && stat(path_.c_str(), &now) == 0 && same_file(now, own_)) unlink(path_.c_str());
   if (lock_ >= 0) close(lock_);
+  if (own_lock_ >= 0) close(own_lock_);
 }
 
 bool OutputPlace::unchanged() const {
@@ -218,6 +220,7 @@ void OutputPlace::commit() {
   if (error == 0 && std::rename(path_.c_str(), target_.c_str()) != 0) error = errno;
   if (error == 0) {
     if (existed_) put_on_disk(folder_of(target_).string());
+    if (own_lock_ >= 0) close(std::exchange(own_lock_, -1));
     return;
   }
   const std::string why = std::strerror(error);
@@ -230,10 +233,78 @@ std::string OutputPlace::keep() noexcept {
   if (!pending_) return path_;
   pending_ = false;
   if (path_ == target_) return shown_;
+  adopt_mode();
   // A link never takes the place of anything.
   if (existed_ || link(path_.c_str(), target_.c_str()) != 0) return path_;
   unlink(path_.c_str());
   return shown_;
+}
+
+namespace {
+
+/// The process in the name of a part of that target; 0 where it is none.
+pid_t owner_of(const std::string& name, const fs::path& target) {
+  const std::string before = target.stem().string().substr(0, longest_stem) + ".part-",
+                    after = target.extension().string();
+  if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after))
+    return 0;
+  const char* at = name.data() + before.size();
+  const char* const end = name.data() + name.size() - after.size();
+  pid_t owner = 0;
+  int attempt = 0;
+  const auto number = [&](int& value) {
+    const auto [next, error] = std::from_chars(at, end, value);
+    at = next;
+    return error == std::errc();
+  };
+  if (!number(owner) || owner <= 0) return 0;
+  if (at != end && (*at++ != '-' || !number(attempt))) return 0;
+  return at == end ? owner : 0;
+}
+
+/// Holds a file that nobody writes; −1 where somebody may.
+int hold_abandoned(const fs::path& part, pid_t owner) {
+  if (owner == getpid() || kill(owner, 0) == 0 || errno != ESRCH) return -1;
+#ifdef F_OFD_SETLK
+  const int descriptor = open(part.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return -1;
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  struct stat found {};
+  if (fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode) && fcntl(descriptor, F_OFD_SETLK, &whole) == 0)
+    return descriptor;
+  close(descriptor);
+#endif
+  return -1;
+}
+
+}  // namespace
+
+bool is_kept(const std::string& part, const std::string& target) {
+  struct stat of_part {
+  }, of_target{};
+  if (stat(part.c_str(), &of_part) != 0 || stat(target.c_str(), &of_target) != 0) return true;
+  return (of_part.st_mode & 07777u) != growing_mode || (of_target.st_mode & 07777u) == growing_mode;
+}
+
+void remove_abandoned_parts(const std::string& target,
+                            const std::function<bool(const std::string& part)>& superseded) {
+  const fs::path file = followed(target);
+  std::error_code error;
+  std::vector<std::pair<fs::path, pid_t>> parts;
+  for (fs::directory_iterator at(folder_of(file), error), end; !error && at != end; at.increment(error))
+    if (const pid_t owner = owner_of(at->path().filename().string(), file); owner > 0)
+      parts.emplace_back(at->path(), owner);
+  for (const auto& [part, owner] : parts) {
+    const int descriptor = hold_abandoned(part, owner);
+    if (descriptor < 0) continue;
+    struct Closes {
+      int descriptor;
+      ~Closes() { close(descriptor); }
+    } const closes{descriptor};
+    if (superseded(part.string())) unlink(part.c_str());
+  }
 }
 
 void write_whole(const std::string& target, std::string_view bytes) {

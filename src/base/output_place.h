@@ -1,6 +1,7 @@
 #pragma once
 #include <sys/stat.h>
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -48,8 +49,19 @@ class OutputPlace {
   struct ::stat before_ {};  ///< of the older file
   struct ::stat own_ {};     ///< of the file that is written
   bool plain_ = true, existed_ = false, pending_ = false;
-  int lock_ = -1;
+  int lock_ = -1;      ///< holds the target
+  int own_lock_ = -1;  ///< holds the file that is written, where that is another
 };
+
+/// Whether a part of the target may be one that was kept, and of which somebody was told: those have the mode
+/// of the older file, and what still grows is for its owner alone. True where that cannot be told.
+bool is_kept(const std::string& part, const std::string& target);
+
+/// Removes those files of the target that processes left which have ended without a word, and of which
+/// `superseded` says so, given their paths. What is being written, here or elsewhere, is not touched. Throws
+/// what `superseded` throws.
+void remove_abandoned_parts(const std::string& target,
+                            const std::function<bool(const std::string& part)>& superseded);
 
 /// A file that nobody else sees yet. Throws std::runtime_error with the reason alone.
 void write_bytes(const std::string& path, std::string_view bytes);

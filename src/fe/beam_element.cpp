@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "math/cross_matrix.h"
 #include "math/gauss.h"
 
 namespace mimbre::fe {
@@ -60,12 +61,6 @@ void add_linear(Matrix12& matrix, int dof, double diagonal, double off_diagonal)
   matrix(dof + 6, dof + 6) += diagonal;
   matrix(dof, dof + 6) += off_diagonal;
   matrix(dof + 6, dof) += off_diagonal;
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
 }
 
 /// Of a bending field by its dofs: deflection and slope at both ends.

@@ -23,8 +23,15 @@ inline SolidGeometry geometry_of(const SolidMesh& mesh, const CellView& cell) {
 
 inline ShellGeometry shell_of(const SolidMesh& mesh, const CellView& cell) {
   const ElementGroup& group = *cell.group;
-  return {group.type, positions<ShellNodes>(mesh, cell), group.thickness, group.offset,
-          group.reduced_integration};
+  ShellNodes normals;
+  if (!group.normals.empty()) {
+    normals.resize(3, cell.node_count);
+    const auto first = static_cast<std::size_t>(cell.index * cell.node_count);
+    for (int k = 0; k < cell.node_count; ++k)
+      normals.col(k) = group.normals[first + static_cast<std::size_t>(k)];
+  }
+  return {group.type,   positions<ShellNodes>(mesh, cell), group.thickness,
+          group.offset, group.reduced_integration,         normals};
 }
 
 }  // namespace mimbre::fe

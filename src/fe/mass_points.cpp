@@ -7,6 +7,7 @@
 
 #include "fe/beam_element.h"
 #include "fe/cell_elements.h"
+#include "math/cross_matrix.h"
 #include "math/decompositions.h"
 #include "math/gauss.h"
 
@@ -21,10 +22,6 @@ using Eigen::Vector3d;
 /// Displacement of a point by the dofs of its nodes: six per node, of solids three.
 using Motion = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 using Visit = std::function<void(const Vector3d&, double, const Motion&)>;
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  return (Matrix3d() << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0).finished();
-}
 
 void solid_points(const SolidMesh& mesh, const CellView& cell, double density, const Visit& visit) {
   const SolidGeometry geometry = geometry_of(mesh, cell);

@@ -60,6 +60,9 @@ void check_group(const SolidMesh& mesh, const ElementGroup& group) {
     fail(where, fmt::format("its {} elements need as many orientations that the mesh has, {} are given",
                             group.size(), group.orientations.size()));
   if (!std::isfinite(group.offset)) fail(where, "its offset must be finite");
+  if (!group.normals.empty() && group.normals.size() != group.nodes.size())
+    fail(where, fmt::format("its {} nodes of elements need as many normals, {} are given", group.nodes.size(),
+                            group.normals.size()));
   if (is_shell(group.type) && !(std::isfinite(group.thickness) && group.thickness > 0))
     fail(element_name(group, 0), fmt::format("its thickness must be positive, is {}", group.thickness));
 }

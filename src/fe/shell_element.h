@@ -30,8 +30,9 @@ struct ShellGeometry {
   ElementType type;
   ShellNodes nodes;  ///< body axes, m
   double thickness = 0;
-  double offset = 0;     ///< of the middle surface from the nodes, along the normal
-  bool reduced = false;  ///< integration, of quad8
+  double offset = 0;        ///< of the middle surface from the nodes, along the normal
+  bool reduced = false;     ///< integration, of quad8
+  ShellNodes normals = {};  ///< at the nodes, in place of the element's for the offset; or none
 };
 
 struct ShellMatrices {

@@ -7,6 +7,7 @@
 #include "fe/quadrature.h"
 #include "fe/shell_bending.h"
 #include "fe/shell_membrane.h"
+#include "math/cross_matrix.h"
 
 namespace mimbre::fe {
 namespace {
@@ -77,10 +78,6 @@ SurfaceShapes surface_shapes(Eigen::Index count, double x, double y) {
     shapes.derivatives /= 4;
   }
   return shapes;
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  return (Eigen::Matrix3d() << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0).finished();
 }
 
 constexpr int kMembraneDofs[] = {0, 1, 5};

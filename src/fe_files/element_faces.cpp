@@ -72,12 +72,14 @@ std::vector<int> face_nodes(ElementType type, int face) {
   for (const int corner : faces[static_cast<std::size_t>(face - 1)])
     if (corner >= 0) nodes.push_back(corner);
   const std::vector<int> corners = nodes;
-  const auto has = [&](int corner) {
-    return std::find(corners.begin(), corners.end(), corner) != corners.end();
-  };
   const int first_mid = node_count(type) - static_cast<int>(edges.size());
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (has(edges[e][0]) && has(edges[e][1])) nodes.push_back(first_mid + static_cast<int>(e));
+  // Amid the sides in the order of the corners, as shape functions of the face have them.
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const int from = corners[k], to = corners[(k + 1) % corners.size()];
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      if (edges[e] == Edge{from, to} || edges[e] == Edge{to, from})
+        nodes.push_back(first_mid + static_cast<int>(e));
+  }
   return nodes;
 }
 

@@ -35,14 +35,14 @@ constexpr GmshType kTypes[] = {
     {6, 3, 6, "prism", ElementType::wedge6},
     {7, 3, 5, "pyramid", ElementType::pyramid5},
     {8, 1, 3, "3-node line"},
-    {9, 2, 6, "6-node triangle"},
+    {9, 2, 6, "6-node triangle", ElementType::tri6},
     {10, 2, 9, "9-node quadrangle"},
     {11, 3, 10, "10-node tetrahedron", ElementType::tet10},
     {12, 3, 27, "27-node hexahedron"},
     {13, 3, 18, "18-node prism"},
     {14, 3, 14, "14-node pyramid"},
     {15, 0, 1, "point"},
-    {16, 2, 8, "8-node quadrangle"},
+    {16, 2, 8, "8-node quadrangle", ElementType::quad8},
     {17, 3, 20, "20-node hexahedron", ElementType::hex20},
     {18, 3, 15, "15-node prism", ElementType::wedge15},
     {19, 3, 13, "13-node pyramid", ElementType::pyramid13},
@@ -368,10 +368,9 @@ class Reader {
       if (!type.ours)
         file_.fail(fmt::format(
             "element {} is a {}, of which no body can be made; there are tetrahedra (4 or 10 "
-            "nodes), hexahedra (8, 20), prisms (6, 15) and pyramids (5, 13), and as shells triangles (3) and "
-            "quadrangles (4){}",
-            block.labels.front(), type.name,
-            solid ? ". Second order without extra nodes: Mesh.SecondOrderIncomplete = 1" : ""));
+            "nodes), hexahedra (8, 20), prisms (6, 15) and pyramids (5, 13), and as shells triangles (3, 6) "
+            "and quadrangles (4, 8). Second order without extra nodes: Mesh.SecondOrderIncomplete = 1",
+            block.labels.front(), type.name));
       ElementGroup group;
       group.type = *type.ours;
       group.name = name_of(type.dimension, key.second);

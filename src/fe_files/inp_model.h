@@ -39,11 +39,19 @@ struct InpElement {
   int section = -1;       ///< into InpModel::sections
 };
 
+/// A layer of a shell, from the bottom to the top.
+struct InpPly {
+  double thickness = 0;
+  std::string material, orientation;
+};
+
 struct InpSection {
   enum class Kind { solid, shell, beam } kind = Kind::solid;
   std::string element_set, material, orientation;
   double thickness = 0;
-  double offset = 0;  ///< of the middle surface from the nodes
+  double offset = 0;                                      ///< of the middle surface from the nodes
+  std::vector<InpPly> plies;                              ///< COMPOSITE, in place of material and orientation
+  Eigen::Vector2d beam_offset = Eigen::Vector2d::Zero();  ///< of a beam's axis from the nodes, along 1 and 2
   Section beam;
   ShearCoefficient shear;                                ///< of a beam's section
   Eigen::Vector3d first_axis = Eigen::Vector3d::Zero();  ///< of a beam's section
@@ -136,6 +144,9 @@ const std::string& needed(const InpKeyword& keyword, const char* parameter);
 std::vector<double> inp_numbers(InpModel& model, const InpKeyword& keyword, int count, const char* what);
 /// Nodes that a field names: a label or a set. Empty where there are none.
 std::vector<int> inp_nodes(const InpModel& model, std::string_view field);
+
+/// Directions of the offsets of shells: means over the elements that meet nearly in line at a node.
+void finish_inp_normals(SolidMesh& mesh);
 
 /// *SURFACE, as a node set.
 void read_inp_surface(InpModel& model, const InpKeyword& keyword);

@@ -79,9 +79,6 @@ Section box(double a, double b, const std::array<double, 4>& t) {
 void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& section) {
   section.kind = Kind::beam;
   const std::string shape = lower(needed(keyword, "SECTION"));
-  for (const char* offset : {"OFFSET1", "OFFSET2"})
-    if (const std::string* value = keyword.find(offset); value && to_real(*value).value_or(1) != 0)
-      throw InputError(keyword.mark, fmt::format("{} is not read; put the nodes on the beam's axis", offset));
   std::string_view line;
   if (!model.lines.next_data(line))
     throw InputError(keyword.mark, "*BEAM SECTION needs a line with the sizes of its section");
@@ -123,6 +120,20 @@ void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& s
                                                "and BOX",
                                                shown(shape)));
   }
+  // Of the nodes from the axis, in sides of the section.
+  const double width = shape == "rect" || shape == "box" || (shape == "circ" && sizes.size() > 1)
+                           ? sizes[0]
+                           : 2 * sizes[0],
+               height = width == sizes[0] ? sizes[1] : width;
+  int direction = 0;
+  for (const char* offset : {"OFFSET1", "OFFSET2"}) {
+    if (const std::string* given = keyword.find(offset)) {
+      const auto value = to_real(*given);
+      if (!value) throw InputError(keyword.mark, fmt::format("{}={} is no number", offset, shown(*given)));
+      section.beam_offset[direction] = -*value * (direction == 0 ? width : height);
+    }
+    ++direction;
+  }
   section.first_axis = -Eigen::Vector3d::UnitZ();  // Abaqus, CalculiX: when no direction is said
   if (!model.lines.next_data(line)) return;
   for (double& x : section.first_axis) {
@@ -131,6 +142,31 @@ void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& s
     if (!value) model.lines.file().fail(fmt::format("'{}' is no part of a direction", shown(field)));
     x = *value;
   }
+}
+
+/// Lines "thickness, points across it, material, orientation" of layers.
+void read_plies(InpModel& model, const InpKeyword& keyword, InpSection& section) {
+  std::string_view line;
+  while (model.lines.next_data(line)) {
+    const std::string_view thickness = next_field(line);
+    next_field(line);
+    InpPly ply;
+    ply.thickness = to_real(thickness).value_or(0);
+    ply.material = next_field(line);
+    ply.orientation = next_field(line);
+    if (!(ply.thickness > 0) || ply.material.empty())
+      model.lines.file().fail(
+          "a layer needs a positive thickness, and a material behind the number of points");
+    if (const auto angle = to_real(ply.orientation)) {
+      if (*angle != 0)
+        model.lines.file().fail("the direction of a layer by its angle is not read; name an *ORIENTATION");
+      ply.orientation.clear();
+    }
+    if (ply.orientation.empty()) ply.orientation = section.orientation;
+    section.thickness += ply.thickness;
+    section.plies.push_back(std::move(ply));
+  }
+  if (section.plies.empty()) throw InputError(keyword.mark, "COMPOSITE needs a line for each layer");
 }
 
 }  // namespace
@@ -146,12 +182,14 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword) {
     return false;
   }
   section.element_set = needed(keyword, "ELSET");
-  if (keyword.find("COMPOSITE"))
-    throw InputError(keyword.mark, "layers (COMPOSITE) are not read; shells have one isotropic material");
-  section.material = needed(keyword, "MATERIAL");
   if (const std::string* orientation = keyword.find("ORIENTATION")) section.orientation = *orientation;
+  const bool layers = section.kind == Kind::shell && keyword.find("COMPOSITE");
+  if (layers)
+    read_plies(model, keyword, section);
+  else
+    section.material = needed(keyword, "MATERIAL");
   if (section.kind == Kind::shell) {
-    section.thickness = inp_numbers(model, keyword, 1, "the thickness")[0];
+    if (!layers) section.thickness = inp_numbers(model, keyword, 1, "the thickness")[0];
     if (!(section.thickness > 0)) model.lines.file().fail("a thickness must be positive");
     if (const std::string* offset = keyword.find("OFFSET")) {
       // Of the nodes from the middle surface, in thicknesses; Abaqus: also the name of a side.
@@ -169,24 +207,23 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword) {
 
 namespace {
 
-int find_material(const InpModel& model, const InpSection& section) {
+int find_material(const InpModel& model, const std::string& name, const Mark& mark) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < model.materials.size(); ++i) {
-    if (lower(model.materials[i].name) == lower(section.material)) return static_cast<int>(i);
+    if (lower(model.materials[i].name) == lower(name)) return static_cast<int>(i);
     names.push_back(model.materials[i].name);
   }
-  throw InputError(section.mark, fmt::format("there is no material '{}'{}", shown(section.material),
-                                             did_you_mean(section.material, names)));
+  throw InputError(mark, fmt::format("there is no material '{}'{}", shown(name), did_you_mean(name, names)));
 }
 
-int find_orientation(const InpModel& model, const InpSection& section) {
+int find_orientation(const InpModel& model, const std::string& name, const Mark& mark) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < model.orientations.size(); ++i) {
-    if (lower(model.orientations[i].name) == lower(section.orientation)) return static_cast<int>(i);
+    if (lower(model.orientations[i].name) == lower(name)) return static_cast<int>(i);
     names.push_back(model.orientations[i].name);
   }
-  throw InputError(section.mark, fmt::format("there is no orientation '{}'{}", shown(section.orientation),
-                                             did_you_mean(section.orientation, names)));
+  throw InputError(mark,
+                   fmt::format("there is no orientation '{}'{}", shown(name), did_you_mean(name, names)));
 }
 
 const char* name_of(Kind kind) {
@@ -211,6 +248,78 @@ void assign_sections(InpModel& model) {
   }
 }
 
+/// One beam between neighbours of its nodes: a quadratic beam is two that bend as cubics, exact in statics
+/// where it is straight.
+void add_beams(const InpModel& model, const InpElement& element, const InpSection* section, int material,
+               SolidMesh& mesh) {
+  const InpType& type = model.types[static_cast<std::size_t>(element.type)];
+  const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
+  BeamElement beam;
+  beam.theory = BeamTheory::timoshenko;
+  if (section) {
+    beam.section = section->beam;
+    beam.y_direction = section->first_axis;
+    beam.material = model.materials[static_cast<std::size_t>(material)].material;
+    if (section->shear.known())
+      beam.section.shear_y = beam.section.shear_z =
+          section->shear.at(beam.material.poisson) * beam.section.area;
+  }
+  for (int k = 0; k + 1 < type.nodes; ++k) {
+    beam.nodes = {first[k], first[k + 1]};
+    mesh.beams.push_back(beam);
+  }
+}
+
+/// Sheets of the section: one, or one for each layer, on the same nodes.
+struct Sheet {
+  int material = -1;
+  double thickness = 0, offset = 0;
+  int orientation = -1;
+};
+
+std::vector<Sheet> sheets_of(const InpModel& model, const InpSection& section) {
+  const auto orientation = [&](const std::string& name) {
+    return name.empty() ? -1 : find_orientation(model, name, section.mark);
+  };
+  if (section.plies.empty())
+    return {{find_material(model, section.material, section.mark), section.thickness, section.offset,
+             orientation(section.orientation)}};
+  std::vector<Sheet> sheets;
+  double bottom = section.offset - section.thickness / 2;
+  for (const InpPly& ply : section.plies) {
+    sheets.push_back({find_material(model, ply.material, section.mark), ply.thickness,
+                      bottom + ply.thickness / 2, orientation(ply.orientation)});
+    bottom += ply.thickness;
+  }
+  return sheets;
+}
+
+/// The axes of beams beside their nodes. Where beams meet nearly in line their directions are means.
+void offset_beams(const std::vector<Eigen::Vector2d>& offsets, SolidMesh& mesh) {
+  using Directions = Eigen::Matrix<double, 3, 2>;  ///< 1 and 2 of a section
+  constexpr double in_line = 0.94;                 // the cosine of 20°
+  std::vector<Directions> directions(mesh.beams.size(), Directions::Zero());
+  std::map<int, std::vector<Directions>> at_nodes;
+  for (std::size_t k = 0; k < mesh.beams.size(); ++k) {
+    const BeamElement& beam = mesh.beams[k];
+    if (offsets[k].isZero(0)) continue;
+    const Eigen::Vector3d along = mesh.nodes.col(beam.nodes[1]) - mesh.nodes.col(beam.nodes[0]);
+    directions[k].col(1) = along.cross(beam.y_direction).normalized();
+    directions[k].col(0) = directions[k].col(1).cross(along).normalized();
+    for (const int node : beam.nodes) at_nodes[node].push_back(directions[k]);
+  }
+  for (std::size_t k = 0; k < mesh.beams.size(); ++k) {
+    if (offsets[k].isZero(0)) continue;
+    for (std::size_t end = 0; end < 2; ++end)
+      for (int d = 0; d < 2; ++d) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (const Directions& other : at_nodes.at(mesh.beams[k].nodes[end]))
+          if (other.col(d).dot(directions[k].col(d)) > in_line) sum += other.col(d);
+        mesh.beams[k].offsets[end] += offsets[k][d] * sum.normalized();
+      }
+  }
+}
+
 }  // namespace
 
 ImportedMesh finish_inp(InpModel& model) {
@@ -218,9 +327,16 @@ ImportedMesh finish_inp(InpModel& model) {
   ImportedMesh result;
   SolidMesh& mesh = result.mesh;
   const Mark end = model.lines.file().mark();
-  std::vector<int> materials;
-  for (const InpSection& section : model.sections) materials.push_back(find_material(model, section));
-  std::map<std::tuple<ElementType, bool, int, int>, int> groups;
+  const std::vector<Sheet> unsaid{Sheet{}};
+  std::vector<std::vector<Sheet>> sheets;
+  for (const InpSection& section : model.sections) {
+    sheets.push_back(sheets_of(model, section));
+    if (section.plies.size() > 1)
+      model.warn("layers", section.mark,
+                 "layers are sheets on the same nodes; stress in them has no meaning");
+  }
+  std::map<std::tuple<ElementType, bool, int, int>, int> groups;  ///< the first of a section's sheets
+  std::vector<Eigen::Vector2d> beam_offsets;
   std::int64_t without = 0;
   for (const InpElement& element : model.elements) {
     const InpType& type = model.types[static_cast<std::size_t>(element.type)];
@@ -228,46 +344,34 @@ ImportedMesh finish_inp(InpModel& model) {
     if (element.section < 0) ++without;
     const InpSection* section =
         element.section < 0 ? nullptr : &model.sections[static_cast<std::size_t>(element.section)];
-    const int material = section ? materials[static_cast<std::size_t>(element.section)] : -1;
-    const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
+    const std::vector<Sheet>& own = section ? sheets[static_cast<std::size_t>(element.section)] : unsaid;
     if (type.kind == InpType::Kind::beam) {
-      BeamElement beam;
-      beam.theory = BeamTheory::timoshenko;
-      if (section) {
-        beam.section = section->beam;
-        beam.y_direction = section->first_axis;
-        beam.material = model.materials[static_cast<std::size_t>(material)].material;
-        if (section->shear.known())
-          beam.section.shear_y = beam.section.shear_z =
-              section->shear.at(beam.material.poisson) * beam.section.area;
-      }
-      // A quadratic beam is two that bend as cubics, exact in statics where it is straight.
-      for (int k = 0; k + 1 < type.nodes; ++k) {
-        beam.nodes = {first[k], first[k + 1]};
-        mesh.beams.push_back(beam);
-      }
+      add_beams(model, element, section, own.front().material, mesh);
+      beam_offsets.resize(mesh.beams.size(), section ? section->beam_offset : Eigen::Vector2d::Zero());
       continue;
     }
     const int home = section ? -1 : element.home;
     const auto [place, is_new] = groups.emplace(std::tuple(type.type, type.reduced, element.section, home),
                                                 static_cast<int>(mesh.groups.size()));
-    if (is_new) {
+    for (std::size_t k = 0; is_new && k < own.size(); ++k) {
       ElementGroup group;
       group.type = type.type;
       group.name = section    ? section->element_set
                    : home < 0 ? std::string()
                               : model.element_sets[static_cast<std::size_t>(home)].name;
-      group.material = material;
-      group.thickness = section ? section->thickness : 0;
-      group.offset = section ? section->offset : 0;
+      group.material = own[k].material;
+      group.thickness = own[k].thickness;
+      group.offset = own[k].offset;
       group.reduced_integration = type.reduced;
       mesh.groups.push_back(std::move(group));
     }
-    ElementGroup& group = mesh.groups[static_cast<std::size_t>(place->second)];
-    group.nodes.insert(group.nodes.end(), first, first + type.nodes);
-    group.labels.push_back(element.label);
-    if (section && !section->orientation.empty())
-      group.orientations.push_back(find_orientation(model, *section));
+    const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      ElementGroup& group = mesh.groups[static_cast<std::size_t>(place->second) + k];
+      group.nodes.insert(group.nodes.end(), first, first + type.nodes);
+      group.labels.push_back(element.label);
+      if (own[k].orientation >= 0) group.orientations.push_back(own[k].orientation);
+    }
   }
   if (without > 0 && !model.sections.empty())
     model.warn("without section", end,
@@ -290,11 +394,13 @@ ImportedMesh finish_inp(InpModel& model) {
   model.node_sets.move_into(mesh);
   model.nodes.move_into(mesh);
   for (const InpOrientation& named : model.orientations) mesh.orientations.push_back(named.orientation);
+  offset_beams(beam_offsets, mesh);
   mesh.equations = std::move(model.equations);
   mesh.rigid_elements = std::move(model.rigid_elements);
   mesh.mean_elements = std::move(model.mean_elements);
   finish_inp_points(model, mesh);
   finish_inp_ties(model, mesh);
+  finish_inp_normals(mesh);
   mesh.materials = std::move(model.materials);
   result.warnings = std::move(model.warnings);
   return result;

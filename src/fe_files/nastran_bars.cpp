@@ -247,6 +247,11 @@ void add_nastran_bars(NastranBuild& build) {
       if (bar.rod) {
         section.I1 = section.I2 = section.I12 = 0;
       } else {
+        if (!section.centroid.isZero(0))
+          model.warn("shear centre", model.mark(found->second.place),
+                     fmt::format("property {}: its section is taken to twist about the centroid, which lies "
+                                 "{:.3g} off the shear centre: torsion and bending are not coupled",
+                                 bar.property, section.centroid.norm()));
         for (std::size_t end = 0; end < 2; ++end) {
           // Its axis runs through the centroids.
           place.arms[end] +=

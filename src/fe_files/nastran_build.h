@@ -52,5 +52,8 @@ void add_nastran_shells(NastranBuild& build);
 void add_nastran_bars(NastranBuild& build);
 void add_nastran_panels(NastranBuild& build);
 void add_nastran_ties(NastranBuild& build);
+/// Last: nodes that springs hold in some directions only go with the body in the others; masses on nodes
+/// that nothing holds are left out.
+void settle_nastran_loose_nodes(NastranBuild& build);
 
 }  // namespace mimbre::fe

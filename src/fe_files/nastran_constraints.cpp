@@ -251,6 +251,35 @@ void add_equations(NastranBuild& build) {
   }
 }
 
+/// A spring between rotations turns both its nodes where one of them turns, and so on along a row of springs.
+/// Where none does it is left out.
+void turn_along_springs(NastranBuild& build) {
+  const NastranModel& model = build.model;
+  std::vector<std::array<int, 2>> pairs;
+  const auto add = [&](const std::array<std::int64_t, 2>& labels) {
+    const auto a = build.by_label.find(labels[0]), b = build.by_label.find(labels[1]);
+    if (a != build.by_label.end() && b != build.by_label.end()) pairs.push_back({a->second, b->second});
+  };
+  for (const NastranScalar& spring : model.springs)
+    if (spring.components[0] >= 3 && spring.components[1] >= 3) add(spring.nodes);
+  for (const NastranBush& bush : model.bushes) {
+    const auto property = model.bush_properties.find(bush.property);
+    if (property == model.bush_properties.end()) continue;
+    const std::array<double, 6>& K = property->second;
+    if (K[3] != 0 || K[4] != 0 || K[5] != 0) add(bush.nodes);
+  }
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [a, b] : pairs) {
+      char &first = build.rotates[static_cast<std::size_t>(a)],
+           &second = build.rotates[static_cast<std::size_t>(b)];
+      if (first == second) continue;
+      first = second = 1;
+      changed = true;
+    }
+  }
+}
+
 void add_scalar_spring(NastranBuild& build, const NastranScalar& spring) {
   NastranModel& model = build.model;
   const std::string name = fmt::format("{} {}", spring.card, spring.label);
@@ -337,6 +366,16 @@ void add_bush(NastranBuild& build, const NastranBush& bush) {
     const Vector3d axis = axes.col(k % 3);
     std::vector<LinearTerm> terms;
     if (k < 3) {
+      // A force across the length needs moments at the nodes, or the body would turn.
+      const auto balanced = [&](int node, const Vector3d& arm) {
+        return build.rotates[static_cast<std::size_t>(node)] || arm.cross(axis).norm() <= 1e-9 * arm.norm();
+      };
+      if (!balanced(b, place - to) || !balanced(a, place - from)) {
+        model.warn("bush across", model.mark(bush.place),
+                   fmt::format("{}: its stiffness across its length is left out: its nodes have no rotations",
+                               name));
+        continue;
+      }
       NastranBuild::add_translation(b, axis, place - to, 1, terms);
       NastranBuild::add_translation(a, axis, place - from, -1, terms);
     } else {
@@ -440,6 +479,7 @@ void add_nastran_ties(NastranBuild& build) {
   for (const NastranMean& mean : model.means)
     build.guarded(fmt::format("RBE3 {}", mean.label), mean.place, [&] { add_mean(build, mean); });
   build.guarded("MPC", {}, [&] { add_equations(build); });
+  turn_along_springs(build);
   for (const NastranScalar& spring : model.springs)
     build.guarded(fmt::format("{} {}", spring.card, spring.label), spring.place,
                   [&] { add_scalar_spring(build, spring); });

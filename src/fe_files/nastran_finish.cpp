@@ -268,6 +268,7 @@ ImportedMesh finish_nastran(NastranModel& model) {
   add_nastran_bars(build);
   add_nastran_panels(build);
   add_nastran_ties(build);
+  settle_nastran_loose_nodes(build);
   add_sets(build);
   give_traces_of_mass(build);
   refuse();

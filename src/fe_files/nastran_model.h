@@ -247,5 +247,8 @@ bool read_nastran_tie(NastranModel& model, const NastranCard& card);
 /// PBARL and PBEAML. Throws std::invalid_argument for a shape that is not known or sizes that do not fit.
 std::size_t nastran_shape_sizes(const std::string& shape);
 NastranSection nastran_section(const std::string& shape, const std::vector<double>& sizes);
+/// Where a thin-walled section's shear centre lies; none where that is not known here (HAT, BOX1).
+std::optional<Eigen::Vector2d> nastran_shear_centre(const std::string& shape,
+                                                    const std::vector<double>& sizes);
 
 }  // namespace mimbre::fe

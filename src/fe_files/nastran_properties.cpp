@@ -20,90 +20,91 @@ void add(Map& map, std::int64_t label, Value value, const NastranCard& card) {
   if (!map.emplace(label, std::move(value)).second) card.fail("is there already");
 }
 
+/// What all materials have, the density in a field; `read` gives the rest.
+template <class Read>
+void read_material(NastranModel& model, const NastranCard& card, Kind kind, std::size_t density,
+                   const Read& read) {
+  NastranMaterial material;
+  material.kind = kind;
+  material.place = model.place(card.mark);
+  material.density = card.real(density, "density");
+  read(material);
+  add(model.materials, card.label(0, "material"), material, card);
+}
+
+/// The upper triangle by rows from field 1.
+template <class Matrix>
+void read_symmetric(const NastranCard& card, Matrix& matrix) {
+  std::size_t field = 1;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index j = i; j < matrix.cols(); ++j)
+      matrix(i, j) = matrix(j, i) = card.real(field++, "elastic constant");
+}
+
 /// E, G, ν: two of them make the third.
 void read_isotropic(NastranModel& model, const NastranCard& card) {
-  NastranMaterial material;
-  material.place = model.place(card.mark);
-  material.young = card.real(1, "Young's modulus");
-  material.shear = card.real(2, "shear modulus");
-  material.poisson = card.real(3, "Poisson's ratio");
-  material.density = card.real(4, "density");
-  const bool E = !card.blank(1), G = !card.blank(2), nu = !card.blank(3);
-  if (!E && !G) card.fail("has neither Young's modulus nor shear modulus");
-  if (E && G && !nu && material.shear != 0)
-    material.poisson = material.young / (2 * material.shear) - 1;
-  else if (!E && nu)
-    material.young = 2 * (1 + material.poisson) * material.shear;
-  else if (E && !G)
-    material.shear = material.young / (2 * (1 + material.poisson));
-  else if (!E)
-    material.young = 2 * material.shear;  // E alone is missing: nothing but shear is asked of it
-  add(model.materials, card.label(0, "material"), material, card);
+  read_material(model, card, Kind::isotropic, 4, [&](NastranMaterial& material) {
+    material.young = card.real(1, "Young's modulus");
+    material.shear = card.real(2, "shear modulus");
+    material.poisson = card.real(3, "Poisson's ratio");
+    const bool E = !card.blank(1), G = !card.blank(2), nu = !card.blank(3);
+    if (!E && !G) card.fail("has neither Young's modulus nor shear modulus");
+    if (E && G && !nu && material.shear != 0)
+      material.poisson = material.young / (2 * material.shear) - 1;
+    else if (!E && nu)
+      material.young = 2 * (1 + material.poisson) * material.shear;
+    else if (E && !G)
+      material.shear = material.young / (2 * (1 + material.poisson));
+    else if (!E)
+      material.young = 2 * material.shear;  // E alone is missing: nothing but shear is asked of it
+  });
 }
 
 void read_sheet(NastranModel& model, const NastranCard& card) {
-  NastranMaterial material;
-  material.kind = Kind::sheet;
-  material.place = model.place(card.mark);
-  std::size_t field = 1;
-  for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j)
-      material.sheet(i, j) = material.sheet(j, i) = card.real(field++, "elastic constant");
-  material.density = card.real(7, "density");
-  material.sheet_shear = material.sheet(2, 2) * Eigen::Matrix2d::Identity();
-  material.young = material.sheet(0, 0);
-  add(model.materials, card.label(0, "material"), material, card);
+  read_material(model, card, Kind::sheet, 7, [&](NastranMaterial& material) {
+    read_symmetric(card, material.sheet);
+    material.sheet_shear = material.sheet(2, 2) * Eigen::Matrix2d::Identity();
+    material.young = material.sheet(0, 0);
+  });
 }
 
 void read_orthotropic_sheet(NastranModel& model, const NastranCard& card) {
-  NastranMaterial material;
-  material.kind = Kind::sheet;
-  material.place = model.place(card.mark);
-  const double E1 = card.real(1, "Young's modulus"), E2 = card.real(2, "Young's modulus");
-  const double nu12 = card.real(3, "Poisson's ratio"), G12 = card.real(4, "shear modulus");
-  // Blank and 0: rigid in shear across; a shear modulus far above those in the plane stands for it.
-  const double rigid = 1e3 * std::max({E1, E2, G12});
-  const double G1z = card.real(5, "shear modulus"), G2z = card.real(6, "shear modulus");
-  material.density = card.real(7, "density");
-  if (!(E1 > 0 && E2 > 0 && G12 > 0)) card.fail("E1, E2 and G12 must be positive");
-  const double nu21 = nu12 * E2 / E1, divisor = 1 - nu12 * nu21;
-  if (!(divisor > 0)) card.fail(fmt::format("Poisson's ratio {} is that of no material", nu12));
-  material.sheet << E1, nu12 * E2, 0, nu12 * E2, E2, 0, 0, 0, G12 * divisor;
-  material.sheet /= divisor;
-  material.sheet_shear.diagonal() << (G1z > 0 ? G1z : rigid), (G2z > 0 ? G2z : rigid);
-  material.young = E1;
-  material.poisson = nu12;
-  add(model.materials, card.label(0, "material"), material, card);
+  read_material(model, card, Kind::sheet, 7, [&](NastranMaterial& material) {
+    const double E1 = card.real(1, "Young's modulus"), E2 = card.real(2, "Young's modulus");
+    const double nu12 = card.real(3, "Poisson's ratio"), G12 = card.real(4, "shear modulus");
+    // Blank and 0: rigid in shear across; a shear modulus far above those in the plane stands for it.
+    const double rigid = 1e3 * std::max({E1, E2, G12});
+    const double G1z = card.real(5, "shear modulus"), G2z = card.real(6, "shear modulus");
+    if (!(E1 > 0 && E2 > 0 && G12 > 0)) card.fail("E1, E2 and G12 must be positive");
+    const double nu21 = nu12 * E2 / E1, divisor = 1 - nu12 * nu21;
+    if (!(divisor > 0)) card.fail(fmt::format("Poisson's ratio {} is that of no material", nu12));
+    material.sheet << E1, nu12 * E2, 0, nu12 * E2, E2, 0, 0, 0, G12 * divisor;
+    material.sheet /= divisor;
+    material.sheet_shear.diagonal() << (G1z > 0 ? G1z : rigid), (G2z > 0 ? G2z : rigid);
+    material.young = E1;
+    material.poisson = nu12;
+  });
 }
 
 void read_solid_matrix(NastranModel& model, const NastranCard& card) {
-  NastranMaterial material;
-  material.kind = Kind::solid;
-  material.place = model.place(card.mark);
-  std::size_t field = 1;
-  for (int i = 0; i < 6; ++i)
-    for (int j = i; j < 6; ++j)
-      material.elastic(i, j) = material.elastic(j, i) = card.real(field++, "elastic constant");
-  material.density = card.real(22, "density");
-  material.young = material.elastic(0, 0);
-  add(model.materials, card.label(0, "material"), material, card);
+  read_material(model, card, Kind::solid, 22, [&](NastranMaterial& material) {
+    read_symmetric(card, material.elastic);
+    material.young = material.elastic(0, 0);
+  });
 }
 
 void read_orthotropic_solid(NastranModel& model, const NastranCard& card) {
-  NastranMaterial material;
-  material.kind = Kind::solid;
-  material.place = model.place(card.mark);
-  const auto at = [&](std::size_t i) { return card.real(i, "elastic constant"); };
-  const EngineeringConstants constants{at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8), at(9)};
-  material.density = card.real(10, "density");
-  try {
-    material.elastic = elastic_matrix(constants);
-  } catch (const std::invalid_argument& error) {
-    card.fail(error.what());
-  }
-  material.young = constants.E1;
-  material.poisson = constants.nu12;
-  add(model.materials, card.label(0, "material"), material, card);
+  read_material(model, card, Kind::solid, 10, [&](NastranMaterial& material) {
+    const auto at = [&](std::size_t i) { return card.real(i, "elastic constant"); };
+    const EngineeringConstants constants{at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8), at(9)};
+    try {
+      material.elastic = elastic_matrix(constants);
+    } catch (const std::invalid_argument& error) {
+      card.fail(error.what());
+    }
+    material.young = constants.E1;
+    material.poisson = constants.nu12;
+  });
 }
 
 void read_shell(NastranModel& model, const NastranCard& card) {
@@ -267,7 +268,15 @@ void read_shape(NastranModel& model, const NastranCard& card) {
     for (std::size_t i = 0; i < count; ++i) sizes.push_back(card.real(8 + i, "size of the section"));
     property.section = nastran_section(shape, sizes);
     property.section.mass = card.real(8 + count, "mass by length");
-    if (!beam) property.section.centroid.setZero();
+    // Nodes of a CBAR are at the centroid, those of a CBEAM at the shear centre.
+    const auto centre = nastran_shear_centre(shape, sizes);
+    if (beam && !centre)
+      model.warn("shear centre of " + shape, card.mark,
+                 fmt::format("the shear centre of the section {} is taken to be its centroid", shape));
+    if (beam && centre)
+      property.section.centroid -= *centre;
+    else
+      property.section.centroid.setZero();
     std::size_t next = 8 + count + 1;
     NastranSection last = property.section;
     // SO, X/XB, sizes and mass of further stations.
@@ -278,6 +287,7 @@ void read_shape(NastranModel& model, const NastranCard& card) {
         end[i] = card.real(next + 2 + i, "size of the section", sizes[i]);
       NastranSection here = nastran_section(shape, end);
       here.mass = card.real(next + 2 + count, "mass by length", property.section.mass);
+      here.centroid = property.section.centroid;
       if (along == 1) last = here;
       if (!same_size(here, property.section)) warn_taper(model, card);
       next += count + 3;

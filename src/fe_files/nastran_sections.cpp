@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "fe_files/nastran_model.h"
@@ -106,6 +107,30 @@ std::size_t nastran_shape_sizes(const std::string& shape) {
     all += fmt::format("{}{}", all.empty() ? "" : ", ", one.name);
   }
   throw std::invalid_argument(fmt::format("sections '{}' are not read; there are {}", shown(shape), all));
+}
+
+std::optional<Eigen::Vector2d> nastran_shear_centre(const std::string& shape, const std::vector<double>& d) {
+  // S. Timoshenko, Strength of Materials II, of thin walls; y, z in the axes of nastran_section.
+  const auto of_channel = [](double flange, double height, double flange_wall, double web) {
+    const double force = flange * flange_wall;
+    return 3 * flange * force / (height * web + 6 * force);  // behind the middle of the web
+  };
+  for (const char* whole : {"ROD", "TUBE", "TUBE2", "BAR", "BOX", "I1", "CROSS", "H", "Z", "HEXA"})
+    if (shape == whole) return Vector2d::Zero();
+  if (shape == "I") {
+    const double bottom = d[4] * std::pow(d[1], 3), top = d[5] * std::pow(d[2], 3);
+    const double low = (d[4] - d[0]) / 2, high = (d[0] - d[5]) / 2;
+    return Vector2d((bottom * low + top * high) / (bottom + top), 0);
+  }
+  if (shape == "CHAN") return Vector2d(0, d[2] / 2 - of_channel(d[0] - d[2] / 2, d[1] - d[3], d[3], d[2]));
+  if (shape == "CHAN1")
+    return Vector2d(0, d[1] / 2 - of_channel(d[0] + d[1] / 2, (d[2] + d[3]) / 2, (d[3] - d[2]) / 2, d[1]));
+  if (shape == "CHAN2") return Vector2d(d[1] / 2 - of_channel(d[2] - d[1] / 2, d[3] - d[0], d[0], d[1]), 0);
+  if (shape == "T") return Vector2d(-d[2] / 2, 0);
+  if (shape == "T2") return Vector2d(d[2] / 2, 0);
+  if (shape == "T1") return Vector2d::Zero();
+  if (shape == "L") return Vector2d(d[2] / 2, 0);
+  return {};
 }
 
 NastranSection nastran_section(const std::string& shape, const std::vector<double>& d) {

@@ -80,6 +80,23 @@ void add_densities(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
   require_used("--density", "material", given, used);
 }
 
+/// Point masses may be all the mass that a model has.
+void require_densities(const SolidMesh& mesh) {
+  const auto require = [](double density, const std::string& what) {
+    if (density == 0)
+      throw std::invalid_argument(
+          fmt::format("{} has no density; --density [MATERIAL=]RHO gives it one, in kg/m³", what));
+  };
+  if (mesh.point_masses.empty())
+    for (const ElementGroup& group : mesh.groups)
+      if (group.material >= 0 && !group.nodes.empty()) {
+        const NamedMaterial& named = mesh.materials[static_cast<std::size_t>(group.material)];
+        require(named.material.density, fmt::format("material '{}'", named.name));
+      }
+  for (const BeamElement& beam : mesh.beams)
+    if (beam.material.young > 0) require(beam.material.density, "the material of a beam");
+}
+
 void add_thicknesses(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
   std::vector<char> used;
   for (const NamedNumber& number : given)
@@ -89,6 +106,10 @@ void add_thicknesses(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
     if (is_shell(group.type) && group.thickness == 0)
       if (const double* thickness = value_for(group.name, given, used)) group.thickness = *thickness;
   require_used("--thickness", "group of shells", given, used);
+  for (const ElementGroup& group : mesh.groups)
+    if (is_shell(group.type) && group.thickness == 0)
+      throw std::invalid_argument(fmt::format(
+          "the shells '{}' have no thickness; --thickness [GROUP=]T gives them one, in m", group.name));
 }
 
 FeModel assembled(const std::string& path, ImportedMesh read, const FeCompanions& companions) {
@@ -99,6 +120,7 @@ FeModel assembled(const std::string& path, ImportedMesh read, const FeCompanions
     return !companions.densities.empty() && warning.message.ends_with("has no *DENSITY");
   });
   try {
+    require_densities(read.mesh);
     FeMatrices matrices = assemble(read.mesh);
     if (matrices.dofs.empty()) throw std::invalid_argument("has no elements");
     return {std::move(read.mesh), std::move(matrices), {}, std::move(read.warnings)};

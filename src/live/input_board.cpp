@@ -20,8 +20,9 @@ InputBoard::~InputBoard() {
 void InputBoard::set(int input, double value) {
   Wanted& w = *wanted_[static_cast<std::size_t>(input)];
   w.value.store(value, std::memory_order_relaxed);
-  w.version.fetch_add(1, std::memory_order_release);
-  version_.fetch_add(1, std::memory_order_release);
+  const std::uint32_t version = version_.load(std::memory_order_relaxed) + 1;  // which nobody else writes
+  w.version.store(version, std::memory_order_release);
+  version_.store(version, std::memory_order_release);
 }
 
 bool InputBoard::play(std::unique_ptr<InputTracks> tracks) {
@@ -78,6 +79,8 @@ void InputBoard::before(Simulation& simulation) {
       const std::uint32_t of_this = w.version.load(std::memory_order_acquire);
       if (of_this == w.taken) continue;
       w.taken = of_this;
+      // Versions go round.
+      if (static_cast<std::int32_t>(of_this - since_version_) <= 0) continue;
       put(simulation, k, w.value.load(std::memory_order_relaxed));
     }
   }
@@ -97,6 +100,7 @@ void InputBoard::before(Simulation& simulation) {
 void InputBoard::rests(Simulation& simulation) { take_played(simulation); }
 
 void InputBoard::moved(Simulation& simulation) {
+  since_version_ = dropped_.load(std::memory_order_acquire);
   take_played(simulation);
   tell_all(simulation);
 }

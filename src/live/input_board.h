@@ -32,6 +32,9 @@ class InputBoard : public RealTimePart {
 
   // Of the other thread.
   void set(int input, double value);
+  /// Before the simulation is asked to be put elsewhere: what was set until now and not taken by a step is of
+  /// no account there.
+  void drop() { dropped_.store(version_.load(std::memory_order_relaxed), std::memory_order_release); }
   /// From the next step on; null ends what is being played. False where too many are asked for at once.
   bool play(std::unique_ptr<InputTracks> tracks);
   /// How often something has begun to be played: one that is over already has been played, too. To be asked
@@ -51,7 +54,7 @@ class InputBoard : public RealTimePart {
  private:
   struct Wanted {
     std::atomic<double> value{0};
-    std::atomic<std::uint32_t> version{0};
+    std::atomic<std::uint32_t> version{0};  ///< of the board when it was set
     std::uint32_t taken = 0;
   };
   void put(Simulation& simulation, int input, double value);
@@ -59,8 +62,8 @@ class InputBoard : public RealTimePart {
   void tell_all(Simulation& simulation);
 
   std::vector<std::unique_ptr<Wanted>> wanted_;
-  std::atomic<std::uint32_t> version_{0};
-  std::uint32_t taken_ = 0;
+  std::atomic<std::uint32_t> version_{0}, dropped_{0};
+  std::uint32_t taken_ = 0, since_version_ = 0;  ///< since then, where the simulation was put elsewhere
   Queue<InputTracks*> to_play_{8}, played_{16};
   InputTracks* tracks_ = nullptr;
   double since_ = 0;  ///< s, when they began

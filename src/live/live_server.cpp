@@ -11,10 +11,12 @@
 #include <cctype>
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <list>
 #include <random>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "live/live_page.h"
 #include "live/messages.h"
@@ -73,6 +75,7 @@ std::string_view as_view(beast::string_view text) { return {text.data(), text.si
 
 /// What viewers and the server have in common; of the server's thread alone.
 struct Hall;
+class Connection;
 
 /// One viewer. Texts wait for each other; a picture that cannot be sent at once is left out.
 class Viewer : public std::enable_shared_from_this<Viewer> {
@@ -190,6 +193,7 @@ struct Hall {
     } else if (what == "step") {
       request(Kind::step);
     } else if (what == "reset") {
+      board.drop();
       request(Kind::reset);
     } else if (what == "snapshot") {
       request(Kind::save, keep(asked.name));
@@ -198,6 +202,7 @@ struct Hall {
       const auto found = std::find(snapshots.begin(), snapshots.end(), asked.name);
       if (found == snapshots.end())
         throw InputError(Mark{}, fmt::format("there is no snapshot '{}'", asked.name));
+      board.drop();
       request(Kind::restore, places[static_cast<std::size_t>(found - snapshots.begin())]);
     } else if (what == "record") {
       if (!recorder) throw InputError(Mark{}, "there is no file to record to: mimbre live --record FILE.h5");
@@ -289,7 +294,8 @@ struct Hall {
   std::vector<std::string> snapshots;  ///< newest last
   std::vector<int> places;             ///< of theirs
   int next_viewer = 1;
-  std::size_t connections = 0, seats = 0;  ///< seats: viewers, and those who are about to be
+  std::list<Connection*> connections;  ///< the one that has waited longest for a request or an answer first
+  std::size_t seats = 0;               ///< viewers, and those who are about to be
 };
 
 Viewer::Viewer(beast::tcp_stream&& stream, Hall& hall, int number)
@@ -426,13 +432,21 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket&& socket, Hall& hall, const Guard& guard)
       : stream_(std::move(socket)), hall_(hall), guard_(guard) {
-    ++hall_.connections;
+    hall_.connections.push_back(this);
+    place_ = std::prev(hall_.connections.end());
   }
-  ~Connection() { --hall_.connections; }
+  ~Connection() { leave(); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  /// Makes room for another.
+  void evict() {
+    leave();
+    stream_.close();
+  }
+
   void read() {
+    begin_wait();
     parser_.emplace();
     parser_->header_limit(header_bytes);
     parser_->body_limit(0);
@@ -448,6 +462,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
  private:
+  void leave() {
+    if (std::exchange(listed_, false)) hall_.connections.erase(place_);
+  }
+  void begin_wait() {
+    if (listed_) hall_.connections.splice(hall_.connections.end(), hall_.connections, place_);
+  }
+
   void answer() {
     const auto& request = parser_->get();
     const std::string_view target = as_view(request.target()), host = as_view(request[http::field::host]);
@@ -508,6 +529,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       response->body() = {text->data(), text->size()};
       response->prepare_payload();
     }
+    begin_wait();
     stream_.expires_after(answer_time);
     auto serializer = std::make_shared<http::response_serializer<Body>>(*response);
     serializer->split(head_);
@@ -529,6 +551,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::flat_buffer buffer_{header_bytes + 1024};
   std::optional<http::request_parser<http::empty_body>> parser_;
   bool keep_alive_ = false, head_ = false;
+  std::list<Connection*>::iterator place_;
+  bool listed_ = true;
 };
 
 }  // namespace
@@ -602,8 +626,9 @@ struct LiveServer::Impl {
       if (!error) {
         error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);
-        if (hall.connections < most_connections)
-          std::make_shared<Connection>(std::move(socket), hall, guard)->read();
+        // Who connects and does not ask keeps nobody out.
+        if (hall.connections.size() >= most_connections) hall.connections.front()->evict();
+        std::make_shared<Connection>(std::move(socket), hall, guard)->read();
         return accept();
       }
       // Out of files, say: it may pass.

@@ -373,7 +373,14 @@ RealTimeLoop::~RealTimeLoop() = default;
 void RealTimeLoop::add(RealTimePart& part) { impl_->parts.push_back(&part); }
 std::string RealTimeLoop::run() { return impl_->run(); }
 void RealTimeLoop::stop() { impl_->stopping = true; }
-bool RealTimeLoop::request(const RealTimeRequest& request) { return impl_->requests.push(request); }
+bool RealTimeLoop::request(const RealTimeRequest& request) {
+  using Kind = RealTimeRequest::Kind;
+  const bool of_place = request.kind == Kind::save || request.kind == Kind::restore;
+  if (of_place && (request.place < 0 || request.place >= impl_->options.snapshots))
+    throw std::out_of_range(fmt::format("request: there is no place {}; they are counted from 0 to {}",
+                                        request.place, impl_->options.snapshots - 1));
+  return impl_->requests.push(request);
+}
 RealTimeLoop::State RealTimeLoop::state() const { return impl_->state; }
 double RealTimeLoop::time() const { return impl_->time.load(std::memory_order_relaxed); }
 const RealTimeMonitor& RealTimeLoop::monitor() const { return impl_->monitor; }

@@ -65,7 +65,7 @@ struct SharedMemoryExchange::Impl {
                count(names.size()),
                count(outputs_at),
                count(inputs_at),
-               0};
+               1};
     values.resize(std::max(exchanged.output_count(), exchanged.input_count()));
     // Last: what has it is whole.
     __atomic_store_n(&memory->magic, MIMBRE_EXCHANGE_MAGIC, __ATOMIC_RELEASE);
@@ -110,7 +110,7 @@ void SharedMemoryExchange::after(Simulation& simulation, const StepReport& repor
   s.exchanged.read(simulation, s.values.data());
   mimbre_exchange_write(s.outputs, ++s.steps, simulation.time(), s.values.data(),
                         static_cast<std::uint32_t>(s.exchanged.output_count()));
-  __atomic_store_n(&s.memory->alive, s.steps, __ATOMIC_RELEASE);
+  __atomic_store_n(&s.memory->alive, s.steps + 1, __ATOMIC_RELEASE);
 }
 
 }  // namespace mimbre

@@ -10,7 +10,9 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "live/exchanged.h"
 #include "live/host.h"
@@ -23,7 +25,7 @@ namespace {
 using Head = mimbre_exchange_head;
 
 /// Packets that are taken in one step at most: who sends more is heard later.
-constexpr int most_packets = 64;
+constexpr int most_packets = 32;
 /// Outputs whose times of sending are remembered.
 constexpr std::size_t remembered = 4096;
 constexpr std::size_t longest_packet = 65'507, longest_names = 65'000;
@@ -50,7 +52,8 @@ struct Arrival {
   std::int64_t time = 0;
 };
 
-Arrival receive(int socket, std::vector<char>& packet, Address& from) {
+/// Of a longer packet only so much is copied as the place holds, though its size is told.
+Arrival receive(int socket, std::span<char> packet, Address& from) {
   iovec place{packet.data(), packet.size()};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
   msghdr message{};
@@ -120,6 +123,7 @@ struct UdpExchange::Impl {
     getsockname(socket, &own.any, &size);
     port = ntohs(own.any.sa_family == AF_INET6 ? own.v6.sin6_port : own.v4.sin_port);
     packet.resize(longest_packet);
+    longest_taken = sizeof(Head) + sizeof(double) * exchanged.input_count();
     values.resize(std::max(exchanged.output_count(), exchanged.input_count()));
     inputs.resize(exchanged.input_count());
   }
@@ -135,14 +139,14 @@ struct UdpExchange::Impl {
   }
 
   /// Takes one packet. False where there is none.
-  bool take(Simulation& simulation) {
+  bool take() {
     Address from{};
-    const Arrival arrival = receive(socket, packet, from);
+    const Arrival arrival = receive(socket, std::span(packet).first(longest_taken), from);
     const ssize_t size = arrival.size;
     const socklen_t from_size = arrival.from_size;
     if (size < 0) return errno == ECONNREFUSED;  // a peer that has gone; the next may be there
     Head head{};
-    if (static_cast<std::size_t>(size) < sizeof head || static_cast<std::size_t>(size) > packet.size())
+    if (static_cast<std::size_t>(size) < sizeof head || static_cast<std::size_t>(size) > longest_taken)
       return refuse();
     std::memcpy(&head, packet.data(), sizeof head);
     const std::size_t body = static_cast<std::size_t>(size) - sizeof head;
@@ -152,9 +156,7 @@ struct UdpExchange::Impl {
       peer_size = from_size;
       answered = sent;
       silent = 0;
-      const std::string& names = exchanged.names();
-      send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(names.size()), 0, simulation.time(),
-           names.data(), names.size());
+      greeted = true;
       return true;
     }
     const bool known = peer_size == from_size && std::memcmp(&peer, &from, from_size) == 0;
@@ -182,8 +184,13 @@ struct UdpExchange::Impl {
   }
 
   void take_all(Simulation& simulation) {
-    for (int k = 0; k < most_packets && take(simulation); ++k) {
+    for (int k = 0; k < most_packets && take(); ++k) {
     }
+    // However many have said hello, the last is the peer.
+    if (!std::exchange(greeted, false)) return;
+    const std::string& names = exchanged.names();
+    send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(names.size()), 0, simulation.time(), names.data(),
+         names.size());
   }
 
   /// Until the last outputs are answered.
@@ -210,6 +217,8 @@ struct UdpExchange::Impl {
   Address peer{};
   socklen_t peer_size = 0;  ///< 0: there is none
   std::vector<char> packet;
+  std::size_t longest_taken = 0;  ///< bytes
+  bool greeted = false;           ///< by the peer, who is not answered yet
   std::vector<double> values, inputs;
   bool news = false;
   int silent = 0;  ///< steps in a row that waited in vain

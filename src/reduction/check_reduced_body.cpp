@@ -97,6 +97,21 @@ void check_geometric_stiffness(const ReducedBody& body, Report& report) {
     report.matrix("geometric stiffness: stiffness", k, body.modes, body.modes);
 }
 
+void check_stretching(const ReducedBody& body, Report& report) {
+  const Stretching& s = *body.stretching;
+  const Eigen::Index motions = s.places.cols();
+  report.matrix("stretching: places", s.places, static_cast<Eigen::Index>(s.forms.size()), motions);
+  report.matrix("stretching: stiffness", s.stiffness, motions, motions);
+  for (const Eigen::MatrixXd& form : s.forms)
+    report.matrix("stretching: forms", form, body.modes + 3, body.modes + 3);
+  report.require(motions % 6 == 0, "stretching: a place has six motions");
+  report.require(s.place_of_frame.size() == body.frames.size(),
+                 fmt::format("stretching: place_of_frame must be {}, are {}", body.frames.size(),
+                             s.place_of_frame.size()));
+  for (const int place : s.place_of_frame)
+    report.require(place >= 0 && 6 * place < motions, fmt::format("stretching: there is no place {}", place));
+}
+
 void check_second_order(const ReducedBody& body, Report& report) {
   const SecondOrder& s = *body.second_order;
   for (const auto& [a, b] : s.products)
@@ -149,6 +164,7 @@ void check_sizes(const ReducedBody& body, Report& report) {
       fmt::format("node_labels must be {}, are {}", body.nodes.cols(), body.node_labels.size()));
   if (body.mesh_inertia) check_mesh_sizes(body, report);
   if (body.geometric) check_geometric_stiffness(body, report);
+  if (body.stretching) check_stretching(body, report);
   if (body.second_order) check_second_order(body, report);
   for (const BodyFrame& frame : body.frames) {
     report.matrix(fmt::format("frame '{}': position", frame.name), frame.position, 3, 1);
@@ -238,6 +254,10 @@ void check_symmetry(const ReducedBody& body, Report& report) {
   symmetric("damping", body.damping);
   if (body.geometric)
     for (const Eigen::MatrixXd& k : body.geometric->stiffness) symmetric("geometric stiffness", k);
+  if (body.stretching) {
+    for (const Eigen::MatrixXd& form : body.stretching->forms) symmetric("stretching: forms", form);
+    symmetric("stretching: stiffness", body.stretching->stiffness);
+  }
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j)
       report.require(equal(body.S_modes[j][i], body.S_modes[i][j].transpose()),

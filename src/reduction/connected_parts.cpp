@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "fe/node_label.h"
+
 namespace mimbre::fe {
 namespace {
 
@@ -82,8 +84,7 @@ Check connected_check(const SolidMesh& mesh, const FeMatrices& matrices,
               "the model is in {} parts that no element joins; the smallest has {} node{}, one of them "
               "{} at ({:.4g}, {:.4g}, {:.4g}) m{}",
               sizes.size(), smallest->second, smallest->second == 1 ? "" : "s",
-              mesh.labels.empty() ? smallest->first : mesh.labels[static_cast<std::size_t>(smallest->first)],
-              place.x(), place.y(), place.z(),
+              label_of(mesh, smallest->first), place.x(), place.y(), place.z(),
               same > 0 ? fmt::format("; {} nodes of different parts coincide: merge them in the mesh", same)
                        : "")};
 }

@@ -91,6 +91,28 @@ void add_mean(const SolidMesh& mesh, const MeanElement& mean, std::vector<Equati
   }
 }
 
+/// Tᵀ M T, lower triangle as M.
+SparseMatrix<double> projected(const SparseMatrix<double>& lower, const SparseMatrix<double>& T) {
+  SparseMatrix<double> whole = lower.selfadjointView<Eigen::Lower>();
+  const SparseMatrix<double> product = T.transpose() * SparseMatrix<double>(whole * T);
+  return product.triangularView<Eigen::Lower>();
+}
+
+/// Rows of rotations without stiffness, but for round-off.
+std::vector<int> loose_rotations(const FeMatrices& matrices) {
+  constexpr double nothing = 1e-15;
+  const Eigen::VectorXd diagonal = matrices.stiffness.diagonal();
+  if (diagonal.size() != static_cast<Index>(matrices.dofs.size())) return {};  // refused later
+  double largest = 0;
+  for (std::size_t r = 0; r < matrices.dofs.size(); ++r)
+    if (matrices.dofs[r].direction >= 3) largest = std::max(largest, diagonal[static_cast<Index>(r)]);
+  std::vector<int> rows;
+  for (std::size_t r = 0; r < matrices.dofs.size(); ++r)
+    if (matrices.dofs[r].direction >= 3 && std::abs(diagonal[static_cast<Index>(r)]) <= nothing * largest)
+      rows.push_back(static_cast<int>(r));
+  return rows;
+}
+
 /// A sum of displacements by rows.
 using Sum = std::map<int, double>;
 
@@ -251,12 +273,6 @@ class Elimination {
           equation.name, interfaces_[static_cast<std::size_t>(only)].name));
   }
 
-  static SparseMatrix<double> projected(const SparseMatrix<double>& lower, const SparseMatrix<double>& T) {
-    SparseMatrix<double> whole = lower.selfadjointView<Eigen::Lower>();
-    const SparseMatrix<double> product = T.transpose() * SparseMatrix<double>(whole * T);
-    return product.triangularView<Eigen::Lower>();
-  }
-
   const FeMatrices& matrices_;
   std::vector<std::array<int, 6>> rows_;
   std::vector<int> interface_of_;
@@ -272,6 +288,8 @@ class Elimination {
 bool has_constraints(const SolidMesh& mesh) {
   return !mesh.equations.empty() || !mesh.rigid_elements.empty() || !mesh.mean_elements.empty();
 }
+
+bool has_loose_rotations(const FeMatrices& matrices) { return !loose_rotations(matrices).empty(); }
 
 std::vector<Equation> all_equations(const SolidMesh& mesh, const std::vector<Dof>& dofs) {
   std::vector<Equation> equations = mesh.equations;
@@ -304,10 +322,36 @@ std::vector<Interface> at_references(const SolidMesh& mesh, const std::vector<In
 }
 
 FeMatrices constrain(const SolidMesh& mesh, const FeMatrices& matrices,
-                     const std::vector<Interface>& interfaces) {
+                     const std::vector<Interface>& interfaces, std::vector<Dof>* loose) {
   Elimination elimination(mesh, matrices, interfaces);
   for (const Equation& equation : all_equations(mesh, matrices.dofs)) elimination.add(equation);
-  return elimination.result();
+  FeMatrices result = elimination.result();
+  std::vector<char> of_interface(static_cast<std::size_t>(mesh.nodes.cols()), 0);
+  for (const Interface& interface : interfaces)
+    for (const int node : interface.nodes) of_interface[static_cast<std::size_t>(node)] = 1;
+  const std::vector<int> rows = loose_rotations(result);
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Dof> kept;
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < result.dofs.size(); ++r) {
+    const Dof& dof = result.dofs[r];
+    const bool is_loose = next < rows.size() && static_cast<std::size_t>(rows[next]) == r;
+    next += is_loose ? 1 : 0;
+    if (is_loose && !of_interface[static_cast<std::size_t>(dof.node)]) {
+      if (loose) loose->push_back(dof);
+      continue;
+    }
+    entries.emplace_back(static_cast<int>(r), static_cast<int>(kept.size()), 1.0);
+    kept.push_back(dof);
+  }
+  if (kept.size() == result.dofs.size()) return result;
+  SparseMatrix<double> choice(static_cast<Index>(result.dofs.size()), static_cast<Index>(kept.size()));
+  choice.setFromTriplets(entries.begin(), entries.end());
+  result.expansion = SparseMatrix<double>(result.expansion * choice);
+  result.mass = projected(result.mass, choice);
+  result.stiffness = projected(result.stiffness, choice);
+  result.dofs = std::move(kept);
+  return result;
 }
 
 }  // namespace mimbre::fe

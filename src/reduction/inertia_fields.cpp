@@ -1,19 +1,11 @@
 #include "reduction/inertia_fields.h"
 
+#include "math/cross_matrix.h"
+
 namespace mimbre::fe {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-namespace {
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 std::array<Field, GeometricStiffness::boundary> unit_fields() {
   std::array<Field, GeometricStiffness::boundary> fields;

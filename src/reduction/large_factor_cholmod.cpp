@@ -1,7 +1,7 @@
 #include <Eigen/CholmodSupport>
 #include <stdexcept>
 
-#include "base/helper_threads.h"
+#include "base/one_thread.h"
 #include "reduction/large_factor.h"
 
 namespace mimbre::fe {
@@ -37,7 +37,7 @@ struct LargeFactor::Implementation {
 
 LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what, Definiteness matrix)
     : implementation_(std::make_unique<Implementation>()) {
-  const HelperThreads threads;
+  const OneThread alone;
   Implementation& own = *implementation_;
   if (factorise(own.definite, lower)) return;
   if (matrix == Definiteness::definite) throw std::invalid_argument(what);
@@ -48,7 +48,7 @@ LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& w
 LargeFactor::~LargeFactor() = default;
 
 MatrixXd LargeFactor::solve(const MatrixXd& b) const {
-  const HelperThreads threads;
+  const OneThread alone;
   const Implementation& own = *implementation_;
   return own.indefinite ? MatrixXd(own.indefinite->solve(b)) : MatrixXd(own.definite.solve(b));
 }

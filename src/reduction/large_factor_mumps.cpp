@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/helper_threads.h"
+#include "base/one_thread.h"
 #include "reduction/large_factor.h"
 
 namespace mimbre::fe {
@@ -91,7 +91,7 @@ struct LargeFactor::Implementation {
 
 LargeFactor::LargeFactor(const SparseMatrix<double>& lower, const std::string& what, Definiteness matrix) {
   using Kind = Implementation::Kind;
-  const HelperThreads threads;
+  const OneThread alone;
   implementation_ = std::make_unique<Implementation>(Kind::definite);
   if (implementation_->factorise(lower)) return;
   if (matrix == Definiteness::definite) throw std::invalid_argument(what);
@@ -104,7 +104,7 @@ LargeFactor::~LargeFactor() = default;
 MatrixXd LargeFactor::solve(const MatrixXd& b) const {
   MatrixXd x = b;
   if (x.size() == 0) return x;
-  const HelperThreads threads;
+  const OneThread alone;
   Implementation& own = *implementation_;
   own.mumps.rhs = x.data();
   own.mumps.nrhs = static_cast<int>(x.cols());

@@ -6,6 +6,7 @@
 #include "fe/lowest_modes.h"
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
+#include "reduction/stretching.h"
 
 namespace mimbre {
 namespace {
@@ -70,6 +71,11 @@ void make_orthogonal(ReducedBody& body) {
     }
     rotate_columns(body.geometric->boundary_loads, Q);
   }
+  if (body.stretching)
+    for (Eigen::MatrixXd& form : body.stretching->forms) {
+      rotate(form, beside_rotation(Q));
+      make_symmetric(form);
+    }
   if (body.sections)
     for (int block = 0; block < 4; ++block)
       rotate_columns_of(body.sections->influence, GeometricStiffness::boundary + block * body.modes, Q);

@@ -6,9 +6,11 @@
 #include <cmath>
 
 #include "fe/mass_points.h"
+#include "fe/node_label.h"
 #include "fe/skin.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/material_oddity.h"
+#include "reduction/matrix_checks.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/tied_model.h"
 
@@ -43,6 +45,12 @@ void add_materials_check(const SolidMesh& mesh, std::vector<Check>& checks) {
   if (mesh.materials.empty()) return;
   const std::string odd = oddities(mesh);
   checks.push_back({"materials", odd.empty(), odd.empty() ? "in the range of what parts are made of" : odd});
+}
+
+std::string at_dof(const SolidMesh& mesh, const std::vector<Dof>& dofs, Index row) {
+  const Dof& dof = dofs[static_cast<std::size_t>(row)];
+  return fmt::format(", of the {} {} of node {}", dof.direction < 3 ? "displacement along" : "rotation about",
+                     "xyz"[dof.direction % 3], label_of(mesh, dof.node));
 }
 
 double point_mass(const SolidMesh& mesh) {
@@ -112,6 +120,11 @@ MatrixXd rigid_shapes(const SolidMesh& mesh, const FeMatrices& matrices) {
 }
 
 std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matrices) {
+  return check_matrices(mesh, matrices, {});
+}
+
+std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matrices,
+                                  const std::vector<Interface>& interfaces) {
   std::vector<Check> checks;
   const Index n = matrices.stiffness.rows();
   const bool sizes = matrices.stiffness.cols() == n && matrices.mass.rows() == n &&
@@ -124,9 +137,21 @@ std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matri
   checks.push_back({"finite numbers", finite, finite ? "all are" : "there are numbers that are not finite"});
   if (!finite) return checks;
 
-  const double least = matrices.mass.diagonal().minCoeff(), stiff = matrices.stiffness.diagonal().minCoeff();
-  checks.push_back({"positive diagonals", least >= 0 && stiff > 0,
-                    fmt::format("smallest of mass {:.3g}, of stiffness {:.3g}", least, stiff)});
+  std::vector<char> tied(static_cast<std::size_t>(mesh.nodes.cols()), 0);
+  for (const Interface& interface : interfaces)
+    for (const int node : interface.nodes)
+      if (interface.tie == Interface::Tie::rigid && node >= 0 && node < mesh.nodes.cols())
+        tied[static_cast<std::size_t>(node)] = 1;
+  Eigen::VectorXd springs = matrices.stiffness.diagonal();
+  for (std::size_t r = 0; r < matrices.dofs.size(); ++r)
+    if (tied[static_cast<std::size_t>(matrices.dofs[r].node)] && springs[static_cast<Index>(r)] == 0)
+      springs[static_cast<Index>(r)] = INFINITY;
+  Index light = 0, soft = 0;
+  const double least = matrices.mass.diagonal().minCoeff(&light), stiff = springs.minCoeff(&soft);
+  const bool positive = least >= 0 && stiff > 0;
+  checks.push_back({"positive diagonals", positive,
+                    fmt::format("smallest of mass {:.3g}, of stiffness {:.3g}{}", least, stiff,
+                                positive ? "" : at_dof(mesh, matrices.dofs, stiff > 0 ? light : soft))});
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
   const MatrixXd momenta = symmetric_times(matrices.mass, R);

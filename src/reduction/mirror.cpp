@@ -60,6 +60,19 @@ void mirror_mesh(MeshInertia& mesh, const Mirror& m) {
   sign_rows(mesh.shapes, signs);
 }
 
+/// A place's displacement is a vector, its rotation and that of the body are pseudo-vectors.
+void mirror_stretching(Stretching& stretching, const Mirror& m) {
+  const VectorXd signs = m.dofs(6);
+  VectorXd places(stretching.places.cols());
+  for (Eigen::Index k = 0; k < places.size(); ++k) places[k] = signs[k % 6];
+  stretching.places *= places.asDiagonal();
+  stretching.stiffness = (places.asDiagonal() * stretching.stiffness * places.asDiagonal()).eval();
+  for (MatrixXd& form : stretching.forms) {
+    form.bottomRows<3>() = (m.pseudo_vector.asDiagonal() * form.bottomRows<3>()).eval();
+    form.rightCols<3>() = (form.rightCols<3>() * m.pseudo_vector.asDiagonal()).eval();
+  }
+}
+
 /// Of a load's number (GeometricStiffness). Forces at the boundary belong to amplitudes and stay.
 double load_sign(int load, const Mirror& m) {
   using Loads = GeometricStiffness;
@@ -107,6 +120,7 @@ ReducedBody mirrored(const ReducedBody& body, const Vector3d& signs) {
   if (image.geometric)
     for (std::size_t k = 0; k < image.geometric->loads.size(); ++k)
       image.geometric->stiffness[k] *= load_sign(image.geometric->loads[k], m);
+  if (image.stretching) mirror_stretching(*image.stretching, m);
   if (image.ancf) {
     image.ancf->along = m.vector.cwiseProduct(body.ancf->along);
     // A pseudo-vector: across = normal × along is mirrored as vectors are, and amplitudes keep their meaning.

@@ -1,5 +1,6 @@
 #include "reduction/project_modes.h"
 #include "math/decompositions.h"
+#include "reduction/stretching.h"
 
 #include <fmt/format.h>
 
@@ -70,6 +71,8 @@ ReducedBody project_modes(const ReducedBody& body, const MatrixXd& T) {
     for (MatrixXd& stiffness : b.geometric->stiffness) project_symmetric(stiffness, T);
     project_columns(b.geometric->boundary_loads, T);
   }
+  if (b.stretching)
+    for (MatrixXd& form : b.stretching->forms) project_symmetric(form, beside_rotation(T));
   return b;
 }
 

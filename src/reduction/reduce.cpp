@@ -13,6 +13,7 @@
 #include "reduction/geometric_stiffness.h"
 #include "reduction/second_order.h"
 #include "reduction/shape_integrals.h"
+#include "reduction/stretching.h"
 
 namespace mimbre::fe {
 namespace {
@@ -77,6 +78,8 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   add_drawing(mesh, basis.shapes, body);
   body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
   if (geometric) body.geometric = geometric_stiffness(mesh, options, basis);
+  if (geometric || options.stiffening == Stiffening::linear)
+    body.stretching = stretching_of_beams(mesh, matrices, options, frames, basis.shapes, body);
   if (options.sections) body.sections = bar_sections(mesh, matrices, options, frames, basis.shapes);
   body.bar_stress = bar_stress(mesh, basis.shapes);
   make_orthogonal(body);

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
-#include "base/helper_threads.h"
 #include "fe/block_lanczos.h"
 #include "fe/mass_points.h"
+#include "fe/node_label.h"
 #include "fe/surface.h"
 #include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
@@ -23,11 +25,13 @@
 #include "reduction/independent_shapes.h"
 #include "reduction/krylov.h"
 #include "reduction/load_modes.h"
+#include "reduction/matrix_checks.h"
 #include "reduction/nodal_shape_integrals.h"
 #include "reduction/point_integrals.h"
 #include "reduction/rigid_shapes.h"
 #include "reduction/shapes.h"
 #include "reduction/solid_stiffening.h"
+#include "reduction/stretching.h"
 #include "reduction/tied_model.h"
 #include "reduction/user_modes.h"
 
@@ -329,7 +333,7 @@ std::string freed_and_held(const std::vector<Interface>& interfaces) {
 
 /// The basis in the body's frame; a typical ω² comes with it.
 Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
-                const MatrixXd& R, double& scale, ReductionResult& result) {
+                const TiedModel& tied, const MatrixXd& R, double& scale, ReductionResult& result) {
   using Basis = ModelReduction::Basis;
   const auto tell = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
@@ -340,8 +344,6 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     if (options.frame == ModelReduction::Frame::centre_of_mass)
       to_centre_of_mass(matrices, options.interfaces, R, shapes);
   };
-  tell("factorisation", 0);
-  const TiedModel tied(mesh, matrices, options.interfaces);
   tell("dynamic modes", 0);
   const auto progress = [&](double done) { tell("dynamic modes", done); };
   Shapes shapes;
@@ -419,22 +421,22 @@ Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
 }
 
 ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const ModelReduction& wanted) {
-  const bool constrained = has_constraints(mesh);
+  const bool constrained = has_constraints(mesh) || has_loose_rotations(all);
   ModelReduction options = wanted;
   if (constrained) options.interfaces = at_references(mesh, options.interfaces);
-  const HelperThreads threads;  // kept from one factorisation to the next
   const auto tell = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   require(options);
   tell("checks", 0);
-  const FeMatrices left = constrained ? constrain(mesh, all, options.interfaces) : FeMatrices{};
+  std::vector<Dof> loose;
+  const FeMatrices left = constrained ? constrain(mesh, all, options.interfaces, &loose) : FeMatrices{};
   const FeMatrices& matrices = constrained ? left : all;
   const auto expanded = [&](const MatrixXd& x) -> MatrixXd {
     return constrained ? MatrixXd(left.expansion * x) : x;
   };
   ReductionResult result;
-  result.body.checks = check_matrices(mesh, matrices);
+  result.body.checks = check_matrices(mesh, matrices, options.interfaces);
   for (const Check& check : result.body.checks)
     if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
                           check.name == "positive diagonals" || check.name == "rigid motions"))
@@ -443,13 +445,21 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
   if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);
 
+  if (!loose.empty())
+    result.body.checks.push_back(
+        {"loose rotations", true,
+         fmt::format("{} rotations that nothing resists are left out, the first of node {} about {}",
+                     loose.size(), label_of(mesh, loose.front().node), "xyz"[loose.front().direction - 3])});
+
   const MatrixXd R = rigid_shapes(mesh, matrices);
   if (!options.stress.nodes.empty()) {
     require(options.stress, mesh, all);
     result.body.checks.push_back(check_rigid(options.stress, expanded(R)));
   }
   double scale = 0;  // a typical ω²
-  const Shapes shapes = basis_of(mesh, matrices, options, R, scale, result);
+  tell("factorisation", 0);
+  std::optional<TiedModel> held(std::in_place, mesh, matrices, options.interfaces);
+  const Shapes shapes = basis_of(mesh, matrices, options, *held, R, scale, result);
   if (scale == 0)
     scale = shapes.dofs.cwiseProduct(symmetric_times(matrices.stiffness, shapes.dofs)).sum() /
             shapes.dofs.cwiseProduct(symmetric_times(matrices.mass, shapes.dofs)).sum();
@@ -479,14 +489,16 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   add_surface(mesh, all, all_shapes, displacements, options.stress, body);
   if (options.geometric_stiffness) {
     tell("geometric stiffness", 0);
-    const TiedModel held(mesh, matrices, options.interfaces);
     MatrixXd forces = unit_inertia_forces(mesh, all);
     if (constrained) forces = (left.expansion.transpose() * forces).eval();
-    const MatrixXd x = held.solve(held.restrict(forces));
-    const MatrixXd responses = expanded(held.expand(x, MatrixXd::Zero(held.boundaries(), x.cols())));
+    const MatrixXd x = held->solve(held->restrict(forces));
+    const MatrixXd responses = expanded(held->expand(x, MatrixXd::Zero(held->boundaries(), x.cols())));
     body.geometric = solid_stiffening(mesh, responses, all_shapes, body.stiffness,
                                       static_cast<Index>(retained_motions(options.interfaces, 1).size()));
   }
+  tell("stretching", 0);
+  body.stretching = stretching_of_mesh(mesh, all, matrices, options.interfaces, *held, shapes, body);
+  held.reset();  // the free model's factors take its place in memory
   make_orthogonal(body);
 
   const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -

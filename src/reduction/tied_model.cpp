@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fe/node_label.h"
 #include "math/decompositions.h"
 
 namespace mimbre::fe {
@@ -63,10 +64,9 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
             fmt::format("interface '{}': node {} does not exist", interface.name, node));
       int& taken = owner[static_cast<std::size_t>(node)];
       if (taken >= 0 && taken != static_cast<int>(i))
-        throw std::invalid_argument(
-            fmt::format("node {} is in the interfaces '{}' and '{}'; a node belongs to one at most",
-                        mesh.labels.empty() ? node : mesh.labels[static_cast<std::size_t>(node)],
-                        interfaces[static_cast<std::size_t>(taken)].name, interface.name));
+        throw std::invalid_argument(fmt::format(
+            "node {} is in the interfaces '{}' and '{}'; a node belongs to one at most", label_of(mesh, node),
+            interfaces[static_cast<std::size_t>(taken)].name, interface.name));
       if (taken >= 0) continue;
       taken = static_cast<int>(i);
       for (const Index r : rows_of_node[static_cast<std::size_t>(node)]) own.push_back(r);

@@ -184,6 +184,16 @@ void write_geometric_stiffness(hid_t file, const GeometricStiffness& geometric) 
   write_matrix(group.get(), "boundary_loads", geometric.boundary_loads);
 }
 
+void write_stretching(hid_t file, const Stretching& stretching) {
+  const Handle group = create_group(file, "stretching");
+  const Eigen::Index size = stretching.forms.empty() ? 0 : stretching.forms.front().rows();
+  write_stack(group.get(), "forms", stretching.forms, size, size);
+  write_matrix(group.get(), "places", stretching.places);
+  write_matrix(group.get(), "stiffness", stretching.stiffness);
+  write_integers(group.get(), "place_of_frame", {stretching.place_of_frame.size()},
+                 {stretching.place_of_frame.begin(), stretching.place_of_frame.end()});
+}
+
 void write_second_order(hid_t file, const SecondOrder& second) {
   const Handle group = create_group(file, "second_order");
   std::vector<std::int32_t> products;
@@ -229,6 +239,7 @@ void write_body(hid_t file, const ReducedBody& body) {
     write_frame(frames.get(), std::to_string(k), body.frames[k]);
   if (body.mesh_inertia) write_mesh(file, *body.mesh_inertia);
   if (body.geometric) write_geometric_stiffness(file, *body.geometric);
+  if (body.stretching) write_stretching(file, *body.stretching);
   if (body.second_order) write_second_order(file, *body.second_order);
 }
 

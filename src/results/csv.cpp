@@ -13,6 +13,7 @@
 #include "base/output_place.h"
 #include "mimbre/results.h"
 #include "mimbre/text.h"
+#include "results/superseded_parts.h"
 
 namespace mimbre {
 
@@ -149,6 +150,7 @@ void CsvWriter::finish() {
     impl_->failure = impl_->cannot_write(error.what());
     throw std::runtime_error(impl_->failure);
   }
+  results::remove_superseded_tables(impl_->path);
 }
 
 std::string CsvWriter::keep() {

@@ -14,6 +14,7 @@
 #include "mimbre/build.h"
 #include "mimbre/results.h"
 #include "results/results_layout.h"
+#include "results/superseded_parts.h"
 
 namespace mimbre {
 
@@ -304,7 +305,7 @@ class Table {
 /// It grows in two steps: first the operating system reserves the room, then HDF5 writes into it. So a full
 /// disk is found before anything in the file has changed, and whatever is killed when, the file is whole.
 struct ResultsWriter::Impl {
-  std::string path;
+  std::string path, model_text, options_json;
   OutputPlace place;
   Handle file;
   std::vector<Table> tables;  ///< time, channels, poses, modes
@@ -319,6 +320,8 @@ struct ResultsWriter::Impl {
 
   Impl(const std::string& file_path, const ResultsHeader& header)
       : path(file_path),
+        model_text(header.model_text),
+        options_json(header.options_json),
         place(file_path),
         channel_count(header.channels.size()),
         body_count(header.bodies.size()) {
@@ -601,6 +604,7 @@ std::string ResultsWriter::path() const { return impl_->place.path(); }
 void ResultsWriter::finish(const std::string& summary_json) {
   impl_->end([&] { impl_->mark_complete(summary_json); });
   impl_->commit();
+  results::remove_superseded_results(impl_->path, impl_->model_text, impl_->options_json);
 }
 
 std::string ResultsWriter::keep(const std::string& summary_json) {

@@ -17,7 +17,7 @@ bool is_relay(const SignalsData::Block& b) {
 
 }  // namespace
 
-Events::Events(const Compiled& m) : model_(m) {
+Events::Events(const Compiled& m, RangeWatch& ranges) : model_(m), ranges_(ranges) {
   const auto needs = [&](const SignalsData::Seen& seen) {
     for (const SignalsData::Seen::Argument& a : seen.arguments)
       if (a.sensor >= 0)
@@ -131,6 +131,7 @@ bool Events::happen(const Channels& channels, relative::RelativeSystem& system, 
       set_to_[j] = event.values[j].value(channels, system, seen);
     for (std::size_t j = 0; j < event.values.size(); ++j)
       if (std::isfinite(set_to_[j])) {
+        ranges_.set(event.spec->sets[j].input, set_to_[j], state.time);
         set_held_input(model_, event.spec->sets[j].input, set_to_[j], step, state);
         state.started = false;
       }

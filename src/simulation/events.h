@@ -3,6 +3,7 @@
 
 #include "dynamics/state_transfer.h"
 #include "mimbre/simulation.h"
+#include "simulation/range_watch.h"
 #include "simulation/signal_state.h"
 
 namespace mimbre {
@@ -12,7 +13,8 @@ namespace mimbre {
 /// relays are events too, of which nobody is told: they switch themselves where a step ends.
 class Events {
  public:
-  explicit Events(const Compiled& model);
+  /// `ranges` is told what events set, and outlives them.
+  Events(const Compiled& model, RangeWatch& ranges);
   bool none() const { return events_.empty() && relays_.empty(); }
   /// What has to be evaluated for them.
   Channels::Needs needs() const { return needs_; }
@@ -58,6 +60,7 @@ class Events {
   bool crossed(std::size_t event, double value) const;
 
   const Compiled& model_;
+  RangeWatch& ranges_;
   Channels::Needs needs_ = Channels::Needs::forces;
   std::vector<Event> events_;
   std::vector<Relay> relays_;

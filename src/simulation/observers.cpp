@@ -22,7 +22,7 @@ void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
   turns_.start();
   if (spins_) spins_->start();
   if (!validity_) return;
-  validity_->start();
+  validity_->start(mechanism.view(), mechanism.state);
   validity_->watch(mechanism.view());
   if (loads_) loads_->start(mechanism, *validity_);
 }

@@ -118,6 +118,7 @@ void write_run_state(const std::string& path, const RunState& state) {
   out(hash_of(out.bytes));
   try {
     write_whole(path, out.bytes);
+    remove_abandoned_parts(path, [](const std::string&) { return true; });  // half a state is of no use
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("cannot write the state to '{}': {}", path, error.what()));
   }

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <type_traits>
 
 #include "base/cpu_time.h"
-#include "base/helper_threads.h"
 #include "simulation/body_drawings.h"
 #include "simulation/channels.h"
 #include "simulation/element_drawings.h"
@@ -21,6 +21,7 @@
 #include "simulation/mechanism.h"
 #include "simulation/names.h"
 #include "simulation/observers.h"
+#include "simulation/range_watch.h"
 #include "simulation/recorded_sections.h"
 #include "simulation/redundancy.h"
 #include "simulation/shown_reactions.h"
@@ -29,6 +30,17 @@
 #include "simulation/step_maker.h"
 
 namespace mimbre {
+namespace {
+
+/// Throws std::out_of_range for a handle of nothing; `call`: that was given it.
+template <class Items>
+void require_handle(int index, const Items& items, const char* call, const char* what) {
+  if (index < 0 || index >= std::ssize(items))
+    throw std::out_of_range(fmt::format("{}: there is no {} {}; they are counted from 0 to {}", call, what,
+                                        index, std::ssize(items) - 1));
+}
+
+}  // namespace
 
 /// The parts, in the order in which they are made: the mechanism is put where it starts, then it is stepped,
 /// watched and shown.
@@ -43,14 +55,16 @@ struct Simulation::Impl {
         steps(mechanism, method),
         channels(compiled),
         sampler(compiled, method.step),
-        events(compiled),
+        ranges(compiled),
+        events(compiled, ranges),
         begin(timed([&] { return start(mechanism, method, options.inputs, method.warnings); })),
         observers(mechanism, method, redundant()),
         reactions(mechanism, method, redundant()) {
     channels.mark_undetermined(begin.redundancy);
     timed([&] { observe_anew(); });
+    for (const auto& [name, value] : options.inputs)
+      ranges.set(find_input(compiled, name), value, mechanism.state.time);
     steps.keep_before(!events.none());
-    end_helper_threads();
   }
 
   /// Work whose time counts as initialisation.
@@ -70,6 +84,7 @@ struct Simulation::Impl {
   void observe_anew() {
     steps.start();
     observers.start(mechanism, steps.meter());
+    ranges.start();
     reactions.forget_unresolved();
     look_anew();
     if (!events.none()) see([&](auto&... seen_now) { events.start(seen_now...); });
@@ -139,6 +154,7 @@ struct Simulation::Impl {
     observers.transfer(transfer);
     reactions.transfer(transfer);
     events.transfer(transfer);
+    ranges.transfer(transfer);
     if (!events.none()) transfer(stopped, stopped_step_end);
   }
 
@@ -237,6 +253,7 @@ struct Simulation::Impl {
   StepMaker steps;
   Channels channels;
   Sampler sampler;
+  RangeWatch ranges;
   Events events;
   bool stopped = false;         ///< an event ended the last step before
   double stopped_step_end = 0;  ///< s, when it would have ended
@@ -273,6 +290,9 @@ StepReport Simulation::step() {
 
 StepReport Simulation::step_to(double time) {
   Impl& s = *impl_;
+  if (!(time > s.mechanism.state.time && std::isfinite(time)))
+    throw std::invalid_argument(
+        fmt::format("step_to: {} s is not later than now, t = {} s", time, s.mechanism.state.time));
   // Times are sums of steps: a whole step but for rounding is a whole step.
   const double h = s.method.step, rest = time - s.mechanism.state.time;
   const StepReport report = s.step(std::abs(rest - h) < 1e-6 * h ? h : rest);
@@ -390,8 +410,7 @@ Simulation::Channel Simulation::channel(const std::string& name) const {
 }
 
 double Simulation::value(Channel channel) {
-  if (channel.index < 0 || channel.index >= static_cast<int>(channels().size()))
-    return std::numeric_limits<double>::quiet_NaN();
+  require_handle(channel.index, channels(), "value", "channel");
   return impl_->value(channel.index);
 }
 
@@ -401,6 +420,7 @@ Simulation::Body Simulation::body(const std::string& name) const {
 
 spec::Pose Simulation::pose(Body body) {
   Impl& s = *impl_;
+  require_handle(body.index, s.compiled.spec().bodies, "pose", "body");
   s.show_motion();
   const relative::Workspace<double>& w = s.mechanism.observer.workspace();
   const auto& motion = w.bodies[s.compiled.body_of_spec[body.index]];
@@ -413,12 +433,19 @@ int Simulation::input(const std::string& name) const { return find_input(impl_->
 
 void Simulation::set_input(int input, double value) {
   Impl& s = *impl_;
+  require_handle(input, inputs(), "set_input", "input");
+  if (!std::isfinite(value))
+    throw std::invalid_argument(
+        fmt::format("set_input: the value of input '{}' is {}; a finite number is needed",
+                    inputs()[static_cast<std::size_t>(input)].name, value));
+  s.ranges.set(input, value, s.mechanism.state.time);
   set_held_input(s.compiled, input, value, s.method.step, s.mechanism.state);
   s.mechanism.enter(0);
   s.look_anew();
 }
 
 double Simulation::input_value(int input) const {
+  require_handle(input, inputs(), "input_value", "input");
   return held_input_value(impl_->compiled, input, impl_->mechanism.state);
 }
 
@@ -470,6 +497,7 @@ std::vector<std::string> Simulation::warnings() const {
   if (const std::string text = s.observers.energy_warning(s.steps); !text.empty()) all.push_back(text);
   for (const std::string& text : s.observers.winch_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
+  for (const std::string& text : s.ranges.warnings()) all.push_back(text);
   for (const std::string& text : contact_warnings(s.compiled, s.steps.contacts(), s.method.substeps))
     all.push_back(text);
   if (const double end = std::max(s.compiled.spec().simulation.end, time()); end > s.drives_until) {

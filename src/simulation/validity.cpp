@@ -21,18 +21,6 @@ using namespace validity;
 /// Modes whose geometric stiffness is watched: bending twice in each of two planes.
 constexpr int most_load_modes = 4;
 
-/// Whether a bracket joins the body to another flexible one.
-bool is_piece(const Compiled& m, int body) {
-  const auto flexible = [&](int b) { return b >= 0 && m.bodies[b].modes > 0; };
-  for (const spec::Joint& joint : m.spec().joints) {
-    if (joint.type != spec::JointType::bracket) continue;
-    const int a = m.frames[m.frame_of_spec[joint.frame_a]].body,
-              b = m.frames[m.frame_of_spec[joint.frame_b]].body;
-    if ((a == body && flexible(b)) || (b == body && flexible(a))) return true;
-  }
-  return false;
-}
-
 /// Whether more than one joint holds the body, so that its deflections move other bodies, or are held by
 /// them.
 bool passes_motion_on(const Compiled& m, int body) {
@@ -64,6 +52,7 @@ BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
   modes_ = body.modes;
   first_amplitude_ = b.q + b.joint_positions;
   second_order_ = body.second_order.has_value();
+  bars_ = body.triangles.empty();
   piece_ = is_piece(m, index);
   const bool link = !piece_ && passes_motion_on(m, index);
   deflection_limit_ = second_order_
@@ -183,20 +172,20 @@ double BodyValidity::squares(Range range) const {
 }
 
 void BodyValidity::start() {
-  for (Validity::Peak* peak :
-       {&worst_.deflection, &worst_.foreshortening, &worst_.compression, &worst_.tension, &worst_.high_modes})
+  for (Validity::Peak* peak : {&worst_.deflection, &worst_.foreshortening, &worst_.compression,
+                               &worst_.tension, &worst_.held, &worst_.high_modes})
     peak->value = peak->time = 0;
   worst_.axial = 0;
   passed_ = {};
-  most_energy_ = most_high_energy_ = 0;
+  most_energy_ = most_high_energy_ = most_held_ = 0;
 }
 
 void BodyValidity::transfer(StateTransfer& transfer) {
-  for (Validity::Peak* peak :
-       {&worst_.deflection, &worst_.foreshortening, &worst_.compression, &worst_.tension, &worst_.high_modes})
+  for (Validity::Peak* peak : {&worst_.deflection, &worst_.foreshortening, &worst_.compression,
+                               &worst_.tension, &worst_.held, &worst_.high_modes})
     transfer(peak->value, peak->time);
   transfer(worst_.axial, passed_.deflection, passed_.foreshortening, passed_.compression, passed_.tension,
-           passed_.high_modes, most_energy_, most_high_energy_);
+           passed_.held, passed_.high_modes, most_energy_, most_high_energy_, most_held_, too_stiff_);
 }
 
 void BodyValidity::watch(const double* positions, double time) {
@@ -231,6 +220,16 @@ void BodyValidity::watch(const double* positions, double time) {
     passed_.high_modes = -1;
   else if (passed_.high_modes < 0)
     passed_.high_modes = time;
+}
+
+void BodyValidity::watch_held(const HeldStretch::Ratios& ratios, double time) {
+  worst_.held.watched = true;
+  const double most = std::max(ratios.missing, ratios.spurious);
+  if (!(most > most_held_)) return;
+  most_held_ = most;
+  const double exaggeration = HeldStretch::exaggeration(ratios);
+  if (std::abs(exaggeration) > worst_.held.value) too_stiff_ = exaggeration < 0;
+  keep(worst_.held, std::abs(exaggeration), time, validity_limit::held, passed_.held);
 }
 
 void BodyValidity::watch_loads(const relative::Workspace<double>& work, double time) {
@@ -280,6 +279,13 @@ std::string BodyValidity::warning() const {
   if (!piece_ && passed_.compression >= 0)
     add("compression over buckling load", worst_.compression.value, validity_limit::load, passed_.compression,
         stressed);
+  if (passed_.held >= 0)
+    add(too_stiff_ ? "deflections too small, since held ends and linear modes press the body, by about"
+                   : "deflections too large, since held ends or edges stretch the body as it bends, by about",
+        worst_.held.value, validity_limit::held, passed_.held,
+        bars_ ? "`stiffening: foreshortening` or `beam: corotational`"
+              : "several smaller bodies in its place (of solids between held ends also `mimbre reduce "
+                "--geometric-stiffness`)");
   if (!piece_ && passed_.high_modes >= 0)
     add("elastic energy in the highest modes", worst_.high_modes.value, validity_limit::high_modes,
         passed_.high_modes, "more `dynamic_modes`");
@@ -288,18 +294,24 @@ std::string BodyValidity::warning() const {
                      second_order_ ? "second-order" : "linear", what, remedy);
 }
 
-ValidityMonitor::ValidityMonitor(const Compiled& m) {
-  for (std::size_t b = 0; b < m.bodies.size(); ++b)
-    if (m.bodies[b].modes > 0 && m.flexible[m.bodies[b].flexible].ancf.empty())
-      bodies_.emplace_back(m, static_cast<int>(b));
+ValidityMonitor::ValidityMonitor(const Compiled& m) : held_(m) {
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    if (m.bodies[b].modes == 0 || !m.flexible[m.bodies[b].flexible].ancf.empty()) continue;
+    const auto& held = held_.bodies();
+    if (std::find(held.begin(), held.end(), static_cast<int>(b)) != held.end())
+      of_held_.push_back(bodies_.size());
+    bodies_.emplace_back(m, static_cast<int>(b));
+  }
 }
 
-void ValidityMonitor::start() {
+void ValidityMonitor::start(const State& state, const State& inputs) {
   for (BodyValidity& b : bodies_) b.start();
+  held_.start(state, inputs);
 }
 
 void ValidityMonitor::transfer(StateTransfer& transfer) {
   for (BodyValidity& b : bodies_) b.transfer(transfer);
+  held_.transfer(transfer);
 }
 
 bool ValidityMonitor::watches_loads() const {
@@ -309,6 +321,9 @@ bool ValidityMonitor::watches_loads() const {
 
 void ValidityMonitor::watch(const State& s) {
   for (BodyValidity& b : bodies_) b.watch(s.q.data(), s.time);
+  if (of_held_.empty()) return;
+  const auto& ratios = held_.find(s.q.data());
+  for (std::size_t k = 0; k < ratios.size(); ++k) bodies_[of_held_[k]].watch_held(ratios[k], s.time);
 }
 
 void ValidityMonitor::watch_loads(const relative::Workspace<double>& work, double time) {

@@ -8,6 +8,7 @@
 #include "integrate/stepper.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
+#include "simulation/held_stretch.h"
 
 namespace mimbre {
 
@@ -38,6 +39,9 @@ constexpr double foreshortening = 0.005;
 /// with two hinges the linear description in the tangent frame misses three times load over (pinned) buckling
 /// load, which is three quarters of this ratio.
 constexpr double load = 0.15;
+/// How much deflections are too large where ends or edges are held, so that bending would have to stretch the
+/// body.
+constexpr double held = 0.1;
 /// Largest elastic energy of the highest third of the dynamic modes over the largest of all: what the missing
 /// modes would hold is then no longer small. Under loads that change slowly the energies of a series fall as
 /// the square of the frequency at least; a tenth in the last mode says that they do not. Not judged for the
@@ -63,6 +67,8 @@ class BodyValidity {
   void watch(const double* positions, double time);
   /// Forces and motion: the workspace after the residual of an accepted step. Likewise.
   void watch_loads(const relative::Workspace<double>& work, double time);
+  /// The same of a stretch that is neglected, see HeldStretch::find.
+  void watch_held(const HeldStretch::Ratios& ratios, double time);
   /// Forgets everything.
   void start();
   /// What it has seen so far.
@@ -78,7 +84,7 @@ class BodyValidity {
   };
   /// When a measure passed its limit first; negative: never.
   struct Passed {
-    double deflection = -1, foreshortening = -1, compression = -1, tension = -1, high_modes = -1;
+    double deflection = -1, foreshortening = -1, compression = -1, tension = -1, held = -1, high_modes = -1;
   };
   void add_points(const ReducedBody& body);
   void add_lines(const ReducedBody& body);
@@ -92,7 +98,7 @@ class BodyValidity {
 
   int body_ = 0, first_amplitude_ = 0, modes_ = 0, first_frame_ = 0, last_frame_ = 0, outboard_frame_ = 0;
   double length_ = 0, deflection_limit_ = validity_limit::deflection;
-  bool second_order_ = false, piece_ = false, feels_stress_ = false;
+  bool second_order_ = false, piece_ = false, feels_stress_ = false, bars_ = false;
   Eigen::MatrixXd functionals_;  ///< rows × modes
   Eigen::VectorXd values_;       ///< functionals times amplitudes
   Range points_;                 ///< three rows each
@@ -106,7 +112,8 @@ class BodyValidity {
 
   Validity worst_;
   Passed passed_;
-  double most_energy_ = 0, most_high_energy_ = 0;
+  double most_energy_ = 0, most_high_energy_ = 0, most_held_ = 0;
+  bool too_stiff_ = false;  ///< what held ends make of it: deflections are too small
 };
 
 /// All flexible bodies of a model.
@@ -114,7 +121,8 @@ class ValidityMonitor {
  public:
   explicit ValidityMonitor(const Compiled& model);
   bool empty() const { return bodies_.empty(); }
-  void start();
+  /// From this state on (State::u and z are those of `inputs`).
+  void start(const State& state, const State& inputs);
   void transfer(StateTransfer& transfer);
   /// Whether forces and motion are watched of any body.
   bool watches_loads() const;
@@ -127,6 +135,8 @@ class ValidityMonitor {
 
  private:
   std::vector<BodyValidity> bodies_;
+  HeldStretch held_;
+  std::vector<std::size_t> of_held_;  ///< which of bodies_ each of its bodies is
 };
 
 }  // namespace mimbre

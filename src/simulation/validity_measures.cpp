@@ -10,6 +10,17 @@
 
 namespace mimbre::validity {
 
+bool is_piece(const Compiled& m, int body) {
+  const auto flexible = [&](int b) { return b >= 0 && m.bodies[b].modes > 0; };
+  for (const spec::Joint& joint : m.spec().joints) {
+    if (joint.type != spec::JointType::bracket) continue;
+    const int a = m.frames[m.frame_of_spec[joint.frame_a]].body,
+              b = m.frames[m.frame_of_spec[joint.frame_b]].body;
+    if ((a == body && flexible(b)) || (b == body && flexible(a))) return true;
+  }
+  return false;
+}
+
 Points points_of(const ReducedBody& body) {
   if (body.nodes.cols() > 0) return {body.nodes, body.node_shapes};
   const Eigen::Index count = static_cast<Eigen::Index>(body.frames.size());

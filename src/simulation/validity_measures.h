@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "mimbre/reduced_body.h"
+#include "model/compiled.h"
 
 /// What a reduced body tells of its shape and modes, for judging what its linear description neglects. All is
 /// found once, before the first step.
@@ -10,6 +11,9 @@ namespace mimbre::validity {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+/// Whether a bracket joins the body to another flexible one.
+bool is_piece(const Compiled& model, int body);
 
 /// The points that displacements are known of: the drawing's, or the frames when a file came without.
 struct Points {

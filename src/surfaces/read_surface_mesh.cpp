@@ -175,7 +175,7 @@ SurfaceMesh read_surface_mesh(const std::string& path) {
   if (ending == "ply")
     if (const std::string why = why_not_ply(path); !why.empty()) refuse(path, why);
   // What damaged files do to the importer is done to another process.
-  rehearse(path, [&] { read(path); });
+  rehearse("surface", path);
   return read(path);
 }
 

@@ -50,11 +50,9 @@ TEST(CppTutorial, ShowsTheMessagesOfMistakes) {
   });
   ModelBuilder wrong;
   wrong.add_body("crank", {.mass = 1, .inertia = build::inertia(0.002, 0.02, 0.0001)});
-  wrong.add_joint("pivot", {.type = JointType::revolute,
-                            .between = {"ground", "crank"},
-                            .at = at,
-                            .axis = y,
-                            .position = {0.0, 1.0}});
+  wrong.add_joint(
+      "pivot",
+      {.type = JointType::spherical, .between = {"ground", "crank"}, .at = at, .position = {0.0, 1.0}});
   expect_shown([&] { wrong.compile(); });
 }
 

@@ -313,5 +313,47 @@ TEST_F(RunCommand, WarningsOfTheModelAreToldOnce) {
   EXPECT_EQ(outcome.err.find("detour"), outcome.err.rfind("detour"));
 }
 
+/// One table for all inputs is the same as one for each; what is cut to a range is said.
+TEST_F(RunCommand, PlaysRecordedInputs) {
+  write_file(folder / "motor.yaml", R"(mimbre: 1
+inputs: {u: {start: 0, range: [-5, 5], unit: N m}, w: {start: 0, hold: linear}}
+bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: revolute, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1]}}
+actuators: {m: {joint: j, torque: u + w}}
+outputs: [{name: angle, joint: j}]
+simulation: {step: 0.01, end: 1}
+)");
+  write_file(folder / "all.csv", "w,t [s],u [N m]\r\n0,0,1\r\n,0.5,12\r\n4,1,\r\n");
+  write_file(folder / "u.csv", "value;time\n1;0\n12;0,5\n");
+  write_file(folder / "w.csv", "0,0\n1,4\n");
+  const auto all = run({"run", "motor.yaml", "--input", "all.csv", "--json"}),
+             each = run({"run", "motor.yaml", "--input", "u=u.csv", "--input", "w=w.csv", "--json"});
+  ASSERT_EQ(all.code, 0) << all.err;
+  ASSERT_EQ(each.code, 0) << each.err;
+  EXPECT_EQ(all.json().at("outputs"), each.json().at("outputs"));
+  // 1 N m for 0.5 s, then 5, and 4 t: exact but for the straight lines of the steps.
+  EXPECT_NEAR(all.json().at("outputs").at("angle").number(), 0.5 * 1 + 0.5 * 4 * 0.25 + 4. / 6, 2e-2);
+  ASSERT_EQ(all.json().at("warnings").size(), 1u);
+  EXPECT_THAT(all.err,
+              HasSubstr("input 'u': 1 value was beyond its range [-5, 5] and cut to it, the first at "
+                        "t = 0.5 s; the farthest was 12"));
+  EXPECT_EQ(run({"run", "motor.yaml", "--input", "all.csv", "--strict", "-q"}).code, 4);
+
+  write_file(folder / "bad.csv", "t,u\n0,nan\n");
+  const Outcome bad = run({"run", "motor.yaml", "--input", "u=bad.csv"});
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_THAT(bad.err, HasSubstr("bad.csv:2:1: error: the value of 'u': 'nan' is not a finite number"));
+  EXPECT_EQ(run({"run", "motor.yaml", "--input", "v=all.csv"}).code, 1);
+  EXPECT_EQ(run({"run", "motor.yaml", "--input", "u=u.csv", "--input", "all.csv"}).code, 2);
+  EXPECT_EQ(run({"run", "motor.yaml", "--input", "=u.csv"}).code, 2);
+  EXPECT_EQ(run({"live", "motor.yaml", "--input", "u=bad.csv", "--no-open"}).code, 1);
+}
+
+TEST_F(RunCommand, AnEmptyTokenIsNone) {
+  const Outcome outcome = run({"live", "pendulum.yaml", "--token", "", "--no-open"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--token: the token is empty"));
+}
+
 }  // namespace
 }  // namespace mimbre::app_test

@@ -215,6 +215,7 @@ TEST(FrameForceStiffness, TakesForcesAtFramesThatDependOnEachOther) {
     for (int k = 0; k < copies; ++k) {
       body.frames.push_back(body.frames[1]);
       body.frames.back().name += "'" + std::to_string(k);
+      if (body.stretching) body.stretching->place_of_frame.push_back(body.stretching->place_of_frame[1]);
       for (std::size_t i = 6; i < 12; ++i) given.forces.push_back(given.forces[i]);
     }
     EXPECT_EQ(fe::take_frame_forces(given, body), "");

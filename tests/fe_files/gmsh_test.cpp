@@ -140,6 +140,52 @@ TEST(Gmsh, MakesShellsOfSurfacesWhereThereAreNoVolumes) {
   for (const int node : set_named(mesh, "edge").nodes) EXPECT_EQ(mesh.nodes(0, node), 0);
 }
 
+/// A quadrangle of 2 × 1 m and a triangle beside it, with nodes amid their sides.
+TEST(Gmsh, MakesCurvedShellsOfQuadraticSurfaces) {
+  Folder folder;
+  const std::string path = folder.write(
+      "plate.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n11\n1 0 0 0\n2 2 0 0\n3 2 1 0\n4 0 1 0\n5 1 0 0\n"
+      "6 2 0.5 0\n7 1 1 0\n8 0 0.5 0\n9 3 0 0\n10 2.5 0 0\n11 2.5 0.5 0\n$EndNodes\n$Elements\n2\n"
+      "1 16 2 7 1 1 2 3 4 5 6 7 8\n2 9 2 7 1 2 9 3 10 11 6\n$EndElements\n");
+  const SolidMesh mesh = read_gmsh(path).mesh;
+  ASSERT_EQ(mesh.groups.size(), 2u);
+  for (const ElementGroup& group : mesh.groups) {
+    const int corners = node_count(group.type) / 2;
+    EXPECT_EQ(group.type, corners == 3 ? ElementType::tri6 : ElementType::quad8);
+    for (int k = 0; k < corners; ++k) {
+      const auto at = [&](int place) {
+        return Eigen::Vector3d(mesh.nodes.col(group.nodes[static_cast<std::size_t>(place)]));
+      };
+      EXPECT_LT((at(corners + k) - (at(k) + at((k + 1) % corners)) / 2).norm(), 1e-15);
+    }
+  }
+  FeCompanions companions;
+  companions.materials = {{"", {2.1e11, 0.3, 7850}}};
+  const auto refusal = [&] {
+    try {
+      read_model(path, companions);
+    } catch (const std::exception& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal(), HasSubstr("--thickness [GROUP=]T"));
+  companions.thicknesses = {{"", 0.01}};
+  companions.materials[0].material.density = 0;
+  EXPECT_THAT(refusal(), HasSubstr("--density [MATERIAL=]RHO"));
+  companions.materials[0].material.density = 7850;
+  const FeModel model = read_model(path, companions);
+  const Eigen::MatrixXd R = [&] {
+    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model.matrices.dofs.size()), 1);
+    for (std::size_t r = 0; r < model.matrices.dofs.size(); ++r)
+      if (model.matrices.dofs[r].direction == 2) along(static_cast<Eigen::Index>(r), 0) = 1;
+    return along;
+  }();
+  const Eigen::SparseMatrix<double> mass = model.matrices.mass.selfadjointView<Eigen::Lower>();
+  EXPECT_NEAR((R.transpose() * mass * R)(0, 0), 7850 * 0.01 * 2.5, 1e-9);
+}
+
 TEST(Gmsh, ScalesToMetres) {
   const SolidMesh m = read_gmsh(data_file("gmsh/block-41.msh")).mesh;
   const SolidMesh mm = read_gmsh(data_file("gmsh/block-41.msh"), {1e-3, 1e3, 1}).mesh;

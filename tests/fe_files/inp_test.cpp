@@ -112,6 +112,56 @@ TEST(Inp, ReadsBeamsWithRectangles) {
   EXPECT_EQ(beam.material.density, 1000);
 }
 
+/// The nodes lie on the side of the section where OFFSET = 0.5 puts them, along a bow on its outside.
+TEST(Inp, OffsetsMoveTheAxesOfBeams) {
+  std::string text = "*NODE\n";
+  const double radius = 0.5;
+  for (int k = 0; k <= 12; ++k) {
+    const double angle = 0.1 * k;
+    text += std::to_string(k + 1) + ", " + std::to_string(radius * std::cos(angle)) + ", " +
+            std::to_string(radius * std::sin(angle)) + ", 0\n";
+  }
+  text += "*ELEMENT, TYPE=B31, ELSET=bar\n";
+  for (int k = 1; k <= 12; ++k)
+    text += std::to_string(k) + ", " + std::to_string(k) + ", " + std::to_string(k + 1) + "\n";
+  text +=
+      "*MATERIAL, NAME=m\n*ELASTIC\n1e9,0.2\n*DENSITY\n1000\n"
+      "*BEAM SECTION, ELSET=bar, MATERIAL=m, SECTION=RECT, OFFSET1=0.5, OFFSET2=-0.25\n0.02, 0.04\n0, 0, 1\n";
+  const SolidMesh mesh = parse(text).mesh;
+  ASSERT_EQ(mesh.beams.size(), 12u);
+  for (std::size_t k = 1; k + 1 < mesh.beams.size(); ++k)
+    for (std::size_t end = 0; end < 2; ++end) {
+      // 1 is z; 2 = tangent × z points outwards.
+      const Eigen::Vector3d node = mesh.nodes.col(mesh.beams[k].nodes[end]);
+      const Eigen::Vector3d arm = 0.25 * 0.04 * node.normalized() - 0.5 * 0.02 * Eigen::Vector3d::UnitZ();
+      EXPECT_LT((mesh.beams[k].offsets[end] - arm).norm(), 1e-5 * arm.norm()) << k;
+    }
+}
+
+/// Layers from the bottom to the top, about the nodes as OFFSET says.
+TEST(Inp, LayersAreSheetsBesideTheNodes) {
+  const SolidMesh mesh =
+      parse(kNodes +
+            "*ELEMENT, TYPE=S4, ELSET=E\n1, 1,2,3,4\n*MATERIAL, NAME=m\n*ELASTIC\n1e9,0.2\n*DENSITY\n1000\n"
+            "*MATERIAL, NAME=n\n*ELASTIC\n2e9,0.2\n*DENSITY\n2000\n"
+            "*ORIENTATION, NAME=O\n1,0,0,0,1,0\n*ORIENTATION, NAME=P\n0,1,0,-1,0,0\n"
+            "*SHELL SECTION, ELSET=E, COMPOSITE, ORIENTATION=O, OFFSET=-0.5\n0.1, 3, m, P\n0.3, , n\n0.2, , "
+            "m, O\n")
+          .mesh;
+  ASSERT_EQ(mesh.groups.size(), 3u);
+  // The nodes lie on the bottom.
+  const double thickness[] = {0.1, 0.3, 0.2}, middle[] = {0.05, 0.25, 0.5}, density[] = {1000, 2000, 1000};
+  const int orientation[] = {1, 0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const ElementGroup& group = mesh.groups[k];
+    EXPECT_NEAR(group.thickness, thickness[k], 1e-15);
+    EXPECT_NEAR(group.offset, middle[k], 1e-15);
+    EXPECT_EQ(mesh.materials[static_cast<std::size_t>(group.material)].material.density, density[k]);
+    EXPECT_THAT(group.orientations, ElementsAre(orientation[k]));
+    EXPECT_EQ(group.nodes, mesh.groups[0].nodes);
+  }
+}
+
 TEST(Inp, SurfacesBecomeNodeSets) {
   const SolidMesh mesh = parse(kBrick +
                                "*SURFACE, NAME=left, TYPE=ELEMENT\nbrick, S6\n*SURFACE, NAME=top\n10, S2\n"

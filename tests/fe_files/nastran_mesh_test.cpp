@@ -275,6 +275,26 @@ TEST(NastranSections, HaveTheirAreasAndMoments) {
   EXPECT_THROW(nastran_shape_sizes("DBOX"), std::invalid_argument);
 }
 
+/// E. P. Popov, Mechanics of Materials: of a channel 3 b² t_f/(h t_w + 6 b t_f) behind its web; nodes of a
+/// CBEAM are there, those of a CBAR at the centroid.
+TEST(NastranSections, BeamsLieAtTheirShearCentre) {
+  const std::string nodes = "GRID,1,,0.,0.,0.\nGRID,2,,5.,0.,0.\nMAT1,1,1.,,.3,1.\n";
+  // CHAN: flanges 0.1, height 0.2, web 0.01, flanges' walls 0.01.
+  const std::string sizes = ",0.1,0.2,0.01,0.01\n";
+  const double b = 0.1 - 0.005, h = 0.19, t = 0.01, e = 3 * b * b * t / (h * t + 6 * b * t);
+  const double centroid = (2 * 0.1 * 0.01 * 0.05 + 0.18 * 0.01 * 0.005) / (2 * 0.1 * 0.01 + 0.18 * 0.01);
+  const ImportedMesh beam = parse(nodes + "CBEAM,1,1,1,2,0.,1.,0.\nPBEAML,1,1,,CHAN\n" + sizes);
+  ASSERT_EQ(beam.mesh.beams.size(), 1u);
+  for (const Eigen::Vector3d& arm : beam.mesh.beams[0].offsets)
+    EXPECT_LT((arm - Eigen::Vector3d(0, 0, centroid - (0.005 - e))).norm(), 1e-12);
+  bool said = false;
+  for (const Diagnostic& warning : beam.warnings)
+    said = said || warning.message.find("off the shear centre") != std::string::npos;
+  EXPECT_TRUE(said);
+  const ImportedMesh bar = parse(nodes + "CBAR,1,1,1,2,0.,1.,0.\nPBARL,1,1,,CHAN\n" + sizes);
+  for (const Eigen::Vector3d& arm : bar.mesh.beams.at(0).offsets) EXPECT_EQ(arm.norm(), 0);
+}
+
 TEST(NastranSystems, PlacesAreThoseOfTheBasicSystem) {
   const SolidMesh mesh =
       parse(
@@ -346,6 +366,50 @@ TEST(NastranTies, RigidMotionsNeitherStretchSpringsNorBreakEquations) {
   }
   EXPECT_GT(equations, 40u * 15);
   EXPECT_GT(springs, 40u * 18);
+}
+
+/// A bush from a shell to a node of its own: both turn, or the body would hang on a spring to nothing.
+TEST(NastranTies, BushesTurnNodesThatNothingElseTurns) {
+  const std::string shell =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,0.,0.,0.\n"
+      "MAT1,1,1.,,.3,1.\nPSHELL,1,1,.1,1,,1\nCQUAD4,1,1,1,2,3,4\nPBUSH,7,K,1.,2.,3.,4.,5.,6.\n";
+  const SolidMesh mesh = parse(shell + "CBUSH,20,7,5,1,,,,0\n").mesh;
+  ASSERT_EQ(mesh.springs.size(), 6u);
+  for (const Spring& spring : mesh.springs) EXPECT_EQ(spring.stretch.size(), 2u);
+}
+
+/// A rod that hangs down from a shell carries its end along its length; across, the end goes with the shell.
+TEST(NastranTies, EndsOfRodsGoWithTheBodyAcrossTheRod) {
+  const ImportedMesh read = parse(
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,0.,0.,-2.\n"
+      "GRID,6,,0.,.5,-3.\nGRID,7,,9.,9.,9.\n"
+      "MAT1,1,1.,,.3,1.\nPSHELL,1,1,.1,1,,1\nCQUAD4,1,1,1,2,3,4\nPROD,3,1,2.\nCROD,24,3,1,5\nCROD,25,3,5,6\n"
+      "CONM2,9,7,,5.\n");
+  const SolidMesh& mesh = read.mesh;
+  ASSERT_EQ(mesh.equations.size(), 3u);  // 5 has two rods, 6 one
+  for (const Equation& equation : mesh.equations) {
+    // Rigid motions satisfy it, and it says nothing of the direction in which the rods hold.
+    for (int motion = 0; motion < 6; ++motion) {
+      const Vector3d shift = motion < 3 ? Vector3d(Vector3d::Unit(motion)) : Vector3d(Vector3d::Zero());
+      const Vector3d turn = motion < 3 ? Vector3d(Vector3d::Zero()) : Vector3d(Vector3d::Unit(motion - 3));
+      double sum = 0;
+      for (const LinearTerm& term : equation.terms) sum += term.factor * rigid(mesh, term, shift, turn);
+      EXPECT_NEAR(sum, 0, 1e-12);
+    }
+    Vector3d across = Vector3d::Zero();
+    for (const LinearTerm& term : equation.terms)
+      if (term.node == equation.terms[0].node) across[term.direction] = term.factor;
+    EXPECT_NEAR(across.dot(Vector3d(0, .5, -1)), 0, 1e-12);
+    if (equation.terms[0].node == 4) {
+      EXPECT_NEAR(across.z(), 0, 1e-12);
+    }
+  }
+  // The lone mass is left out.
+  for (const PointMass& point : mesh.point_masses) EXPECT_NE(point.node, 6);
+  bool said = false;
+  for (const Diagnostic& warning : read.warnings)
+    said = said || warning.message.find("first at node 7") != std::string::npos;
+  EXPECT_TRUE(said);
 }
 
 TEST(NastranTies, CoverWhatTheirCardsSay) {

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -170,12 +171,47 @@ TEST(UdpExchange, RubbishAndStrangersAreRefused) {
   peer.send(MIMBRE_EXCHANGE_INPUTS, head.layout, 99, {0.25});
   stranger.send(MIMBRE_EXCHANGE_INPUTS, head.layout, 0, {0.25});
   udp.before(simulation);
+  EXPECT_EQ(udp.refused(), 32) << "the work of a step is bounded";
+  udp.before(simulation);
   EXPECT_EQ(udp.refused(), sent + 4);
   EXPECT_EQ(simulation.input_value(0), before);
   peer.send(MIMBRE_EXCHANGE_INPUTS, head.layout, 0, {nan});
   udp.before(simulation);
   EXPECT_EQ(simulation.input_value(0), before);
   const double wanted = std::min(simulation.inputs()[0].max, before + 0.125);
+  peer.send(MIMBRE_EXCHANGE_INPUTS, head.layout, 0, {wanted});
+  udp.before(simulation);
+  EXPECT_EQ(simulation.input_value(0), wanted);
+}
+
+/// However large the packets are, and however many say hello at once.
+TEST(UdpExchange, AFloodOfStrangersCostsLittle) {
+  Simulation simulation = four_bar();
+  UdpExchange udp(simulation, UdpOptions{{{}, {simulation.inputs()[0].name}}, "127.0.0.1", 0, 0});
+  Peer peer(udp.port()), stranger(udp.port());
+  for (int k = 0; k < 10; ++k) peer.send(MIMBRE_EXCHANGE_HELLO, 0, 0);
+  udp.before(simulation);
+  mimbre_exchange_head head{};
+  std::string body;
+  ASSERT_TRUE(peer.take(head, body));
+  EXPECT_EQ(head.kind, MIMBRE_EXCHANGE_NAMES);
+  EXPECT_FALSE(peer.take(head, body, 0)) << "one answer is enough";
+  const std::string large(60'000, 'x'), small(40, 'x');
+  double worst = 0;
+  for (int round = 0; round < 40; ++round) {
+    for (int k = 0; k < 64; ++k) stranger.raw(round % 2 ? large : small);
+    const auto begin = std::chrono::steady_clock::now();
+    udp.before(simulation);
+    worst = std::max(worst, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  RecordProperty("worst_us", static_cast<int>(1e6 * worst));
+  EXPECT_GT(udp.refused(), 20);
+  // What is whole is still taken.
+  for (std::int64_t before = -1; udp.refused() != before;) {
+    before = udp.refused();
+    udp.before(simulation);
+  }
+  const double wanted = simulation.input_value(0) - 0.125;
   peer.send(MIMBRE_EXCHANGE_INPUTS, head.layout, 0, {wanted});
   udp.before(simulation);
   EXPECT_EQ(simulation.input_value(0), wanted);
@@ -251,6 +287,7 @@ TEST(SharedMemoryExchange, HandsValuesBothWays) {
   EXPECT_THROW(SharedMemoryExchange(simulation, name, {}), std::runtime_error);
   Mapped mapped("/" + name);
   EXPECT_EQ(mapped.head().magic, MIMBRE_EXCHANGE_MAGIC);
+  EXPECT_EQ(mapped.head().alive, 1u) << "it has not begun, which is not that it has ended";
   EXPECT_EQ(mapped.head().outputs, static_cast<std::uint32_t>(simulation.output_count()));
   EXPECT_EQ(mapped.head().inputs, 1u);
   const double before = simulation.input_value(0),
@@ -271,7 +308,7 @@ TEST(SharedMemoryExchange, HandsValuesBothWays) {
   EXPECT_EQ(time, simulation.time());
   for (int k = 0; k < simulation.output_count(); ++k)
     EXPECT_EQ(values[static_cast<std::size_t>(k)], simulation.value({k}));
-  EXPECT_EQ(mapped.head().alive, 1u);
+  EXPECT_EQ(mapped.head().alive, 2u);
   exchange.reset();
   EXPECT_EQ(mapped.head().alive, 0u);
   EXPECT_LT(shm_open(("/" + name).c_str(), O_RDWR, 0), 0);

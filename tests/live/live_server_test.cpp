@@ -5,6 +5,7 @@
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -307,6 +308,45 @@ TEST(LiveServer, SnapshotsHaveNames) {
   EXPECT_TRUE(comes_true([&] { return live.loop().time() == time; }));
 }
 
+/// What was set before a reset and not taken yet is gone with it; what is set after it counts.
+TEST(LiveServer, InputsAreAtTheirStartAfterAReset) {
+  Live live;
+  Viewer viewer(live.port());
+  viewer.say({{"do", "control"}, {"take", true}});
+  const std::string name = live.inputs()[0].name;
+  const double start = live.inputs()[0].start;
+  const auto set_to = [&](double value) { viewer.say({{"do", "inputs"}, {"values", {{name, value}}}}); };
+  const auto reset = [&] {
+    viewer.say({{"do", "reset"}});
+    ASSERT_TRUE(comes_true([&] { return live.loop().time() == 0; }));
+  };
+  const auto begins_with = [&](double value) {
+    viewer.say({{"do", "resume"}});
+    ASSERT_TRUE(comes_true([&] { return live.loop().time() > 0.1; })) << live.loop().message();
+    EXPECT_EQ(Json::parse(get(live.port(), "/inputs").body())["tracks"][name]["values"].back(), value);
+    viewer.say({{"do", "pause"}});
+    ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::paused; }));
+  };
+  viewer.say({{"do", "pause"}});
+  set_to(1e200);
+  reset();
+  begins_with(start);
+  set_to(1e200);
+  viewer.say({{"do", "resume"}});
+  ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::failed; }));
+  set_to(-1e200);
+  viewer.say({{"do", "pause"}});  // of no effect: it has failed
+  viewer.say({{"do", "reset"}});
+  ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::running; }));
+  viewer.say({{"do", "pause"}});
+  ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::paused; }));
+  EXPECT_EQ(Json::parse(get(live.port(), "/inputs").body())["tracks"][name]["values"].back(), start);
+  set_to(1e200);
+  reset();
+  set_to(start + 0.125);
+  begins_with(start + 0.125);
+}
+
 /// Words that are none, deep and long ones, numbers that are none: each is answered, and a viewer that says
 /// nothing else is sent away.
 TEST(LiveServer, NonsenseIsAnsweredAndThenSentAway) {
@@ -385,6 +425,28 @@ TEST(LiveServer, RubbishDoesNotHarmOthers) {
   }));
   const std::int64_t steps = live.loop().monitor().steps;
   EXPECT_TRUE(comes_true([&] { return live.loop().monitor().steps > steps + 10; }));
+}
+
+/// Connections that ask nothing, or half of it, or do not read the answer, make room for those that do.
+TEST(LiveServer, HalfOpenConnectionsKeepNobodyOut) {
+  Live live;
+  const std::string request =
+      "GET /scene HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(live.port()) + "\r\n\r\n";
+  std::vector<std::unique_ptr<Wire>> idle;
+  for (int k = 0; k < 200; ++k) {
+    idle.push_back(std::make_unique<Wire>(live.port()));
+    if (k % 3 > 0) idle.back()->send(k % 3 == 1 ? request : request.substr(0, 30));
+  }
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(get(live.port(), "/status").result(), http::status::ok);
+  Viewer viewer(live.port());
+  EXPECT_EQ(viewer.hello["say"], "hello");
+  // The first have been sent away, the last are still there.
+  std::string rest;
+  boost::system::error_code error;
+  char byte = 0;
+  asio::read(idle.front()->socket(), asio::buffer(&byte, 1), error);
+  EXPECT_TRUE(error);
+  idle.back()->send("GET /status HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(live.port()) + "\r\n\r\n");
 }
 
 TEST(LiveServer, AViewerThatReadsNothingHoldsUpNobody) {

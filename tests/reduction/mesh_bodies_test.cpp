@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fe_files/fe_files.h"
 #include "mimbre/fe_import.h"
@@ -83,6 +85,64 @@ TEST(MeshBodies, OneBeamHasPositiveEnergyAndItsInertia) {
   EXPECT_NEAR(result.body.second_moment(1, 1), mass * 0.06 * 0.06 / 12, 1e-9 * mass);
   EXPECT_NEAR(result.body.second_moment(2, 2), mass * 0.04 * 0.04 / 12, 1e-9 * mass);
   EXPECT_NEAR(result.body.second_moment(0, 0), mass / 3, 1e-9 * mass);
+}
+
+/// A ring whose nodes lie inside its sheet: the sheet is as long as its own circle.
+TEST(MeshBodies, OffsetShellsHaveTheSizeOfTheirMiddleSurface) {
+  constexpr int count = 24;
+  const double radius = 0.2, thickness = 0.02, offset = 0.5 * thickness;
+  std::vector<Eigen::Vector3d> nodes;
+  std::string elements = "*ELEMENT, TYPE=S4, ELSET=E\n";
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2 * EIGEN_PI * k / count;
+    for (const double z : {0.0, 0.1})
+      nodes.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    const int a = 2 * k + 1, b = 2 * ((k + 1) % count) + 1;
+    elements += std::to_string(k + 1) + ", " + std::to_string(a) + ", " + std::to_string(b) + ", " +
+                std::to_string(b + 1) + ", " + std::to_string(a + 1) + "\n";
+  }
+  // The normal points outwards; so does the sheet from its nodes.
+  const FeModel model = model_of(node_lines(nodes) + elements + kSteel +
+                                 "*SHELL SECTION, ELSET=E, MATERIAL=S, OFFSET=-0.5\n0.02\n");
+  const ReductionResult result = reduced(model, {0, 1}, 3, 0);
+  EXPECT_THAT(failed_checks(result.body), IsEmpty());
+  const double around = count * 2 * (radius + offset) * std::sin(EIGEN_PI / count);
+  const double mass = 7850 * thickness * 0.1 * around;
+  EXPECT_NEAR(result.body.mass, mass, 1e-5 * mass);  // nodes have six figures
+  // ∫ ρ z² about the middle of the height.
+  const double height = result.body.second_moment(2, 2) - mass * 0.05 * 0.05;
+  EXPECT_NEAR(height, mass * 0.1 * 0.1 / 12, 0.02 * height);
+}
+
+/// A torsion spring turns a node of solids about x; about y and z nothing resists its rotor's inertia, and
+/// nothing of the rest depends on that.
+TEST(MeshBodies, RotationsThatNothingResistsAreLeftOut) {
+  std::vector<Eigen::Vector3d> nodes;
+  for (const double x : {0.0, 1.0, 2.0})
+    for (const auto& [y, z] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}})
+      nodes.emplace_back(x, y, z);
+  const std::string solids =
+      node_lines(nodes) + "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1,2,3,4,5,6,7,8\n2, 5,6,7,8,9,10,11,12\n" +
+      "*ELEMENT, TYPE=B31, ELSET=B\n3, 10, 11\n6, 11, 12\n" + kSteel +
+      "*SOLID SECTION, ELSET=E, MATERIAL=S\n*BEAM SECTION, ELSET=B, MATERIAL=S, SECTION=RECT\n0.2, 0.3\n"
+      "1, 0, 0\n*ELEMENT, TYPE=SPRING2, ELSET=T\n4, 11, 9\n*SPRING, ELSET=T\n4, 4\n1e7\n";
+  const auto rotor = [&](const std::string& inertia) {
+    return reduced(model_of(solids + "*ELEMENT, TYPE=ROTARYI, ELSET=R\n5, 9\n*ROTARY INERTIA, ELSET=R\n" +
+                            inertia + "\n"),
+                   {0, 1, 2, 3}, 4, 0);
+  };
+  const ReductionResult thin = rotor("9, 9, 9, 0, 0, 0"), thick = rotor("9, 80, 75, 0, 0, 0");
+  for (Eigen::Index k = 0; k < thin.fixed_frequencies.size(); ++k)
+    EXPECT_NEAR(thick.fixed_frequencies[k], thin.fixed_frequencies[k], 1e-7 * thin.fixed_frequencies[k]) << k;
+  for (const ReductionResult* result : {&thin, &thick}) {
+    const auto line = std::find_if(result->body.checks.begin(), result->body.checks.end(),
+                                   [](const Check& one) { return one.name == "loose rotations"; });
+    ASSERT_NE(line, result->body.checks.end());
+    EXPECT_THAT(line->detail,
+                HasSubstr("2 rotations that nothing resists are left out, the first of node 9"));
+  }
+  const ReductionResult none = reduced(model_of(solids), {0, 1, 2, 3}, 4, 0);
+  EXPECT_GT(none.fixed_frequencies[0] / thin.fixed_frequencies[0], 1 - 1e-9);
 }
 
 /// n quadrilaterals along x, 1 m long.

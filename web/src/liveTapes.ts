@@ -25,7 +25,7 @@ export class Tapes {
     private reset: () => Promise<void>,
   ) {
     const json = element("button", { title: "For this page" }, "Save JSON");
-    const csv = element("button", { title: "Of all inputs for this page and spreadsheets; of one also for mimbre run --input" }, "Save CSV");
+    const csv = element("button", { title: "Of all inputs or of one, for this page, spreadsheets and mimbre run --input" }, "Save CSV");
     const which = element("select", { "aria-label": "Inputs in the CSV file" }, element("option", { value: "" }, "all inputs"), ...inputs.map(({ name }) => element("option", { value: name }, name)));
     json.addEventListener("click", () => this.attempt(async () => save(fileName("inputs", "json"), new Blob([await driven()], { type: "application/json" }))));
     csv.addEventListener("click", () => this.attempt(async () => this.saveCsv(which.value)));

@@ -40,6 +40,7 @@ const neglected = [
   ["foreshortening", "shortening"],
   ["compression", "compression"],
   ["tension", "tension"],
+  ["held", "stretching between held ends"],
   ["high_modes", "highest modes"],
 ];
 
