@@ -1,5 +1,6 @@
 #pragma once
 #include "dynamics/motion.h"
+#include "math/four.h"
 #include "math/multiply_add.h"
 #include "model/compiled.h"
 
@@ -10,6 +11,15 @@ namespace mimbre {
 /// Σ_k row[k] y[k] over the padded length, in eight partial sums so that it vectorises in a fixed order.
 template <class A, class T>
 T dot(const A* row, const T* y, int stride) {
+  if constexpr (std::is_same_v<A, double> && std::is_same_v<T, double>) {
+    Four low = load_four(row) * load_four(y), high = load_four(row + 4) * load_four(y + 4);
+    for (int k = 8; k < stride; k += 8) {
+      low = multiply_add(load_four(row + k), load_four(y + k), low);
+      high = multiply_add(load_four(row + k + 4), load_four(y + k + 4), high);
+    }
+    const Four p = low + high;
+    return (p[0] + p[2]) + (p[1] + p[3]);
+  }
   T p[8];
   for (int j = 0; j < 8; ++j) p[j] = row[j] * y[j];
   for (int k = 8; k < stride; k += 8)

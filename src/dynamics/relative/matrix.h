@@ -6,6 +6,7 @@
 #include "dynamics/relative/workspace.h"
 #include "dynamics/system.h"
 #include "forces/measure.h"
+#include "math/four.h"
 
 /// Mass matrix by composite inertias, Jacobian rows, and their assembly into the static sparse matrix.
 namespace mimbre::relative {
@@ -86,6 +87,31 @@ void motion_subspaces(const Compiled& m, Workspace<T>& w, const T* q) {
   }
 }
 
+/// One column of the product below. Reads, and writes back unchanged, up to three values beyond the last row.
+inline void add_column(const double* left, int left_stride, int rows, const double* right, int right_stride,
+                       int count, double* out) {
+  const auto add = [&](int r, const Four& sum) {
+    const Four old = load_four(out + r), fresh = old + sum;
+    store_four(out + r, rows - r >= 4 ? fresh : first_lanes(rows - r, fresh, old));
+  };
+  int r = 0;
+  for (; rows - r > 4; r += 8) {
+    Four low{}, high{};
+    for (int k = 0; k < count; ++k) {
+      const Four x = four_of(right[k * right_stride]);
+      low = multiply_add(load_four(left + k * left_stride + r), x, low);
+      high = multiply_add(load_four(left + k * left_stride + r + 4), x, high);
+    }
+    add(r, low);
+    add(r + 4, high);
+  }
+  if (r >= rows) return;
+  Four sum{};
+  for (int k = 0; k < count; ++k)
+    sum = multiply_add(load_four(left + k * left_stride + r), four_of(right[k * right_stride]), sum);
+  add(r, sum);
+}
+
 /// out(r, c) += Σ_k left(k, r) right(k, c), k < count, into the sparse matrix; rows padded to the strides.
 template <class T>
 void add_product(const T* left, int left_stride, int rows, const T* right, int right_stride, int cols,
@@ -95,6 +121,10 @@ void add_product(const T* left, int left_stride, int rows, const T* right, int r
                        {place.offset, place.col_stride, place.row_stride});
   for (int c = 0; c < cols; ++c) {
     T* out = values + place.offset + c * place.col_stride;
+    if constexpr (std::is_same_v<T, double>) {
+      add_column(left, left_stride, rows, right + c, right_stride, count, out);
+      continue;
+    }
     for (int r = 0; r < rows; r += 8) {
       T sum[8];
       for (int j = 0; j < 8; ++j) sum[j] = T(0);
