@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "dynamics/motion.h"
 #include "math/four.h"
 #include "math/multiply_add.h"
@@ -38,23 +40,22 @@ Vec3<T> times(const Rows& rows, const T* y) {
 template <class T>
 void add_transposed(const Rows& rows, const Vec3<T>& f, T* out) {
   const int s = static_cast<int>(rows.cols());
-  const double *r0 = rows.data(), *r1 = r0 + s, *r2 = r1 + s;
-  const T f0 = f[0], f1 = f[1], f2 = f[2];
-  for (int k = 0; k < s; ++k)
-    out[k] = multiply_add(r2[k], f2, multiply_add(r1[k], f1, multiply_add(r0[k], f0, out[k])));
+  by_lanes<T>(out, s, [&](auto sum, const auto& row) {
+    for (int i = 0; i < 3; ++i) sum = multiply_add(row(rows.data() + i * s), row.all(f[i]), sum);
+    return sum;
+  });
 }
 
 /// S'^i_j = S̄^i_j + yᵀS^ij (Lugrís 2008, 3.34): nine rows of `stride` values.
 template <class T>
 void deformed_integrals(const FlexibleData& f, const T* y, T* integrals) {
   const int width = 9 * f.stride;
-  const double* base = f.S_position.data();
-  for (int k = 0; k < width; ++k) integrals[k] = base[k];
-  for (int l = 0; l < f.modes; ++l) {
-    const T yl = y[l];
-    const double* row = f.S_modes.data() + static_cast<std::ptrdiff_t>(l) * width;
-    for (int k = 0; k < width; ++k) integrals[k] = multiply_add(yl, row[k], integrals[k]);
-  }
+  std::copy(f.S_position.data(), f.S_position.data() + width, integrals);
+  by_lanes<T>(integrals, width, [&](auto sum, const auto& row) {
+    for (int l = 0; l < f.modes; ++l)
+      sum = multiply_add(row.all(y[l]), row(f.S_modes.data() + static_cast<std::ptrdiff_t>(l) * width), sum);
+    return sum;
+  });
 }
 
 /// P̄(y) = P̄u + S̄^j_i y + S'^i_j y (Lugrís 2008, 3.27), symmetric.

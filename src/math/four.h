@@ -1,5 +1,6 @@
 #pragma once
 #include <cstring>
+#include <type_traits>
 
 namespace mimbre {
 
@@ -23,6 +24,29 @@ inline Four multiply_add(const Four& a, const Four& b, const Four& c) {
 }
 
 inline Four four_of(double x) { return Four{x, x, x, x}; }
+
+/// out[k] = f(out[k], row) for k < count, a multiple of four: four at a time where they are doubles, whose
+/// sums then stay in a register. f finds entry k of a row of numbers or of T by row(first entry), and factors
+/// that all entries share by row.all(factor).
+template <class T, class F>
+void by_lanes(T* out, int count, const F& f) {
+  if constexpr (std::is_same_v<T, double>) {
+    struct Row {
+      int k;
+      Four operator()(const double* first) const { return load_four(first + k); }
+      Four all(double x) const { return four_of(x); }
+    };
+    for (int k = 0; k < count; k += 4) store_four(out + k, f(load_four(out + k), Row{k}));
+  } else {
+    struct Row {
+      int k;
+      double operator()(const double* first) const { return first[k]; }
+      T operator()(const T* first) const { return first[k]; }
+      T all(const T& x) const { return x; }
+    };
+    for (int k = 0; k < count; ++k) out[k] = f(out[k], Row{k});
+  }
+}
 
 /// The first `count` lanes of a, the others of b.
 inline Four first_lanes(int count, const Four& a, const Four& b) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/choice.h"
+#include "math/multiply_add.h"
 
 /// Rotations: small helpers over Eigen, for any scalar. Rotation vectors are in radians.
 namespace mimbre {
@@ -14,6 +15,32 @@ template <class T>
 using Mat3 = Eigen::Matrix<T, 3, 3>;
 template <class T>
 using Quat = Eigen::Matrix<T, 4, 1>;  ///< (w, x, y, z)
+
+/// A v. Here as below the fused instruction counts: frames are turned into one another all the time.
+template <class T>
+Vec3<T> turned(const Mat3<T>& A, const Vec3<T>& v) {
+  const auto row = [&](int i) {
+    return multiply_add(A(i, 2), v[2], multiply_add(A(i, 1), v[1], T(A(i, 0) * v[0])));
+  };
+  return Vec3<T>(row(0), row(1), row(2));
+}
+
+/// Aᵀ v.
+template <class T>
+Vec3<T> turned_back(const Mat3<T>& A, const Vec3<T>& v) {
+  const auto column = [&](int i) {
+    return multiply_add(A(2, i), v[2], multiply_add(A(1, i), v[1], T(A(0, i) * v[0])));
+  };
+  return Vec3<T>(column(0), column(1), column(2));
+}
+
+/// A B.
+template <class T>
+Mat3<T> composed(const Mat3<T>& A, const Mat3<T>& B) {
+  Mat3<T> out;
+  for (int k = 0; k < 3; ++k) out.col(k) = turned<T>(A, Vec3<T>(B.col(k)));
+  return out;
+}
 
 template <class T>
 Mat3<T> skew(const Vec3<T>& a) {

@@ -203,7 +203,7 @@ class Compiler {
   }
 
   int add_subspace(int body, int frame) {
-    MotionSubspace set{body, frame, c_.subspace_storage, pad(c_.bodies[body].size())};
+    MotionSubspace set{body, frame, c_.subspace_storage, pad_columns(c_.bodies[body].size())};
     c_.subspace_storage += 6 * set.stride;
     c_.subspaces.push_back(set);
     return static_cast<int>(c_.subspaces.size()) - 1;
@@ -235,11 +235,19 @@ class Compiler {
     Path path;
     for (auto& [body, e] : entries) {
       if (e.plus == e.minus || c_.bodies[body].size() == 0) continue;
-      e.offset = path.width;
-      path.width += pad(c_.bodies[body].size());
-      path.entries.push_back(e);
+      append(e, path);
     }
     return path;
+  }
+
+  /// Gives the entry its place in the path's rows.
+  void append(PathEntry& e, Path& path) const {
+    const BodyData& body = c_.bodies[e.body];
+    e.offset = path.width;
+    e.first = body.v;
+    e.count = body.size();
+    path.width += pad_columns(e.count);
+    path.entries.push_back(e);
   }
 
   int add_jacobian(const Path& path, int rows) {
@@ -293,9 +301,8 @@ class Compiler {
     for (auto& [body, offset] : offsets) {
       PathEntry entry;
       entry.body = body;
-      entry.offset = offset = sum.path.width;
-      sum.path.width += pad(c_.bodies[body].size());
-      sum.path.entries.push_back(entry);
+      append(entry, sum.path);
+      offset = entry.offset;
     }
     for (Leg& leg : sum.legs) {
       const ElementData& e = c_.elements[leg.element];
@@ -713,9 +720,7 @@ class Compiler {
       for (const PathEntry& e : term.path.entries) entries[e.body].body = e.body;
     }
     for (auto& [body, e] : entries) {
-      e.offset = c.path.width;
-      c.path.width += pad(c_.bodies[body].size());
-      c.path.entries.push_back(e);
+      append(e, c.path);
     }
     for (ConstraintTerm& term : c.terms)
       for (PathEntry& e : term.path.entries) e.offset = entries[e.body].offset;

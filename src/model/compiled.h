@@ -22,6 +22,8 @@ namespace mimbre {
 using Vec3d = Eigen::Vector3d;
 using Mat3d = Eigen::Matrix3d;
 constexpr int pad(int n) { return (n + 7) / 8 * 8; }
+/// Likewise of motion subspaces and Jacobian rows, whose bodies mostly have few coordinates.
+constexpr int pad_columns(int n) { return (n + 3) / 4 * 4; }
 
 /// Gauss points of a planar beam element by absolute nodal coordinates, as weights of its eight amplitudes
 /// along or across: slope and curvature of the deformed axis, stiffness times length.
@@ -131,6 +133,8 @@ struct PathEntry {
   int plus = -1;  ///< motion subspace or -1
   int minus = -1;
   int offset = 0;  ///< into the Jacobian storage of one row
+  int first = 0;   ///< of the body's velocity coordinates
+  int count = 0;   ///< of them
 };
 
 /// The bodies that matter between two frames, leaf to root, and their places in the matrix.

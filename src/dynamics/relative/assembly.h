@@ -91,14 +91,14 @@ void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeight
         tangent[i] = weights.damping * state.damping[i] + weights.stiffness * state.stiffness[i];
       marks.pair(e, ends, tangent, add_pair<T>(m, w, e, ends, state, tangent, values));
     } else if (!e.path.entries.empty()) {
-      add_element<T>(m, e, state, weights, w.signals.numbers, w.jacobian.data() + e.jacobian,
-                     w.weighted.data(), values);
+      add_element<T>(e, state, weights, w.signals.numbers, w.jacobian.data() + e.jacobian, w.weighted.data(),
+                     values);
     }
   }
   for_rows(m, [&](const EquationRows& e) {
     T weight[6];
     for (int r = 0; r < e.count; ++r) weight[r] = weights.penalty * penalty[e.first_equation + r];
-    add_squares<T>(m, e.path, w.jacobian.data() + e.jacobian, e.count, weight, w.weighted.data(), values);
+    add_squares<T>(e.path, w.jacobian.data() + e.jacobian, e.count, weight, w.weighted.data(), values);
   });
   for (const DriveData& d : m.drives) {
     const linalg::BlockPlace& place = m.diagonal[d.body];

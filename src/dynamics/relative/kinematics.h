@@ -13,9 +13,9 @@ void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T
                   Motion<T>& out) {
   const Mat3<T>& A = body.rotation;
   if (f.flexible < 0) {
-    const Vec3<T> r = A * f.position.template cast<T>();
+    const Vec3<T> r = turned<T>(A, f.position.template cast<T>());
     const Vec3<T> wr = body.omega.cross(r);
-    out.rotation = A * f.rotation.template cast<T>();
+    out.rotation = composed<T>(A, Mat3<T>(f.rotation.template cast<T>()));
     out.position = body.position + r;
     out.velocity = body.velocity + wr;
     out.omega = body.omega;
@@ -25,16 +25,16 @@ void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T
   }
   Deformation<T> d;
   deform(f, y, yd, ydd, d);
-  const Vec3<T> r = A * d.position, v = A * d.velocity;
+  const Vec3<T> r = turned<T>(A, d.position), v = turned<T>(A, d.velocity);
   const Vec3<T> wr = body.omega.cross(r);
-  out.rotation = A * d.rotation;
+  out.rotation = composed<T>(A, d.rotation);
   out.position = body.position + r;
   out.velocity = body.velocity + wr + v;
-  out.acceleration =
-      body.acceleration + body.alpha.cross(r) + body.omega.cross(wr + T(2) * v) + A * d.acceleration;
-  const Vec3<T> w = A * d.omega;
+  out.acceleration = body.acceleration + body.alpha.cross(r) + body.omega.cross(wr + T(2) * v) +
+                     turned<T>(A, d.acceleration);
+  const Vec3<T> w = turned<T>(A, d.omega);
   out.omega = body.omega + w;
-  out.alpha = body.alpha + body.omega.cross(w) + A * d.alpha;
+  out.alpha = body.alpha + body.omega.cross(w) + turned<T>(A, d.alpha);
 }
 
 /// Position and velocity only, for frames that carry nothing but springs and tyres.
@@ -45,9 +45,9 @@ void frame_point(const FrameData& f, const Motion<T>& body, const T* y, const T*
   out.velocity = body.velocity;
   if (f.flexible >= 0) {
     r += times(f.X, y);
-    out.velocity += A * times(f.X, yd);
+    out.velocity += turned<T>(A, times(f.X, yd));
   }
-  r = A * r;
+  r = turned<T>(A, r);
   out.position = body.position + r;
   out.velocity += body.omega.cross(r);
 }
@@ -57,8 +57,8 @@ template <class T>
 void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T* yd, const T* ydd,
                  Motion<T>& out) {
   if (f.flexible < 0) {
-    out.rotation = frame.rotation * f.rotation.transpose().template cast<T>();
-    const Vec3<T> r = out.rotation * f.position.template cast<T>();
+    out.rotation = composed<T>(frame.rotation, Mat3<T>(f.rotation.transpose().template cast<T>()));
+    const Vec3<T> r = turned<T>(out.rotation, f.position.template cast<T>());
     const Vec3<T> wr = frame.omega.cross(r);
     out.position = frame.position - r;
     out.velocity = frame.velocity - wr;
@@ -69,16 +69,16 @@ void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T
   }
   Deformation<T> d;
   deform(f, y, yd, ydd, d);
-  out.rotation = frame.rotation * d.rotation.transpose();
+  out.rotation = composed<T>(frame.rotation, Mat3<T>(d.rotation.transpose()));
   const Mat3<T>& A = out.rotation;
-  const Vec3<T> r = A * d.position, v = A * d.velocity, w = A * d.omega;
+  const Vec3<T> r = turned<T>(A, d.position), v = turned<T>(A, d.velocity), w = turned<T>(A, d.omega);
   out.omega = frame.omega - w;
-  out.alpha = frame.alpha - out.omega.cross(w) - A * d.alpha;
+  out.alpha = frame.alpha - out.omega.cross(w) - turned<T>(A, d.alpha);
   const Vec3<T> wr = out.omega.cross(r);
   out.position = frame.position - r;
   out.velocity = frame.velocity - wr - v;
   out.acceleration =
-      frame.acceleration - out.alpha.cross(r) - out.omega.cross(wr + T(2) * v) - A * d.acceleration;
+      frame.acceleration - out.alpha.cross(r) - out.omega.cross(wr + T(2) * v) - turned<T>(A, d.acceleration);
 }
 
 /// Motion of the joint's outboard frame from that of its inboard one, and the joint's motion subspace about
@@ -99,16 +99,17 @@ void joint_step(const BodyData& b, const Motion<T>& inboard, const T* q, const T
     ud += a[j] * m.linear.col(j);
   }
   // A: axes of frame a. r: from origin a to origin b.
-  const Mat3<T> A = b.reversed ? Mat3<T>(inboard.rotation * m.rotation.transpose()) : inboard.rotation;
-  const Vec3<T> r = A * m.displacement;
-  w = A * w;
-  u = A * u;
-  wd = A * wd;
-  ud = A * ud;
+  const Mat3<T> A =
+      b.reversed ? composed<T>(inboard.rotation, Mat3<T>(m.rotation.transpose())) : inboard.rotation;
+  const Vec3<T> r = turned<T>(A, m.displacement);
+  w = turned<T>(A, w);
+  u = turned<T>(A, u);
+  wd = turned<T>(A, wd);
+  ud = turned<T>(A, ud);
   Vec3<T> position_b;
   if (!b.reversed) {
     const Vec3<T> wr = inboard.omega.cross(r);
-    outboard.rotation = A * m.rotation;
+    outboard.rotation = composed<T>(A, m.rotation);
     outboard.position = inboard.position + r;
     outboard.velocity = inboard.velocity + wr + u;
     outboard.omega = inboard.omega + w;
@@ -129,8 +130,8 @@ void joint_step(const BodyData& b, const Motion<T>& inboard, const T* q, const T
   }
   const T sign = b.reversed ? T(-1) : T(1);
   for (int j = 0; j < n; ++j) {
-    angular[j] = sign * (A * m.angular.col(j));
-    linear[j] = sign * (A * m.linear.col(j)) + position_b.cross(angular[j]);
+    angular[j] = sign * turned<T>(A, m.angular.col(j));
+    linear[j] = sign * turned<T>(A, m.linear.col(j)) + position_b.cross(angular[j]);
   }
 }
 

@@ -125,15 +125,15 @@ void add_product(const T* left, int left_stride, int rows, const T* right, int r
       add_column(left, left_stride, rows, right + c, right_stride, count, out);
       continue;
     }
-    for (int r = 0; r < rows; r += 8) {
-      T sum[8];
-      for (int j = 0; j < 8; ++j) sum[j] = T(0);
+    for (int r = 0; r < rows; r += 4) {
+      T sum[4];
+      for (int j = 0; j < 4; ++j) sum[j] = T(0);
       for (int k = 0; k < count; ++k) {
         const T x = right[k * right_stride + c];
         const T* l = left + k * left_stride + r;
-        for (int j = 0; j < 8; ++j) sum[j] = multiply_add(l[j], x, sum[j]);
+        for (int j = 0; j < 4; ++j) sum[j] = multiply_add(l[j], x, sum[j]);
       }
-      const int n = rows - r < 8 ? rows - r : 8;
+      const int n = rows - r < 4 ? rows - r : 4;
       for (int j = 0; j < n; ++j) out[r + j] += sum[j];
     }
   }
@@ -294,12 +294,18 @@ void add_to_row(const Compiled& m, const Workspace<T>& w, const Path& path, cons
     T* out = row + e.offset;
     const auto add = [&](int set, const T& sign) {
       const T* c = w.subspaces.data() + m.subspaces[set].offset;
-      const T l0 = sign * linear[0], l1 = sign * linear[1], l2 = sign * linear[2];
-      const T a0 = sign * angular[0], a1 = sign * angular[1], a2 = sign * angular[2];
-      for (int k = 0; k < s; k += 8)
-        for (int j = k; j < k + 8; ++j)
-          out[j] += l0 * c[j] + l1 * c[s + j] + l2 * c[2 * s + j] + a0 * c[3 * s + j] + a1 * c[4 * s + j] +
-                    a2 * c[5 * s + j];
+      const T factors[6] = {sign * linear[0],  sign * linear[1],  sign * linear[2],
+                            sign * angular[0], sign * angular[1], sign * angular[2]};
+      for (int k = 0; k < s; k += 4) {
+        if constexpr (std::is_same_v<T, double>) {
+          Four sum = load_four(out + k);
+          for (int i = 0; i < 6; ++i) sum = multiply_add(load_four(c + i * s + k), four_of(factors[i]), sum);
+          store_four(out + k, sum);
+        } else {
+          for (int i = 0; i < 6; ++i)
+            for (int j = k; j < k + 4; ++j) out[j] = multiply_add(c[i * s + j], factors[i], out[j]);
+        }
+      }
     };
     if (e.plus >= 0) add(e.plus, T(1));
     if (e.minus >= 0) add(e.minus, T(-1));
@@ -380,32 +386,31 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
 
 /// Adds (weighted rows)ᵀ rows, which is symmetric, to the sparse values.
 template <class T>
-void add_pairs(const Compiled& m, const Path& path, const T* weighted, const T* rows, int count, T* values) {
+void add_pairs(const Path& path, const T* weighted, const T* rows, int count, T* values) {
   const int width = path.width;
   for (std::size_t i = 0; i < path.entries.size(); ++i) {
     const PathEntry& e = path.entries[i];
     for (std::size_t j = 0; j <= i; ++j) {
       const PathEntry& f = path.entries[j];
-      add_product<T>(weighted + e.offset, width, m.bodies[e.body].size(), rows + f.offset, width,
-                     m.bodies[f.body].size(), count, values, path.places[i * (i + 1) / 2 + j]);
+      add_product<T>(weighted + e.offset, width, e.count, rows + f.offset, width, f.count, count, values,
+                     path.places[i * (i + 1) / 2 + j]);
     }
   }
 }
 
 /// Adds Σ_r weight[r] J_rᵀ J_r to the sparse values. `weighted`: scratch of count × path.width.
 template <class T>
-void add_squares(const Compiled& m, const Path& path, const T* rows, int count, const T* weight, T* weighted,
-                 T* values) {
+void add_squares(const Path& path, const T* rows, int count, const T* weight, T* weighted, T* values) {
   const int width = path.width;
   for (int r = 0; r < count; ++r)
     for (int k = 0; k < width; ++k) weighted[r * width + k] = weight[r] * rows[r * width + k];
-  add_pairs(m, path, weighted, rows, count, values);
+  add_pairs(path, weighted, rows, count, values);
 }
 
 /// Adds Jᵀ (inertia + damping C + stiffness K) J of an element; what has inertia has one component.
 template <class T>
-void add_element(const Compiled& m, const ElementData& e, const ElementState<T>& s,
-                 const MatrixWeights& weights, const T* numbers, const T* rows, T* weighted, T* values) {
+void add_element(const ElementData& e, const ElementState<T>& s, const MatrixWeights& weights,
+                 const T* numbers, const T* rows, T* weighted, T* values) {
   const int width = e.path.width, n = e.count;
   const T inertia = e.inertia < 0 ? T(0) : numbers[e.inertia];
   if (e.inertia < 0 && !acts(s)) return;
@@ -420,7 +425,7 @@ void add_element(const Compiled& m, const ElementData& e, const ElementState<T>&
         for (int k = 0; k < width; ++k) out[k] += weight * rows[c * width + k];
     }
   }
-  add_pairs(m, e.path, weighted, rows, n, values);
+  add_pairs(e.path, weighted, rows, n, values);
 }
 
 /// Rows of what a pooled contact measures per unit of the coordinates that move each of its spheres.
@@ -454,28 +459,24 @@ PairRows<T> add_pair(const Compiled& m, Workspace<T>& w, const ElementData& e, c
         for (int c = 0; c < e.count; ++c)
           weighted[r * width + k] += tangent[r * e.count + c] * of[c * width + k];
       }
-    add_pairs(m, *path, weighted, of, e.count, values);
+    add_pairs(*path, weighted, of, e.count, values);
   }
   return rows;
 }
 
 /// Adds weight · Jᵀ x of one row to a vector of velocity coordinates.
 template <class T>
-void add_row_transposed(const Compiled& m, const Path& path, const T* row, const T& x, T* out) {
-  for (const PathEntry& e : path.entries) {
-    const BodyData& b = m.bodies[e.body];
-    for (int k = 0; k < b.size(); ++k) out[b.v + k] += x * row[e.offset + k];
-  }
+void add_row_transposed(const Path& path, const T* row, const T& x, T* out) {
+  for (const PathEntry& e : path.entries)
+    for (int k = 0; k < e.count; ++k) out[e.first + k] = multiply_add(x, row[e.offset + k], out[e.first + k]);
 }
 
 /// J_row · x.
 template <class T>
-T row_times(const Compiled& m, const Path& path, const T* row, const T* x) {
+T row_times(const Path& path, const T* row, const T* x) {
   T sum = T(0);
-  for (const PathEntry& e : path.entries) {
-    const BodyData& b = m.bodies[e.body];
-    for (int k = 0; k < b.size(); ++k) sum += row[e.offset + k] * x[b.v + k];
-  }
+  for (const PathEntry& e : path.entries)
+    for (int k = 0; k < e.count; ++k) sum = multiply_add(row[e.offset + k], x[e.first + k], sum);
   return sum;
 }
 

@@ -26,7 +26,7 @@ BodyWrench<T> rigid_inertia(const BodyData& b, const Vec3<T>& acc, const Vec3<T>
   const Mat3<T> inertia = b.inertia.template cast<T>();
   BodyWrench<T> w;
   w.force = T(b.mass) * acc + alpha.cross(moment) + omega.cross(omega.cross(moment));
-  w.moment = moment.cross(acc) + inertia * alpha + omega.cross(inertia * omega);
+  w.moment = moment.cross(acc) + turned<T>(inertia, alpha) + omega.cross(turned<T>(inertia, omega));
   return w;
 }
 
@@ -54,26 +54,25 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T
   BodyWrench<T> out;
   out.force = T(b.mass) * acc + alpha.cross(moment) + sy2 + w.cross(w.cross(moment) + T(2) * sy1);
   const Vec3<T> c_ydd(e(1, 2) - e(2, 1), e(2, 0) - e(0, 2), e(0, 1) - e(1, 0));
-  out.moment = moment.cross(acc) + inertia * alpha + c_ydd + w.cross(inertia * w) +
-               T(2) * (d.trace() * w - d.transpose() * w);
+  out.moment = moment.cross(acc) + turned<T>(inertia, alpha) + c_ydd + w.cross(turned<T>(inertia, w)) +
+               T(2) * (d.trace() * w - turned_back<T>(d, w));
 
   add_transposed<T>(f.S, acc, elastic);
   // Coefficients of the rows S'^i_j: centrifugal, and Cᵀ α (C_a = S'^b_c − S'^c_b).
   Mat3<T> g = w * w.transpose() - w.squaredNorm() * Mat3<T>::Identity();
   g += skew<T>(alpha).transpose();
-  for (int r = 0; r < 9; ++r) {
-    const T c = g(r / 3, r % 3);
-    const T* row = integrals + r * s;
-    for (int k = 0; k < s; ++k) elastic[k] = multiply_add(c, row[k], elastic[k]);
-  }
-  const T w0 = T(2) * w[0], w1 = T(2) * w[1], w2 = T(2) * w[2];
-  for (int l = 0; l < f.modes; ++l) {
-    const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(l) * 3 * s;
-    const T rate = yd[l];
-    for (int k = 0; k < s; ++k)
-      elastic[k] = multiply_add(
-          rate, multiply_add(w2, n[2 * s + k], multiply_add(w1, n[s + k], T(w0 * n[k]))), elastic[k]);
-  }
+  const T twice[3] = {T(2) * w[0], T(2) * w[1], T(2) * w[2]};
+  by_lanes<T>(elastic, s, [&](auto sum, const auto& row) {
+    for (int r = 0; r < 9; ++r) sum = multiply_add(row.all(g(r / 3, r % 3)), row(integrals + r * s), sum);
+    for (int l = 0; l < f.modes; ++l) {
+      const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(l) * 3 * s;
+      const auto first = row.all(twice[0]) * row(n),
+                 both = multiply_add(row.all(twice[1]), row(n + s), first),
+                 all = multiply_add(row.all(twice[2]), row(n + 2 * s), both);
+      sum = multiply_add(row.all(yd[l]), all, sum);
+    }
+    return sum;
+  });
   if (f.identity_mass)
     for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
   else
@@ -88,11 +87,11 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T
 template <class T>
 void frame_modal_force(const FrameData& f, const Motion<T>& body, const T* y, const Vec3<T>& force,
                        const Vec3<T>& moment, T* out) {
-  add_transposed<T>(f.X, body.rotation.transpose() * force, out);
+  add_transposed<T>(f.X, turned_back<T>(body.rotation, force), out);
   if (!f.turns) return;
   const Vec3<T> theta = times(f.X_theta, y);
-  add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * (body.rotation.transpose() * moment),
-                    out);
+  add_transposed<T>(f.X_theta,
+                    turned_back<T>(turn_jacobian<T>(f, theta), turned_back<T>(body.rotation, moment)), out);
 }
 
 /// out = M z̈ − Q + (wrenches already on the frames, taken as acting), after kinematics, forces and
@@ -103,8 +102,9 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
   for (std::size_t i = m.bodies.size(); i-- > 0;) {
     const BodyData& b = m.bodies[i];
     const Motion<T>& motion = w.bodies[i];
-    const Mat3<T> At = motion.rotation.transpose();
-    const Vec3<T> acc = At * motion.acceleration, omega = At * motion.omega, alpha = At * motion.alpha;
+    const Mat3<T>& A = motion.rotation;
+    const Vec3<T> acc = turned_back<T>(A, motion.acceleration), omega = turned_back<T>(A, motion.omega),
+                  alpha = turned_back<T>(A, motion.alpha);
     BodyWrench<T> inertia;
     T* y = w.scratch.data();
     T* elastic = y;
@@ -146,8 +146,8 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
       }
     }
     // About the common point.
-    Vec3<T> force = motion.rotation * inertia.force;
-    Vec3<T> moment = motion.rotation * inertia.moment + motion.position.cross(force);
+    Vec3<T> force = turned<T>(A, inertia.force);
+    Vec3<T> moment = turned<T>(A, inertia.moment) + motion.position.cross(force);
     for (int k = b.first_frame; k < b.last_frame; ++k) {
       const Wrench<T>& wrench = w.wrenches[k];
       force -= wrench.force;

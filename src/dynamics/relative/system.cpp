@@ -47,11 +47,10 @@ Scales scales_of(const Compiled& m) {
 }
 
 /// The velocity coordinates that move a sphere of a swarm, −1 between those of its bodies.
-std::vector<int> columns_of(const Compiled& m, const Path& path) {
+std::vector<int> columns_of(const Path& path) {
   std::vector<int> columns(static_cast<std::size_t>(path.width), -1);
   for (const PathEntry& e : path.entries)
-    for (int k = 0; k < m.bodies[e.body].size(); ++k)
-      columns[static_cast<std::size_t>(e.offset + k)] = m.bodies[e.body].v + k;
+    for (int k = 0; k < e.count; ++k) columns[static_cast<std::size_t>(e.offset + k)] = e.first + k;
   return columns;
 }
 
@@ -84,7 +83,7 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       scales_(scales_of(model)),
       marks_(model),
       couplings_(model, model.velocities, [&](int contact, int sphere) {
-        return columns_of(model, model.swarms[contact].spheres[sphere].path);
+        return columns_of(model.swarms[contact].spheres[sphere].path);
       }) {
   for_rows(model, [&](const EquationRows& e) {
     for (int r = 0; r < e.count; ++r) penalty_[e.first_equation + r] = model.mass_scale * e.scale[r];
@@ -149,7 +148,7 @@ void RelativeSystem::multiply(const double* x, double* y) const {
 void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
   for_rows(model_, [&](const EquationRows& e) {
     for (int r = 0; r < e.count; ++r)
-      add_row_transposed<double>(model_, e.path, work_.jacobian.data() + e.jacobian + r * e.path.width,
+      add_row_transposed<double>(e.path, work_.jacobian.data() + e.jacobian + r * e.path.width,
                                  weight * y[e.first_equation + r], out);
   });
   for (const DriveData& d : model_.drives) out[d.v] += weight * y[d.equation];
@@ -159,7 +158,7 @@ void RelativeSystem::jacobian_times(const double* x, double* out) const {
   for_rows(model_, [&](const EquationRows& e) {
     for (int r = 0; r < e.count; ++r)
       out[e.first_equation + r] =
-          row_times<double>(model_, e.path, work_.jacobian.data() + e.jacobian + r * e.path.width, x);
+          row_times<double>(e.path, work_.jacobian.data() + e.jacobian + r * e.path.width, x);
   });
   for (const DriveData& d : model_.drives) out[d.equation] = x[d.v];
 }
@@ -169,9 +168,8 @@ std::vector<JacobianEntry> RelativeSystem::jacobian_entries() const {
   for_rows(model_, [&](const EquationRows& rows) {
     for (int r = 0; r < rows.count; ++r)
       for (const PathEntry& e : rows.path.entries) {
-        const BodyData& b = model_.bodies[e.body];
         const double* row = work_.jacobian.data() + rows.jacobian + r * rows.path.width + e.offset;
-        for (int k = 0; k < b.size(); ++k) entries.push_back({rows.first_equation + r, b.v + k, row[k]});
+        for (int k = 0; k < e.count; ++k) entries.push_back({rows.first_equation + r, e.first + k, row[k]});
       }
   });
   for (const DriveData& d : model_.drives) entries.push_back({d.equation, d.v, 1});
