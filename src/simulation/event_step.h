@@ -19,7 +19,8 @@ constexpr double event_resolution(double step) { return std::min(1e-9, 1e-6 * st
 /// have them happen at its end.
 ///
 /// The host makes the state visible: `see()` evaluates it for the events; `look_anew()`, it is another one;
-/// `take_jumps()`, inputs have been set; `watch()`, a part is accepted. Allocates nothing.
+/// `take_jumps()`, inputs have been set; `watch()`, a part is accepted; `move_time(t)`, the state counts as
+/// that at t. Allocates nothing.
 template <class Host>
 class EventStep {
  public:
@@ -46,7 +47,8 @@ class EventStep {
       if (settle()) return report_;
       if (end - mechanism_.state.time <= resolution_) break;
     }
-    mechanism_.state.time = end;
+    // The step's parts may end beside `end` by round-off; the state there has been shown already.
+    host_.move_time(end);
     return report_;
   }
 

@@ -164,6 +164,13 @@ struct Simulation::Impl {
     ++instant;
   }
 
+  /// The state counts as that at a time which differs from its own by round-off.
+  void move_time(double time) {
+    if (mechanism.state.time == time) return;
+    mechanism.state.time = time;
+    look_anew();
+  }
+
   void show_motion() {
     if (shown >= Shown::motion) return;
     mechanism.observe_afresh();
@@ -296,7 +303,7 @@ StepReport Simulation::step_to(double time) {
   // Times are sums of steps: a whole step but for rounding is a whole step.
   const double h = s.method.step, rest = time - s.mechanism.state.time;
   const StepReport report = s.step(std::abs(rest - h) < 1e-6 * h ? h : rest);
-  if (report.ok() && !s.stopped) s.mechanism.state.time = time;
+  if (report.ok() && !s.stopped) s.move_time(time);
   return report;
 }
 

@@ -55,6 +55,27 @@ joints:
 )yaml");
 }
 
+/// A signal at instants sees one of time, and an event cuts a step: the parts end beside multiples of the
+/// step by round-off.
+std::shared_ptr<const Model> sampled_arm() {
+  return model_of(R"yaml(
+bodies:
+  arm: {mass: 2, com: [0.5, 0, 0], inertia: [0.02, 0.2, 0.2]}
+joints:
+  hinge: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 1, 0]}
+inputs: {push: 0}
+signals:
+  wanted: {value: "0.3*sin(6*t)"}
+  angle: {joint: hinge}
+  servo: {value: "200*(wanted - angle)", every: 0.005}
+events:
+  reached: {when: angle, crosses: 0.05, set: {push: 1}}
+actuators:
+  motor: {joint: hinge, torque: servo + push}
+simulation: {step: 0.002}
+)yaml");
+}
+
 const std::vector<Mechanism>& mechanisms() {
   static const std::vector<Mechanism> all{
       {"suspension",
@@ -71,6 +92,7 @@ const std::vector<Mechanism>& mechanisms() {
       {"thrown", thrown},
       {"every_constraint", every_constraint},
       {"die_and_ball", die_and_ball, 200},
+      {"sampled_arm", sampled_arm, 200},
       {"geometric_stiffness",
        [] {
          return example("spin-up-beam/beam-3d.yaml", {{"method", "geometric_stiffness"}});
