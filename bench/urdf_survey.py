@@ -78,11 +78,12 @@ def main():
     given = parser.parse_args()
     options = [] if given.no_repair else ["--repair"]
     files = distinct(given.folders)
+    results = []
     with ThreadPoolExecutor(given.jobs) as pool:
-        results = list(pool.map(lambda path: survey(given.program, path, options), files))
-    for result in results:
-        if result["stage"]:
-            print(f"{result['stage']:8} {result['file']}: {result['why']}")
+        for result in pool.map(lambda path: survey(given.program, path, options), files):
+            results.append(result)
+            if result["stage"]:
+                print(f"{result['stage']:8} {result['file']}: {result['why']}", flush=True)
     print(f"\n{'files':>5}  stage    reason")
     kinds = collections.Counter((r["stage"], kind_of(r["why"])) for r in results if r["stage"])
     for (stage, why), count in kinds.most_common():
