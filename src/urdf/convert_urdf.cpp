@@ -328,7 +328,7 @@ class Writer {
            fmt::format(
                "'sticking' of frictions is assumed: with the least inertia that the joint moves within "
                "the limits (behind each friction) half a period of what sticks takes a default step, so a "
-               "load moves it by {:.1g} s² times the acceleration of the free joint; with steps n times as "
+               "load moves it by {:.2g} s² times the acceleration of the free joint; with steps n times as "
                "short it may be n² times as small",
                softness(steps_of_sticking)));
     return text;
@@ -351,7 +351,7 @@ class Writer {
            fmt::format("stiffness and restitution of the stops are assumed: with the least inertia that "
                        "the joint moves within the limits (behind each stop) a blow takes {} s, {} "
                        "default steps. They are soft: a blow at 1 rad/s or m/s goes up to {:.2g} rad or m "
-                       "deep, a load by {:.1g} s² times the acceleration of the free joint. With steps n "
+                       "deep, a load by {:.2g} s² times the acceleration of the free joint. With steps n "
                        "times as short they may be n² times as stiff",
                        steps_of_blow * spec::Simulation().step, steps_of_blow,
                        std::sqrt(softness(steps_of_blow)), softness(steps_of_blow)));

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <pugixml.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "urdf/robot.h"
 
@@ -147,10 +149,10 @@ class Reader {
     for (const xml_node part : node.children()) {
       const std::string tag = part.name();
       if (tag == "visual") {
-        read_shape(part, link, link.visuals);
+        read_shapes(part, link, link.visuals);
       } else if (part.type() == pugi::node_element && tag != "inertial") {
         ++robot.left_out[tag];
-        if (tag == "collision" && repair_) read_shape(part, link, link.collisions);
+        if (tag == "collision" && repair_) read_shapes(part, link, link.collisions);
       }
     }
     return link;
@@ -175,45 +177,58 @@ class Reader {
     link.inertia = pose.rotation * own * pose.rotation.transpose();
   }
 
-  void read_shape(const xml_node& node, const Link& link, std::vector<Visual>& shapes) {
-    const xml_node geometry = node.child("geometry");
-    Visual visual;
-    visual.mark = mark(node);
-    visual.pose = origin(node);
-    visual.size = Eigen::Vector3d::Ones();
-    if (const xml_node box = geometry.child("box")) {
-      visual.kind = Visual::Kind::box;
-      visual.size = triple(box, "size", Eigen::Vector3d::Zero());
-    } else if (const xml_node cylinder = geometry.child("cylinder")) {
-      visual.kind = Visual::Kind::cylinder;
-      visual.size = {number(cylinder, "radius"), number(cylinder, "length"), 1};
-    } else if (const xml_node sphere = geometry.child("sphere")) {
-      visual.kind = Visual::Kind::sphere;
-      visual.size = {number(sphere, "radius"), 1, 1};
-    } else if (const xml_node capsule = geometry.child("capsule")) {
-      visual.kind = Visual::Kind::capsule;
-      visual.size = {number(capsule, "radius"), number(capsule, "length"), 1};
-    } else if (const xml_node mesh = geometry.child("mesh")) {
-      visual.kind = Visual::Kind::mesh;
-      visual.file = mesh.attribute("filename").value();
-      visual.size = triple(mesh, "scale", Eigen::Vector3d::Ones());
-      if (visual.file.empty()) return error(mesh, "<mesh> has no filename");
-    } else {
+  /// All shapes of a <visual> or <collision>; URDF has one in each, some files have several.
+  void read_shapes(const xml_node& node, const Link& link, std::vector<Visual>& shapes) {
+    const Pose pose = origin(node);
+    bool any = false;
+    for (const xml_node shape : node.child("geometry").children()) {
+      if (shape.type() != pugi::node_element) continue;
+      any = true;
+      if (const auto visual = this->shape(shape, pose)) {
+        shapes.push_back(*visual);
+        continue;
+      }
       // It is only drawn, or an aid to guess a mass: the robot moves without it.
-      std::string what;
-      for (const xml_node part : geometry.children())
-        if (part.type() == pugi::node_element) what = part.name();
       if (&shapes == &link.visuals)
         notes_.push_back(
             {mark(node),
-             what.empty()
-                 ? fmt::format("link '{}': a <visual> without a <geometry> is left out", link.name)
-                 : fmt::format("link '{}': a <visual> of the kind <{}> is left out; box, cylinder, sphere, "
-                               "capsule and mesh are known",
-                               link.name, what)});
-      return;
+             fmt::format("link '{}': a <visual> of the kind <{}> is left out; box, cylinder, sphere, "
+                         "capsule and mesh are known",
+                         link.name, shape.name())});
     }
-    shapes.push_back(visual);
+    if (!any && &shapes == &link.visuals)
+      notes_.push_back(
+          {mark(node), fmt::format("link '{}': a <visual> without a <geometry> is left out", link.name)});
+  }
+
+  /// None of a kind that is not known.
+  std::optional<Visual> shape(const xml_node& node, const Pose& pose) {
+    Visual visual;
+    visual.mark = mark(node);
+    visual.pose = pose;
+    visual.size = Eigen::Vector3d::Ones();
+    const std::string_view kind = node.name();
+    if (kind == "box") {
+      visual.kind = Visual::Kind::box;
+      visual.size = triple(node, "size", Eigen::Vector3d::Zero());
+    } else if (kind == "cylinder") {
+      visual.kind = Visual::Kind::cylinder;
+      visual.size = {number(node, "radius"), number(node, "length"), 1};
+    } else if (kind == "sphere") {
+      visual.kind = Visual::Kind::sphere;
+      visual.size = {number(node, "radius"), 1, 1};
+    } else if (kind == "capsule") {
+      visual.kind = Visual::Kind::capsule;
+      visual.size = {number(node, "radius"), number(node, "length"), 1};
+    } else if (kind == "mesh") {
+      visual.kind = Visual::Kind::mesh;
+      visual.file = node.attribute("filename").value();
+      visual.size = triple(node, "scale", Eigen::Vector3d::Ones());
+      if (visual.file.empty()) error(node, "<mesh> has no filename");
+    } else {
+      return {};
+    }
+    return visual;
   }
 
   void name_links(const Robot& robot) {

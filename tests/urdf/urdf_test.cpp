@@ -283,13 +283,21 @@ TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
   EXPECT_THAT(all_of(robot), AllOf(HasSubstr("assumed"), HasSubstr("effort and speed of 2 joints")));
   const spec::Model m = parse_model(robot.text, "robot.yaml", "");
   EXPECT_EQ(m.elements.size(), 3u);
-  for (const char* stop : {"hinge_stop", "rail_stop"}) {
-    const auto number =
-        std::find_if(stop_numbers.begin(), stop_numbers.end(),
-                     [](const LawNumber& one) { return one.key == std::string("restitution"); }) -
-        stop_numbers.begin();
-    EXPECT_EQ(named(m.elements, stop).numbers.at(static_cast<std::size_t>(number)), 0.1);
-  }
+  const auto stop_number = [&](const char* stop, const std::string& key) {
+    const auto number = std::find_if(stop_numbers.begin(), stop_numbers.end(),
+                                     [&](const LawNumber& one) { return one.key == key; });
+    return named(m.elements, stop).numbers.at(static_cast<std::size_t>(number - stop_numbers.begin()));
+  };
+  for (const char* stop : {"hinge_stop", "rail_stop"}) EXPECT_EQ(stop_number(stop, "restitution"), 0.1);
+  EXPECT_EQ(stop_number("hinge_stop", "lower"), -1);
+  EXPECT_EQ(stop_number("hinge_stop", "upper"), 0.5);
+  // By hand, to the three digits that are written: at the start the hinge turns three centres 0.1 m off it.
+  // The slider is nearest to it there; the wheel's centre may come as near as 0 elsewhere. The rail lies
+  // along x, as joints without an axis do, and pushes the slider straight away from the hinge.
+  const double rate = EIGEN_PI / 0.05, link = 1 + 2 * 0.1 * 0.1;
+  EXPECT_GT(stop_number("hinge_stop", "stiffness"), 0.995 * (link + link + 1) * rate * rate);
+  EXPECT_LT(stop_number("hinge_stop", "stiffness"), 1.005 * 3 * link * rate * rate);
+  EXPECT_NEAR(stop_number("rail_stop", "stiffness"), 2 * rate * rate, 0.005 * 2 * rate * rate);
   Simulation simulation(Model::compile(m));
   for (int k = 0; k < 20; ++k) EXPECT_TRUE(simulation.step().ok()) << k;
 }
@@ -405,6 +413,39 @@ TEST_F(UrdfFile, StopsAreAsStiffAsTheInertiaStands) {
                                 HasSubstr("# 1.02 kg m2")));
 }
 
+/// The arm lies on its stop, and falls on it without gravity.
+TEST_F(UrdfFile, StopsAreAsSoftAsTheirNoteSays) {
+  const ConvertedRobot robot =
+      convert(link("base") + link("arm") +
+              joint("hinge", "revolute", "base", "arm",
+                    "<axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"0\" effort=\"1\" velocity=\"1\"/>"));
+  const std::string note =
+      "They are soft: a blow at 1 rad/s or m/s goes up to 0.016 rad or m deep, a load by 0.00025 s² times "
+      "the "
+      "acceleration of the free joint";
+  EXPECT_THAT(robot.text, HasSubstr(note));
+  EXPECT_THAT(all_of(robot), HasSubstr(note));
+  const auto formulation = spec::Simulation::Formulation::relative;
+  spec::Model resting = parse_model(robot.text, "robot.yaml", "");
+  Simulation on_stop = test::simulation_of(Model::compile(resting), formulation);
+  for (int k = 0; k < 200; ++k) ASSERT_TRUE(on_stop.step().ok());
+  // Of the free joint: m g a/(J + m a²).
+  const double acceleration = 2 * 9.81 * 0.1 / (1 + 2 * 0.1 * 0.1), softness = std::pow(0.05 / EIGEN_PI, 2);
+  EXPECT_NEAR(test::channel(on_stop, "hinge"), acceleration * softness, 0.01 * acceleration * softness);
+  spec::Model thrown = resting;
+  thrown.gravity.setZero();
+  thrown.joints.at(1).initial_velocity = {1.0};
+  Simulation blow = test::simulation_of(Model::compile(thrown), formulation, 1e-3);
+  double depth = 0;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(blow.step().ok());
+    depth = std::max(depth, test::channel(blow, "hinge"));
+  }
+  // Without what the blow's damper takes it would go as deep as the note says.
+  EXPECT_LT(depth, std::sqrt(softness));
+  EXPECT_GT(depth, 0.3 * std::sqrt(softness));
+}
+
 /// Half a period of the inertia on the friction's bristles takes a default step; where 1e-5 rad is softer,
 /// that is left.
 TEST_F(UrdfFile, FrictionsGiveAsTheInertiaStands) {
@@ -492,6 +533,19 @@ TEST_F(UrdfFile, CapsulesAreDrawnAndUnknownShapesLeftOut) {
                    "<visual><geometry><torus/></geometry></visual>"));
   EXPECT_EQ(parse_model(robot.text, "robot.yaml", "").bodies[0].shapes.size(), 3u);
   EXPECT_THAT(all_of(robot), HasSubstr("of the kind <torus> is left out"));
+}
+
+/// URDF has one shape in a <geometry>; some files have several.
+TEST_F(UrdfFile, AllShapesOfAVisualAreDrawn) {
+  const ConvertedRobot robot =
+      convert(link("a",
+                   "<visual><origin xyz=\"0 0 0.5\"/><geometry><box size=\"1 2 3\"/><torus/>"
+                   "<sphere radius=\"0.1\"/></geometry></visual>"
+                   "<visual><geometry/></visual>"));
+  EXPECT_THAT(robot.text, AllOf(HasSubstr("{box: [1, 2, 3], at: [0, 0, 0.5]}"),
+                                HasSubstr("{sphere: 0.1, at: [0, 0, 0.5]}")));
+  EXPECT_THAT(all_of(robot), AllOf(HasSubstr("of the kind <torus> is left out"),
+                                   HasSubstr("a <visual> without a <geometry> is left out")));
 }
 
 }  // namespace
