@@ -131,10 +131,11 @@ Reference reference(const std::string& robot) {
   return result;
 }
 
-class PublicRobots : public testing::TestWithParam<const char*> {};
+/// Three public robots, and random ones.
+class ReferenceRobots : public testing::TestWithParam<const char*> {};
 
 /// Places of all links and torques of all joints in random motions, by an independent library.
-TEST_P(PublicRobots, MoveAsPinocchioSays) {
+TEST_P(ReferenceRobots, MoveAsPinocchioSays) {
   const Reference expected = reference(GetParam());
   ASSERT_EQ(expected.instants.size(), 5u);
   for (const bool keep_fixed : {false, true}) {
@@ -198,7 +199,9 @@ TEST_P(PublicRobots, MoveAsPinocchioSays) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(Files, PublicRobots, testing::Values("ur5", "panda", "anymal"));
+INSTANTIATE_TEST_SUITE_P(Files, ReferenceRobots, testing::Values("ur5", "panda", "anymal"));
+INSTANTIATE_TEST_SUITE_P(RandomTrees, ReferenceRobots,
+                         testing::Values("tree1", "tree2", "tree3", "tree4", "tree5", "tree6", "tree7"));
 
 TEST(PublicRobot, HasTheLimitsFrictionAndFollowersOfItsFile) {
   const ConvertedRobot robot = convert_urdf(data + "panda.urdf");
