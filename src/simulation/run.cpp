@@ -28,7 +28,11 @@ RunPlan plan_run(double end, double output_interval, double step) {
                                  step, end));
   // Of a run that is hardly shorter than one step, that step.
   const double steps = end > 0 ? std::max(1.0, std::ceil(whole - least_part)) : 0;
-  return {step, end, output_interval, static_cast<std::int64_t>(steps)};
+  // A whole number of steps but for rounding: then the end is the time that they come to, through which a
+  // longer run goes, too, so that it may go on from there with the same bits.
+  const double multiple = std::round(whole) * step;
+  const bool whole_steps = std::abs(end - multiple) < 1e-6 * step;
+  return {step, whole_steps ? multiple : end, output_interval, static_cast<std::int64_t>(steps)};
 }
 
 bool longer_than_run(double step, double end) { return end > 0 && end / step < 1 - least_part; }

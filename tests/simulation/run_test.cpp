@@ -58,6 +58,22 @@ TEST(RunPlan, AStepLongerThanTheRunIsRefused) {
   EXPECT_NO_THROW(plan_run(1, 0, 1));
 }
 
+/// A run that ends at a multiple of its step ends at the same instant as the steps of a longer one, to the
+/// last bit: 0.104 is not 52 · 0.002.
+TEST(Run, EndsWhereLongerRunsPass) {
+  const auto model = example("pendulum/flexible.yaml");
+  RunOptions options;
+  options.step = 0.002;
+  Simulation whole(model, options), part(model, options);
+  const RunPlan plan = plan_run(0.104, 0, 0.002);
+  RunTotals totals;
+  ASSERT_TRUE(advance(part, plan, plan.steps, totals).ok());
+  for (int k = 0; k < 52; ++k) ASSERT_TRUE(whole.step().ok());
+  EXPECT_EQ(part.time(), whole.time());
+  EXPECT_NEAR(part.time(), 0.104, 1e-16);
+  EXPECT_EQ(part.save().bytes(), whole.save().bytes());
+}
+
 /// The last step, shorter than the others, is as accurate as they are: the end is where a finer run comes to.
 TEST(Run, EndsAtItsEnd) {
   const auto model = example("bricard/mechanism.yaml");
