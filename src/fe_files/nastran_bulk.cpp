@@ -33,6 +33,11 @@ void read_grid(NastranModel& model, const NastranCard& card) {
   if (grid.displacement_system == -1)
     card.fail("displacements in system -1 are those of a fluid, which is no body");
   grid.place = model.place(card.mark);
+  if (!card.blank(6) && card.components(6) != 0) {
+    model.sets["GRID:PS"].push_back({grid.label, grid.label});
+    model.warn("PS", card.mark,
+               "constraints of GRID (PS) are left out: a body is free; the nodes are the set GRID:PS");
+  }
   model.grids.push_back(grid);
 }
 

@@ -57,8 +57,9 @@ bool is_free(std::string_view line) { return line.substr(0, 10).find(',') != std
 
 bool is_continuation(std::string_view line) {
   if (line.empty()) return false;
-  if (line[0] == '+' || line[0] == '*' || line[0] == ',') return true;
-  return part(line, 0, kName).empty() && !trimmed(line).empty();
+  if (line[0] == '+' || line[0] == '*') return true;
+  const std::string_view text = trimmed(line);
+  return text.starts_with(',') || (part(line, 0, kName).empty() && !text.empty());
 }
 
 }  // namespace
@@ -113,6 +114,7 @@ unsigned NastranCard::components(std::size_t i) const {
 std::string NastranCards::increased(const std::string& value, std::string_view by) const {
   by.remove_prefix(1);
   if (by.starts_with('(') && by.ends_with(')')) by = trimmed(by.substr(1, by.size() - 2));
+  if (value.empty()) return std::string(by);  // a blank field counts as zero
   const auto whole = to_integer(value), step = to_integer(by);
   if (whole && step && std::abs(*whole) < kLargest && std::abs(*step) < kLargest)
     return std::to_string(*whole + *step);

@@ -255,10 +255,12 @@ void add_equations(NastranBuild& build) {
 /// Where none does it is left out.
 void turn_along_springs(NastranBuild& build) {
   const NastranModel& model = build.model;
-  std::vector<std::array<int, 2>> pairs;
+  std::vector<std::vector<int>> neighbours(build.rotates.size());
   const auto add = [&](const std::array<std::int64_t, 2>& labels) {
     const auto a = build.by_label.find(labels[0]), b = build.by_label.find(labels[1]);
-    if (a != build.by_label.end() && b != build.by_label.end()) pairs.push_back({a->second, b->second});
+    if (a == build.by_label.end() || b == build.by_label.end()) return;
+    neighbours[static_cast<std::size_t>(a->second)].push_back(b->second);
+    neighbours[static_cast<std::size_t>(b->second)].push_back(a->second);
   };
   for (const NastranScalar& spring : model.springs)
     if (spring.components[0] >= 3 && spring.components[1] >= 3) add(spring.nodes);
@@ -268,15 +270,17 @@ void turn_along_springs(NastranBuild& build) {
     const std::array<double, 6>& K = property->second;
     if (K[3] != 0 || K[4] != 0 || K[5] != 0) add(bush.nodes);
   }
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const auto& [a, b] : pairs) {
-      char &first = build.rotates[static_cast<std::size_t>(a)],
-           &second = build.rotates[static_cast<std::size_t>(b)];
-      if (first == second) continue;
-      first = second = 1;
-      changed = true;
-    }
+  std::vector<int> turning;
+  for (std::size_t k = 0; k < build.rotates.size(); ++k)
+    if (build.rotates[k] != 0) turning.push_back(static_cast<int>(k));
+  while (!turning.empty()) {
+    const auto node = static_cast<std::size_t>(turning.back());
+    turning.pop_back();
+    for (const int other : neighbours[node])
+      if (char& turns = build.rotates[static_cast<std::size_t>(other)]; turns == 0) {
+        turns = 1;
+        turning.push_back(other);
+      }
   }
 }
 

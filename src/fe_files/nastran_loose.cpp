@@ -8,8 +8,8 @@
 #include "fe_files/nastran_build.h"
 #include "math/decompositions.h"
 
-// Nastran holds what nothing resists to the ground (AUTOSPC). A body has no ground: what rods hold along
-// their length alone goes with the body as if it were stiff.
+// Nastran holds what nothing resists to the ground (AUTOSPC). A body has no ground: a node that rods, springs
+// or equations hold in some directions only goes with the body in the others, as if rigid.
 
 namespace mimbre::fe {
 
@@ -24,6 +24,7 @@ struct Holds {
     const auto count = static_cast<std::size_t>(mesh.nodes.cols());
     firm.assign(count, 0);
     stiffness.assign(count, Matrix3d::Zero());
+    tied.assign(count, Matrix3d::Zero());
     neighbours.resize(count);
     const auto hold = [&](int node) { firm[static_cast<std::size_t>(node)] = 1; };
     for (const ElementGroup& group : mesh.groups)
@@ -38,44 +39,68 @@ struct Holds {
       hold(mean.reference);
       for (const int node : mean.nodes) hold(node);
     }
-    for (const Equation& equation : mesh.equations)
-      for (const LinearTerm& term : equation.terms) hold(term.node);
-    for (const Spring& spring : mesh.springs) {
-      std::map<int, Vector3d> parts;
-      for (const LinearTerm& term : spring.stretch) {
-        const auto [part, is_new] = parts.try_emplace(term.node, Vector3d::Zero());
-        if (term.direction < 3) part->second[term.direction] += term.factor;
-      }
-      for (const auto& [node, part] : parts) {
-        stiffness[static_cast<std::size_t>(node)] += spring.stiffness * part * part.transpose();
-        for (const auto& [other, unused] : parts)
-          if (other != node) neighbours[static_cast<std::size_t>(node)].push_back(other);
-      }
+    for (const Equation& equation : mesh.equations) {
+      double largest = 0;
+      for (const LinearTerm& term : equation.terms)
+        if (term.direction < 3) largest = std::max(largest, std::abs(term.factor));
+      join(equation.terms, largest > 0 ? 1 / (largest * largest) : 0, tied);
     }
+    for (const Spring& spring : mesh.springs) join(spring.stretch, spring.stiffness, stiffness);
   }
 
-  std::vector<char> firm;           ///< by more than springs
+  /// Directions in which nothing holds the node.
+  std::vector<Vector3d> loose(int node) const {
+    constexpr double nothing = 1e-9;
+    const auto k = static_cast<std::size_t>(node);
+    // Springs and equations have no scale in common.
+    const auto scaled = [](const Matrix3d& m) { return Matrix3d(m.trace() > 0 ? m / m.trace() : m); };
+    const EigenPairs pairs = symmetric_eigen(scaled(stiffness[k]) + scaled(tied[k]));
+    std::vector<Vector3d> directions;
+    for (int i = 0; i < 3; ++i)
+      if (!(pairs.values[i] > nothing * pairs.values[2])) directions.push_back(pairs.vectors.col(i));
+    return directions;
+  }
+
+  std::vector<char> firm;           ///< by elements
   std::vector<Matrix3d> stiffness;  ///< against displacement, by springs
+  std::vector<Matrix3d> tied;       ///< squares of the factors of displacements in equations
   std::vector<std::vector<int>> neighbours;
+
+ private:
+  void join(const std::vector<LinearTerm>& terms, double weight, std::vector<Matrix3d>& sums) {
+    std::map<int, Vector3d> parts;
+    for (const LinearTerm& term : terms) {
+      const auto [part, is_new] = parts.try_emplace(term.node, Vector3d::Zero());
+      if (term.direction < 3) part->second[term.direction] += term.factor;
+    }
+    for (const auto& [node, part] : parts) {
+      sums[static_cast<std::size_t>(node)] += weight * part * part.transpose();
+      for (const auto& [other, unused] : parts)
+        if (other != node) neighbours[static_cast<std::size_t>(node)].push_back(other);
+    }
+  }
 };
 
-/// The nearest node along springs that elements hold and turn, −1: none.
-int nearest_turning(const NastranBuild& build, const Holds& holds, int from) {
-  std::vector<char> seen(holds.firm.size(), 0);
-  std::queue<int> next({from});
-  seen[static_cast<std::size_t>(from)] = 1;
+/// For each node the nearest one along springs that elements hold and turn, −1: none. One search from all
+/// of these at once.
+std::vector<int> nearest_turning(const NastranBuild& build, const Holds& holds) {
+  std::vector<int> root(holds.firm.size(), -1);
+  std::queue<int> next;
+  for (std::size_t k = 0; k < root.size(); ++k)
+    if (holds.firm[k] && build.rotates[k]) {
+      root[k] = static_cast<int>(k);
+      next.push(root[k]);
+    }
   while (!next.empty()) {
-    const int node = next.front();
+    const auto node = static_cast<std::size_t>(next.front());
     next.pop();
-    if (holds.firm[static_cast<std::size_t>(node)] && build.rotates[static_cast<std::size_t>(node)])
-      return node;
-    for (const int other : holds.neighbours[static_cast<std::size_t>(node)])
-      if (!seen[static_cast<std::size_t>(other)]) {
-        seen[static_cast<std::size_t>(other)] = 1;
+    for (const int other : holds.neighbours[node])
+      if (int& its = root[static_cast<std::size_t>(other)]; its < 0) {
+        its = root[node];
         next.push(other);
       }
   }
-  return -1;
+  return root;
 }
 
 /// A row of equations: the node's displacement along each direction is that of a rigid part of `root`.
@@ -91,7 +116,9 @@ void follow(NastranBuild& build, int node, int root, const std::vector<Vector3d>
     for (auto term = terms.begin(); term != terms.end(); ++term)
       if (term->node == node && std::abs(term->factor) > std::abs(largest->factor)) largest = term;
     std::iter_swap(terms.begin(), largest);
-    build.mesh.equations.push_back({"what rods hold along their length alone", std::move(terms)});
+    const auto label = [&](int k) { return build.mesh.labels[static_cast<std::size_t>(k)]; };
+    build.mesh.equations.push_back(
+        {fmt::format("node {}, which follows node {},", label(node), label(root)), std::move(terms)});
   }
 }
 
@@ -120,23 +147,22 @@ void settle_nastran_loose_nodes(NastranBuild& build) {
                            lost, first));
     std::erase_if(mesh.point_masses, [&](const PointMass& point) { return alone(point.node); });
   }
-  constexpr double nothing = 1e-9;
+  const std::vector<int> nearest = nearest_turning(build, holds);
   std::size_t settled = 0;
   for (int node = 0; node < static_cast<int>(holds.firm.size()); ++node) {
     const auto k = static_cast<std::size_t>(node);
     if (holds.firm[k] || holds.neighbours[k].empty()) continue;
-    const EigenPairs pairs = symmetric_eigen(holds.stiffness[k]);
-    std::vector<Vector3d> loose;
-    for (int i = 0; i < 3; ++i)
-      if (!(pairs.values[i] > nothing * pairs.values[2])) loose.push_back(pairs.vectors.col(i));
-    const int root = loose.empty() ? -1 : nearest_turning(build, holds, node);
+    const std::vector<Vector3d> loose = holds.loose(node);
+    const int root = loose.empty() ? -1 : nearest[k];
     if (root < 0) continue;
     follow(build, node, root, loose);
     if (settled++ == 0)
-      model.warn("loose", mark,
-                 fmt::format("rods and springs alone do not hold node {} in all directions; in the others it "
-                             "goes with node {} as if rigid",
-                             mesh.labels[k], mesh.labels[static_cast<std::size_t>(root)]));
+      model.warn(
+          "loose", mark,
+          fmt::format(
+              "rods, springs and equations alone do not hold node {} in all directions; in the others it "
+              "goes with node {} as if rigid",
+              mesh.labels[k], mesh.labels[static_cast<std::size_t>(root)]));
   }
 }
 

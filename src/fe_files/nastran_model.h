@@ -64,7 +64,8 @@ struct NastranMaterial {
   double young = 0, poisson = 0, shear = 0, density = 0;
   Eigen::Matrix<double, 6, 6> elastic = Eigen::Matrix<double, 6, 6>::Zero();  ///< MAT8, MAT9, MAT11
   Eigen::Matrix3d sheet = Eigen::Matrix3d::Zero();                            ///< MAT2, MAT8: in-plane
-  Eigen::Matrix2d sheet_shear = Eigen::Matrix2d::Zero();                      ///< MAT8: zx, yz
+  Eigen::Matrix2d sheet_shear = Eigen::Matrix2d::Zero();                      ///< MAT2, MAT8: zx, yz
+  Eigen::Matrix2d shear_alone = Eigen::Matrix2d::Zero();  ///< the same where MID3 names the material
   NastranPlace place;
 };
 

@@ -64,6 +64,8 @@ void read_sheet(NastranModel& model, const NastranCard& card) {
   read_material(model, card, Kind::sheet, 7, [&](NastranMaterial& material) {
     read_symmetric(card, material.sheet);
     material.sheet_shear = material.sheet(2, 2) * Eigen::Matrix2d::Identity();
+    // As MID3 it relates shear forces to shear strains: G11, G12, G22, and the others are blank.
+    material.shear_alone = material.sheet.topLeftCorner<2, 2>();
     material.young = material.sheet(0, 0);
   });
 }
@@ -81,6 +83,7 @@ void read_orthotropic_sheet(NastranModel& model, const NastranCard& card) {
     material.sheet << E1, nu12 * E2, 0, nu12 * E2, E2, 0, 0, 0, G12 * divisor;
     material.sheet /= divisor;
     material.sheet_shear.diagonal() << (G1z > 0 ? G1z : rigid), (G2z > 0 ? G2z : rigid);
+    material.shear_alone = material.sheet_shear;
     material.young = E1;
     material.poisson = nu12;
   });

@@ -97,6 +97,7 @@ Resultants of_plain(const NastranBuild& build, const NastranShellProperty& p, do
   const NastranMaterial& membrane = build.material(p.membrane > 0 ? p.membrane : p.bending, p.place);
   const NastranMaterial& bending = build.material(p.bending > 0 ? p.bending : p.membrane, p.place);
   const NastranMaterial& shear = p.shear > 0 ? build.material(p.shear, p.place) : bending;
+  const bool alone = p.shear > 0 && shear.kind == NastranMaterial::Kind::sheet;
   if (p.bending == 0 || p.membrane == 0)
     model.warn("MID2", model.mark(p.place),
                fmt::format("{}: has stiffness {} only; that of the same material and thickness is added",
@@ -106,7 +107,7 @@ Resultants of_plain(const NastranBuild& build, const NastranShellProperty& p, do
   const double inertia = p.bending_ratio * std::pow(thickness, 3) / 12;
   r.membrane = thickness * in_plane(membrane);
   r.bending = inertia * in_plane(bending);
-  r.shear = p.shear_ratio * thickness * across(shear);
+  r.shear = p.shear_ratio * thickness * (alone ? shear.shear_alone : across(shear));
   r.mass = membrane.density * thickness;
   r.rotary = membrane.density * std::pow(thickness, 3) / 12;
   r.isotropic = is_plain(membrane) && &membrane == &bending && &membrane == &shear && p.bending_ratio == 1 &&

@@ -31,12 +31,15 @@ double largest(const Eigen::SparseMatrix<double>& m) {
              : 0;
 }
 
-/// What is odd about the materials of a mesh.
+/// What is odd about the materials of a mesh: of many, as layers have, the first few.
 std::string oddities(const SolidMesh& mesh) {
+  constexpr int most = 5;
   std::string odd;
+  int count = 0;
   for (const NamedMaterial& named : mesh.materials)
-    if (const std::string what = oddity(named.material); !what.empty())
+    if (const std::string what = oddity(named.material); !what.empty() && ++count <= most)
       odd += fmt::format("{}'{}': {}", odd.empty() ? "" : "; ", named.name, what);
+  if (count > most) odd += fmt::format("; and {} more", count - most);
   return odd;
 }
 

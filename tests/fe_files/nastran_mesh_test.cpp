@@ -412,6 +412,42 @@ TEST(NastranTies, EndsOfRodsGoWithTheBodyAcrossTheRod) {
   EXPECT_TRUE(said);
 }
 
+/// A mass that equations hold along x and y alone: along z it goes with the body, so that the body has its
+/// mass in all directions.
+TEST(NastranTies, MassesOnEquationsGoWithTheBodyWhereNoneHoldsThem) {
+  const SolidMesh mesh =
+      parse(
+          "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,1.,1.,0.\n"
+          "MAT1,1,1.,,.3,1.\nPSHELL,1,1,.1,1,,1\nCQUAD4,1,1,1,2,3,4\nCONM2,9,5,,5.\n"
+          "MPC,1,3,1,-1.,5,1,1.\nMPC,1,3,2,-1000.,5,2,1000.\n")
+          .mesh;
+  ASSERT_EQ(mesh.equations.size(), 3u);
+  const Equation& across = mesh.equations.back();
+  EXPECT_EQ(across.terms.front().node, 4);
+  EXPECT_EQ(across.terms.front().direction, 2);
+  for (int motion = 0; motion < 6; ++motion) {
+    const Vector3d shift = motion < 3 ? Vector3d(Vector3d::Unit(motion)) : Vector3d(Vector3d::Zero());
+    const Vector3d turn = motion < 3 ? Vector3d(Vector3d::Zero()) : Vector3d(Vector3d::Unit(motion - 3));
+    double sum = 0;
+    for (const LinearTerm& term : across.terms) sum += term.factor * rigid(mesh, term, shift, turn);
+    EXPECT_NEAR(sum, 0, 1e-12);
+  }
+}
+
+/// Rows of rods of any order, of thousands of nodes: the search for what they hang on is one for all.
+TEST(NastranTies, LongRowsOfRodsHangOnTheBody) {
+  constexpr int count = 3000;
+  std::string text =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nMAT1,1,1.,,.3,1.\n"
+      "PSHELL,1,1,.1,1,,1\nCQUAD4,1,1,1,2,3,4\nPROD,3,1,2.,1.\nPBUSH,7,K,,,,1.\n";
+  for (int k = 1; k <= count; ++k) text += fmt::format("GRID,{},,0.,0.,-{}.\n", 4 + k, k);
+  for (int k = count; k > 1; --k) text += fmt::format("CROD,{},3,{},{}\n", 10 + k, 4 + k, 3 + k);
+  text += "CROD,5,3,1,5\nCBUSH,6,7,1,5,,,,0\n";
+  const SolidMesh mesh = parse(text).mesh;
+  EXPECT_EQ(mesh.equations.size(), 2u * count);
+  for (const Equation& equation : mesh.equations) EXPECT_GE(equation.terms.front().node, 4);
+}
+
 TEST(NastranTies, CoverWhatTheirCardsSay) {
   const SolidMesh mesh =
       parse(
@@ -534,6 +570,25 @@ TEST(NastranLaminates, HaveTheStiffnessOfTheirPlies) {
   expect("PCOMPG,1,,,,,,,\n,1,5,1.-3,30.\n,2,5,1.-3,-60.\n", {30, -60});
 }
 
+/// As MID3 a MAT2 holds the stiffness against transverse shear in G11, G12 and G22.
+TEST(NastranLaminates, TransverseShearOfItsOwnMaterial) {
+  const SolidMesh mesh = parse(
+                             "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\n"
+                             "CQUAD4,1,1,1,2,3,4\nPSHELL,1,1,.1,1,,2,.5\nMAT1,1,2.6,,.3,1.\n"
+                             "MAT2,2,3.,.5,,7.\n")
+                             .mesh;
+  double zx = 0, yz = 0, both = 0;
+  for (const ElementGroup& group : mesh.groups) {
+    const auto& C = mesh.materials[static_cast<std::size_t>(group.material)].elastic.value();
+    zx += 5.0 / 6 * group.thickness * C(5, 5);
+    yz += 5.0 / 6 * group.thickness * C(4, 4);
+    both += 5.0 / 6 * group.thickness * C(4, 5);
+  }
+  EXPECT_NEAR(zx, .5 * .1 * 3, 1e-15);
+  EXPECT_NEAR(yz, .5 * .1 * 7, 1e-15);
+  EXPECT_NEAR(both, .5 * .1 * .5, 1e-15);
+}
+
 TEST(NastranLaminates, SandwichesBendByTheirFaces) {
   const SolidMesh mesh =
       parse(
@@ -591,6 +646,27 @@ TEST(NastranMesh, SaysWhatItLeavesOut) {
   EXPECT_THAT(warned("CGAP,2,1,1,2\nCGAP,3,1,1,2\n"), HasSubstr("deck.bdf:8:1: gaps are left out"));
   EXPECT_THAT(warned("SPC,2,1,123\n"), HasSubstr("a body is free"));
   EXPECT_THAT(warned("NEWCARD,2\n"), HasSubstr("NEWCARD is not read"));
+}
+
+TEST(NastranMesh, ConstraintsOfGridsAreASet) {
+  const ImportedMesh read = parse(
+      "GRID,1,,0.,0.,0.,,123\nGRID,2,,1.,0.,0.,,0\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.,,456\n"
+      "CTETRA,1,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n");
+  ASSERT_EQ(read.mesh.node_sets.front().name, "GRID:PS");
+  EXPECT_THAT(read.mesh.node_sets.front().nodes, ElementsAre(0, 3));
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_THAT(to_string(read.warnings[0]), HasSubstr("deck.bdf:1:1: constraints of GRID (PS)"));
+}
+
+/// Free field goes on behind blanks and a comma, and replication counts up from a blank field as from zero.
+TEST(NastranMesh, FreeFieldIsReadAsPeopleWriteIt) {
+  const SolidMesh mesh =
+      parse(
+          "CORD2R,1,,0.,0.,0.,0.,0.,1.,\n      , 1., 0., 0.\nGRID,1,1,0.,0.,0.\n=,*(1),=,*(1.),=,=,*(1)\n"
+          "GRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n")
+          .mesh;
+  EXPECT_EQ(mesh.labels[1], 2);
+  EXPECT_LT((mesh.nodes.col(1) - Vector3d(1, 0, 0)).norm(), 1e-15);
 }
 
 TEST(NastranMesh, WithoutElementsIsNone) {

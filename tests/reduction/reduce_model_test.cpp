@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -212,6 +213,18 @@ TEST(ReduceModel, CertificateSuspectsOddMaterials) {
   EXPECT_THAT(said({210, 0.3, 7850}), testing::HasSubstr("GPa"));
   EXPECT_THAT(said({2.1e5, 0.3, 7850}), testing::HasSubstr("MPa"));  // too soft to be so dense
   EXPECT_THAT(said({2.1e11, 0.3, 7.85e-9}), testing::HasSubstr("t/mm³"));
+}
+
+/// A laminate has hundreds of layers: the first few name what is odd.
+TEST(ReduceModel, CertificateListsTheFirstOddMaterials) {
+  fe::SolidMesh mesh = block(fe::ElementType::hex8, {1, 0.1, 0.1}, {4, 1, 1}, {210, 0.3, 7850});
+  for (int k = 0; k < 20; ++k) mesh.materials.push_back({fmt::format("layer {}", k), {70, 0.3, 2700}, {}});
+  for (const Check& c : fe::check_matrices(mesh, fe::assemble(mesh)))
+    if (c.name == "materials") {
+      EXPECT_FALSE(c.passed);
+      EXPECT_THAT(c.detail, testing::AllOf(testing::HasSubstr("'layer 3'"), testing::HasSubstr("and 16 more"),
+                                           testing::Not(testing::HasSubstr("'layer 4'"))));
+    }
 }
 
 /// A mesh that was brought to metres, but its material in MPa and t/mm³: the mesh is not to blame.
