@@ -113,6 +113,26 @@ std::vector<int> loose_rotations(const FeMatrices& matrices) {
   return rows;
 }
 
+/// Rows of rotations without mass.
+std::vector<Index> massless_rotations(const FeMatrices& matrices) {
+  std::vector<Index> rows;
+  const Eigen::VectorXd mass = matrices.mass.diagonal();
+  // Matrices of other programs stay as they are, and sizes that do not fit are refused later.
+  if (!matrices.of_mesh || mass.size() != static_cast<Index>(matrices.dofs.size())) return rows;
+  for (Index r = 0; r < mass.size(); ++r)
+    if (matrices.dofs[static_cast<std::size_t>(r)].direction >= 3 && mass[r] == 0) rows.push_back(r);
+  return rows;
+}
+
+/// Bars without mass between nodes of solids turn about themselves: no stiffness and no mass. A trace of the
+/// stiffness that their rotations have, by which no frequency changes, keeps the matrices positive.
+void keep_positive(FeMatrices& matrices) {
+  constexpr double trace = 1e-11;
+  for (const Index r : massless_rotations(matrices))
+    if (const double own = matrices.stiffness.coeff(r, r); own > 0)
+      matrices.stiffness.coeffRef(r, r) += trace * own;
+}
+
 /// A sum of displacements by rows.
 using Sum = std::map<int, double>;
 
@@ -289,7 +309,9 @@ bool has_constraints(const SolidMesh& mesh) {
   return !mesh.equations.empty() || !mesh.rigid_elements.empty() || !mesh.mean_elements.empty();
 }
 
-bool has_loose_rotations(const FeMatrices& matrices) { return !loose_rotations(matrices).empty(); }
+bool has_loose_rotations(const FeMatrices& matrices) {
+  return !loose_rotations(matrices).empty() || !massless_rotations(matrices).empty();
+}
 
 std::vector<Equation> all_equations(const SolidMesh& mesh, const std::vector<Dof>& dofs) {
   std::vector<Equation> equations = mesh.equations;
@@ -344,13 +366,17 @@ FeMatrices constrain(const SolidMesh& mesh, const FeMatrices& matrices,
     entries.emplace_back(static_cast<int>(r), static_cast<int>(kept.size()), 1.0);
     kept.push_back(dof);
   }
-  if (kept.size() == result.dofs.size()) return result;
+  if (kept.size() == result.dofs.size()) {
+    keep_positive(result);
+    return result;
+  }
   SparseMatrix<double> choice(static_cast<Index>(result.dofs.size()), static_cast<Index>(kept.size()));
   choice.setFromTriplets(entries.begin(), entries.end());
   result.expansion = SparseMatrix<double>(result.expansion * choice);
   result.mass = projected(result.mass, choice);
   result.stiffness = projected(result.stiffness, choice);
   result.dofs = std::move(kept);
+  keep_positive(result);
   return result;
 }
 

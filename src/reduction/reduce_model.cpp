@@ -125,6 +125,18 @@ void add_surface(const SolidMesh& mesh, const FeMatrices& matrices, const Matrix
   }
 }
 
+/// Stiffness plus `shift` times the mass. Rotations of an interface's nodes that have neither get a
+/// stiffness: it touches nothing else.
+SparseMatrix<double> shifted(const FeMatrices& matrices, double shift) {
+  constexpr double nothing = 1e-15;
+  SparseMatrix<double> sum = matrices.stiffness + shift * matrices.mass;
+  const VectorXd mass = matrices.mass.diagonal(), stiffness = matrices.stiffness.diagonal();
+  const double largest = stiffness.maxCoeff();
+  for (Index row = 0; row < sum.rows(); ++row)
+    if (mass[row] == 0 && std::abs(stiffness[row]) <= nothing * largest) sum.coeffRef(row, row) += largest;
+  return sum;
+}
+
 /// Elastic modes of the free model, and how well the reduced body has them.
 void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, const MatrixXd& R,
                     const MatrixXd& shapes, double scale, ReductionResult& result) {
@@ -135,7 +147,7 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
   pencil.size = matrices.stiffness.rows();
   pencil.shift = -shift;
   const LargeFactor factor(
-      SparseMatrix<double>(matrices.stiffness + shift * matrices.mass),
+      shifted(matrices, shift),
       "stiffness plus mass is not positive definite: the matrices are not those of an elastic body");
   pencil.solve = [&](const MatrixXd& b) { return factor.solve(b); };
   pencil.mass = [&](const MatrixXd& x) { return symmetric_times(matrices.mass, x); };

@@ -12,6 +12,7 @@
 #include "fe_files/nastran.h"
 #include "fe_files/nastran_model.h"
 #include "math/decompositions.h"
+#include "mimbre/fe_reduce.h"
 
 namespace mimbre::fe {
 namespace {
@@ -446,6 +447,46 @@ TEST(NastranTies, LongRowsOfRodsHangOnTheBody) {
   const SolidMesh mesh = parse(text).mesh;
   EXPECT_EQ(mesh.equations.size(), 2u * count);
   for (const Equation& equation : mesh.equations) EXPECT_GE(equation.terms.front().node, 4);
+}
+
+/// Lowest free frequencies of a brick with `more`, held at two nodes amid.
+Eigen::VectorXd free_frequencies(const std::string& more, const std::vector<int>& interface) {
+  std::string text = "MAT1,1,2.1E11,,.3,7800.\nPSOLID,1,1\nMAT1,2,2.1E11,,.3\nPROD,5,2,1.E-4\n";
+  for (int k = 0; k < 12; ++k)
+    text += fmt::format("GRID,{},,{},{},{}\n", k + 1, (k % 4 == 1 || k % 4 == 2) ? "1." : "0.",
+                        k % 4 > 1 ? "1." : "0.", fmt::format("{}.", k / 4));
+  for (int k = 0; k < 2; ++k)
+    text += fmt::format("CHEXA,{},1,{},{},{},{},{},{},\n,{},{}\n", k + 1, 4 * k + 1, 4 * k + 2, 4 * k + 3,
+                        4 * k + 4, 4 * k + 5, 4 * k + 6, 4 * k + 7, 4 * k + 8);
+  const SolidMesh mesh = parse(text + more).mesh;
+  ModelReduction options;
+  options.interfaces.resize(1);
+  options.interfaces[0].name = "base";
+  options.interfaces[0].nodes = interface;
+  options.interfaces[0].point = mesh.nodes.col(interface[0]);
+  options.dynamic_modes = 2;
+  options.free_modes = 4;
+  return reduce(mesh, assemble(mesh), options).free_frequencies;
+}
+
+/// A bar without mass between nodes of solids turns about itself without stiffness; it is a rod then,
+/// whatever holds the body.
+TEST(NastranTies, BarsThatTurnAboutThemselvesAreRods) {
+  const Eigen::VectorXd rod = free_frequencies("CROD,9,5,1,7\n", {4, 5, 6});
+  for (const std::vector<int>& interface : {std::vector<int>{4, 5, 6}, {0, 1, 2}, {6, 9, 10}}) {
+    const Eigen::VectorXd bar =
+        free_frequencies("PBAR,6,2,1.E-4,1.E-9,2.E-9,3.E-9\nCBAR,9,6,1,7,.3,-1.,.1\n", interface);
+    ASSERT_EQ(bar.size(), rod.size());
+    for (Eigen::Index k = 0; k < rod.size(); ++k) EXPECT_NEAR(bar[k] / rod[k], 1, 1e-9) << k;
+  }
+}
+
+/// The interface's nodes have a rotation that nothing resists and that has no mass.
+TEST(NastranTies, InterfacesMayHaveRotationsWithoutStiffness) {
+  const Eigen::VectorXd rod = free_frequencies("CROD,9,5,1,5\n", {0, 1, 2}),
+                        bar = free_frequencies("PBAR,6,2,1.E-4,1.E-9,2.E-9\nCBAR,9,6,1,5,1.,0.,0.\n",
+                                               {0, 1, 2});
+  for (Eigen::Index k = 0; k < rod.size(); ++k) EXPECT_NEAR(bar[k] / rod[k], 1, 1e-9) << k;
 }
 
 TEST(NastranTies, CoverWhatTheirCardsSay) {
