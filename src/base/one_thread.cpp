@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
+
 #include "mimbre/threads.h"
 
 namespace mimbre {
@@ -26,6 +28,22 @@ const Settings& settings() {
   return all;
 }
 
+/// OpenBLAS picks its kernels by the processor when it is loaded, and their sums differ in the last bits. It
+/// reads the name of a processor from the environment, but then alone: so it starts again.
+void use_the_kernels_of_the_baseline() {
+  static constexpr const char* variable = "OPENBLAS_CORETYPE";
+  auto* const end = found<void()>("gotoblas_dynamic_quit");
+  auto* const start = found<void()>("gotoblas_dynamic_init");
+  if (!end || !start || std::getenv(variable)) return;
+#ifdef __x86_64__
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return;
+  ::setenv(variable, "Haswell", 1);
+  end();
+  start();
+  ::unsetenv(variable);
+#endif
+}
+
 }  // namespace
 
 OneThread::OneThread() {
@@ -47,6 +65,7 @@ void use_one_blas_thread() {
   if (auto* const set = found<void(int)>("openblas_set_num_threads")) set(1);
   // They come back where somebody asks for more.
   if (auto* const end = found<int()>("blas_thread_shutdown_")) end();
+  use_the_kernels_of_the_baseline();
   if (auto* const set = found<void(int)>("MKL_Set_Num_Threads")) set(1);
   if (auto* const set = found<void(int)>("omp_set_max_active_levels")) set(0);
 }

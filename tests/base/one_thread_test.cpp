@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <thread>
 #include <vector>
@@ -98,6 +99,17 @@ TEST(OneThread, IsTheOnlyOneOnceAProcessAsksForIt) {
   }
   EXPECT_EQ(factorise(), x);
   EXPECT_TRUE(test::comes_true([] { return threads() == 1; }));
+}
+
+/// Sums of kernels for other processors differ in the last bits.
+TEST(OneThread, UsesTheKernelsOfTheBaseline) {
+  auto* const core = found<char*()>("openblas_get_corename");
+  if (!core || !found<void()>("gotoblas_dynamic_init")) GTEST_SKIP() << "no OpenBLAS with kernels to choose";
+  if (!__builtin_cpu_supports("avx2") || std::getenv("OPENBLAS_CORETYPE"))
+    GTEST_SKIP() << "no AVX2, or chosen";
+  use_one_blas_thread();
+  EXPECT_STREQ(core(), "Haswell");
+  EXPECT_EQ(std::getenv("OPENBLAS_CORETYPE"), nullptr);
 }
 
 }  // namespace
