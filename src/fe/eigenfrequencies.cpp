@@ -11,6 +11,7 @@
 #include "fe/beam_element.h"
 #include "fe/lowest_modes.h"
 #include "fe/rigid_motion.h"
+#include "math/elementary.h"
 #include "mimbre/fe.h"
 
 namespace mimbre::fe {
@@ -41,7 +42,7 @@ double rigid_motion_shift(const Mesh& mesh, const Matrices& matrices) {
   const Eigen::ArrayXd masses = matrices.mass.diagonal();
   const Eigen::ArrayXd stiffnesses = matrices.stiffness.diagonal();
   const double highest = (masses > 0).select(stiffnesses / masses, 0.0).maxCoeff();
-  return -std::max(softest * std::pow(std::numbers::pi / length, 4), 1e-12 * highest);
+  return -std::max(softest * mimbre::pow(std::numbers::pi / length, 4), 1e-12 * highest);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "fe/quadrature.h"
 #include "fe/solid_element.h"
 #include "math/decompositions.h"
+#include "math/elementary.h"
 
 namespace mimbre::fe {
 namespace {
@@ -293,7 +294,7 @@ ShellMatrix curved_drilling_mass(const ShellGeometry& shell, double density) {
   const ShellNodes normals = node_normals(shell);
   const Index dofs = 6 * shell.nodes.cols();
   ShellMatrix mass = ShellMatrix::Zero(dofs, dofs);
-  const double inertia = density * std::pow(shell.thickness, 3) / 12;
+  const double inertia = density * mimbre::pow(shell.thickness, 3) / 12;
   for (const IntegrationPoint& q : full_rule(shell)) {
     const ShellPoint p = point_at(shell, normals, q.at.x(), q.at.y(), shell.offset);
     const DrillingRow drilling = drilling_row(p, normals);

@@ -8,6 +8,7 @@
 #include "fe/shell_bending.h"
 #include "fe/shell_membrane.h"
 #include "math/cross_matrix.h"
+#include "math/elementary.h"
 
 namespace mimbre::fe {
 namespace {
@@ -139,7 +140,8 @@ ShellMatrix flat_drilling_mass(const ShellGeometry& geometry, double density) {
     rotation.segment<3>(6 * a) = 0.5 * axes.col(2).cross(gradient).transpose();
   }
   ShellMatrix mass = ShellMatrix::Zero(6 * count, 6 * count);
-  const double inertia = density * std::pow(geometry.thickness, 3) / 12 * area / static_cast<double>(count);
+  const double inertia =
+      density * mimbre::pow(geometry.thickness, 3) / 12 * area / static_cast<double>(count);
   for (Eigen::Index a = 0; a < count; ++a) {
     Eigen::RowVectorXd drilling = -rotation;
     drilling.segment<3>(6 * a + 3) += axes.col(2).transpose();

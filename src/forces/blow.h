@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "math/choice.h"
+#include "math/elementary.h"
 
 /// The force of a blow at the depth d: f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl. Mech.
 /// 42, 1975), which never pulls. With c = a/v₀, v₀ the speed of the blow, a body alone leaves with exactly
@@ -19,7 +20,7 @@ struct Push {
 /// k, n, e; `d`: depth, `speed`: at which it grows, `factor`: c.
 template <class T>
 Push<T> push(const T& k, const T& n, const T& e, const T& d, const T& speed, const T& factor) {
-  using std::pow;
+  using mimbre::pow;
   const T none(0);
   const auto touches = d > none;
   if (!any(touches)) return {none, none, none, none};

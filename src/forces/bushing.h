@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "forces/element.h"
+#include "math/elementary.h"
 
 /// A bushing between two frames: six components by a stiffness and a damping matrix, or by a law for each,
 /// and branches of a spring in row with a damper for rubber, whose stiffness depends on the frequency.
@@ -40,7 +41,7 @@ inline double form(const double* matrix, const double* x) {
 /// evenly.
 template <class T>
 T held(double step, const T& relaxation) {
-  using std::expm1;
+  using mimbre::expm1;
   const T r = step / relaxation;
   return select(r > T(0), T(-expm1(-r) / r), T(1));
 }
@@ -49,7 +50,7 @@ T held(double step, const T& relaxation) {
 template <class T>
 void bushing_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace bushing;
-  using std::exp;
+  using mimbre::exp;
   const T* p = c.numbers();
   for (int k = 0; k < 6; ++k) s.force[k] = T(0);
   for (int k = 0; k < 36; ++k) {
@@ -99,7 +100,7 @@ inline void bushing_energy(const LawContext<double>& c, const ElementState<doubl
     e.stored += 0.5 * form(branch, now);
     if (c.step <= 0) continue;
     // ∫ eᵀ K e dt/τ of the damper: e goes from what it was towards g, at which an even rate would hold it.
-    const double r = c.step / branch[36], lost = -std::expm1(-r), *before = start + 6 * (1 + b);
+    const double r = c.step / branch[36], lost = -mimbre::expm1(-r), *before = start + 6 * (1 + b);
     double g[6], off[6], pull[6] = {};
     for (int k = 0; k < 6; ++k) {
       g[k] = (s.x[k] - start[k]) / r;

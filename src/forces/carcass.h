@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "forces/element.h"
+#include "math/elementary.h"
 
 /// The footprint of a tyre behind its carcass. The carcass is a spring with a damper along and across; the
 /// footprint slips behind it by a law of friction. In series they give all that a tyre does over time: on the
@@ -34,7 +35,7 @@ struct Held {
 
 template <class T>
 Held<T> hold(const Patch<T>& patch) {
-  using std::abs, std::pow, std::sqrt;
+  using std::abs, mimbre::pow, std::sqrt;
   const auto some = [](const T& x) { return select(x > T(1e-300), x, T(1e-300)); };
   const auto length = [](const T& a, const T& b) { return T(sqrt(a * a + b * b + T(1e-300))); };
   const T limit = some(patch.limit);

@@ -5,6 +5,7 @@
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
+#include "math/elementary.h"
 
 /// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
 /// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
@@ -111,7 +112,7 @@ blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
 template <class T>
 void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace contact;
-  using std::abs, std::exp;
+  using std::abs, mimbre::exp;
   namespace states = contact_states;
   using Vector2 = Eigen::Matrix<T, 2, 1>;
   const int n = s.count;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "forces/element.h"
+#include "math/elementary.h"
 
 /// Dry friction on a joint's coordinate, with sticking. Bristles, springs with dampers, hold the surfaces
 /// together until their force reaches the limit; then the surfaces slide and the bristles stay bent. That is
@@ -29,7 +30,7 @@ struct Bristles {
 
 template <class T>
 Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
-  using std::exp;
+  using mimbre::exp;
   const T* p = c.numbers();
   const T* before = c.states + c.element.own_states;
   const T given = c.argument(0), level = select(given > T(0), given, T(0));

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "forces/element.h"
+#include "math/elementary.h"
 
 /// A gas spring: a piston on an enclosed gas, which pushes its ends apart, against the ambient pressure. The
 /// gas changes by p Vⁿ = constant, n from 1 (slowly, as warm as its surroundings) to 1.4 (fast, of air).
@@ -19,7 +20,7 @@ struct Gas {
 };
 template <class T>
 Gas<T> gas(const T* p, const T& x) {
-  using std::pow;
+  using mimbre::pow;
   const T asked = p[gas_length] + (x - p[length]), least = shortest * p[gas_length];
   const auto free = asked > least;
   const T column = select(free, asked, least);
@@ -45,7 +46,7 @@ inline void gas_spring_energy(const LawContext<double>& c, const ElementState<do
   const Gas<double> g = gas(p, s.x[0]);
   const double n = p[exponent], whole = p[gas_length], ratio = g.column / whole;
   // ∫ p dV, by its logarithm where n is 1.
-  const double work = std::abs(n - 1) < 1e-9 ? std::log(ratio) : (std::pow(ratio, 1 - n) - 1) / (1 - n);
+  const double work = std::abs(n - 1) < 1e-9 ? mimbre::log(ratio) : (mimbre::pow(ratio, 1 - n) - 1) / (1 - n);
   const double held = s.x[0] - p[length] - (g.column - whole);  // beyond the end of the gas
   e.stored = -p[area] * (p[pressure] * whole * work - p[ambient] * (g.column - whole)) - g.force * held;
   e.dissipating[0] = p[damping] * s.v[0];

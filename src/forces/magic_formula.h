@@ -2,6 +2,7 @@
 #include "forces/magic/longitudinal.h"
 #include "forces/magic/moments.h"
 #include "forces/magic/vertical.h"
+#include "math/elementary.h"
 
 /// The Magic Formula of tyres, MF-Tyre 5.2, 6.1 and 6.2: forces and moments of steady slip between a wheel
 /// and the road. Turn slip is left out. (What the numbers are: tyre_files/magic_numbers.h.)
@@ -23,8 +24,8 @@ namespace magic {
 /// their own, with numbers PTX and PTY.
 template <class T>
 void relaxation(const Terms<T>& t, MagicOutput<T>& out) {
-  using std::exp;
-  using std::sin;
+  using mimbre::exp;
+  using mimbre::sin;
   const T* n = t.n;
   const auto stiffness = [&](Number nominal, Number first, Number second, Number pressure) {
     const T C =

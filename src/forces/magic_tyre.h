@@ -7,6 +7,7 @@
 #include "forces/element.h"
 #include "forces/magic_formula.h"
 #include "forces/measure_wheel.h"
+#include "math/elementary.h"
 
 /// A tyre by the Magic Formula, which knows forces of steady slip. The slip is that of a brush behind a
 /// carcass (forces/carcass.h) with the slip stiffnesses, the relaxation lengths and the friction of the
@@ -64,7 +65,7 @@ void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
 template <class T>
 void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace magic_tyre;
-  using std::abs, std::atan2, std::sqrt;
+  using std::abs, mimbre::atan2, std::sqrt;
   const T* n = c.numbers() + formula;
   for (int k = 0; k < s.count; ++k) s.force[k] = T(0);
   for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = T(0);

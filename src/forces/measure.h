@@ -12,6 +12,7 @@
 #include "forces/motion.h"
 #include "joints/kernels.h"
 #include "joints/table.h"
+#include "math/elementary.h"
 #include "math/function_values.h"
 #include "model/force_laws.h"
 
@@ -100,7 +101,7 @@ void measure_axis(const ElementData& e, const Motion<T>& a, const Motion<T>& b, 
     s.set_angular(0, Vec3<T>::Zero());
     return;
   }
-  using std::atan2, std::round;
+  using mimbre::atan2, std::round;
   const Mat3<T> turned = a.rotation.transpose() * b.rotation * e.rotation.transpose().template cast<T>();
   const Vec3<T> vee(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0), turned(1, 0) - turned(0, 1));
   constexpr double turn = 2 * std::numbers::pi;

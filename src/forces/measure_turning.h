@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "forces/element.h"
+#include "math/elementary.h"
 #include "model/force_laws.h"
 
 /// How far frame b has turned against frame a, as three numbers that grow through any number of turns.
@@ -56,7 +57,7 @@ Turned<T> select(const Condition& condition, const Turned<T>& a, const Turned<T>
 /// The rotation vector, of any length below a full turn.
 template <class T>
 Turned<T> by_vector(const Quat<T>& p) {
-  using std::atan2, std::sqrt;
+  using mimbre::atan2, std::sqrt;
   const Vec3<T> v(p[1], p[2], p[3]);
   const T square = v.squaredNorm();
   const Vec3<T> theta = choose(
@@ -72,7 +73,7 @@ Turned<T> by_vector(const Quat<T>& p) {
 /// at `size`: half a turn, and what a step went beyond that.
 template <class T>
 T last_coefficient(const T& size) {
-  using std::sin;
+  using mimbre::sin;
   constexpr double most = 4;
   const T half = T(0.5) * mimbre::select(size < T(most), size, T(most)), sine = sin(half), u = sine * sine;
   return (half / sine - T(1) - u * (T(1. / 6) + T(3. / 40) * u)) / (u * u * u);
@@ -81,7 +82,7 @@ T last_coefficient(const T& size) {
 /// `wound`: the rotation vector at which the axis was kept; `before`: τ when the step started.
 template <class T>
 Turned<T> about_axis(const Quat<T>& p, const Vec3<T>& wound, const T& before, T& tau) {
-  using std::atan2, std::round, std::sqrt;
+  using mimbre::atan2, std::round, std::sqrt;
   constexpr double period = 4 * std::numbers::pi;  // of a quaternion
   const T size = sqrt(wound.squaredNorm()), last = last_coefficient(size);
   const Vec3<T> n = wound / size, v(p[1], p[2], p[3]);
@@ -129,7 +130,7 @@ inline double tilt(const double* states) {
   const Vec3d wound(states[kept], states[kept + 1], states[kept + 2]);
   if (!(wound.squaredNorm() > 0)) return 0;
   const Vec3d n = wound.normalized(), v(states[1], states[2], states[3]);
-  return 2 * std::asin(std::min(1.0, n.cross(v).norm()));
+  return 2 * mimbre::asin(std::min(1.0, n.cross(v).norm()));
 }
 }  // namespace turning
 

@@ -4,6 +4,7 @@
 #include "forces/element.h"
 #include "forces/motion.h"
 #include "forces/road_surface.h"
+#include "math/elementary.h"
 
 /// A wheel as a circle that rolls on a road. Its axes at the contact are those of ISO 8855: x forwards, along
 /// the road, in the plane of the wheel; y to the left; z the normal of the road. The axis of the wheel points
@@ -68,7 +69,7 @@ T loaded_radius(const ElementData& e, const T& x) {
 /// rates; 0 of a wheel that did not stand. `before`: the states then.
 template <class T>
 std::array<T, 2> gone(const ElementData& e, const T* before, const ElementState<T>& s) {
-  using std::atan2;
+  using mimbre::atan2;
   const auto vector = [](const T* p) { return Vec3<T>(p[0], p[1], p[2]); };
   const Vec3<T> t = s.linear_of(forth), side = s.linear_of(across), up = t.cross(s.angular_of(rolling)),
                 spoke = vector(s.states + down), was = vector(before + down);
@@ -91,7 +92,7 @@ template <class T>
 void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T>& origin, const Motion<T>& b,
                    const T* signals, ElementState<T>& s) {
   using namespace wheel;
-  using std::atan2, std::sqrt;
+  using mimbre::atan2, std::sqrt;
   const Vec3<T> axis = b.rotation * e.direction.template cast<T>();
   const Vec3<T> centre = b.position + origin;
   const T radius(e.radius);

@@ -1,4 +1,5 @@
 #pragma once
+#include "math/elementary.h"
 #include "math/rotation.h"
 
 namespace mimbre {
@@ -29,7 +30,7 @@ struct JointMotion {
 /// Rotation about z.
 template <class T>
 Mat3<T> rotation_z(const T& angle) {
-  using std::cos, std::sin;
+  using mimbre::cos, mimbre::sin;
   const T c = cos(angle), s = sin(angle);
   Mat3<T> r;
   r << c, -s, T(0), s, c, T(0), T(0), T(0), T(1);
@@ -39,7 +40,7 @@ Mat3<T> rotation_z(const T& angle) {
 /// Angle of a rotation about z, within ±π.
 template <class T>
 T turn_about_z(const Mat3<T>& rotation) {
-  using std::atan2;
+  using mimbre::atan2;
   return atan2(rotation(1, 0), rotation(0, 0));
 }
 

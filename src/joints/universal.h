@@ -1,12 +1,13 @@
 #pragma once
 #include "joints/motion.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 
 /// Rotation q0 about a's x, then q1 about b's y: R = Rx(q0) Ry(q1).
 template <class T>
 void universal_motion(const T* q, const T* v, JointMotion<T>& m) {
-  using std::cos, std::sin;
+  using mimbre::cos, mimbre::sin;
   const T c0 = cos(q[0]), s0 = sin(q[0]), c1 = cos(q[1]), s1 = sin(q[1]);
   m.rotation << c1, T(0), s1,  //
       s0 * s1, c0, -s0 * c1,   //
@@ -22,7 +23,7 @@ void universal_motion(const T* q, const T* v, JointMotion<T>& m) {
 /// The angles, within ±π: y stays at right angles to a's x, x at right angles to a's turned y.
 template <class T>
 void universal_coordinates(const Mat3<T>& rotation, const Vec3<T>&, T* q) {
-  using std::atan2;
+  using mimbre::atan2;
   q[0] = atan2(rotation(2, 1), rotation(1, 1));
   q[1] = atan2(rotation(0, 2), rotation(0, 0));
 }

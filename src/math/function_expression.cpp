@@ -9,6 +9,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "math/elementary.h"
+
 namespace mimbre {
 
 namespace {
@@ -53,37 +55,37 @@ double value_at(Op op, double x) {
     case Op::fourth:
       return x * x * x * x;
     case Op::sin:
-      return std::sin(x);
+      return mimbre::sin(x);
     case Op::cos:
-      return std::cos(x);
+      return mimbre::cos(x);
     case Op::tan:
-      return std::tan(x);
+      return mimbre::tan(x);
     case Op::asin:
-      return std::asin(x);
+      return mimbre::asin(x);
     case Op::acos:
-      return std::acos(x);
+      return mimbre::acos(x);
     case Op::atan:
-      return std::atan(x);
+      return mimbre::atan(x);
     case Op::sinh:
-      return std::sinh(x);
+      return mimbre::sinh(x);
     case Op::cosh:
-      return std::cosh(x);
+      return mimbre::cosh(x);
     case Op::tanh:
-      return std::tanh(x);
+      return mimbre::tanh(x);
     case Op::asinh:
-      return std::asinh(x);
+      return mimbre::asinh(x);
     case Op::acosh:
-      return std::acosh(x);
+      return mimbre::acosh(x);
     case Op::atanh:
-      return std::atanh(x);
+      return mimbre::atanh(x);
     case Op::log2:
-      return std::log2(x);
+      return mimbre::log2(x);
     case Op::log10:
-      return std::log10(x);
+      return mimbre::log10(x);
     case Op::ln:
-      return std::log(x);
+      return mimbre::log(x);
     case Op::exp:
-      return std::exp(x);
+      return mimbre::exp(x);
     case Op::sqrt:
       return std::sqrt(x);
     case Op::sign:
@@ -106,9 +108,9 @@ Taylor taylor_at(Op op, double x) {
     case Op::fourth:
       return {f, 4 * x * x * x, 12 * x * x};
     case Op::sin:
-      return {f, std::cos(x), -f};
+      return {f, mimbre::cos(x), -f};
     case Op::cos:
-      return {f, -std::sin(x), -f};
+      return {f, -mimbre::sin(x), -f};
     case Op::tan:
       return {f, 1 + f * f, 2 * f * (1 + f * f)};
     case Op::asin:
@@ -121,12 +123,12 @@ Taylor taylor_at(Op op, double x) {
       return {f, slope, -2 * x * slope * slope};
     }
     case Op::sinh:
-      return {f, std::cosh(x), f};
+      return {f, mimbre::cosh(x), f};
     case Op::cosh:
-      return {f, std::sinh(x), f};
+      return {f, mimbre::sinh(x), f};
     case Op::tanh: {
       // 1 − tanh² without cancellation.
-      const double slope = 1 / (std::cosh(x) * std::cosh(x));
+      const double slope = 1 / (mimbre::cosh(x) * mimbre::cosh(x));
       return {f, slope, -2 * f * slope};
     }
     case Op::asinh: {
@@ -164,30 +166,30 @@ Scalar unary(Op op, const Scalar& x) {
   return chain(taylor_at(op, value_of(x)), x);
 }
 
-double power(double a, double b) { return std::pow(a, b); }
+double power(double a, double b) { return mimbre::pow(a, b); }
 template <class Scalar>
 Scalar power(const Scalar& a, const Scalar& b) {
-  const double x = a.value, n = b.value, f = std::pow(x, n);
+  const double x = a.value, n = b.value, f = mimbre::pow(x, n);
   if (!varies(b) || x == 0) {
-    const double f1 = n == 0 ? 0 : n * std::pow(x, n - 1);
-    return chain({f, f1, n == 0 || n == 1 ? 0 : n * (n - 1) * std::pow(x, n - 2)}, a);
+    const double f1 = n == 0 ? 0 : n * mimbre::pow(x, n - 1);
+    return chain({f, f1, n == 0 || n == 1 ? 0 : n * (n - 1) * mimbre::pow(x, n - 2)}, a);
   }
   Scalar result = chain({f, f, f}, b * unary(Op::ln, a));  // exp(b ln a)
   result.value = f;
   return result;
 }
 
-double arc_tangent(double y, double x) { return std::atan2(y, x); }
+double arc_tangent(double y, double x) { return mimbre::atan2(y, x); }
 Gradient arc_tangent(const Gradient& y, const Gradient& x) {
   const double s = x.value * x.value + y.value * y.value;
-  return {std::atan2(y.value, x.value), (x.value * y.by_first - y.value * x.by_first) / s,
+  return {mimbre::atan2(y.value, x.value), (x.value * y.by_first - y.value * x.by_first) / s,
           (x.value * y.by_second - y.value * x.by_second) / s};
 }
 Jet arc_tangent(const Jet& y, const Jet& x) {
   const double s = x.value * x.value + y.value * y.value;
   const double first = (x.value * y.first - y.value * x.first) / s;
   return {
-      std::atan2(y.value, x.value), first,
+      mimbre::atan2(y.value, x.value), first,
       (x.value * y.second - y.value * x.second - 2 * (x.value * x.first + y.value * y.first) * first) / s};
 }
 

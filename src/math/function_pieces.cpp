@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "math/elementary.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {
@@ -176,7 +177,7 @@ std::vector<double> monotone_slopes(const std::vector<double>& h, const std::vec
   for (std::size_t i = 0; i < n; ++i) {
     if (d[i] == 0) continue;  // both slopes are zero already
     const double a = slope[i] / d[i], b = slope[i + 1] / d[i];
-    const double length = std::hypot(a, b);
+    const double length = mimbre::hypot(a, b);
     if (length <= 3) continue;
     slope[i] = 3 / length * a * d[i];
     slope[i + 1] = 3 / length * b * d[i];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/choice.h"
+#include "math/elementary.h"
 
 /// Several numbers that a kernel handles at once as if they were one: each lane is a mechanism of its own.
 namespace mimbre {
@@ -84,19 +85,19 @@ struct Pack {
     return each([](double x) { return std::sqrt(x); }, a);
   }
   friend Pack sin(const Pack& a) {
-    return each([](double x) { return std::sin(x); }, a);
+    return each([](double x) { return mimbre::sin(x); }, a);
   }
   friend Pack cos(const Pack& a) {
-    return each([](double x) { return std::cos(x); }, a);
+    return each([](double x) { return mimbre::cos(x); }, a);
   }
   friend Pack exp(const Pack& a) {
-    return each([](double x) { return std::exp(x); }, a);
+    return each([](double x) { return mimbre::exp(x); }, a);
   }
   friend Pack expm1(const Pack& a) {
-    return each([](double x) { return std::expm1(x); }, a);
+    return each([](double x) { return mimbre::expm1(x); }, a);
   }
   friend Pack log(const Pack& a) {
-    return each([](double x) { return std::log(x); }, a);
+    return each([](double x) { return mimbre::log(x); }, a);
   }
   friend Pack abs(const Pack& a) {
     return each([](double x) { return std::abs(x); }, a);
@@ -105,13 +106,13 @@ struct Pack {
     return each([](double x) { return std::round(x); }, a);
   }
   friend Pack atan2(const Pack& y, const Pack& x) {
-    return each([](double s, double c) { return std::atan2(s, c); }, y, x);
+    return each([](double s, double c) { return mimbre::atan2(s, c); }, y, x);
   }
   friend Pack pow(const Pack& base, const Pack& exponent) {
-    return each([](double b, double e) { return std::pow(b, e); }, base, exponent);
+    return each([](double b, double e) { return mimbre::pow(b, e); }, base, exponent);
   }
   friend Pack hypot(const Pack& y, const Pack& x) {
-    return each([](double a, double b) { return std::hypot(a, b); }, y, x);
+    return each([](double a, double b) { return mimbre::hypot(a, b); }, y, x);
   }
   friend Mask<N> isfinite(const Pack& a) {
     return compare([](double x, double) { return std::isfinite(x); }, a, a);

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
+
 namespace mimbre {
 
 /// The damping of a blow: a force f(d) (1 + c ḋ) at the depth d with c = a/v₀, v₀ the speed of the blow,
@@ -13,7 +15,7 @@ inline double restitution_damping(double r) {
   // The difference falls from 0 first, and rises to infinity at 1/r. Newton's rule, between bounds.
   double low = 0, high = 1 / r, a = std::min(1.5 * (1 - r) / r, 0.5 * high);
   for (int k = 0; k < 100; ++k) {
-    const double f = std::log1p(a) - std::log1p(-a * r) - a * (1 + r);
+    const double f = mimbre::log1p(a) - mimbre::log1p(-a * r) - a * (1 + r);
     (f < 0 ? low : high) = a;
     const double slope = 1 / (1 + a) + r / (1 - a * r) - (1 + r), next = a - f / slope;
     const double taken = next > low && next < high ? next : 0.5 * (low + high);

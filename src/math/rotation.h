@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/choice.h"
+#include "math/elementary.h"
 #include "math/multiply_add.h"
 
 /// Rotations: small helpers over Eigen, for any scalar. Rotation vectors are in radians.
@@ -62,7 +63,7 @@ RotationSeries<T> select(const Condition& condition, const RotationSeries<T>& x,
 }
 template <class T>
 RotationSeries<T> rotation_series(const T& phi2) {
-  using std::cos, std::sin, std::sqrt;
+  using mimbre::cos, mimbre::sin, std::sqrt;
   const auto series = [&] {
     RotationSeries<T> s;
     const T x = phi2;
@@ -131,7 +132,7 @@ Quat<T> quaternion_product(const Quat<T>& p, const Quat<T>& q) {
 /// Unit quaternion of a rotation vector.
 template <class T>
 Quat<T> quaternion_exp(const Vec3<T>& theta) {
-  using std::cos, std::sqrt;
+  using mimbre::cos, std::sqrt;
   const T half2 = theta.squaredNorm() / T(4);
   const T s = rotation_series<T>(half2).sinc / T(2);
   Quat<T> q;
@@ -142,7 +143,7 @@ Quat<T> quaternion_exp(const Vec3<T>& theta) {
 /// Rotation vector (norm at most π) of a unit quaternion.
 template <class T>
 Vec3<T> quaternion_log(const Quat<T>& q) {
-  using std::atan2, std::sqrt;
+  using mimbre::atan2, std::sqrt;
   const Vec3<T> v(q[1], q[2], q[3]);
   const T n = v.norm();
   const T sign = select(q[0] < T(0), T(-1), T(1));

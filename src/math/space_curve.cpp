@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "math/elementary.h"
+
 namespace mimbre {
 namespace {
 
@@ -69,7 +71,7 @@ void add_directions(Knots& values, const std::vector<double>& spans, bool closed
   double left = 0;
   if (closed) {
     first = least_turn(tangents.back(), tangents[0]) * first;
-    left = std::atan2(tangents[0].dot(first.cross(start)), first.dot(start));
+    left = mimbre::atan2(tangents[0].dot(first.cross(start)), first.dot(start));
   }
   double at = 0;
   for (int k = 0; k < n; ++k) {

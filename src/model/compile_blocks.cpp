@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
 #include "model/block_types.h"
 
 namespace mimbre {
@@ -30,7 +31,7 @@ Realisation realise(const Eigen::RowVectorXd& numerator, const Eigen::RowVectorX
   b.tail(given) = numerator.tail(given) / denominator[zeros];
   double omega = 0;
   for (Eigen::Index k = 1; k <= n; ++k)
-    omega = std::max(omega, std::pow(std::abs(a[k]), 1.0 / static_cast<double>(k)));
+    omega = std::max(omega, mimbre::pow(std::abs(a[k]), 1.0 / static_cast<double>(k)));
   if (sampled || !(omega > 0)) omega = 1;
   Realisation r;
   r.A.setZero(n, n);

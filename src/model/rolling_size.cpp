@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "math/elementary.h"
 #include "model/force_laws.h"
 #include "tyre_files/magic_numbers.h"
 
@@ -13,7 +14,7 @@ namespace {
 RollingSize of_magic_tyre(const std::vector<double>& n) {
   using namespace forces::magic;
   const double radius = n[unloaded_radius], share = n[fnomin] / (n[vertical_stiffness] * radius);
-  return {n[dreff] * std::atan(n[breff]) + n[freff], radius * (0.671 * std::sqrt(share) + 0.733 * share)};
+  return {n[dreff] * mimbre::atan(n[breff]) + n[freff], radius * (0.671 * std::sqrt(share) + 0.733 * share)};
 }
 
 }  // namespace

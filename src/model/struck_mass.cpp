@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "math/elementary.h"
+
 namespace mimbre {
 namespace {
 
@@ -18,7 +20,7 @@ double lightness(const Compiled& m, const FrameData& frame, double stiffness) {
       b.inertia - b.mass * (centre.squaredNorm() * Mat3d::Identity() - centre * centre.transpose());
   Mat3d turning = Mat3d::Zero();
   bool invertible = false;
-  about_centre.computeInverseWithCheck(turning, invertible, 1e-9 * std::pow(about_centre.trace(), 3));
+  about_centre.computeInverseWithCheck(turning, invertible, 1e-9 * mimbre::pow(about_centre.trace(), 3));
   if (invertible) {
     Mat3d cross;
     cross << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;

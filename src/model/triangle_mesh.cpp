@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "math/elementary.h"
+
 namespace mimbre {
 namespace {
 
@@ -95,7 +97,7 @@ TriangleMesh triangle_mesh(const std::vector<Vec3d>& vertices, const std::vector
       const Vec3d &corner = vertices[at(t[at(k)])],
                   first = (vertices[at(t[at((k + 1) % 3)])] - corner).normalized(),
                   second = (vertices[at(t[at((k + 2) % 3)])] - corner).normalized();
-      const double angle = std::atan2(first.cross(second).norm(), first.dot(second));
+      const double angle = mimbre::atan2(first.cross(second).norm(), first.dot(second));
       normals[at(t[at(k)])] += angle * doubled_area(vertices, t).normalized();
     }
   const auto edges = edges_of(sorted);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/elementary.h"
 #include "model_file/builder.h"
 #include "reduction/material_oddity.h"
 
@@ -14,7 +15,7 @@ namespace {
 using std::numbers::pi;
 
 fe::Section ring(double outer, double inner) {
-  const double I = pi / 64 * (std::pow(outer, 4) - std::pow(inner, 4));
+  const double I = pi / 64 * (mimbre::pow(outer, 4) - mimbre::pow(inner, 4));
   fe::Section section{pi / 4 * (outer * outer - inner * inner), I, I, 2 * I};
   section.reach_y = section.reach_z = outer / 2;
   section.torsion_modulus = 2 * I / (outer / 2);
@@ -26,8 +27,9 @@ fe::Section ring(double outer, double inner) {
 /// largest shear stress, ibid., 3T/(a b²) (1 + 0.6095 r + 0.8865 r² − 1.8023 r³ + 0.91 r⁴), r = b/a.
 fe::Section rectangle(double width, double height) {
   const double a = std::max(width, height), b = std::min(width, height);
-  const double J = a * b * b * b * (1.0 / 3 - 0.21 * b / a * (1 - std::pow(b / a, 4) / 12));
-  fe::Section section{width * height, width * std::pow(height, 3) / 12, height * std::pow(width, 3) / 12, J};
+  const double J = a * b * b * b * (1.0 / 3 - 0.21 * b / a * (1 - mimbre::pow(b / a, 4) / 12));
+  fe::Section section{width * height, width * mimbre::pow(height, 3) / 12,
+                      height * mimbre::pow(width, 3) / 12, J};
   const double r = b / a;
   section.reach_y = width / 2;
   section.reach_z = height / 2;

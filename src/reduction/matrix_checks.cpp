@@ -8,6 +8,7 @@
 #include "fe/mass_points.h"
 #include "fe/node_label.h"
 #include "fe/skin.h"
+#include "math/elementary.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/material_oddity.h"
 #include "reduction/matrix_checks.h"
@@ -192,7 +193,7 @@ std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matri
     if (density > 0 && geometry.volume > 0) {
       const double relative = mass / (density * geometry.volume) - 1;
       const Vector3d moment(inertia(1, 5), inertia(2, 3), inertia(0, 4));  // m (x, y, z)
-      const double off = (moment / mass - geometry.centre).norm() / std::cbrt(geometry.volume);
+      const double off = (moment / mass - geometry.centre).norm() / mimbre::cbrt(geometry.volume);
       checks.push_back({"geometry", std::abs(relative) < 0.03 && off < 0.03,
                         fmt::format("the mass differs by {:.2g} % from density times the volume inside the "
                                     "skin's flat facets, the centre by {:.2g} % of its size",

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "forces/motion.h"
+#include "math/elementary.h"
 #include "signals/values.h"
 
 /// What signals see of the motion within an evaluation, and what follows from it.
@@ -13,7 +14,7 @@ template <class T, class Frame, class Measured, class Amplitudes>
 T sensor_value(const SensorData& s, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
                const Amplitudes& amplitudes) {
   using Kind = spec::Output::Kind;
-  using std::atan2, std::hypot;
+  using mimbre::atan2, mimbre::hypot;
   const auto shapes = [&] {
     if (s.shapes.empty()) return T(0);
     const T* y = amplitudes(s.body);

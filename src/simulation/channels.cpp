@@ -9,6 +9,7 @@
 #include "dynamics/amplitudes.h"
 #include "dynamics/relative/kinematics.h"
 #include "dynamics/relative/momentum.h"
+#include "math/elementary.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model/output_kinds.h"
@@ -422,15 +423,15 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
       return motion_of_mass(o, relative::momentum(m, w, mass_of, s.q.data(), s.v.data()), w.origin);
     case Kind::roll: {
       const Mat3d r = motion().rotation;
-      return std::atan2(r(2, 1), r(2, 2));
+      return mimbre::atan2(r(2, 1), r(2, 2));
     }
     case Kind::pitch: {
       const Mat3d r = motion().rotation;
-      return std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2)));
+      return mimbre::atan2(-r(2, 0), mimbre::hypot(r(2, 1), r(2, 2)));
     }
     case Kind::yaw: {
       const Mat3d r = motion().rotation;
-      return std::atan2(r(1, 0), r(0, 0));
+      return mimbre::atan2(r(1, 0), r(0, 0));
     }
     case Kind::joint_position:
       return joints_.coordinates(o.item, system, s).positions[o.component] + o.offset;

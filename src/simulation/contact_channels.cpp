@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "forces/element_ends.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 
@@ -19,7 +20,7 @@ ContactSum contact_sum(const Compiled& m, const relative::Workspace<double>& w, 
     if (!on_a && !on_b) continue;
     for (int i = 0; i < 3; ++i) sum.force += (on_b ? -c.force[i] : c.force[i]) * c.linear_of(i);
     sum.normal -= c.force[0];
-    sum.tangential += std::hypot(c.force[1], c.force[2]);
+    sum.tangential += mimbre::hypot(c.force[1], c.force[2]);
     sum.depth = std::max(sum.depth, -c.x[0]);
     ++sum.count;
   }

@@ -5,6 +5,7 @@
 
 #include "forces/contact.h"
 #include "forces/measure_wheel.h"
+#include "math/elementary.h"
 #include "math/rotation.h"
 #include "simulation/contact_sweep.h"
 
@@ -21,7 +22,7 @@ constexpr double share_of_depth = 0.1, share_at_ends = 0.02;
 double reach(const double* p, double mass, double speed) {
   namespace law = forces::contact;
   const double k = p[law::stiffness], n = p[law::exponent], e = p[law::depth];
-  return e * std::pow(0.5 * n * (n + 1) * mass * speed * speed / (k * e * e), 1 / (n + 1));
+  return e * mimbre::pow(0.5 * n * (n + 1) * mass * speed * speed / (k * e * e), 1 / (n + 1));
 }
 
 bool shows_blow(const double* p, double mass, const double* start, const ElementState<const double>& s,

@@ -12,6 +12,7 @@
 #include "dynamics/geometric.h"
 #include "dynamics/relative/forces.h"
 #include "dynamics/relative/kinematics.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const double* q, const double* v) {
@@ -183,7 +184,7 @@ EnergyMeter::Unresolved EnergyMeter::most_unresolved(double nothing) const {
       most = &store;
   if (!most) return {};
   // The energy of a vibration varies as sin² ωt: its second differences are 2 sin ωh times the first.
-  const double angle = std::asin(std::min(1.0, 0.5 * most->unresolved / most->exchanged));
+  const double angle = mimbre::asin(std::min(1.0, 0.5 * most->unresolved / most->exchanged));
   return {most->place, 2 * std::numbers::pi / angle, most->highest - most->lowest};
 }
 

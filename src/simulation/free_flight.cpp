@@ -6,6 +6,7 @@
 
 #include "dynamics/relative/shift.h"
 #include "joints/table.h"
+#include "math/elementary.h"
 #include "model/force_laws.h"
 
 namespace mimbre {
@@ -234,7 +235,7 @@ void FreeFlight::set_rates(const State& s, double h) {
         const Vec3d axis = turn.tail<3>();
         const double sine = axis.norm();
         Eigen::Map<Vec3d>(out + info.rotation) =
-            (sine > 0 ? 2 * std::atan2(sine, turn[0]) / sine : 2.0) / h * axis;
+            (sine > 0 ? 2 * mimbre::atan2(sine, turn[0]) / sine : 2.0) / h * axis;
       }
     }
     for (int k = 0; k < b.modes; ++k)

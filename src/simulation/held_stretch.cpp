@@ -7,6 +7,7 @@
 
 #include "dynamics/relative/system.h"
 #include "math/decompositions.h"
+#include "math/elementary.h"
 #include "simulation/validity_measures.h"
 
 namespace mimbre {
@@ -439,7 +440,7 @@ double HeldStretch::exaggeration(const Ratios& ratios) {
   const double right = 1 + ratios.spurious;
   // From above the root Newton's iterations come down to it.
   double share = right;
-  if (ratios.missing * right * right > 1) share = std::cbrt(right / ratios.missing);
+  if (ratios.missing * right * right > 1) share = mimbre::cbrt(right / ratios.missing);
   for (int k = 0; k < 40; ++k)
     share -=
         (share + ratios.missing * share * share * share - right) / (1 + 3 * ratios.missing * share * share);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "linalg/sparse_qr.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 namespace {
@@ -50,7 +51,7 @@ std::vector<Row> rows_of(relative::RelativeSystem& system, const State& s) {
 Eigen::VectorXd some_motion(const Compiled& m, const std::vector<Row>& rows, const ConstraintData* without) {
   Eigen::VectorXd any(m.velocities);
   for (int k = 0; k < m.velocities; ++k) {
-    const double x = std::sin(12.9898 * (k + 1)) * 43758.5453;
+    const double x = mimbre::sin(12.9898 * (k + 1)) * 43758.5453;
     any[k] = 0.5 + x - std::floor(x);
   }
   std::vector<Eigen::Triplet<double>> entries;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "linalg/sparse_qr.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 namespace {
@@ -95,7 +96,7 @@ std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, co
     // Of no rule, so that nothing cancels.
     Eigen::VectorXd shares(count);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const double x = std::sin(12.9898 * static_cast<double>(k + 1) + 78.233 * seed) * 43758.5453;
+      const double x = mimbre::sin(12.9898 * static_cast<double>(k + 1) + 78.233 * seed) * 43758.5453;
       shares[k] = 0.5 + x - std::floor(x);
     }
     const Eigen::VectorXd forces = jacobian.factor.cwiseProduct(qr.null_vector(shares));

@@ -7,6 +7,7 @@
 
 #include "dynamics/relative/momentum.h"
 #include "joints/table.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 namespace {
@@ -33,7 +34,7 @@ double change_of_rotation(Mechanism& mechanism, int body, const std::vector<int>
 
 /// Two digits, rounded down.
 double rounded_down(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
+  const double unit = mimbre::pow(10, std::floor(mimbre::log10(x)) - 1);
   return std::floor(x / unit) * unit;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "forces/measure_turning.h"
+#include "math/elementary.h"
 #include "simulation/names.h"
 
 namespace mimbre {
@@ -38,7 +39,7 @@ double TurnWatch::tilt_of(const ElementData& e, const relative::Workspace<double
   if (e.measure == Measure::axis) {
     const Vec3d in_a = work.frames[e.frame_a].rotation * e.direction,
                 in_b = work.frames[e.frame_b].rotation * (e.rotation.transpose() * e.direction);
-    return std::atan2(in_a.cross(in_b).norm(), in_a.dot(in_b));
+    return mimbre::atan2(in_a.cross(in_b).norm(), in_a.dot(in_b));
   }
   const ElementState<const double> s = element_state(e, work.elements.data());
   return std::max(turning::tilt(s.states + e.turns), turned_aside(s));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "forces/measure_wheel.h"
+#include "math/elementary.h"
 
 namespace mimbre {
 namespace {
@@ -67,7 +68,7 @@ void read_wheel(const ElementState<const double>& s, double* to) {
   for (int k = wheel::forth; k < s.count; ++k) *to++ = touches ? -s.force[k] : 0;
   const double speed = std::max(std::abs(s.surroundings[wheel::forward]), slowest);
   *to++ = touches ? -s.v[wheel::forth] / speed : 0;
-  *to++ = touches ? std::atan2(s.v[wheel::across], speed) : 0;
+  *to++ = touches ? mimbre::atan2(s.v[wheel::across], speed) : 0;
   *to++ = s.surroundings[wheel::camber];
   *to++ = std::max(0.0, -s.x[wheel::gap]);
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "forces/magic/terms.h"
+#include "math/elementary.h"
 
 /// The lateral force of a Magic Formula tyre.
 namespace mimbre::forces::magic {
@@ -20,8 +21,8 @@ struct PureLateral {
 /// 5.2 has no camber stiffness of its own, the numbers PKY6 and PKY7: there the number PHY3 shifts the slip.
 template <class T>
 PureLateral<T> pure_lateral(const Terms<T>& t, const T& of_camber) {
-  using std::atan2;
-  using std::sin;
+  using mimbre::atan2;
+  using mimbre::sin;
   const T* n = t.n;
   const T g = n[lgay] * of_camber, gg = g * g;
   PureLateral<T> y;
@@ -51,7 +52,7 @@ PureLateral<T> pure_lateral(const Terms<T>& t, const T& of_camber) {
 /// Gyκ, what longitudinal slip leaves of it, (4.E59) to (4.E65).
 template <class T>
 T lateral_weight(const Terms<T>& t) {
-  using std::cos;
+  using mimbre::cos;
   const T* n = t.n;
   const T B = (n[rby1] + n[rby4] * t.sin_gamma * t.sin_gamma) *
               cos(arctan(T(n[rby2] * (t.tan_alpha - n[rby3])))) * n[lyka];
@@ -63,8 +64,8 @@ T lateral_weight(const Terms<T>& t) {
 /// SVyκ, the side force that longitudinal slip makes by itself, N, (4.E66), (4.E67).
 template <class T>
 T slip_side_force(const Terms<T>& t, const T& friction) {
-  using std::cos;
-  using std::sin;
+  using mimbre::cos;
+  using mimbre::sin;
   const T* n = t.n;
   const T D = friction * t.load * (n[rvy1] + n[rvy2] * t.dfz + n[rvy3] * t.sin_gamma) *
               cos(arctan(T(n[rvy4] * t.tan_alpha)));

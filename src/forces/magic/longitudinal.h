@@ -1,5 +1,6 @@
 #pragma once
 #include "forces/magic/terms.h"
+#include "math/elementary.h"
 
 /// The longitudinal force of a Magic Formula tyre.
 namespace mimbre::forces::magic {
@@ -13,7 +14,7 @@ struct Longitudinal {
 /// Slip stiffness Kxκ, (4.E15), N.
 template <class T>
 T slip_stiffness(const Terms<T>& t) {
-  using std::exp;
+  using mimbre::exp;
   const T* n = t.n;
   return t.load * (n[pkx1] + n[pkx2] * t.dfz) * exp(T(n[pkx3] * t.dfz)) *
          (T(1) + n[ppx1] * t.dpi + n[ppx2] * t.dpi * t.dpi) * n[lkx];
@@ -22,7 +23,7 @@ T slip_stiffness(const Terms<T>& t) {
 /// Fx0 of pure slip, (4.E9) to (4.E18).
 template <class T>
 Longitudinal<T> pure_longitudinal(const Terms<T>& t) {
-  using std::sin;
+  using mimbre::sin;
   const T* n = t.n;
   const T camber = n[lgax] * t.gamma;
   const T K = slip_stiffness(t);
@@ -42,7 +43,7 @@ Longitudinal<T> pure_longitudinal(const Terms<T>& t) {
 /// Gxα, what side slip leaves of it, (4.E51) to (4.E57).
 template <class T>
 T longitudinal_weight(const Terms<T>& t) {
-  using std::cos;
+  using mimbre::cos;
   const T* n = t.n;
   const T B = (n[rbx1] + n[rbx3] * t.sin_gamma * t.sin_gamma) * cos(arctan(T(n[rbx2] * t.kappa))) * n[lxal];
   const T C = n[rcx1], E = least(T(n[rex1] + n[rex2] * t.dfz), T(1)), shift = n[rhx1];

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "forces/magic/lateral.h"
+#include "math/elementary.h"
 
 /// The moments of a Magic Formula tyre about the axes of the contact.
 namespace mimbre::forces::magic {
@@ -10,8 +11,8 @@ namespace mimbre::forces::magic {
 /// with the terms of motorcycle tyres, QSX12 to QSX14.
 template <class T>
 T overturning(const Terms<T>& t, const T& Fy) {
-  using std::cos;
-  using std::sin;
+  using mimbre::cos;
+  using mimbre::sin;
   const T* n = t.n;
   const T g = t.gamma, load = t.load / n[fnomin], side = Fy / n[fnomin], grip = n[qsx6] * load;
   const T of_load = n[qsx1] * n[lvmx] - n[qsx2] * g * (T(1) + n[ppmx1] * t.dpi) + n[qsx3] * side +
@@ -25,7 +26,7 @@ T overturning(const Terms<T>& t, const T& Fy) {
 /// towards standstill. In 5.2 the load stands before the power: its QSY7, 0 by default, counts one more here.
 template <class T>
 T rolling_resistance(const Terms<T>& t, const T& Fx) {
-  using std::pow;
+  using mimbre::pow;
   using std::sqrt;
   const T* n = t.n;
   const T load = t.load / n[fnomin], v = t.speed / n[longvl], vv = v * v;
@@ -51,8 +52,8 @@ struct Aligning {
 template <class T>
 Aligning<T> aligning(const Terms<T>& t, const T& Fx, const T& Fy, const T& Kx, const PureLateral<T>& y,
                      const T& weight, const T& kappa_force) {
-  using std::cos;
-  using std::sin;
+  using mimbre::cos;
+  using mimbre::sin;
   using std::sqrt;
   const T* n = t.n;
   const T g = n[lgaz] * t.gamma, sg = n[lgaz] * t.sin_gamma, R = n[unloaded_radius];

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "math/dual.h"
+#include "math/elementary.h"
 #include "math/pack.h"
 #include "tyre_files/magic_numbers.h"
 
@@ -51,7 +52,7 @@ T sign_of(const T& a) {
 }
 template <class T>
 T arctan(const T& a) {
-  using std::atan2;
+  using mimbre::atan2;
   return atan2(a, T(1));
 }
 
@@ -83,8 +84,8 @@ struct Terms {
 
 template <class T>
 Terms<T> terms(const T* n, const MagicInput<T>& in) {
-  using std::cos;
-  using std::sin;
+  using mimbre::cos;
+  using mimbre::sin;
   using std::sqrt;
   Terms<T> t;
   t.n = n;

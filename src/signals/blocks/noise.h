@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/random_numbers.h"
+#include "math/elementary.h"
 #include "signals/blocks/block.h"
 
 /// White noise that is sampled: of each instant a number of its own, which depends on the seed and on the
@@ -21,7 +22,7 @@ void output(const BlockCall<T>& c) {
   const double a = uniform_at(of_seed, place), b = uniform_at(of_seed, place + 1);
   const double unit = c.numbers[uniform] > 0.5
                           ? std::numbers::sqrt3 * (2 * a - 1)
-                          : std::sqrt(-2 * std::log(a)) * std::cos(2 * std::numbers::pi * b);
+                          : std::sqrt(-2 * mimbre::log(a)) * mimbre::cos(2 * std::numbers::pi * b);
   c.out[0] = T(c.numbers[mean] + c.numbers[deviation] * unit);
 }
 

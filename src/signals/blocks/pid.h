@@ -1,4 +1,5 @@
 #pragma once
+#include "math/elementary.h"
 #include "signals/blocks/block.h"
 
 /// A PID controller of what is measured, y, towards its setpoint r:
@@ -32,7 +33,7 @@ T output_and(const BlockCall<T>& c, T* integral_now, T* filtered_now, T* by) {
   if (p[kd] != 0) {
     double passed = 0;
     if (moves) {
-      const double z = c.h / p[filter], decay = -std::expm1(-z);
+      const double z = c.h / p[filter], decay = -mimbre::expm1(-z);
       passed = 1 - decay / z;
       const T w = p[derivative_weight] * c.first[setpoint] - c.first[measured];
       f = f + decay * (w - f) + passed * (wanted - w);
