@@ -54,6 +54,7 @@ test: build ## Build everything, check the formatting and the order of the folde
 	@$(MAKE) --no-print-directory python
 	@scripts/check-format
 	@scripts/check-includes
+	@scripts/check-elementary
 	@ctest --test-dir $(BUILD) --output-on-failure --parallel $(JOBS)
 
 bench: configure ## Run the benchmarks
