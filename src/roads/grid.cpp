@@ -1,5 +1,7 @@
 #include "roads/grid.h"
 
+#include "math/elementary.h"
+
 namespace mimbre::roads {
 
 GridArrays arrays_of(const RoadGrid& road) {
@@ -11,7 +13,7 @@ GridArrays arrays_of(const RoadGrid& road) {
                       next = here + 1;
     const double ax = road.x[after] - road.x[before], ay = road.y[after] - road.y[before];
     const double bx = road.x[next] - road.x[here], by = road.y[next] - road.y[here];
-    const double a = std::hypot(ax, ay), b = std::hypot(bx, by);
+    const double a = mimbre::hypot(ax, ay), b = mimbre::hypot(bx, by);
     const double tx = ax / a + bx / b, ty = ay / a + by / b;
     // The normal of both together, of length 1 across each.
     const double across = (tx * ax + ty * ay) / a;
@@ -27,7 +29,7 @@ GridArrays arrays_of(const RoadGrid& road) {
     const double x = (road.x[first] + road.x[last]) / 2, y = (road.y[first] + road.y[last]) / 2;
     double radius = 0;
     for (std::size_t i = first; i <= last; ++i)
-      radius = std::max(radius, std::hypot(road.x[i] - x, road.y[i] - y));
+      radius = std::max(radius, mimbre::hypot(road.x[i] - x, road.y[i] - y));
     for (const double number : {x, y, radius}) out.blocks.push_back(number);
   }
   out.v = road.v;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "math/dual.h"
+#include "math/elementary.h"
 #include "math/pack.h"
 #include "mimbre/road_file.h"
 
@@ -106,7 +107,7 @@ template <class T>
 OnSegment<T> on_segment(const GridData& g, int i, const T& x, const T& y) {
   const double* a = g.line + i * line_numbers;
   const double* b = a + line_numbers;
-  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+  const double length = mimbre::hypot(b[0] - a[0], b[1] - a[1]);
   const double tx = (b[0] - a[0]) / length, ty = (b[1] - a[1]) / length;
   const double turn0 = a[2] * tx + a[3] * ty, turn1 = b[2] * tx + b[3] * ty;
   const T px = x - T(a[0]), py = y - T(a[1]);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "fe_files/text_file.h"
+#include "math/elementary.h"
 #include "roads/crg_file.h"
 
 namespace mimbre {
@@ -176,18 +177,18 @@ class Reading {
       double heading = number_or("reference_line_start_phi", 0);
       const bool closed = end_x && end_y;
       if (!phi && closed && !number("reference_line_start_phi") && (*end_x != x || *end_y != y))
-        heading = std::atan2(*end_y - y, *end_x - x);
+        heading = mimbre::atan2(*end_y - y, *end_x - x);
       std::vector<double> dx(count_), dy(count_);
       for (std::size_t i = 1; i < count_; ++i) {
         if (phi) heading = known(i, *phi, "phi");
-        dx[i] = road_.increment * std::cos(heading);
-        dy[i] = road_.increment * std::sin(heading);
+        dx[i] = road_.increment * mimbre::cos(heading);
+        dy[i] = road_.increment * mimbre::sin(heading);
       }
       road_.x = integrated(x, closed && phi ? end_x : std::nullopt, dx);
       road_.y = integrated(y, closed && phi ? end_y : std::nullopt, dy);
     }
     for (std::size_t i = 1; i < count_; ++i) {
-      const double length = std::hypot(road_.x[i] - road_.x[i - 1], road_.y[i] - road_.y[i - 1]);
+      const double length = mimbre::hypot(road_.x[i] - road_.x[i - 1], road_.y[i] - road_.y[i - 1]);
       if (!(std::abs(length - road_.increment) < 0.1 * road_.increment))
         fail("reference_line_increment",
              fmt::format(
