@@ -100,7 +100,8 @@ struct Road {
   /// Of a grid, instead: rows along y of heights along x, m, from `origin` on every `spacing`.
   Eigen::MatrixXd heights{};
   Eigen::Vector2d origin = Eigen::Vector2d::Zero(), spacing = Eigen::Vector2d::Ones();
-  double friction = 1;  ///< factor on that of tyres
+  RoadGrid along_line{};  ///< of a grid, instead of `heights`: a road from a file, read_road_grid(path)
+  double friction = 1;    ///< factor on that of tyres
   std::vector<spec::Road::Patch> patches{};
 };
 

@@ -20,6 +20,9 @@ struct RoadGrid {
   /// How many heights the file did not know. They have the height of the nearest known section of the same u,
   /// or, where there is none, of the nearest u.
   std::size_t gaps = 0;
+  std::size_t holes = 0;  ///< those of them that lie between known sections of their u
+  /// v of the outermost sections whose height the file knows, of each u; empty where it knows all of them.
+  std::vector<double> right, left;
   std::vector<std::string> unused;  ///< what the file asks for that is not done, as "$SECTION KEY"
 
   std::size_t along() const { return x.size(); }

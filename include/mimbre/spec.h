@@ -12,6 +12,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/function.h"
 #include "mimbre/joint_type.h"
+#include "mimbre/road_file.h"
 
 namespace mimbre {
 struct ReducedBody;
@@ -208,6 +209,9 @@ struct Road {
   /// its border goes on level.
   Eigen::MatrixXd heights;
   Eigen::Vector2d origin = Eigen::Vector2d::Zero(), spacing = Eigen::Vector2d::Ones();  ///< m
+  /// Of a grid, instead of `heights`: one along a line that may bend (read_road_grid), as its file means it:
+  /// bilinear between its points. Kinks are rounded, by which no height changes by more than 0.1 mm.
+  RoadGrid along_line;
   double friction = 1;  ///< factor on the friction of tyres
   /// Global x and y between which the factor is another one; of patches that overlap the last counts.
   struct Patch {

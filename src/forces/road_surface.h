@@ -11,13 +11,9 @@
 /// energy and nothing jumps where the road has a corner. A profile is felt along a footprint: its height is
 /// the mean over it, and so the slope is the difference of its ends over its length, which is the derivative
 /// of that mean. A grid is the biquadratic B-spline of its heights, the mean of its bilinear surface over
-/// one cell: planes stay what they are, edges are rounded over a cell.
+/// one cell: planes stay what they are, edges are rounded over a cell. One along a line (roads/grid.h) is
+/// bilinear, with edges rounded only a little.
 namespace mimbre::roads {
-
-/// Height over global x and y, m, with its derivatives.
-struct Height {
-  double z = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-};
 
 /// Weights of three neighbours of a quadratic B-spline, with derivatives by the place among cells, at
 /// 0 ≤ t ≤ 1 between the middles of the two cells around the one in the middle.
@@ -78,7 +74,7 @@ inline Height height(const RoadData& road, double footprint, double x, double y)
     case spec::Road::Over::distance:
       return profile_height(road.height, footprint, x);
     case spec::Road::Over::grid:
-      return grid_height(road, x, y);
+      return road.along_line() ? grid_height(road.own, x, y) : grid_height(road, x, y);
     case spec::Road::Over::time:
       break;
   }

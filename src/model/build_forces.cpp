@@ -46,6 +46,7 @@ void ModelBuilder::add_road(const std::string& name, const build::Road& given) {
   road.heights = given.heights;
   road.origin = given.origin;
   road.spacing = given.spacing;
+  road.along_line = given.along_line;
   if (given.over == spec::Road::Over::grid) {
     addition.commit(impl_->roads, impl_->model.roads.size());
     impl_->model.roads.push_back(std::move(road));

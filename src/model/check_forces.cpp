@@ -37,7 +37,52 @@ void check_friction(const Thing& thing, const spec::Road& road) {
   }
 }
 
+/// What read_road_grid has seen to already, of a grid that users made.
+void check_along_line(const Thing& thing, const RoadGrid& grid) {
+  const std::size_t along = grid.along(), across = grid.across();
+  if (along < 2 || across < 2)
+    return thing.error(
+        fmt::format("has a line of {} points and {} sections; at least 2 of both are needed", along, across));
+  const auto of_line = [&](const char* what, std::size_t count) {
+    if (count != along)
+      thing.error(fmt::format("its line has {} points, but {} numbers of {}", along, count, what));
+    return count == along;
+  };
+  if (grid.height.size() != along * across)
+    return thing.error(fmt::format("has {} heights for {} × {} points", grid.height.size(), along, across));
+  bool sound = of_line("y", grid.y.size()) & of_line("line_height", grid.line_height.size()) &
+               of_line("bank", grid.bank.size());
+  if (!grid.right.empty() || !grid.left.empty())
+    sound &= of_line("right", grid.right.size()) & of_line("left", grid.left.size());
+  if (!sound) return;
+  const auto finite = [&](const char* what, const std::vector<double>& numbers) {
+    return thing.finite(
+        what, Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size())));
+  };
+  sound = finite("x", grid.x) & finite("y", grid.y) & finite("line_height", grid.line_height) &
+          finite("bank", grid.bank) & finite("v", grid.v) & finite("height", grid.height) &
+          finite("right", grid.right) & finite("left", grid.left);
+  if (!sound) return;
+  for (std::size_t k = 1; k < across; ++k)
+    if (!(grid.v[k] > grid.v[k - 1]))
+      return thing.error(fmt::format("its v do not grow: {} comes after {}", grid.v[k], grid.v[k - 1]));
+  double before_x = 0, before_y = 0;
+  for (std::size_t i = 1; i < along; ++i) {
+    const double dx = grid.x[i] - grid.x[i - 1], dy = grid.y[i] - grid.y[i - 1];
+    if (!(dx * dx + dy * dy > 0))
+      return thing.error(fmt::format("the points {} and {} of its line are one", i - 1, i));
+    if (i > 1 && !(dx * before_x + dy * before_y > 0))
+      return thing.error(fmt::format("its line turns by 90° or more at its point {}", i - 1));
+    before_x = dx;
+    before_y = dy;
+  }
+}
+
 void check_grid(const Thing& thing, const spec::Road& road) {
+  if (road.along_line.along() > 0) {
+    if (road.heights.size() > 0) thing.error("has both 'heights' and a grid along a line");
+    return check_along_line(thing, road.along_line);
+  }
   if (road.heights.rows() < 2 || road.heights.cols() < 2)
     thing.error(fmt::format("has {} × {} heights; a grid has at least 2 × 2", road.heights.rows(),
                             road.heights.cols()));

@@ -431,6 +431,7 @@ class Compiler {
     road.columns = static_cast<int>(r.heights.cols());
     for (int j = 0; j < road.rows; ++j)
       for (int i = 0; i < road.columns; ++i) road.heights.push_back(r.heights(j, i));
+    if (r.along_line.along() > 0) road.own = roads::arrays_of(r.along_line, roads::file_rounding);
     return road;
   }
 

@@ -13,6 +13,7 @@
 #include "math/space_curve.h"
 #include "mimbre/spec.h"
 #include "model/rows.h"
+#include "roads/grid.h"
 
 /// What the step needs, made once by compile() and then put into one block of memory (model/image.h): flat,
 /// constant, in tree order (parent before child), free of names and types. "Common point" below is the point,
@@ -419,6 +420,8 @@ struct RoadData {
   std::array<double, 2> origin{}, spacing{1, 1};
   int rows = 0, columns = 0;
   Array<double> heights;
+  roads::GridArrays own;  ///< of a road along a line, instead; else empty
+  bool along_line() const { return !own.line.empty(); }
 };
 
 /// Triangles with a tree of boxes over them, and what the sign of a distance takes (forces/surfaces/mesh.h).

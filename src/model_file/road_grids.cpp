@@ -9,6 +9,7 @@
 #include "mimbre/road_profile.h"
 #include "model_file/heights.h"
 #include "roads/grid.h"
+#include "roads/overlap.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -22,44 +23,57 @@ std::optional<Eigen::Vector2d> read_pair(const std::optional<Value>& given) {
   return Eigen::Vector2d((*numbers)[0], (*numbers)[1]);
 }
 
-/// Along x and y: where nothing else is asked for, as fine as the road's own grid. A straight road along x
-/// has its own points then, if its sections are whole gaps apart; one that bends is as fine along as across
-/// everywhere.
-Eigen::Vector2d own_spacing(const RoadGrid& road) {
-  double gap = road.v.back() - road.v.front();
-  for (std::size_t k = 1; k < road.v.size(); ++k) gap = std::min(gap, road.v[k] - road.v[k - 1]);
-  const auto [low, high] = std::minmax_element(road.y.begin(), road.y.end());
-  if (*low == *high) return {road.increment, gap};
-  return Eigen::Vector2d::Constant(std::min(road.increment, gap));
+struct Box {
+  Eigen::Vector2d low, high;
+};
+
+/// Around a road whose line bends: as far as its sections reach to all sides of the line. One along x ends
+/// with its line.
+Box box_around(const RoadGrid& road) {
+  const double left = road.v.back(), right = road.v.front(),
+               reach = std::max(std::abs(left), std::abs(right));
+  const auto [low_x, high_x] = std::minmax_element(road.x.begin(), road.x.end());
+  const auto [low_y, high_y] = std::minmax_element(road.y.begin(), road.y.end());
+  if (*low_y == *high_y) return {{*low_x, *low_y + right}, {*high_x, *low_y + left}};
+  return {{*low_x - reach, *low_y - reach}, {*high_x + reach, *high_y + reach}};
 }
 
-/// A straight grid over all of a curved one, from its heights over the straight one's points.
+/// A straight grid over all of one along a line, from its heights over the straight one's points.
 void sample(const RoadGrid& from, const Eigen::Vector2d& spacing, const Value& value, spec::Road& road) {
-  const double left = from.v.back(), right = from.v.front(),
-               reach = std::max(std::abs(left), std::abs(right));
-  const auto [low_x, high_x] = std::minmax_element(from.x.begin(), from.x.end());
-  const auto [low_y, high_y] = std::minmax_element(from.y.begin(), from.y.end());
-  // A road that does not bend along x ends with its line, others somewhere beside it.
-  const bool straight = *low_y == *high_y;
-  const double before = straight ? 0 : reach;
-  const Eigen::Vector2d low(*low_x - before, straight ? *low_y + right : *low_y - reach),
-      high(*high_x + before, straight ? *low_y + left : *high_y + reach);
-  const Eigen::Array2d counts = ((high - low).array() / spacing.array()).round() + 1;
+  const Box box = box_around(from);
+  const Eigen::Array2d counts = ((box.high - box.low).array() / spacing.array()).round() + 1;
   if (counts.prod() > most_heights)
     return value.error(
         fmt::format("makes {:.0f} × {:.0f} heights, and at most {:.0e} can be: give a larger 'spacing'",
                     counts[0], counts[1], most_heights));
-  road.origin = low;
+  road.origin = box.low;
   road.spacing = spacing;
-  const roads::GridArrays arrays = roads::arrays_of(from);
-  const roads::GridData grid = roads::view_of(arrays);
+  const roads::GridArrays grid = roads::arrays_of(from, 0);
   road.heights.resize(std::max<Eigen::Index>(2, static_cast<Eigen::Index>(counts[1])),
                       std::max<Eigen::Index>(2, static_cast<Eigen::Index>(counts[0])));
   for (Eigen::Index j = 0; j < road.heights.rows(); ++j)
     for (Eigen::Index i = 0; i < road.heights.cols(); ++i)
-      road.heights(j, i) = roads::road_grid_height(grid, low[0] + static_cast<double>(i) * spacing[0],
-                                                   low[1] + static_cast<double>(j) * spacing[1])
-                               .height;
+      road.heights(j, i) = roads::grid_height(grid, box.low[0] + static_cast<double>(i) * spacing[0],
+                                              box.low[1] + static_cast<double>(j) * spacing[1])
+                               .z;
+}
+
+/// What a file leaves open, or asks for and does not get.
+void warn_of_road(Builder& builder, const Value& file, const RoadGrid& road) {
+  const auto warn = [&](const std::string& text) {
+    builder.warnings.push_back({file.mark(), fmt::format("'{}': {}", *file.word(), text)});
+  };
+  for (const std::string& key : road.unused) warn(fmt::format("{} is not used", key));
+  if (road.holes > 0)
+    warn(fmt::format("{} heights between known ones are missing; they are taken from the nearest",
+                     road.holes));
+  if (const auto overlap = roads::worst_overlap(road, roads::arrays_of(road, 0)))
+    warn(fmt::format(
+        "{}: at u = {:.6g} m, v = {:.6g} m its height is another one than that of u = {:.6g} m over the same "
+        "place, by {:.3g} m; the part counts whose line is nearer",
+        overlap->bend ? "the road bends more tightly than it is wide"
+                      : "the road crosses itself or comes back over itself",
+        overlap->u, overlap->v, overlap->other_u, overlap->difference));
 }
 
 void read_file(Builder& builder, const Fields& fields, const Value& file, spec::Road& road) {
@@ -68,8 +82,13 @@ void read_file(Builder& builder, const Fields& fields, const Value& file, spec::
   const std::string found = path_of(builder, file.mark(), *path);
   builder.other_files.push_back(found);
   try {
-    const RoadGrid read = read_road_grid(found);
-    sample(read, read_pair(fields.get("spacing")).value_or(own_spacing(read)), file, road);
+    RoadGrid read = read_road_grid(found);
+    warn_of_road(builder, file, read);
+    if (const auto spacing = read_pair(fields.get("spacing"))) return sample(read, *spacing, file, road);
+    if (static_cast<double>(read.height.size()) > most_heights)
+      return file.error(fmt::format("has {} heights, and at most {:.0e} can be: give a 'spacing'",
+                                    read.height.size(), most_heights));
+    road.along_line = std::move(read);
   } catch (const InputError& e) {
     for (const Diagnostic& d : e.diagnostics()) file.error(to_string(d));
   }
@@ -109,6 +128,15 @@ void read_random(const Value& value, spec::Road& road) {
   }
 }
 
+void put_at(const Eigen::Vector2d& origin, spec::Road& road) {
+  road.origin = origin;
+  RoadGrid& grid = road.along_line;
+  if (grid.along() == 0) return;
+  const Eigen::Vector2d by = origin - box_around(grid).low;
+  for (double& x : grid.x) x += by[0];
+  for (double& y : grid.y) y += by[1];
+}
+
 }  // namespace
 
 void read_road_heights(Builder& builder, const Fields& fields, spec::Road& road) {
@@ -122,7 +150,7 @@ void read_road_heights(Builder& builder, const Fields& fields, spec::Road& road)
   }
   // What made itself a grid may be put elsewhere.
   if (const auto origin = read_pair(heights ? fields.need("origin", "[0, -5]") : fields.get("origin")))
-    road.origin = *origin;
+    put_at(*origin, road);
   if (!heights) return;
   if (const auto spacing = read_pair(fields.need("spacing", "[0.5, 0.5]"))) road.spacing = *spacing;
   if (auto read = read_heights(*heights)) road.heights = std::move(*read);

@@ -234,22 +234,35 @@ class Reading {
   void fill_gaps() {
     const std::size_t across = sections_.size();
     std::vector<bool> row_known(count_);
+    road_.right.assign(count_, road_.v.front());
+    road_.left.assign(count_, road_.v.back());
     for (std::size_t i = 0; i < count_; ++i) {
       double* row = road_.height.data() + i * across;
       std::vector<bool> is_known(across);
       for (std::size_t k = 0; k < across; ++k) is_known[k] = std::isfinite(row[k]);
       const std::vector<std::size_t> from = nearest_known(is_known);
       row_known[i] = from[0] < across;
+      if (row_known[i]) {
+        road_.right[i] = road_.v[from[0]];
+        road_.left[i] = road_.v[from[across - 1]];
+      }
       for (std::size_t k = 0; k < across; ++k) {
-        road_.gaps += is_known[k] ? 0 : 1;
-        if (row_known[i]) row[k] = row[from[k]];
+        if (is_known[k]) continue;
+        ++road_.gaps;
+        if (!row_known[i]) continue;
+        row[k] = row[from[k]];
+        road_.holes += k > from[0] && k < from[across - 1] ? 1 : 0;
       }
     }
     const std::vector<std::size_t> from = nearest_known(row_known);
     if (from[0] == count_) fail("", "knows no height at all");
-    for (std::size_t i = 0; i < count_; ++i)
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (row_known[i]) continue;
+      road_.holes += across;
       for (std::size_t k = 0; k < across; ++k)
         road_.height[i * across + k] = road_.height[from[i] * across + k];
+    }
+    if (road_.gaps == 0) road_.right = road_.left = {};
   }
 
   Lines lines_;

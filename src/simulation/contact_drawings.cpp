@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "roads/grid.h"
+
 namespace mimbre {
 namespace {
 
@@ -63,39 +65,64 @@ std::vector<Eigen::Index> bends(const Eigen::MatrixXd& heights, double tolerance
   return kept;
 }
 
-/// Of large grids only the rows and columns where they bend, or, where they do all over, every so many.
-void draw_heights(const Eigen::MatrixXd& heights, const Eigen::Vector2d& spacing, const spec::Pose& pose,
-                  BodyDrawing& body) {
-  constexpr int most = 400, large = 2000;  // lines, points
-  constexpr double share_of_range = 2e-3;
+constexpr int most_lines = 400;
+
+/// Of many lines of a grid every so many, and the last.
+std::vector<Eigen::Index> places(Eigen::Index count) {
+  std::vector<Eigen::Index> all;
+  const Eigen::Index each = 1 + (count - 1) / most_lines;
+  for (Eigen::Index k = 0; k < count - 1; k += each) all.push_back(k);
+  all.push_back(count - 1);
+  return all;
+}
+
+/// Over the lines chosen; `point`: by the numbers of a column and a row.
+template <class Point>
+void draw_lines(const std::vector<Eigen::Index>& columns, const std::vector<Eigen::Index>& rows,
+                const Point& point, const spec::Pose& pose, BodyDrawing& body) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
-  const auto places = [](Eigen::Index count) {
-    std::vector<Eigen::Index> all;
-    const Eigen::Index each = 1 + (count - 1) / most;
-    for (Eigen::Index k = 0; k < count - 1; k += each) all.push_back(k);
-    all.push_back(count - 1);
-    return all;
-  };
-  const auto chosen = [&](const Eigen::MatrixXd& of) {
-    if (heights.size() <= large) return places(of.cols());
-    std::vector<Eigen::Index> at = bends(of, share_of_range * (of.maxCoeff() - of.minCoeff()));
-    return at.size() <= most ? at : places(of.cols());
-  };
-  const std::vector<Eigen::Index> along = chosen(heights), across = chosen(heights.transpose());
-  const int columns = static_cast<int>(along.size());
-  for (int j = 0; j < static_cast<int>(across.size()); ++j)
-    for (int i = 0; i < columns; ++i) {
-      const Eigen::Index at_x = along[static_cast<std::size_t>(i)],
-                         at_y = across[static_cast<std::size_t>(j)];
-      vertices.push_back({static_cast<double>(at_x) * spacing[0], static_cast<double>(at_y) * spacing[1],
-                          heights(at_y, at_x)});
+  const int width = static_cast<int>(columns.size());
+  for (int j = 0; j < static_cast<int>(rows.size()); ++j)
+    for (int i = 0; i < width; ++i) {
+      vertices.push_back(point(columns[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]));
       if (i == 0 || j == 0) continue;
-      const int last = j * columns + i, below = last - columns;
+      const int last = j * width + i, below = last - width;
       triangles.push_back({below - 1, below, last});
       triangles.push_back({below - 1, last, last - 1});
     }
   draw_triangles(vertices, triangles, pose, body);
+}
+
+/// Of large grids only the rows and columns where they bend, or, where they do all over, every so many.
+void draw_heights(const Eigen::MatrixXd& heights, const Eigen::Vector2d& spacing, const spec::Pose& pose,
+                  BodyDrawing& body) {
+  constexpr int large = 2000;  // points
+  constexpr double share_of_range = 2e-3;
+  const auto chosen = [&](const Eigen::MatrixXd& of) {
+    if (heights.size() <= large) return places(of.cols());
+    std::vector<Eigen::Index> at = bends(of, share_of_range * (of.maxCoeff() - of.minCoeff()));
+    return at.size() <= most_lines ? at : places(of.cols());
+  };
+  const auto point = [&](Eigen::Index i, Eigen::Index j) {
+    return Eigen::Vector3d(static_cast<double>(i) * spacing[0], static_cast<double>(j) * spacing[1],
+                           heights(j, i));
+  };
+  draw_lines(chosen(heights), chosen(heights.transpose()), point, pose, body);
+}
+
+/// As wheels feel it (roads/grid.h).
+void draw_along_line(const RoadGrid& road, BodyDrawing& body) {
+  const roads::GridArrays grid = roads::arrays_of(road, 0);
+  const auto point = [&](Eigen::Index i, Eigen::Index j) {
+    const double* p = roads::grid::point(grid, static_cast<int>(i));
+    const auto row = static_cast<std::size_t>(i), section = static_cast<std::size_t>(j);
+    const double v = road.v[section];
+    return Eigen::Vector3d(p[0] + v * p[2], p[1] + v * p[3], grid.height[row * road.across() + section]);
+  };
+  draw_lines(places(static_cast<Eigen::Index>(road.along())),
+             places(static_cast<Eigen::Index>(road.across())), point,
+             {Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity()}, body);
 }
 
 void draw(const spec::Model& model, int number, BodyDrawing& body) {
@@ -148,7 +175,9 @@ void draw_contacts(const spec::Model& model, std::vector<BodyDrawing>& bodies) {
   for (int k = 0; k < static_cast<int>(model.surfaces.size()); ++k)
     draw(model, k, drawing(frame_of(model, model.surfaces[static_cast<std::size_t>(k)].frame).body));
   for (const spec::Road& road : model.roads)
-    if (is_grid(road))
+    if (is_grid(road) && road.along_line.along() > 0)
+      draw_along_line(road.along_line, bodies.back());
+    else if (is_grid(road))
       draw_heights(road.heights, road.spacing,
                    {{road.origin[0], road.origin[1], 0}, Eigen::Matrix3d::Identity()}, bodies.back());
   for (const spec::Contact& contact : model.contacts)

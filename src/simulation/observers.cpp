@@ -6,7 +6,8 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
     : model_(mechanism.model),
       energies_(method.energies && method.warnings),
       winches_(mechanism.model),
-      turns_(mechanism.model) {
+      turns_(mechanism.model),
+      roads_(mechanism.model) {
   if (!method.validity) return;
   if (method.warnings) spins_ = std::make_unique<SpinWatch>(model_);
   if (spins_ && spins_->none()) spins_.reset();
@@ -20,6 +21,7 @@ void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
   if (energies_) monitor_.start(meter);
   winches_.start();
   turns_.start();
+  roads_.start();
   if (spins_) spins_->start();
   if (!validity_) return;
   validity_->start(mechanism.view(), mechanism.state);
@@ -31,6 +33,7 @@ void Observers::watch(Mechanism& mechanism, const EnergyMeter& meter, double len
   if (energies_) monitor_.watch(meter, mechanism.state.time);
   winches_.watch(mechanism.state.z.data(), mechanism.state.time);
   turns_.watch(mechanism.observer.workspace(), mechanism.state.time);
+  roads_.watch(mechanism.observer.workspace(), mechanism.state.time);
   if (spins_) spins_->watch(mechanism, length);
   if (validity_) validity_->watch(mechanism.view());
   if (loads_) loads_->watch(mechanism, *validity_);
@@ -40,6 +43,7 @@ void Observers::transfer(StateTransfer& transfer) {
   monitor_.transfer(transfer);
   winches_.transfer(transfer);
   turns_.transfer(transfer);
+  roads_.transfer(transfer);
   if (spins_) spins_->transfer(transfer);
   if (validity_) validity_->transfer(transfer);
   if (loads_) loads_->transfer(transfer);

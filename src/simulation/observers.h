@@ -7,6 +7,7 @@
 #include "simulation/energy_monitor.h"
 #include "simulation/load_watch.h"
 #include "simulation/mechanism.h"
+#include "simulation/road_watch.h"
 #include "simulation/spin_watch.h"
 #include "simulation/step_maker.h"
 #include "simulation/turn_watch.h"
@@ -31,6 +32,8 @@ class Observers {
   /// Of linear theory.
   std::vector<std::string> validity_warnings();
   std::vector<std::string> winch_warnings() const { return winches_.warnings(); }
+  /// Of tyres that leave their road.
+  std::vector<std::string> road_warnings() const { return roads_.warnings(); }
   /// Of turning that laws of force were not made for.
   std::vector<std::string> turn_warnings() const { return turns_.warnings(); }
   /// Of bodies that turn too far in a step.
@@ -46,6 +49,7 @@ class Observers {
   EnergyMonitor monitor_;
   WinchWatch winches_;
   TurnWatch turns_;
+  RoadWatch roads_;
   std::unique_ptr<SpinWatch> spins_;
   std::unique_ptr<ValidityMonitor> validity_;
   std::unique_ptr<LoadWatch> loads_;

@@ -504,6 +504,7 @@ std::vector<std::string> Simulation::warnings() const {
   if (const std::string text = s.observers.energy_warning(s.steps); !text.empty()) all.push_back(text);
   for (const std::string& text : s.observers.winch_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
+  for (const std::string& text : s.observers.road_warnings()) all.push_back(text);
   for (const std::string& text : s.ranges.warnings()) all.push_back(text);
   for (const std::string& text : contact_warnings(s.compiled, s.steps.contacts(), s.method.substeps))
     all.push_back(text);
