@@ -1,17 +1,20 @@
 #include "roads/overlap.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mimbre::roads {
 namespace {
 
-/// Whether lines of constant u cross within a segment, on that side.
-bool folds(const GridArrays& g, int i, double v) {
-  if (i < 0 || i + 1 >= grid::points(g)) return false;
-  const double* a = grid::point(g, i);
-  const double* b = grid::point(g, i + 1);
-  const double dx = b[0] - a[0], dy = b[1] - a[1];
-  return dx * dx + dy * dy + v * ((b[2] - a[2]) * dx + (b[3] - a[3]) * dy) <= 0;
+/// Whether lines of constant u cross within one of these segments, on that side.
+bool folds(const GridArrays& g, int first, int last, double v) {
+  for (int i = std::max(first, 0); i <= std::min(last, grid::points(g) - 2); ++i) {
+    const double* a = grid::point(g, i);
+    const double* b = grid::point(g, i + 1);
+    const double dx = b[0] - a[0], dy = b[1] - a[1];
+    if (dx * dx + dy * dy + v * ((b[2] - a[2]) * dx + (b[3] - a[3]) * dy) <= 0) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -21,6 +24,7 @@ std::optional<Overlap> worst_overlap(const RoadGrid& road, const GridArrays& g) 
   constexpr double same = 1e-4;  // m
   const std::size_t across = road.across(), each = 1 + road.height.size() / most_points;
   std::optional<Overlap> worst;
+  int first = 0, last = 0;  // segments between the two parts
   for (std::size_t i = 0; i < road.along(); i += each)
     for (std::size_t k = 0; k < across; ++k) {
       const double v = road.v[k];
@@ -32,9 +36,11 @@ std::optional<Overlap> worst_overlap(const RoadGrid& road, const GridArrays& g) 
       const grid::OnSegment at = grid::spot(g, x, y);
       const int here = static_cast<int>(i);
       worst = {road.start_u + road.increment * static_cast<double>(i), v,
-               road.start_u + road.increment * (at.segment + at.f), difference,
-               folds(g, here - 1, v) || folds(g, here, v)};
+               road.start_u + road.increment * (at.segment + at.f), difference, false};
+      first = std::min(here - 1, at.segment);
+      last = std::max(here, at.segment);
     }
+  if (worst) worst->bend = folds(g, first, last, worst->v);
   return worst;
 }
 

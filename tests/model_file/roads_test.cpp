@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "mimbre/model_file.h"
@@ -20,21 +22,20 @@ const std::string body = R"yaml(bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [
 joints: {free: {type: floating, between: [ground, b]}}
 )yaml";
 
-/// The straight grid has the heights of the file's curved one, at its own points.
-TEST(RoadGrids, AnOpenCrgRoadIsSampled) {
+/// A spacing asks for a straight grid of samples over the file's own.
+TEST(RoadGrids, AnOpenCrgRoadIsSampledEverySpacing) {
   const spec::Model model =
       read(body + "roads: {bend: {over: grid, file: roads/bend.crg, spacing: [0.25, 0.2]}}\n");
   const spec::Road& road = model.roads.front();
   const RoadGrid file = read_road_grid(std::string(MIMBRE_SOURCE_DIR) + "/tests/data/roads/bend.crg");
-  const roads::GridArrays arrays = roads::arrays_of(file);
-  const roads::GridData grid = roads::view_of(arrays);
+  const roads::GridArrays grid = roads::arrays_of(file, 0);
+  EXPECT_EQ(road.along_line.along(), 0u);
   EXPECT_EQ(road.spacing, Eigen::Vector2d(0.25, 0.2));
   for (Eigen::Index j = 0; j < road.heights.rows(); j += 3)
     for (Eigen::Index i = 0; i < road.heights.cols(); i += 4)
-      EXPECT_EQ(road.heights(j, i),
-                roads::road_grid_height(grid, road.origin[0] + 0.25 * static_cast<double>(i),
-                                        road.origin[1] + 0.2 * static_cast<double>(j))
-                    .height);
+      EXPECT_EQ(road.heights(j, i), roads::grid_height(grid, road.origin[0] + 0.25 * static_cast<double>(i),
+                                                       road.origin[1] + 0.2 * static_cast<double>(j))
+                                        .z);
   // It reaches over all of the line.
   for (std::size_t k = 0; k < file.along(); ++k) {
     const Eigen::Vector2d place(file.x[k], file.y[k]);
@@ -46,14 +47,37 @@ TEST(RoadGrids, AnOpenCrgRoadIsSampled) {
   }
 }
 
-/// Other increments across than along: a straight road keeps its own points, and so its heights between them.
-TEST(RoadGrids, AStraightOpenCrgRoadKeepsItsOwnGrid) {
-  const spec::Model model = read(body + "roads: {straight: {over: grid, file: roads/straight.crg}}\n");
-  const spec::Road& road = model.roads.front();
-  EXPECT_EQ(road.origin, Eigen::Vector2d(0, -0.5));
-  EXPECT_EQ(road.spacing, Eigen::Vector2d(2, 0.5));
-  const Eigen::MatrixXd expected{{0, 0.2, 0.4}, {0, -0.1, 0.5}, {0.1, 0.3, 0.6}};
-  EXPECT_TRUE(road.heights.isApprox(expected, 1e-12)) << road.heights;
+/// Also where its line bends, and where it is put elsewhere: the corner of the box around it goes there.
+TEST(RoadGrids, AnOpenCrgRoadKeepsItsOwnGrid) {
+  const spec::Model model = read(body +
+                                 "roads: {straight: {over: grid, file: roads/straight.crg}, "
+                                 "bend: {over: grid, file: roads/bend.crg}, "
+                                 "moved: {over: grid, file: roads/bend.crg, origin: [3, 4]}}\n");
+  ASSERT_EQ(model.roads.size(), 3u);
+  const RoadGrid& straight = model.roads[0].along_line;
+  EXPECT_EQ(straight.x, (std::vector<double>{0, 2, 4}));
+  EXPECT_EQ(straight.v, (std::vector<double>{-0.5, 0, 0.5}));
+  EXPECT_EQ(straight.height, (std::vector<double>{0, 0, 0.1, 0.2, -0.1, 0.3, 0.4, 0.5, 0.6}));
+  const RoadGrid file = read_road_grid(std::string(MIMBRE_SOURCE_DIR) + "/tests/data/roads/bend.crg");
+  const RoadGrid &bend = model.roads[1].along_line, &moved = model.roads[2].along_line;
+  EXPECT_EQ(bend.x, file.x);
+  EXPECT_EQ(bend.height, file.height);
+  const double low_x = *std::min_element(file.x.begin(), file.x.end()),
+               low_y = *std::min_element(file.y.begin(), file.y.end());
+  for (std::size_t k = 0; k < file.along(); ++k) {
+    EXPECT_NEAR(moved.x[k], file.x[k] - low_x + 5, 1e-12);  // 2 m wide to either side
+    EXPECT_NEAR(moved.y[k], file.y[k] - low_y + 6, 1e-12);
+  }
+}
+
+TEST(RoadGrids, WarnOfWhatAnOpenCrgFileAsksForInVain) {
+  std::vector<Diagnostic> warnings;
+  parse_model("mimbre: 1\ntitle: test\n" + body + "roads: {r: {over: grid, file: roads/modified.crg}}\n",
+              "test.yaml", std::string(MIMBRE_SOURCE_DIR) + "/tests/data", {}, &warnings);
+  std::string all;
+  for (const Diagnostic& d : warnings) all += to_string(d) + "\n";
+  EXPECT_THAT(all, testing::HasSubstr("'roads/modified.crg': $ROAD_CRG_MODS SCALE_Z_GRID is not used"));
+  EXPECT_THAT(all, testing::HasSubstr("'roads/modified.crg': 1 heights between known ones are missing"));
 }
 
 TEST(RoadGrids, ARandomRoadLiesAlongX) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -19,7 +20,7 @@ struct Place {
 };
 /// On the line of constant u through point i, at v; along the mitre of the segments next to it.
 Place place_of(const GridArrays& arrays, int i, double v) {
-  const double* p = arrays.line.data() + i * grid::line_numbers;
+  const double* p = grid::point(arrays, i);
   return {p[0] + v * p[2], p[1] + v * p[3]};
 }
 
@@ -28,13 +29,12 @@ TEST(RoadGridHeight, OfAPlaneIsThatPlaneInBends) {
   RoadGrid road = read_road_grid(road_path("bend_double.crg"));
   std::fill(road.bank.begin(), road.bank.end(), 0.0);
   std::fill(road.line_height.begin(), road.line_height.end(), 0.0);
-  GridArrays arrays = arrays_of(road);
+  GridArrays arrays = arrays_of(road, 0);
   for (int i = 0; i < static_cast<int>(road.along()); ++i)
     for (std::size_t k = 0; k < road.across(); ++k) {
       const auto [x, y] = place_of(arrays, i, road.v[k]);
       arrays.height[static_cast<std::size_t>(i) * road.across() + k] = 3 + 0.1 * x - 0.05 * y;
     }
-  const GridData data = view_of(arrays);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> along(0, 39.999), across(-2, 2);
   for (int n = 0; n < 2000; ++n) {
@@ -42,21 +42,21 @@ TEST(RoadGridHeight, OfAPlaneIsThatPlaneInBends) {
     const Place a = place_of(arrays, static_cast<int>(u), v),
                 b = place_of(arrays, static_cast<int>(u) + 1, v);
     const double x = (1 - f) * a.x + f * b.x, y = (1 - f) * a.y + f * b.y;
-    const RoadHeight<double> at = road_grid_height(data, x, y);
-    EXPECT_NEAR(at.height, 3 + 0.1 * x - 0.05 * y, 1e-12);
-    EXPECT_NEAR(at.dx, 0.1, 1e-10);
-    EXPECT_NEAR(at.dy, -0.05, 1e-10);
+    const Height at = grid_height(arrays, x, y);
+    EXPECT_NEAR(at.z, 3 + 0.1 * x - 0.05 * y, 1e-12);
+    EXPECT_NEAR(at.x, 0.1, 1e-10);
+    EXPECT_NEAR(at.y, -0.05, 1e-10);
   }
 }
 
 TEST(RoadGridHeight, OfAPointIsItsHeight) {
   const RoadGrid road = read_road_grid(road_path("bend_double.crg"));
-  const GridArrays arrays = arrays_of(road);
+  const GridArrays arrays = arrays_of(road, 0);
   for (int i = 0; i < 41; ++i)
     for (std::size_t k = 0; k < road.across(); ++k) {
       const auto [x, y] = place_of(arrays, i, road.v[k]);
       const std::size_t row = static_cast<std::size_t>(i);
-      EXPECT_NEAR(road_grid_height(view_of(arrays), x, y).height,
+      EXPECT_NEAR(grid_height(arrays, x, y).z,
                   road.height[row * road.across() + k] + road.line_height[row] + road.bank[row] * road.v[k],
                   1e-12);
     }
@@ -65,7 +65,7 @@ TEST(RoadGridHeight, OfAPointIsItsHeight) {
 /// ASAM's own library, whose places in bends and heights are of the same formulas but heights in single
 /// precision.
 TEST(RoadGridHeight, IsThatOfOpenCrgsOwnLibrary) {
-  const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")));
+  const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")), 0);
   std::ifstream file(road_path("bend.csv"));
   int count = 0;
   double worst = 0;
@@ -75,35 +75,62 @@ TEST(RoadGridHeight, IsThatOfOpenCrgsOwnLibrary) {
     char comma = 0;
     if (!(words >> x >> comma >> y >> comma >> z)) continue;
     ++count;
-    worst = std::max(worst, std::abs(road_grid_height(view_of(arrays), x, y).height - z));
+    worst = std::max(worst, std::abs(grid_height(arrays, x, y).z - z));
   }
   EXPECT_EQ(count, 300);
   EXPECT_LT(worst, 1e-6);
 }
 
-TEST(RoadGridHeight, SlopesAreTheDerivatives) {
-  const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")));
-  const GridData data = view_of(arrays);
-  std::mt19937 random(7);
-  // Also far beside and beyond the road.
-  std::uniform_real_distribution<double> xs(5, 32), ys(-12, 12);
-  int steep = 0;
-  for (int n = 0; n < 2000; ++n) {
-    const double x = xs(random), y = ys(random);
-    const RoadHeight<Dual> by_x = road_grid_height(data, Dual(x, 1), Dual(y)),
-                           by_y = road_grid_height(data, Dual(x), Dual(y, 1));
-    const RoadHeight<double> at = road_grid_height(data, x, y);
-    EXPECT_NEAR(by_x.height.derivative, at.dx, 1e-9 * (1 + std::abs(at.dx))) << x << " " << y;
-    EXPECT_NEAR(by_y.height.derivative, at.dy, 1e-9 * (1 + std::abs(at.dy)));
-    steep += at.dx != 0 ? 1 : 0;
+/// By differences, except where a kink of a sharp road or a mitre lies between.
+TEST(RoadGridHeight, HasItsDerivatives) {
+  const double h = 1e-5;
+  for (const double rounding : {0.0, 1e-3}) {
+    const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")), rounding);
+    std::mt19937 random(7);
+    // Also far beside and beyond the road.
+    std::uniform_real_distribution<double> xs(5, 32), ys(-12, 12);
+    int steep = 0, bent = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const double x = xs(random), y = ys(random);
+      const auto same_piece = [&](double dx, double dy) {
+        const grid::OnSegment a = grid::spot(arrays, x + dx, y + dy), b = grid::spot(arrays, x - dx, y - dy);
+        const auto near_kink = [&](double v) {
+          return std::any_of(arrays.v.begin(), arrays.v.end(),
+                             [&](double at) { return std::abs(v - at) < 2 * h; });
+        };
+        return a.segment == b.segment && (a.f < 0) == (b.f < 0) && (a.f > 1) == (b.f > 1) && !near_kink(a.v);
+      };
+      if (!same_piece(h, 0) || !same_piece(0, h)) continue;
+      const Height at = grid_height(arrays, x, y), east = grid_height(arrays, x + h, y),
+                   west = grid_height(arrays, x - h, y), north = grid_height(arrays, x, y + h),
+                   south = grid_height(arrays, x, y - h);
+      // Where a rounding begins or ends the second derivative jumps.
+      const double first = 1e-5 * (1 + std::abs(at.xx) + std::abs(at.yy) + std::abs(east.xx) +
+                                   std::abs(west.xx) + std::abs(north.yy) + std::abs(south.yy));
+      EXPECT_NEAR((east.z - west.z) / (2 * h), at.x, first) << x << " " << y;
+      EXPECT_NEAR((north.z - south.z) / (2 * h), at.y, first) << x << " " << y;
+      const auto alike = [](double a, double b, double c) {
+        return std::max({a, b, c}) - std::min({a, b, c}) < 1e-2 * (1e-3 + std::abs(b));
+      };
+      if (alike(east.xx, at.xx, west.xx) && alike(north.yy, at.yy, south.yy) &&
+          alike(north.xy, at.xy, south.xy)) {
+        const double second = 1e-2 * (1e-2 + std::abs(at.xx) + std::abs(at.xy) + std::abs(at.yy));
+        EXPECT_NEAR((east.x - west.x) / (2 * h), at.xx, second) << x << " " << y;
+        EXPECT_NEAR((north.x - south.x) / (2 * h), at.xy, second);
+        EXPECT_NEAR((east.y - west.y) / (2 * h), at.xy, second);
+        EXPECT_NEAR((north.y - south.y) / (2 * h), at.yy, second);
+        bent += std::abs(at.xx) > 0.01 ? 1 : 0;
+      }
+      steep += at.x != 0 ? 1 : 0;
+    }
+    EXPECT_GT(steep, 1000);
+    EXPECT_GT(bent, 200);
   }
-  EXPECT_GT(steep, 500);
 }
 
 /// Along lines across the whole road, also through the mitres of its bends, no step is larger than the slope.
 TEST(RoadGridHeight, HasNoSteps) {
-  const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")));
-  const GridData data = view_of(arrays);
+  const GridArrays arrays = arrays_of(read_road_grid(road_path("bend_double.crg")), 0);
   const double h = 1e-4;
   for (const double v : {-1.9, -0.6, 0.1, 1.3, 1.99}) {
     double before = NAN;
@@ -112,7 +139,7 @@ TEST(RoadGridHeight, HasNoSteps) {
       const int steps = static_cast<int>(std::hypot(b.x - a.x, b.y - a.y) / h);
       for (int k = 0; k < steps; ++k) {
         const double f = static_cast<double>(k) / steps;
-        const double z = road_grid_height(data, a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)).height;
+        const double z = grid_height(arrays, a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)).z;
         if (!std::isnan(before)) {
           ASSERT_LT(std::abs(z - before), 0.5 * h) << v << " " << i << " " << f;
         }
@@ -128,20 +155,18 @@ TEST(RoadGridHeight, GoesOnBeyondItsEnds) {
   road.y = road.line_height = road.bank = {0, 0, 0};
   road.v = {-1, 1};
   road.height = {1, 2, 3, 4, 5, 6};
-  const GridArrays arrays = arrays_of(road);
-  const auto at = [&](double x, double y) { return road_grid_height(view_of(arrays), x, y); };
-  EXPECT_DOUBLE_EQ(at(-5, 0).height, 1.5);
-  EXPECT_DOUBLE_EQ(at(9, 0.5).height, 5.75);
-  EXPECT_EQ(at(9, 0.5).dx, 0);
-  EXPECT_DOUBLE_EQ(at(9, 0.5).dy, 0.5);
-  EXPECT_DOUBLE_EQ(at(0.5, 7).height, 3);
-  EXPECT_DOUBLE_EQ(at(0.5, 7).dx, 2);
-  EXPECT_EQ(at(0.5, 7).dy, 0);
-  const RoadHeight<Pack<2>> both = road_grid_height(view_of(arrays), Pack<2>(0.5), Pack<2>(0.25));
-  EXPECT_EQ(both.height[1], at(0.5, 0.25).height);
+  const GridArrays arrays = arrays_of(road, 0);
+  const auto at = [&](double x, double y) { return grid_height(arrays, x, y); };
+  EXPECT_DOUBLE_EQ(at(-5, 0).z, 1.5);
+  EXPECT_DOUBLE_EQ(at(9, 0.5).z, 5.75);
+  EXPECT_EQ(at(9, 0.5).x, 0);
+  EXPECT_DOUBLE_EQ(at(9, 0.5).y, 0.5);
+  EXPECT_DOUBLE_EQ(at(0.5, 7).z, 3);
+  EXPECT_DOUBLE_EQ(at(0.5, 7).x, 2);
+  EXPECT_EQ(at(0.5, 7).y, 0);
 }
 
-/// The search through blocks against one through all segments, on a road that comes back near itself.
+/// The search through the tree against one through all segments, on a road that comes back near itself.
 TEST(RoadGridHeight, FindsTheNearestSegmentOfALongRoad) {
   RoadGrid road;
   for (int i = 0; i < 3000; ++i) {
@@ -152,15 +177,15 @@ TEST(RoadGridHeight, FindsTheNearestSegmentOfALongRoad) {
   }
   road.line_height = road.bank = std::vector<double>(3000);
   road.v = {-1, 1};
-  const GridArrays arrays = arrays_of(road);
-  const GridData data = view_of(arrays);
+  const GridArrays arrays = arrays_of(road, 0);
   std::mt19937 random(9);
   std::uniform_real_distribution<double> place(-40, 40);
   for (int n = 0; n < 300; ++n) {
     const double x = place(random), y = place(random);
     double nearest = INFINITY;
-    for (int i = 0; i + 1 < data.along; ++i) nearest = std::min(nearest, grid::distance_from(data, i, x, y));
-    EXPECT_EQ(grid::distance_from(data, grid::nearest_segment(data, x, y), x, y), nearest);
+    for (int i = 0; i + 1 < grid::points(arrays); ++i)
+      nearest = std::min(nearest, grid::distance_from(arrays, i, x, y));
+    EXPECT_EQ(grid::distance_from(arrays, grid::nearest_segment(arrays, x, y), x, y), nearest);
   }
 }
 
