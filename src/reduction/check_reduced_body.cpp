@@ -10,6 +10,7 @@
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "reduction/check_arrays.h"
+#include "reduction/stretching_states.h"
 
 namespace mimbre {
 namespace {
@@ -104,6 +105,9 @@ void check_stretching(const ReducedBody& body, Report& report) {
   report.matrix("stretching: stiffness", s.stiffness, motions, motions);
   for (const Eigen::MatrixXd& form : s.forms)
     report.matrix("stretching: forms", form, body.modes + 3, body.modes + 3);
+  report.require(s.forms.size() <= most_stretching_states,
+                 fmt::format("stretching: there must be at most {} forms, there are {}",
+                             most_stretching_states, s.forms.size()));
   report.require(motions % 6 == 0, "stretching: a place has six motions");
   report.require(s.place_of_frame.size() == body.frames.size(),
                  fmt::format("stretching: place_of_frame must be {}, are {}", body.frames.size(),

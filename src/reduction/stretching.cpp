@@ -9,6 +9,7 @@
 #include "fe/turning_cell.h"
 #include "math/decompositions.h"
 #include "math/rotation.h"
+#include "reduction/stretching_states.h"
 #include "reduction/tied_model.h"
 
 namespace mimbre {
@@ -29,8 +30,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// States of stress that are kept, and the share of the largest one's energy that they have at least.
-constexpr Index most_states = 8;
+/// Of the largest state's energy: the states that are kept have more.
 constexpr double least_share = 1e-4;
 /// Cells that are computed in parallel before any is added: sums do not depend on the number of threads.
 constexpr int bunch = 512;
@@ -143,7 +143,9 @@ MatrixXd states_of(const Resistance& resisted, const MatrixXd& response) {
   const double largest = all > 0 ? pairs.values[all - 1] : 0,
                least = std::max(least_share * largest, negligible * resisted.energy.diagonal().maxCoeff());
   Index kept = 0;
-  while (pairs.ok && kept < std::min(all, most_states) && pairs.values[all - 1 - kept] > least) ++kept;
+  while (pairs.ok && kept < std::min(all, Index{most_stretching_states}) &&
+         pairs.values[all - 1 - kept] > least)
+    ++kept;
   return pairs.vectors.rightCols(kept) * pairs.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 

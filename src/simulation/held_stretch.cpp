@@ -2,12 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "dynamics/relative/system.h"
 #include "math/decompositions.h"
 #include "math/elementary.h"
+#include "math/multiply_add.h"
 #include "simulation/validity_measures.h"
 
 namespace mimbre {
@@ -21,14 +23,14 @@ using Eigen::VectorXd;
 
 /// Deflection over length up to which a state of stress might matter, and the ratio that then does.
 constexpr double largest_deflection = 0.2, least_ratio = 0.01;
-/// Of the largest in the states' forms: coordinates of bending that stretch it less do not count; and how
-/// many count at most.
+/// Of the largest in the states' forms: coordinates of bending that stretch it less do not count.
 constexpr double negligible_form = 1e-3;
-constexpr Index most_coordinates = 16;
 /// Weight of frames' turns, by the distance between them, against their displacements.
 constexpr double turn_weight = 0.03;
 /// Stiffness by the largest of the places: what has less gives way.
 constexpr double loose = 1e-9;
+/// Square of what a unit motion of the mechanism moves of places that are held: round-off.
+constexpr double no_motion = 1e-18;
 /// Coordinates of a mechanism that is looked at.
 constexpr int most_velocities = 1200;
 
@@ -86,6 +88,54 @@ MatrixXd nearest_rotation(const std::vector<FrameMotion>& frames, int modes) {
     moment += arm * f.X + weight * f.X_theta;
   }
   return inverse(inertia) * moment;
+}
+
+/// With rows of zeros below.
+template <int rows>
+Eigen::Matrix<double, rows, Eigen::Dynamic> padded(const MatrixXd& matrix) {
+  Eigen::Matrix<double, rows, Eigen::Dynamic> out(rows, matrix.cols());
+  out.setZero();
+  out.topRows(matrix.rows()) = matrix;
+  return out;
+}
+
+/// Forms ½ zᵀ F z, z = `coordinates` c, by the products c_i c_j with j ≤ i: forms × products.
+MatrixXd by_products(const std::vector<MatrixXd>& forms, const MatrixXd& coordinates) {
+  const Index count = coordinates.cols();
+  MatrixXd out(std::ssize(forms), count * (count + 1) / 2);
+  for (Index s = 0; s < out.rows(); ++s) {
+    const MatrixXd form = coordinates.transpose() * forms[static_cast<std::size_t>(s)] * coordinates;
+    for (Index i = 0, pair = 0; i < count; ++i)
+      for (Index j = 0; j <= i; ++j, ++pair) out(s, pair) = i == j ? 0.5 * form(i, i) : form(i, j);
+  }
+  return out;
+}
+
+/// sum + factor × column
+template <class Matrix, std::size_t rows>
+void add_multiple(const Matrix& matrix, int column, double factor, std::array<double, rows>& sum) {
+  const double* const x = matrix.col(column).data();
+  for (std::size_t r = 0; r < rows; ++r) sum[r] = multiply_add(x[r], factor, sum[r]);
+}
+
+/// Values by a signed index.
+template <std::size_t size>
+double& at(std::array<double, size>& values, int k) {
+  return values[static_cast<std::size_t>(k)];
+}
+template <std::size_t size>
+double at(const std::array<double, size>& values, int k) {
+  return values[static_cast<std::size_t>(k)];
+}
+
+/// Forms by products, at c.
+template <int rows, std::size_t size>
+std::array<double, std::size_t{rows}> by_squares(const Eigen::Matrix<double, rows, Eigen::Dynamic>& forms,
+                                                 int coordinates, const std::array<double, size>& c) {
+  std::array<double, std::size_t{rows}> sum{};
+  for (int i = 0, pair = 0; i < coordinates; ++i)
+    for (int j = 0; j <= i; ++j, ++pair) add_multiple(forms, pair, at(c, i) * at(c, j), sum);
+  return sum;
 }
 
 /// The largest displacement of a point by the amplitudes.
@@ -159,8 +209,9 @@ ReducedBody of_places(const ReducedBody& body, const std::vector<int>& places) {
     }
     out.frames.push_back(std::move(frame));
   }
-  out.nodes = body.nodes;
+  out.nodes = body.nodes;  // contacts may be with its surface
   out.node_shapes.setZero(3 * body.nodes.cols(), modes);
+  out.triangles = body.triangles;
   return out;
 }
 
@@ -191,9 +242,14 @@ struct HeldStretch::Held {
     int from = 0, to = 0, count = 0;
   };
   std::vector<Copied> positions;  ///< of the mechanism that is watched, to this one's
-  MatrixXd loads;                 ///< velocities × states: Dᵀ
-  VectorXd scales;                ///< of the velocity coordinates
-  double stiffness = 0;           ///< the largest of the places, in these scales
+  struct Places {
+    Index first = 0;   ///< velocity
+    MatrixXd motions;  ///< of its moving places, in the scales, by coordinates of unit energy
+  };
+  std::vector<Places> places;  ///< by watched body
+  MatrixXd loads;              ///< velocities × states: Dᵀ
+  VectorXd scales;             ///< of the velocity coordinates
+  double stiffness = 0;        ///< the largest of the places, in these scales
 
   Eigen::VectorXd state(const VectorXd& q) const {
     VectorXd out = VectorXd::Zero(system->positions());
@@ -210,7 +266,7 @@ HeldStretch::HeldStretch(const Compiled& m) {
   for (int b = 0; b < static_cast<int>(m.bodies.size()); ++b)
     if (add(m, b, places)) numbers_.push_back(b);
   stretch_.setZero(states_);
-  turned_.setZero(states_);
+  press_.setZero(states_);
   force_.setZero(states_);
   coupling_.setIdentity(states_, states_);
   ratios_.assign(bodies_.size(), Ratios());
@@ -269,20 +325,21 @@ bool HeldStretch::add(const Compiled& m, int number, std::vector<MatrixXd>& plac
   const EigenPairs bending = symmetric_eigen(squares);
   Index count = 0;
   const Index last = squares.rows() - 1;
-  while (count < std::min(most_coordinates, squares.rows()) &&
+  while (count < std::min<Index>(most_coordinates, squares.rows()) &&
          bending.values[last - count] > negligible_form * negligible_form * bending.values[last])
     ++count;
   const MatrixXd coordinates = bending.vectors.rightCols(count);
-  b.bending = coordinates.transpose() * root.asDiagonal() * vectors.transpose();
-  for (const MatrixXd& form : forms) b.forms.push_back(coordinates.transpose() * form * coordinates);
-  for (const MatrixXd& form : turned) b.turns.push_back(coordinates.transpose() * form * coordinates);
+  b.unit = amplitudes;
+  b.axes = coordinates;
+  b.coordinates = static_cast<int>(count);
   b.states = static_cast<int>(forms.size());
-  if (turns) b.linear = body.stretching->places(chosen, Eigen::all) * place_motions(body);
-  b.stretch.setZero(b.states);
-  b.turned.setZero(b.states);
-  b.pressed.setZero(b.states);
-  b.c.setZero(count);
-  b.product.setZero(count);
+  b.bending = padded<most_coordinates>(coordinates.transpose() * root.asDiagonal() * vectors.transpose());
+  b.stretch = padded<most_states>(by_products(forms, coordinates));
+  if (turns) {
+    b.turn = padded<most_states>(by_products(turned, coordinates));
+    b.press = padded<most_states>(body.stretching->places(chosen, Eigen::all) * place_motions(body));
+  }
+  b.gives.setZero(most_coordinates, count);
   states_ += b.states;
   strength_.conservativeResize(states_);
   strength_.tail(b.states) = Eigen::Map<const VectorXd>(strength.data(), b.states);
@@ -318,6 +375,7 @@ void HeldStretch::find_held(const Compiled& m, const std::vector<MatrixXd>& plac
     return;
   }
   held->system = std::make_unique<relative::RelativeSystem>(h);
+  held->places.resize(bodies_.size());
   held->loads.setZero(h.velocities, states_);
   const std::vector<double>& scales = held->system->scales().coordinates;
   held->scales = Eigen::Map<const VectorXd>(scales.data(), h.velocities);
@@ -338,12 +396,17 @@ void HeldStretch::find_held(const Compiled& m, const std::vector<MatrixXd>& plac
     const VectorXd s = held->scales.segment(first, body.modes);
     held->stiffness =
         std::max(held->stiffness, body.stiffness.diagonal().cwiseProduct(s.cwiseAbs2()).maxCoeff());
+    const MatrixXd motions = place_motions(*m.spec().bodies[from.spec].flexible);
+    held->places[k] = {
+        first, s.cwiseInverse().asDiagonal() * motions(motions_of(moving[k]), Eigen::all) * bodies_[k].unit};
   }
   held_ = std::move(held);
 }
 
 void HeldStretch::start(const State& state, const State& inputs) {
   coupling_.setIdentity(states_, states_);
+  for (Body& b : bodies_)
+    b.gives = padded<most_coordinates>(MatrixXd::Identity(b.coordinates, b.coordinates));
   if (held_) find_coupling(state, inputs);
   slack_ = (coupling_.diagonal().array() * strength_.array() <= least_ratio).all();
 }
@@ -376,6 +439,7 @@ void HeldStretch::find_coupling(const State& state, const State& inputs) {
   const MatrixXd loads = (s.asDiagonal() * held_->loads)(felt, Eigen::all);
   const MatrixXd motions = jacobian.rows() > 0 ? null_space(jacobian(Eigen::all, felt), 1e-9)
                                                : MatrixXd::Identity(std::ssize(felt), std::ssize(felt));
+  find_compliance(motions, felt);
   const EigenPairs pairs = symmetric_eigen(motions.transpose() * stiffness(felt, felt) * motions);
   if (!pairs.ok) return;
   const VectorXd give = pairs.values.cwiseMax(loose * held_->stiffness).cwiseInverse();
@@ -385,66 +449,119 @@ void HeldStretch::find_coupling(const State& state, const State& inputs) {
   coupling_ = left.vectors * left.values.cwiseMax(0).cwiseMin(1).asDiagonal() * left.vectors.transpose();
 }
 
+void HeldStretch::find_compliance(const MatrixXd& motions, const std::vector<Index>& felt) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    Body& b = bodies_[k];
+    const Held::Places& places = held_->places[k];
+    const Index rows = places.motions.rows();
+    if (b.turn.size() == 0 || rows == 0) continue;
+    std::vector<Index> own, at;  // rows that are felt, and where among those
+    for (Index r = 0; r < rows; ++r) {
+      const auto found = std::lower_bound(felt.begin(), felt.end(), places.first + r);
+      if (found == felt.end() || *found != places.first + r) continue;
+      own.push_back(r);
+      at.push_back(found - felt.begin());
+    }
+    const MatrixXd permitted = motions(at, Eigen::all);
+    MatrixXd squares = MatrixXd::Identity(rows, rows);
+    squares(own, own) = permitted * permitted.transpose();
+    const EigenPairs pairs = symmetric_eigen(squares);
+    Index fixed = 0;
+    while (pairs.ok && fixed < rows && pairs.values[fixed] < no_motion) ++fixed;
+    if (fixed == 0) continue;
+    const MatrixXd free = null_space(pairs.vectors.leftCols(fixed).transpose() * places.motions, 1e-9),
+                   seen = b.axes.transpose() * free;
+    b.gives = padded<most_coordinates>(seen * seen.transpose());
+  }
+}
+
 void HeldStretch::transfer(StateTransfer& transfer) {
   for (Index k = 0; k < coupling_.size(); ++k) transfer(coupling_.data()[k]);
+  for (Body& b : bodies_)
+    for (Index k = 0; k < b.gives.size(); ++k) transfer(b.gives.data()[k]);
   transfer(slack_);
 }
 
-const std::vector<HeldStretch::Ratios>& HeldStretch::find(const double* positions) {
-  if (slack_) {
-    std::fill(ratios_.begin(), ratios_.end(), Ratios());
-    return ratios_;
+bool HeldStretch::find_press(Body& b, const double* amplitudes) {
+  b.c = {};
+  for (int k = 0; k < b.modes; ++k) add_multiple(b.bending, k, amplitudes[k], b.c);
+  if (b.turn.size() == 0) return false;
+  std::array<double, most_states> press{};
+  for (int k = 0; k < b.modes; ++k) add_multiple(b.press, k, amplitudes[k], press);
+  const std::array<double, most_states> turn = by_squares(b.turn, b.coordinates, b.c);
+  // What A leaves of l_q, and its share in l.
+  double square = 0, product = 0;
+  for (int s = 0; s < b.states; ++s) {
+    double left = 0;
+    for (int t = 0; t < b.states; ++t) left += coupling_(b.first_state + s, b.first_state + t) * at(turn, t);
+    square += left * left;
+    product += left * at(press, s);
   }
-  bool pressed = false;
-  for (Body& b : bodies_) {
-    const Eigen::Map<const VectorXd> y(positions + b.first_amplitude, b.modes);
-    b.c.noalias() = b.bending * y;
-    const auto stretch = [&](const std::vector<MatrixXd>& forms, VectorXd& out) {
-      for (std::size_t s = 0; s < forms.size(); ++s) {
-        b.product.noalias() = forms[s] * b.c;
-        out[static_cast<Index>(s)] = 0.5 * b.c.dot(b.product);
-      }
-    };
-    stretch(b.forms, b.stretch);
-    stretch_.segment(b.first_state, b.states) = b.stretch;
-    if (b.turns.empty()) continue;
-    stretch(b.turns, b.turned);
-    b.pressed.noalias() = b.linear * y;
-    b.stretch.noalias() = coupling_.block(b.first_state, b.first_state, b.states, b.states) * b.turned;
-    const double square = b.stretch.dot(b.turned),
-                 share = square > 0 ? std::clamp(b.stretch.dot(b.pressed) / square, 0.0, 1.0) : 0;
-    turned_.segment(b.first_state, b.states) = share * b.turned;
-    pressed = pressed || share > 0;
-  }
-  if (pressed) stretch_ += turned_;
-  const auto work = [&](const Body& b, const VectorXd& stretch) {
-    return std::max(0.0,
-                    stretch.segment(b.first_state, b.states).dot(force_.segment(b.first_state, b.states)));
-  };
-  const auto over_bending = [&](const VectorXd& stretch, double Ratios::*ratio) {
-    force_.noalias() = coupling_ * stretch;
-    for (std::size_t k = 0; k < bodies_.size(); ++k) {
-      const double bending = 0.5 * bodies_[k].c.squaredNorm();
-      ratios_[k].*ratio = bending > 0 ? work(bodies_[k], stretch) / bending : 0;
+  b.share = square > 0 ? std::clamp(product / square, 0.0, 1.0) : 0;
+  for (int s = 0; s < b.states; ++s) press_[b.first_state + s] = b.share * at(turn, s);
+  return b.share > 0;
+}
+
+void HeldStretch::release(Body& b, Ratios& ratios) {
+  std::array<double, most_states> force{};
+  for (int s = 0; s < b.states; ++s) at(force, s) = b.share * force_[b.first_state + s];
+  std::array<double, most_coordinates> pressing{}, released = b.c;
+  for (int i = 0, pair = 0; i < b.coordinates; ++i)
+    for (int j = 0; j <= i; ++j, ++pair) {
+      double weight = 0;
+      for (int s = 0; s < b.states; ++s) weight += at(force, s) * b.turn(s, pair);
+      at(pressing, i) += weight * at(b.c, j);
+      at(pressing, j) += weight * at(b.c, i);
     }
-  };
-  over_bending(stretch_, &Ratios::missing);
-  if (pressed)
-    over_bending(turned_, &Ratios::spurious);
-  else
-    for (Ratios& ratio : ratios_) ratio.spurious = 0;
+  for (int i = 0; i < b.coordinates; ++i) add_multiple(b.gives, i, at(pressing, i), released);
+  double along = 0, square = 0;
+  for (int i = 0; i < b.coordinates; ++i) {
+    along += at(b.c, i) * at(released, i);
+    square += at(released, i) * at(released, i);
+  }
+  if (square > 0) ratios.pressed = along / square;
+  b.c = released;
+}
+
+const std::vector<HeldStretch::Ratios>& HeldStretch::find(const double* positions) {
+  std::fill(ratios_.begin(), ratios_.end(), Ratios());
+  if (slack_) return ratios_;
+  bool pressed = false;
+  for (Body& b : bodies_) pressed = find_press(b, positions + b.first_amplitude) || pressed;
+  if (pressed) force_.noalias() = coupling_ * press_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    Body& b = bodies_[k];
+    if (b.share > 0) release(b, ratios_[k]);
+    std::array<double, most_states> stretch = by_squares(b.stretch, b.coordinates, b.c);
+    if (b.share > 0) {
+      const std::array<double, most_states> turn = by_squares(b.turn, b.coordinates, b.c);
+      for (int s = 0; s < b.states; ++s) at(stretch, s) += b.share * at(turn, s);
+    }
+    for (int s = 0; s < b.states; ++s) stretch_[b.first_state + s] = at(stretch, s);
+  }
+  force_.noalias() = coupling_ * stretch_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Body& b = bodies_[k];
+    double work = 0, energy = 0;
+    for (int s = b.first_state; s < b.first_state + b.states; ++s) work += stretch_[s] * force_[s];
+    for (const double x : b.c) energy += 0.5 * x * x;
+    if (energy > 0) ratios_[k].missing = std::max(0.0, work) / energy;
+  }
   return ratios_;
 }
 
 double HeldStretch::exaggeration(const Ratios& ratios) {
-  const double right = 1 + ratios.spurious;
   // From above the root Newton's iterations come down to it.
-  double share = right;
-  if (ratios.missing * right * right > 1) share = mimbre::cbrt(right / ratios.missing);
+  double share = ratios.missing > 1 ? 1 / mimbre::cbrt(ratios.missing) : 1;
   for (int k = 0; k < 40; ++k)
-    share -=
-        (share + ratios.missing * share * share * share - right) / (1 + 3 * ratios.missing * share * share);
-  return 1 / share - 1;
+    share -= (share + ratios.missing * share * share * share - 1) / (1 + 3 * ratios.missing * share * share);
+  return ratios.pressed / share - 1;
+}
+
+bool HeldStretch::exceeds(const Ratios& ratios, double most) {
+  // α + ρ α³ grows with α: is it beyond 1 where σ/α − 1 is `most`, or below where that is −`most`?
+  const auto left = [&](double share) { return share + ratios.missing * share * share * share; };
+  return left(ratios.pressed / (1 + most)) > 1 || (most < 1 && left(ratios.pressed / (1 - most)) < 1);
 }
 
 }  // namespace mimbre

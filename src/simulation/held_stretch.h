@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "dynamics/state_transfer.h"
 #include "mimbre/model.h"
 #include "model/compiled.h"
+#include "reduction/stretching_states.h"
 
 namespace mimbre {
 
@@ -22,9 +24,11 @@ namespace mimbre {
 ///
 /// Linear modes that turn the body's held frames against its own axes, as where these turn at a hinge, by θ
 /// say, have them ½ θ² L too far apart. Between ends that are held this presses the body back by a stretch l
-/// of its own, which is measured and counts as far as it is of that kind, of the size l_q that the nearest
-/// rotation of the frames says: in truth the body is stretched by e + l, and the linear one resists as if by
-/// l: α + ρ α³ = 1 + λ, with e + l in the place of e in ρ, and λ = (Σ l_s (A l)_s) / U.
+/// of its own, which is measured and counts as far as it is of that kind: of the size l_q = ½ yᵀ T y that the
+/// nearest rotation of the frames says, as far as A leaves it. Without the force of that press the linear
+/// body would bend by y₀ = y + C Σ_s (A l)_s T_s y, C its compliance between what holds it, and in truth it
+/// is stretched by e + l: so y₀, with e + l of y₀, stands for y above. Deflections are too large by the share
+/// σ/α − 1, σ the deflection by y over that by y₀, both along the loads K y₀.
 class HeldStretch {
  public:
   explicit HeldStretch(const Compiled& model);
@@ -38,28 +42,44 @@ class HeldStretch {
   /// Bodies that are watched: the tree bodies' numbers.
   const std::vector<int>& bodies() const { return numbers_; }
   struct Ratios {
-    double missing = 0;   ///< ρ
-    double spurious = 0;  ///< λ
+    double missing = 0;  ///< ρ
+    double pressed = 1;  ///< σ
   };
   /// Of each. Neither allocates nor throws.
   const std::vector<Ratios>& find(const double* positions);
-  /// 1/α − 1: by how much deflections are too large, below 0 too small.
+  /// σ/α − 1: by how much deflections are too large, below 0 too small.
   static double exaggeration(const Ratios& ratios);
+  /// Whether the size of that is more than `most`, at a fraction of the cost.
+  static bool exceeds(const Ratios& ratios, double most);
 
  private:
+  /// A body's coordinates and states at most: loops of fixed length over them become vector instructions.
+  static constexpr int most_coordinates = 16, most_states = most_stretching_states;
+  template <int rows>
+  using Rows = Eigen::Matrix<double, rows, Eigen::Dynamic>;  ///< the last ones 0 where there are fewer
   struct Body {
-    int first_amplitude = 0, modes = 0, first_state = 0, states = 0;
-    Eigen::MatrixXd bending;             ///< coordinates of its bending, energy ½ |c|², by amplitudes
-    std::vector<Eigen::MatrixXd> forms;  ///< e_s = ½ cᵀ form c
-    std::vector<Eigen::MatrixXd> turns;  ///< the same of l_q; none where it does not turn
-    Eigen::MatrixXd linear;              ///< l by amplitudes
-    Eigen::VectorXd c, product, stretch, turned, pressed;
+    int first_amplitude = 0, modes = 0, first_state = 0, states = 0, coordinates = 0;
+    Rows<most_coordinates> bending;  ///< coordinates of its bending, energy ½ |c|², by amplitudes
+    Rows<most_states> stretch;       ///< e by products c_i c_j, j ≤ i, in the order 00, 10, 11, 20 …
+    Rows<most_states> turn;          ///< l_q likewise; empty where it does not turn
+    Rows<most_states> press;         ///< l by amplitudes
+    Rows<most_coordinates> gives;    ///< C, in these coordinates
+    Eigen::MatrixXd unit, axes;  ///< amplitudes by coordinates of unit energy, and those by c: for the start
+    std::array<double, most_coordinates> c{};  ///< of y, then of y₀
+    double share = 0;                          ///< of l_q that is in l
   };
   struct Held;
   /// Whether any of the body's states of stress may count; the work of those on the places' motions.
   bool add(const Compiled& model, int number, std::vector<Eigen::MatrixXd>& places);
   void find_held(const Compiled& model, const std::vector<Eigen::MatrixXd>& places);
   void find_coupling(const State& state, const State& inputs);
+  /// C, where the mechanism permits `motions` (orthonormal columns) of the coordinates `felt`, and all
+  /// others.
+  void find_compliance(const Eigen::MatrixXd& motions, const std::vector<Eigen::Index>& felt);
+  /// Coordinates, l, and its share of l_q; whether there is any.
+  bool find_press(Body& body, const double* amplitudes);
+  /// From y to y₀: the body's σ, and e + l there.
+  void release(Body& body, Ratios& ratios);
 
   std::vector<int> numbers_;
   std::vector<Body> bodies_;
@@ -68,7 +88,7 @@ class HeldStretch {
   bool slack_ = false;        ///< A is so small that nothing would ever come of it
   Eigen::VectorXd strength_;  ///< the ratio of each state alone at the largest deflection, with A = 1
   Eigen::MatrixXd coupling_;  ///< A
-  Eigen::VectorXd stretch_, turned_, force_;
+  Eigen::VectorXd stretch_, press_, force_;  ///< e + l, l, and A times one of them
   std::vector<Ratios> ratios_;
 };
 

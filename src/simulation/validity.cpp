@@ -177,7 +177,8 @@ void BodyValidity::start() {
     peak->value = peak->time = 0;
   worst_.axial = 0;
   passed_ = {};
-  most_energy_ = most_high_energy_ = most_held_ = 0;
+  most_energy_ = most_high_energy_ = 0;
+  too_stiff_ = false;
 }
 
 void BodyValidity::transfer(StateTransfer& transfer) {
@@ -185,7 +186,7 @@ void BodyValidity::transfer(StateTransfer& transfer) {
                                &worst_.tension, &worst_.held, &worst_.high_modes})
     transfer(peak->value, peak->time);
   transfer(worst_.axial, passed_.deflection, passed_.foreshortening, passed_.compression, passed_.tension,
-           passed_.held, passed_.high_modes, most_energy_, most_high_energy_, most_held_, too_stiff_);
+           passed_.held, passed_.high_modes, most_energy_, most_high_energy_, too_stiff_);
 }
 
 void BodyValidity::watch(const double* positions, double time) {
@@ -224,11 +225,9 @@ void BodyValidity::watch(const double* positions, double time) {
 
 void BodyValidity::watch_held(const HeldStretch::Ratios& ratios, double time) {
   worst_.held.watched = true;
-  const double most = std::max(ratios.missing, ratios.spurious);
-  if (!(most > most_held_)) return;
-  most_held_ = most;
+  if (!HeldStretch::exceeds(ratios, worst_.held.value)) return;
   const double exaggeration = HeldStretch::exaggeration(ratios);
-  if (std::abs(exaggeration) > worst_.held.value) too_stiff_ = exaggeration < 0;
+  too_stiff_ = exaggeration < 0;
   keep(worst_.held, std::abs(exaggeration), time, validity_limit::held, passed_.held);
 }
 

@@ -112,7 +112,7 @@ class BodyValidity {
 
   Validity worst_;
   Passed passed_;
-  double most_energy_ = 0, most_high_energy_ = 0, most_held_ = 0;
+  double most_energy_ = 0, most_high_energy_ = 0;
   bool too_stiff_ = false;  ///< what held ends make of it: deflections are too small
 };
 

@@ -28,6 +28,10 @@ ReducedBody rich_body(Random& random, int modes) {
   b.strain = matrix(6 * static_cast<int>(b.nodes.cols()));
   const MatrixXd root = matrix(modes);
   b.geometric = GeometricStiffness{{2}, {root + root.transpose()}, matrix(6)};
+  MatrixXd form(modes + 3, modes + 3);
+  for (int k = 0; k < modes + 3; ++k) form.col(k) = random.values(modes + 3, 1);
+  b.stretching = Stretching{{form + form.transpose()}, MatrixXd::Zero(1, 6), MatrixXd::Zero(6, 6), {}};
+  b.stretching->place_of_frame.assign(b.frames.size(), 0);
   return b;
 }
 
@@ -61,6 +65,10 @@ TEST(ProjectModes, TheSameSpaceIsTheSameBody) {
   same([](const ReducedBody& b) -> MatrixXd { return b.node_shapes * b.S_modes[0][1]; });
   same([](const ReducedBody& b) -> MatrixXd { return b.node_shapes * b.geometric->stiffness[0]; });
   same([](const ReducedBody& b) -> MatrixXd { return b.node_shapes * b.damping; });
+  same([](const ReducedBody& b) -> MatrixXd {
+    return b.node_shapes * b.stretching->forms[0].topLeftCorner(b.modes, b.modes);
+  });
+  same([](const ReducedBody& b) -> MatrixXd { return b.stretching->forms[0].bottomLeftCorner(3, b.modes); });
 }
 
 TEST(ProjectModes, OfAColumnOfTheUnitMatrixIsTheModeItself) {

@@ -113,6 +113,44 @@ TEST_F(ReducedBodyFile, GivesGeometricStiffnessBack) {
   EXPECT_FALSE(read.second_order);
 }
 
+/// What bending stretches, of a body with two places; a file without it is a body without it.
+TEST_F(ReducedBodyFile, GivesStretchingBack) {
+  const ReducedBody body = some_body();
+  ASSERT_TRUE(body.stretching);
+  ASSERT_FALSE(body.stretching->forms.empty());
+  save(body, path());
+  const ReducedBody read = load_reduced_body(path());
+  ASSERT_TRUE(read.stretching);
+  EXPECT_EQ(read.stretching->forms, body.stretching->forms);
+  EXPECT_EQ(read.stretching->places, body.stretching->places);
+  EXPECT_EQ(read.stretching->stiffness, body.stretching->stiffness);
+  EXPECT_EQ(read.stretching->place_of_frame, body.stretching->place_of_frame);
+  ReducedBody other = body;
+  other.stretching.reset();
+  save(other, path());
+  EXPECT_FALSE(load_reduced_body(path()).stretching);
+}
+
+TEST_F(ReducedBodyFile, SaysWhatIsWrongWithStretching) {
+  const ReducedBody good = some_body();
+  ReducedBody body = good;
+  body.stretching->place_of_frame.back() = 7;
+  EXPECT_THAT(saving(body), HasSubstr("there is no place 7"));
+  body = good;
+  body.stretching->place_of_frame.pop_back();
+  EXPECT_THAT(saving(body), HasSubstr("place_of_frame must be 2, are 1"));
+  body = good;
+  body.stretching->forms.front()(0, 1) += 1;
+  EXPECT_THAT(saving(body), HasSubstr("stretching: forms must be symmetric"));
+  body = good;
+  body.stretching->forms.front().resize(2, 2);
+  EXPECT_THAT(saving(body), HasSubstr("stretching: forms"));
+  body = good;
+  while (body.stretching->forms.size() < 9) body.stretching->forms.push_back(good.stretching->forms.front());
+  body.stretching->places.setZero(9, good.stretching->places.cols());
+  EXPECT_THAT(saving(body), HasSubstr("at most 8 forms, there are 9"));
+}
+
 TEST_F(ReducedBodyFile, GivesTurningAndCertificateBack) {
   ReducedBody body = some_body();
   for (const auto turning :

@@ -141,6 +141,34 @@ loads:
   EXPECT_EQ(allocations_of(geared, 200), 0);
 }
 
+/// Held between hinges, so that all that linear modes neglect there is watched.
+TEST_P(Allocation, NoneInTheWatchOverHeldBodies) {
+  Simulation s(model_of(R"yaml(
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {flat: {type: rectangle, width: 0.02, height: 0.002}}
+bodies:
+  strip:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: flat
+      nodes: {a: [0, 0, 0], m: [0.5, 0, 0], e: [1, 0, 0]}
+      bars: {x: {from: a, to: m, elements: 5}, y: {from: m, to: e, elements: 5}}
+      clamped: [a]
+      stiffness_damping: 1e-3
+      static_modes: [{node: m, all: true}, {node: e, all: true}]
+      dynamic_modes: 3
+joints:
+  start: {type: revolute, between: [ground, strip], at: [0, 0, 0], axis: [0, 1, 0]}
+  end: {type: revolute, between: [ground, strip], at: [1, 0, 0], axis: [0, 1, 0], cut: always}
+loads: {load: {on: strip.m, force: [0, 0, 0.3]}}
+simulation: {step: 1e-3, end: 1}
+)yaml"),
+               options());
+  EXPECT_EQ(allocations_of(s, 200), 0);
+  EXPECT_GT(s.validity().at(0).held.value, 1e-3);
+}
+
 TEST_P(Allocation, NoneWithConstraints) {
   Simulation s(every_constraint(), options());
   EXPECT_EQ(allocations_of(s, 200), 0);

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <string>
 
+#include "fe/meshes.h"
+#include "fe/solid_meshes.h"
+#include "mimbre/fe_reduce.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
@@ -94,9 +100,19 @@ double exaggerated(double ratio) {
 
 TEST(HeldStretch, ExaggerationSolvesTheCubicEquation) {
   for (const double ratio : {1e-9, 1e-3, 0.1, 1.0, 30.0, 1e6})
-    EXPECT_NEAR(HeldStretch::exaggeration({ratio, 0}), exaggerated(ratio), 1e-9 * (1 + exaggerated(ratio)))
+    EXPECT_NEAR(HeldStretch::exaggeration({ratio, 1}), exaggerated(ratio), 1e-9 * (1 + exaggerated(ratio)))
         << ratio;
   EXPECT_EQ(HeldStretch::exaggeration({}), 0);
+}
+
+TEST(HeldStretch, WhetherItExceedsAgreesWithItsSize) {
+  for (const double missing : {0.0, 1e-4, 0.05, 0.3, 5.0})
+    for (const double pressed : {1.0, 0.999, 0.9, 0.4})
+      for (const double most : {0.0, 1e-5, 0.01, 0.1, 0.24, 1.0, 3.0}) {
+        const HeldStretch::Ratios ratios{missing, pressed};
+        EXPECT_EQ(HeldStretch::exceeds(ratios, most), std::abs(HeldStretch::exaggeration(ratios)) > most)
+            << missing << " " << pressed << " " << most;
+      }
 }
 
 TEST(HeldStretch, AStripThatIsHeldAtBothEndsBendsLessThanLinear) {
@@ -141,6 +157,43 @@ signals:
   const double expected = held(at_rest(s));
   EXPECT_GT(expected, 0.1);
   EXPECT_NEAR(held(at_rest(seen)), expected, 1e-6 * expected);
+}
+
+/// The nodes of its surface meet a floor below: the watch needs none of that, and does not mind it.
+TEST(HeldStretch, IsWatchedWhereTheSurfaceTouches) {
+  const fe::SolidMesh mesh = block(fe::ElementType::hex8, {1, 0.05, 0.01}, {20, 1, 1}, steel());
+  fe::ModelReduction options;
+  for (const double x : {0.0, 1.0}) {
+    fe::Interface end;
+    end.name = x == 0 ? "start" : "end";
+    end.point = {x, 0.025, 0.005};
+    for (int node = 0; node < mesh.nodes.cols(); ++node)
+      if (std::abs(mesh.nodes(0, node) - x) < 1e-9) end.nodes.push_back(node);
+    options.interfaces.push_back(end);
+  }
+  options.dynamic_modes = 6;
+  options.free_modes = 0;
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / fmt::format("held_surface_{}.h5", getpid())).string();
+  save(reduce(mesh, assemble(mesh), options).body, path);
+  const auto at_rest = [&](const char* contacts) {
+    return Simulation(model_of(fmt::format(R"(gravity: [0, 0, -100]
+bodies: {{strip: {{frame: {{at: [0, 0, 0]}}, reduced: {}}}}}
+joints:
+  start: {{type: fixed, between: [ground, strip.start]}}
+  end: {{type: fixed, between: [ground, strip.end], cut: always}}
+surfaces: {{floor: {{type: half_space, at: [0, 0, -1]}}}}
+{}
+initial: equilibrium
+)",
+                                           path, contacts)));
+  };
+  const double expected = held(at_rest(""));
+  EXPECT_GT(expected, 0.05);
+  EXPECT_NEAR(held(at_rest("contacts: {touch: {spheres: {surface_of: strip, radius: 0.005}, surfaces: floor, "
+                           "stiffness: 1e5, restitution: 0.3}}")),
+              expected, 1e-6 * expected);
+  std::filesystem::remove(path);
 }
 
 /// The force between the ends goes through the strip and the spring: EA/L over 1 + EA/(L k) of what held ends

@@ -6,6 +6,7 @@
 
 #include "fe/meshes.h"
 #include "joints/kernels.h"
+#include "reduction/stretching.h"
 
 namespace mimbre::test {
 
@@ -42,6 +43,11 @@ ReducedBody mixed(ReducedBody b, const MatrixXd& mix) {
     for (MatrixXd& k : b.geometric->stiffness) k = (mix.transpose() * k * mix).eval();
     b.geometric->boundary_loads = (b.geometric->boundary_loads * mix).eval();
   }
+  if (b.stretching)
+    for (MatrixXd& form : b.stretching->forms) {
+      const MatrixXd T = beside_rotation(mix);
+      form = (T.transpose() * form * T).eval();
+    }
   b.user_from_modal = (b.user_from_modal * mix).eval();
   b.node_shapes = (b.node_shapes * mix).eval();
   if (b.mesh_inertia) b.mesh_inertia->shapes = (b.mesh_inertia->shapes * mix).eval();
