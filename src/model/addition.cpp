@@ -76,7 +76,7 @@ Eigen::Vector3d Addition::point(const char* what, const Eigen::Vector3d& given) 
 
 Eigen::Vector3d Addition::direction(const char* what, const Eigen::Vector3d& given) const {
   const double length = given.stableNorm();
-  if (!(length > 1e-12) || !std::isfinite(length))
+  if (!(length > 0) || !std::isfinite(length))
     refuse(fmt::format("{}: the direction has no length; give a vector such as (0, 0, 1)", what));
   return vector(given / length);
 }

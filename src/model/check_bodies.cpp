@@ -86,10 +86,12 @@ void check_node(const Thing& thing, const spec::Frame& frame, const spec::Body& 
     return thing.error(fmt::format("flexible_frame is {}, but body '{}' has {} frames that its modes move",
                                    frame.flexible_frame, body.name, nodes.size()));
   const BodyFrame& node = nodes[static_cast<std::size_t>(frame.flexible_frame)];
-  double size = 0;
+  double size = node.position.norm();
   for (const BodyFrame& other : nodes) size = std::max(size, (other.position - node.position).norm());
+  if (body.flexible->nodes.cols() > 0)
+    size = std::max(size, (body.flexible->nodes.colwise() - node.position).colwise().norm().maxCoeff());
   const double distance = (node.position - frame.pose.position).norm();
-  if (distance > 1e-6 + 1e-4 * size)  // rounded figures, as of drawings
+  if (distance > 1e-4 * size)  // rounded figures, as of drawings
     thing.error(
         fmt::format("lies {:.3g} m away from '{}' of body '{}', whose modes move it (flexible_frame {}); "
                     "it must lie there",

@@ -1,5 +1,6 @@
 #include "model/checked_thing.h"
 #include "model/force_laws.h"
+#include "model/nearest_place.h"
 #include "tyre_files/magic_numbers.h"
 
 /// Springs, loads, roads and tyres.
@@ -21,8 +22,7 @@ void check_spring(const spec::Model& model, const Thing& thing, const spec::Spri
   const auto place = [&](int frame) {
     return assembled_place(model, model.frames[static_cast<std::size_t>(frame)]);
   };
-  const double length = (place(spring.frame_b) - place(spring.frame_a)).norm();
-  if (length == 0)
+  if (at_one_place(place(spring.frame_a), place(spring.frame_b)))
     thing.error("has length 0 in the assembled position: its direction is not defined; move one end");
 }
 

@@ -2,6 +2,7 @@
 
 #include "joints/table.h"
 #include "model/checked_thing.h"
+#include "model/drive_start.h"
 
 /// Joints, their drives, springs and initial values.
 namespace mimbre::checks {
@@ -19,15 +20,17 @@ void check_ends(const spec::Model& model, const Thing& thing, const spec::Joint&
 }
 
 /// What a drive prescribes needs no initial value, and one that is something else would be ignored.
-void check_start(const Thing& thing, const char* what, const std::vector<std::optional<double>>& given,
-                 int coordinate, double driven) {
+void check_start(const spec::Model& model, const Thing& thing, const spec::Joint& joint, int coordinate,
+                 bool rate, double driven) {
+  const auto& given = rate ? joint.initial_velocity : joint.initial_position;
   const auto k = static_cast<std::size_t>(coordinate);
-  if (k < given.size() && given[k] && std::abs(*given[k] - driven) > 1e-9 * (1 + std::abs(driven)))
-    thing.error(fmt::format("{} {} contradicts the drive, which starts with {:.6g}; leave it out", what,
-                            *given[k], driven));
+  if (k < given.size() && given[k] &&
+      contradicts_drive(model, joint.type, coordinate, rate, *given[k], driven))
+    thing.error(fmt::format("{} {} contradicts the drive, which starts with {:.6g}; leave it out",
+                            rate ? "initial_velocity" : "initial_position", *given[k], driven));
 }
 
-void check_drives(const Thing& thing, const spec::Joint& joint) {
+void check_drives(const spec::Model& model, const Thing& thing, const spec::Joint& joint) {
   std::set<int> driven;
   for (const spec::Drive& drive : joint.drives) {
     if (!thing.enumerator("drive: of", drive.of, 2)) continue;
@@ -43,10 +46,10 @@ void check_drives(const Thing& thing, const spec::Joint& joint) {
     const bool position = drive.of == spec::Drive::Of::position;
     if (!thing.finite("drive: law at t = 0", value)) continue;
     if (!position) {
-      check_start(thing, "initial_velocity", joint.initial_velocity, drive.coordinate, value);
+      check_start(model, thing, joint, drive.coordinate, true, value);
     } else if (thing.finite("drive: rate of the law at t = 0", rate)) {
-      check_start(thing, "initial_position", joint.initial_position, drive.coordinate, value);
-      check_start(thing, "initial_velocity", joint.initial_velocity, drive.coordinate, rate);
+      check_start(model, thing, joint, drive.coordinate, false, value);
+      check_start(model, thing, joint, drive.coordinate, true, rate);
     }
   }
 }
@@ -94,7 +97,7 @@ void check_joints(const spec::Model& model, std::vector<Diagnostic>& errors) {
     check_initial(thing, "initial_position", joint.initial_position, info);
     check_initial(thing, "initial_velocity", joint.initial_velocity, info);
     check_initial(thing, "near", joint.near, info);
-    check_drives(thing, joint);
+    check_drives(model, thing, joint);
     check_joint_springs(thing, joint);
   }
 }

@@ -5,6 +5,7 @@
 #include "model/checked_thing.h"
 #include "model/compile_blocks.h"
 #include "model/force_laws.h"
+#include "model/nearest_place.h"
 
 /// Inputs, signals, and the force elements that have no section of their own.
 namespace mimbre::checks {
@@ -89,7 +90,8 @@ void check_place(const spec::Model& model, const Thing& thing, const spec::Eleme
   const spec::Frame &first = model.frames[static_cast<std::size_t>(e.frame_a)],
                     &second = model.frames[static_cast<std::size_t>(e.frame_b)];
   if (first.body == spec::ground && second.body == spec::ground) thing.error("both ends are on the ground");
-  if (e.on == spec::Element::On::line && assembled_place(model, first) == assembled_place(model, second))
+  if (e.on == spec::Element::On::line &&
+      at_one_place(assembled_place(model, first), assembled_place(model, second)))
     thing.error("has length 0 in the assembled position: its direction is not defined; move one end");
   if (e.on == spec::Element::On::axis && thing.finite("direction", e.direction) && e.direction.isZero(0))
     thing.error("direction has no length; give a vector such as (0, 0, 1)");

@@ -4,8 +4,14 @@
 #include <limits>
 #include <vector>
 
-/// Which of a flexible body's nodes is meant by a place that was given.
+/// Which places are the same, and which of a flexible body's nodes is meant by a place that was given.
 namespace mimbre {
+
+/// Whether two places differ by no more than the round-off of their coordinates.
+inline bool at_one_place(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  constexpr double round_off = 1e3 * std::numeric_limits<double>::epsilon();
+  return !((a - b).norm() > round_off * (a.norm() + b.norm()));
+}
 
 /// How far apart places are the same, m, on a body with these nodes: a share of its size, and the round-off
 /// of coordinates that far from the origin, which they are the differences of.

@@ -8,6 +8,7 @@
 #include "joints/table.h"
 #include "model/constraint_axes.h"
 #include "model/constraint_kinds.h"
+#include "model/nearest_place.h"
 #include "model_file/elements.h"
 
 /// Constraints between bodies, and couplings of joint coordinates by their uses: gears, racks, differentials.
@@ -243,7 +244,7 @@ void read_between(Builder& builder, const Part& part, const Value& value, spec::
     c.length = (b.position - a.position).norm();
     if (const auto length = fields.get("length"))
       c.length = length->positive(quantity::length).value_or(1);
-    else if (!(c.length > 1e-9))
+    else if (at_one_place(a.position, b.position))
       fields.error(
           fmt::format("both ends are at {}, and a distance of 0 has no direction: type: spherical under "
                       "'joints' holds two points together",

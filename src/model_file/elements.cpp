@@ -8,6 +8,7 @@
 
 #include "joints/table.h"
 #include "model/force_laws.h"
+#include "model/nearest_place.h"
 #include "model_file/signals.h"
 
 /// Actuators and bushings.
@@ -42,7 +43,7 @@ std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& 
   if (a < 0 || b < 0) return none;
   const auto body = [&](int frame) { return builder.model.frames[static_cast<std::size_t>(frame)].body; };
   const Eigen::Vector3d here = builder.global_pose(a).position, there = builder.global_pose(b).position;
-  if (!one_place && !((here - there).norm() > 1e-9)) {
+  if (!one_place && at_one_place(here, there)) {
     fields.error(
         fmt::format("has length zero: both ends are at {}; it needs a direction to pull in", to_text(here)));
   } else if (body(a) == spec::ground && body(b) == spec::ground) {

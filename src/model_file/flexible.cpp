@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "mimbre/reduced_body.h"
+#include "model/nearest_place.h"
 #include "model_file/builder.h"
 
 /// Frames of beams: `flexible:` of a body, made into a finite-element mesh and the options of its reduction.
@@ -240,7 +241,8 @@ struct Reader {
                           end = positions[static_cast<std::size_t>(b)];
     const double length = (end - start).norm();
     if (a == b) return fail(value_of_bar, "begins and ends at the same node");
-    if (!(length > 1e-9)) return fail(value_of_bar, "has no length; its two nodes are at the same place");
+    if (at_one_place(start, end))
+      return fail(value_of_bar, "has no length; its two nodes are at the same place");
     if (element.y_direction.cross(end - start).norm() < 1e-6 * length && !element.y_direction.isZero(0))
       return fail(*bar.get("y"), "is along the bar; give a direction across it");
 

@@ -9,6 +9,7 @@
 
 #include "joints/axes.h"
 #include "joints/table.h"
+#include "model/drive_start.h"
 #include "model_file/builder.h"
 #include "model_file/signals.h"
 
@@ -286,20 +287,22 @@ void read_drives(Builder& builder, const Part& part, const Value& value, spec::J
 }
 
 /// What a drive prescribes needs no initial value, and one that is something else would be ignored.
-void check_driven(const Fields& fields, const spec::Joint& joint) {
-  const auto check = [&](const char* key, const std::vector<std::optional<double>>& given,
-                         const spec::Drive& drive, double driven) {
+void check_driven(const spec::Model& model, const Fields& fields, const spec::Joint& joint) {
+  const auto check = [&](bool rate, const spec::Drive& drive, double driven) {
+    const auto& given = rate ? joint.initial_velocity : joint.initial_position;
     const auto k = static_cast<std::size_t>(drive.coordinate);
-    if (k >= given.size() || !given[k] || !(std::abs(*given[k] - driven) > 1e-9 * (1 + std::abs(driven))))
+    if (k >= given.size() || !given[k] ||
+        !contradicts_drive(model, joint.type, drive.coordinate, rate, *given[k], driven))
       return;
-    fields.get(key)->error(fmt::format("{} contradicts the drive, which starts with {:.6g}; leave it out{}",
-                                       *given[k], driven, given.size() > 1 ? " (null)" : ""));
+    fields.get(rate ? "velocity" : "position")
+        ->error(fmt::format("{} contradicts the drive, which starts with {:.6g}; leave it out{}", *given[k],
+                            driven, given.size() > 1 ? " (null)" : ""));
   };
   for (const spec::Drive& drive : joint.drives) {
     if (drive.signal >= 0) continue;  // known with its inputs only
     const bool position = drive.of == spec::Drive::Of::position;
-    if (position) check("position", joint.initial_position, drive, drive.law.value(0));
-    check("velocity", joint.initial_velocity, drive, position ? drive.law.derivative(0) : drive.law.value(0));
+    if (position) check(false, drive, drive.law.value(0));
+    check(true, drive, position ? drive.law.derivative(0) : drive.law.value(0));
   }
 }
 
@@ -423,7 +426,7 @@ void read_joint(Builder& builder, const Part& part, const Value& value, spec::Jo
   if (const auto at = fields.get("at")) joint.apart = is_pair(*at);
   if (const auto velocity = fields.get("velocity"))
     joint.initial_velocity = read_initial(*velocity, *type, &CoordinateUnits::velocity);
-  check_driven(fields, joint);
+  check_driven(builder.model, fields, joint);
   if (joint.type == JointType::floating && joint.frame_a >= 0 && joint.frame_b >= 0)
     place_floating(builder, part, value, joint);
 }

@@ -218,7 +218,7 @@ std::optional<Eigen::Vector3d> Value::direction() const {
   const auto value = triple();
   if (!value) return {};
   const double length = value->stableNorm();
-  if (!(length > 1e-12) || !std::isfinite(length)) {
+  if (!(length > 0) || !std::isfinite(length)) {
     error("the direction has no length; give a vector such as [0, 0, 1]");
     return {};
   }
