@@ -9,9 +9,6 @@
 /// the share of v₀ that a belongs to (math/restitution.h).
 namespace mimbre::forces::blow {
 
-/// Slower than this (m/s, rad/s) no blow counts: what rests is damped.
-constexpr double slowest = 1e-2;
-
 template <class T>
 struct Push {
   T force, elastic, along_depth, along_speed;  ///< N; the part f(d); tangents by depth and by its speed
@@ -31,10 +28,10 @@ Push<T> push(const T& k, const T& n, const T& e, const T& d, const T& speed, con
           select(pushes, T(slope * damped), none), select(pushes, T(elastic * factor), none)};
 }
 
-/// c of a blow of that speed.
+/// c of a blow of that speed. Slower than `slow` none counts: what rests is damped.
 template <class T>
-T factor(const T& a, const T& speed) {
-  return a / select(speed > T(slowest), speed, T(slowest));
+T factor(const T& a, const T& speed, const T& slow) {
+  return a / select(speed > slow, speed, slow);
 }
 
 }  // namespace mimbre::forces::blow

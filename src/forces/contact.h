@@ -6,6 +6,7 @@
 #include "forces/element.h"
 #include "forces/element_ends.h"
 #include "math/elementary.h"
+#include "model/force_laws.h"
 
 /// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
 /// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
@@ -19,10 +20,11 @@ namespace mimbre::forces {
 namespace contact {
 /// Among the law's numbers.
 constexpr int stiffness = 0, exponent = 1, depth = 2, friction = 4, static_ratio = 5, stribeck = 6,
-              tangential = 7, settling = 8, rolling = 9, spinning = 10, damping = 11;
+              tangential = 7, settling = 8, rolling = 9, spinning = 10, damping = contact_damping,
+              slow = contact_slow;
 
-/// Slower than this (m/s), what starts is at rest.
-constexpr double still = 1e-9;
+/// What starts slower than this share of `stribeck` is at rest.
+constexpr double still = 1e-7;
 
 template <class T, int n>
 struct Held {
@@ -86,14 +88,14 @@ Eigen::Matrix<T, 2, 1> carried(const Mat3<T>& axes, const T* before) {
   return sqrt(select(ratio < T(4), ratio, T(4))) * part;
 }
 
-/// What slides or turns as it starts has bent the bristles already.
+/// What slides or turns as it starts has bent the bristles already. `rest`: rate below which it does neither.
 template <class T, int n>
-void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& limit, const T& firm,
-           Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
+void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& rest, const T& limit,
+           const T& firm, Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
   using std::sqrt;
   if (c.step > 0 || !any(firm > T(0))) return;
   const T square = rate.squaredNorm();
-  const auto begins = select(c.states[contact_states::gap] < T(0), T(0), square) > T(still * still);
+  const auto begins = select(c.states[contact_states::gap] < T(0), T(0), square) > rest * rest;
   const T size = sqrt(select(begins, square, T(1)));
   for (int k = 0; k < n; ++k) {
     pulled[k] = select(begins, T(limit * rate[k] / size), pulled[k]);
@@ -105,7 +107,7 @@ template <class T>
 blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
   const T* p = c.numbers();
   return blow::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
-                    blow::factor(p[damping], c.states[contact_states::blow]));
+                    blow::factor(p[damping], c.states[contact_states::blow], p[slow]));
 }
 }  // namespace contact
 
@@ -135,7 +137,8 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   const T limit = push.force * p[friction] *
                   (T(1) + (p[static_ratio] - T(1)) * exp(T(-square / (p[stribeck] * p[stribeck]))));
   Vector2 bent = carried(axes, c.states + states::bend), pulled = carried(axes, c.states + states::pull);
-  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), limit, firm, bent, pulled);
+  const T rest = T(still) * p[stribeck];
+  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), rest, limit, firm, bent, pulled);
   const Held<T, 2> held =
       hold<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), firm, T(firm * p[settling]), c.step, limit);
   const Vec3<T> bend = axes.template leftCols<2>() * held.bend,
@@ -153,13 +156,14 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   using Vector1 = Eigen::Matrix<T, 1, 1>;
   const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
                 turned = axes.transpose() * vector_at<T>(c.states + states::moment);
-  const T lever = firm * T(ends_of(c.model, c.element, c.states).radius), roll = lever * p[rolling],
-          spin = lever * p[spinning];
+  const T radius(ends_of(c.model, c.element, c.states).radius),
+      lever = firm * radius, roll = lever * p[rolling], spin = lever * p[spinning];
   const T most_roll = push.force * p[rolling], most_spin = push.force * p[spinning];
   Vector2 rolled = twisted.template head<2>(), roll_moment = turned.template head<2>();
   Vector1 spun(twisted[2]), spin_moment(turned[2]);
-  begin<T, 2>(c, Vector2(s.v[3], s.v[4]), most_roll, roll, rolled, roll_moment);
-  begin<T, 1>(c, Vector1(s.v[5]), most_spin, spin, spun, spin_moment);
+  const T turning_rest = rest / radius;
+  begin<T, 2>(c, Vector2(s.v[3], s.v[4]), turning_rest, most_roll, roll, rolled, roll_moment);
+  begin<T, 1>(c, Vector1(s.v[5]), turning_rest, most_spin, spin, spun, spin_moment);
   const Held<T, 2> rolls = hold<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
                                       T(roll * p[settling]), c.step, most_roll);
   const Held<T, 1> spins =

@@ -19,8 +19,8 @@ constexpr int sticking = 0, static_ratio = 1, stribeck = 2, viscous = 3, settlin
 /// whether that is known.
 constexpr int bend = 0, rate = 1, place = 2, known = 3;
 
-/// Slower than this (m/s, rad/s), what starts is at rest.
-constexpr double still = 1e-9;
+/// What starts slower than this share of `stribeck` is at rest.
+constexpr double still = 1e-7;
 
 template <class T>
 struct Bristles {
@@ -34,7 +34,8 @@ Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
   const T* p = c.numbers();
   const T* before = c.states + c.element.own_states;
   const T given = c.argument(0), level = select(given > T(0), given, T(0));
-  const T moves = select(v > T(still), T(1), select(v < T(-still), T(-1), T(0)));
+  const T rest = T(still) * p[stribeck];
+  const T moves = select(v > rest, T(1), select(v < -rest, T(-1), T(0)));
   const T speed = v / p[stribeck], peak = (p[static_ratio] - T(1)) * exp(-speed * speed);
   const T limit = level * (T(1) + peak), slope = level * peak * (T(-2) * speed / p[stribeck]);
   const T k = level / p[sticking], viscosity = k * p[settling];

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "forces/element.h"
+#include "model/force_laws.h"
 
 /// A motor with its gear on a joint's coordinate. It turns `ratio` times as fast as the joint, ω = n q̇, and
 /// its torque τ(ω) comes from a curve times a command from −1 to 1, or from a voltage U by the constants of a
@@ -14,8 +15,8 @@ namespace motor {
 /// Among the law's numbers.
 constexpr int ratio = 0, constant = 2, resistance = 3, current_limit = 4, torque_limit = 5, drag = 6,
               efficiency = 7;
-/// Friction of the gear turns about within this speed, rad/s at the motor.
-constexpr double slow = 1;
+/// Friction of the gear turns about within this speed, rad/s.
+constexpr int slow = motor_slow;
 
 /// At the motor's side; slopes by its speed.
 template <class T>
@@ -52,10 +53,10 @@ Torque<T> torque(const LawContext<T>& c, const T& speed) {
     t.slope = p[constant] * slope;
   }
   limit(p[torque_limit], t.made, t.slope);
-  const T size = sqrt(T(speed * speed + T(slow * slow))), turns = speed / size, kept = p[efficiency],
-          share = T(1) - kept;
+  const T small = p[slow] * p[slow], size = sqrt(T(speed * speed + small)), turns = speed / size,
+          kept = p[efficiency], share = T(1) - kept;
   t.lost = p[drag] * speed + share * abs(t.made) * turns;
-  t.lost_slope = p[drag] + share * (abs(t.made) * T(slow * slow) / (size * size * size) +
+  t.lost_slope = p[drag] + share * (abs(t.made) * small / (size * size * size) +
                                     select(t.made < none, T(-1), T(1)) * t.slope * turns);
   return t;
 }

@@ -3,6 +3,7 @@
 
 #include "forces/blow.h"
 #include "forces/element.h"
+#include "model/force_laws.h"
 
 /// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
 /// Within its depth d a stop pushes back with f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl.
@@ -12,7 +13,9 @@ namespace mimbre::forces {
 
 namespace stop {
 /// Among the law's numbers.
-constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4, damping = 6;  ///< a
+constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4;
+constexpr int damping = stop_damping,
+              slow = stop_slow;  ///< a, and the speed below which it is that of no blow
 
 /// `d`: depth, `speed`: at which it grows, `factor`: c.
 template <class T>
@@ -23,7 +26,7 @@ blow::Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
 template <class T>
 T factor_of(const LawContext<T>& c) {
   const T speed = c.states[c.element.own_states];
-  return blow::factor(c.numbers()[damping], speed);
+  return blow::factor(c.numbers()[damping], speed, c.numbers()[slow]);
 }
 }  // namespace stop
 

@@ -21,6 +21,7 @@
 #include "model/force_laws.h"
 #include "model/image.h"
 #include "model/rolling_size.h"
+#include "model/slow_speeds.h"
 #include "model/topology.h"
 #include "model/triangle_mesh.h"
 
@@ -56,6 +57,7 @@ class Compiler {
     }
     matrix();
     find_scales(c_);
+    find_slow_speeds(c_);
     return std::make_unique<const Image>(c_);
   }
 
@@ -443,7 +445,7 @@ class Compiler {
       const spec::Contact& s = spec_.contacts[static_cast<std::size_t>(k)];
       c_.first_of_contact.push_back(static_cast<int>(c_.elements.size()));
       const int numbers = add_numbers(s.numbers);
-      add_numbers({restitution_damping(s.numbers[contact_restitution])});
+      add_numbers({restitution_damping(s.numbers[contact_restitution]), 0});
       const bool turning = s.numbers[contact_rolling] > 0 || s.numbers[contact_spinning] > 0;
       ElementData contact;
       contact.law = static_cast<int>(Law::contact);
@@ -537,10 +539,12 @@ class Compiler {
     e.spec = k;
     e.marked = true;
     e.numbers = add_numbers(s.numbers);
-    if (e.law == static_cast<int>(Law::stop)) add_numbers({restitution_damping(s.numbers.back())});
+    if (e.law == static_cast<int>(Law::stop)) add_numbers({restitution_damping(s.numbers.back()), 0});
     if (e.law == static_cast<int>(Law::cable)) add_numbers({cable_rest_length(s.numbers, e.reference)});
-    if (e.law == static_cast<int>(Law::motor))
+    if (e.law == static_cast<int>(Law::motor)) {
+      add_numbers({0.0});
       if (const double inertia = motor_inertia(s.numbers); inertia > 0) e.inertia = add_numbers({inertia});
+    }
     for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
     if (!s.functions.empty()) e.functions = add_functions(s.functions);
     e.formula = add_formula(c_, s.general);

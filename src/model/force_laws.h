@@ -24,6 +24,14 @@ struct LawNumber {
   constexpr bool allows(double x) const { return x > above && x >= least && x <= most; }
 };
 
+/// Place of a number by its key.
+template <std::size_t n>
+constexpr int place_of(const std::array<LawNumber, n>& numbers, std::string_view key) {
+  int place = 0;
+  while (numbers[static_cast<std::size_t>(place)].key != key) ++place;
+  return place;
+}
+
 /// Why it does not allow x.
 inline std::string wrong_number(const LawNumber& number, double x) {
   if (!(x > number.above)) return fmt::format("is {}; it has to be above {}", x, number.above);
@@ -128,6 +136,10 @@ constexpr std::array<LawNumber, 6> stop_numbers{{
      .most = 1},
 }};
 
+/// Behind them compile() puts two: the damping that the restitution needs (math/restitution.h), and the
+/// speed, m/s or rad/s, below which no blow counts (model/slow_speeds.h).
+constexpr int stop_damping = static_cast<int>(stop_numbers.size()), stop_slow = stop_damping + 1;
+
 constexpr std::string_view stop_fault(std::span<const double> n) {
   if (n[0] <= -1e300 && n[1] >= 1e300) return "gives no end of the travel: 'lower' or 'upper' is needed";
   return n[0] < n[1] ? "" : "'lower' has to be below 'upper'";
@@ -180,6 +192,10 @@ constexpr std::array<LawNumber, 8> motor_numbers{{
      .above = 0,
      .most = 1},
 }};
+
+/// Behind them compile() puts the motor's speed, rad/s, within which the gear's friction turns about
+/// (model/slow_speeds.h).
+constexpr int motor_slow = static_cast<int>(motor_numbers.size());
 
 constexpr std::string_view motor_fault(std::span<const double> n) {
   if (n[0] == 0) return "has the ratio 0, by which it would move nothing";
@@ -247,6 +263,9 @@ constexpr std::array<LawNumber, 11> contact_numbers{{
      .otherwise = 0,
      .least = 0},
 }};
+
+/// Behind them as of stops.
+constexpr int contact_damping = static_cast<int>(contact_numbers.size()), contact_slow = contact_damping + 1;
 
 /// Of a tyre whose tread is a brush, besides its vertical stiffness and its radius, which come first; the
 /// place of one of them. It rolls as a wheel that is smaller by a third of its deflection.

@@ -41,7 +41,13 @@ Vec3d place_in(const double* z) { return {z[states::place], z[states::place + 1]
 }  // namespace
 
 double quiet_speed(const Compiled& m, double whole) {
-  return std::max(forces::blow::slowest, 0.5 * whole * m.gravity.norm());
+  double quiet = 0.5 * whole * m.gravity.norm();
+  for (std::size_t c = 0; c + 1 < m.first_of_contact.size(); ++c) {
+    const int first = m.first_of_contact[c];
+    if (first == m.first_of_contact[c + 1]) continue;
+    quiet = std::max(quiet, m.numbers[m.elements[first].numbers + contact_slow]);
+  }
+  return quiet;
 }
 
 ContactWatch::ContactWatch(const Compiled& m)

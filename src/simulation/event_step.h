@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simulation/events.h"
 #include "simulation/mechanism.h"
@@ -8,8 +9,11 @@
 
 namespace mimbre {
 
-/// How closely the time of an event is found, and the shortest part of a step, s.
-constexpr double event_resolution(double step) { return std::min(1e-9, 1e-6 * step); }
+/// How closely the time of an event is found, and the shortest part of a step, s: a share of the step, and at
+/// a late time no less than its round-off.
+constexpr double event_resolution(double step, double time) {
+  return std::max(1e-7 * step, 4 * std::numeric_limits<double>::epsilon() * time);
+}
 
 /// Makes a step in which events may happen: where one does, a part of the step ends there, and what follows
 /// from it acts from there on. Whether one happened shows at the end of a part, by the side of zero that its
@@ -30,7 +34,7 @@ class EventStep {
         mechanism_(mechanism),
         steps_(steps),
         step_(step),
-        resolution_(event_resolution(step)) {}
+        resolution_(event_resolution(step, mechanism.state.time)) {}
 
   /// To `end`, or to where one stops the run.
   StepReport to(double end) {

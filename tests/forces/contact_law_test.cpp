@@ -79,7 +79,7 @@ Touching touching(Random& random, int kind, double friction, double exponent, bo
   e.state_count = turning ? contact_turning_states : law_info(e.law).states;
   const double arm = turning ? 0.02 : 0;
   for (const double number :
-       {4e3, exponent, 1e-2, 0.6, friction, 1.0, 0.01, 0.7, 1e-3, arm, arm, restitution_damping(0.6)})
+       {4e3, exponent, 1e-2, 0.6, friction, 1.0, 0.01, 0.7, 1e-3, arm, arm, restitution_damping(0.6), 0.01})
     t.model.numbers.push_back(number);
   t.a = {random.rotation(), random.vector(1), random.vector(1),
          random.vector(1),  Vec3d::Zero(),    Vec3d::Zero()};
