@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string_view>
 #include <vector>
 
+#include "joints/table.h"
 #include "simulation/names.h"
 
 namespace mimbre {
@@ -43,8 +46,17 @@ std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
   return fmt::format("{:.3g} {}", r.equation_violation, is_angle ? "rad" : "m");
 }
 
-/// Where a body is joined to one so much heavier that few digits are left of what moves it: which ones, else
-/// nothing.
+/// A light body that is joined to a heavier one is held by forces of the weight of the heavy one, and swings
+/// between them about √(M/m) times as fast as the mechanism: a matrix of inertias and springs, which does not
+/// know of these forces, only leads to the solution of a step that is shorter than that.
+std::string follows(const Compiled& m, double lightest, double heaviest) {
+  const double gravity = m.gravity.norm();
+  if (!(gravity > 0)) return "a very short step follows";
+  return fmt::format("steps of about {:.0e} s follow",
+                     std::sqrt(lightest / heaviest * m.length_scale / gravity));
+}
+
+/// Where a body is joined to one so much heavier that a step hardly follows it: which ones, else nothing.
 std::string lost_masses(const Compiled& m) {
   struct Extremes {
     const BodyData *lightest = nullptr, *heaviest = nullptr;
@@ -63,10 +75,9 @@ std::string lost_masses(const Compiled& m) {
     if (e.lightest && e.heaviest->mass > apart * e.lightest->mass)
       return fmt::format(
           "; body '{}' of {:.3g} kg is joined to '{}' of {:.3g} kg: what holds the one moves the other so "
-          "fast "
-          "that only a very short step follows it, and beyond a ratio of 1e10 too few digits are left",
+          "fast that only {} it, and beyond a ratio of 1e13 too few digits are left",
           m.spec().bodies[e.lightest->spec].name, e.lightest->mass, m.spec().bodies[e.heaviest->spec].name,
-          e.heaviest->mass);
+          e.heaviest->mass, follows(m, e.lightest->mass, e.heaviest->mass));
   return {};
 }
 
@@ -84,6 +95,17 @@ const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natur
     if (here && root->joint == spec::JointType::floating && root->parent < 0) return root;
   }
   return nullptr;
+}
+
+/// Of a generalised force. A natural coordinate belongs to a point or to a unit vector of a body.
+std::string_view unit_of_force(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
+  if (natural) return "N at a point, or N m about an axis";
+  for (const BodyData& b : m.bodies) {
+    if (coordinate < b.v || coordinate >= b.v + b.size()) continue;
+    if (coordinate >= b.v + b.joint_velocities) return "J per unit of the mode";
+    return is_angle(b.joint, coordinate - b.v) ? "N m" : "N";
+  }
+  return "N or N m";
 }
 
 }  // namespace
@@ -182,22 +204,22 @@ std::string explain_imbalance(const Compiled& model, const natural::NaturalSyste
                                       [](const ElementData& e) { return e.measure == Measure::wheel; });
   // What is not balanced lies anywhere between a vehicle and its wheels.
   const BodyData* const body = free_body(model, natural, status.coordinate, has_wheels);
+  const std::string_view unit = unit_of_force(model, natural, status.coordinate);
   if (body && has_wheels)
     return fmt::format(
-        "no static equilibrium was found: nothing holds body '{}' against a force or moment of {:.3g} (N or "
-        "Nm); on wheels that no brake holds it rolls away, and on a slope that friction does not hold it "
+        "no static equilibrium was found: nothing holds body '{}' against {:.3g} {}; on wheels that no brake "
+        "holds it rolls away, and on a slope that friction does not hold it "
         "slides; give the hubs friction that holds, and no velocities",
-        model.spec().bodies[body->spec].name, status.residual);
+        model.spec().bodies[body->spec].name, status.residual, unit);
   if (body)
     return fmt::format(
-        "no static equilibrium was found: body '{}' floats freely, and nothing holds it against a force or "
-        "moment "
-        "of {:.3g} (N or Nm); join it to the ground or to a body that is, or carry it by springs",
-        model.spec().bodies[body->spec].name, status.residual);
+        "no static equilibrium was found: body '{}' floats freely, and nothing holds it against {:.3g} {}; "
+        "join it to the ground or to a body that is, or carry it by springs",
+        model.spec().bodies[body->spec].name, status.residual, unit);
   return fmt::format(
-      "no static equilibrium was found: unbalanced force {:.3g}, the largest in {} (does anything hold it?), "
-      "constraints off by {:.3g} after {} iterations",
-      status.residual, coordinate_name(model, natural, status.coordinate), status.violation,
+      "no static equilibrium was found: unbalanced force {:.3g} {}, the largest in {} (does anything hold "
+      "it?), constraints off by {:.3g} of the mechanism's size, or rad, after {} iterations",
+      status.residual, unit, coordinate_name(model, natural, status.coordinate), status.violation,
       status.iterations);
 }
 
