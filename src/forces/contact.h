@@ -182,6 +182,16 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   }
 }
 
+namespace contact {
+/// The rotation vector by which a sphere turned from one state to another, which it touches in.
+inline Vec3d turn_since(const double* before, const double* now) {
+  namespace states = contact_states;
+  const double *b = before + states::turn, *n = now + states::turn;
+  const Quat<double> back(b[0], -b[1], -b[2], -b[3]), turned(n[0], n[1], n[2], n[3]);
+  return quaternion_log(quaternion_product(turned, back));
+}
+}  // namespace contact
+
 /// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the blow's take.
 inline void contact_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace contact;
@@ -209,11 +219,17 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   if (c.step <= 0) return;
   e.lost = (touched ? bristles(c.states, axes) : 0) - now;
   if (!touches) return;
-  const Eigen::Vector2d pulled = carried<double>(axes, c.states + states::pull);
-  const Vec3d turned =
-      turning ? Vec3d(axes.transpose() * vector_at<double>(c.states + states::moment)) : Vec3d(Vec3d::Zero());
-  for (int k = 1; k < s.count; ++k)
-    e.lost += 0.5 * (s.force[k] + (k < 3 ? pulled[k - 1] : turned[k - 3])) * s.x[k];
+  for (int k = 1; k < s.count; ++k) e.lost += 0.5 * s.force[k] * s.x[k];
+  if (!touched) return;
+  // What acted as the step started did so on the contact as it was then.
+  const Vec3d since = turn_since(c.states, s.states),
+              went =
+                  vector_at<double>(s.states + states::place) - vector_at<double>(c.states + states::place),
+              pulled = vector_at<double>(c.states + states::pull);
+  const double radius = ends_of(c.model, c.element, c.states).radius,
+               reach = radius + 0.5 * c.states[states::gap];
+  e.lost += 0.5 * pulled.dot(went - reach * since.cross(axes.col(2)));
+  if (turning) e.lost += 0.5 * vector_at<double>(c.states + states::moment).dot(since);
 }
 
 }  // namespace mimbre::forces
