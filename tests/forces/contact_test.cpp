@@ -147,10 +147,10 @@ outputs: [{{name: x, position: wedge, component: x}}]
                          GetParam(), 0.01);
   };
   Simulation locked = wedge(0.3);
-  run_to(locked, 5);
+  run_to(locked, 15);
   const double settled = channel(locked, "x");
   EXPECT_LT(std::abs(settled), 1e-4);
-  run_to(locked, 25);
+  run_to(locked, 35);
   EXPECT_NEAR(channel(locked, "x"), settled, 1e-12);
   Simulation slides = wedge(0.05);
   run_to(slides, 0.2);

@@ -346,7 +346,7 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
         e.state_count = 4;
       }
       if (law == Law::stop) {
-        m.numbers = {-0.2, 0.3, 50, 1.7, 0.1, 0.5, restitution_damping(0.5)};
+        m.numbers = {-0.2, 0.3, 50, 1.7, 0.1, 0.5, restitution_damping(0.5), 0.01};
         e.state_count = 1;
       }
       if (law == Law::cable) {
@@ -354,7 +354,8 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
         e.state_count = 2;
       }
       if (law == Law::motor) {
-        m.numbers = {-2, 0, 0.7, 1.3, round % 3 == 0 ? 0.5 : 1e300, round % 3 == 1 ? 0.6 : 1e300, 0.1, 0.8};
+        m.numbers = {-2,  0,   0.7, 1.3, round % 3 == 0 ? 0.5 : 1e300, round % 3 == 1 ? 0.6 : 1e300,
+                     0.1, 0.8, 1};
         if (round % 2 == 0) e.functions = -1;
       }
       // The tangent is symmetric, and that of the force where all coefficients are the same.

@@ -48,8 +48,8 @@ const auto arithmetic = [](const auto& x, const auto& y) {
   return z;
 };
 const auto functions = [](const auto& x, const auto& y) {
-  using std::abs, std::atan2, std::cos, std::exp, std::expm1, std::hypot, std::log, std::pow, std::sin,
-      std::sqrt;
+  using std::abs, std::sqrt, mimbre::atan2, mimbre::cos, mimbre::exp, mimbre::expm1, mimbre::hypot,
+      mimbre::log, mimbre::pow, mimbre::sin;
   return sqrt(1.0 + x * x) + sin(x) * cos(y) + exp(x) * expm1(y) + log(2.0 + x * y) + abs(x) + atan2(x, y) +
          hypot(x, y) + pow(2.0 + x, y) + pow(2.0 + y, 3.0);
 };

@@ -185,7 +185,7 @@ TEST_P(EventTimes, WhatDoesNotActLeavesTheMotion) {
   const std::string model =
       four_bar_text({{"crank", ", velocity: 3"}}) +
       "outputs: [{name: angle, joint: crank}, {name: push, joint_force: rocker, component: fx}]\n"
-      "simulation: {step: 0.01, end: 1}\n";
+      "simulation: {step: 0.01, end: 1, tolerance: 1e-8}\n";
   std::string events = "events:\n";
   for (int k = 0; k < 10; ++k)
     events += fmt::format("  e{0}: {{when: angle, crosses: {1}}}\n", k, 0.013 + 0.011 * k);

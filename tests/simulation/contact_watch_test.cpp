@@ -179,14 +179,14 @@ TEST(ContactPassages, AreRememberedInStates) {
   EXPECT_EQ(second.warnings().size(), 1u);
 }
 
-/// 35 mm deep by its weight in a box of 50 mm: it goes through, and that is said when its centre enters.
+/// 35 mm deep by its weight in a box of 50 mm: it sinks in, and that is said when its centre enters.
 TEST(Depth, OfASphereBelowItsCentreIsSaid) {
   Simulation simulation = simulation_of(sample("deep.yaml"), Formulation::relative);
   run_to(simulation, 5);
   EXPECT_THAT(
       simulation.warnings(),
       ElementsAre(AllOf(HasSubstr("contact 'c': the sphere of body 'b' is deeper in surface 's' than its "
-                                  "radius, 0.02 m, from t = 0.639 s on"),
+                                  "radius, 0.02 m, from t = 1.092 s on"),
                         HasSubstr("larger stiffness"))));
 }
 

@@ -177,7 +177,7 @@ TEST(HeldStretch, IsWatchedWhereTheSurfaceTouches) {
       (std::filesystem::path(testing::TempDir()) / fmt::format("held_surface_{}.h5", getpid())).string();
   save(reduce(mesh, assemble(mesh), options).body, path);
   const auto at_rest = [&](const char* contacts) {
-    return Simulation(model_of(fmt::format(R"(gravity: [0, 0, -100]
+    return Simulation(model_of(fmt::format(R"(gravity: [0, 0, -400]
 bodies: {{strip: {{frame: {{at: [0, 0, 0]}}, reduced: {}}}}}
 joints:
   start: {{type: fixed, between: [ground, strip.start]}}

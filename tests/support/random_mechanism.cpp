@@ -6,6 +6,8 @@
 
 #include "fe/meshes.h"
 #include "joints/kernels.h"
+#include "model/checked_thing.h"
+#include "model/nearest_place.h"
 #include "reduction/stretching.h"
 
 namespace mimbre::test {
@@ -221,6 +223,10 @@ RandomMechanism random_mechanism(unsigned seed, const RandomOptions& options) {
       s.name = "spring" + std::to_string(k);
       s.frame_a = random_frame(m, random, k == 0 ? spec::ground : any_body());
       // Between the frames of one joint, which may lie on each other, a spring has no direction.
+      const auto at_one_place = [&](int a, int b) {
+        return mimbre::at_one_place(checks::assembled_place(m, m.frames[a]),
+                                    checks::assembled_place(m, m.frames[b]));
+      };
       const auto joined = [&](int a, int b) {
         return std::any_of(m.joints.begin(), m.joints.end(), [&](const spec::Joint& j) {
           return (j.frame_a == a && j.frame_b == b) || (j.frame_a == b && j.frame_b == a);
@@ -228,7 +234,7 @@ RandomMechanism random_mechanism(unsigned seed, const RandomOptions& options) {
       };
       do s.frame_b = random_frame(m, random, any_body());
       while ((m.frames[s.frame_b].body == m.frames[s.frame_a].body && options.bodies > 1) ||
-             joined(s.frame_a, s.frame_b));
+             joined(s.frame_a, s.frame_b) || at_one_place(s.frame_a, s.frame_b));
       if (options.springs) s.elastic = Function::polynomial({-20, 30, 15, 8});
       if (options.damping) {
         s.damping = Function::polynomial({0, 4, 1.5, 0.5});
