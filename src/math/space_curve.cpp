@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "math/elementary.h"
+#include "math/turn.h"
 
 namespace mimbre {
 namespace {
@@ -76,7 +77,7 @@ void add_directions(Knots& values, const std::vector<double>& spans, bool closed
   double at = 0;
   for (int k = 0; k < n; ++k) {
     const auto j = static_cast<std::size_t>(k);
-    const Eigen::Vector3d direction = Eigen::AngleAxisd(left * at / length, tangents[j]) * firsts[j];
+    const Eigen::Vector3d direction = turn_about(tangents[j], left * at / length) * firsts[j];
     values.col(k).segment<3>(3) = direction;
     values.col(k).tail<3>() = tangents[j].cross(direction);
     if (j < spans.size()) at += spans[j];

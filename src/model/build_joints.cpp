@@ -1,7 +1,6 @@
-#include <Eigen/Geometry>
-
 #include "joints/axes.h"
 #include "joints/table.h"
+#include "math/turn.h"
 #include "model/model_builder_parts.h"
 
 /// Joints by names: what a model file's `joints` say (src/model_file/joints.cpp).
@@ -102,8 +101,7 @@ void turn_velocity(const Addition& addition, spec::Joint& joint) {
   if (linear) put(a.transpose() * addition.vector(*linear), 0);
   if (angular) {
     const Eigen::Vector3d turn = three(joint.initial_position, 3).value_or(Eigen::Vector3d::Zero());
-    const double angle = turn.norm();
-    const Eigen::Matrix3d b = angle == 0 ? a : Eigen::Matrix3d(a * Eigen::AngleAxisd(angle, turn / angle));
+    const Eigen::Matrix3d b = a * turn_by(turn);
     put(b.transpose() * addition.vector(*angular), 3);
   }
 }

@@ -9,6 +9,7 @@
 
 #include "joints/axes.h"
 #include "joints/table.h"
+#include "math/turn.h"
 #include "model/drive_start.h"
 #include "model_file/builder.h"
 #include "model_file/signals.h"
@@ -368,12 +369,6 @@ void put(const Eigen::Vector3d& v, std::vector<std::optional<double>>& values, s
   for (std::size_t k = 0; k < 3; ++k) values[first + k] = v[static_cast<Eigen::Index>(k)];
 }
 
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
-  const double angle = vector.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-}
-
 /// A floating joint's velocities are given in global axes; the joint wants a's axes and b's axes. Its
 /// position is given in a's axes and is mirrored like the frames.
 void place_floating(const Builder& builder, const Part& part, const Value& value, spec::Joint& joint) {
@@ -395,8 +390,7 @@ void place_floating(const Builder& builder, const Part& part, const Value& value
   const Eigen::Matrix3d a = builder.global_pose(joint.frame_a).rotation;
   if (linear) put(a.transpose() * part.place.vector(*linear), velocity, 0);
   if (angular) {
-    const Eigen::Matrix3d b =
-        a * rotation_of(three(joint.initial_position, 3).value_or(Eigen::Vector3d::Zero()));
+    const Eigen::Matrix3d b = a * turn_by(three(joint.initial_position, 3).value_or(Eigen::Vector3d::Zero()));
     put(b.transpose() * part.place.pseudo_vector(*angular), velocity, 3);
   }
 }

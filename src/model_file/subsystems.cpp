@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-
+#include "math/turn.h"
 #include "model_file/builder.h"
 #include "model_file/elements.h"
 #include "model_file/includes.h"
@@ -75,9 +74,7 @@ std::optional<Placement> read_placement(const Fields& fields) {
     }
   }
   if (const auto rotate = fields.get("rotate")) {
-    const Eigen::Vector3d vector = rotate->triple(quantity::angle).value_or(Eigen::Vector3d::Zero());
-    const double angle = vector.stableNorm();
-    if (angle > 0) place.rotation = Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+    place.rotation = turn_by(rotate->triple(quantity::angle).value_or(Eigen::Vector3d::Zero()));
   }
   if (const auto at = fields.get("at"))
     place.translation = at->triple(quantity::length).value_or(Eigen::Vector3d::Zero());

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 
+#include "math/turn.h"
 #include "urdf/robot.h"
 
 namespace mimbre::urdf {
@@ -15,7 +15,7 @@ void fix(Robot& robot, Joint& joint, double value, const std::string& why) {
       {joint.mark, fmt::format("joint '{}' is fixed at {:.6g}: {}", joint.name, value, why)});
   Pose moved;
   if (joint.turns())
-    moved.rotation = Eigen::AngleAxisd(value, joint.axis).toRotationMatrix();
+    moved.rotation = turn_about(joint.axis, value);
   else
     moved.position = value * joint.axis;
   if (value != 0) joint.pose = joint.pose.of(moved);

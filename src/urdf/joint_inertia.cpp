@@ -7,6 +7,7 @@
 #include "base/random_numbers.h"
 #include "math/cross_matrix.h"
 #include "math/decompositions.h"
+#include "math/turn.h"
 
 namespace mimbre::urdf {
 namespace {
@@ -128,7 +129,7 @@ BodyTree::Position BodyTree::at(const std::vector<double>& coordinates) const {
       const double q = joint.scalar() ? coordinates[static_cast<std::size_t>(joint_[k])] : 0;
       Pose moved;
       if (joint.turns())
-        moved.rotation = Eigen::AngleAxisd(q, joint.axis).toRotationMatrix();
+        moved.rotation = turn_about(joint.axis, q);
       else if (joint.scalar())
         moved.position = q * joint.axis;
       pose = position.poses[static_cast<std::size_t>(carrier_[k])].of(inner).of(moved);

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "math/turn.h"
 #include "urdf/robot.h"
 
 /// URDF by its description in ROS's wiki (urdf/XML).
@@ -129,9 +129,7 @@ class Reader {
   Pose origin(const xml_node& parent) {
     const xml_node node = parent.child("origin");
     const Eigen::Vector3d rpy = triple(node, "rpy", Eigen::Vector3d::Zero());
-    const auto turn = [](double angle, int axis) {
-      return Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
-    };
+    const auto turn = [](double angle, int axis) { return turn_about(Eigen::Vector3d::Unit(axis), angle); };
     return {triple(node, "xyz", Eigen::Vector3d::Zero()),
             turn(rpy[2], 2) * turn(rpy[1], 1) * turn(rpy[0], 0)};
   }
