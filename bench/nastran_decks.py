@@ -109,6 +109,8 @@ def held_nodes(path):
     """Components that single-point constraints hold, by node."""
     chosen, held = chosen_constraints(path), collections.defaultdict(set)
     for card in cards_of(path):
+        if card[0] == "GRID" and len(card) > 7 and card[7].isdigit() and card[7] != "0":
+            held[int(card[1])] |= set(card[7])
         if card[0] not in ("SPC", "SPC1") or not card[1].isdigit() or (chosen and int(card[1]) not in chosen):
             continue
         if card[0] == "SPC":
@@ -131,10 +133,11 @@ def held_nodes(path):
 
 def printed_frequencies(path):
     """Hz, of the first table of real eigenvalues in the .f06 beside a deck."""
-    base = os.path.splitext(path)[0] + ".f06"
-    if not os.path.exists(base):
+    folder, wanted = os.path.dirname(path), os.path.splitext(os.path.basename(path))[0].lower() + ".f06"
+    beside = [name for name in os.listdir(folder) if name.lower() == wanted]
+    if not beside:
         return []
-    with open(base, encoding="latin-1") as file:
+    with open(os.path.join(folder, beside[0]), encoding="latin-1") as file:
         lines = file.readlines()
     found, inside = [], False
     for line in lines:

@@ -118,6 +118,9 @@ struct Spring {
 struct Equation {
   std::string name;
   std::vector<LinearTerm> terms;
+  /// Only says where the first term's node goes in a direction in which nothing holds it. In a rigid
+  /// interface it goes with the interface instead.
+  bool loose = false;
 };
 
 /// Nodes that move as one rigid body with a node (RBE2, *RIGID BODY, *KINEMATIC).

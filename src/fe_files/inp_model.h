@@ -39,6 +39,9 @@ struct InpElement {
   int section = -1;       ///< into InpModel::sections
 };
 
+/// End of the warning about a section, which refuses the model where there are no matrices beside the file.
+inline constexpr const char* no_elasticity = "has no *ELASTIC that is read: a body is linear elastic";
+
 /// A layer of a shell, from the bottom to the top.
 struct InpPly {
   double thickness = 0;

@@ -78,7 +78,9 @@ Section box(double a, double b, const std::array<double, 4>& t) {
 
 void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& section) {
   section.kind = Kind::beam;
-  const std::string shape = lower(needed(keyword, "SECTION"));
+  std::string shape = lower(needed(keyword, "SECTION"));
+  for (const char* name : {"rect", "circ"})  // also written out
+    if (shape.starts_with(name)) shape = name;
   std::string_view line;
   if (!model.lines.next_data(line))
     throw InputError(keyword.mark, "*BEAM SECTION needs a line with the sizes of its section");
@@ -176,7 +178,7 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword) {
   section.mark = keyword.mark;
   if (keyword.name == "SHELL SECTION") {
     section.kind = Kind::shell;
-  } else if (keyword.name == "BEAM SECTION") {
+  } else if (keyword.name == "BEAM SECTION" || keyword.name == "BEAM GENERAL SECTION") {
     section.kind = Kind::beam;
   } else if (keyword.name != "SOLID SECTION") {
     return false;
@@ -338,10 +340,14 @@ ImportedMesh finish_inp(InpModel& model) {
   std::map<std::tuple<ElementType, bool, int, int>, int> groups;  ///< the first of a section's sheets
   std::vector<Eigen::Vector2d> beam_offsets;
   std::int64_t without = 0;
+  std::vector<char> in_use(model.sections.size(), 0);
   for (const InpElement& element : model.elements) {
     const InpType& type = model.types[static_cast<std::size_t>(element.type)];
     if (type.kind != InpType::Kind::element && type.kind != InpType::Kind::beam) continue;
-    if (element.section < 0) ++without;
+    if (element.section < 0)
+      ++without;
+    else
+      in_use[static_cast<std::size_t>(element.section)] = 1;
     const InpSection* section =
         element.section < 0 ? nullptr : &model.sections[static_cast<std::size_t>(element.section)];
     const std::vector<Sheet>& own = section ? sheets[static_cast<std::size_t>(element.section)] : unsaid;
@@ -373,6 +379,13 @@ ImportedMesh finish_inp(InpModel& model) {
       if (own[k].orientation >= 0) group.orientations.push_back(own[k].orientation);
     }
   }
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    for (const Sheet& sheet : sheets[k]) {
+      const NamedMaterial& named = model.materials[static_cast<std::size_t>(sheet.material)];
+      if (in_use[k] && named.material.young <= 0 && !named.elastic)
+        model.warn("elastic " + named.name, model.sections[k].mark,
+                   fmt::format("material '{}' {}", shown(named.name), no_elasticity));
+    }
   if (without > 0 && !model.sections.empty())
     model.warn("without section", end,
                fmt::format("{} elements have no section and so no material", without));

@@ -118,7 +118,7 @@ void follow(NastranBuild& build, int node, int root, const std::vector<Vector3d>
     std::iter_swap(terms.begin(), largest);
     const auto label = [&](int k) { return build.mesh.labels[static_cast<std::size_t>(k)]; };
     build.mesh.equations.push_back(
-        {fmt::format("node {}, which follows node {},", label(node), label(root)), std::move(terms)});
+        {fmt::format("node {}, which follows node {},", label(node), label(root)), std::move(terms), true});
   }
 }
 

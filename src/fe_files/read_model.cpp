@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "fe_files/inp_lines.h"
+#include "fe_files/inp_model.h"
 #include "fe_files/nastran.h"
 #include "fe_files/text.h"
 #include "mimbre/fe_import.h"
@@ -119,6 +122,10 @@ FeModel assembled(const std::string& path, ImportedMesh read, const FeCompanions
   std::erase_if(read.warnings, [&](const Diagnostic& warning) {
     return !companions.densities.empty() && warning.message.ends_with("has no *DENSITY");
   });
+  std::vector<Diagnostic> lacking;
+  std::copy_if(read.warnings.begin(), read.warnings.end(), std::back_inserter(lacking),
+               [](const Diagnostic& warning) { return warning.message.ends_with(no_elasticity); });
+  if (!lacking.empty()) throw InputError(std::move(lacking));
   try {
     require_densities(read.mesh);
     FeMatrices matrices = assemble(read.mesh);

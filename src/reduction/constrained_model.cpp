@@ -133,6 +133,27 @@ void keep_positive(FeMatrices& matrices) {
       matrices.stiffness.coeffRef(r, r) += trace * own;
 }
 
+/// A loose node of a rigid interface goes with a node of the interface that turns; false: there is none.
+bool go_with_interface(const SolidMesh& mesh, const std::vector<std::array<int, 6>>& rows,
+                       const Interface& interface, Equation& equation) {
+  const int node = equation.terms.front().node;
+  const auto turns = [&](int other) {
+    const auto& own = rows[static_cast<std::size_t>(other)];
+    return other != node && std::all_of(own.begin(), own.end(), [](int row) { return row >= 0; });
+  };
+  const auto root = std::find_if(interface.nodes.begin(), interface.nodes.end(), turns);
+  if (root == interface.nodes.end()) return false;
+  std::erase_if(equation.terms, [&](const LinearTerm& term) { return term.node != node; });
+  const Vector3d arm = mesh.nodes.col(node) - mesh.nodes.col(*root);
+  std::array<double, 6> motion{};
+  for (const LinearTerm& term : equation.terms) {
+    const auto factors = carried(arm, term.direction);
+    for (std::size_t k = 0; k < 6; ++k) motion[k] -= term.factor * factors[k];
+  }
+  for (int k = 0; k < 6; ++k) equation.terms.push_back({*root, k, motion[static_cast<std::size_t>(k)]});
+  return true;
+}
+
 /// A sum of displacements by rows.
 using Sum = std::map<int, double>;
 
@@ -171,7 +192,9 @@ class Elimination {
     int pivot = -1;
     double best = 0;
     for (const auto& [row, factor] : sum) {
-      if (interface_of_[static_cast<std::size_t>(row)] >= 0) continue;
+      const bool own =
+          equation.loose && matrices_.dofs[static_cast<std::size_t>(row)].node == equation.terms[0].node;
+      if (interface_of_[static_cast<std::size_t>(row)] >= 0 && !own) continue;
       double weight = weight_of(row, factor);
       if (row == first) weight *= 1e6;  // the dependent one of the equation, wherever it can be
       if (weight > best) best = weight, pivot = row;
@@ -346,7 +369,17 @@ std::vector<Interface> at_references(const SolidMesh& mesh, const std::vector<In
 FeMatrices constrain(const SolidMesh& mesh, const FeMatrices& matrices,
                      const std::vector<Interface>& interfaces, std::vector<Dof>* loose) {
   Elimination elimination(mesh, matrices, interfaces);
-  for (const Equation& equation : all_equations(mesh, matrices.dofs)) elimination.add(equation);
+  std::vector<const Interface*> rigid_of(static_cast<std::size_t>(mesh.nodes.cols()), nullptr);
+  for (const Interface& interface : interfaces)
+    for (const int node : interface.nodes)
+      if (interface.tie == Interface::Tie::rigid && node >= 0 && node < mesh.nodes.cols())
+        rigid_of[static_cast<std::size_t>(node)] = &interface;
+  const auto rows_of_nodes = rows_of(mesh, matrices.dofs);
+  for (Equation& equation : all_equations(mesh, matrices.dofs)) {
+    const Interface* const rigid =
+        equation.loose ? rigid_of[static_cast<std::size_t>(equation.terms.front().node)] : nullptr;
+    if (!rigid || go_with_interface(mesh, rows_of_nodes, *rigid, equation)) elimination.add(equation);
+  }
   FeMatrices result = elimination.result();
   std::vector<char> of_interface(static_cast<std::size_t>(mesh.nodes.cols()), 0);
   for (const Interface& interface : interfaces)

@@ -71,6 +71,9 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
       taken = static_cast<int>(i);
       for (const Index r : rows_of_node[static_cast<std::size_t>(node)]) own.push_back(r);
     }
+    const bool rigid = interface.tie == Interface::Tie::rigid;
+    if (!rigid)  // the mean is one of displacements
+      std::erase_if(own, [&](Index r) { return matrices.dofs[static_cast<std::size_t>(r)].direction >= 3; });
     // The motions of these dofs per coordinate: what hold the interface has.
     MatrixXd motions(own.size(), 6);
     for (std::size_t k = 0; k < own.size(); ++k) {
@@ -78,15 +81,16 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
       motions.row(static_cast<Index>(k)) =
           rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
     }
-    const double length = motions.rightCols(3).cwiseAbs().maxCoeff();
+    const double length = own.empty() ? 0 : motions.rightCols(3).cwiseAbs().maxCoeff();
     MatrixXd scaled = motions;
     if (length > 0) scaled.rightCols(3) /= length;
     if (own.empty() || order_columns(scaled, 1e-6).rank < 6)
       throw std::invalid_argument(
           fmt::format("interface '{}' has no hold in all six directions: its {} node{} must not lie on one "
-                      "line (or must have rotations) and must belong to the model",
-                      interface.name, interface.nodes.size(), interface.nodes.size() == 1 ? "" : "s"));
-    if (interface.tie == Interface::Tie::rigid) {
+                      "line{} and must belong to the model",
+                      interface.name, interface.nodes.size(), interface.nodes.size() == 1 ? "" : "s",
+                      rigid ? " (or must have rotations)" : ""));
+    if (rigid) {
       for (std::size_t k = 0; k < own.size(); ++k) {
         tied_.push_back({own[k], static_cast<int>(i), motions.row(static_cast<Index>(k))});
         place[static_cast<std::size_t>(own[k])] = -1;
@@ -94,15 +98,8 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
       continue;
     }
     // z is the rigid motion nearest to that of the nodes' translations: z = W u, W = (RᵀR)⁻¹ Rᵀ.
-    std::vector<Index> translations;
-    for (const Index r : own)
-      if (matrices.dofs[static_cast<std::size_t>(r)].direction < 3) translations.push_back(r);
-    MatrixXd R(translations.size(), 6);
-    for (std::size_t k = 0; k < translations.size(); ++k) {
-      const Dof& dof = matrices.dofs[static_cast<std::size_t>(translations[k])];
-      R.row(static_cast<Index>(k)) =
-          rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
-    }
+    const std::vector<Index>& translations = own;
+    const MatrixXd& R = motions;
     const MatrixXd W = PivotedCholesky(R.transpose() * R).solve(R.transpose());
     MatrixXd weighted = W;
     if (length > 0) weighted.bottomRows(3) *= length;

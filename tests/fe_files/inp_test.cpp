@@ -3,6 +3,7 @@
 
 #include "fe_files/fe_files.h"
 #include "fe_files/inp_model.h"
+#include "mimbre/fe_import.h"
 
 namespace mimbre::fe {
 namespace {
@@ -112,6 +113,19 @@ TEST(Inp, ReadsBeamsWithRectangles) {
   EXPECT_EQ(beam.material.density, 1000);
 }
 
+TEST(Inp, ReadsBeamSectionsByTheirOtherNames) {
+  const auto section = [](const std::string& card) {
+    return parse(
+               "*NODE\n1,0,0,0\n2,1,0,0\n*ELEMENT, TYPE=B31, ELSET=bar\n1,1,2\n*MATERIAL, NAME=m\n"
+               "*ELASTIC\n1e9,0.2\n*DENSITY\n1000\n" +
+               card + ", ELSET=bar, MATERIAL=m\n0.1, 0.02\n0, 1, 0\n")
+        .mesh.beams.at(0)
+        .section;
+  };
+  EXPECT_EQ(section("*BEAM SECTION, SECTION=RECTANGULAR").Iz, section("*BEAM SECTION, SECTION=RECT").Iz);
+  EXPECT_EQ(section("*BEAM GENERAL SECTION, SECTION=PIPE").Iz, section("*BEAM SECTION, SECTION=PIPE").Iz);
+}
+
 /// The nodes lie on the side of the section where OFFSET = 0.5 puts them, along a bow on its outside.
 TEST(Inp, OffsetsMoveTheAxesOfBeams) {
   std::string text = "*NODE\n";
@@ -213,6 +227,21 @@ TEST(Inp, WarnsOfWhatItLeavesOut) {
   EXPECT_THAT(warnings(kBrick + "*MATERIAL, NAME=a\n*ELASTIC\n1,0.3\n"),
               HasSubstr("material a has no *DENSITY"));
   EXPECT_EQ(warnings(kBrick + "*STEP\n*BOUNDARY\n1,1,3\n*CLOAD\n1,1,1\n*END STEP\n"), "");
+}
+
+/// Hyperelastic, plastic, of fluids or of heat: named with the section that takes it. One that nothing takes
+/// does no harm.
+TEST(Inp, MaterialsInUseMustBeElastic) {
+  Folder folder;
+  const std::string other = "*MATERIAL, NAME=rubber\n*HYPERELASTIC\n1,2\n*DENSITY\n1000\n",
+                    steel = "*MATERIAL, NAME=steel\n*ELASTIC\n2e11,0.3\n*DENSITY\n7800\n";
+  const std::string spare =
+      folder.write("a.inp", kBrick + other + steel + "*SOLID SECTION, ELSET=brick, MATERIAL=steel\n");
+  EXPECT_EQ(complaint([&] { read_model(spare); }), "");
+  const std::string used =
+      folder.write("b.inp", kBrick + other + steel + "*SOLID SECTION, ELSET=brick, MATERIAL=rubber\n");
+  EXPECT_THAT(complaint([&] { read_model(used); }),
+              HasSubstr("b.inp:22:1: material 'rubber' has no *ELASTIC that is read"));
 }
 
 TEST(Inp, SaysWhatIsWrong) {

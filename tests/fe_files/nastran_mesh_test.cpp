@@ -481,6 +481,34 @@ TEST(NastranTies, BarsThatTurnAboutThemselvesAreRods) {
   }
 }
 
+/// A table on two legs and two rods: held at its feet, the rods must not hold it across their length as a
+/// foot would that goes with the table. The same as with the rods' feet on a rigid floor.
+TEST(NastranTies, FeetOfRodsInAnInterfaceGoWithIt) {
+  const auto held = [](const std::string& more, const std::vector<int>& feet) {
+    const SolidMesh mesh =
+        parse(
+            "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,0.,0.,-1.\n"
+            "GRID,6,,1.,0.,-1.\nGRID,7,,1.,1.,-1.\nGRID,8,,0.,1.2,-1.\nMAT1,1,2.E11,,.3,7800.\n"
+            "PSHELL,1,1,.02,1,,1\nCQUAD4,1,1,1,2,3,4\nPBAR,2,1,4.E-4,2.E-8,2.E-8,3.E-8\nPROD,3,1,1.E-4\n"
+            "CBAR,2,2,1,5,1.,1.,0.\nCBAR,3,2,2,6,1.,1.,0.\nCROD,4,3,3,7\nCROD,5,3,4,8\n" +
+            more)
+            .mesh;
+    ModelReduction options;
+    options.interfaces.resize(1);
+    options.interfaces[0].name = "feet";
+    options.interfaces[0].nodes = feet;
+    options.interfaces[0].point = mesh.nodes.col(feet[0]);
+    options.dynamic_modes = 4;
+    options.free_modes = 2;
+    return reduce(mesh, assemble(mesh), options);
+  };
+  const ReductionResult rods = held("", {4, 5, 6, 7}), floor = held("RBE2,9,5,123456,7,8\n", {4, 5});
+  for (Eigen::Index k = 0; k < 4; ++k)
+    EXPECT_NEAR(rods.fixed_frequencies[k] / floor.fixed_frequencies[k], 1, 1e-9) << k;
+  // Free, the feet of the rods do not swing either.
+  EXPECT_GT(rods.free_frequencies[0], 0.1 * rods.fixed_frequencies[0]);
+}
+
 /// The interface's nodes have a rotation that nothing resists and that has no mass.
 TEST(NastranTies, InterfacesMayHaveRotationsWithoutStiffness) {
   const Eigen::VectorXd rod = free_frequencies("CROD,9,5,1,5\n", {0, 1, 2}),

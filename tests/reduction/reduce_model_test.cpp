@@ -215,6 +215,43 @@ TEST(ReduceModel, CertificateSuspectsOddMaterials) {
   EXPECT_THAT(said({2.1e11, 0.3, 7.85e-9}), testing::HasSubstr("t/mm³"));
 }
 
+/// Nodes of no element, and a mean of too few displacements, however many rotations there are.
+TEST(TiedModel, RefusesInterfacesWithoutAHold) {
+  const auto refused = [](const fe::SolidMesh& mesh, std::vector<int> nodes, Interface::Tie tie) {
+    Interface interface { "end", std::move(nodes) };
+    interface.tie = tie;
+    try {
+      fe::TiedModel(mesh, fe::assemble(mesh), {interface});
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  fe::SolidMesh solid = bar(fe::ElementType::hex8);
+  const auto count = static_cast<int>(solid.nodes.cols());
+  solid.nodes.conservativeResize(3, count + 2);
+  solid.nodes.rightCols(2).setRandom();
+  const fe::SolidMesh shell = [] {
+    fe::SolidMesh mesh;
+    mesh.nodes.resize(3, 4);
+    mesh.nodes << 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0;
+    mesh.materials = {{"steel", steel}};
+    fe::ElementGroup group;
+    group.type = fe::ElementType::quad4;
+    group.material = 0;
+    group.thickness = 0.01;
+    group.nodes = {0, 1, 2, 3};
+    mesh.groups = {group};
+    return mesh;
+  }();
+  for (const auto tie : {Interface::Tie::rigid, Interface::Tie::mean})
+    EXPECT_THAT(refused(solid, {count, count + 1}, tie), testing::HasSubstr("has no hold"));
+  EXPECT_EQ(refused(shell, {0}, Interface::Tie::rigid), "");
+  EXPECT_THAT(refused(shell, {0}, Interface::Tie::mean), testing::HasSubstr("has no hold"));
+  EXPECT_THAT(refused(shell, {0, 1}, Interface::Tie::mean), testing::HasSubstr("has no hold"));
+  EXPECT_EQ(refused(shell, {0, 1, 2}, Interface::Tie::mean), "");
+}
+
 /// A laminate has hundreds of layers: the first few name what is odd.
 TEST(ReduceModel, CertificateListsTheFirstOddMaterials) {
   fe::SolidMesh mesh = block(fe::ElementType::hex8, {1, 0.1, 0.1}, {4, 1, 1}, {210, 0.3, 7850});
