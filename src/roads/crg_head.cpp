@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "fe_files/text.h"
@@ -39,6 +41,39 @@ const std::set<std::string>& known_keys() {
   return keys;
 }
 
+/// Keys of modifiers and options with the value that asks for what is done anyway; none: no height depends on
+/// it. Where the road lies on the earth is such, too.
+const std::map<std::string, std::optional<double>>& harmless_keys() {
+  static const std::map<std::string, std::optional<double>> keys{
+      {"scale_z_grid", 1},          {"scale_slope", 1},
+      {"scale_banking", 1},         {"scale_length", 1},
+      {"scale_width", 1},           {"scale_curvature", 1},
+      {"grid_nan_mode", 2},         {"grid_nan_offset", 0},
+      {"refline_offset_x", 0},      {"refline_offset_y", 0},
+      {"refline_offset_z", 0},      {"refline_offset_phi", 0},
+      {"border_mode_u", 2},         {"border_mode_v", 2},
+      {"border_offset_u", 0},       {"border_offset_v", 0},
+      {"border_smooth_u", 0},       {"border_smooth_v", 0},
+      {"refline_continuation", 0},  {"refline_search_far", {}},
+      {"refline_search_close", {}}, {"reference_line_end_phi", {}},
+      {"reference_line_end_s", {}}, {"reference_line_end_b", {}}};
+  return keys;
+}
+
+bool is_harmless(const std::string& block, std::string_view line) {
+  if (block == "$road_crg_mpro") return true;
+  const std::size_t equals = std::min(line.find('='), line.size());
+  const std::string key = lower(trimmed(line.substr(0, equals)));
+  for (const char* end : {"_lon", "_lat", "_alt"})
+    if (block == "$road_crg" && key.ends_with(end)) return true;
+  for (const char* start : {"warn_", "log_", "check_"})
+    if (block == "$road_crg_opts" && key.starts_with(start)) return true;
+  const auto found = harmless_keys().find(key);
+  if (found == harmless_keys().end()) return false;
+  return !found->second ||
+         (equals < line.size() && fe::to_real(trimmed(line.substr(equals + 1))) == found->second);
+}
+
 std::string_view without_comment(std::string_view line) { return trimmed(line.substr(0, line.find('!'))); }
 
 void read_number(const Lines& lines, std::string_view line, CrgHead& head) {
@@ -48,7 +83,7 @@ void read_number(const Lines& lines, std::string_view line, CrgHead& head) {
   const std::string key = lower(trimmed(line.substr(0, equals)));
   const std::string_view text = trimmed(line.substr(equals + 1));
   if (!known_keys().contains(key)) {
-    head.unused.push_back("$ROAD_CRG " + shown(key));
+    if (!is_harmless("$road_crg", line)) head.unused.push_back("$ROAD_CRG " + shown(key));
     return;
   }
   const auto value = fe::to_real(text);
@@ -141,7 +176,7 @@ CrgHead read_crg_head(Lines& lines) {
         if (head.columns.back().kind == CrgColumn::other)
           head.unused.push_back("$KD_DEFINITION " + shown(line));
       }
-    } else {
+    } else if (!is_harmless(block, line)) {
       std::string name = block;
       for (char& c : name) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
       head.unused.push_back(shown(name) + " " + shown(trimmed(line.substr(0, line.find('=')))));

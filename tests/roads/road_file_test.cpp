@@ -107,10 +107,18 @@ TEST(RoadFile, CompactTextAndGivenEnd) {
 
 TEST(RoadFile, SaysWhatIsNotDone) {
   const RoadGrid road =
-      parsed("$ROAD_CRG_MODS\nSCALE_Z_GRID = 2\n$ROAD_CRG_OPTS\nBORDER_MODE_V = 1 ! keep\n" +
-             straight("LONG_SECTION_V_INCREMENT = 0.5\nREFERENCE_LINE_START_LON = 9\n"));
-  EXPECT_THAT(road.unused, ElementsAre("$ROAD_CRG_MODS SCALE_Z_GRID", "$ROAD_CRG_OPTS BORDER_MODE_V",
-                                       "$ROAD_CRG reference_line_start_lon"));
+      parsed("$ROAD_CRG_MODS\nSCALE_Z_GRID = 2\nREFPOINT_U = 3\n$ROAD_CRG_OPTS\nBORDER_MODE_V = 1 ! zero\n" +
+             straight("LONG_SECTION_V_INCREMENT = 0.5\nREFERENCE_LINE_SHAPE = 9\n"));
+  EXPECT_THAT(road.unused, ElementsAre("$ROAD_CRG_MODS SCALE_Z_GRID", "$ROAD_CRG_MODS REFPOINT_U",
+                                       "$ROAD_CRG_OPTS BORDER_MODE_V", "$ROAD_CRG reference_line_shape"));
+}
+
+TEST(RoadFile, IsSilentAboutWhatIsDoneAnyway) {
+  const RoadGrid road = parsed(
+      "$ROAD_CRG_MODS\nSCALE_Z_GRID = 1.0\ngrid_nan_mode = 2\n$ROAD_CRG_OPTS\nBORDER_MODE_V = 2 ! keep\n"
+      "WARN_MSGS = -1\n$ROAD_CRG_MPRO\nMPRO_NAME = UTM32\n" +
+      straight("LONG_SECTION_V_INCREMENT = 0.5\nREFERENCE_LINE_START_LON = 9\nREFERENCE_LINE_END_PHI = 1\n"));
+  EXPECT_TRUE(road.unused.empty()) << road.unused.front();
 }
 
 TEST(RoadFile, SaysWhatIsWrong) {
