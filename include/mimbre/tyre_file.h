@@ -19,6 +19,9 @@ struct TyreProperties {
   std::string side;                           ///< on which it was measured: left, right, symmetric or nothing
   /// Keys of the file that nothing here depends on, as "[SECTION] KEY".
   std::vector<std::string> unused;
+  /// Of these the ones that another program's forces may depend on: coefficients without a value, and unknown
+  /// ones that leave no term out. For a warning.
+  std::vector<std::string> doubtful;
 };
 
 /// Throws InputError, with every error that was found, where the file is no such file, misses a number that

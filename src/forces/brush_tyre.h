@@ -4,6 +4,8 @@
 #include "forces/carcass.h"
 #include "forces/element.h"
 #include "forces/measure_wheel.h"
+#include "math/smooth.h"
+#include "model/force_laws.h"
 
 /// A tyre: a spring with a damper in the vertical direction, and a brush behind a carcass along and across
 /// (forces/carcass.h). The force across acts behind the middle of the footprint, by the trail of the brush.
@@ -13,12 +15,10 @@ namespace mimbre::forces {
 namespace brush_tyre {
 /// Among the law's numbers.
 constexpr int stiffness = 0, radius = 1, damping = 2, slip_stiffness = 3 /* along, across */, friction = 5,
-              relaxation = 6 /* likewise */, half_length = 8, load = 9, resistance = 10, settling = 11;
+              relaxation = 6 /* likewise */, half_length = 8, load = 9, resistance = 10, settling = 11,
+              slow = brush_tyre_slow;
 /// Among the states.
 constexpr int bend = wheel::bend;
-
-/// m/s: well below, rolling one way or the other is much the same.
-constexpr double still = 0.1;
 
 /// Push of the spring and of all, upwards, N, with the tangents of that.
 template <class T>
@@ -62,6 +62,7 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   const auto varies = p[load] > T(0);
   const T ratio = select(varies, T(push.force / select(varies, p[load], T(1))), T(1));
   const T rolling = wheel::rolling_speed(c.element, s);
+  wheel::set_stood(c.element, p[slow], s);
   carcass::Wheel<T> w;
   for (int k = 0; k < 2; ++k) {
     w.firm[k] = carcass_stiffness(p, k);
@@ -81,11 +82,11 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   }
   carcass::put_tangents(footprint, wheel::forth, s);
 
-  const T forwards = rolling / sqrt(rolling * rolling + T(still * still));
-  const T size = sqrt(rolling * rolling + T(still * still));
+  // Slower than `slow`, rolling one way or the other is more and more the same.
+  const T forwards = smooth::direction(rolling, p[slow]);
   const T lever = push.force * p[resistance] * p[radius];
   s.force[wheel::rolling] = lever * forwards;
-  s.damping[wheel::rolling * (n + 1)] = lever * p[radius] * T(still * still) / (size * size * size);
+  s.damping[wheel::rolling * (n + 1)] = lever * p[radius] * smooth::direction_slope(rolling, p[slow]);
   const T left = T(1) - held.used, length = p[half_length] * sqrt(ratio + T(1e-12));
   const T trail = length / T(3) * left * left * left / (left + held.used * held.used / T(3));
   s.force[wheel::aligning] = T(-1) * trail * forwards * held.force[1];

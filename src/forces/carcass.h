@@ -131,15 +131,16 @@ struct Followed {
   T bend[2];  ///< at the step's end
 };
 
-/// m/s: well below, the damper counts.
-constexpr double slow = 1;
+/// The damper counts while the way that rolls through the footprint in the settling time is well below this
+/// share of the relaxation length: to a step of the slip it never answers at once by more than half of this
+/// share of the steady force.
+constexpr double slow = 0.05;
 
 /// Step 0: the bend is what a wheel that is moved to here has as far as its friction holds it, and stays
 /// where it is not moved.
 template <class T>
 Followed<T> follow(const Wheel<T>& w, double step) {
   using std::sqrt;
-  const T speed = w.rolled / T(slow), calm = T(1) / (T(1) + speed * speed);
   Patch<T> patch;
   T viscous[2], bend[2];
   for (int k = 0; k < 2; ++k) bend[k] = w.bend[k] + w.gone[k];
@@ -154,7 +155,8 @@ Followed<T> follow(const Wheel<T>& w, double step) {
     for (int k = 0; k < 2; ++k) bend[k] *= share;
   }
   for (int k = 0; k < 2; ++k) {
-    viscous[k] = w.firm[k] * w.settling * calm;
+    const T way = w.rolled * w.settling * w.firm[k] / (T(slow) * w.stiffness[k]);
+    viscous[k] = w.firm[k] * w.settling / (T(1) + way * way);
     patch.pull[k] = w.firm[k] * (bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
     patch.give[k] = T(step) * w.firm[k] + viscous[k];
     patch.stiffness[k] = w.stiffness[k];

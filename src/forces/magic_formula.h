@@ -65,6 +65,7 @@ MagicOutput<T> magic_formula(const T* numbers, const MagicInput<T>& in) {
   out.Mz = z.moment;
   out.trail = z.trail;
   relaxation(t, out);
+  for (T* const value : {&out.Fx, &out.Fy, &out.Mx, &out.My, &out.Mz, &out.Kx, &out.Ky}) *value *= t.beyond;
   return out;
 }
 

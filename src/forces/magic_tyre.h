@@ -8,10 +8,13 @@
 #include "forces/magic_formula.h"
 #include "forces/measure_wheel.h"
 #include "math/elementary.h"
+#include "math/smooth.h"
 
 /// A tyre by the Magic Formula, which knows forces of steady slip. The slip is that of a brush behind a
 /// carcass (forces/carcass.h) with the slip stiffnesses, the relaxation lengths and the friction of the
 /// formula: where it rolls steadily that is the wheel's own; a wheel that stands has the brush's forces.
+/// Speeds, lengths and forces below are by those of the tyre: the speed LONGVL of its measurement, its radius
+/// and its nominal load.
 namespace mimbre::forces {
 
 namespace magic_tyre {
@@ -21,11 +24,10 @@ constexpr int formula = 2, settling = formula + magic::count;
 /// Among the states: the bend of the carcass; what that stores, J.
 constexpr int bend = wheel::bend, stored = bend + 2;
 
-/// m/s: well above, forces are the formula's; slips of a wheel that is slower than the second are those at
-/// that speed.
-constexpr double slow = 0.5, slowest = 0.1;
-/// No relaxation length is taken to be shorter, m.
-constexpr double shortest = 1e-2;
+/// From this speed on, 0.5 m/s at the usual 16.7 m/s, forces are the formula's alone.
+constexpr double rolls = 0.03;
+/// No relaxation length is taken to be shorter, no slip stiffness to be less.
+constexpr double shortest = 0.03, softest = 2.5e-4;
 
 template <class T>
 T pressure(const T* n) {
@@ -54,18 +56,25 @@ void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
   const T stiffness[2] = {size_of(out.Kx), size_of(out.Ky)};
   const T lengths[2] = {out.sigma_kappa, out.sigma_alpha};
   for (int k = 0; k < 2; ++k) {
-    w.stiffness[k] = greatest(stiffness[k], T(1));
-    w.firm[k] = w.stiffness[k] / greatest(lengths[k], T(shortest));
+    w.stiffness[k] = t.beyond * greatest(stiffness[k], T(T(softest) * n[fnomin]));
+    w.firm[k] = w.stiffness[k] / greatest(lengths[k], T(T(shortest) * n[unloaded_radius]));
   }
   const T along = (n[pdx1] + n[pdx2] * t.dfz) * t.mu_x;
-  w.limit = t.load * greatest(T(T(0.5) * (along + y.friction)), T(0));
+  w.limit = t.beyond * t.load * greatest(T(T(0.5) * (along + y.friction)), T(0));
+}
+/// The formula's share of the forces, by the mean square of both speeds: 1 from `rolls` on.
+template <class T>
+T share_of_formula(const T* n, const T& forward, const T& rolling) {
+  const T full = T(rolls) * n[magic::longvl],
+          r = T(0.5) * (forward * forward + rolling * rolling) / (full * full);
+  return select(r < T(1), T(r * (T(2) - r)), T(1));
 }
 }  // namespace magic_tyre
 
 template <class T>
 void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace magic_tyre;
-  using std::abs, mimbre::atan2, std::sqrt;
+  using std::abs, mimbre::atan2;
   const T* n = c.numbers() + formula;
   for (int k = 0; k < s.count; ++k) s.force[k] = T(0);
   for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = T(0);
@@ -74,6 +83,8 @@ void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   s.stiffness[0] = push.stiffness;
   s.damping[0] = push.damping;
 
+  const T slow = T(magic::slow) * n[magic::longvl];
+  wheel::set_stood(c.element, slow, s);
   const T rolling = wheel::rolling_speed(c.element, s), forward = s.surroundings[wheel::forward];
   MagicInput<T> in;
   in.Fz = push.force;
@@ -92,11 +103,11 @@ void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   const carcass::Followed<T> footprint = carcass::follow(w, c.step);
   carcass::put_tangents(footprint, wheel::forth, s);
 
-  const T speed = sqrt(forward * forward + T(slowest * slowest));
+  const T speed = smooth::size(forward, slow);
   in.kappa = T(-1) * footprint.slip[0] / speed;
   in.alpha = atan2(footprint.slip[1], speed);
   const MagicOutput<T> out = magic_formula(n, in);
-  const T square = forward * forward + rolling * rolling, moves = square / (square + T(slow * slow));
+  const T moves = share_of_formula(n, forward, rolling);
   s.force[wheel::forth] = (T(1) - moves) * footprint.held.force[0] - moves * out.Fx;
   s.force[wheel::across] = (T(1) - moves) * footprint.held.force[1] - moves * out.Fy;
   s.force[wheel::overturning] = T(-1) * moves * out.Mx;
@@ -114,11 +125,11 @@ void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
 inline void magic_tyre_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace magic_tyre;
   const double* n = c.numbers() + formula;
-  // The force is a polynomial of the deflection, but for the rim: the integral of it by Gauss's rule is exact
-  // up to where the rim is touched.
-  const double R = n[magic::unloaded_radius], deep = -s.x[wheel::gap],
-               free = std::min(R - magic_free_radius(n, s.surroundings[wheel::spin]), deep),
-               rim = std::clamp(R - n[magic::rim_radius] - n[magic::bottom_offst], free, deep);
+  // The force is a polynomial of the deflection, but for the rim and the hub: the integral of it by Gauss's
+  // rule is exact from one to the next.
+  const double R = n[magic::unloaded_radius], deep = -s.x[wheel::gap], hub = std::min(R, deep),
+               free = std::min(R - magic_free_radius(n, s.surroundings[wheel::spin]), hub),
+               rim = std::clamp(R - n[magic::rim_radius] - n[magic::bottom_offst], free, hub);
   ElementState<double> at = s;
   double still = 0, place = 0;
   at.x = &place;
@@ -127,7 +138,7 @@ inline void magic_tyre_energy(const LawContext<double>& c, const ElementState<do
     place = -deflection;
     return vertical(n, at).force;
   };
-  for (const auto& [from, to] : {std::pair(free, rim), std::pair(rim, deep)}) {
+  for (const auto& [from, to] : {std::pair(free, rim), std::pair(rim, hub), std::pair(hub, deep)}) {
     const double half = 0.5 * (to - from), middle = 0.5 * (from + to), off = half / std::sqrt(3.0);
     e.stored += half * (spring(middle - off) + spring(middle + off));
   }

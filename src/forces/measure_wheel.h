@@ -24,8 +24,8 @@ constexpr int road = 0, forward = 1, spin = 2, camber = 3, friction = 4;
 /// the carcass along and across, m, by which the wheel is ahead of its footprint.
 constexpr int middle = 0, down = 3, stood = 6, bend = 7;
 
-/// Slower than this (m/s), a wheel stands.
-constexpr double still = 1e-9;
+/// A wheel stands that is slower than this share of the speed at which it hardly rolls.
+constexpr double still = 1e-8;
 
 /// A wheel that lies flatter on the road than this (sine of the angle between them) loses its grip, and is
 /// pushed nearer to its middle.
@@ -64,6 +64,13 @@ template <class T>
 T loaded_radius(const ElementData& e, const T& x) {
   const T deep = select(x < T(0), T(-x), T(0)), radius(e.radius);
   return select(deep < radius, T(radius - deep), T(0));
+}
+/// Sets among the states whether it stands. `slow`: speed at which it hardly rolls, m/s.
+template <class T>
+void set_stood(const ElementData& e, const T& slow, ElementState<T>& s) {
+  const T ahead = s.surroundings[forward], turning = T(e.radius) * s.v[rolling], most = T(still) * slow;
+  const T square = ahead * ahead + s.v[across] * s.v[across] + turning * turning;
+  s.states[stood] = select(square < most * most, loaded_radius<T>(e, s.x[gap]), T(0));
 }
 /// How far the tread has gone along x and y since the wheel stood, m, of what `forth` and `across` are the
 /// rates; 0 of a wheel that did not stand. `before`: the states then.
@@ -142,14 +149,11 @@ void measure_wheel(const RoadData& road_data, const ElementData& e, const Vec3<T
   const T grip = steep / T(flat);
   s.surroundings[friction] = at.friction * select(grip < T(1), grip, T(1));
 
-  const T ahead = s.surroundings[forward], turning = radius * s.v[rolling],
-          square = ahead * ahead + s.v[across] * s.v[across] + turning * turning;
   const Vec3<T> footprint = centre - loaded * up, spoke = T(-1) * (b.rotation.transpose() * up);
   for (int k = 0; k < 3; ++k) {
     s.states[middle + k] = footprint[k];
     s.states[down + k] = spoke[k];
   }
-  s.states[stood] = select(square < T(still * still), loaded, T(0));
 }
 
 }  // namespace mimbre

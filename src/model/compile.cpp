@@ -412,6 +412,7 @@ class Compiler {
     e.numbers = add_numbers({s.stiffness, s.radius});
     add_numbers(s.numbers);
     if (e.measure == Measure::height) return e;
+    if (e.law == static_cast<int>(Law::brush_tyre)) add_numbers({0.0});  // brush_tyre_slow
     e.radius = s.radius;
     e.direction = s.axis.normalized();
     const RollingSize size = rolling_size(s);

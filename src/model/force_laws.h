@@ -305,6 +305,10 @@ constexpr std::array<LawNumber, 10> brush_tyre_numbers{{
      .least = 0},
 }};
 
+/// Among all its numbers, behind stiffness, radius and these: the speed at which it hardly rolls, m/s, of
+/// find_scales().
+constexpr int brush_tyre_slow = 2 + static_cast<int>(brush_tyre_numbers.size());
+
 // clang-format off
 constexpr std::array<LawInfo, 17> law_table{{
     {"spring", ""},

@@ -145,6 +145,10 @@ void read_property_file(Builder& builder, const Fields& fields, const Value& val
   builder.other_files.push_back(found);
   try {
     const TyreProperties read = read_tyre_properties(found);
+    if (!read.doubtful.empty())
+      builder.warnings.push_back(
+          {file->mark(), fmt::format("'{}': {}; the tyre is calculated without {}", *path,
+                                     joined(read.doubtful), read.doubtful.size() > 1 ? "these" : "it")});
     tyre.numbers = read.numbers;
     tyre.radius = read.unloaded_radius;
     tyre.stiffness = read.numbers[forces::magic::vertical_stiffness];

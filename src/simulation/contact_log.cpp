@@ -62,4 +62,14 @@ std::vector<std::string> contact_warnings(const Compiled& m, const ContactLog& l
   return warnings;
 }
 
+std::string sunk_wheels(const Compiled& m, const ContactLog& log) {
+  for (const ContactTrouble& t : log)
+    if (t.sank >= 0 && m.elements[t.sank_where.element].measure == Measure::wheel)
+      return fmt::format(
+          "; {} had its hub below the road, {:.3g} m at t = {:.6g} s, from where it is pushed out with many "
+          "times its load: look at the height of the road and of the wheel",
+          element_name(m, m.elements[t.sank_where.element]), t.depth - t.depth_limit, t.deepest_at);
+  return {};
+}
+
 }  // namespace mimbre

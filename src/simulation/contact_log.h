@@ -36,4 +36,7 @@ ContactLog empty_contact_log(const Compiled& model);
 /// A warning for each of them. `substeps`: parts in which a step is repeated.
 std::vector<std::string> contact_warnings(const Compiled& model, const ContactLog& log, int substeps);
 
+/// What a step that failed may owe to a wheel that was below its road before: "; tyre 'fl': …", or nothing.
+std::string sunk_wheels(const Compiled& model, const ContactLog& log);
+
 }  // namespace mimbre

@@ -329,7 +329,8 @@ std::string Simulation::explain(const StepReport& report) const {
   Impl& s = *impl_;
   std::string jump;
   if (report.code == StepReport::Code::not_converged) jump = s.law_that_jumps();
-  return mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump);
+  std::string text = mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump);
+  return report.ok() ? text : text + sunk_wheels(s.compiled, s.steps.contacts());
 }
 
 double Simulation::initialisation_seconds() const { return impl_->initialisation; }

@@ -15,6 +15,9 @@ using fe::trimmed;
 /// Real files have some 300; a file of other kind may have any number.
 constexpr std::size_t most_properties = 10000;
 
+/// With which some editors begin files in UTF-8.
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
 std::string upper(std::string_view text) {
   std::string result(text);
   for (char& c : result)
@@ -59,20 +62,31 @@ void take_value(const fe::TextFile& file, std::string_view text, Property& prope
 std::vector<Property> read_properties(fe::TextFile& file) {
   std::vector<Property> properties;
   std::string section;
+  bool table = false;  // below the braces that name its columns
   std::string_view line;
-  while (file.next(line)) {
+  for (bool first = true; file.next(line); first = false) {
+    if (first && line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
     line = trimmed(line);
     const std::string_view bare = without_comment(line);
-    if (bare.empty() || bare.front() == '{') continue;
+    if (bare.empty()) continue;
+    if (bare.front() == '{') {
+      table = true;
+      continue;
+    }
     if (bare.front() == '[') {
       if (bare.back() != ']') file.fail(fmt::format("the section '{}' has no closing bracket", shown(bare)));
       section = upper(trimmed(bare.substr(1, bare.size() - 2)));
+      table = false;
       continue;
     }
     const std::size_t equals = line.find('=');
     if (equals >= line.find_first_of("$!") || equals == std::string_view::npos) {
-      if (is_row_of_numbers(bare)) continue;
-      file.fail(fmt::format("'{}' is no [SECTION], no KEY = VALUE and no row of a table", shown(bare)));
+      const bool row = is_row_of_numbers(bare);
+      if (row && table) continue;
+      file.fail(row ? fmt::format("'{}' stands alone: a value belongs behind its KEY =, a table below {{the "
+                                  "names of its columns}}",
+                                  shown(bare))
+                    : fmt::format("'{}' is no [SECTION], no KEY = VALUE and no row of a table", shown(bare)));
     }
     Property property;
     property.key = upper(trimmed(line.substr(0, equals)));

@@ -14,7 +14,8 @@ struct Property {
   Mark mark;
 };
 
-/// All of a file's properties in their order. Tables, rows of numbers below a line in braces, are skipped.
+/// All of a file's properties in their order. Tables, rows of numbers below a line in braces, are skipped;
+/// such rows elsewhere are mistakes: the value of a key that went to the next line, for instance.
 /// Throws InputError at lines that are nothing of this.
 std::vector<Property> read_properties(fe::TextFile& file);
 

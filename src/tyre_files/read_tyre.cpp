@@ -6,6 +6,7 @@
 #include <set>
 
 #include "fe_files/text.h"
+#include "math/elementary.h"
 #include "tyre_files/parse_tyre.h"
 #include "tyre_files/units.h"
 
@@ -40,6 +41,27 @@ const std::map<std::string, Number>& numbers_by_key() {
   return names;
 }
 
+/// Forms of property files that share keys with the Magic Formula's, whose formulas are others.
+bool has_other_formulas(const std::string& format) {
+  static const std::set<std::string> others{"pac_mc", "pac89", "pac94", "521",    "5.2.1", "fiala",
+                                            "ua",     "ftire", "ctire", "mf-mct", "cdtire"};
+  return others.contains(format);
+}
+
+/// Sections whose keys are coefficients of the forces: one that is not known there, and does not leave out
+/// its own term, would make a difference in another program.
+bool holds_coefficients(const std::string& section) {
+  static const std::set<std::string> sections{"SCALING_COEFFICIENTS",     "LONGITUDINAL_COEFFICIENTS",
+                                              "OVERTURNING_COEFFICIENTS", "LATERAL_COEFFICIENTS",
+                                              "ROLLING_COEFFICIENTS",     "ALIGNING_COEFFICIENTS"};
+  return sections.contains(section);
+}
+/// Of the gyroscopic couple of a belt, and of how the carcass lets go: both are left out.
+bool is_left_out(const std::string& key) {
+  static const std::set<std::string> keys{"QTZ1", "MBELT", "LGYR"};
+  return keys.contains(key);
+}
+
 /// Keys that say what the file is, or in which range it was measured; they change no force.
 bool says_no_number(const Property& property) {
   static const std::set<std::string> sections{"UNITS", "MDI_HEADER"};
@@ -56,6 +78,10 @@ int version_said_by(const Property& property, std::vector<Diagnostic>& errors) {
     if (format == "pac2002" || format == "mf_05" || format == "mf-tyre" || format == "mftyre") return 52;
     if (format == "mf_61" || format == "mf61") return 61;
     if (format == "mf_62" || format == "mf62") return 62;
+    if (has_other_formulas(format))
+      errors.push_back({property.mark, fmt::format("PROPERTY_FILE_FORMAT is '{}', whose formulas are not "
+                                                   "the Magic Formula's of 5.2, 6.1 and 6.2",
+                                                   fe::shown(property.value))});
     return 0;
   }
   if (property.key != "FITTYP") return 0;
@@ -90,12 +116,19 @@ class Reading {
   void refuse(const Mark& mark, std::string message) { errors_.push_back({mark, std::move(message)}); }
 
   void read_version() {
+    std::map<std::string, std::pair<int, int>> said;  // by key: version and line
     for (const Property& property : properties_) {
-      const int said = version_said_by(property, errors_);
-      // FITTYP is the more exact of the two.
-      if (said && (tyre_.version == 0 || property.key == "FITTYP")) tyre_.version = said;
       if (property.key == "TYRESIDE") tyre_.side = fe::lower(property.value);
+      const int version = version_said_by(property, errors_);
+      if (!version) continue;
+      const auto [before, first] = said.emplace(property.key, std::pair(version, property.mark.line));
+      if (!first && before->second.first != version)
+        refuse(property.mark, fmt::format("{} is given a second time, and otherwise; the first is in line {}",
+                                          property.key, before->second.second));
     }
+    // FITTYP is the more exact of the two.
+    for (const char* const key : {"PROPERTY_FILE_FORMAT", "FITTYP"})
+      if (const auto found = said.find(key); found != said.end()) tyre_.version = found->second.first;
     if (tyre_.version == 0 && errors_.empty())
       refuse(end_, "says nowhere which Magic Formula it is: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
     at(version) = tyre_.version;
@@ -106,11 +139,17 @@ class Reading {
     const auto found = numbers_by_key().find(bare(property.key));
     if (found == numbers_by_key().end()) {
       tyre_.unused.push_back(fmt::format("[{}] {}", property.section, property.key));
+      const double neutral = property.key.starts_with('L') ? 1 : 0;
+      if (holds_coefficients(property.section) && !is_left_out(property.key) &&
+          fe::to_real(property.value).value_or(neutral) != neutral)
+        tyre_.doubtful.push_back(fmt::format("{} = {} is not known", property.key, property.value));
       return;
     }
     const Number number = found->second;
     if (property.value.empty() && !property.text) {  // as if it were not there; need() names what is needed
       tyre_.unused.push_back(fmt::format("[{}] {}, which has no value", property.section, property.key));
+      if (holds_coefficients(property.section))
+        tyre_.doubtful.push_back(fmt::format("{} has no value", property.key));
       return;
     }
     const auto value = property.text ? std::nullopt : fe::to_real(property.value);
@@ -145,23 +184,72 @@ class Reading {
              fmt::format("{} is {}; it must be above 0", row(number).key, at(number)));
   }
 
+  void need_not_negative(Number number) {
+    const auto found = given_.find(number);
+    if (found != given_.end() && at(number) < 0)
+      refuse({end_.file, found->second, 1},
+             fmt::format("{} is {}; it must not be below 0", row(number).key, at(number)));
+  }
+
+  /// A wheel that goes to the left is pushed to the right.
+  void check_cornering_stiffness() {
+    if (!given_.contains(pky1) || !given_.contains(pky2) || at(pky2) == 0) return;
+    if (!(at(pky1) * mimbre::sin(at(pky4) * mimbre::atan(1 / at(pky2))) < 0))
+      refuse({end_.file, given_[pky1], 1},
+             fmt::format("PKY1 is {}: at the nominal load the cornering stiffness must be below 0, as in the "
+                         "axes that property files are written for; with this sign the tyre pushes a wheel "
+                         "further to the side to which it slips",
+                         at(pky1)));
+  }
+  /// The force over the deflection x = ρ/R is q x + Q_FZ2 x², of which file or stiffness say q.
+  void check_vertical_stiffness() {
+    const double slope = at(vertical_stiffness) * at(unloaded_radius) / at(fnomin);
+    if (at(q_fz2) == 0) return;
+    const bool reaches =
+        given_.contains(q_fz1) ? at(q_fz1) * at(q_fz1) + 4 * at(q_fz2) > 0 : slope * slope > 4 * at(q_fz2);
+    if (!reaches)
+      refuse({end_.file, given_[q_fz2], 1},
+             fmt::format("Q_FZ2 is {}: with {} there is no deflection at which the tyre carries its nominal "
+                         "load",
+                         at(q_fz2), given_.contains(q_fz1) ? "that Q_FZ1" : "that VERTICAL_STIFFNESS"));
+  }
+
   void check() {
     for (int i = 0; i < count; ++i)
       if (row(static_cast<Number>(i)).needed) need(static_cast<Number>(i));
-    for (const Number number : {unloaded_radius, fnomin, longvl, lfzo, pcx1, pcy1, nompres, inflpres,
-                                vertical_stiffness, longitudinal_stiffness, lateral_stiffness})
+    for (const Number number : {unloaded_radius,
+                                fnomin,
+                                longvl,
+                                lfzo,
+                                pcx1,
+                                pcy1,
+                                nompres,
+                                inflpres,
+                                vertical_stiffness,
+                                longitudinal_stiffness,
+                                lateral_stiffness,
+                                q_fz1,
+                                q_re0,
+                                pdx1,
+                                pdy1,
+                                pkx1,
+                                lcx,
+                                lcy,
+                                lkx,
+                                lky})
       need_positive(number);
+    for (const Number number : {width, rim_radius, vertical_damping, bottom_stiff, lmux, lmuy, lmuv})
+      need_not_negative(number);
     if (given_.contains(pky2) && at(pky2) == 0)
       refuse({end_.file, given_[pky2], 1},
              "PKY2 is 0; the cornering stiffness has its peak at that share of the nominal load");
+    check_cornering_stiffness();
+    check_vertical_stiffness();
     if (!given_.contains(q_fz1)) need(vertical_stiffness);
     if (tyre_.version > 60) {
       need(longitudinal_stiffness);
       need(lateral_stiffness);
     }
-    if (at(vertical_damping) < 0)
-      refuse({end_.file, given_[vertical_damping], 1},
-             fmt::format("VERTICAL_DAMPING is {}; it must not be below 0", at(vertical_damping)));
     if (at(rim_radius) >= at(unloaded_radius) && given_.contains(rim_radius) && at(unloaded_radius) > 0)
       refuse({end_.file, given_[rim_radius], 1},
              fmt::format("RIM_RADIUS {} m is not below UNLOADED_RADIUS {} m", at(rim_radius),

@@ -37,14 +37,23 @@ std::string listed(const Names& names) {
   return text;
 }
 
-void take(const Property& property, const Names& names, double& unit, std::vector<Diagnostic>& errors) {
+/// The first property of each kind of unit.
+using Given = std::map<std::string, const Property*>;
+
+void take(const Property& property, const Names& names, Given& given, double& unit,
+          std::vector<Diagnostic>& errors) {
   const auto found = names.find(fe::lower(property.value));
-  if (found != names.end()) {
-    unit = found->second;
-  } else {
+  if (found == names.end()) {
     errors.push_back({property.mark, fmt::format("{} cannot be '{}'; known are {}", property.key,
                                                  fe::shown(property.value), listed(names))});
+    return;
   }
+  const auto [before, first] = given.emplace(property.key, &property);
+  if (!first && unit != found->second)
+    errors.push_back({property.mark, fmt::format("{} is '{}' here and '{}' in line {}", property.key,
+                                                 fe::shown(property.value), fe::shown(before->second->value),
+                                                 before->second->mark.line)});
+  unit = found->second;
 }
 
 }  // namespace
@@ -73,13 +82,14 @@ double Units::of(forces::magic::Unit unit) const {
 Units read_units(const std::vector<Property>& properties, std::vector<Diagnostic>& errors) {
   Units units;
   double radian = 1;
+  Given given;
   for (const Property& property : properties) {
     if (property.section != "UNITS") continue;
-    if (property.key == "LENGTH") take(property, lengths, units.length, errors);
-    if (property.key == "FORCE") take(property, forces, units.force, errors);
-    if (property.key == "TIME") take(property, times, units.time, errors);
-    if (property.key == "PRESSURE") take(property, pressures, units.pressure, errors);
-    if (property.key == "ANGLE") take(property, angles, radian, errors);
+    if (property.key == "LENGTH") take(property, lengths, given, units.length, errors);
+    if (property.key == "FORCE") take(property, forces, given, units.force, errors);
+    if (property.key == "TIME") take(property, times, given, units.time, errors);
+    if (property.key == "PRESSURE") take(property, pressures, given, units.pressure, errors);
+    if (property.key == "ANGLE") take(property, angles, given, radian, errors);
   }
   return units;
 }

@@ -349,6 +349,33 @@ TEST_P(Tyres, OfTheMagicFormulaStandOnASlope) {
   EXPECT_NEAR(channel(s, "vx"), 0, 5e-3);
 }
 
+/// A car whose hubs are put below the road is pushed out, and a warning names the tyres. Where its friction
+/// under 150 times its load is too much for the step, the message names them, too.
+TEST_P(Tyres, OfTheMagicFormulaPushHubsBelowTheRoadOut) {
+  for (const double depth : {0.4, 0.8, 2.0, 10.0}) {
+    Car car = on_magic_tyres();
+    car.speed = 15;
+    car.height_of_start = -depth;
+    Simulation s = car.simulation(GetParam());
+    StepReport report;
+    while (s.time() < 0.15 && report.ok()) report = s.step();
+    if (depth < 1) {
+      EXPECT_TRUE(report.ok()) << s.explain(report);
+    }
+    if (!report.ok()) {
+      EXPECT_NE(s.explain(report).find("tyre 'fl' had its hub below the road"), std::string::npos)
+          << s.explain(report);
+    }
+    EXPECT_GT(channel(s, "z"), car.height - depth) << depth;
+    for (const std::string& w : wheels)
+      EXPECT_TRUE(std::isfinite(channel(s, fmt::format("tyre.{}.slip", w))));
+    const std::vector<std::string> warnings = s.warnings();
+    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& text) {
+      return text.find("its hub is below the road") != std::string::npos;
+    }));
+  }
+}
+
 /// Along straight on, then through a slalom: what is not there any more was rubbed away, and the force across
 /// is that of the formula at the slip that there is.
 TEST_P(Tyres, OfTheMagicFormulaKeepTheBalanceOfEnergy) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,6 +68,7 @@ struct Wheel {
     ElementState<double> s = element_state(element, storage.data());
     const double none = 0;
     measure<double>(model, element, nullptr, moved, Vec3d(Vec3d::Zero()), &none, before.data(), s);
+    wheel::set_stood<double>(element, 0.2, s);
     return s;
   }
 };
@@ -458,62 +460,102 @@ TEST(Carcass, FollowsOnTheRelaxationLength) {
   FAIL() << "it does not get there";
 }
 
-/// Dragged over the road at constant slips until nothing changes: the formula at these slips.
-TEST(MagicTyre, OnASteadyRollItIsTheFormula) {
-  const TyreProperties tyre = tyre_of("car_205_60R15_61.tir");
-  for (const auto& [kappa, alpha, gamma] : {std::array{0.0, 0.0, 0.0},
-                                            {0.02, 0.0, 0.0},
-                                            {-0.05, 0.03, 0.02},
-                                            {0.0, -0.08, -0.05},
-                                            {-0.3, 0.1, 0.0}}) {
-    Wheel w(slope(0), tyre.unloaded_radius);
-    ElementData& e = w.element;
-    e.law = static_cast<int>(Law::magic_tyre);
-    e.state_count = law_info(e.law).states;
-    e.rolling = 0.3;
-    w.model.numbers = {0, tyre.unloaded_radius};
-    w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
-    w.model.numbers.push_back(0.02);
-    w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
-    w.before.assign(static_cast<std::size_t>(e.state_count), 0.0);
-    const double forward = 20, radius = tyre.unloaded_radius, deep = 0.02;
-    w.b.rotation = rotation_exp<double>(Vec3d(gamma, 0, 0));
-    w.b.position = {0, 0, radius * std::cos(gamma) - deep};
-    w.b.velocity = {forward, forward * std::tan(alpha), 0};
-    w.b.omega = w.b.rotation * Vec3d(0, forward * (1 + kappa) / (radius - e.rolling * deep), 0);
-    const double none = 0;
-    ElementState<double> s = w.at(0);
-    for (int k = 0; k < 2000; ++k) {
-      s = w.at(0);
-      forces::magic_tyre_law<double>({w.model, e, 0, &none, w.before.data(), 1e-3}, s);
-      std::copy_n(s.states, e.state_count, w.before.begin());
-    }
-    const auto out = forces::magic_formula(
-        tyre.numbers.data(),
-        forces::MagicInput<double>{
-            .Fz = -s.force[0], .kappa = kappa, .alpha = alpha, .gamma = gamma, .Vx = forward});
-    const double load = -s.force[0];
-    EXPECT_GT(load, 2000);
-    EXPECT_NEAR(-s.force[wheel::forth], out.Fx, 1e-3 * load) << kappa << " " << alpha;
-    EXPECT_NEAR(-s.force[wheel::across], out.Fy, 1e-3 * load) << kappa << " " << alpha;
-    EXPECT_NEAR(-s.force[wheel::overturning], out.Mx, 1e-3 * std::abs(out.Mx) + 0.1);
-    EXPECT_NEAR(-s.force[wheel::rolling], out.My, 1e-3 * std::abs(out.My) + 0.1);
-    EXPECT_NEAR(-s.force[wheel::aligning], out.Mz, 2e-3 * std::abs(out.Mz) + 0.1);
-  }
-}
-
-/// The vertical spring stores what it takes to press it in, to where the rim is touched.
-TEST(MagicTyre, StoresWhatPressesItIn) {
-  const TyreProperties tyre = tyre_of("car_205_60R15_61.tir");
+/// A wheel on a tyre of that file, that has not been anywhere yet.
+Wheel magic_wheel(const TyreProperties& tyre) {
   Wheel w(slope(0), tyre.unloaded_radius);
-  ElementData& e = w.element;
-  e.law = static_cast<int>(Law::magic_tyre);
-  e.state_count = law_info(e.law).states;
+  w.element.law = static_cast<int>(Law::magic_tyre);
+  w.element.state_count = law_info(w.element.law).states;
+  w.element.rolling = 0.3;
   w.model.numbers = {0, tyre.unloaded_radius};
   w.model.numbers.append(tyre.numbers.begin(), tyre.numbers.end());
   w.model.numbers.push_back(0.02);
-  w.storage.assign(static_cast<std::size_t>(element_storage(e)), std::nan(""));
-  w.before.assign(static_cast<std::size_t>(e.state_count), 0.0);
+  w.storage.assign(static_cast<std::size_t>(element_storage(w.element)), std::nan(""));
+  w.before.assign(static_cast<std::size_t>(w.element.state_count), 0.0);
+  return w;
+}
+/// The next step of h seconds, with the same velocities.
+ElementState<double> magic_step(Wheel& w, double h) {
+  const double none = 0;
+  ElementState<double> s = w.at(0);
+  forces::magic_tyre_law<double>({w.model, w.element, 0, &none, w.before.data(), h}, s);
+  std::copy_n(s.states, w.element.state_count, w.before.begin());
+  return s;
+}
+
+/// Dragged over the road at constant slips until nothing changes: the formula at these slips, from 0.5 m/s
+/// on.
+TEST(MagicTyre, OnASteadyRollItIsTheFormula) {
+  for (const char* file : {"car_205_60R15_61.tir", "every_term_61.tir", "car_52.tir"}) {
+    const TyreProperties tyre = tyre_of(file);
+    for (const double forward : {20.0, 2.0, 0.75, -0.75, -2.0, -20.0})
+      for (const auto& [kappa, alpha, gamma] : {std::array{0.0, 0.0, 0.0},
+                                                {0.02, 0.0, 0.0},
+                                                {-0.05, 0.03, 0.02},
+                                                {0.0, -0.08, -0.05},
+                                                {-0.3, 0.1, 0.0}}) {
+        SCOPED_TRACE(fmt::format("{} {} m/s {} {} {}", file, forward, kappa, alpha, gamma));
+        Wheel w = magic_wheel(tyre);
+        const double radius = tyre.unloaded_radius, deep = 0.02, size = std::abs(forward);
+        w.b.rotation = rotation_exp<double>(Vec3d(gamma, 0, 0));
+        w.b.position = {0, 0, radius * std::cos(gamma) - deep};
+        w.b.velocity = {forward, size * std::tan(alpha), 0};
+        const double turns = (forward + size * kappa) / (radius - w.element.rolling * deep);
+        w.b.omega = w.b.rotation * Vec3d(0, turns, 0);
+        ElementState<double> s = w.at(0);
+        for (int k = 0; k < 2000; ++k) s = magic_step(w, 0.02 / size);
+        const double load = -s.force[0];
+        const auto out = forces::magic_formula(
+            tyre.numbers.data(),
+            forces::MagicInput<double>{
+                .Fz = load, .kappa = kappa, .alpha = alpha, .gamma = gamma, .Vx = forward});
+        EXPECT_GT(load, 2000);
+        EXPECT_NEAR(-s.force[wheel::forth], out.Fx, 1e-6 * load);
+        EXPECT_NEAR(-s.force[wheel::across], out.Fy, 1e-6 * load);
+        EXPECT_NEAR(-s.force[wheel::overturning], out.Mx, 1e-6 * load * radius);
+        EXPECT_NEAR(-s.force[wheel::rolling], out.My, 1e-6 * load * radius);
+        EXPECT_NEAR(-s.force[wheel::aligning], out.Mz, 1e-6 * load * radius);
+      }
+  }
+}
+
+/// A hub below the road, at any depth and speed: numbers, no more of them than the load allows, and a push
+/// that is the one at the hub.
+TEST(MagicTyre, AHubBelowTheRoadIsPushedOutByFiniteForces) {
+  Random random(14);
+  for (const char* file : {"car_205_60R15_61.tir", "every_term_61.tir", "car_52.tir"}) {
+    const TyreProperties tyre = tyre_of(file);
+    const double R = tyre.unloaded_radius;
+    for (int round = 0; round < 300; ++round) {
+      Wheel w = magic_wheel(tyre);
+      const double deep = R * std::pow(10, random.number(-0.3, 4));
+      w.b.position = {0, 0, R - deep};
+      w.b.rotation = rotation_exp<double>(Vec3d(random.number(-0.4, 0.4), 0, random.number(-3, 3)));
+      w.b.velocity = random.vector(std::pow(10, random.number(-3, 3)));
+      w.b.omega = random.vector(std::pow(10, random.number(-3, 3)));
+      for (int k = 0; k < 5; ++k) {
+        const ElementState<double> s = magic_step(w, k == 0 ? 0 : 1e-3);
+        const double load = -s.force[0];
+        for (int i = 0; i < s.count; ++i) ASSERT_TRUE(std::isfinite(s.force[i])) << deep << " " << i;
+        for (int i = 0; i < s.count * s.count; ++i)
+          ASSERT_TRUE(std::isfinite(s.damping[i]) && std::isfinite(s.stiffness[i])) << deep << " " << i;
+        for (int i = 0; i < w.element.state_count; ++i) ASSERT_TRUE(std::isfinite(s.states[i])) << i;
+        EXPECT_LE(std::hypot(s.force[wheel::forth], s.force[wheel::across]), 5 * load);
+      }
+      w.b.velocity = w.b.omega = Vec3d::Zero();
+      const double push = -magic_step(w, 0).force[0];
+      if (deep > 1.2 * R) {
+        w.b.position[2] -= R;
+        EXPECT_EQ(-magic_step(w, 0).force[0], push);
+      }
+    }
+  }
+}
+
+/// The vertical spring stores what it takes to press it in, past the rim and the hub.
+TEST(MagicTyre, StoresWhatPressesItIn) {
+  const TyreProperties tyre = tyre_of("car_205_60R15_61.tir");
+  Wheel w = magic_wheel(tyre);
+  const ElementData& e = w.element;
   w.b.rotation = Mat3d::Identity();
   w.b.velocity = w.b.omega = Vec3d::Zero();
   const double none = 0, h = 1e-6;
@@ -527,7 +569,7 @@ TEST(MagicTyre, StoresWhatPressesItIn) {
     forces::magic_tyre_energy(context, s, energy);
     return energy.stored;
   };
-  for (const double deep : {-0.01, 0.005, 0.02, 0.06, 0.12}) {
+  for (const double deep : {-0.01, 0.005, 0.02, 0.06, 0.12, 0.2, 0.4}) {
     double force = 0, other = 0;
     stored(deep, force);
     EXPECT_NEAR(force, (stored(deep + h, other) - stored(deep - h, other)) / (2 * h), 1e-3 + 1e-6 * force)

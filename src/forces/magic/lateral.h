@@ -29,7 +29,7 @@ PureLateral<T> pure_lateral(const Terms<T>& t, const T& of_camber) {
   const T bend = (n[pky2] + n[pky5] * gg) * (T(1) + n[ppy2] * t.dpi);
   y.stiffness = n[pky1] * t.reference * (T(1) + n[ppy1] * t.dpi) * (T(1) - n[pky3] * size_of(g)) *
                 sin(T(n[pky4] * arctan(T(t.load / (t.reference * bend))))) * n[lky];
-  y.divisor = y.stiffness + sign_of(y.stiffness) * T(small_force);
+  y.divisor = y.stiffness + sign_of(y.stiffness) * t.small;
   const T camber_force = t.load * (n[pvy3] + n[pvy4] * t.dfz) * g * n[lkyc] * t.mu_y;
   const T camber_stiffness = t.load * (n[pky6] + n[pky7] * t.dfz) * (T(1) + n[ppy5] * t.dpi) * n[lkyc];
   const T by_camber =
@@ -37,14 +37,15 @@ PureLateral<T> pure_lateral(const Terms<T>& t, const T& of_camber) {
   y.SH = (n[phy1] + n[phy2] * t.dfz) * n[lhy] + by_camber;
   y.SV = t.load * (n[pvy1] + n[pvy2] * t.dfz) * n[lvy] * t.mu_y + camber_force;
   const T slip = t.tan_alpha + y.SH;
-  y.friction = (n[pdy1] + n[pdy2] * t.dfz) * (T(1) + n[ppy3] * t.dpi + n[ppy4] * t.dpi * t.dpi) *
-               (T(1) - n[pdy3] * gg) * t.mu_y;
+  y.friction = greatest(T((n[pdy1] + n[pdy2] * t.dfz) * (T(1) + n[ppy3] * t.dpi + n[ppy4] * t.dpi * t.dpi) *
+                          (T(1) - n[pdy3] * gg) * t.mu_y),
+                        T(0));
   const T D = y.friction * t.load;
   const T E = least(T((n[pey1] + n[pey2] * t.dfz) *
                       (T(1) + n[pey5] * gg - (n[pey3] + n[pey4] * g) * sign_of(slip)) * n[ley]),
                     T(1));
   y.C = n[pcy1] * n[lcy];
-  y.B = y.stiffness / (y.C * D + sign_of(D) * T(small_force));
+  y.B = y.stiffness / (y.C * D + sign_of(D) * t.small);
   y.force = D * sin(bent(y.B, y.C, E, slip)) + y.SV;
   return y;
 }

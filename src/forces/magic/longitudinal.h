@@ -30,12 +30,12 @@ Longitudinal<T> pure_longitudinal(const Terms<T>& t) {
   const T C = n[pcx1] * n[lcx];
   const T mu = (n[pdx1] + n[pdx2] * t.dfz) * (T(1) + n[ppx3] * t.dpi + n[ppx4] * t.dpi * t.dpi) *
                (T(1) - n[pdx3] * camber * camber) * t.mu_x;
-  const T D = mu * t.load;
+  const T D = greatest(mu, T(0)) * t.load;  // > 0, (4.E12)
   const T slip = t.kappa + (n[phx1] + n[phx2] * t.dfz) * n[lhx];
   const T E = least(
       T((n[pex1] + n[pex2] * t.dfz + n[pex3] * t.dfz * t.dfz) * (T(1) - n[pex4] * sign_of(slip)) * n[lex]),
       T(1));
-  const T B = K / (C * D + sign_of(D) * T(small_force));
+  const T B = K / (C * D + sign_of(D) * t.small);
   const T offset = t.load * (n[pvx1] + n[pvx2] * t.dfz) * n[lvx] * t.mu_x;
   return {T(D * sin(bent(B, C, E, slip)) + offset), K};
 }

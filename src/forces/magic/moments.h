@@ -27,15 +27,13 @@ T overturning(const Terms<T>& t, const T& Fy) {
 template <class T>
 T rolling_resistance(const Terms<T>& t, const T& Fx) {
   using mimbre::pow;
-  using std::sqrt;
   const T* n = t.n;
   const T load = t.load / n[fnomin], v = t.speed / n[longvl], vv = v * v;
   const T size = n[qsy1] + n[qsy2] * Fx / n[fnomin] + n[qsy3] * size_of(v) + n[qsy4] * vv * vv +
                  (n[qsy5] + n[qsy6] * load) * t.gamma * t.gamma;
   // Neither base is 0, where powers have no slope.
   const T of_load = pow(greatest(load, T(1e-9)), n[qsy7]) * pow(greatest(T(T(1) + t.dpi), T(1e-3)), n[qsy8]);
-  const T forward = t.speed / sqrt(T(t.speed * t.speed + T(slow * slow)));
-  return -n[unloaded_radius] * n[fnomin] * n[lmy] * size * of_load * forward;
+  return -n[unloaded_radius] * n[fnomin] * n[lmy] * size * of_load * t.forwards;
 }
 
 template <class T>

@@ -4,6 +4,7 @@
 #include "math/dual.h"
 #include "math/elementary.h"
 #include "math/pack.h"
+#include "math/smooth.h"
 #include "tyre_files/magic_numbers.h"
 
 /// What all formulas of a Magic Formula tyre have in common. Numbers in brackets, as (4.E9), are equations of
@@ -63,22 +64,30 @@ T bent(const T& B, const T& C, const T& E, const T& x) {
   return C * arctan(T(Bx - E * (Bx - arctan(Bx))));
 }
 
-/// Nothing is divided by less, N and N/rad.
-constexpr double small_force = 1e-6;
+/// Nothing is divided by a smaller share of the nominal load, in N and N/rad.
+constexpr double small_force = 2.5e-10;
 
-/// A speed below which what changes sign with the direction of travel fades, m/s: V_low of (4.E6).
-constexpr double slow = 0.1;
+/// By the speed of the measurement, LONGVL: below this, what changes sign with the direction of travel fades,
+/// in place of V_low of (4.E6).
+constexpr double slow = 0.012;
+
+/// Polynomials of the load end here, by the scaled nominal load: property files are measured up to 2.5, and
+/// far beyond friction falls below 0. What is loaded more has forces and moments in proportion to its load.
+constexpr double most_load = 5;
 
 template <class T>
 struct Terms {
   const T* n;          ///< the tyre's numbers
-  T load;              ///< Fz, not below 0
+  T load;              ///< Fz, not below 0, up to `most_load`
+  T beyond;            ///< Fz over that load, 1 up to there
   T reference;         ///< LFZO times the nominal load, (4.E1)
   T dfz, dpi;          ///< relative deviations of load and pressure, (4.E2)
   T kappa, tan_alpha;  ///< tan_alpha: α* of (4.E3); of a tyre that runs backwards, too
   T gamma, sin_gamma;  ///< (4.E4)
   T along;             ///< cos′α of (4.E6) with the sign of Vx: −1 … 1, 0 at rest
   T speed;             ///< Vx
+  T forwards;          ///< sign of Vx, without a jump
+  T small;             ///< nothing is divided by less, N and N/rad
   T mu_x, mu_y;        ///< LMUX*, LMUY* of (4.E7)
 };
 
@@ -89,18 +98,21 @@ Terms<T> terms(const T* n, const MagicInput<T>& in) {
   using std::sqrt;
   Terms<T> t;
   t.n = n;
-  t.load = greatest(in.Fz, T(0));
   t.reference = n[lfzo] * n[fnomin];
+  t.load = least(greatest(in.Fz, T(0)), T(T(most_load) * t.reference));
+  t.beyond = select(in.Fz > t.load, T(in.Fz / t.load), T(1));
   t.dfz = (t.load - t.reference) / t.reference;
   t.dpi = in.dpi;
   t.kappa = in.kappa;
   t.tan_alpha = sin(in.alpha) / cos(in.alpha);
   t.gamma = in.gamma;
   t.sin_gamma = sin(in.gamma);
-  // (4.E6) has V + 0.1 m/s below; the root does without the 0.6 % that this takes away at 60 km/h.
+  // (4.E6) has V + V_low below: 0.6 % less at 60 km/h and 5 % less at 2 m/s. Here nothing fades above `slow`.
   const T across = t.tan_alpha * t.tan_alpha;
-  t.along = in.Vx / sqrt(T(in.Vx * in.Vx * (T(1) + across) + T(slow * slow)));
   t.speed = in.Vx;
+  t.forwards = smooth::direction(in.Vx, T(T(slow) * n[longvl]));
+  t.along = t.forwards / sqrt(T(T(1) + across));
+  t.small = T(small_force) * n[fnomin];
   const T sliding = size_of(in.Vx) * sqrt(T(in.kappa * in.kappa + across));
   const T decay = in.lmu / (T(1) + n[lmuv] * sliding / n[longvl]);
   t.mu_x = n[lmux] * decay;

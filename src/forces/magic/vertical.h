@@ -42,18 +42,21 @@ T magic_rolling_radius(const T* n, const T& Fz, const T& omega, const T& dpi = T
 ///   Fz = {1 + QV2 |Ω| R₀/V₀ − (QFCX Fx/Fz₀)² − (QFCY Fy/Fz₀)²} (1 + PFZ1 dpi)
 ///        {(QFZ1 + QFZ3 γ²) ρ/R₀ + QFZ2 (ρ/R₀)²} Fz₀ + Kz dρ/dt
 ///
-/// and the rim's stiffness where the tyre is pressed flat. 5.2 is the case of QFZ1 alone. The camber terms
-/// that only 6.2 has are left out.
+/// and the rim's stiffness where the tyre is pressed flat. No tyre is pressed in further than its radius: a
+/// hub below the road is pushed out by the force that it had there. 5.2 is the case of QFZ1 alone. The camber
+/// terms that only 6.2 has are left out.
 template <class T>
 MagicVertical<T> magic_vertical(const T* n, const MagicVerticalInput<T>& in) {
   using namespace magic;
   const T R = n[unloaded_radius], F = n[fnomin];
-  const T x = (in.deflection + magic_free_radius(n, in.omega) - R) / R;
+  const auto deeper = in.deflection > R;
+  const T deflection = select(deeper, R, in.deflection);
+  const T x = (deflection + magic_free_radius(n, in.omega) - R) / R;
   const T by_x = n[q_fcx] * in.Fx / F, by_y = n[q_fcy] * in.Fy / F;
   const T spin = n[q_v2] * size_of(in.omega) * R / n[longvl];
   const T factor = greatest(T(T(1) + spin - by_x * by_x - by_y * by_y), T(0)) * (T(1) + n[pfz1] * in.dpi) * F;
   const T linear = n[q_fz1] + n[q_fz3] * in.gamma * in.gamma;
-  const T beyond = in.deflection - (R - n[rim_radius] - n[bottom_offst]);
+  const T beyond = deflection - (R - n[rim_radius] - n[bottom_offst]);
   const auto flat = beyond > T(0);
   MagicVertical<T> z;
   z.force = factor * (linear * x + n[q_fz2] * x * x) + n[vertical_damping] * in.rate +
@@ -62,7 +65,7 @@ MagicVertical<T> magic_vertical(const T* n, const MagicVerticalInput<T>& in) {
   z.damping = n[vertical_damping];
   const auto touches = x > T(0) && z.force > T(0);
   z.force = select(touches, z.force, T(0));
-  z.stiffness = select(touches, z.stiffness, T(0));
+  z.stiffness = select(touches && !deeper, z.stiffness, T(0));
   z.damping = select(touches, z.damping, T(0));
   return z;
 }
