@@ -32,7 +32,7 @@ std::string passing(const Compiled& m, const ContactTrouble& t, int substeps) {
 
 std::string sinking(const Compiled& m, const ContactTrouble& t) {
   const ElementData& e = m.elements[t.sank_where.element];
-  if (e.measure == Measure::wheel)
+  if (on_road(e.measure))
     return fmt::format(
         "{}: its hub is below the road from t = {:.6g} s on, at the deepest {:.3g} m at t = {:.6g} s: no "
         "tyre "
@@ -64,7 +64,7 @@ std::vector<std::string> contact_warnings(const Compiled& m, const ContactLog& l
 
 std::string sunk_wheels(const Compiled& m, const ContactLog& log) {
   for (const ContactTrouble& t : log)
-    if (t.sank >= 0 && m.elements[t.sank_where.element].measure == Measure::wheel)
+    if (t.sank >= 0 && on_road(m.elements[t.sank_where.element].measure))
       return fmt::format(
           "; {} had its hub below the road, {:.3g} m at t = {:.6g} s, from where it is pushed out with many "
           "times its load: look at the height of the road and of the wheel",

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "forces/contact.h"
-#include "forces/measure_wheel.h"
 #include "math/elementary.h"
 #include "math/rotation.h"
 #include "simulation/contact_sweep.h"
+#include "simulation/tyre_gap.h"
 
 namespace mimbre {
 namespace {
@@ -136,10 +136,10 @@ void ContactWatch::look_for_depth(int element, double gap, Seen& seen) const {
 void ContactWatch::look_under_wheels(const relative::Workspace<double>& w) {
   for (int k = model_.first_tyre; k < model_.first_load; ++k) {
     const ElementData& e = model_.elements[k];
-    if (e.measure != Measure::wheel) continue;
+    const double radius = tyre_radius(model_, e);
     Seen& seen = seen_[static_cast<std::size_t>(contacts_ + e.spec)];
-    sinks(-element_state(e, w.elements.data()).x[wheel::gap], e.radius, {k, e.frame_a, e.frame_b, e.radius},
-          seen.depth, seen.depth_limit, seen.sank);
+    sinks(-tyre_gap(model_, e, element_state(e, w.elements.data())), radius,
+          {k, e.frame_a, e.frame_b, radius}, seen.depth, seen.depth_limit, seen.sank);
   }
 }
 

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include "forces/element.h"
-#include "forces/measure_wheel.h"
-#include "forces/tyre.h"
 #include "simulation/names.h"
+#include "simulation/tyre_gap.h"
 
 namespace mimbre {
 
@@ -23,10 +22,7 @@ void RoadWatch::watch(const relative::Workspace<double>& work, double time) {
     if (w.from >= 0) continue;
     const ElementData& e = model_.elements[w.element];
     const ElementState<const double> s = element_state(e, work.elements.data());
-    const double gap = e.measure == Measure::wheel
-                           ? s.x[wheel::gap]
-                           : s.x[0] - model_.numbers[e.numbers + forces::tyre::radius];
-    if (gap > 0) continue;
+    if (tyre_gap(model_, e, s) > 0) continue;
     const Vec3d place = work.frames[e.frame_b].position + work.origin;
     if (roads::is_on_road(model_.roads[e.road].own, place[0], place[1])) continue;
     w.from = time;

@@ -211,26 +211,30 @@ simulation: {{step: 0.001, end: 1}}
   }
 }
 
-/// A wheel that begins with its hub 0.1 m below the road.
+/// A wheel that begins with its hub 0.1 m below the road, of a tyre that rolls, and of one that is a spring.
 TEST(Depth, OfAHubBelowTheRoadIsSaid) {
-  const auto wheel = [](double height) {
-    Simulation simulation = simulation_of(fmt::format(R"y(
+  for (const char* more :
+       {"",
+        ", model: brush, damping: 500, longitudinal_stiffness: 6e4, cornering_stiffness: 5e4, friction: 0.9, "
+        "longitudinal_relaxation: 0.3, lateral_relaxation: 0.5, half_length: 0.07, load: 4000"}) {
+    const auto wheel = [&](double height) {
+      Simulation simulation = simulation_of(fmt::format(R"y(
 bodies: {{wheel: {{mass: 20, com: [0, 0, {0}], inertia: [1, 1, 1]}}}}
 joints: {{free: {{type: floating, between: [ground, wheel]}}}}
 roads: {{flat: {{over: distance, points: [[-100, 0], [100, 0]]}}}}
-tyres: {{tyre: {{on: wheel, at: [0, 0, {0}], road: flat, model: brush, stiffness: 2e5, damping: 500, radius: 0.3,
-  longitudinal_stiffness: 6e4, cornering_stiffness: 5e4, friction: 0.9, longitudinal_relaxation: 0.3, lateral_relaxation: 0.5, half_length: 0.07, load: 4000}}}}
+tyres: {{tyre: {{on: wheel, at: [0, 0, {0}], road: flat, stiffness: 2e5, radius: 0.3{1}}}}}
 simulation: {{step: 0.001, end: 1}}
 )y",
-                                                      height),
-                                          Formulation::relative);
-    run_to(simulation, 0.002);
-    return simulation.warnings();
-  };
-  EXPECT_THAT(wheel(-0.1),
-              testing::Contains(AllOf(HasSubstr("tyre 'tyre': its hub is below the road from t = 0 s"),
-                                      HasSubstr("0.3 m"))));
-  EXPECT_THAT(wheel(0.28), testing::Not(testing::Contains(HasSubstr("hub"))));
+                                                        height, more),
+                                            Formulation::relative);
+      run_to(simulation, 0.002);
+      return simulation.warnings();
+    };
+    EXPECT_THAT(wheel(-0.1),
+                testing::Contains(AllOf(HasSubstr("tyre 'tyre': its hub is below the road from t = 0 s"),
+                                        HasSubstr("at the deepest 0.1 m"), HasSubstr("its radius, 0.3 m"))));
+    EXPECT_THAT(wheel(0.28), testing::Not(testing::Contains(HasSubstr("hub"))));
+  }
 }
 
 /// Against many points of the chord, of random triangles.
