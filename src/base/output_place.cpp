@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr int most_links = 40;
 constexpr int most_names = 1000;
-constexpr mode_t growing_mode = S_IRUSR | S_IWUSR;  ///< of what grows beside an older file
-constexpr std::size_t longest_stem = 180;           ///< of 255 bytes that a name may have
+/// Of what still grows; whoever makes files for himself alone (umask 077) has others.
+constexpr mode_t growing_mode = S_IRWXU;
+constexpr std::size_t longest_stem = 180;  ///< of 255 bytes that a name may have
 
 [[noreturn]] void fail(int error) { throw std::runtime_error(std::strerror(error)); }
 
@@ -153,6 +154,7 @@ OutputPlace::OutputPlace(const std::string& target) : shown_(target) {
     fail(error);
   }
   fstat(made, &own_);
+  fchmod(made, growing_mode);
   lock(made);
   (existed_ ? own_lock_ : lock_) = made;  // for the time when it is the target
   pending_ = true;
@@ -172,9 +174,12 @@ bool OutputPlace::unchanged() const {
   return existed_ ? exists && same_content(now, before_) : !exists;
 }
 
-/// Owner (only where that may be) and mode of the older file.
+/// Owner (only where that may be) and mode of the older file, or the mode of any new one.
 void OutputPlace::adopt_mode() const {
-  if (!existed_) return;
+  if (!existed_) {
+    chmod(path_.c_str(), own_.st_mode & 07777u);
+    return;
+  }
   const bool owner_kept = (before_.st_uid == own_.st_uid && before_.st_gid == own_.st_gid) ||
                           chown(path_.c_str(), before_.st_uid, before_.st_gid) == 0;
   // Another owner does not inherit the right to run as the old one.
@@ -198,6 +203,7 @@ void OutputPlace::show() {
   if (link(path_.c_str(), target_.c_str()) == 0) {
     unlink(path_.c_str());
     path_ = target_;
+    adopt_mode();
   } else if (errno == EEXIST) {
     throw std::runtime_error(busy);
   }

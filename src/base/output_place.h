@@ -47,14 +47,14 @@ class OutputPlace {
   std::string shown_;   ///< as the user called it
   std::string path_;
   struct ::stat before_ {};  ///< of the older file
-  struct ::stat own_ {};     ///< of the file that is written
+  struct ::stat own_ {};     ///< of the file that is written, as any new one has it
   bool plain_ = true, existed_ = false, pending_ = false;
   int lock_ = -1;      ///< holds the target
   int own_lock_ = -1;  ///< holds the file that is written, where that is another
 };
 
 /// Whether a part of the target may be one that was kept, and of which somebody was told: those have the mode
-/// of the older file, and what still grows is for its owner alone. True where that cannot be told.
+/// of the target, and what still grows has one of its own. True where that cannot be told.
 bool is_kept(const std::string& part, const std::string& target);
 
 /// Removes those files of the target that processes left which have ended without a word, and of which

@@ -99,6 +99,35 @@ TEST_F(Resume, TheTableAloneAndOlderFiles) {
   EXPECT_TRUE(left_over("out.part-").empty());
 }
 
+/// Runs that go on and are killed before they save again leave nothing when another comes to the end.
+TEST_F(Resume, KilledBeforeItSavesAgain) {
+  const auto until = [](const char* end, const Arguments& more) {
+    return with({"run", "pendulum.yaml", "--until", end, "--csv", "out.csv", "--quiet"}, more);
+  };
+  ASSERT_EQ(run(until("50", {})).code, 0);
+  const std::string whole = read_file(folder / "out.csv");
+  for (const bool older : {false, true}) {
+    SCOPED_TRACE(older);
+    fs::remove(folder / "out.csv");
+    const pid_t begun = start(until("1", {"--save-state", "state"}));
+    ASSERT_EQ(wait_for(begun).code, 0);
+    // As if it had been killed behind its saved state.
+    fs::rename(folder / "out.csv", folder / ("out.part-" + std::to_string(begun) + ".csv"));
+    if (older) write_file(folder / "out.csv", "older");
+    for (int k = 0; k < 3; ++k) {
+      const pid_t child = start(until("1e8", {"--resume", "state", "--every", "1e7"}));
+      ASSERT_TRUE(appears(folder / ("out.part-" + std::to_string(child) + ".csv")));
+      kill(child, SIGKILL);
+      ASSERT_EQ(wait_for(child).signal, SIGKILL);
+    }
+    EXPECT_EQ(left_over("out.part-").size(), 4u);
+    const Outcome on = run(until("50", {"--resume", "state"}));
+    ASSERT_EQ(on.code, 0) << on.err;
+    EXPECT_TRUE(read_file(folder / "out.csv") == whole);
+    EXPECT_TRUE(left_over("out.part-").empty());
+  }
+}
+
 TEST_F(Resume, AnInterruptedRunSaysHowToGoOn) {
   const Arguments run_arguments{"run",    "pendulum.yaml", "--until", "3000",
                                 "--set",  "interval=0.7",  "--quiet", "-o",

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -186,6 +187,51 @@ TEST_F(OutputPlaceTest, OfManyRacingWritersOneWinsWhole) {
     ASSERT_EQ(text, std::string(100'000, text[0]));
     EXPECT_EQ(errors[static_cast<std::size_t>(text[0] - '0')], "no error");
   }
+}
+
+/// Whether something stood at the target when it was begun or not, whatever modes files get here: what killed
+/// writers left is told from what was kept, and the files have the modes of any others.
+TEST_F(OutputPlaceTest, PartsOfKilledWritersAreToldFromKeptOnes) {
+  for (const mode_t hidden : {mode_t{022}, mode_t{077}, mode_t{0}})
+    for (const bool older : {false, true}) {
+      SCOPED_TRACE(std::to_string(hidden) + (older ? " over an older file" : ""));
+      const mode_t before = umask(hidden);
+      const std::string target = at("a.csv");
+      if (older) put(target, "older");
+      const auto end_in_another_process = [&](bool killed) {
+        const pid_t child = fork();
+        if (child == 0) {
+          OutputPlace place(target);
+          place.write("part");
+          if (!killed) {
+            if (!older) put(target, "of another");
+            place.keep();
+          }
+          _exit(0);
+        }
+        waitpid(child, nullptr, 0);
+        return at("a.part-" + std::to_string(child) + ".csv");
+      };
+      const std::string left = end_in_another_process(true), kept = end_in_another_process(false);
+      ASSERT_TRUE(fs::exists(left) && fs::exists(kept));
+      write_whole(target, "whole");
+      EXPECT_FALSE(is_kept(left, target));
+      EXPECT_TRUE(is_kept(kept, target));
+      remove_abandoned_parts(target, [&](const std::string& part) { return !is_kept(part, target); });
+      EXPECT_FALSE(fs::exists(left));
+      EXPECT_TRUE(fs::exists(kept));
+      for (const std::string& file : {target, kept})
+        EXPECT_EQ(static_cast<mode_t>(fs::status(file).permissions()), 0666 & ~hidden) << file;
+      fs::remove(target);
+      {
+        OutputPlace shown(target);
+        shown.show();
+        EXPECT_EQ(static_cast<mode_t>(fs::status(target).permissions()), 0666 & ~hidden);
+      }
+      fs::remove(kept);
+      EXPECT_THAT(names(), ElementsAre());
+      umask(before);
+    }
 }
 
 TEST_F(OutputPlaceTest, AVanishedFolderIsAnError) {
