@@ -134,7 +134,8 @@ StaticsStatus search(System& system, State& s, bool careful) {
       find_multipliers(system, s, negligible_change);
     }
     r = forces(s.q, zero);
-    status.violation = violation();
+    const double off = violation();
+    if (m > 0) scales.of_kinds(system.phi(), status.position_violation, status.angle_violation);
     const double norm = r.norm();
     const double unbalanced = n == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
     if (n > 0) status.residual = unbalanced / scale[status.coordinate];
@@ -171,7 +172,7 @@ StaticsStatus search(System& system, State& s, bool careful) {
              solve(motions.transpose() * (tangent + mass / (tau * tau)) * motions, motions.transpose() * r);
     if (!step.allFinite()) return status;
     const double largest = n == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    if (tau * units.pace >= newton_time && balanced && largest < still && status.violation < closed) {
+    if (tau * units.pace >= newton_time && balanced && largest < still && off < closed) {
       status.converged = true;
       judge_stability(tangent, mass, motions, units, status);
       break;

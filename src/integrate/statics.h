@@ -6,9 +6,9 @@ namespace mimbre {
 struct StaticsStatus {
   bool converged = false;
   int iterations = 0;
-  double residual = 0;   ///< generalised force that is not balanced and does most work, N or N m
-  int coordinate = -1;   ///< where
-  double violation = 0;  ///< max |Φ|, by the scales of the equations
+  double residual = 0;  ///< generalised force that is not balanced and does most work, N or N m
+  int coordinate = -1;  ///< where
+  double position_violation = 0, angle_violation = 0;  ///< max |Φ| of lengths, m, and of angles, rad
   /// 1/s: how fast the smallest disturbance grows without damping, 0 where the equilibrium is stable or
   /// neutral: λ² of the least eigenvalue −λ² of the tangent stiffness along the motions that the constraints
   /// leave, by their mass.

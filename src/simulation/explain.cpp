@@ -216,11 +216,14 @@ std::string explain_imbalance(const Compiled& model, const natural::NaturalSyste
         "no static equilibrium was found: body '{}' floats freely, and nothing holds it against {:.3g} {}; "
         "join it to the ground or to a body that is, or carry it by springs",
         model.spec().bodies[body->spec].name, status.residual, unit);
+  std::string open;
+  if (status.position_violation > 0)
+    open += fmt::format(", lengths off by {:.3g} m", status.position_violation);
+  if (status.angle_violation > 0) open += fmt::format(", angles off by {:.3g} rad", status.angle_violation);
   return fmt::format(
       "no static equilibrium was found: unbalanced force {:.3g} {}, the largest in {} (does anything hold "
-      "it?), constraints off by {:.3g} of the mechanism's size, or rad, after {} iterations",
-      status.residual, unit, coordinate_name(model, natural, status.coordinate), status.violation,
-      status.iterations);
+      "it?){}, after {} iterations",
+      status.residual, unit, coordinate_name(model, natural, status.coordinate), open, status.iterations);
 }
 
 std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,

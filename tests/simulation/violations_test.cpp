@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mimbre/simulation.h"
+#include "simulation/explain.h"
 #include "simulation/mechanism.h"
 #include "simulation/names.h"
 #include "support/models.h"
@@ -128,6 +129,19 @@ joints:
       EXPECT_GT(lengths, 0);
       EXPECT_GT(angles, 0);
     }
+}
+
+/// Lengths and angles are never one number.
+TEST(Violations, OfStaticsHaveTheirUnits) {
+  const auto model = geared(1);
+  StaticsStatus status;
+  status.coordinate = 0;
+  status.residual = 5;
+  EXPECT_THAT(explain_imbalance(model->compiled(), nullptr, status), testing::Not(HasSubstr(" off by ")));
+  status.position_violation = 0.25;
+  status.angle_violation = 0.5;
+  EXPECT_THAT(explain_imbalance(model->compiled(), nullptr, status),
+              testing::AllOf(HasSubstr("lengths off by 0.25 m"), HasSubstr("angles off by 0.5 rad")));
 }
 
 /// What a formalism without stabilisation lets drift is reported with the equation that is off most.
