@@ -8,6 +8,7 @@
 #include "mimbre/reduced_body.h"
 #include "model/compile_blocks.h"
 #include "model/force_laws.h"
+#include "model/output_kinds.h"
 #include "model/signal_order.h"
 
 namespace mimbre {
@@ -38,6 +39,13 @@ bool is_of_motion(Kind kind) {
     default:
       return false;
   }
+}
+
+/// Its word in a model file.
+std::string key_of(Kind kind) {
+  for (const OutputKind& row : output_kinds)
+    if (row.kind == kind) return row.key;
+  return "force";
 }
 
 class Planner {
@@ -197,11 +205,15 @@ class Planner {
   void sense(int sensor, const std::string& who, const Mark& mark) {
     if (d_.slot_of_sensor[sensor] >= 0) return;
     const spec::Output& o = s_.sensors[sensor];
-    if (!is_of_motion(o.kind))
-      throw InputError(mark,
-                       fmt::format("{} uses '{}', which forces decide at the same instant; evaluate it at "
-                                   "instants by a signal with `every: 0.01`",
-                                   who, o.name));
+    if (!is_of_motion(o.kind)) {
+      // What a signal measures by itself has no other name.
+      const std::string key = key_of(o.kind), use = who == fmt::format("signal '{}'", o.name)
+                                                        ? fmt::format("measures `{}`", key)
+                                                        : fmt::format("uses '{}' (`{}`)", o.name, key);
+      throw InputError(mark, fmt::format("{} {}, which forces decide at the same instant; evaluate it at "
+                                         "instants by a signal with `every: 0.01`",
+                                         who, use));
+    }
     d_.slot_of_sensor[sensor] = d_.slots;
     d_.sensors.push_back({d_.slots++, static_cast<int>(d_.sensors.size())});
     seen_.push_back(sensor);

@@ -247,7 +247,10 @@ TEST(SignalErrors, NameWhatIsWrong) {
   EXPECT_THAT(refusal(arm("signals: {a: \"b + 1\", b: \"2*c\", c: \"a\"}\n")),
               HasSubstr("'a' → 'b' → 'c' → 'a'"));
   EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, torque: \"3*turning\"}}\n")),
-              HasSubstr("which forces decide at the same instant"));
+              HasSubstr("uses 'turning' (`acceleration`), which forces decide at the same instant"));
+  EXPECT_THAT(refusal(arm("signals: {felt: {joint_force: shoulder, component: mz}}\n"
+                          "actuators: {m: {joint: shoulder, torque: \"felt\"}}\n")),
+              HasSubstr("signal 'felt' measures `joint_force`, which forces decide"));
   EXPECT_EQ(refusal(arm("signals: {s: {value: \"turning\", every: 0.01}}\n"
                         "actuators: {m: {joint: shoulder, torque: \"s\"}}\n")),
             "accepted");
