@@ -4,7 +4,7 @@
 /// A force, or a torque, that a signal says: in the direction in which the measure grows.
 namespace mimbre::forces {
 
-/// The tangents of a feedback of its own motion are added by what knows the signals (signals/feedback.h).
+/// The tangents of a feedback of its own motion are added by what knows the signals (signals/sensors.h).
 template <class T>
 void actuator_law(const LawContext<T>& c, ElementState<T>& s) {
   s.force[0] = -c.argument(0);
