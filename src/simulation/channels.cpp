@@ -491,7 +491,7 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
     case Kind::tyre_slip_angle:
     case Kind::tyre_camber:
     case Kind::tyre_deflection:
-      return wheel_output(o, element(m.first_tyre + o.item));
+      return wheel_output(m, m.elements[m.first_tyre + o.item], o, element(m.first_tyre + o.item));
     case Kind::contact_force:
     case Kind::contact_depth:
     case Kind::contact_count: {
@@ -578,7 +578,7 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       *to = -element().force[0];
       return;
     case Part::Kind::wheel:
-      return read_wheel(element(), to);
+      return read_wheel(m, m.elements[part.item], element(), to);
     case Part::Kind::road:
       *to = *element().surroundings;
       return;

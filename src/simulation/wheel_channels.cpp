@@ -4,18 +4,25 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "forces/magic_tyre.h"
 #include "forces/measure_wheel.h"
 #include "math/elementary.h"
+#include "math/smooth.h"
+#include "model/force_laws.h"
 
 namespace mimbre {
 namespace {
 
 using Kind = spec::Output::Kind;
 
-/// m/s: slips of a wheel that is slower are those at this speed.
-constexpr double slowest = 0.1;
+/// At which a tyre hardly rolls, m/s: slips of slower wheels are over what its law takes for their speed.
+double slow_speed(const Compiled& m, const ElementData& tyre) {
+  const double* n = m.numbers.data() + tyre.numbers;
+  return tyre.law == static_cast<int>(Law::brush_tyre)
+             ? n[brush_tyre_slow]
+             : forces::magic::slow * n[forces::magic_tyre::formula + forces::magic::longvl];
+}
 
 struct WheelChannel {
   const char *name, *unit, *meaning;
@@ -63,10 +70,10 @@ void add_wheel_info(const std::string& tyre, std::vector<ChannelInfo>& info) {
     info.push_back({fmt::format("tyre.{}.{}", tyre, c.name), c.unit, meaning(c, tyre)});
 }
 
-void read_wheel(const ElementState<const double>& s, double* to) {
+void read_wheel(const Compiled& m, const ElementData& tyre, const ElementState<const double>& s, double* to) {
   const bool touches = s.x[wheel::gap] < 0;
   for (int k = wheel::forth; k < s.count; ++k) *to++ = touches ? -s.force[k] : 0;
-  const double speed = std::max(std::abs(s.surroundings[wheel::forward]), slowest);
+  const double speed = smooth::size(s.surroundings[wheel::forward], slow_speed(m, tyre));
   *to++ = touches ? -s.v[wheel::forth] / speed : 0;
   *to++ = touches ? mimbre::atan2(s.v[wheel::across], speed) : 0;
   *to++ = s.surroundings[wheel::camber];
@@ -80,11 +87,12 @@ ChannelInfo wheel_output_info(const std::string& tyre, const spec::Output& outpu
   return {output.name, c.unit, meaning(c, tyre)};
 }
 
-double wheel_output(const spec::Output& output, const ElementState<const double>& s) {
+double wheel_output(const Compiled& m, const ElementData& tyre, const spec::Output& output,
+                    const ElementState<const double>& s) {
   const int k = channel_of(output);
   if (k < 0) return -s.force[wheel::gap];
   std::array<double, channels.size()> values;
-  read_wheel(s, values.data());
+  read_wheel(m, tyre, s, values.data());
   return values[static_cast<std::size_t>(k)];
 }
 

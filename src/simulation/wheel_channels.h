@@ -11,11 +11,13 @@ namespace mimbre {
 
 void add_wheel_info(const std::string& tyre, std::vector<ChannelInfo>& info);
 /// After the forces; `to`: one value for each of these.
-void read_wheel(const ElementState<const double>& state, double* to);
+void read_wheel(const Compiled& model, const ElementData& tyre, const ElementState<const double>& state,
+                double* to);
 
 /// One of them, or the vertical force, as an output of that tyre.
 ChannelInfo wheel_output_info(const std::string& tyre, const spec::Output& output);
 /// After the forces.
-double wheel_output(const spec::Output& output, const ElementState<const double>& state);
+double wheel_output(const Compiled& model, const ElementData& tyre, const spec::Output& output,
+                    const ElementState<const double>& state);
 
 }  // namespace mimbre

@@ -87,6 +87,46 @@ std::string told(const std::string& text) {
   return "";
 }
 
+/// A wheel of the size L under the same gravity, drawn along and driven: speeds grow with √L, forces with L³.
+std::string drawn_wheel(double L) {
+  return fmt::format(R"y(
+parameters: {{L: {:.17g}}}
+bodies:
+  slide: {{mass: 10*L^3, com: [0, 0, L], inertia: [L^5, L^5, L^5]}}
+  steered: {{mass: 10*L^3, com: [0, 0, L], inertia: [L^5, L^5, L^5]}}
+  wheel: {{mass: 10*L^3, com: [0, 0, L], inertia: [L^5, L^5, L^5]}}
+joints:
+  rail: {{type: prismatic, between: [ground, slide], at: [0, 0, L], axis: [1, 0, 0], drive: {{position: "0.7*sqrt(L)*t"}}}}
+  turned: {{type: revolute, between: [slide, steered], at: [0, 0, L], axis: [0, 0, 1], drive: {{position: "0.05"}}}}
+  axle: {{type: revolute, between: [steered, wheel], at: [0, 0, L], axis: [0, 1, 0], drive: {{speed: "0.8/sqrt(L)"}}}}
+roads: {{track: {{over: distance, points: [[-1000, 0], [1000, 0]]}}}}
+tyres: {{t: {{on: wheel, at: [0, 0, L], road: track, model: brush, radius: 1.02*L, stiffness: 2e5*L^2, damping: 500*L^2.5,
+  longitudinal_stiffness: 8e4*L^3, cornering_stiffness: 6e4*L^3, friction: 1, longitudinal_relaxation: 0.3*L,
+  lateral_relaxation: 0.5*L, half_length: 0.08*L, load: 3000*L^3}}}}
+outputs:
+  - {{name: slip, tyre_slip: t}}
+  - {{name: angle, tyre_slip_angle: t}}
+simulation: {{step: 0.01*sqrt(L), end: 2*sqrt(L)}}
+)y",
+                     L);
+}
+
+/// No speed is slow by itself: a toy's wheel slips as that of a car does.
+TEST(TyreOutputsOfSimilarWheels, AreTheSame) {
+  const auto slips = [](double L) {
+    Simulation s = simulation_of(drawn_wheel(L), Formulation::relative);
+    run_to(s, std::sqrt(L));
+    return std::array{channel(s, "slip"), channel(s, "angle")};
+  };
+  const auto [slip, angle] = slips(1);
+  EXPECT_NEAR(slip, 0.15, 0.03);
+  EXPECT_NEAR(angle, -0.05, 1e-3);
+  for (const double L : {1e-4, 1e-2, 1e2}) {
+    EXPECT_NEAR(slips(L)[0], slip, 1e-6) << L;
+    EXPECT_NEAR(slips(L)[1], angle, 1e-6) << L;
+  }
+}
+
 TEST(TyreOutputsFile, SaysWhatIsWrong) {
   const auto with = [](const std::string& output, const std::string& tyre = brush_of_cart) {
     return told(cart_text({.tyre = tyre, .more = "  - {name: o, " + output + "}\n"}));
