@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "base/cpu_time.h"
 #include "roads/crg_file.h"
 #include "roads/crg_writer.h"
 #include "roads/grid.h"
@@ -79,6 +80,29 @@ TEST(HandmadeRoads, HaveTheHeightsThatTheirFilesMean) {
 TEST(HandmadeRoads, OfAHalfRoundHas120Kilobytes) {
   EXPECT_THAT(written(half_round_road(), "LRFI").size(),
               testing::AllOf(testing::Ge(115000u), testing::Le(125000u)));
+}
+
+/// A bend costs no more than a few times what the same road costs straight: of the rows that a place may
+/// belong to, few are looked at. CPU time, the least of some tries.
+TEST(HandmadeRoads, OfAHalfRoundAreLoadedAtOnce) {
+  const RoadSketch bent = half_round_road();
+  RoadSketch straight = bent;
+  straight.phi.clear();
+  const auto seconds = [](const RoadSketch& road) {
+    const std::string text = written(road, "LRFI");
+    double least = 1e9;
+    for (int k = 0; k < 5; ++k) {
+      const double begin = thread_cpu_seconds();
+      const RoadGrid read = roads::parse_road_grid(text, "written.crg");
+      const roads::GridArrays grid = roads::arrays_of(read, roads::file_rounding);
+      EXPECT_FALSE(roads::worst_overlap(read, grid));
+      least = std::min(least, thread_cpu_seconds() - begin);
+    }
+    return least;
+  };
+  const double of_bend = seconds(bent);
+  EXPECT_LT(of_bend, 1);
+  EXPECT_LT(of_bend, 10 * seconds(straight));
 }
 
 /// From one edge of the road to the other and across its rows, slopes change by no jumps, although boards end
