@@ -95,6 +95,10 @@ class Numbers {
     const bool whole = end == text.data() + text.size() && !text.empty();
     if (!whole || status == std::errc::invalid_argument)
       file.fail(fmt::format("{}: '{}' is not a number", what, shown(cell)));
+    // Below the smallest number there is 0.
+    if (const auto at = text.find_first_of("eE");
+        status == std::errc::result_out_of_range && at != std::string::npos && text[at + 1] == '-')
+      return 0;
     if (status != std::errc() || !std::isfinite(value))
       file.fail(fmt::format("{}: '{}' is not a finite number", what, shown(cell)));
     return value;

@@ -94,6 +94,7 @@ TEST_F(InputTable, HasSeveralInputs) {
   ASSERT_EQ(timed.size(), 1u);
   EXPECT_EQ(timed[0].input, 3);
   EXPECT_THAT(numbers("time,u\n0,7\n"), ElementsAre(0, 7));
+  EXPECT_THAT(numbers("t,u\n0,1e-400\n1,-1E-999\n2,4e-320\n"), ElementsAre(0, 1, 2, 0, 0, 4e-320));
 }
 
 TEST_F(InputTable, RefusesWhatIsNoNumberWithItsLine) {
