@@ -21,7 +21,8 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
     const auto equals = setting.find('=');
     if (equals == 0 || equals == std::string::npos || equals + 1 == setting.size())
       throw UsageError(fmt::format("--set {}: name=value is needed, for example --set length=1.5", setting));
-    result[setting.substr(0, equals)] = setting.substr(equals + 1);
+    if (!result.emplace(setting.substr(0, equals), setting.substr(equals + 1)).second)
+      throw UsageError(fmt::format("--set {}: is given twice", setting.substr(0, equals)));
   }
   return result;
 }

@@ -177,6 +177,7 @@ int run(const Arguments& given_arguments) {
     if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
     arguments.state = arguments.resume;
   }
+  if (arguments.csv_units && arguments.csv.empty()) throw UsageError("--csv-units belongs to --csv FILE.csv");
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   check_targets(arguments, loaded, inputs);

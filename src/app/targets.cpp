@@ -55,8 +55,12 @@ void require_writable_body(const std::string& path) {
 }
 
 void require_different(const std::string& input, const std::string& output) {
-  std::error_code one_is_missing;
-  if (input == output || fs::equivalent(input, output, one_is_missing))
+  std::error_code one_is_missing, unknown;
+  const auto place = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path), unknown);
+  };
+  if (input == output || fs::equivalent(input, output, one_is_missing) ||
+      (place(input) == place(output) && !unknown))
     throw UsageError(fmt::format("'{}' would be overwritten; choose another name for the output", input));
 }
 

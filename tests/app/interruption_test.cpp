@@ -374,6 +374,17 @@ TEST_F(Interruption, NoOutputReplacesAnInput) {
   }
 }
 
+/// Nor another output, however its place is written, though nothing stands there yet.
+TEST_F(Interruption, NoOutputReplacesAnother) {
+  fs::create_directory(folder / "sub");
+  for (const char* other : {"new.h5", "./new.h5", "sub/../new.h5"}) {
+    const Outcome outcome = run({"run", "pendulum.yaml", "-o", "new.h5", "--csv", other});
+    EXPECT_EQ(outcome.code, 2) << other;
+    EXPECT_THAT(outcome.err, HasSubstr("would be overwritten")) << other;
+    EXPECT_FALSE(fs::exists(folder / "new.h5"));
+  }
+}
+
 TEST_F(Interruption, PipesAndDevicesAreNotRead) {
   ASSERT_EQ(mkfifo((folder / "pipe.h5").c_str(), 0600), 0);
   const Outcome report = run({"report", "pipe.h5"});

@@ -267,6 +267,17 @@ TEST_F(Messages, ASpringThatActsOnOneRigidBodyOnlyIsWarnedOf) {
 }
 
 /// In the user's words, not in those of the options.
+/// None of them wins, and none is left out, without a word.
+TEST_F(Messages, OptionsThatConflictOrDoNothingAreRefused) {
+  write_file(folder / "pendulum.yaml", pendulum);
+  const Outcome twice = run({"run", "pendulum.yaml", "--set", "length=2", "--set", "length=3"});
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("--set length: is given twice"));
+  const Outcome units = run({"run", "pendulum.yaml", "--csv-units"});
+  EXPECT_EQ(units.code, 2);
+  EXPECT_THAT(units.err, HasSubstr("--csv-units belongs to --csv FILE.csv"));
+}
+
 TEST_F(Messages, WhatIsMissingOnTheCommandLineIsSaid) {
   EXPECT_THAT(run({"run"}).err, HasSubstr("error: MODEL is missing: Model file (YAML)"));
   EXPECT_THAT(run({"select", "a.yaml", "--body", "arm"}).err,
