@@ -17,7 +17,7 @@ from .study_file import read_study
 if TYPE_CHECKING:
     import xarray as xr
 
-# As those of the program (README.md).
+# As those of the program (docs/commands.md).
 DONE, BAD_INPUT, BAD_USAGE, FAILED, WARNED = range(5)
 
 _epilog = """\
