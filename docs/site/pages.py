@@ -11,7 +11,15 @@ from mkdocs.structure.files import File, Files, InclusionLevel
 top = Path(__file__).resolve().parents[2]
 node = top / "build/docs-node/node_modules"
 
-_pages = ("README.md", "docs/*.md", "examples/*/README.md", "src/*/README.md", "web/README.md")
+_pages = (
+    "README.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "docs/*.md",
+    "examples/*/README.md",
+    "src/*/README.md",
+    "web/README.md",
+)
 _pictures = ("docs/*.png",)
 _assets = {
     "assets/katex/katex.min.css": node / "katex/dist/katex.min.css",
@@ -23,9 +31,12 @@ _languages = {".yaml": "yaml", ".py": "python", ".cpp": "cpp", ".geo": "text"}
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     examples = [f"examples/{folder.name}/README.md" for folder in _examples()]
+    rooms = [path.relative_to(top).as_posix() for path in sorted(top.glob("src/*/README.md"))]
     for entry in config.nav or []:
         if "Examples" in entry:
             entry["Examples"] = examples
+        if "Developing" in entry:
+            entry["Developing"] = entry["Developing"] + rooms
     return config
 
 
