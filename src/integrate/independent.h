@@ -16,6 +16,7 @@ class IndependentStepper final : public Stepper {
  public:
   IndependentStepper(System& system, const IntegratorOptions& options);
   StepStatus step(State& state) override;
+  void begun(State& s) const override { motion_.begun(s); }
   void set_step(double step) override;
   void transfer(StateTransfer& transfer) override { dense_.partition().transfer(transfer); }
 

@@ -14,6 +14,7 @@ class IndexThree final : public Stepper {
   /// The system's last evaluation is then of the new positions and velocities (accelerations before their
   /// projection).
   StepStatus step(State& state) override;
+  void begun(State& s) const override { motion_.begun(s); }
   /// Near singular positions, which only constraints have, a step is made again.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;

@@ -14,6 +14,7 @@ class LagrangeStepper final : public Stepper {
  public:
   LagrangeStepper(System& system, const IntegratorOptions& options, bool baumgarte);
   StepStatus step(State& state) override;
+  void begun(State& s) const override { motion_.begun(s); }
   void set_step(double step) override;
   void transfer(StateTransfer& transfer) override { dense_.partition().transfer(transfer); }
 

@@ -13,6 +13,7 @@ class PenaltyStepper final : public Stepper {
  public:
   PenaltyStepper(System& system, const IntegratorOptions& options, bool augmented);
   StepStatus step(State& state) override;
+  void begun(State& s) const override { motion_.begun(s); }
   void set_step(double step) override;
 
  private:

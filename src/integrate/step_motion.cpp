@@ -13,7 +13,7 @@ StepMotion::StepMotion(System& of, const IntegratorOptions& options)
   const int n = system.velocities();
   q.setZero(system.positions());
   for (Eigen::VectorXd* y : {&x, &v, &a, &algorithmic, &start_a, &start_algorithmic, &r_}) y->setZero(n);
-  g_.setZero(system.equations());
+  for (Eigen::VectorXd* y : {&g_, &change_, &start_multipliers_}) y->setZero(system.equations());
 }
 
 void StepMotion::set_step(double step) {
@@ -37,6 +37,7 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
   const double* alpha = system.penalty();
   a.setZero();
   g_.setZero();
+  start_multipliers_.setZero();
   for (int round = 0; round < 8; ++round) {
     // r = Q − M a: only the first round's, W a is followed by hand through the corrections.
     if (round == 0) {
@@ -70,6 +71,8 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
       return StepCode::not_finite;
     }
     a += r_;
+    system.jacobian_times(r_.data(), change_.data());
+    for (int k = 0; k < m; ++k) start_multipliers_[k] += g_[k] + penalty * alpha[k] * change_[k];
     const Scales& scales = system.scales();
     if (m == 0 || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data())) break;
   }
@@ -99,6 +102,11 @@ void StepMotion::from_increment(const State& s) {
             rule.alpha_f * start_a[k]) /
            (1 - rule.alpha_f);
   }
+}
+
+void StepMotion::begun(State& s) const {
+  s.a = start_a;
+  s.multipliers = start_multipliers_;
 }
 
 void StepMotion::accept(State& s, const Eigen::VectorXd& multipliers) const {

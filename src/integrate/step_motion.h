@@ -22,6 +22,8 @@ struct StepMotion {
   void predict_velocities(const State& s);
   /// q, v, a, algorithmic at the end of the step from x.
   void from_increment(const State& s);
+  /// With what accelerations and multipliers a step that took its own began.
+  void begun(State& s) const;
   /// The end of the step becomes the state.
   void accept(State& s, const Eigen::VectorXd& multipliers) const;
 
@@ -36,7 +38,7 @@ struct StepMotion {
 
  private:
   StepCode start(const State& s, StepStatus& status);
-  Eigen::VectorXd r_, g_;
+  Eigen::VectorXd r_, g_, change_, start_multipliers_;
 };
 
 }  // namespace mimbre

@@ -61,6 +61,9 @@ class Stepper {
   /// marks) and memory (transfer). The system's last evaluation is then
   /// of the new positions and velocities.
   virtual StepStatus step(State& state) = 0;
+  /// After a step that took accelerations of its own (State::started was false): puts those with which it
+  /// began, and their multipliers, into the state where it did.
+  virtual void begun(State& state) const = 0;
   /// How often at most the iterations of a step begin anew; each time there are at most
   /// IntegratorOptions::max_iterations of them.
   virtual int most_attempts() const { return 1; }

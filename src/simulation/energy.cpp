@@ -113,7 +113,7 @@ EnergyMeter::EnergyMeter(const Compiled& m)
 
 void EnergyMeter::start(relative::RelativeSystem& system, const State& s) {
   balance_ = {};
-  started_ = anew_ = false;
+  started_ = false;
   pending_jump_ = 0;
   for (Store& store : stores_) store = {store.place};
   observe(system, s);
@@ -127,7 +127,6 @@ void EnergyMeter::update(relative::RelativeSystem& system, const State& s) {
   balance_.numerical = balance_.total() - start_total_ - balance_.drive_work - balance_.load_work -
                        balance_.road_work + balance_.dissipated;
   last_input_ = balance_.numerical - before;
-  anew_ = false;
 }
 
 void EnergyMeter::jump(relative::RelativeSystem& system, const State& s) {
@@ -135,25 +134,65 @@ void EnergyMeter::jump(relative::RelativeSystem& system, const State& s) {
   relative::forces(*model_, w, s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());
   for (std::size_t k = 0; k < model_->elements.size(); ++k)
     if (hears_signals(*model_, model_->elements[k])) jump_element(k, w);
-  anew_ = true;
+}
+
+bool EnergyMeter::follows_accelerations() const {
+  return !model_->drives.empty() || std::any_of(model_->flexible.begin(), model_->flexible.end(),
+                                                [](const FlexibleData& f) { return !f.geometric.empty(); });
+}
+
+void EnergyMeter::begin(relative::RelativeSystem& system, const State& s) {
+  const Compiled& m = *model_;
+  auto& w = system.workspace();
+  for (std::size_t k = 0; k < m.drives.size(); ++k) drive_force_[k] = -s.multipliers[m.drives[k].equation];
+  for (std::size_t i = 0; i < m.bodies.size(); ++i) {
+    const BodyData& b = m.bodies[i];
+    if (b.modes == 0 || m.flexible[b.flexible].geometric.empty()) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    double *y = w.scratch.data(), *forces = y + f.stride;
+    relative::copy_modes(b, s.q.data() + b.q + b.joint_positions, f.stride, y);
+    extend(f, y);
+    inertial_forces(i, w, s, y, forces);
+    for (int k = 0; k < f.geometric.modes; ++k) {
+      double& before = geometric_force_[b.v + b.joint_velocities + k];
+      balance_.load_work += 0.5 * (forces[k] - before) * y[k];
+      before = forces[k];
+    }
+  }
+}
+
+/// K_G y of a body at the loads of inertia and gravity of now; `forces` has room for twice a body's
+/// amplitudes.
+void EnergyMeter::inertial_forces(std::size_t body, const relative::Workspace<double>& w, const State& s,
+                                  const double* y, double* forces) const {
+  const BodyData& b = model_->bodies[body];
+  const FlexibleData& f = model_->flexible[b.flexible];
+  double* ydd = forces + f.stride;
+  relative::copy_modes(b, s.a.data() + b.v + b.joint_velocities, f.stride, ydd);
+  const auto& motion = w.bodies[body];
+  const Mat3d to_body = motion.rotation.transpose();
+  std::fill(forces, forces + f.stride, 0.0);
+  geometric::add_inertial_forces(
+      f.geometric,
+      geometric::stress_motion<double>(f.geometric, to_body * motion.omega, to_body * motion.acceleration,
+                                       to_body * motion.alpha, ydd),
+      y, forces);
 }
 
 /// Energy ½ yᵀ K_G y at the present loads of inertia and gravity, and what their change put in since the last
-/// step: as the work of K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. In a step
-/// that begins anew they jump first, to nearly those at its end. Forces at the boundary have an energy of
-/// their own. `first`: the velocity coordinate of the first amplitude, `forces`: scratch.
-void EnergyMeter::observe_geometric(const GeometricData& g, const StressMotion<double>& motion, int first,
+/// step: as the work of K_G y is its mean times the displacement, that is ½ y0ᵀ (K_G1 − K_G0) y1. Forces at
+/// the boundary have an energy of their own. `forces`: scratch.
+void EnergyMeter::observe_geometric(std::size_t body, const relative::Workspace<double>& w, const State& s,
                                     const double* y, double* forces) {
+  const BodyData& b = model_->bodies[body];
+  const GeometricData& g = model_->flexible[b.flexible].geometric;
+  const int first = b.v + b.joint_velocities;
   balance_.elastic += geometric::boundary_energy(g, y, forces);
-  std::fill(forces, forces + g.stiffness.cols(), 0.0);
-  geometric::add_inertial_forces(g, motion, y, forces);
+  inertial_forces(body, w, s, y, forces);
   for (int k = 0; k < g.modes; ++k) {
     balance_.elastic += 0.5 * forces[k] * y[k];
-    double &before = geometric_force_[first + k], was = modal_[first + k];
-    if (started_) {
-      if (anew_) balance_.load_work += 0.5 * (forces[k] - before) * was;
-      balance_.load_work += 0.5 * (forces[k] * was - (anew_ ? forces[k] : before) * y[k]);
-    }
+    double& before = geometric_force_[first + k];
+    if (started_) balance_.load_work += 0.5 * (forces[k] * modal_[first + k] - before * y[k]);
     before = forces[k];
   }
 }
@@ -364,17 +403,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
         ancf::add_forces(f, 0, 1, y, yd, forces);
         e.elastic += ancf::energy(f, y);
       }
-      if (!f.geometric.empty()) {
-        double* ydd = forces + f.stride;
-        relative::copy_modes(b, s.a.data() + b.v + b.joint_velocities, f.stride, ydd);
-        const auto& motion = w.bodies[i];
-        const Mat3d to_body = motion.rotation.transpose();
-        observe_geometric(
-            f.geometric,
-            geometric::stress_motion<double>(f.geometric, to_body * motion.omega,
-                                             to_body * motion.acceleration, to_body * motion.alpha, ydd),
-            b.v + b.joint_velocities, y, ydd + f.stride);
-      }
+      if (!f.geometric.empty()) observe_geometric(i, w, s, y, forces + f.stride);
       double work = 0;
       for (int k = 0; k < f.modes; ++k) {
         first += y[k] * inertia.S.matrix().col(k);
@@ -404,8 +433,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
   for (std::size_t k = 0; k < m.drives.size(); ++k) {
     const DriveData& d = m.drives[k];
     const double force = -s.multipliers[d.equation];
-    const double before = anew_ ? force : drive_force_[k];
-    if (started_) e.drive_work += 0.5 * (force + before) * (s.q[d.q] - drive_position_[k]);
+    if (started_) e.drive_work += 0.5 * (force + drive_force_[k]) * (s.q[d.q] - drive_position_[k]);
     drive_position_[k] = s.q[d.q];
     drive_force_[k] = force;
   }

@@ -22,6 +22,11 @@ class EnergyMeter {
   /// count. The system has entered the state with a step of 0 s, and its last kinematics are of it; the
   /// forces are then, too.
   void jump(relative::RelativeSystem& system, const State& state);
+  /// Whether anything does work by the accelerations: drives, and loads of inertia that stiffen bodies.
+  bool follows_accelerations() const;
+  /// After a step that began anew, before update(): with the accelerations and multipliers with which it
+  /// began, which are known then. The system's last kinematics are of that state.
+  void begin(relative::RelativeSystem& system, const State& state);
 
   const EnergyBalance& balance() const { return balance_; }
   /// Energy that the numerics put in during the last step.
@@ -52,7 +57,7 @@ class EnergyMeter {
   /// All that it remembers from step to step.
   void transfer(StateTransfer& transfer) {
     for (const EnergyTerm& term : energy_terms) transfer(balance_.*term.value);
-    transfer(start_total_, last_input_, jump_, pending_jump_, most_exchanged_, started_, anew_, time_);
+    transfer(start_total_, last_input_, jump_, pending_jump_, most_exchanged_, started_, time_);
     place_.transfer(transfer);
     for (Flow& f : flows_) f.transfer(transfer);
     for (Store& s : stores_) transfer(s.energy, s.change, s.highest, s.lowest, s.exchanged, s.unresolved);
@@ -96,7 +101,9 @@ class EnergyMeter {
   static void keep_wheel(const ElementState<double>& state, const ElementEnergy& now, Flow& flow);
   void jump_element(std::size_t element, relative::Workspace<double>& work);
   void observe_store(std::size_t store, double energy);
-  void observe_geometric(const GeometricData& geometric, const StressMotion<double>& motion, int first,
+  void inertial_forces(std::size_t body, const relative::Workspace<double>& work, const State& state,
+                       const double* y, double* forces) const;
+  void observe_geometric(std::size_t body, const relative::Workspace<double>& work, const State& state,
                          const double* y, double* forces);
 
   const Compiled* model_;
@@ -106,7 +113,6 @@ class EnergyMeter {
   Place place_;
   double most_exchanged_ = 0;  ///< in the last step, at place_
   bool started_ = false;
-  bool anew_ = false;          ///< the next step begins with accelerations that are not known here
   std::vector<Flow> flows_;    ///< of elements
   std::vector<Store> stores_;  ///< elements, bodies
   std::vector<double> generalised_, drive_position_, drive_force_;

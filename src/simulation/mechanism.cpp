@@ -13,13 +13,16 @@ Mechanism::Mechanism(const Compiled& compiled, const Method& method)
       system(natural ? static_cast<System&>(*natural) : observer),
       generalised_(compiled.velocities) {}
 
-void Mechanism::observe() {
+void Mechanism::observe() { observe_other(state); }
+
+const State& Mechanism::observe_other(const State& other) {
   if (natural) {
-    natural->to_relative(state, seen);
+    natural->to_relative(other, seen);
     observer.begin_step(seen.q.data());
   }
-  const State& s = view();
+  const State& s = natural ? seen : other;
   observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  return s;
 }
 
 void Mechanism::observe_afresh() {

@@ -19,6 +19,9 @@ struct Mechanism {
   void observe();
   /// The same about a common point that depends on the state alone, not on the step that led to it.
   void observe_afresh();
+  /// As observe(), of another state near this one; returns it as view() does. The next observe() is to
+  /// follow.
+  const State& observe_other(const State& other);
   /// From now on evaluations continue from the state, by a step (s; 0: none).
   void enter(double step);
   /// Whether force elements or signals remember anything from step to step.

@@ -62,6 +62,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       contacts_(mechanism.model),
       log_(empty_contact_log(mechanism.model)),
       begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_, log_}),
+      beginning_(mechanism.state),
       before_{mechanism.state, meter_, log_},
       length_(method.step) {
   const Compiled& m = mechanism.model;
@@ -85,7 +86,7 @@ void StepMaker::start() {
     contacts_.note(mechanism_.state.time, log_);
   }
   for (Begin& begin : begins_) begin.state = mechanism_.state;
-  before_.state = mechanism_.state;
+  before_.state = beginning_ = mechanism_.state;
 }
 
 /// How wrong the last step may be, J: energy that the numerics put in or took out, or that a jump of a road
@@ -110,6 +111,16 @@ void StepMaker::begin_anew() {
   m.commit_jump(method_.energies);
 }
 
+/// What constraints do, and loads of inertia, follows from the accelerations with which a step that begins
+/// anew begins. These are known when it has been made.
+void StepMaker::book_beginning() {
+  Mechanism& m = mechanism_;
+  integrator_->begun(beginning_);
+  const State& seen = m.observe_other(beginning_);
+  meter_.begin(m.observer, seen);
+  m.observe();
+}
+
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
@@ -124,6 +135,8 @@ void StepMaker::advance(StepReport& report) {
   }
   if (!contacts_.none()) contacts_.begin(m.state.z.data(), !method_.energies);
   m.enter(integrator_->options().step);
+  const bool begins = !m.state.started && method_.energies && meter_.follows_accelerations();
+  if (begins) beginning_ = m.state;
   last_ = integrator_->step(m.state);
   report.code = static_cast<StepReport::Code>(last_.code);
   report.iterations += last_.iterations;
@@ -135,6 +148,7 @@ void StepMaker::advance(StepReport& report) {
   report.unconverged = report.unconverged || last_.unconverged;
   if (!report.ok()) return m.enter(0);
   const auto start = method_.profile ? Clock::now() : Clock::time_point();
+  if (begins) book_beginning();
   if (m.natural && (corrects || method_.energies || method_.validity || m.remembers())) m.observe();
   if (corrects) {
     free_flight_.end(m.observer, m.natural.get(), m.view(), integrator_->options().step, m.state);

@@ -58,6 +58,7 @@ class StepMaker {
 
   void begin_anew();
   void advance(StepReport& report);
+  void book_beginning();
   void keep_in(Begin& begin) const;
   void back_to(const Begin& begin);
   void cover(double length, int level, StepReport& report);
@@ -78,6 +79,7 @@ class StepMaker {
   ContactWatch contacts_;
   ContactLog log_;
   std::vector<Begin> begins_;
+  State beginning_;         ///< of a step that began anew
   Begin before_;            ///< of the last step, for undo()
   bool followed_ = true;    ///< contacts in the integrator's last step
   int divisions_left_ = 0;  ///< how often a part of the step under way may still be divided

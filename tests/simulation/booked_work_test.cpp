@@ -140,6 +140,50 @@ TEST_P(BookedWork, AnInputThatIsSetAtTheStart) {
   EXPECT_NEAR(s.energy().load_work, 2, close(1e-9, 6e-4));
 }
 
+/// A mass that a drive moves at 0.5 m/s against loads: the drive does what they take. One grows to 1 N in the
+/// very step that begins anew since the other is sampled, which jumps to 3 N later.
+TEST_P(BookedWork, ADriveAgainstLoadsThatJumpAndGrowInStepsThatBeginAnew) {
+  for (const double step : {0.01, 0.002}) {
+    Simulation s = simulation(R"(
+gravity: [0, 0, 0]
+inputs: {w: {start: 0, hold: linear}}
+signals: {s: {value: "t > 0.15 ? 3 : 1e-9*t", every: 0.02
+  }
+}
+bodies : {
+b : {
+mass:
+  2, com : [ 0, 0, 0 ], inertia : [ 1, 1, 1 ]
+}
+}
+joints : {
+j : {
+type:
+  prismatic, between : [ ground, b ], at : [ 0, 0, 0 ], axis : [ 0, 0, 1 ], drive : {
+  position:
+    "0.5*t"
+  }
+}
+}
+loads : {
+f : {
+on:
+  b, at : [ 0, 0, 0 ], force : [ 0, 0, -1 ], scale : w + s
+}
+}
+simulation: {step: 0.01}
+)",
+                              step);
+    run_to(s, 0.1);
+    s.set_input(s.input("w"), 1);
+    run_to(s, 0.2);
+    const double work = 0.5 * (0.5 * step + (0.1 - step) + 3 * 0.04);
+    EXPECT_NEAR(s.energy().load_work, -work, 1e-8);
+    EXPECT_NEAR(s.energy().drive_work, work, 1e-8);
+    EXPECT_NEAR(s.energy().numerical, 0, 1e-8);
+  }
+}
+
 /// A load, a winch, wind, a motor, a spring with a tunable rate and a road, all of which jump on a moving
 /// mass: the balance holds to the order of the rule.
 TEST_P(BookedWork, WhateverJumps) {
