@@ -88,7 +88,7 @@ TEST(RandomBalance, ClosesWithTheOrderOfTheRule) {
       ADD_FAILURE() << error.what() << "\n" << given.text;
     }
   }
-  EXPECT_GE(second, 0.9 * ran);
+  EXPECT_GE(second, 0.96 * ran);
 }
 
 }  // namespace
