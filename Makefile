@@ -50,9 +50,10 @@ live: configure ## Drive a vehicle in the browser
 	$(PROGRAM) live examples/iltis/drive.yaml --open
 
 # The checks of the sources come before the tests, so that the last lines are the summary of ctest.
-test: build ## Build everything, check the formatting and the order of the folders, run all tests
+test: build ## Build everything, check formatting, order of folders and words, run all tests
 	@$(MAKE) --no-print-directory python
 	@scripts/check-format
+	@scripts/check-words
 	@scripts/check-includes
 	@scripts/check-elementary
 	@ctest --test-dir $(BUILD) --output-on-failure --parallel $(JOBS)

@@ -14,7 +14,15 @@ import nbclient
 import pytest
 from conftest import program, top
 
-PYTHON = ("python", "examples/python", "bench/python", "docs/site", "scripts/python-words", "scripts/wheel-licences")
+PYTHON = (
+    "python",
+    "examples/python",
+    "bench/python",
+    "docs/site",
+    "scripts/check-words",
+    "scripts/python-words",
+    "scripts/wheel-licences",
+)
 
 
 def passes(*command: str) -> None:
