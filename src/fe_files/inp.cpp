@@ -212,6 +212,7 @@ void for_members(InpModel& model, const InpKeyword& keyword, One&& one, Range&& 
     }
     const std::int64_t first = label_of(next_field(line), "first number", file);
     const std::int64_t last = label_of(next_field(line), "last number", file);
+    if (last < first) file.fail(fmt::format("the last number, {}, is below the first, {}", last, first));
     const std::string_view field = next_field(line);
     const std::int64_t step = field.empty() ? 1 : label_of(field, "step", file);
     range(first, last, step, file);
@@ -373,6 +374,8 @@ void read_keyword(InpModel& model, const InpKeyword& keyword, bool& part) {
       throw InputError(keyword.mark,
                        fmt::format("*{} is not read; write the finished mesh: nodes and elements one by one",
                                    keyword.name));
+  if (keyword.name == "MEMBRANE SECTION")
+    throw InputError(keyword.mark, "membranes are not read, and the body would lack them");
   if (!is_silent(keyword.name))
     model.warn("keyword " + keyword.name, keyword.mark, fmt::format("*{} is left out", shown(keyword.name)));
 }

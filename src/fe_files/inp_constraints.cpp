@@ -50,6 +50,13 @@ std::vector<int> nodes_of_elements(const InpModel& model, const std::string& set
   return {nodes.begin(), nodes.end()};
 }
 
+/// Only boundary conditions, loads, equations and springs count in its directions; the first two are left
+/// out.
+void read_transform(InpModel& model, const InpKeyword& keyword) {
+  for (const int node : inp_nodes(model, needed(keyword, "NSET"))) model.turned_nodes.insert(node);
+  model.warn("keyword TRANSFORM", keyword.mark, "*TRANSFORM is left out");
+}
+
 void read_equation(InpModel& model, const InpKeyword& keyword) {
   std::string_view line;
   while (model.lines.next_data(line)) {
@@ -216,6 +223,8 @@ void read_tie(InpModel& model, const InpKeyword& keyword) {
 bool read_inp_constraint(InpModel& model, const InpKeyword& keyword) {
   if (keyword.name == "EQUATION")
     read_equation(model, keyword);
+  else if (keyword.name == "TRANSFORM")
+    read_transform(model, keyword);
   else if (keyword.name == "RIGID BODY")
     read_rigid_body(model, keyword);
   else if (keyword.name == "COUPLING")
@@ -231,6 +240,21 @@ bool read_inp_constraint(InpModel& model, const InpKeyword& keyword) {
   else
     return false;
   return true;
+}
+
+void check_inp_transforms(const InpModel& model, const SolidMesh& mesh) {
+  const auto check = [&](const std::string& name, const std::vector<LinearTerm>& terms) {
+    for (const LinearTerm& term : terms)
+      if (model.turned_nodes.contains(term.node))
+        throw InputError(
+            {model.lines.file().name(), 0, 0},
+            fmt::format("{} has a dof of node {}, whose directions *TRANSFORM turns; that is not read", name,
+                        mesh.labels[static_cast<std::size_t>(term.node)]));
+  };
+  for (const Equation& equation : mesh.equations)
+    if (equation.name.starts_with("*EQUATION")) check(equation.name, equation.terms);
+  for (const Spring& spring : mesh.springs)
+    if (spring.stretch.size() == 2) check(spring.name, spring.stretch);
 }
 
 }  // namespace mimbre::fe

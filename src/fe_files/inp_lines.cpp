@@ -26,6 +26,11 @@ std::string_view unquoted(std::string_view text) {
   return text;
 }
 
+bool is_include(std::string_view line) {
+  const std::string name = capitals(line.substr(1, line.find(',') - 1));
+  return name == "INCLUDE";
+}
+
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
   return std::filesystem::equivalent(a, b, ignored);
@@ -71,44 +76,61 @@ bool InpLines::next(std::string_view& line) {
 }
 
 bool InpLines::next_data(std::string_view& line) {
-  if (!next(line)) return false;
-  if (!line.starts_with('*')) return true;
-  again_ = true;
+  while (next(line)) {
+    if (!line.starts_with('*')) return true;
+    if (!is_include(line)) {
+      again_ = true;
+      return false;
+    }
+    include(keyword_of(line));  // of data lines that go on with those of the other file
+  }
   return false;
+}
+
+InpKeyword InpLines::keyword_of(std::string_view line) {
+  InpKeyword keyword;
+  keyword.mark = file().mark();
+  std::string text(line);
+  // A keyword line that ends with a comma goes on in the next line.
+  while (text.ends_with(',') && next(line)) {
+    if (line.starts_with('*')) {
+      again_ = true;
+      break;
+    }
+    text += line;
+  }
+  std::string_view rest = std::string_view(text).substr(1);
+  // "NODE FILE" and "SOLID SECTION" keep one blank between their words.
+  std::string_view name = next_field(rest);
+  while (!name.empty()) {
+    if (!keyword.name.empty()) keyword.name += ' ';
+    keyword.name += capitals(next_word(name));
+    name = trimmed(name);
+  }
+  while (!rest.empty()) {
+    std::string_view field = next_field(rest);
+    if (field.empty()) continue;
+    const std::size_t equals = field.find('=');
+    const std::string_view value =
+        equals == std::string_view::npos ? std::string_view() : trimmed(field.substr(equals + 1));
+    keyword.parameters.emplace_back(capitals(field.substr(0, equals)), unquoted(value));
+  }
+  return keyword;
 }
 
 bool InpLines::next_keyword(InpKeyword& keyword) {
   std::string_view line;
   while (next(line)) {
-    if (!line.starts_with('*')) continue;
-    keyword = {};
-    keyword.mark = file().mark();
-    std::string text(line);
-    // A keyword line that ends with a comma goes on in the next line.
-    while (text.ends_with(',') && next(line)) {
-      if (line.starts_with('*')) {
-        again_ = true;
-        break;
-      }
-      text += line;
+    if (!line.starts_with('*')) {
+      if (!begun_)
+        file().fail(fmt::format("'{}' stands before the first keyword (a line such as *NODE)", shown(line)));
+      continue;
     }
-    std::string_view rest = std::string_view(text).substr(1);
-    // "NODE FILE" and "SOLID SECTION" keep one blank between their words.
-    std::string_view name = next_field(rest);
-    while (!name.empty()) {
-      if (!keyword.name.empty()) keyword.name += ' ';
-      keyword.name += capitals(next_word(name));
-      name = trimmed(name);
+    keyword = keyword_of(line);
+    if (keyword.name != "INCLUDE") {
+      begun_ = true;
+      return true;
     }
-    while (!rest.empty()) {
-      std::string_view field = next_field(rest);
-      if (field.empty()) continue;
-      const std::size_t equals = field.find('=');
-      const std::string_view value =
-          equals == std::string_view::npos ? std::string_view() : trimmed(field.substr(equals + 1));
-      keyword.parameters.emplace_back(capitals(field.substr(0, equals)), unquoted(value));
-    }
-    if (keyword.name != "INCLUDE") return true;
     include(keyword);
   }
   return false;

@@ -25,9 +25,10 @@ class InpLines {
   /// `folder`: where included files are; none are allowed when `includes` is false.
   InpLines(std::unique_ptr<TextFile> file, std::string folder, bool includes);
 
-  /// The next keyword; lines before it are skipped. Opens what *INCLUDE names. False at the end.
+  /// The next keyword; lines of data before it are skipped. Opens what *INCLUDE names. False at the end.
   bool next_keyword(InpKeyword& keyword);
-  /// The next line of data of the current keyword; false before the next keyword and at the end.
+  /// The next line of data of the current keyword, through files that *INCLUDE names amid them; false before
+  /// the next keyword and at the end.
   bool next_data(std::string_view& line);
 
   TextFile& file() { return *files_.back(); }
@@ -36,6 +37,7 @@ class InpLines {
 
  private:
   bool next(std::string_view& line);
+  InpKeyword keyword_of(std::string_view line);
   void include(const InpKeyword& keyword);
 
   std::vector<std::unique_ptr<TextFile>> files_;
@@ -43,6 +45,7 @@ class InpLines {
   bool includes_;
   std::string_view line_;
   bool again_ = false;
+  bool begun_ = false;  ///< a keyword was there
   std::vector<std::string> included_;
 };
 

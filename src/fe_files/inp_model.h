@@ -111,6 +111,7 @@ struct InpModel {
   std::map<std::string, InpSurface> surfaces;  ///< small letters
   std::vector<InpTie> ties;
   std::vector<Equation> equations;
+  std::set<int> turned_nodes;  ///< whose directions *TRANSFORM turns
   std::vector<RigidElement> rigid_elements;
   std::vector<MeanElement> mean_elements;
   std::vector<Diagnostic> warnings;
@@ -136,9 +137,11 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword);
 bool read_inp_point_property(InpModel& model, const InpKeyword& keyword);
 /// Masses and springs of the finished mesh.
 void finish_inp_points(const InpModel& model, SolidMesh& mesh);
-/// *EQUATION, *MPC, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING, *TIE; true when the
-/// keyword was one of them.
+/// *EQUATION, *TRANSFORM, *MPC, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING, *TIE;
+/// true when the keyword was one of them.
 bool read_inp_constraint(InpModel& model, const InpKeyword& keyword);
+/// Refuses equations and springs between dofs of nodes whose directions *TRANSFORM turns.
+void check_inp_transforms(const InpModel& model, const SolidMesh& mesh);
 /// Equations of the ties, from the nodes of the finished mesh.
 void finish_inp_ties(InpModel& model, SolidMesh& mesh);
 /// The value of a parameter; throws where there is none.

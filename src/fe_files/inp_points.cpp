@@ -63,10 +63,32 @@ bool read_inp_point_property(InpModel& model, const InpKeyword& keyword) {
   return true;
 }
 
+namespace {
+
+/// Masses and springs without a value would be missing from the body.
+void require_values(const InpModel& model, const std::vector<char>& have) {
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    const InpElement& element = model.elements[k];
+    const InpType::Kind kind = model.types[static_cast<std::size_t>(element.type)].kind;
+    const char* const card = kind == InpType::Kind::mass      ? "MASS"
+                             : kind == InpType::Kind::inertia ? "ROTARY INERTIA"
+                             : kind == InpType::Kind::spring_along || kind == InpType::Kind::spring_between
+                                 ? "SPRING"
+                                 : nullptr;
+    if (card && !have[k])
+      throw InputError({model.lines.file().name(), 0, 0},
+                       fmt::format("element {} has no *{} that gives its value", element.label, card));
+  }
+}
+
+}  // namespace
+
 void finish_inp_points(const InpModel& model, SolidMesh& mesh) {
+  std::vector<char> have(model.elements.size(), 0);
   for (const InpPointProperty& property : model.point_properties)
     for (const int index : model.known_element_set(property.element_set, property.mark).elements) {
       const InpElement& element = model.elements[static_cast<std::size_t>(index)];
+      have[static_cast<std::size_t>(index)] = 1;
       const InpType::Kind kind = model.types[static_cast<std::size_t>(element.type)].kind;
       const int* const nodes = model.element_nodes.data() + element.first;
       const std::string name = fmt::format("element {}", element.label);
@@ -104,6 +126,7 @@ void finish_inp_points(const InpModel& model, SolidMesh& mesh) {
         mesh.springs.push_back(std::move(spring));
       }
     }
+  require_values(model, have);
 }
 
 }  // namespace mimbre::fe

@@ -232,10 +232,27 @@ const char* name_of(Kind kind) {
   return kind == Kind::solid ? "*SOLID SECTION" : kind == Kind::shell ? "*SHELL SECTION" : "*BEAM SECTION";
 }
 
+/// Meshers write faces and edges of solids as plane elements and trusses, that a section may take with the
+/// solids; with a section of their own they are meant.
+void require_read(const InpModel& model, const InpSection& section, const std::vector<int>& elements) {
+  const auto left_out = [&](int index) {
+    const InpElement& element = model.elements[static_cast<std::size_t>(index)];
+    return model.types[static_cast<std::size_t>(element.type)].kind == InpType::Kind::boundary_only;
+  };
+  if (elements.empty() || !std::all_of(elements.begin(), elements.end(), left_out)) return;
+  throw InputError(
+      section.mark,
+      fmt::format("the set {} has a section and holds nothing but trusses, membranes or plane elements, "
+                  "which are not read: the body would lack them",
+                  shown(section.element_set)));
+}
+
 void assign_sections(InpModel& model) {
   for (std::size_t s = 0; s < model.sections.size(); ++s) {
     const InpSection& section = model.sections[s];
-    for (const int index : model.known_element_set(section.element_set, section.mark).elements) {
+    const std::vector<int>& elements = model.known_element_set(section.element_set, section.mark).elements;
+    require_read(model, section, elements);
+    for (const int index : elements) {
       InpElement& element = model.elements[static_cast<std::size_t>(index)];
       const InpType& type = model.types[static_cast<std::size_t>(element.type)];
       if (type.kind != InpType::Kind::element && type.kind != InpType::Kind::beam) continue;
@@ -248,6 +265,21 @@ void assign_sections(InpModel& model) {
       element.section = static_cast<int>(s);
     }
   }
+}
+
+/// Refuses a beam without length and one along the direction that its section is to have across.
+void check_beam(const InpModel& model, const InpElement& element, const InpSection& section,
+                const std::array<int, 2>& nodes) {
+  const Eigen::Vector3d axis = model.nodes.position(nodes[1]) - model.nodes.position(nodes[0]);
+  if (!(axis.norm() > 0))
+    throw InputError(section.mark, fmt::format("element {} of the set {} has no length", element.label,
+                                               shown(section.element_set)));
+  const double along = axis.cross(section.first_axis).norm() / (axis.norm() * section.first_axis.norm());
+  if (along < 1e-8)
+    throw InputError(section.mark,
+                     fmt::format("element {} of the set {} lies along the direction 1 of its section; say "
+                                 "another one in the last line of the section",
+                                 element.label, shown(section.element_set)));
 }
 
 /// One beam between neighbours of its nodes: a quadratic beam is two that bend as cubics, exact in statics
@@ -268,6 +300,7 @@ void add_beams(const InpModel& model, const InpElement& element, const InpSectio
   }
   for (int k = 0; k + 1 < type.nodes; ++k) {
     beam.nodes = {first[k], first[k + 1]};
+    if (section) check_beam(model, element, *section, beam.nodes);
     mesh.beams.push_back(beam);
   }
 }
@@ -412,6 +445,7 @@ ImportedMesh finish_inp(InpModel& model) {
   mesh.rigid_elements = std::move(model.rigid_elements);
   mesh.mean_elements = std::move(model.mean_elements);
   finish_inp_points(model, mesh);
+  check_inp_transforms(model, mesh);
   finish_inp_ties(model, mesh);
   finish_inp_normals(mesh);
   mesh.materials = std::move(model.materials);

@@ -20,6 +20,7 @@ class NodeTable {
   /// Index of a label; throws, naming `user` ("element 7"), when there is none.
   int at(std::int64_t label, const TextFile& file, const char* user, std::int64_t user_label) const;
   int size() const { return static_cast<int>(labels_.size()); }
+  const Eigen::Vector3d& position(int index) const { return positions_[static_cast<std::size_t>(index)]; }
   std::int64_t label(int index) const { return labels_[static_cast<std::size_t>(index)]; }
 
   /// Moves nodes and labels into the mesh.

@@ -82,6 +82,11 @@ bool TextFile::next(std::string_view& line) {
   ++line_number_;
   line_ = {first, static_cast<std::size_t>(last - first)};
   if (line_.ends_with('\r')) line_.remove_suffix(1);
+  if (line_number_ == 1) {
+    if (line_.starts_with("\xef\xbb\xbf")) line_.remove_prefix(3);
+    if (line_.find('\r') != std::string_view::npos)
+      fail("ends its lines with CR alone; save it with LF or CR LF");
+  }
   if (line_.find('\0') != std::string_view::npos) fail("holds zero bytes: not a text file");
   line = line_;
   return true;

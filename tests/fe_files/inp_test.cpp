@@ -194,7 +194,10 @@ TEST(Inp, IncludesFilesBesideIt) {
   const std::string path = folder.write(
       "body.inp", "*INCLUDE, INPUT=nodes.txt\n*ELEMENT, TYPE=C3D8, ELSET=b\n*INCLUDE, INPUT=elements.txt\n");
   EXPECT_THAT(complaint([&] { read_inp(path); }), IsEmpty());
-  EXPECT_EQ(read_inp(path).mesh.nodes.cols(), 8);
+  const SolidMesh mesh = read_inp(path).mesh;
+  EXPECT_EQ(mesh.nodes.cols(), 8);
+  ASSERT_EQ(mesh.groups.size(), 1u);
+  EXPECT_THAT(mesh.groups[0].labels, ElementsAre(10));
   folder.write("loop.inp", "*INCLUDE, INPUT=again.inp\n");
   folder.write("again.inp", "*INCLUDE, INPUT=loop.inp\n");
   EXPECT_THAT(complaint([&] { read_inp(folder.path("loop.inp")); }), HasSubstr("'loop.inp' includes itself"));
@@ -202,6 +205,27 @@ TEST(Inp, IncludesFilesBesideIt) {
   EXPECT_THAT(complaint([&] { read_inp(folder.path("missing.inp")); }),
               HasSubstr("is not there to be included"));
 }
+
+/// Lines of data may come from another file, and go on behind it.
+TEST(Inp, IncludesLinesOfData) {
+  Folder folder;
+  folder.write("middle.txt", "2,1,0,0\n3,1,1,0\n");
+  folder.write("set.txt", "1,\n 2\n");
+  const SolidMesh mesh =
+      read_inp(folder.write("body.inp",
+                            "*NODE, NSET=all\n1,0,0,0\n*Include,\n input=middle.txt\n4,0,0,1\n"
+                            "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n*NSET, NSET=a\n"
+                            "*INCLUDE, INPUT=set.txt\n4\n"))
+          .mesh;
+  EXPECT_THAT(mesh.labels, ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(nodes_of(mesh, "all"), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(nodes_of(mesh, "a"), ElementsAre(0, 1, 3));
+  folder.write("two.txt", "9,0,0,z\n");
+  EXPECT_THAT(complaint([&] { read_inp(folder.write("bad.inp", "*NODE\n*INCLUDE, INPUT=two.txt\n")); }),
+              HasSubstr("two.txt:1:1: 'z' is no coordinate"));
+}
+
+TEST(Inp, TakesAByteOrderMark) { EXPECT_EQ(parse("\xef\xbb\xbf" + kBrick).mesh.nodes.cols(), 8); }
 
 TEST(Inp, WarnsOfWhatItLeavesOut) {
   const auto warnings = [](const std::string& text) {
@@ -276,6 +300,37 @@ TEST(Inp, SaysWhatIsWrong) {
   EXPECT_THAT(wrong(kBrick + "*MATERIAL, NAME=m\n*ELASTIC\n1,0.5\n"), HasSubstr("Poisson's ratio 0.5"));
   EXPECT_THAT(wrong(kBrick + "*NGEN\n1,2,1\n"), HasSubstr("write the finished mesh"));
   EXPECT_THAT(wrong("*PART, NAME=a\n*END PART\n*PART, NAME=b\n"), HasSubstr("a second part"));
+  // What the body would lack, or have in other directions.
+  EXPECT_THAT(wrong(kBrick + "*ELEMENT, TYPE=MASS, ELSET=p\n20, 1\n"), HasSubstr("element 20 has no *MASS"));
+  EXPECT_THAT(wrong(kBrick + "*ELEMENT, TYPE=SPRINGA, ELSET=p\n20, 1,7\n"),
+              HasSubstr("element 20 has no *SPRING"));
+  const std::string material = "*MATERIAL, NAME=m\n*ELASTIC\n1,0.3\n";
+  EXPECT_THAT(wrong(kBrick + "*ELEMENT, TYPE=T3D2, ELSET=p\n20, 1,7\n" + material +
+                    "*SOLID SECTION, ELSET=p, MATERIAL=m\n1\n"),
+              HasSubstr("body.inp:17:1: the set p has a section and holds nothing but trusses"));
+  EXPECT_EQ(wrong(kBrick + "*ELEMENT, TYPE=CPS4, ELSET=p\n20, 1,2,3,4\n*ELSET, ELSET=all\nbrick, p\n" +
+                  material + "*SOLID SECTION, ELSET=all, MATERIAL=m\n"),
+            "");
+  EXPECT_THAT(wrong(kBrick + "*MEMBRANE SECTION, ELSET=brick, MATERIAL=m\n1\n"),
+              HasSubstr("body.inp:12:1: membranes are not read"));
+  const std::string turned = "*NSET, NSET=t\n1\n*TRANSFORM, NSET=t\n0,1,0,-1,0,0\n";
+  EXPECT_EQ(wrong(kBrick + turned + "*EQUATION\n2\n2,1,1.,3,1,-1.\n"), "");
+  EXPECT_THAT(wrong(kBrick + turned + "*EQUATION\n2\n1,1,1.,2,1,-1.\n"),
+              HasSubstr("*EQUATION of line 17 has a dof of node 1, whose directions *TRANSFORM turns"));
+  EXPECT_THAT(
+      wrong(kBrick + turned + "*ELEMENT, TYPE=SPRING2, ELSET=p\n20, 2,1\n*SPRING, ELSET=p\n1,1\n5.\n"),
+      HasSubstr("element 20 has a dof of node 1, whose directions *TRANSFORM turns"));
+  EXPECT_THAT(wrong("NODE\n" + kBrick), HasSubstr("body.inp:1:1: 'NODE' stands before the first keyword"));
+  EXPECT_THAT(wrong("*NODE\r1,0,0,0\r"), HasSubstr("body.inp:1:1: ends its lines with CR alone"));
+  EXPECT_THAT(wrong(kBrick + "*NSET, NSET=a, GENERATE\n4, 1\n"),
+              HasSubstr("body.inp:13:1: the last number, 1, is below the first, 4"));
+  const std::string beam =
+      "*MATERIAL, NAME=m\n*ELASTIC\n1,0.3\n*BEAM SECTION, ELSET=b, MATERIAL=m, "
+      "SECTION=RECT\n0.1,0.1\n1,0,0\n";
+  EXPECT_THAT(wrong(kNodes + "*ELEMENT, TYPE=B31, ELSET=b\n7, 1,2\n" + beam),
+              HasSubstr("body.inp:15:1: element 7 of the set b lies along the direction 1 of its section"));
+  EXPECT_THAT(wrong(kNodes + "9,0,0,0\n*ELEMENT, TYPE=B31, ELSET=b\n7, 1,9\n" + beam),
+              HasSubstr("body.inp:16:1: element 7 of the set b has no length"));
   EXPECT_THAT(wrong("*INCLUDE, INPUT=/etc/passwd\n"), HasSubstr("*INCLUDE is not allowed here"));
 }
 
