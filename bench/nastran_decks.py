@@ -66,7 +66,9 @@ def kind_of(path):
         return "fluid, rotational symmetry, plane strain, large strain or generated cards"
     if any(CONTACT.match(card) for card in cards):
         return "contact between parts"
-    if solution.split(" ")[0] in ("153", "159") or any("ANALYSIS" in c and "HEAT" in c for c in control):
+    conducts = (cards["MAT4"] or cards["MAT5"]) and not any(cards[f"MAT{k}"] for k in (1, 2, 3, 8, 9, 10, 11))
+    conducts = conducts or any("ANALYSIS" in c and "HEAT" in c for c in control)
+    if conducts or solution.split(" ")[0] in ("153", "159"):
         return "heat"
     return ""
 
@@ -247,9 +249,11 @@ def main():
             result, why = reduce(options.program, deck, interface, body, options.timeout, [])
             note, more = "", []
             if "density" in why:
+                first = why
                 result, why = reduce(
                     options.program, deck, interface, body, options.timeout, more := ["--density", "7850"]
                 )
+                why = first if "every material has its own" in why else why
                 note = " with --density"
             if "more modes" in why or "fewer modes" in why:
                 result, why = reduce(options.program, deck, interface, body, options.timeout, [*more, "--modes", "1"])

@@ -62,6 +62,24 @@ bool is_continuation(std::string_view line) {
   return text.starts_with(',') || (part(line, 0, kName).empty() && !text.empty());
 }
 
+/// A name of a continuation behind its + or *; marks alone and other text (comments in the last field) are
+/// none.
+std::string continuation_name(std::string_view field) {
+  if (!field.starts_with('+') && !field.starts_with('*')) return {};
+  return capitals(trimmed(field.substr(1)));
+}
+
+/// The last field of a line, that names the line that goes on.
+std::string name_ahead(std::string_view line, bool large) {
+  if (!is_free(line)) return continuation_name(part(line, kName + 8 * kSmall, kSmall));
+  for (int i = 0; i < (large ? 5 : 9); ++i) next_field(line);
+  return continuation_name(trimmed(line.substr(0, line.find(','))));
+}
+
+std::string name_behind(std::string_view line) {
+  return continuation_name(is_free(line) ? next_field(line) : part(line, 0, kName));
+}
+
 }  // namespace
 
 std::string capitals(std::string_view text) {
@@ -184,6 +202,7 @@ bool NastranCards::next(NastranCard& card) {
     card.name = capitals(trimmed(first));
     if (card.name.starts_with("ENDDATA")) return false;
     add_fields(line, free, large, card.fields);
+    std::string ahead = name_ahead(line, large);
     while (lines_.next(raw)) {
       const std::string more = expanded(raw);
       if (trimmed(more).empty()) continue;
@@ -194,6 +213,13 @@ bool NastranCards::next(NastranCard& card) {
       const bool more_free = is_free(more);
       // In free field the mark alone tells nothing of the width: it goes on as the card began.
       const bool more_large = more[0] == '*' || (more_free && large);
+      if (const std::string behind = name_behind(more); !ahead.empty() && !behind.empty() && ahead != behind)
+        throw InputError(
+            lines_.mark(),
+            fmt::format("goes on with '{}' where the line before names '{}': lines of a card must "
+                        "follow one another",
+                        shown(behind), shown(ahead)));
+      ahead = name_ahead(more, more_large);
       add_fields(more, more_free, more_large, card.fields);
       if (card.fields.size() > kMostFields) card.fail("the card has more fields than any model needs");
     }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <vector>
 
 #include "fe_files/nastran_build.h"
 #include "fe_files/text.h"
@@ -15,6 +17,20 @@ namespace {
 
 constexpr double kNothing = 1e-14;  ///< of the largest factor
 
+/// A GRID may stand several times with the same fields, as parts that share nodes have it.
+void drop_copies(NastranModel& model) {
+  std::unordered_map<std::int64_t, std::size_t> first;
+  std::vector<NastranGrid> kept;
+  for (const NastranGrid& grid : model.grids) {
+    const auto [place, is_new] = first.emplace(grid.label, kept.size());
+    const NastranGrid& other = is_new ? grid : kept[place->second];
+    if (is_new || other.coordinates != grid.coordinates || other.position_system != grid.position_system ||
+        other.displacement_system != grid.displacement_system)
+      kept.push_back(grid);
+  }
+  model.grids = std::move(kept);
+}
+
 void place_nodes(NastranBuild& build) {
   NastranModel& model = build.model;
   const auto defaults = model.grid_defaults.value_or(std::pair<std::int64_t, std::int64_t>{0, 0});
@@ -22,12 +38,14 @@ void place_nodes(NastranBuild& build) {
     if (grid.position_system == -1) grid.position_system = defaults.first;
     if (grid.displacement_system == -2) grid.displacement_system = defaults.second;
   }
+  drop_copies(model);
   SolidMesh& mesh = build.mesh;
   mesh.nodes.resize(3, static_cast<Eigen::Index>(model.grids.size()));
   for (std::size_t i = 0; i < model.grids.size(); ++i) {
     const NastranGrid& grid = model.grids[i];
     if (!build.by_label.emplace(grid.label, static_cast<int>(i)).second)
-      model.error(model.mark(grid.place), fmt::format("GRID {}: is there already", grid.label));
+      model.error(model.mark(grid.place),
+                  fmt::format("GRID {}: is there already, at another place or in other systems", grid.label));
     mesh.labels.push_back(grid.label);
     build.displacement_systems.push_back(grid.displacement_system);
   }

@@ -98,6 +98,7 @@ struct NastranPanel {
 struct NastranPanelProperty {
   std::int64_t material = 0;
   double thickness = 0, mass = 0;
+  std::array<double, 2> rods{};  ///< F1, F2: the share of it that works as rods along its sides
   NastranPlace place;
 };
 

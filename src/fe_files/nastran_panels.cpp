@@ -75,6 +75,27 @@ Shear shear_of(const std::array<Vector3d, 4>& x, double poisson) {
   return shear;
 }
 
+/// What of the panel carries normal forces: rods along opposite sides. Up to 1.01 the factor is the share of
+/// the sheet, above it half the width of sheet, in thicknesses, that goes with each side.
+void add_rods(NastranBuild& build, const std::string& name, const std::array<int, 4>& nodes, double young,
+              const NastranPanelProperty& property, double panel_area) {
+  constexpr double largest_share = 1.01;
+  const auto side = [&](std::size_t k) -> Vector3d {
+    return build.at(nodes[(k + 1) % 4]) - build.at(nodes[k]);
+  };
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double factor = property.rods[k % 2], length = side(k).norm();
+    if (factor == 0) continue;
+    const double width = factor > largest_share ? factor * property.thickness / 2
+                                                : factor * panel_area / (length + side((k + 2) % 4).norm());
+    Spring rod{name, young * width * property.thickness / length, {}};
+    NastranBuild::add_translation(nodes[(k + 1) % 4], side(k) / length, Vector3d::Zero(), 1, rod.stretch);
+    NastranBuild::add_translation(nodes[k], side(k) / length, Vector3d::Zero(), -1, rod.stretch);
+    build.tidy(rod.stretch, true);
+    build.mesh.springs.push_back(std::move(rod));
+  }
+}
+
 }  // namespace
 
 void add_nastran_panels(NastranBuild& build) {
@@ -102,6 +123,7 @@ void add_nastran_panels(NastranBuild& build) {
         for (int d = 0; d < 3; ++d) spring.stretch.push_back({nodes[k], d, shear.forces[k][d]});
       build.tidy(spring.stretch, true);
       build.mesh.springs.push_back(std::move(spring));
+      add_rods(build, name, nodes, material.young, property, shear.area);
       const double mass =
           (material.density * property.thickness + property.mass) * shear.area * model.mass_factor;
       if (mass > 0)

@@ -329,8 +329,10 @@ void read_panel(NastranModel& model, const NastranCard& card) {
   property.thickness = card.real(2, "thickness");
   property.mass = card.real(3, "mass by area");
   if (!(property.thickness > 0)) card.fail("a thickness must be positive");
-  if (card.real(4, "factor of effectiveness") != 0 || card.real(5, "factor of effectiveness") != 0)
-    card.fail("a share of the panel that works as rods (F1, F2) is not read; add CROD along its sides");
+  for (std::size_t k = 0; k < 2; ++k) {
+    property.rods[k] = card.real(4 + k, "factor of effectiveness");
+    if (!(property.rods[k] >= 0)) card.fail("a factor of effectiveness must not be negative");
+  }
   add(model.panel_properties, card.label(0, "property"), property, card);
 }
 

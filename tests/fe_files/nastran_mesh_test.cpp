@@ -599,6 +599,33 @@ TEST(NastranPanels, RectanglesAndParallelogramsHaveTheEnergyOfTheirShear) {
   }
 }
 
+/// A strain along a side stretches the rods of that side and the one across from it, as much as it would
+/// stretch the sheet (a factor of 1) or strips of so many half thicknesses (above 1.01).
+TEST(NastranPanels, RodsAlongTheSidesCarryNormalForces) {
+  const auto energy = [](const std::string& factors, int direction) {
+    const SolidMesh mesh = parse(
+                               "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nGRID,3,,2.,1.,0.\nGRID,4,,0.,1.,0.\n"
+                               "CSHEAR,1,1,1,2,3,4\nPSHEAR,1,1,.1,," +
+                               factors + "\nMAT1,1,2.6,,.3,10.\n")
+                               .mesh;
+    double sum = 0;
+    for (const Spring& spring : mesh.springs) {
+      double stretch = 0;
+      for (const LinearTerm& term : spring.stretch)
+        if (term.direction == direction) stretch += term.factor * mesh.nodes(direction, term.node);
+      sum += spring.stiffness * stretch * stretch / 2;
+    }
+    return sum;
+  };
+  const double E = 2.6, t = 0.1, area = 2;
+  EXPECT_NEAR(energy("0.,0.", 0), 0, 1e-14);
+  EXPECT_NEAR(energy("1.,0.", 0), E * t * area / 2, 1e-13);
+  EXPECT_NEAR(energy("1.,0.", 1), 0, 1e-14);
+  EXPECT_NEAR(energy("0.,.5", 1), 0.5 * E * t * area / 2, 1e-13);
+  EXPECT_NEAR(energy("30.,0.", 0), 2 * (E * 30 * t * t / 2) * 2 / 2, 1e-13);
+  EXPECT_THAT(complaint([&] { energy("-1.,0.", 0); }), HasSubstr("must not be negative"));
+}
+
 TEST(NastranLaminates, HaveTheStiffnessOfTheirPlies) {
   const double E1 = 140e9, E2 = 10e9, nu = 0.3, G = 5e9, d = 1 - nu * nu * E2 / E1;
   const auto ply = [&](double degrees) {
@@ -736,6 +763,35 @@ TEST(NastranMesh, FreeFieldIsReadAsPeopleWriteIt) {
           .mesh;
   EXPECT_EQ(mesh.labels[1], 2);
   EXPECT_LT((mesh.nodes.col(1) - Vector3d(1, 0, 0)).norm(), 1e-15);
+}
+
+/// Parts that share nodes may each bring them.
+TEST(NastranMesh, TheSameGridMayStandTwice) {
+  const std::string body =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
+      "CTETRA,1,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n";
+  EXPECT_THAT(parse(body + "GRID,2,,1.,0.,0.\n").mesh.labels, ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(complaint([&] { parse(body + "GRID,2,,1.,.1,0.\n"); }),
+              HasSubstr("deck.bdf:8:1: GRID 2: is there already, at another place"));
+}
+
+/// A line that goes on another card than the one before would give that one its fields.
+TEST(NastranMesh, LinesGoOnWithTheCardBefore) {
+  const auto wrong = [](const std::string& first, const std::string& second) {
+    return complaint([&] {
+      parse(
+          "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,0.,0.,1.\n"
+          "GRID,6,,1.,0.,1.\nGRID,7,,1.,1.,1.\nGRID,8,,0.,1.,1.\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n"
+          "CHEXA   1       1       1       2       3       4       5       6       " +
+          first + "\n" + second + "7       8\n");
+    });
+  };
+  for (const auto& [first, second] :
+       {std::pair("+A", "+a      "), std::pair("+A", "+       "), std::pair("+", "+B      "),
+        std::pair("BRICK", "+B      "), std::pair("", "        ")})
+    EXPECT_EQ(wrong(first, second), "") << first;
+  EXPECT_THAT(wrong("+A", "+B      "),
+              HasSubstr("deck.bdf:12:1: goes on with 'B' where the line before names 'A'"));
 }
 
 TEST(NastranMesh, WithoutElementsIsNone) {

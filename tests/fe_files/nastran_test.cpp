@@ -119,7 +119,7 @@ TEST(Nastran, DisplacementsMayBeInTurnedSystems) {
 TEST(Nastran, SaysWhatIsWrong) {
   EXPECT_EQ(with([](Rod&) {}), "");
   EXPECT_THAT(with([](Rod& r) { r.grids = ""; }), HasSubstr("has no GRID cards; give the bulk-data file"));
-  EXPECT_THAT(with([](Rod& r) { r.grids += "GRID,5,,0.,0.,0.\n"; }),
+  EXPECT_THAT(with([](Rod& r) { r.grids += "GRID,5,,0.,.5,0.\n"; }),
               HasSubstr("a.pch:3:1: GRID 5: is there already"));
   EXPECT_THAT(with([](Rod& r) { r.grids = "GRID,5,7,0.,0.,0.\n"; }),
               HasSubstr("coordinate system 7 is not there"));
