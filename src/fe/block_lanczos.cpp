@@ -1,6 +1,8 @@
 #include "fe/block_lanczos.h"
 #include "math/decompositions.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -132,7 +134,9 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, Index fewest,
 
 Modes block_lanczos(const Pencil& pencil, int count, const std::function<void(double)>& progress) {
   if (count == 0) return {VectorXd(0), MatrixXd(pencil.rows > 0 ? pencil.rows : pencil.size, 0)};
-  if (count > pencil.size) throw std::invalid_argument("more modes asked than there are unknowns");
+  if (count > pencil.size)
+    throw std::invalid_argument(fmt::format("more modes asked, {}, than there are unknowns that can move, {}",
+                                            count, static_cast<std::ptrdiff_t>(pencil.size)));
   Modes modes = iterate(
       pencil, [count](const VectorXd&) { return Index{count}; }, count, progress);
   // Of a mass of low rank the iteration ends early, or goes on with round-off and finds modes twice.

@@ -424,6 +424,15 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
   return shapes;
 }
 
+/// Whether constraints leave nothing of the stiffness but rounding.
+bool all_rigid(const FeMatrices& all, const FeMatrices& left) {
+  constexpr double rounding = 1e-10;
+  const auto largest = [](const Eigen::SparseMatrix<double>& matrix) {
+    return matrix.nonZeros() > 0 ? matrix.coeffs().abs().maxCoeff() : 0.0;
+  };
+  return largest(left.stiffness) <= rounding * largest(all.stiffness);
+}
+
 }  // namespace
 
 Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
@@ -452,7 +461,10 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   for (const Check& check : result.body.checks)
     if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
                           check.name == "positive diagonals" || check.name == "rigid motions"))
-      throw std::invalid_argument(fmt::format("{}: {}", check.name, check.detail));
+      throw std::invalid_argument(constrained && all_rigid(all, left)
+                                      ? "rigid elements and equations tie all of the model together, so that "
+                                        "it cannot deform: in the model file it is a rigid body"
+                                      : fmt::format("{}: {}", check.name, check.detail));
 
   result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
   if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);

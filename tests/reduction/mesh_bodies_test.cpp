@@ -298,6 +298,17 @@ TEST(MeshBodies, SpringAlongTheLineActsAsItShould) {
   EXPECT_NEAR(apart.dot(force), 4000, 1e-3);
 }
 
+TEST(MeshBodies, WhatIsRigidAltogetherIsNone) {
+  const FeModel model =
+      model_of(bricks(3, 0, 1, "A") + kSteel + kSolid + "*RIGID BODY, ELSET=A, REF NODE=1\n");
+  try {
+    reduced(model, {0}, 2, 0);
+    FAIL() << "no complaint";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cannot deform"));
+  }
+}
+
 TEST(MeshBodies, EquationsThatHoldTheBodyAreNamed) {
   const FeModel model = model_of(bricks(3, 0, 1, "A") + kSteel + kSolid + "*EQUATION\n2\n1,2,1., 13,3,-1.\n");
   try {
