@@ -138,6 +138,32 @@ TEST(ContactPassages, NoneIsSilent) {
   EXPECT_GT(thrown_off, 0.98 * shots);
 }
 
+/// At 1 to 10,000 radii a step onto ground that has no other side: 0.8 of the speed is left.
+TEST_P(ContactPassage, OntoGroundAtAnySpeedIsThrownBack) {
+  constexpr double radius = 0.01, step = 0.01;
+  for (const char* ground :
+       {"type: half_space", "type: heights, at: [-1, -1, 0], spacing: [2, 2], heights: [[0, 0], [0, 0]]"})
+    for (const double radii : {1.0, 10.0, 100.0, 1000.0, 10000.0}) {
+      const double speed = radii * radius / step;
+      const auto model = model_of(fmt::format(
+          R"y(
+gravity: [0, 0, 0]
+bodies: {{ball: {{mass: 1, com: [0, 0, {}], inertia: [1, 1, 1]}}}}
+joints: {{free: {{type: floating, between: [ground, ball], velocity: [0, 0, -{}, 0, 0, 0]}}}}
+surfaces: {{floor: {{{}}}}}
+contacts: {{touch: {{spheres: {{on: ball, radius: {}}}, surfaces: floor, stiffness: {}, restitution: 0.8}}}}
+outputs: [{{name: v, velocity: ball, component: z}}]
+simulation: {{step: {}, end: {}}}
+)y",
+          radius + 1.3 * speed * step, speed, ground, radius, std::pow(speed / (0.2 * radius), 2), step,
+          5 * step));
+      Simulation simulation = simulation_of(model, GetParam());
+      run_to(simulation, 5 * step);
+      EXPECT_NEAR(channel(simulation, "v") / speed, 0.8, 0.01) << ground << ' ' << radii;
+      EXPECT_THAT(simulation.warnings(), IsEmpty()) << ground << ' ' << radii;
+    }
+}
+
 std::string passing_by(double beside, int substeps) {
   return fmt::format(R"y(
 gravity: [0, 0, 0]
