@@ -61,6 +61,7 @@ void SpinWatch::start() {
     w.first = -1;
     w.excess = 1;
     w.turn = w.step = w.time = w.enough = 0;
+    w.natural = false;
   }
 }
 
@@ -88,11 +89,12 @@ void SpinWatch::watch(Mechanism& mechanism, double length) {
     w.step = length;
     w.time = mechanism.state.time;
     w.enough = enough;
+    w.natural = mechanism.natural != nullptr;
   }
 }
 
 void SpinWatch::transfer(StateTransfer& transfer) {
-  for (Watched& w : bodies_) transfer(w.first, w.excess, w.turn, w.step, w.time, w.enough);
+  for (Watched& w : bodies_) transfer(w.first, w.excess, w.turn, w.step, w.time, w.enough, w.natural);
 }
 
 std::vector<std::string> SpinWatch::warnings(const Compiled& model) const {
@@ -100,11 +102,12 @@ std::vector<std::string> SpinWatch::warnings(const Compiled& model) const {
   for (const Watched& w : bodies_)
     if (w.first >= 0)
       all.push_back(fmt::format(
-          "body '{}' turns too far in a step, from t = {:.6g} s on: by {:.2g} rad at t = {:.6g} s, about an "
-          "axis that turns, too, so that steps of {:.4g} s miss more than 0.5 % of it; take a step of "
-          "{:.2g} s",
-          model.spec().bodies[model.bodies[w.body].spec].name, w.first, w.turn, w.time, w.step,
-          rounded_down(room * w.enough)));
+          "body '{}' turns too far in a step, from t = {:.6g} s on: by {:.2g} rad at t = {:.6g} s{} of "
+          "{:.4g} s "
+          "miss more than 0.5 % of it; take a step of {:.2g} s",
+          model.spec().bodies[model.bodies[w.body].spec].name, w.first, w.turn, w.time,
+          w.natural ? ", and natural coordinates in steps" : ", about an axis that turns, too, so that steps",
+          w.step, rounded_down(room * w.enough)));
   return all;
 }
 

@@ -38,6 +38,7 @@ class SpinWatch {
     double excess = 1;                    ///< the measure over its limit, the largest
     double turn = 0, step = 0, time = 0;  ///< then: rad, s, s
     double enough = 0;                    ///< s, the step that would do
+    bool natural = false;                 ///< seen in natural coordinates
   };
   std::vector<Watched> bodies_;
 };

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <regex>
 
 #include "mimbre/simulation.h"
@@ -15,6 +16,7 @@ namespace mimbre::test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
@@ -134,6 +136,23 @@ outputs:
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.value({0}), 300, 1e-9);
   EXPECT_THAT(s.warnings(), testing::IsEmpty());
+}
+
+/// Natural coordinates miss a turn about an axis that stands still, too, and nothing is said of an axis that
+/// turns.
+TEST(SpinWatch, SaysThatNaturalCoordinatesMissATurnAboutAFixedAxis) {
+  const auto model = top({1, 1, 1}, {0, 0, 25});
+  const Turned natural = turned(model, Formulation::natural, 0.01, 0.2),
+               relative = turned(model, Formulation::relative, 0.01, 0.2);
+  const auto missed = [](const Turned& run) {
+    return std::abs(std::atan2(run.point.y(), run.point.x()) - std::remainder(5.0, 2 * std::numbers::pi)) / 5;
+  };
+  EXPECT_GT(missed(natural), 0.005);
+  EXPECT_LT(missed(relative), 1e-9);
+  EXPECT_THAT(relative.warnings, testing::IsEmpty());
+  EXPECT_THAT(natural.warnings, testing::ElementsAre(AllOf(
+                                    HasSubstr("natural coordinates in steps of 0.01 s miss more than 0.5 %"),
+                                    Not(HasSubstr("axis")))));
 }
 
 /// What it has seen is saved with the state.
