@@ -126,7 +126,7 @@ def judged(program, seed):
     if done.returncode:
         return kind, "warned", f"{line}: {done.stderr.strip()[:300]}"
     summary = json.loads(done.stdout)
-    of_contact = [text for text in summary["warnings"] if "contact 'touch'" in text]
+    of_contact = [text for text in summary["warnings"] if text.startswith("contact 'touch'")]
     if of_contact:
         return kind, "warned", f"{line}: {of_contact[0][:300]}"
     before = np.array(model["joints"]["flies"]["velocity"][:3])
