@@ -172,7 +172,7 @@ Eigen::VectorXd end_of(const std::string& text, int outputs, Formulation formula
 
 /// Both sets of coordinates agree within the error of the step, by what half of it changes.
 TEST(Scales, RandomBodiesMoveAlikeInBothFormulations) {
-  for (unsigned seed = 0; seed < 60; ++seed) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
     int bodies = 0;
     const std::string text = random_bodies(seed, bodies);
     Eigen::VectorXd end[2][2];
