@@ -6,7 +6,7 @@
 
 #include "mimbre/verify.h"
 
-namespace mimbre {
+namespace mimbre::agreement_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -304,4 +304,4 @@ TEST(VerifySeries, NoChannelIsNoDisagreement) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::agreement_test

@@ -9,7 +9,7 @@
 #include "support/models.h"
 
 /// A strip on edge that a force at its tip lets tip over sideways.
-namespace mimbre::test {
+namespace mimbre::test::lateral_stability_test {
 namespace {
 
 using testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(LateralStability, LinearBodiesKnowNothingOfIt) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::lateral_stability_test

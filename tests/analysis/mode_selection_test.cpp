@@ -17,7 +17,7 @@
 #include "reduction/project_modes.h"
 
 /// The fewest modes that a mechanism needs.
-namespace mimbre::test {
+namespace mimbre::test::mode_selection_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -216,4 +216,4 @@ TEST(ModeParticipation, OneShapeIsOneCombination) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::mode_selection_test

@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// Static equilibria that do not last are told from those that do.
-namespace mimbre::test {
+namespace mimbre::test::stability_test {
 namespace {
 
 using testing::ElementsAre;
@@ -124,4 +124,4 @@ TEST(DrawnOpen, IsSaidWithJointAndMotion) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::stability_test

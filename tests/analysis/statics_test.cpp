@@ -8,7 +8,7 @@
 #include "mimbre/simulation.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::statics_test {
 namespace {
 
 double value(const StaticResult& r, const std::string& channel) {
@@ -179,4 +179,4 @@ TEST(Statics, ARunStartedAtEquilibriumStays) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::statics_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace mimbre::test {
+namespace mimbre::test::stress_history_test {
 namespace {
 
 /// Points in a row; mode 0 pulls along x, growing along the row, mode 1 shears the first point alone.
@@ -46,4 +46,4 @@ TEST(StressHistory, FindsTheLargestOfEachPointAndSpotsApart) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::stress_history_test

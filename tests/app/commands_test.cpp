@@ -7,7 +7,7 @@
 #include "mimbre/report.h"
 #include "support/text.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::commands_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -248,4 +248,4 @@ TEST_F(Commands, BenchGivesMedians) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::commands_test

@@ -5,7 +5,7 @@
 #include "mimbre/results.h"
 #include "support/report_data.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::compare_reports_test {
 namespace {
 
 using report_data::data_text;
@@ -137,4 +137,4 @@ TEST_F(CompareReports, APageOfSeveralNeedsAName) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::compare_reports_test

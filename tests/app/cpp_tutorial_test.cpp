@@ -7,7 +7,7 @@
 #include "support/text.h"
 
 /// docs/cpp.md quotes the program to the letter, and it prints what is shown.
-namespace mimbre::app_test {
+namespace mimbre::app_test::cpp_tutorial_test {
 namespace {
 
 const fs::path source = MIMBRE_SOURCE_DIR;
@@ -57,4 +57,4 @@ TEST(CppTutorial, ShowsTheMessagesOfMistakes) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::cpp_tutorial_test

@@ -7,7 +7,7 @@
 #include "support/text.h"
 
 /// Every example runs, and the tutorial quotes its files to the letter.
-namespace mimbre::app_test {
+namespace mimbre::app_test::examples_test {
 namespace {
 
 const fs::path source = MIMBRE_SOURCE_DIR;
@@ -69,4 +69,4 @@ TEST(Tutorial, QuotesItsFiles) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::examples_test

@@ -7,7 +7,7 @@
 #include "app/program.h"
 
 /// docs/finite-elements.md: its commands run as they stand, and what it says of the solid A-arm is so.
-namespace mimbre::app_test {
+namespace mimbre::app_test::finite_elements_test {
 namespace {
 
 using json = test::Json;
@@ -211,4 +211,4 @@ TEST_F(FiniteElements, ModelsWithoutSoundModesAreRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::finite_elements_test

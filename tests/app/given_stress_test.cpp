@@ -6,7 +6,7 @@
 #include "mimbre/fe_import.h"
 
 /// mimbre reduce --stress, and where mimbre convert leaves stress.
-namespace mimbre::app_test {
+namespace mimbre::app_test::given_stress_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -91,4 +91,4 @@ TEST_F(GivenStress, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::given_stress_test

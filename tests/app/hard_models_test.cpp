@@ -6,7 +6,7 @@
 
 /// Models that are hard for a program of this kind (tests/data/hard): each gives the right numbers, a
 /// warning, or one clear error, and never a wrong answer in silence.
-namespace mimbre::app_test {
+namespace mimbre::app_test::hard_models_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -322,4 +322,4 @@ TEST_F(HardModels, ExitCodes) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::hard_models_test

@@ -9,7 +9,7 @@
 #include "mimbre/results.h"
 #include "support/clocked.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::interruption_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -465,4 +465,4 @@ TEST_F(Interruption, AFullStandardOutputIsAnError) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::interruption_test

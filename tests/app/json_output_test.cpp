@@ -1,7 +1,7 @@
 #include "app/output_schema.h"
 
 /// What the commands answer with --json is what schema/output.schema.json says.
-namespace mimbre::app_test {
+namespace mimbre::app_test::json_output_test {
 namespace {
 
 class JsonOutput : public ProgramTest {
@@ -108,4 +108,4 @@ TEST_F(JsonOutput, NamesCannotHideKeys) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::json_output_test

@@ -5,7 +5,7 @@
 #include "app/program.h"
 
 /// What the program says where people go wrong: in their words, by name, with what would be right; once.
-namespace mimbre::app_test {
+namespace mimbre::app_test::messages_test {
 namespace {
 
 using ::testing::AllOf;
@@ -295,4 +295,4 @@ TEST_F(Messages, WhatIsMissingOnTheCommandLineIsSaid) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::messages_test

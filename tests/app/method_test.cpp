@@ -4,7 +4,7 @@
 #include "mimbre/results.h"
 
 /// The options that choose the method, and what is said about it.
-namespace mimbre::app_test {
+namespace mimbre::app_test::method_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST_F(Method, HelpExplainsTheNames) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::method_test

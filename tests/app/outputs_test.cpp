@@ -6,7 +6,7 @@
 #include "mimbre/results.h"
 
 /// Where outputs go: through links, to devices, over older files, and never over an input.
-namespace mimbre::app_test {
+namespace mimbre::app_test::outputs_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -116,4 +116,4 @@ TEST_F(Outputs, NoCommandWritesOverItsInput) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::outputs_test

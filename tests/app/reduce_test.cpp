@@ -3,7 +3,7 @@
 #include "app/program.h"
 
 /// mimbre reduce and mimbre convert.
-namespace mimbre::app_test {
+namespace mimbre::app_test::reduce_test {
 namespace {
 
 using json = test::Json;
@@ -143,4 +143,4 @@ TEST_F(Reduce, TakesMotionsOfInterfaces) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::reduce_test

@@ -7,7 +7,7 @@
 #include "app/program.h"
 
 /// mimbre reproduce: the tables that cost little.
-namespace mimbre::app_test {
+namespace mimbre::app_test::reproduce_test {
 namespace {
 
 using json = test::Json;
@@ -142,4 +142,4 @@ TEST_F(Reproduce, RefusesUnknownTables) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::reproduce_test

@@ -3,7 +3,7 @@
 #include "app/program.h"
 #include "mimbre/results.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::resume_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -256,4 +256,4 @@ TEST_F(Resume, ARunSaysWhatItTook) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::resume_test

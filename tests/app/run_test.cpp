@@ -5,7 +5,7 @@
 #include "app/program.h"
 #include "mimbre/results.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::run_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -356,4 +356,4 @@ TEST_F(RunCommand, AnEmptyTokenIsNone) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::run_test

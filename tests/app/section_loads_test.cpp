@@ -10,7 +10,7 @@
 #include "app/program.h"
 
 /// Loads in all sections of a body of bars: recorded by one output, told and written by mimbre stress.
-namespace mimbre::app_test {
+namespace mimbre::app_test::section_loads_test {
 namespace {
 
 using testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST_F(SectionLoads, OfARunWithoutThemAreRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::section_loads_test

@@ -5,7 +5,7 @@
 #include "mimbre/reduced_body.h"
 
 /// mimbre select, and the options of mimbre reduce for further modes.
-namespace mimbre::app_test {
+namespace mimbre::app_test::select_test {
 namespace {
 
 using testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST_F(SelectCommand, ReduceTakesTheUsersModes) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::select_test

@@ -6,7 +6,7 @@
 #include "app/program.h"
 
 /// Stress of a meshed body in a mechanism: outputs, mimbre stress, mimbre export.
-namespace mimbre::app_test {
+namespace mimbre::app_test::stress_test {
 namespace {
 
 using json = test::Json;
@@ -139,4 +139,4 @@ TEST_F(StressOfARun, BodiesWithoutStressModesAreNamed) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::stress_test

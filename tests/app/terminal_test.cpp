@@ -7,7 +7,7 @@
 #include "app/program.h"
 
 /// What takes long says so on a terminal, and ends by Ctrl-C there.
-namespace mimbre::app_test {
+namespace mimbre::app_test::terminal_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST_F(LongWork, LongChainsAreCheckedInSeconds) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::terminal_test

@@ -10,7 +10,7 @@
 #include "support/text.h"
 
 /// The tutorial's commands run as they stand, print what it shows, and give the numbers in its prose.
-namespace mimbre::app_test {
+namespace mimbre::app_test::tutorial_test {
 namespace {
 
 const fs::path source = MIMBRE_SOURCE_DIR;
@@ -121,4 +121,4 @@ TEST_F(TutorialRuns, SaysWhatItsCommandsPrint) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::tutorial_test

@@ -10,7 +10,7 @@
 
 /// Every command that writes, with every way in which it cannot: the older output stands as it was, nothing
 /// is left beside it, and the program says what is wrong, once and by exit code 3.
-namespace mimbre::app_test {
+namespace mimbre::app_test::unwritable_test {
 namespace {
 
 using ::testing::AllOf;
@@ -285,4 +285,4 @@ TEST_F(Unwritable, OnAFullStandardOutput) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::unwritable_test

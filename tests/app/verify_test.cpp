@@ -2,7 +2,7 @@
 
 #include "app/program.h"
 
-namespace mimbre::app_test {
+namespace mimbre::app_test::verify_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST_F(Verify, TheExamplesAgree) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::verify_test

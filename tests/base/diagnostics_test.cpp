@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mimbre {
+namespace mimbre::diagnostics_test {
 namespace {
 
 TEST(Diagnostics, TextStartsWithThePlace) {
@@ -51,4 +51,4 @@ TEST(DidYouMean, IsSilentWhenNothingIsNear) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::diagnostics_test

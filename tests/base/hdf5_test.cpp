@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace mimbre {
+namespace mimbre::hdf5_test {
 namespace {
 
 /// A file with one dataset of four numbers, made as `creation` says; and the same file with other bytes.
@@ -76,4 +76,4 @@ TEST(Hdf5, ReadsNoChunksThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::hdf5_test

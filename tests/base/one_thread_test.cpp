@@ -15,7 +15,7 @@
 #include "reduction/large_factor.h"
 #include "support/clocked.h"
 
-namespace mimbre {
+namespace mimbre::one_thread_test {
 namespace {
 
 int threads() {
@@ -113,4 +113,4 @@ TEST(OneThread, UsesTheKernelsOfTheBaseline) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::one_thread_test

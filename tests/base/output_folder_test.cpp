@@ -11,7 +11,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace mimbre {
+namespace mimbre::output_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(OutputFolderTest, ClearsWhatKilledProgramsLeft) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::output_folder_test

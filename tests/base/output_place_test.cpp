@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace mimbre {
+namespace mimbre::output_place_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -244,4 +244,4 @@ TEST_F(OutputPlaceTest, AVanishedFolderIsAnError) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::output_place_test

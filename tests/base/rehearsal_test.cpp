@@ -17,7 +17,7 @@
 #include "mimbre/isolation.h"
 #include "mimbre/surface_mesh.h"
 
-namespace mimbre {
+namespace mimbre::rehearsal_test {
 namespace {
 
 using testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST_F(Rehearsal, ReadsTheSameFileHereAndThere) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::rehearsal_test

@@ -7,7 +7,7 @@
 #include "base/sha256.h"
 
 /// The cache of results, and of `mimbre reduce`.
-namespace mimbre::app_test {
+namespace mimbre::app_test::result_cache_test {
 namespace {
 
 using testing::HasSubstr;
@@ -240,4 +240,4 @@ TEST_F(CachedReduction, SaysWhatIsWrongWithTheFilesItFollows) {
 }
 
 }  // namespace
-}  // namespace mimbre::app_test
+}  // namespace mimbre::app_test::result_cache_test

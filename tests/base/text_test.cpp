@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 /// What a terminal may show.
-namespace mimbre {
+namespace mimbre::text_test {
 namespace {
 
 TEST(Text, Utf8IsToldFromOtherBytes) {
@@ -31,4 +31,4 @@ TEST(Text, ControlCharactersAreShownNotObeyed) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::text_test

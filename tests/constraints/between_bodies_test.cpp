@@ -11,7 +11,7 @@
 #include "support/simulate.h"
 
 /// Constraints between two bodies against motions that are known.
-namespace mimbre::test {
+namespace mimbre::test::between_bodies_test {
 namespace {
 
 using std::numbers::pi;
@@ -272,4 +272,4 @@ TEST(ConstraintsOfCode, SayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::between_bodies_test

@@ -12,7 +12,7 @@
 #include "support/simulate.h"
 
 /// Couplings of joint coordinates: gears, racks, screws, differentials.
-namespace mimbre::test {
+namespace mimbre::test::couplings_test {
 namespace {
 
 using std::numbers::pi;
@@ -377,4 +377,4 @@ constraints:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::couplings_test

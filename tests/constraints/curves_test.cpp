@@ -11,7 +11,7 @@
 #include "support/models.h"
 
 /// Curves through points, and what slides along them.
-namespace mimbre::test {
+namespace mimbre::test::curves_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -262,4 +262,4 @@ TEST_P(Curves, RememberTheirPlaceInTheState) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::curves_test

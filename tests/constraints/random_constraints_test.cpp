@@ -11,7 +11,7 @@ namespace mimbre {
 /// Found by its namespace.
 static void PrintTo(const ConstraintInfo& kind, std::ostream* out) { *out << kind.name; }
 }  // namespace mimbre
-namespace mimbre::test {
+namespace mimbre::test::random_constraints_test {
 namespace {
 
 using Kind = spec::Constraint::Kind;
@@ -219,4 +219,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RandomConstraints, testing::ValuesIn(constraint_
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::random_constraints_test

@@ -12,7 +12,7 @@
 #include "mimbre/beam_reduction.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::ancf_test {
 namespace {
 
 constexpr double EA = 5e4, EI = 30;
@@ -172,4 +172,4 @@ TEST(Ancf, RefusesWhatIsNoStraightLine) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::ancf_test

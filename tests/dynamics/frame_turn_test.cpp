@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace mimbre::test {
+namespace mimbre::test::frame_turn_test {
 namespace {
 
 struct Path {
@@ -78,4 +78,4 @@ TEST(FrameTurn, InfinitesimalIsTheFirstOrderOfTheOthers) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::frame_turn_test

@@ -16,7 +16,7 @@
 #include "support/random_mechanism.h"
 
 /// Bodies that stress stiffens, in motion: frequencies from time series against theory, both formulations.
-namespace mimbre::test {
+namespace mimbre::test::geometric_stiffness_test {
 namespace {
 
 /// Angular frequencies in a series of samples at equal intervals, ascending, by the matrix pencil (Hua,
@@ -481,4 +481,4 @@ simulation: {step: 0.01, end: 1}
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::geometric_stiffness_test

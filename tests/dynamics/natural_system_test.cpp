@@ -6,7 +6,7 @@
 #include "support/models.h"
 #include "support/random_mechanism.h"
 
-namespace mimbre {
+namespace mimbre::natural_system_test {
 namespace {
 
 using test::MatrixXd;
@@ -190,4 +190,4 @@ TEST(NaturalLayout, SharesPointsAndVectors) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::natural_system_test

@@ -14,7 +14,7 @@
 
 /// Inertia by projection of the mesh's mass matrix: the kernels against dense matrix products, shape
 /// integrals against projection, and whole mechanisms.
-namespace mimbre::test {
+namespace mimbre::test::projection_test {
 namespace {
 
 using Inertia = spec::Simulation::Inertia;
@@ -477,4 +477,4 @@ TEST(Projection, OfMassThatDependsOnTheDirectionIsRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::projection_test

@@ -13,7 +13,7 @@
 #include "support/probe.h"
 
 /// Random mechanisms of rigid and flexible bodies, with every joint type forward, reversed and cut.
-namespace mimbre::test {
+namespace mimbre::test::relative_system_test {
 namespace {
 
 class RelativeSystem : public testing::TestWithParam<unsigned> {
@@ -485,4 +485,4 @@ TEST(RelativeSystem, TangentOfAStraightSpringIsTheDerivativeOfTheForce) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::relative_system_test

@@ -16,7 +16,7 @@
 
 /// The kernels of a step over packs of lanes, where each lane has to be the step of a number, and over dual
 /// numbers, whose derivatives have to be those of what the kernels compute.
-namespace mimbre::test {
+namespace mimbre::test::scalar_core_test {
 namespace {
 
 using Lanes = Pack<4>;
@@ -530,4 +530,4 @@ TEST(ScalarCoreOfUsersLaws, ForceHasTheDerivativeOfItsTangents) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::scalar_core_test

@@ -4,7 +4,7 @@
 #include "examples/example.h"
 
 /// examples/ball-cascade against the blows of balls, one after the other: momentum and restitution.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::ball_cascade_test {
 namespace {
 
 class BallCascade : public ExampleTest, public testing::WithParamInterface<std::pair<double, double>> {};
@@ -31,4 +31,4 @@ INSTANTIATE_TEST_SUITE_P(Balls, BallCascade,
                          [](const auto& test) { return "of" + std::to_string(test.index); });
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::ball_cascade_test

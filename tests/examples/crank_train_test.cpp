@@ -4,7 +4,7 @@
 #include "examples/example.h"
 
 /// examples/crank-train against the kinematics of the slider-crank and the balance of power.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::crank_train_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -106,4 +106,4 @@ TEST_F(CrankTrain, TheRodIsSqueezedByWhatTheGasLeavesForIt) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::crank_train_test

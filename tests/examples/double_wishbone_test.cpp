@@ -4,7 +4,7 @@
 #include "examples/example.h"
 
 /// examples/double-wishbone against the four-bar linkage of its front view and virtual work.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::double_wishbone_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -125,4 +125,4 @@ TEST_F(DoubleWishbone, RestsWhereFrictionHoldsIt) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::double_wishbone_test

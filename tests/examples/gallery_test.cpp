@@ -1,7 +1,7 @@
 #include "examples/example.h"
 
 /// What every example of an engineer's mechanism does: both formulations agree about it, and it has a page.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::gallery_test {
 namespace {
 
 class Gallery : public ExampleTest, public testing::WithParamInterface<std::string> {};
@@ -29,4 +29,4 @@ INSTANTIATE_TEST_SUITE_P(Examples, Gallery,
                          });
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::gallery_test

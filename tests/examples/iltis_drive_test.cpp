@@ -7,7 +7,7 @@
 #include "support/simulate.h"
 
 /// examples/iltis/drive.yaml: it drives, brakes, stands and steers, and nothing that is done to it breaks it.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::iltis_drive_test {
 namespace {
 
 using test::channel, test::run_to;
@@ -69,4 +69,4 @@ TEST(IltisDrive, SurvivesAnyDriver) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::iltis_drive_test

@@ -13,7 +13,7 @@
 
 /// The Iltis with a driver, examples/iltis: between cones, around circles, on the brakes; its understeer
 /// against that of a bicycle, and what energy is left.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::iltis_manoeuvres_test {
 namespace {
 
 using test::channel, test::run_to;
@@ -272,4 +272,4 @@ TEST(IltisManoeuvres, StandsOnASlope) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::iltis_manoeuvres_test

@@ -6,7 +6,7 @@
 
 /// examples/stewart-platform and examples/delta-robot: platforms that legs or arms move, against their
 /// inverse kinematics.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::parallel_robots_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -141,4 +141,4 @@ TEST_F(DeltaRobot, HoldsItsLoadWithTheTorquesOfVirtualWork) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::parallel_robots_test

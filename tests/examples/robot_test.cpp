@@ -4,7 +4,7 @@
 #include "examples/example.h"
 
 /// examples/robot against the bending of its links by hand, and where a rigid robot goes.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::robot_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -82,4 +82,4 @@ TEST_F(Robot, SagsByTheBendingOfItsLinks) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::robot_test

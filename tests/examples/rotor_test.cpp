@@ -4,7 +4,7 @@
 #include "examples/example.h"
 
 /// examples/rotor against Laval's: a disc on a spring without mass, shaken by its eccentricity.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::rotor_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -71,4 +71,4 @@ TEST_F(Rotor, RunsThroughItWithLess) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::rotor_test

@@ -8,7 +8,7 @@
 
 /// examples/solar-array against the balance of energy and momentum of one degree of freedom: with belts that
 /// do not give, the yoke's angle is all that moves, and the satellite follows so that momentum stays zero.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::solar_array_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -136,4 +136,4 @@ TEST_F(SolarArray, LatchesFallInWhereHingesAreStraight) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::solar_array_test

@@ -5,7 +5,7 @@
 #include "examples/example.h"
 
 /// examples/washing-machine against a mass on a spring that an unbalance shakes.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::washing_machine_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -52,4 +52,4 @@ TEST_F(WashingMachine, SwingsMostNearTheBounceFrequency) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::washing_machine_test

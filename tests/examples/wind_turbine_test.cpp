@@ -5,7 +5,7 @@
 
 /// examples/wind-turbine against Southwell's rule, with the shape of a stepped cantilever found by
 /// integration.
-namespace mimbre::examples_test {
+namespace mimbre::examples_test::wind_turbine_test {
 namespace {
 
 constexpr double hub = 1.5, length = 61.5;
@@ -95,4 +95,4 @@ TEST_F(WindTurbine, HasThePublishedMass) {
 }
 
 }  // namespace
-}  // namespace mimbre::examples_test
+}  // namespace mimbre::examples_test::wind_turbine_test

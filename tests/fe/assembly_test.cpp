@@ -6,7 +6,7 @@
 #include "math/decompositions.h"
 #include "mimbre/beam_reduction.h"
 
-namespace mimbre::test {
+namespace mimbre::test::assembly_test {
 namespace {
 
 /// Static solution with node 0 clamped under a force and a moment on one node.
@@ -132,4 +132,4 @@ TEST(Assembly, HeavyRigidTipOnAnOffsetLowersTheFrequencyAsTheClosedFormSays) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::assembly_test

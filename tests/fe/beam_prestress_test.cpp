@@ -15,7 +15,7 @@
 #include "support/dense.h"
 
 /// Geometric stiffness of the beam element by all of its section forces.
-namespace mimbre::test {
+namespace mimbre::test::beam_prestress_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -265,4 +265,4 @@ TEST(RightAngleFrame, BucklesUnderAForceAtItsEnd) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::beam_prestress_test

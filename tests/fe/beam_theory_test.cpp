@@ -15,7 +15,7 @@
 #include "support/dense.h"
 
 /// Bars with shear and rotary inertia against closed forms.
-namespace mimbre::test {
+namespace mimbre::test::beam_theory_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -283,4 +283,4 @@ TEST(BeamTheory, AStockyShaftWhirlsWithGyroscopicMoments) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::beam_theory_test

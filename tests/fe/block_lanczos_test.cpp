@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace mimbre::fe {
+namespace mimbre::fe::block_lanczos_test {
 namespace {
 
 using testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST(BlockLanczos, RefusesWhatHasNoModes) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::block_lanczos_test

@@ -12,7 +12,7 @@
 #include "mimbre/fe_reduce.h"
 #include "support/dense.h"
 
-namespace mimbre::test {
+namespace mimbre::test::curved_shell_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -186,4 +186,4 @@ TEST(CurvedShell, ThinCantileverPlateVibratesAsInTheBooks) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::curved_shell_test

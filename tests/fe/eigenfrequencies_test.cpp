@@ -9,7 +9,7 @@
 #include "math/decompositions.h"
 #include "mimbre/beam_reduction.h"
 
-namespace mimbre::test {
+namespace mimbre::test::eigenfrequencies_test {
 namespace {
 
 // Roots βL of the frequency equations (Blevins 1979, table 8-1).
@@ -161,4 +161,4 @@ TEST(Eigenfrequencies, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::eigenfrequencies_test

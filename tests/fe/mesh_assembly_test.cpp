@@ -9,7 +9,7 @@
 #include "math/decompositions.h"
 #include "mimbre/fe_mesh.h"
 
-namespace mimbre::test {
+namespace mimbre::test::mesh_assembly_test {
 namespace {
 
 const Eigen::Vector3d kSize(1.1, 0.7, 0.5);
@@ -276,4 +276,4 @@ TEST(MeshAssembly, SolidsThatAreThereTwiceAreNamed) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::mesh_assembly_test

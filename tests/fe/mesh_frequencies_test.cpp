@@ -6,7 +6,7 @@
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_mesh.h"
 
-namespace mimbre::test {
+namespace mimbre::test::mesh_frequencies_test {
 namespace {
 
 /// Lowest frequencies (Hz) with the dofs where held(position, direction).
@@ -98,4 +98,4 @@ TEST(MeshFrequencies, TaperedMembraneHasThePublishedFrequencies) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::mesh_frequencies_test

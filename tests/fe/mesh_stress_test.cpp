@@ -7,7 +7,7 @@
 #include "fe/surface.h"
 
 /// Stress at both sides of shells, and what is seen of a mesh.
-namespace mimbre::test {
+namespace mimbre::test::mesh_stress_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -117,4 +117,4 @@ TEST(Surface, OfShellsThatLieOnEachOtherHasTwoSidesToo) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::mesh_stress_test

@@ -6,7 +6,7 @@
 
 #include "fe/solid_meshes.h"
 
-namespace mimbre::test {
+namespace mimbre::test::quadrature_test {
 namespace {
 
 double factorial(int n) { return std::tgamma(n + 1.0); }
@@ -93,4 +93,4 @@ TEST(SolidShape, GradientsAreTheDerivatives) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::quadrature_test

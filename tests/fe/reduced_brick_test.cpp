@@ -13,7 +13,7 @@
 
 /// 20-node bricks with reduced integration and anisotropic materials, against CalculiX 2.20 (C3D20R, lowest
 /// free frequencies of its *FREQUENCY).
-namespace mimbre::test {
+namespace mimbre::test::reduced_brick_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -102,4 +102,4 @@ TEST(Anisotropy, ConstantsOfAnIsotropicMaterialGiveItsMatrixInAnyDirections) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::reduced_brick_test

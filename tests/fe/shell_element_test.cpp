@@ -7,7 +7,7 @@
 #include "fe/solid_meshes.h"
 #include "math/decompositions.h"
 
-namespace mimbre::test {
+namespace mimbre::test::shell_element_test {
 namespace {
 
 constexpr std::array kShellTypes{ElementType::tri3, ElementType::quad4};
@@ -257,4 +257,4 @@ TEST(ShellElement, ScordelisLoRoofSagsAsPublished) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::shell_element_test

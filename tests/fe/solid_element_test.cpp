@@ -10,7 +10,7 @@
 #include "fe/solid_meshes.h"
 #include "math/decompositions.h"
 
-namespace mimbre::test {
+namespace mimbre::test::solid_element_test {
 namespace {
 
 using fe::SolidMatrix;
@@ -174,4 +174,4 @@ TEST(SolidElement, BrickWithParallelFacesIsTheIncompatibleOneOfCalculix) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::solid_element_test

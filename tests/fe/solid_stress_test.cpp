@@ -9,7 +9,7 @@
 #include "fe/solid_meshes.h"
 #include "math/decompositions.h"
 
-namespace mimbre::test {
+namespace mimbre::test::solid_stress_test {
 namespace {
 
 using fe::Matrix6;
@@ -184,4 +184,4 @@ TEST(GeometricStiffness, RefusesShellsAndWrongSizes) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::solid_stress_test

@@ -14,7 +14,7 @@
 
 /// Displacements of second order in the axes of an element that turns with its nodes, against finite
 /// rotations.
-namespace mimbre::test {
+namespace mimbre::test::turning_cell_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -135,4 +135,4 @@ TEST(TurningCell, TheWorkOfForcesIsThatOnTheSecondOrder) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::turning_cell_test

@@ -4,7 +4,7 @@
 #include "fe_files/fe_files.h"
 #include "mimbre/fe_import.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::abaqus_test {
 namespace {
 
 using testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST(Abaqus, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::abaqus_test

@@ -9,7 +9,7 @@
 #include "math/decompositions.h"
 #include "support/dense.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::calculix_test {
 namespace {
 
 using test::full;
@@ -141,4 +141,4 @@ TEST(Calculix, GeometricStiffnessIsMinusTheFile) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::calculix_test

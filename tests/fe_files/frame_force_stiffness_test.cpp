@@ -17,7 +17,7 @@
 #include "mimbre/fe_reduce.h"
 
 /// Geometric stiffness of a steel bar along x in the exchange formats.
-namespace mimbre::test {
+namespace mimbre::test::frame_force_stiffness_test {
 namespace {
 
 using Eigen::Index;
@@ -242,4 +242,4 @@ TEST(FrameForceStiffness, NeedsAStiffnessForForcesByAmplitudes) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::frame_force_stiffness_test

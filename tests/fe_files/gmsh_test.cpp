@@ -9,7 +9,7 @@
 #include "fe_files/element_faces.h"
 #include "fe_files/fe_files.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::gmsh_test {
 namespace {
 
 using testing::ElementsAre;
@@ -264,4 +264,4 @@ TEST(Gmsh, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::gmsh_test

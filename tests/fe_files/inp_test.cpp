@@ -5,7 +5,7 @@
 #include "fe_files/inp_model.h"
 #include "mimbre/fe_import.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::inp_test {
 namespace {
 
 using testing::ElementsAre;
@@ -335,4 +335,4 @@ TEST(Inp, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::inp_test

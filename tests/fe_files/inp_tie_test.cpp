@@ -7,7 +7,7 @@
 #include "fe_files/inp_model.h"
 
 /// *TIE of surfaces whose nodes do not meet.
-namespace mimbre::fe {
+namespace mimbre::fe::inp_tie_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -87,4 +87,4 @@ TEST(InpTie, SlavesMoveAsEveryFaceOfEverySolid) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::inp_tie_test

@@ -14,7 +14,7 @@
 #include "math/decompositions.h"
 #include "mimbre/fe_reduce.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::nastran_mesh_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -806,4 +806,4 @@ TEST(NastranMesh, WithoutElementsIsNone) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::nastran_mesh_test

@@ -9,7 +9,7 @@
 #include "fe_files/nastran_cards.h"
 #include "mimbre/fe_import.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::nastran_test {
 namespace {
 
 using testing::ElementsAre;
@@ -146,4 +146,4 @@ TEST(Nastran, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::nastran_test

@@ -11,7 +11,7 @@
 #include "fe_files/sid_file.h"
 #include "reduction/shape_integrals.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::reduced_files_test {
 namespace {
 
 using testing::HasSubstr;
@@ -494,4 +494,4 @@ TEST(Sid, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::reduced_files_test

@@ -10,7 +10,7 @@
 #include "mimbre/fe_import.h"
 #include "support/dense.h"
 
-namespace mimbre::fe {
+namespace mimbre::fe::sparse_matrices_test {
 namespace {
 
 using test::full;
@@ -153,4 +153,4 @@ TEST(SparseMatrices, DamagedArchivesAreRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::sparse_matrices_test

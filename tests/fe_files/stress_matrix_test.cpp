@@ -14,7 +14,7 @@
 #include "math/decompositions.h"
 
 /// Stress of models whose matrices come from other programs.
-namespace mimbre::fe {
+namespace mimbre::fe::stress_matrix_test {
 namespace {
 
 using Eigen::Index;
@@ -221,4 +221,4 @@ TEST(StressOfImports, DiffersAsTheElementsDo) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::stress_matrix_test

@@ -5,7 +5,7 @@
 #include <random>
 
 /// The brush tyre against a row of bristles, one by one.
-namespace mimbre {
+namespace mimbre::brush_test {
 namespace {
 
 using namespace forces;
@@ -146,4 +146,4 @@ TEST(Brush, LanesAreTyresOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::brush_test

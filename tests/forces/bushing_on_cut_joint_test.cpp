@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// A bushing across a cut joint, which leaves it one angle, is a joint spring and damper there.
-namespace mimbre::test {
+namespace mimbre::test::bushing_on_cut_joint_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -73,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(BothFormulations, BushingOnACutJoint,
                          testing::Values(Formulation::relative, Formulation::natural));
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::bushing_on_cut_joint_test

@@ -10,7 +10,7 @@
 
 /// What a contact measures and its law, for every kind of surface: rates, energies, tangents, the return to
 /// the limit of friction.
-namespace mimbre::test {
+namespace mimbre::test::contact_law_test {
 namespace {
 
 using Kind = spec::Surface::Kind;
@@ -232,4 +232,4 @@ TEST(ContactLaw, FrictionTakesWorkOnly) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::contact_law_test

@@ -10,7 +10,7 @@
 #include "support/simulate.h"
 
 /// Spheres on surfaces: blows, sticking, sliding, rolling, spinning, edges.
-namespace mimbre::test {
+namespace mimbre::test::contact_test {
 namespace {
 
 /// A ball of 1 kg and radius 0.1 at a height, thrown; `velocity`: and spin.
@@ -512,4 +512,4 @@ TEST(ContactFile, WhatIsWrongIsTold) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::contact_test

@@ -16,7 +16,7 @@
 #include "support/simulate.h"
 
 /// Force elements: bushings, laws of the user, springs on cut joints, tangents and powers of all laws.
-namespace mimbre {
+namespace mimbre::elements_test {
 namespace {
 
 using namespace test;
@@ -535,4 +535,4 @@ TEST(Measures, RatesAreDerivatives) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::elements_test

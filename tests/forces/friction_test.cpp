@@ -9,7 +9,7 @@
 #include "support/simulate.h"
 
 /// Dry friction in joints: sticking that does not creep, sliding, stick–slip.
-namespace mimbre {
+namespace mimbre::friction_test {
 namespace {
 
 using namespace test;
@@ -271,4 +271,4 @@ TEST(FrictionLaw, NeverFeedsEnergyIn) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::friction_test

@@ -12,7 +12,7 @@
 #include "support/simulate.h"
 
 /// Torsion springs, cables, motors and drag against what is known of them in closed form.
-namespace mimbre::test {
+namespace mimbre::test::further_elements_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -410,4 +410,4 @@ TEST(ElementsOverSeveralBodies, MoveAlikeInBothFormulations) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::further_elements_test

@@ -7,7 +7,7 @@
 #include "tyre_files/tyre_data.h"
 
 /// The Magic Formula against other implementations of it, its own limits and symmetries.
-namespace mimbre {
+namespace mimbre::magic_formula_test {
 namespace {
 
 using namespace forces;
@@ -296,4 +296,4 @@ TEST(MagicVertical, DerivativesAreThoseOfDifferencesAndItNeverPulls) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::magic_formula_test

@@ -13,7 +13,7 @@
 #include "tyre_files/tyre_data.h"
 
 /// All forces and moments of random tyres against the published equations, written a second time.
-namespace mimbre::test {
+namespace mimbre::test::published_formula_test {
 namespace {
 
 using namespace forces;
@@ -155,4 +155,4 @@ TEST(PublishedFormulas, EveryNumberOfTheFormulasCounts) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::published_formula_test

@@ -7,7 +7,7 @@
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
 
-namespace mimbre {
+namespace mimbre::spring_test {
 namespace {
 
 /// A slider on a vertical guide, 2 kg, held by a spring of 800 N/m whose ends meet at the start: ω = 20
@@ -62,4 +62,4 @@ TEST(Spring, PullsTheWayItsEndsPartWhereTheyMeet) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::spring_test

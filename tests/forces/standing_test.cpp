@@ -11,7 +11,7 @@
 #include "support/simulate.h"
 
 /// Equilibria of cars on tyres that slip: what holds them on a slope, and that they stay there.
-namespace mimbre::test {
+namespace mimbre::test::standing_test {
 namespace {
 
 const std::string wheels[] = {"fl", "fr", "rl", "rr"};
@@ -142,4 +142,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::standing_test

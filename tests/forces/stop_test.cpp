@@ -8,7 +8,7 @@
 #include "support/simulate.h"
 
 /// Stops at the ends of a travel: blows, rest, depth.
-namespace mimbre {
+namespace mimbre::stop_test {
 namespace {
 
 using namespace test;
@@ -116,4 +116,4 @@ TEST(StopFile, WhatIsWrongIsTold) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::stop_test

@@ -10,7 +10,7 @@
 #include "support/random_mechanism.h"
 
 /// Distances from surfaces, against closed forms, other kinds of surfaces and every triangle by itself.
-namespace mimbre::test {
+namespace mimbre::test::surfaces_test {
 namespace {
 
 using Kind = spec::Surface::Kind;
@@ -193,4 +193,4 @@ TEST(Surfaces, OpenMeshesAreRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::surfaces_test

@@ -13,7 +13,7 @@
 #include "support/simulate.h"
 
 /// Spheres of which only those near each other are looked at, against the same ones pair by pair.
-namespace mimbre::test {
+namespace mimbre::test::swarm_test {
 namespace {
 
 using testing::AllOf;
@@ -232,4 +232,4 @@ TEST(SwarmErrors, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::swarm_test

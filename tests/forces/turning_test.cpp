@@ -13,7 +13,7 @@
 #include "support/simulate.h"
 
 /// Bushings, and torques about axes, through any number of turns.
-namespace mimbre::test {
+namespace mimbre::test::turning_test {
 namespace {
 
 using std::numbers::pi;
@@ -250,4 +250,4 @@ INSTANTIATE_TEST_SUITE_P(Both, TurningRuns, testing::Values(Formulation::relativ
                          });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::turning_test

@@ -11,7 +11,7 @@
 #include "support/simulate.h"
 
 /// What tyres do as outputs, and as what signals sample.
-namespace mimbre::test {
+namespace mimbre::test::tyre_outputs_test {
 namespace {
 
 /// Key and component of an output, the channel that says the same, its unit.
@@ -150,4 +150,4 @@ TEST(TyreOutputsFile, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::tyre_outputs_test

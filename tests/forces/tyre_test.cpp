@@ -15,7 +15,7 @@
 
 /// Wheels that roll: on a rig, and under a vehicle of five rigid bodies without a suspension, against what a
 /// bicycle does with the same tyres, what friction allows and what energy is left.
-namespace mimbre::test {
+namespace mimbre::test::tyre_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -393,4 +393,4 @@ INSTANTIATE_TEST_SUITE_P(BothFormulations, Tyres,
                          testing::Values(Formulation::relative, Formulation::natural));
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::tyre_test

@@ -12,7 +12,7 @@
 #include "tyre_files/tyre_data.h"
 
 /// What a wheel measures on roads, the roads as it feels them, and the law of a footprint behind a carcass.
-namespace mimbre::test {
+namespace mimbre::test::wheel_test {
 namespace {
 
 using forces::carcass::Held;
@@ -578,4 +578,4 @@ TEST(MagicTyre, StoresWhatPressesItIn) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::wheel_test

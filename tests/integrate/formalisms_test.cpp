@@ -9,7 +9,7 @@
 #include "support/run.h"
 
 /// All formalisms and rules of integration against closed forms and against one another.
-namespace mimbre::test {
+namespace mimbre::test::formalisms_test {
 namespace {
 
 using Formalism = spec::Simulation::Formalism;
@@ -371,4 +371,4 @@ TEST(DenseMatrix, IsTheAssembledMatrix) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::formalisms_test

@@ -10,7 +10,7 @@
 #include "support/models.h"
 #include "support/probe.h"
 
-namespace mimbre::test {
+namespace mimbre::test::initial_test {
 namespace {
 
 using testing::AllOf;
@@ -157,4 +157,4 @@ TEST(Initial, PositionsCloseWithTheLeastChange) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::initial_test

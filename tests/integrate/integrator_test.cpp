@@ -10,7 +10,7 @@
 #include "support/probe.h"
 #include "support/run.h"
 
-namespace mimbre::test {
+namespace mimbre::test::integrator_test {
 namespace {
 
 /// A bar on a hinge, let go from the horizontal: θ̈ = (3 g / 2 L) cos θ with θ about the hinge's axis,
@@ -310,4 +310,4 @@ TEST(Integrator, AFailedStepLeavesTheState) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::integrator_test

@@ -6,7 +6,7 @@
 
 #include "support/random_mechanism.h"
 
-namespace mimbre::test {
+namespace mimbre::test::partition_test {
 namespace {
 
 MatrixXd random_matrix(Random& random, int rows, int columns) {
@@ -80,4 +80,4 @@ TEST(Partition, FirstChoiceAtASingularPositionShowsWhenItIsLeft) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::partition_test

@@ -7,7 +7,7 @@
 #include "support/models.h"
 #include "support/run.h"
 
-namespace mimbre::test {
+namespace mimbre::test::rule_test {
 namespace {
 
 IntegratorOptions hht(double step, double rho) {
@@ -76,4 +76,4 @@ TEST(Rule, HhtDampsHighFrequenciesByItsSpectralRadius) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::rule_test

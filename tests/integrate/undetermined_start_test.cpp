@@ -6,7 +6,7 @@
 #include "support/run.h"
 
 /// The first step makes its own accelerations; where it cannot, the step says so.
-namespace mimbre::test {
+namespace mimbre::test::undetermined_start_test {
 namespace {
 
 using Formalism = spec::Simulation::Formalism;
@@ -59,4 +59,4 @@ TEST(UndeterminedStart, FailsTheStepAndLeavesTheState) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::undetermined_start_test

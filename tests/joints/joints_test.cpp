@@ -13,7 +13,7 @@ namespace mimbre {
 void PrintTo(const JointInfo& info, std::ostream* out) { *out << info.name; }
 }  // namespace mimbre
 
-namespace mimbre::test {
+namespace mimbre::test::joints_test {
 namespace {
 
 class Joints : public testing::TestWithParam<JointInfo> {
@@ -246,4 +246,4 @@ INSTANTIATE_TEST_SUITE_P(Table, ClosingJoints, testing::ValuesIn(joint_table.beg
                          name_of);
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::joints_test

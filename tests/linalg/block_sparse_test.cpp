@@ -18,7 +18,7 @@
 #include "math/dual.h"
 #include "math/pack.h"
 
-namespace mimbre::linalg {
+namespace mimbre::linalg::block_sparse_test {
 namespace {
 
 using Random = std::mt19937;
@@ -424,4 +424,4 @@ TEST(BlockSparse, RefusesBadPatterns) {
 }
 
 }  // namespace
-}  // namespace mimbre::linalg
+}  // namespace mimbre::linalg::block_sparse_test

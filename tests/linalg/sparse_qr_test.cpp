@@ -6,7 +6,7 @@
 
 #include "math/decompositions.h"
 
-namespace mimbre::linalg {
+namespace mimbre::linalg::sparse_qr_test {
 namespace {
 
 /// Sparse columns of `rows`, some of them combinations of two others.
@@ -53,4 +53,4 @@ TEST(SparseQr, OfAnyShape) {
 }
 
 }  // namespace
-}  // namespace mimbre::linalg
+}  // namespace mimbre::linalg::sparse_qr_test

@@ -22,7 +22,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-namespace mimbre::test {
+namespace mimbre::test::exchange_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -342,4 +342,4 @@ TEST(SharedMemoryExchange, WhatIsReadIsWhole) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::exchange_test

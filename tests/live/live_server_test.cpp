@@ -21,7 +21,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-namespace mimbre::test {
+namespace mimbre::test::live_server_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -469,4 +469,4 @@ TEST(LiveServer, SaysWhereItCannotListen) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::live_server_test

@@ -5,7 +5,7 @@
 #include <array>
 #include <thread>
 
-namespace mimbre::live {
+namespace mimbre::live::mailbox_test {
 namespace {
 
 TEST(Newest, IsReadOnceAndStays) {
@@ -85,4 +85,4 @@ TEST(Queue, LosesNothingBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace mimbre::live
+}  // namespace mimbre::live::mailbox_test

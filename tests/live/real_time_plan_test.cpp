@@ -10,7 +10,7 @@
 #include "mimbre/reduced_body.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::real_time_plan_test {
 namespace {
 
 RealTimePlanOptions quick() {
@@ -137,4 +137,4 @@ TEST(RealTimePlan, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::real_time_plan_test

@@ -11,7 +11,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-namespace mimbre::test {
+namespace mimbre::test::real_time_recorder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST(RealTimeRecorder, AFileThatCannotBeWrittenIsToldAtOnce) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::real_time_recorder_test

@@ -13,7 +13,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-namespace mimbre::test {
+namespace mimbre::test::real_time_test {
 namespace {
 
 using State = RealTimeLoop::State;
@@ -319,4 +319,4 @@ TEST(IdleLoop, MeasuresTheMachine) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::real_time_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace mimbre::live {
+namespace mimbre::live::road_stretch_test {
 namespace {
 
 /// Of the profile's straight lines.
@@ -52,4 +52,4 @@ TEST(RoadStretch, WhereItClimbsOutOfSightOrIsNotFiniteNothingIsDrawn) {
 }
 
 }  // namespace
-}  // namespace mimbre::live
+}  // namespace mimbre::live::road_stretch_test

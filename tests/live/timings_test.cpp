@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace mimbre {
+namespace mimbre::timings_test {
 namespace {
 
 TEST(Timings, NothingMeasured) {
@@ -45,4 +45,4 @@ TEST(Timings, CountsBetweenEdges) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::timings_test

@@ -6,7 +6,7 @@
 
 #include "support/dense.h"
 
-namespace mimbre {
+namespace mimbre::decompositions_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -167,4 +167,4 @@ TEST(Decompositions, ColumnsAreOrderedByWhatTheyAdd) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::decompositions_test

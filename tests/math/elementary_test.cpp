@@ -11,7 +11,7 @@
 #include "base/hash64.h"
 #include "support/elementary_error.h"
 
-namespace mimbre::test {
+namespace mimbre::test::elementary_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -123,4 +123,4 @@ TEST(Elementary, HasTheSameBitsOnEveryMachine) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::elementary_test

@@ -10,7 +10,7 @@
 #include <thread>
 
 /// Formulas as programs: grammar, exact derivatives, threads.
-namespace mimbre {
+namespace mimbre::expression_test {
 namespace {
 
 using testing::HasSubstr;
@@ -248,4 +248,4 @@ TEST(Expression, ThreadsShareIt) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::expression_test

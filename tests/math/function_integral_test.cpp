@@ -6,7 +6,7 @@
 #include "mimbre/function.h"
 
 /// Functions that are given by their derivative, against closed forms.
-namespace mimbre::test {
+namespace mimbre::test::function_integral_test {
 namespace {
 
 using std::numbers::pi;
@@ -67,4 +67,4 @@ TEST(FunctionIntegral, OfWhatIsNotFiniteIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::function_integral_test

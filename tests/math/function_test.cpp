@@ -12,7 +12,7 @@
 
 #include "mimbre/diagnostics.h"
 
-namespace mimbre {
+namespace mimbre::function_test {
 namespace {
 
 using std::numbers::pi;
@@ -453,4 +453,4 @@ TEST(FunctionExpression, ManyChoicesGoTheirWay) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::function_test

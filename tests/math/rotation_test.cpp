@@ -6,7 +6,7 @@
 
 #include "support/random_mechanism.h"
 
-namespace mimbre::test {
+namespace mimbre::test::rotation_test {
 namespace {
 
 /// The closed forms in extended precision, which still has all of double's digits where double's own cancel.
@@ -121,4 +121,4 @@ TEST(Rotation, QuaternionOfAMatrix) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::rotation_test

@@ -6,7 +6,7 @@
 #include "math/rotation.h"
 
 /// Packs of lanes and dual numbers: their arithmetic, and functions, formulas and rotations of them.
-namespace mimbre::test {
+namespace mimbre::test::scalars_test {
 namespace {
 
 using Lanes = Pack<4>;
@@ -226,4 +226,4 @@ TEST(Scalars, RotationsOfLanesAndTheirDerivatives) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::scalars_test

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace mimbre::test {
+namespace mimbre::test::stress_test {
 namespace {
 
 Vector6 components(const Eigen::Matrix3d& t) {
@@ -44,4 +44,4 @@ TEST(Stress, GaugeShowsTheElongationAlongIt) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::stress_test

@@ -8,7 +8,7 @@
 #include "math/rotation.h"
 #include "support/random_mechanism.h"
 
-namespace mimbre {
+namespace mimbre::turn_test {
 namespace {
 
 using test::Random;
@@ -32,4 +32,4 @@ TEST(Turn, OfNothingIsTheIdentity) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::turn_test

@@ -16,7 +16,7 @@
 #include "support/random_mechanism.h"
 
 /// Good specs are spoilt in every way that is known, and at random.
-namespace mimbre::test {
+namespace mimbre::test::check_spec_test {
 namespace {
 
 using Kind = spec::Output::Kind;
@@ -626,4 +626,4 @@ TEST(CheckSpec, AnyNumberInAnyPlaceIsRefusedOrRuns) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::check_spec_test

@@ -12,7 +12,7 @@
 #include "support/random_mechanism.h"
 
 /// What a step needs of a model, as one block of bytes.
-namespace mimbre::test {
+namespace mimbre::test::image_test {
 namespace {
 
 struct Mechanism {
@@ -115,4 +115,4 @@ TEST(Image, IsNotTakenFromDamagedBytes) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::image_test

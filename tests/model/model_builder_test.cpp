@@ -12,7 +12,7 @@
 #include "support/random_mechanism.h"
 
 /// Mechanisms in code are those of model files, to the bit.
-namespace mimbre::test {
+namespace mimbre::test::model_builder_test {
 namespace {
 
 using spec::JointType;
@@ -535,4 +535,4 @@ TEST(ModelBuilder, CopiesGoTheirOwnWays) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::model_builder_test

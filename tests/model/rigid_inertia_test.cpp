@@ -8,7 +8,7 @@
 #include "mimbre/simulation.h"
 #include "support/simulate.h"
 
-namespace mimbre {
+namespace mimbre::rigid_inertia_test {
 namespace {
 
 using testing::HasSubstr;
@@ -102,4 +102,4 @@ TEST(RigidInertia, HarmlessMomentsChangeNoMotion) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::rigid_inertia_test

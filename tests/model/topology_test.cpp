@@ -9,7 +9,7 @@
 #include "model/compiled.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::topology_test {
 namespace {
 
 using testing::AllOf;
@@ -203,4 +203,4 @@ springs:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::topology_test

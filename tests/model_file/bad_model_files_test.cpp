@@ -9,7 +9,7 @@
 #include "mimbre/model_file.h"
 
 /// Every kind of mistake is reported at its line, in words that say what is wrong and what would be right.
-namespace mimbre {
+namespace mimbre::bad_model_files_test {
 namespace {
 
 struct Mistake {
@@ -859,4 +859,4 @@ TEST(BadModelFile, MissingFile) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::bad_model_files_test

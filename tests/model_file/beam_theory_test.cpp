@@ -9,7 +9,7 @@
 #include "support/models.h"
 
 /// `beam_theory` and the shear areas of sections.
-namespace mimbre::test {
+namespace mimbre::test::beam_theory_test {
 namespace {
 
 /// A stocky cantilever of steel, 0.1 m × 0.2 m × 1 m, with 10 kN at its tip along z.
@@ -97,4 +97,4 @@ TEST(BeamTheoryKey, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::beam_theory_test

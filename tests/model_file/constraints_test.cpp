@@ -5,7 +5,7 @@
 #include "mimbre/model_file.h"
 
 /// The section `constraints` of model files: what is wrong with them, and templates that are mirrored.
-namespace mimbre::test {
+namespace mimbre::test::constraints_test {
 namespace {
 
 using testing::AllOf;
@@ -138,4 +138,4 @@ instances:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::constraints_test

@@ -7,7 +7,7 @@
 
 #include "mimbre/unknown_name.h"
 
-namespace mimbre {
+namespace mimbre::input_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -212,4 +212,4 @@ TEST_F(InputTable, TakesOrRefusesDamagedFiles) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::input_table_test

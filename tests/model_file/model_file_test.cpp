@@ -13,7 +13,7 @@
 #include "math/decompositions.h"
 #include "mimbre/reduced_body.h"
 
-namespace mimbre {
+namespace mimbre::model_file_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -667,4 +667,4 @@ joints:
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::model_file_test

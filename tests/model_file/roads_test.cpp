@@ -10,7 +10,7 @@
 #include "roads/grid.h"
 
 /// Roads over grids, and tyres that roll, as model files say them.
-namespace mimbre::test {
+namespace mimbre::test::roads_test {
 namespace {
 
 spec::Model read(const std::string& text) {
@@ -128,4 +128,4 @@ instances:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::roads_test

@@ -8,7 +8,7 @@
 #include "support/json.h"
 
 /// The schema, which editors use, and the loader allow the same words under `simulation`.
-namespace mimbre {
+namespace mimbre::schema_test {
 namespace {
 
 const test::Json& schema() {
@@ -85,4 +85,4 @@ TEST(Schema, KeysOfTheSimulationAreTheLoaders) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::schema_test

@@ -3,7 +3,7 @@
 
 #include "mimbre/model_file.h"
 
-namespace mimbre::test {
+namespace mimbre::test::stress_output_test {
 namespace {
 
 TEST(StressOutput, OfARigidBodyIsWarnedOf) {
@@ -21,4 +21,4 @@ outputs:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::stress_output_test

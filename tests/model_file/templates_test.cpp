@@ -12,7 +12,7 @@
 #include "mimbre/simulation.h"
 
 /// Templates within templates, repeated things and files that include others.
-namespace mimbre {
+namespace mimbre::templates_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -532,4 +532,4 @@ simulation: {step: 0.001, end: 1}
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::templates_test

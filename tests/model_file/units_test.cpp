@@ -8,7 +8,7 @@
 #include "model_file/expression.h"
 
 /// Numbers with units: what they are in SI, and where they do not fit.
-namespace mimbre::model_file {
+namespace mimbre::model_file::units_test {
 namespace {
 
 using std::numbers::pi;
@@ -231,4 +231,4 @@ TEST(Units, OfLawsAreThoseOfTheirVariables) {
 }
 
 }  // namespace
-}  // namespace mimbre::model_file
+}  // namespace mimbre::model_file::units_test

@@ -12,7 +12,7 @@
 #include "mimbre/fe_reduce.h"
 
 /// Section forces of a slender bar against the stress of the same bar as a solid.
-namespace mimbre::test {
+namespace mimbre::test::bar_sections_test {
 namespace {
 
 constexpr double length = 1, width = 0.1, height = 0.05, force = -1000;
@@ -108,4 +108,4 @@ TEST(BarStress, IsUnknownWhereASectionsShapeIs) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::bar_sections_test

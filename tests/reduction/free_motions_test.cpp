@@ -13,7 +13,7 @@
 #include "reduction/tied_model.h"
 
 /// Motions of interfaces that are left free or held.
-namespace mimbre::test {
+namespace mimbre::test::free_motions_test {
 namespace {
 
 using Eigen::Index;
@@ -165,4 +165,4 @@ TEST(FreeMotions, WhereTheyMakeNoSenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::free_motions_test

@@ -17,7 +17,7 @@
 #include "reduction/tied_model.h"
 
 /// Modes of loads and of the user beside the dynamic ones.
-namespace mimbre::test {
+namespace mimbre::test::further_modes_test {
 namespace {
 
 using Eigen::Index;
@@ -395,4 +395,4 @@ TEST_F(UserModesFile, RubbishGetsClearErrors) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::further_modes_test

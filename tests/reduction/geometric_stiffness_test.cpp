@@ -15,7 +15,7 @@
 #include "math/gauss.h"
 #include "math/rotation.h"
 
-namespace mimbre {
+namespace mimbre::geometric_stiffness_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -330,4 +330,4 @@ TEST(GeometricStiffness, LeavesOutWhatStressesNoBar) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::geometric_stiffness_test

@@ -8,7 +8,7 @@
 
 // The A-arm of the Bombardier Iltis benchmark (Frik, Leister, Schwartz 1993; sections as in the example
 // model).
-namespace mimbre::test {
+namespace mimbre::test::iltis_arm_test {
 namespace {
 
 /// Body axes at the axis centre: x as the chassis, y along the arm, z normal to it.
@@ -109,4 +109,4 @@ TEST(IltisArm, FineMeshHasTheFrequenciesOfACoarseOne) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::iltis_arm_test

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace mimbre::fe {
+namespace mimbre::fe::large_factor_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -106,4 +106,4 @@ TEST(LargeFactor, ThreadsDoNotDisturbEachOther) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::large_factor_test

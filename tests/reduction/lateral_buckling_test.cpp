@@ -10,7 +10,7 @@
 #include "reduction/geometric_stiffness.h"
 
 /// Reduced strips whose bending in one plane lets them tip over and twist.
-namespace mimbre::test {
+namespace mimbre::test::lateral_buckling_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -99,4 +99,4 @@ TEST(LateralBuckling, OfACantileverUnderAForceAboveItsAxis) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::lateral_buckling_test

@@ -9,7 +9,7 @@
 #include "mimbre/fe_import.h"
 
 /// Bodies of .inp files with shells, beams, masses and constraints.
-namespace mimbre::fe {
+namespace mimbre::fe::mesh_bodies_test {
 namespace {
 
 using testing::HasSubstr;
@@ -321,4 +321,4 @@ TEST(MeshBodies, EquationsThatHoldTheBodyAreNamed) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::mesh_bodies_test

@@ -13,7 +13,7 @@
 #include "support/random_mechanism.h"
 
 /// Mirror images of reduced bodies, against reductions of the mirrored mesh and against mirrored motions.
-namespace mimbre::test {
+namespace mimbre::test::mirror_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -356,4 +356,4 @@ bodies: {bar: {frame: {at: [0, 0, 0]}, reduced: body.h5}}
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::mirror_test

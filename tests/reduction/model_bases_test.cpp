@@ -17,7 +17,7 @@
 #include "reduction/tied_model.h"
 
 /// Bases of the reduction of finite-element models, against the full model.
-namespace mimbre::test {
+namespace mimbre::test::model_bases_test {
 namespace {
 
 using Eigen::MatrixXcd;
@@ -348,4 +348,4 @@ TEST(ModelBases, SayWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::model_bases_test

@@ -7,7 +7,7 @@
 #include "support/brick_mesh.h"
 #include "support/probe.h"
 
-namespace mimbre::test {
+namespace mimbre::test::nodal_shape_integrals_test {
 namespace {
 
 TEST(NodalShapeIntegrals, AreTheQuadratureOfTheElements) {
@@ -85,4 +85,4 @@ TEST(MeshInertia, ThatIsUnsoundIsNamed) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::nodal_shape_integrals_test

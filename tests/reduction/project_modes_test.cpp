@@ -9,7 +9,7 @@
 #include "support/brick_mesh.h"
 
 /// Bodies on fewer modes than they had.
-namespace mimbre::test {
+namespace mimbre::test::project_modes_test {
 namespace {
 
 using testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST(ProjectModes, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::project_modes_test

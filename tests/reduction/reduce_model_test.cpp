@@ -16,7 +16,7 @@
 #include "reduction/tied_model.h"
 
 /// Reduction of finite-element models of any origin.
-namespace mimbre::test {
+namespace mimbre::test::reduce_model_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -372,4 +372,4 @@ TEST(Skin, EnclosesTheBlock) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::reduce_model_test

@@ -14,7 +14,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/reduced_body.h"
 
-namespace mimbre::test {
+namespace mimbre::test::reduced_body_file_test {
 namespace {
 
 using testing::AllOf;
@@ -420,4 +420,4 @@ TEST_F(ReducedBodyFile, CannotBeSavedWhereThereIsNoFolderNorFromAnUnsoundBody) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::reduced_body_file_test

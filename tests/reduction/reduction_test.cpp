@@ -11,7 +11,7 @@
 #include "mimbre/reduced_body.h"
 #include "reduction/craig_bampton.h"
 
-namespace mimbre::test {
+namespace mimbre::test::reduction_test {
 namespace {
 
 fe::BoundaryDof boundary(int node, const Eigen::Vector3d& direction, bool rotation = false,
@@ -416,4 +416,4 @@ TEST(CheckReducedBody, NamesEveryViolation) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::reduction_test

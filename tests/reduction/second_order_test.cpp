@@ -10,7 +10,7 @@
 #include "support/models.h"
 #include "support/run.h"
 
-namespace mimbre {
+namespace mimbre::second_order_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -158,4 +158,4 @@ simulation: {step: 0.01, end: 1}
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::second_order_test

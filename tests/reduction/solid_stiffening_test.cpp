@@ -12,7 +12,7 @@
 #include "mimbre/fe_reduce.h"
 
 /// Geometric stiffness of solids from unit loads.
-namespace mimbre::test {
+namespace mimbre::test::solid_stiffening_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -88,4 +88,4 @@ TEST(SolidStiffening, AColumnBucklesAtEulersLoad) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::solid_stiffening_test

@@ -9,7 +9,7 @@
 #include "mimbre/fe_reduce.h"
 
 /// Stress of reduced bodies.
-namespace mimbre::test {
+namespace mimbre::test::stress_modes_test {
 namespace {
 
 using Eigen::Index;
@@ -120,4 +120,4 @@ TEST(StressModes, AreThoseOfTheFullModelUnderForcesAtTheInterfaces) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::stress_modes_test

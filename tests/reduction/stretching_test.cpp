@@ -11,7 +11,7 @@
 #include "reduction/mirror.h"
 
 /// What bending does to lengths and areas, against plates and strips of von Kármán's theory.
-namespace mimbre::fe {
+namespace mimbre::fe::stretching_test {
 namespace {
 
 using Eigen::Index;
@@ -206,4 +206,4 @@ TEST(Stretching, OfAMirroredBodyIsMirrored) {
 }
 
 }  // namespace
-}  // namespace mimbre::fe
+}  // namespace mimbre::fe::stretching_test

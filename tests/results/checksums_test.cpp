@@ -15,7 +15,7 @@
 #include "mimbre/results.h"
 
 /// Bits that flip in stored results and bodies are noticed.
-namespace mimbre {
+namespace mimbre::checksums_test {
 namespace {
 
 using testing::HasSubstr;
@@ -301,4 +301,4 @@ TEST_F(Checksums, MayBeMissing) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::checksums_test

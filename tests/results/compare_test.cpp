@@ -6,7 +6,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/results.h"
 
-namespace mimbre {
+namespace mimbre::compare_test {
 namespace {
 
 /// Channels `names`, all with the values f(t) at t = start, start + step, …
@@ -108,4 +108,4 @@ TEST(Compare, WithoutCommonTimeIsAnError) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::compare_test

@@ -9,7 +9,7 @@
 #include "mimbre/report.h"
 #include "support/report_data.h"
 
-namespace mimbre {
+namespace mimbre::comparison_report_test {
 namespace {
 
 using report_data::data_text;
@@ -230,4 +230,4 @@ TEST_F(ComparisonReport, HostileLabelsStayText) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::comparison_report_test

@@ -11,7 +11,7 @@
 #include "mimbre/report.h"
 #include "support/report_data.h"
 
-namespace mimbre {
+namespace mimbre::modes_report_test {
 namespace {
 
 using report_data::data_text;
@@ -155,4 +155,4 @@ TEST(FileFormat, TellsBodiesFromResults) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::modes_report_test

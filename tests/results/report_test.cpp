@@ -16,7 +16,7 @@
 #include "support/report_data.h"
 #include "support/text.h"
 
-namespace mimbre {
+namespace mimbre::report_test {
 namespace {
 
 using report_data::data_text;
@@ -355,4 +355,4 @@ TEST_F(Report, IsWrittenWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::report_test

@@ -20,7 +20,7 @@
 #include "base/checksums.h"
 #include "mimbre/diagnostics.h"
 
-namespace mimbre {
+namespace mimbre::results_test {
 namespace {
 
 using testing::HasSubstr;
@@ -672,4 +672,4 @@ TEST_F(CsvFile, OnAFullDiskFailsClearly) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::results_test

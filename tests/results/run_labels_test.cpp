@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mimbre {
+namespace mimbre::run_labels_test {
 namespace {
 
 using testing::ElementsAre;
@@ -64,4 +64,4 @@ TEST(RunLabels, GivenOnesAreTakenAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::run_labels_test

@@ -10,7 +10,7 @@
 #include "fe/skin.h"
 #include "mimbre/fe_mesh.h"
 
-namespace mimbre::results {
+namespace mimbre::results::thin_surface_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -191,4 +191,4 @@ TEST(ThinSurface, SurvivesWhatHasNoExtentAndWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace mimbre::results
+}  // namespace mimbre::results::thin_surface_test

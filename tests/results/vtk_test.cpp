@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace mimbre::test {
+namespace mimbre::test::vtk_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ TEST(Vtk, TakesInstantsEvenlyAndSaysWhereItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::vtk_test

@@ -10,7 +10,7 @@
 #include "roads/road_data.h"
 
 /// Heights over places of a curved grid.
-namespace mimbre::roads {
+namespace mimbre::roads::grid_test {
 namespace {
 
 using test::road_path;
@@ -190,4 +190,4 @@ TEST(RoadGridHeight, FindsTheNearestSegmentOfALongRoad) {
 }
 
 }  // namespace
-}  // namespace mimbre::roads
+}  // namespace mimbre::roads::grid_test

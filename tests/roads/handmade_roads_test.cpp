@@ -10,7 +10,7 @@
 #include "roads/overlap.h"
 
 /// Roads of the kind of ASAM's hand-made files: heights over places against what their files mean.
-namespace mimbre::test {
+namespace mimbre::test::handmade_roads_test {
 namespace {
 
 /// The largest difference of heights, m: at the points of the grid, and between them.
@@ -131,4 +131,4 @@ TEST(HandmadeRoads, RoundTheirKinks) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::handmade_roads_test

@@ -9,7 +9,7 @@
 #include "mimbre/road_profile.h"
 
 /// Random roads: spectra, coherence of tracks, seeds.
-namespace mimbre {
+namespace mimbre::random_road_test {
 namespace {
 
 using testing::HasSubstr;
@@ -192,4 +192,4 @@ TEST(RandomRoad, SaysWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::random_road_test

@@ -10,7 +10,7 @@
 #include "roads/road_data.h"
 
 /// OpenCRG files: what is read of all their formats, and what is said of bad ones.
-namespace mimbre {
+namespace mimbre::road_file_test {
 namespace {
 
 using test::road_path;
@@ -171,4 +171,4 @@ TEST(RoadFile, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::road_file_test

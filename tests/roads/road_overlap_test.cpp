@@ -9,7 +9,7 @@
 #include "roads/overlap.h"
 
 /// Roads that come back to themselves: closed, crossing, or bent more tightly than they are wide.
-namespace mimbre::test {
+namespace mimbre::test::road_overlap_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -145,4 +145,4 @@ TEST(OnRoad, AreThePlacesThatTheFileKnows) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::road_overlap_test

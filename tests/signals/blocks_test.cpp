@@ -12,7 +12,7 @@
 #include "support/simulate.h"
 
 /// Blocks against what they are said to do, in both formulations.
-namespace mimbre::test {
+namespace mimbre::test::blocks_test {
 namespace {
 
 using testing::HasSubstr;
@@ -482,4 +482,4 @@ TEST(BlockErrors, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::blocks_test

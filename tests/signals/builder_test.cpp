@@ -7,7 +7,7 @@
 #include "support/simulate.h"
 
 /// Blocks and events by the builder.
-namespace mimbre::test {
+namespace mimbre::test::builder_test {
 namespace {
 
 ModelBuilder slider_builder() {
@@ -96,4 +96,4 @@ TEST(BlocksOfTheBuilder, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::builder_test

@@ -10,7 +10,7 @@
 #include "support/simulate.h"
 
 /// Events: when they happen, what follows from them, in both formulations.
-namespace mimbre::test {
+namespace mimbre::test::events_test {
 namespace {
 
 using testing::HasSubstr;
@@ -276,4 +276,4 @@ TEST(EventErrors, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::events_test

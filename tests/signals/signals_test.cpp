@@ -11,7 +11,7 @@
 #include "support/simulate.h"
 
 /// Inputs, signals and actuators, in both formulations.
-namespace mimbre {
+namespace mimbre::signals_test {
 namespace {
 
 using namespace test;
@@ -266,4 +266,4 @@ bodies: {a: {mass: m, com: [0, 0, 0], inertia: [1, 1, 1]}}
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::signals_test

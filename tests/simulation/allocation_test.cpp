@@ -68,7 +68,7 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
 }
 }
 
-namespace mimbre::test {
+namespace mimbre::test::allocation_test {
 namespace {
 
 long allocations_of(Simulation& s, int steps) {
@@ -270,6 +270,6 @@ TEST_P(Allocation, NoneInTheLoopAgainstTheClock) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::allocation_test
 
 #endif

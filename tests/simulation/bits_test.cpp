@@ -18,7 +18,7 @@
 #include "support/simulate.h"
 
 /// The same model has the same bits: wherever stack and heap lie, in every thread, on every machine.
-namespace mimbre::test {
+namespace mimbre::test::bits_test {
 namespace {
 
 void add(Hash64& hash, const Eigen::VectorXd& x) {
@@ -171,4 +171,4 @@ TEST(Bits, AreThoseRecorded) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::bits_test

@@ -11,7 +11,7 @@
 
 /// A solid bar with the body frame tied to its root, to its centre of mass or to its mean motion is the same
 /// bar: it swings alike, in relative and in natural coordinates.
-namespace mimbre::test {
+namespace mimbre::test::body_frames_test {
 namespace {
 
 using fe::Interface;
@@ -78,4 +78,4 @@ TEST(BodyFrames, OfTheCentreOfMassKeepsItStill) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::body_frames_test

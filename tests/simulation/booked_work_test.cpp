@@ -11,7 +11,7 @@
 #include "support/simulate.h"
 
 /// What the energy balance books of forces is what they do, also where they jump.
-namespace mimbre::test {
+namespace mimbre::test::booked_work_test {
 namespace {
 
 using Rule = spec::Simulation::Integrator;
@@ -277,4 +277,4 @@ simulation: {step: 0.02}
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::booked_work_test

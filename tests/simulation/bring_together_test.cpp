@@ -13,7 +13,7 @@
 #include "support/simulate.h"
 
 /// Bodies drawn apart: lengths alone decide where they come to lie.
-namespace mimbre {
+namespace mimbre::bring_together_test {
 namespace {
 
 using namespace test;
@@ -227,4 +227,4 @@ instances:
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::bring_together_test

@@ -9,7 +9,7 @@
 #include "mimbre/method.h"
 
 /// Options that are out of range, or that conflict, are refused by name.
-namespace mimbre::test {
+namespace mimbre::test::conflicting_options_test {
 namespace {
 
 using Integrator = spec::Simulation::Integrator;
@@ -94,4 +94,4 @@ TEST(ConflictingOptions, OutOfRange) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::conflicting_options_test

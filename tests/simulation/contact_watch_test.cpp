@@ -16,7 +16,7 @@
 #include "support/simulate.h"
 
 /// What steps do not show of contacts: passages found on the way, and spheres that are too deep.
-namespace mimbre::test {
+namespace mimbre::test::contact_watch_test {
 namespace {
 
 using testing::AllOf;
@@ -292,4 +292,4 @@ TEST(NearestOnChord, IsThatOfItsPoints) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::contact_watch_test

@@ -7,7 +7,7 @@
 #include "support/models.h"
 
 /// Drives that no step can follow.
-namespace mimbre::test {
+namespace mimbre::test::drive_smoothness_test {
 namespace {
 
 using testing::AllOf;
@@ -71,4 +71,4 @@ TEST(DriveSmoothness, RunsWarn) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::drive_smoothness_test

@@ -10,7 +10,7 @@
 #include "mimbre/simulation.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::element_drawings_test {
 namespace {
 
 const char* const rig = R"yaml(
@@ -191,4 +191,4 @@ TEST(ElementDrawings, LoadsAndRoadsAreChannels) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::element_drawings_test

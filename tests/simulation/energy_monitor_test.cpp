@@ -12,7 +12,7 @@
 #include "support/models.h"
 
 /// The watch over what the numerics do to the energy.
-namespace mimbre::test {
+namespace mimbre::test::energy_monitor_test {
 namespace {
 
 using std::numbers::pi;
@@ -159,4 +159,4 @@ springs:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::energy_monitor_test

@@ -7,7 +7,7 @@
 #include "mimbre/simulation.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::energy_test {
 namespace {
 
 struct Balance {
@@ -106,4 +106,4 @@ tyres:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::energy_test

@@ -9,7 +9,7 @@
 #include "support/random_mechanism.h"
 
 /// Steps of a fixed cost: never more iterations than were allowed, never made again, never refused for it.
-namespace mimbre::test {
+namespace mimbre::test::fixed_cost_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -179,4 +179,4 @@ TEST(FixedCost, SaysWhatItDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::fixed_cost_test

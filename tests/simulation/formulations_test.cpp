@@ -19,7 +19,7 @@
 #include "support/random_mechanism.h"
 
 /// Relative and natural coordinates are two roads to the same motion: trajectories, equilibria, reactions.
-namespace mimbre::test {
+namespace mimbre::test::formulations_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -597,4 +597,4 @@ TEST(Formulations, DoubleFourBarInNaturalCoordinates) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::formulations_test

@@ -14,7 +14,7 @@
 
 /// What flies freely keeps its momentum, its angular momentum and the path of its centre of mass, in both
 /// formulations and whatever the rule; with the integrator `conserve` also its energy.
-namespace mimbre::test {
+namespace mimbre::test::free_flight_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -548,4 +548,4 @@ TEST(FreeFlight, GoesOnFromASnapshotWithTheSameBits) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::free_flight_test

@@ -9,7 +9,7 @@
 #include "support/models.h"
 
 /// Handles of nothing and numbers that are not finite: one answer of every call that takes them.
-namespace mimbre {
+namespace mimbre::handles_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ simulation: {step: 0.01, end: 1}
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::handles_test

@@ -19,7 +19,7 @@
 #include "support/models.h"
 
 /// The watch over what ends that are held do to bending, against closed forms and nonlinear beams.
-namespace mimbre::test {
+namespace mimbre::test::held_stretch_test {
 namespace {
 
 using std::numbers::pi;
@@ -291,4 +291,4 @@ initial: equilibrium
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::held_stretch_test

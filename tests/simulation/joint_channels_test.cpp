@@ -9,7 +9,7 @@
 #include "support/models.h"
 
 /// The standard channels of joints: the same whether a joint is in the tree or cut.
-namespace mimbre::test {
+namespace mimbre::test::joint_channels_test {
 namespace {
 
 /// Two bodies in space, in a loop of one kind of joint and others that leave it motions, at rest on springs.
@@ -82,4 +82,4 @@ TEST(JointChannels, ReactionsInTheJointsAxesAreThoseOfTheGlobalOnes) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::joint_channels_test

@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// Joint forces, which are what a tolerance is felt in first: those of light bodies between heavy ones.
-namespace mimbre::test {
+namespace mimbre::test::joint_forces_test {
 namespace {
 
 struct Course {
@@ -100,4 +100,4 @@ TEST(JointForces, OfTheDoubleFourBarFollowItsMotionUpToThePole) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::joint_forces_test

@@ -8,7 +8,7 @@
 #include "support/simulate.h"
 
 /// Rotations, quaternions and accelerations of joints as outputs, against motions that are known.
-namespace mimbre::test {
+namespace mimbre::test::joint_outputs_test {
 namespace {
 
 class JointOutputs : public testing::TestWithParam<Formulation> {};
@@ -137,4 +137,4 @@ INSTANTIATE_TEST_SUITE_P(BothFormulations, JointOutputs,
                          testing::Values(Formulation::relative, Formulation::natural));
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::joint_outputs_test

@@ -9,7 +9,7 @@
 #include "support/simulate.h"
 
 /// What is said of steps that do not converge, where a law jumps with the motion.
-namespace mimbre::test {
+namespace mimbre::test::jumping_law_test {
 namespace {
 
 using testing::AllOf;
@@ -99,4 +99,4 @@ TEST(JumpingLaws, BetweenWhatTheyJump) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::jumping_law_test

@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// Outputs of angular velocity, centre of mass and momentum, against the laws that they obey.
-namespace mimbre::test {
+namespace mimbre::test::momentum_outputs_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -168,4 +168,4 @@ INSTANTIATE_TEST_SUITE_P(Of, MomentumOutputs, testing::Values(Formulation::relat
                          });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::momentum_outputs_test

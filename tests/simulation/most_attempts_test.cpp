@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// What a step may cost is known beforehand.
-namespace mimbre::test {
+namespace mimbre::test::most_attempts_test {
 namespace {
 
 /// Balls that fall on a plate and on each other, each at another time, without damping: blows in nearly
@@ -71,4 +71,4 @@ TEST(MostAttempts, GrowWithThePartsOnly) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::most_attempts_test

@@ -14,7 +14,7 @@
 #include "support/run.h"
 
 /// Beams of any deflection: corotational (in space) and by absolute nodal coordinates (in a plane).
-namespace mimbre::test {
+namespace mimbre::test::nonlinear_beam_test {
 namespace {
 
 using std::numbers::pi;
@@ -338,4 +338,4 @@ TEST(NonlinearBeams, PrincetonBeam) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::nonlinear_beam_test

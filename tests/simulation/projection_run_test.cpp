@@ -4,7 +4,7 @@
 #include "support/models.h"
 
 /// Runs with inertia by projection give the trajectory of the shape integrals, to the mesh's accuracy.
-namespace mimbre::test {
+namespace mimbre::test::projection_run_test {
 namespace {
 
 using Inertia = spec::Simulation::Inertia;
@@ -57,4 +57,4 @@ TEST(ProjectionRun, FollowsTheIntegralsToTheMeshsAccuracy) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::projection_run_test

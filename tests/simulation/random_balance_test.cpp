@@ -12,7 +12,7 @@
 
 /// The energy balance of random models with elements of every kind and forces that jump closes with the
 /// order of the rule.
-namespace mimbre::test {
+namespace mimbre::test::random_balance_test {
 namespace {
 
 struct Balance {
@@ -92,4 +92,4 @@ TEST(RandomBalance, ClosesWithTheOrderOfTheRule) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::random_balance_test

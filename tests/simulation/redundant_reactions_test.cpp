@@ -9,7 +9,7 @@
 
 /// Reactions that rigid bodies do not determine: the smallest ones, in every formulation, whichever joint is
 /// cut, and never large because something is off by round-off.
-namespace mimbre::test {
+namespace mimbre::test::redundant_reactions_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -231,4 +231,4 @@ outputs:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::redundant_reactions_test

@@ -11,7 +11,7 @@
 
 /// Mechanisms with more equations than independent ones, in every formulation, against motions known
 /// otherwise.
-namespace mimbre {
+namespace mimbre::redundant_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -233,4 +233,4 @@ TEST_P(Redundant, ThreeParallelCranksAreAPendulum) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::redundant_test

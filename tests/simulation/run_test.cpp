@@ -7,7 +7,7 @@
 #include "mimbre/diagnostics.h"
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::run_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -100,4 +100,4 @@ TEST(Run, EndsAtItsEnd) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::run_test

@@ -15,7 +15,7 @@
 
 /// Lengths, masses and times of a mechanism come from what moves and is held: neither round-off, nor a point
 /// that is far away, nor a heavy neighbour, nor the unit system changes how a motion is computed.
-namespace mimbre::test {
+namespace mimbre::test::scales_test {
 namespace {
 
 using testing::HasSubstr;
@@ -407,4 +407,4 @@ TEST(Scales, UnitsDoNotMatter) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::scales_test

@@ -9,7 +9,7 @@
 #include "support/simulate.h"
 
 /// Section forces of bodies made of bars against beam theory, and against the reactions of joints.
-namespace mimbre::test {
+namespace mimbre::test::section_forces_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -181,4 +181,4 @@ outputs: [{name: n, section_force: block, at: [0, 0, 0], component: N}]
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::section_forces_test

@@ -7,7 +7,7 @@
 #include "support/models.h"
 
 /// Similar mechanisms move alike and take the same iterations, whatever their size, mass and step.
-namespace mimbre::test {
+namespace mimbre::test::similarity_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -160,4 +160,4 @@ outputs:
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::similarity_test

@@ -9,7 +9,7 @@
 
 #include "support/models.h"
 
-namespace mimbre::test {
+namespace mimbre::test::simulation_test {
 namespace {
 
 void step(Simulation& s, int count) {
@@ -393,4 +393,4 @@ TEST(Simulation, ABodyWithoutMassThatNothingHoldsIsAnError) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::simulation_test

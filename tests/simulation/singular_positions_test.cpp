@@ -9,7 +9,7 @@
 
 /// Mechanisms that go through positions where their constraints lose rank: on the branch that momentum leads
 /// to, and as accurate as without them.
-namespace mimbre::test {
+namespace mimbre::test::singular_positions_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -90,4 +90,4 @@ TEST(SingularPositions, ManyLoopsMoveAsOne) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::singular_positions_test

@@ -8,7 +8,7 @@
 #include "support/models.h"
 
 /// Drives that are given by their speed: their position is its integral, from the joint's initial position.
-namespace mimbre::test {
+namespace mimbre::test::speed_drive_test {
 namespace {
 
 using testing::ElementsAre;
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(Of, SpeedDrive, testing::Values(Formulation::relative, 
                          });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::speed_drive_test

@@ -10,7 +10,7 @@
 #include "support/models.h"
 
 /// Kane's spin-up beam against converged histories of another code's nonlinear beams (40 elements, 0.5 ms).
-namespace mimbre::test {
+namespace mimbre::test::spin_up_test {
 namespace {
 
 using Settings = std::map<std::string, std::string>;
@@ -185,4 +185,4 @@ TEST(SpinUpBeam, OneLinearBodyFails) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::spin_up_test

@@ -12,7 +12,7 @@
 #include "support/models.h"
 
 /// The watch over bodies that turn too far in a step.
-namespace mimbre::test {
+namespace mimbre::test::spin_watch_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -168,4 +168,4 @@ TEST(SpinWatch, IsSavedWithTheState) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::spin_watch_test

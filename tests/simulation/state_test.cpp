@@ -11,7 +11,7 @@
 #include "support/random_mechanism.h"
 
 /// Saved states: all that the next step depends on, and all that was observed.
-namespace mimbre::test {
+namespace mimbre::test::state_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -332,4 +332,4 @@ TEST(Handles, OfWhatIsNotThereAreRefusedWithNamesLikeIt) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::state_test

@@ -13,7 +13,7 @@
 #include "support/probe.h"
 
 /// Frames of bars that branch, cut into substructures or made of corotational beams.
-namespace mimbre::test {
+namespace mimbre::test::tree_of_beams_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -374,4 +374,4 @@ TEST(LoopOfBeams, CorotationalFrameBendsSymmetrically) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::tree_of_beams_test

@@ -11,7 +11,7 @@
 #include "support/models.h"
 
 /// The watch over what linear theory neglects, against closed forms of beams.
-namespace mimbre::test {
+namespace mimbre::test::validity_test {
 namespace {
 
 using std::numbers::pi;
@@ -241,4 +241,4 @@ TEST(Validity, ARestoredStateStartsAfresh) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::validity_test

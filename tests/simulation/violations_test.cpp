@@ -11,7 +11,7 @@
 #include "support/models.h"
 
 /// Violations of lengths and of angles are two numbers with their units.
-namespace mimbre::test {
+namespace mimbre::test::violations_test {
 namespace {
 
 using Formulation = spec::Simulation::Formulation;
@@ -160,4 +160,4 @@ TEST(Violations, TheWorstEquationIsNamed) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::test::violations_test

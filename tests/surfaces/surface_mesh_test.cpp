@@ -13,7 +13,7 @@
 #include "mimbre/model_file.h"
 #include "simulation/body_drawings.h"
 
-namespace mimbre {
+namespace mimbre::surface_mesh_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,4 +205,4 @@ TEST(SurfaceFile, OfPolygonsHoldsWhatItsHeaderSays) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::surface_mesh_test

@@ -9,7 +9,7 @@
 #include "tyre_files/tyre_data.h"
 
 /// Tyre property files: what is read, in which units, and what is said of bad ones.
-namespace mimbre {
+namespace mimbre::tyre_file_test {
 namespace {
 
 using namespace forces;
@@ -160,4 +160,4 @@ TEST(TyreFile, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::tyre_file_test

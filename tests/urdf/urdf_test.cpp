@@ -17,7 +17,7 @@
 #include "model/force_laws.h"
 #include "support/simulate.h"
 
-namespace mimbre {
+namespace mimbre::urdf_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -552,4 +552,4 @@ TEST_F(UrdfFile, AllShapesOfAVisualAreDrawn) {
 }
 
 }  // namespace
-}  // namespace mimbre
+}  // namespace mimbre::urdf_test
