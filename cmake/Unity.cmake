@@ -1,0 +1,37 @@
+# Compiles sources of one folder in a few units, so that the headers that they share are parsed and instantiated a few
+# times and not by each. Names in unnamed namespaces are unique in their folder therefore.
+
+# Groups FILES, sources of `target`, by folder, up to `chunk` bytes of source text in one unit: more is less work in all,
+# and more after an edit. What is not named in FILES stays alone. Called in the folder that makes the target.
+function(mimbre_unity target chunk)
+  if(NOT MIMBRE_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set(folders)
+  foreach(source IN LISTS ARGN)
+    file(SIZE ${source} bytes)
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER ${folder} folder)
+    math(EXPR bytes_${folder} "${bytes_${folder}} + ${bytes}")
+    list(APPEND sources_${folder} ${source})
+    list(APPEND folders ${folder})
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder IN LISTS folders)
+    math(EXPR units "${bytes_${folder}} / ${chunk} + 1")
+    set(before 0)
+    foreach(source IN LISTS sources_${folder})
+      cmake_path(GET source PARENT_PATH name)
+      cmake_path(GET name FILENAME name)
+      math(EXPR unit "${before} * ${units} / ${bytes_${folder}}")
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION OFF UNITY_GROUP ${name}_${unit})
+      file(SIZE ${source} bytes)
+      math(EXPR before "${before} + ${bytes}")
+    endforeach()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # The compiler takes sources that are included for headers, where types of unnamed namespaces have no place.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
