@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-namespace mimbre::test {
+namespace mimbre::nearest_place_test {
+using namespace test;
 namespace {
 
 using Eigen::Vector3d;
@@ -23,4 +24,4 @@ TEST(NearestPlace, IsTheNearestAndNotTheFirst) {
 }
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::nearest_place_test

@@ -13,7 +13,8 @@
 
 /// A model in other units of length, mass and time is the same model: each run takes the same steps and
 /// iterations, and its results are the same numbers in those units.
-namespace mimbre::test {
+namespace mimbre::unit_systems_test {
+using namespace test;
 namespace {
 
 /// A model whose numbers are products of L, M and T and what follows from them, and its outputs' units as
@@ -232,4 +233,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, UnitSystems,
                          });
 
 }  // namespace
-}  // namespace mimbre::test
+}  // namespace mimbre::unit_systems_test
