@@ -39,24 +39,6 @@ INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(examples()), [](const 
                         "[^A-Za-z0-9]", "_");
 });
 
-class Readme : public ProgramTest {};
-
-/// But for times, which are of a machine, and violations, which are round-off.
-TEST_F(Readme, ShowsWhatTheDemoPrints) {
-  const Outcome outcome = run({"run", (source / "examples/iltis/vehicle.yaml").string()});
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto shown = test::matches(read_file(source / "README.md"), "```\n(run\n[^`]*)…\n```");
-  ASSERT_EQ(shown.size(), 1u);
-  std::istringstream lines(shown[0][1]);
-  int compared = 0;
-  for (std::string line; std::getline(lines, line);) {
-    if (!test::matches(line, "CPU s|real-time|violation").empty()) continue;
-    EXPECT_NE(outcome.out.find(line + "\n"), std::string::npos) << line << "\nof\n" << outcome.out;
-    ++compared;
-  }
-  EXPECT_GE(compared, 8);
-}
-
 TEST(Tutorial, QuotesItsFiles) {
   const std::string tutorial = read_file(source / "docs/tutorial.md");
   const auto quotes = test::matches(tutorial, "<!-- file: ([^ ]+) -->\\s*```yaml\\n([^`]*)```");

@@ -313,6 +313,8 @@ TEST(LiveServer, InputsAreAtTheirStartAfterAReset) {
   Live live;
   Viewer viewer(live.port());
   viewer.say({{"do", "control"}, {"take", true}});
+  while (!viewer.until("control")["yours"]) {
+  }
   const std::string name = live.inputs()[0].name;
   const double start = live.inputs()[0].start;
   const auto set_to = [&](double value) { viewer.say({{"do", "inputs"}, {"values", {{name, value}}}}); };
@@ -328,6 +330,7 @@ TEST(LiveServer, InputsAreAtTheirStartAfterAReset) {
     ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::paused; }));
   };
   viewer.say({{"do", "pause"}});
+  ASSERT_TRUE(comes_true([&] { return live.loop().state() == RealTimeLoop::State::paused; }));
   set_to(1e200);
   reset();
   begins_with(start);
