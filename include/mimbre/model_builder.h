@@ -160,7 +160,7 @@ struct Event {
   bool stop = false;                                       ///< the run ends there
 };
 
-/// A force by one of the laws of src/model/force_laws.h: actuator, bushing, gas_spring, user.
+/// A force by one of the laws of src/forces: actuator, bushing, gas_spring, user.
 struct Element {
   std::string law{};                                   ///< needed
   std::array<std::string, 2> between{};                ///< needed, or `joint`
@@ -214,8 +214,8 @@ struct Spheres {
   double radius = 0;                  ///< m; needed
 };
 
-/// Spheres that touch surfaces and one another. The numbers are those of contact_numbers in
-/// src/model/force_laws.h.
+/// Spheres that touch surfaces and one another. The numbers are those of Contact in
+/// src/forces/contact.h.
 struct Contact {
   std::vector<Spheres> spheres{};       ///< needed
   std::vector<std::string> surfaces{};  ///< needed, or `among`

@@ -378,7 +378,7 @@ struct Contact {
   std::vector<int> surfaces;    ///< indices into Model::surfaces
   bool among = false;           ///< spheres of different bodies touch one another too
   bool swarm = false;           ///< of `among`: only those that are near each other are looked at
-  std::vector<double> numbers;  ///< of the law, as contact_numbers in src/model/force_laws.h describes them
+  std::vector<double> numbers;  ///< of the law, as Contact in src/forces/contact.h describes them
 };
 
 /// A named channel of the results.

@@ -15,4 +15,22 @@ inline void actuator_energy(const LawContext<double>&, const ElementState<double
   e.working[0] = s.force[0];
 }
 
+struct Actuator {
+  static constexpr LawInfo info{.name = "actuator",
+                                .section = "actuators",
+                                .along = true,
+                                .coordinate = true,
+                                .axis = true,
+                                .arguments = 1,
+                                .given = true};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    actuator_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    actuator_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

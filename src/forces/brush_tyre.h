@@ -5,7 +5,6 @@
 #include "forces/element.h"
 #include "forces/measure_wheel.h"
 #include "math/smooth.h"
-#include "model/force_laws.h"
 
 /// A tyre: a spring with a damper in the vertical direction, and a brush behind a carcass along and across
 /// (forces/carcass.h). The force across acts behind the middle of the footprint, by the trail of the brush.
@@ -15,8 +14,9 @@ namespace mimbre::forces {
 namespace brush_tyre {
 /// Among the law's numbers.
 constexpr int stiffness = 0, radius = 1, damping = 2, slip_stiffness = 3 /* along, across */, friction = 5,
-              relaxation = 6 /* likewise */, half_length = 8, load = 9, resistance = 10, settling = 11,
-              slow = brush_tyre_slow;
+              relaxation = 6 /* likewise */, half_length = 8, load = 9, resistance = 10, settling = 11;
+/// Behind those given: the speed at which it hardly rolls, m/s.
+constexpr int slow = 12;
 /// Among the states.
 constexpr int bend = wheel::bend;
 
@@ -106,5 +106,72 @@ inline void brush_tyre_energy(const LawContext<double>& c, const ElementState<do
   e.dissipating[wheel::gap] = s.force[wheel::gap] + spring;
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];
 }
+
+/// The numbers stand behind the vertical stiffness and the radius.
+struct BrushTyre {
+  static constexpr std::array<LawNumber, 10> numbers{{
+      {.key = "damping", .unit = "N s/m", .about = "vertical", .otherwise = 0, .least = 0},
+      {.key = "longitudinal_stiffness", .unit = "N", .about = "force over slip, at small slip", .above = 0},
+      {.key = "cornering_stiffness",
+       .unit = "N/rad",
+       .about = "force over slip angle, at small angles",
+       .above = 0},
+      {.key = "friction", .about = "limit of the force along the road, by the vertical one", .least = 0},
+      {.key = "longitudinal_relaxation",
+       .unit = "m",
+       .about = "way on which the force along follows its slip",
+       .above = 0},
+      {.key = "lateral_relaxation",
+       .unit = "m",
+       .about = "way on which the force across follows its slip",
+       .above = 0},
+      {.key = "half_length", .unit = "m", .about = "of the footprint", .above = 0},
+      {.key = "load",
+       .unit = "N",
+       .about = "at which these are so: stiffnesses go with the load; 0: they do not",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "rolling_resistance",
+       .about = "force that resists rolling, by the vertical one",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "settling",
+       .unit = "s",
+       .about = "damping over stiffness of the carcass, of a wheel that stands",
+       .otherwise = 0.02,
+       .least = 0},
+  }};
+  /// brush_tyre::slow.
+  static void derived(std::span<const double>, double, std::vector<double>& behind) { behind.push_back(0); }
+  /// A share of the speed √(a R) that a wheel of radius R reaches within R/2 under its tyre's usual
+  /// acceleration a: that of gravity, or without it the one of the mean mass on a tyre that is pressed in by
+  /// R/20.
+  static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    constexpr double share = 0.1, usual_deflection = 0.05;
+    const double gravity = m.gravity.norm(), R = e.radius;
+    const double a = gravity > 0 ? gravity : usual_deflection * R * p[brush_tyre::stiffness] / m.mass_scale;
+    p[brush_tyre::slow] = share * std::sqrt(a * R);
+  }
+  /// It rolls as a wheel that is smaller by a third of its deflection.
+  static RollingSize rolling_size(std::span<const double> n) {
+    return {1. / 3, n[brush_tyre::half_length - 2]};
+  }
+  static constexpr LawInfo info{.name = "brush_tyre",
+                                .list = SpecList::tyres,
+                                .numbers = numbers,
+                                .states = 9,
+                                .derived = derived,
+                                .set_scales = set_scales,
+                                .model = "brush",
+                                .rolling_size = rolling_size};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    brush_tyre_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    brush_tyre_energy(c, s, e);
+  }
+};
 
 }  // namespace mimbre::forces

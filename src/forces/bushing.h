@@ -113,4 +113,29 @@ inline void bushing_energy(const LawContext<double>& c, const ElementState<doubl
   }
 }
 
+struct Bushing {
+  static void check(const spec::Element& e, std::vector<std::string>& faults) {
+    if (e.numbers.size() != 72) {
+      faults.push_back(
+          fmt::format("a bushing has 72 numbers (stiffness and damping, 6 x 6), not {}", e.numbers.size()));
+      return;
+    }
+    for (int block = 0; block < 2; ++block) {
+      const Eigen::Map<const Eigen::Matrix<double, 6, 6>> m(e.numbers.data() + 36 * block);
+      if (m.allFinite() && !m.isApprox(m.transpose(), 1e-9) && !m.isZero(0))
+        faults.emplace_back(block == 0 ? "stiffness is not symmetric" : "damping is not symmetric");
+    }
+  }
+  static constexpr LawInfo info{
+      .name = "bushing", .section = "bushings", .relative = true, .functions = 12, .check = check};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    bushing_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    bushing_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

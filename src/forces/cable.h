@@ -68,4 +68,42 @@ inline void cable_energy(const LawContext<double>& c, const ElementState<double>
   e.wound = rest - was;
 }
 
+struct Cable {
+  static constexpr std::array<LawNumber, 4> numbers{{
+      {.key = "axial_stiffness", .unit = "N", .about = "E A: tension over strain", .above = 0},
+      {.key = "damping", .unit = "N s/m", .about = "of the taut cable", .otherwise = 0, .least = 0},
+      {.key = "length",
+       .unit = "m",
+       .about = "without tension; 0: such that the assembled cable has the preload",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "preload", .unit = "N", .about = "tension as assembled", .otherwise = 0, .least = 0},
+  }};
+  static constexpr std::string_view fault(std::span<const double> n) {
+    return n[2] > 0 && n[3] > 0 ? "has a 'length' and a 'preload', which follow from each other; keep one"
+                                : "";
+  }
+  /// The length without tension.
+  static void derived(std::span<const double> n, double assembled, std::vector<double>& behind) {
+    behind.push_back(n[2] > 0 ? n[2] : assembled / (1 + n[3] / n[0]));
+  }
+  static constexpr LawInfo info{.name = "cable",
+                                .section = "cables",
+                                .path = true,
+                                .numbers = numbers,
+                                .arguments = 1,
+                                .optional = true,
+                                .states = 2,
+                                .fault = fault,
+                                .derived = derived};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    cable_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    cable_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

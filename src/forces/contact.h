@@ -6,7 +6,8 @@
 #include "forces/element.h"
 #include "forces/element_ends.h"
 #include "math/elementary.h"
-#include "model/force_laws.h"
+#include "math/restitution.h"
+#include "model/slow_speeds.h"
 
 /// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
 /// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
@@ -19,9 +20,10 @@ namespace mimbre::forces {
 
 namespace contact {
 /// Among the law's numbers.
-constexpr int stiffness = 0, exponent = 1, depth = 2, friction = 4, static_ratio = 5, stribeck = 6,
-              tangential = 7, settling = 8, rolling = 9, spinning = 10, damping = contact_damping,
-              slow = contact_slow;
+constexpr int stiffness = 0, exponent = 1, depth = 2, restitution = 3, friction = 4, static_ratio = 5,
+              stribeck = 6, tangential = 7, settling = 8, rolling = 9, spinning = 10;
+/// Behind those given, as of stops.
+constexpr int damping = 11, slow = 12;
 
 /// What starts slower than this share of `stribeck` is at rest.
 constexpr double still = 1e-7;
@@ -231,5 +233,79 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   e.lost += 0.5 * pulled.dot(went - reach * since.cross(axes.col(2)));
   if (turning) e.lost += 0.5 * vector_at<double>(c.states + states::moment).dot(since);
 }
+
+struct Contact {
+  static constexpr std::array<LawNumber, 11> numbers{{
+      {.key = "stiffness",
+       .unit = "N/m",
+       .about = "at 'depth', or anywhere where the exponent is 1",
+       .above = 0},
+      {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
+      {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
+      {.key = "restitution",
+       .about = "share of the speed that a blow leaves",
+       .otherwise = 1,
+       .least = 0.01,
+       .most = 1},
+      {.key = "friction",
+       .about = "limit of the tangential force, by the normal one",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "static_ratio",
+       .about = "of the limit at rest to that in fast sliding",
+       .otherwise = 1,
+       .least = 1},
+      {.key = "stribeck",
+       .unit = "m/s",
+       .about = "speed over which the limit falls to that in fast sliding",
+       .otherwise = 1e-2,
+       .above = 0},
+      {.key = "tangential",
+       .about = "stiffness of what sticks, by that in the normal direction",
+       .otherwise = 0.7,
+       .above = 0},
+      {.key = "settling",
+       .unit = "s",
+       .about = "in which a vibration of what sticks dies away",
+       .otherwise = 1e-3,
+       .least = 0},
+      {.key = "rolling",
+       .unit = "m",
+       .about = "arm of the normal force that resists rolling",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "spinning",
+       .unit = "m",
+       .about = "arm of the normal force that resists turning about it",
+       .otherwise = 0,
+       .least = 0},
+  }};
+  /// As of stops.
+  static void derived(std::span<const double> n, double, std::vector<double>& behind) {
+    behind.insert(behind.end(), {restitution_damping(n[contact::restitution]), 0});
+  }
+  static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    p[contact::slow] = slow_impact(m, e, p[contact::stiffness], p[contact::exponent], p[contact::depth]);
+  }
+  static bool resists_turning(std::span<const double> n) {
+    return n[contact::rolling] > 0 || n[contact::spinning] > 0;
+  }
+  static constexpr LawInfo info{.name = "contact",
+                                .list = SpecList::contacts,
+                                .numbers = numbers,
+                                .states = 16,
+                                .derived = derived,
+                                .set_scales = set_scales,
+                                .resists_turning = resists_turning,
+                                .turning_states = 22};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    contact_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    contact_energy(c, s, e);
+  }
+};
 
 }  // namespace mimbre::forces

@@ -40,4 +40,28 @@ inline void drag_energy(const LawContext<double>& c, const ElementState<double>&
   for (int k = 0; k < 3; ++k) (c.has_arguments() ? e.working : e.dissipating)[k] = s.force[k];
 }
 
+struct Drag {
+  static constexpr std::array<LawNumber, 5> numbers{{
+      {.key = "area", .unit = "m^2", .about = "that the coefficients are for", .above = 0},
+      {.key = "density", .unit = "kg/m^3", .about = "of the air", .otherwise = 1.225, .least = 0},
+      {.key = "cx", .about = "coefficient along the frame's x", .least = 0},
+      {.key = "cy", .about = "likewise y", .least = 0},
+      {.key = "cz", .about = "likewise z", .least = 0},
+  }};
+  static constexpr LawInfo info{.name = "drag",
+                                .section = "drags",
+                                .velocity = true,
+                                .numbers = numbers,
+                                .arguments = 3,
+                                .optional = true};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    drag_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    drag_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

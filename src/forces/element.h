@@ -7,6 +7,7 @@
 #include "math/function_values.h"
 #include "math/rotation.h"
 #include "model/compiled.h"
+#include "model/force_law.h"
 
 namespace mimbre {
 

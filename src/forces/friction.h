@@ -92,4 +92,44 @@ inline void friction_energy(const LawContext<double>& c, const ElementState<doub
   e.dissipating[0] = p[viscous] * s.v[0];
 }
 
+struct Friction {
+  static constexpr std::array<LawNumber, 5> numbers{{
+      {.key = "sticking",
+       .unit = "m|rad",
+       .about = "that the surfaces give before they slide",
+       .otherwise = 1e-5,
+       .above = 0},
+      {.key = "static_ratio",
+       .about = "of the limit at rest to that in fast sliding",
+       .otherwise = 1,
+       .least = 1},
+      {.key = "stribeck",
+       .unit = "m/s|rad/s",
+       .about = "speed over which the limit falls to that in fast sliding",
+       .otherwise = 1e-2,
+       .above = 0},
+      {.key = "viscous", .unit = "N s/m|N m s/rad", .about = "damping beside", .otherwise = 0, .least = 0},
+      {.key = "settling",
+       .unit = "s",
+       .about = "in which a vibration of what sticks dies away",
+       .otherwise = 1e-3,
+       .least = 0},
+  }};
+  static constexpr LawInfo info{.name = "friction",
+                                .section = "frictions",
+                                .coordinate = true,
+                                .numbers = numbers,
+                                .arguments = 1,
+                                .states = 4,
+                                .drawn_at_joint = "friction"};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    friction_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    friction_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

@@ -52,4 +52,29 @@ inline void gas_spring_energy(const LawContext<double>& c, const ElementState<do
   e.dissipating[0] = p[damping] * s.v[0];
 }
 
+struct GasSpring {
+  static constexpr std::array<LawNumber, 7> numbers{{
+      {.key = "pressure", .unit = "Pa", .about = "of the gas at that length", .above = 0},
+      {.key = "area", .unit = "m^2", .about = "of the piston", .above = 0},
+      {.key = "length", .unit = "m", .about = "of the spring between its ends", .above = 0},
+      {.key = "gas_length", .unit = "m", .about = "of the column of gas at that length", .above = 0},
+      {.key = "exponent", .about = "1 slowly, 1.4 fast", .otherwise = 1.2, .above = 0},
+      {.key = "damping", .unit = "N s/m", .about = "of the seals", .otherwise = 0, .least = 0},
+      {.key = "ambient", .unit = "Pa", .about = "pressure outside", .otherwise = 101325, .least = 0},
+  }};
+  static constexpr LawInfo info{.name = "gas_spring",
+                                .section = "gas_springs",
+                                .along = true,
+                                .numbers = numbers,
+                                .drawn_along = "spring damper"};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    gas_spring_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    gas_spring_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

@@ -15,4 +15,16 @@ inline void load_energy(const LawContext<double>&, const ElementState<double>& s
   e.working[0] = s.force[0];
 }
 
+struct Load {
+  static constexpr LawInfo info{.name = "load", .list = SpecList::loads};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    load_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    load_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "forces/brush_tyre.h"
 #include "forces/carcass.h"
 #include "forces/element.h"
 #include "forces/magic_formula.h"
@@ -147,5 +148,49 @@ inline void magic_tyre_energy(const LawContext<double>& c, const ElementState<do
   e.stored += s.states[stored];
   if (c.step > 0) e.lost = c.states[stored] - s.states[stored];
 }
+
+/// Behind the vertical stiffness and the radius stand the numbers of the formula, then the settling time.
+struct MagicTyre {
+  static constexpr std::array<LawNumber, 1> numbers{BrushTyre::numbers.back()};
+  /// Numbers of the formula, as a property file gives them (mimbre/tyre_file.h), and the carcass's damping.
+  static void check_file(std::span<const double> n, std::vector<std::string>& faults) {
+    using namespace magic;
+    if (n.size() != count + 1) {
+      faults.push_back(fmt::format("law 'magic_tyre' has {} numbers, {} are given", count + 1, n.size()));
+      return;
+    }
+    for (std::size_t k = 0; k < n.size(); ++k)
+      if (!std::isfinite(n[k])) faults.push_back(fmt::format("number {} is not finite", k));
+    for (const Number k : {unloaded_radius, fnomin, longvl, nompres, vertical_stiffness, lfzo})
+      if (!(n[static_cast<std::size_t>(k)] > 0))
+        faults.push_back(fmt::format("{} is {}; it has to be above 0", magic::rows[k].key,
+                                     n[static_cast<std::size_t>(k)]));
+    if (!(n.back() >= 0)) faults.push_back(fmt::format("settling is {}; it cannot be below 0", n.back()));
+  }
+  /// At the nominal load, by the rolling radius of the property file, (A3.6) of Pacejka 2012, and the length
+  /// of the footprint of its appendix 3's tyre, (A3.7): R (0.671 √(δ/R) + 0.733 δ/R).
+  static RollingSize rolling_size(std::span<const double> n) {
+    using namespace magic;
+    const double radius = n[unloaded_radius], share = n[fnomin] / (n[vertical_stiffness] * radius);
+    return {n[dreff] * mimbre::atan(n[breff]) + n[freff],
+            radius * (0.671 * std::sqrt(share) + 0.733 * share)};
+  }
+  static constexpr LawInfo info{.name = "magic_tyre",
+                                .list = SpecList::tyres,
+                                .numbers = numbers,
+                                .states = 10,
+                                .model = "magic_formula",
+                                .by_file = true,
+                                .check_file = check_file,
+                                .rolling_size = rolling_size};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    magic_tyre_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    magic_tyre_energy(c, s, e);
+  }
+};
 
 }  // namespace mimbre::forces

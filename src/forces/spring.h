@@ -49,4 +49,40 @@ inline void spring_energy(const LawContext<double>& c, const ElementState<double
   e.dissipating[0] = c.function(spring::damping).value(s.v[0]) + whole - e.working[0];
 }
 
+/// Springs and dampers of `springs` and of joints.
+struct Spring {
+  static constexpr LawInfo info{.name = "spring", .list = SpecList::springs, .of_functions = true};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    spring_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    spring_energy(c, s, e);
+  }
+};
+
+/// On a sum of joints' coordinates.
+struct TorsionSpring {
+  static void check(const spec::Element& e, std::vector<std::string>& faults) {
+    if (e.functions.size() != 2 ||
+        (e.functions[0].is_zero() && e.functions[1].is_zero() && e.general.formula.is_zero()))
+      faults.emplace_back("says no force; it has two functions: its elastic law, and its damper's");
+  }
+  static constexpr LawInfo info{.name = "torsion_spring",
+                                .section = "torsion_springs",
+                                .coordinates = true,
+                                .functions = 2,
+                                .of_functions = true,
+                                .check = check};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    spring_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    spring_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

@@ -3,7 +3,8 @@
 
 #include "forces/blow.h"
 #include "forces/element.h"
-#include "model/force_laws.h"
+#include "math/restitution.h"
+#include "model/slow_speeds.h"
 
 /// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
 /// Within its depth d a stop pushes back with f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl.
@@ -13,9 +14,9 @@ namespace mimbre::forces {
 
 namespace stop {
 /// Among the law's numbers.
-constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4;
-constexpr int damping = stop_damping,
-              slow = stop_slow;  ///< a, and the speed below which it is that of no blow
+constexpr int lower = 0, upper = 1, stiffness = 2, exponent = 3, depth = 4, restitution = 5;
+/// Behind those given: a, and the speed, m/s or rad/s, below which no impact counts.
+constexpr int damping = 6, slow = 7;
 
 /// `d`: depth, `speed`: at which it grows, `factor`: c.
 template <class T>
@@ -57,5 +58,58 @@ inline void stop_energy(const LawContext<double>& c, const ElementState<double>&
     e.dissipating[0] += side * (made.force - made.elastic);
   }
 }
+
+/// ±1e300: no end there.
+struct Stop {
+  static constexpr std::array<LawNumber, 6> numbers{{
+      {.key = "lower", .unit = "m|rad", .about = "where it begins below", .otherwise = -1e300},
+      {.key = "upper", .unit = "m|rad", .about = "where it begins above", .otherwise = 1e300},
+      {.key = "stiffness",
+       .unit = "N/m|N m/rad",
+       .about = "at 'depth', or anywhere where the exponent is 1",
+       .above = 0},
+      {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
+      {.key = "depth",
+       .unit = "m|rad",
+       .about = "at which the stiffness is that",
+       .otherwise = 1e-3,
+       .above = 0},
+      {.key = "restitution",
+       .about = "share of the speed that a blow leaves",
+       .otherwise = 1,
+       .least = 0.01,
+       .most = 1},
+  }};
+  static constexpr std::string_view fault(std::span<const double> n) {
+    if (n[0] <= -1e300 && n[1] >= 1e300) return "gives no end of the travel: 'lower' or 'upper' is needed";
+    return n[0] < n[1] ? "" : "'lower' has to be below 'upper'";
+  }
+  /// The damping that the restitution needs, and stop::slow.
+  static void derived(std::span<const double> n, double, std::vector<double>& behind) {
+    behind.insert(behind.end(), {restitution_damping(n[stop::restitution]), 0});
+  }
+  static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    p[stop::slow] = slow_impact(m, e, p[stop::stiffness], p[stop::exponent], p[stop::depth]);
+  }
+  static constexpr LawInfo info{.name = "stop",
+                                .section = "stops",
+                                .along = true,
+                                .coordinate = true,
+                                .numbers = numbers,
+                                .states = 1,
+                                .fault = fault,
+                                .derived = derived,
+                                .set_scales = set_scales,
+                                .drawn_along = "damper",
+                                .drawn_at_joint = "stop"};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    stop_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    stop_energy(c, s, e);
+  }
+};
 
 }  // namespace mimbre::forces

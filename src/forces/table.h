@@ -9,52 +9,45 @@
 #include "forces/drag.h"
 #include "forces/friction.h"
 #include "forces/gas_spring.h"
+#include "forces/hydraulic_damper.h"
 #include "forces/load.h"
 #include "forces/magic_tyre.h"
 #include "forces/motor.h"
+#include "forces/sensor.h"
 #include "forces/spring.h"
 #include "forces/stop.h"
 #include "forces/tyre.h"
 #include "forces/user.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
-/// The laws of force elements. A new one is a file like spring.h, a row here and one in model/force_laws.h.
+/// The laws of force elements. A new one is a file like gas_spring.h and its name in this list.
 namespace mimbre::forces {
+
+template <class... Laws>
+struct LawList {};
+/// In the order of ElementData::law.
+using Laws = LawList<Spring, Tyre, Load, Sensor, Actuator, Bushing, User, GasSpring, Friction, Stop,
+                     TorsionSpring, Cable, Motor, Drag, Contact, BrushTyre, MagicTyre, HydraulicDamper>;
 
 template <class T>
 struct LawRow {
-  /// Force and tangents of what is measured, and the states at the end of the step.
+  /// Force and tangents of the measure, and the states at the end of the step.
   void (*law)(const LawContext<T>&, ElementState<T>&);
   /// After the law, of numbers only: it is no part of a step.
   void (*energy)(const LawContext<double>&, const ElementState<double>&, ElementEnergy&);
 };
 
-template <class T>
-void no_law(const LawContext<T>&, ElementState<T>& s) {
-  for (int k = 0; k < s.count; ++k) s.force[k] = T(0);
-  for (int k = 0; k < s.count * s.count; ++k) s.stiffness[k] = s.damping[k] = T(0);
+template <class T, class... Law>
+constexpr std::array<LawRow<T>, sizeof...(Law)> rows_of(LawList<Law...>) {
+  return {{{Law::template law<T>, Law::energy}...}};
 }
-inline void no_energy(const LawContext<double>&, const ElementState<double>&, ElementEnergy&) {}
-
 template <class T>
-constexpr std::array<LawRow<T>, law_table.size()> rows{{
-    {spring_law, spring_energy},
-    {tyre_law, tyre_energy},
-    {load_law, load_energy},
-    {no_law, no_energy},
-    {actuator_law, actuator_energy},
-    {bushing_law, bushing_energy},
-    {user_law, user_energy},
-    {gas_spring_law, gas_spring_energy},
-    {friction_law, friction_energy},
-    {stop_law, stop_energy},
-    {spring_law, spring_energy},
-    {cable_law, cable_energy},
-    {motor_law, motor_energy},
-    {drag_law, drag_energy},
-    {contact_law, contact_energy},
-    {brush_tyre_law, brush_tyre_energy},
-    {magic_tyre_law, magic_tyre_energy},
-}};
+constexpr auto rows = rows_of<T>(Laws());
+
+template <class... Law>
+constexpr std::array<const LawInfo*, sizeof...(Law)> infos_of(LawList<Law...>) {
+  return {&Law::info...};
+}
+inline constexpr auto infos = infos_of(Laws());
 
 }  // namespace mimbre::forces

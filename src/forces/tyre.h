@@ -25,4 +25,16 @@ inline void tyre_energy(const LawContext<double>& c, const ElementState<double>&
   e.stored = 0.5 * c.numbers()[tyre::stiffness] * penetration * penetration;
 }
 
+struct Tyre {
+  static constexpr LawInfo info{.name = "tyre", .list = SpecList::tyres, .model = "vertical"};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    tyre_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    tyre_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

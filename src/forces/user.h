@@ -134,4 +134,17 @@ inline void user_energy(const LawContext<double>& c, const ElementState<double>&
   }
 }
 
+struct User {
+  static constexpr LawInfo info{
+      .name = "user", .along = true, .coordinate = true, .axis = true, .relative = true};
+
+  template <class T>
+  static void law(const LawContext<T>& c, ElementState<T>& s) {
+    user_law(c, s);
+  }
+  static void energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
+    user_energy(c, s, e);
+  }
+};
+
 }  // namespace mimbre::forces

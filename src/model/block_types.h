@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
 /// What there is to say of the types of blocks besides their equations, which are in src/signals/blocks: the
 /// table here and that in signals/blocks/rows.h have the same rows.

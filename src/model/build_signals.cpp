@@ -1,5 +1,5 @@
 #include "mimbre/diagnostics.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/model_builder_parts.h"
 
 /// Inputs, signals and force elements by names.
@@ -73,8 +73,9 @@ void ModelBuilder::add_element(const std::string& name, const build::Element& gi
   e.law = given.law;
   if (find_law(given.law) < 0) {
     std::vector<std::string> known;
-    for (const LawInfo& law : law_table)
-      if (law.along || law.coordinate || law.relative || !law.section.empty()) known.emplace_back(law.name);
+    for (const LawInfo* law : all_laws())
+      if (law->along || law->coordinate || law->relative || !law->section.empty())
+        known.emplace_back(law->name);
     addition.refuse(fmt::format("there is no law '{}'{}", given.law, did_you_mean(given.law, known)));
   }
   const bool six = given.all_six || given.law == "bushing";

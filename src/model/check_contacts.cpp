@@ -1,7 +1,7 @@
 #include "mimbre/reduced_body.h"
 #include "model/checked_thing.h"
 #include "model/contact_pairs.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/surface_kinds.h"
 #include "model/triangle_mesh.h"
 
@@ -74,7 +74,7 @@ void check_surfaces(const spec::Model& model, std::vector<Diagnostic>& errors) {
 }
 
 void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors) {
-  const LawInfo& law = law_info(static_cast<int>(Law::contact));
+  const LawInfo& law = law_info(find_law("contact"));
   for (std::size_t k = 0; k < model.contacts.size(); ++k) {
     const spec::Contact& contact = model.contacts[k];
     const Thing thing(errors, "contact", contact.name, contact.mark, k);

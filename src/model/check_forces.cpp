@@ -1,7 +1,6 @@
 #include "model/checked_thing.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/nearest_place.h"
-#include "tyre_files/magic_numbers.h"
 
 /// Springs, loads, roads and tyres.
 namespace mimbre::checks {
@@ -92,32 +91,20 @@ void check_grid(const Thing& thing, const spec::Road& road) {
   thing.positive("spacing along y", road.spacing[1]);
 }
 
-/// Of a tyre that rolls; whether all of its numbers are there.
-bool check_rolling(const Thing& thing, const spec::Tyre& tyre, std::size_t count) {
-  if (thing.finite("axis", tyre.axis) && !(tyre.axis.norm() > 0))
-    thing.error("axis has no length; give a vector such as (0, 1, 0)");
-  if (tyre.numbers.size() == count) return true;
-  thing.error(fmt::format("law '{}' has {} numbers, {} are given", tyre.law, count, tyre.numbers.size()));
-  return false;
-}
-
-void check_brush(const Thing& thing, const spec::Tyre& tyre) {
-  const LawInfo& law = law_info(static_cast<int>(Law::brush_tyre));
-  if (!check_rolling(thing, tyre, law.numbers.size())) return;
+/// Of the numbers by which a law describes a tyre.
+void check_numbers(const Thing& thing, const spec::Tyre& tyre, const LawInfo& law) {
+  if (law.by_file) {
+    std::vector<std::string> faults;
+    law.check_file(tyre.numbers, faults);
+    for (const std::string& fault : faults) thing.error(fault);
+    return;
+  }
+  if (tyre.numbers.size() != law.numbers.size())
+    return thing.error(fmt::format("law '{}' has {} numbers, {} are given", tyre.law, law.numbers.size(),
+                                   tyre.numbers.size()));
   for (std::size_t k = 0; k < law.numbers.size(); ++k)
     if (!law.numbers[k].allows(tyre.numbers[k]))
       thing.error(fmt::format("{} {}", law.numbers[k].key, wrong_number(law.numbers[k], tyre.numbers[k])));
-}
-
-/// Numbers of the formula, as a property file gives them (mimbre/tyre_file.h), and the carcass's damping.
-void check_magic(const Thing& thing, const spec::Tyre& tyre) {
-  using namespace forces::magic;
-  if (!check_rolling(thing, tyre, count + 1)) return;
-  for (std::size_t k = 0; k < tyre.numbers.size(); ++k)
-    thing.finite(fmt::format("number {}", k), tyre.numbers[k]);
-  for (const Number k : {unloaded_radius, fnomin, longvl, nompres, vertical_stiffness, lfzo})
-    thing.positive(std::string(rows[k].key), tyre.numbers[static_cast<std::size_t>(k)]);
-  thing.not_negative("settling", tyre.numbers.back());
 }
 
 }  // namespace
@@ -177,13 +164,17 @@ void check_tyres(const spec::Model& model, std::vector<Diagnostic>& errors) {
     thing.positive("stiffness", tyre.stiffness);
     thing.positive("radius", tyre.radius);
     const int law = find_law(tyre.law);
-    if (law == static_cast<int>(Law::brush_tyre))
-      check_brush(thing, tyre);
-    else if (law == static_cast<int>(Law::magic_tyre))
-      check_magic(thing, tyre);
-    else if (law != static_cast<int>(Law::tyre))
-      thing.error(fmt::format(
-          "there is no law '{}' of tyres; there are 'tyre', 'brush_tyre' and 'magic_tyre'", tyre.law));
+    if (law < 0 || law_info(law).list != SpecList::tyres) {
+      std::vector<std::string> known;
+      for (const LawInfo* info : all_laws())
+        if (info->list == SpecList::tyres) known.push_back(fmt::format("'{}'", info->name));
+      thing.error(
+          fmt::format("there is no law '{}' of tyres; there are {}", tyre.law, fmt::join(known, ", ")));
+      continue;
+    }
+    if (law_info(law).rolling_size && thing.finite("axis", tyre.axis) && !(tyre.axis.norm() > 0))
+      thing.error("axis has no length; give a vector such as (0, 1, 0)");
+    check_numbers(thing, tyre, law_info(law));
   }
 }
 

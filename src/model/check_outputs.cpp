@@ -4,7 +4,7 @@
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model/checked_thing.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/output_kinds.h"
 
 /// Channels that the user named.
@@ -131,7 +131,8 @@ void check_tyre(const spec::Model& model, const Thing& thing, const spec::Output
   if (!thing.index("item", output.item, model.tyres.size(), "tyres")) return;
   if (output.kind == Kind::tyre_force && output.component == 0) return;
   const spec::Tyre& tyre = model.tyres[static_cast<std::size_t>(output.item)];
-  if (tyre.law == law_info(static_cast<int>(Law::tyre)).name)
+  const int law = find_law(tyre.law);
+  if (law >= 0 && !law_info(law).rolling_size)
     thing.error(
         fmt::format("tyre '{}' only carries and has no more than a vertical force; give it a model: "
                     "brush or magic_formula",

@@ -4,7 +4,7 @@
 #include "joints/table.h"
 #include "model/checked_thing.h"
 #include "model/compile_blocks.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/nearest_place.h"
 
 /// Inputs, signals, and the force elements that have no section of their own.
@@ -103,21 +103,16 @@ void check_functions(const Thing& thing, const spec::Element& e, const LawInfo& 
     return thing.error(law.functions == 0 ? fmt::format("law '{}' has no functions", law.name)
                                           : fmt::format("law '{}' has {} functions, {} are given", law.name,
                                                         law.functions, given));
-  const bool torsion_spring = e.law == "torsion_spring", formula = !e.general.formula.is_zero();
-  if (torsion_spring && (given == 0 || (e.functions[0].is_zero() && e.functions[1].is_zero() && !formula)))
-    thing.error("says no force; it has two functions: its elastic law, and its damper's");
-  if (formula && !torsion_spring)
+  if (!e.general.formula.is_zero() && !law.of_functions)
     thing.error(fmt::format("law '{}' has no formula 'general'; torsion springs have", law.name));
-  if (e.law == "motor" && e.numbers.size() == law.numbers.size() && (given != 0) == (e.numbers[2] > 0))
-    thing.error("has a curve, or a constant and a resistance: one of both is needed");
 }
 
 void check_element(const spec::Model& model, const Thing& thing, const spec::Element& e) {
   const int row = find_law(e.law);
   std::string known;
-  for (const LawInfo& info : law_table)
-    if (info.coordinate || info.relative || !info.section.empty())
-      known += fmt::format("{}'{}'", known.empty() ? "" : ", ", info.name);
+  for (const LawInfo* info : all_laws())
+    if (info->coordinate || info->relative || !info->section.empty())
+      known += fmt::format("{}'{}'", known.empty() ? "" : ", ", info->name);
   if (row < 0) return thing.error(fmt::format("there is no law '{}'; there are {}", e.law, known));
   const LawInfo& law = law_info(row);
   using On = spec::Element::On;
@@ -143,9 +138,6 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
     thing.error(fmt::format("has {} states; a law of the user's has at most 64", e.user->states.size()));
   if (e.user)
     for (const double state : e.user->states) thing.finite("one of its states", state);
-  if (bushing && e.numbers.size() != 72)
-    thing.error(
-        fmt::format("a bushing has 72 numbers (stiffness and damping, 6 x 6), not {}", e.numbers.size()));
   if (!bushing && !user && e.numbers.size() != law.numbers.size())
     thing.error(
         fmt::format("law '{}' has {} numbers, {} are given", e.law, law.numbers.size(), e.numbers.size()));
@@ -155,11 +147,9 @@ void check_element(const spec::Model& model, const Thing& thing, const spec::Ele
   if (law.fault && e.numbers.size() == law.numbers.size())
     if (const std::string_view fault = law.fault(e.numbers); !fault.empty()) thing.error(std::string(fault));
   check_functions(thing, e, law);
-  for (std::size_t block = 0; bushing && e.numbers.size() == 72 && block < 2; ++block) {
-    const Eigen::Map<const Eigen::Matrix<double, 6, 6>> m(e.numbers.data() + 36 * block);
-    if (m.allFinite() && !m.isApprox(m.transpose(), 1e-9) && !m.isZero(0))
-      thing.error(block == 0 ? "stiffness is not symmetric" : "damping is not symmetric");
-  }
+  std::vector<std::string> faults;
+  if (law.check) law.check(e, faults);
+  for (const std::string& fault : faults) thing.error(fault);
   if (!e.branches.empty() && !bushing) thing.error("branches belong to a bushing");
   for (const spec::MaxwellBranch& branch : e.branches) {
     thing.positive("relaxation", branch.relaxation);

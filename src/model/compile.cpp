@@ -8,7 +8,6 @@
 #include <set>
 
 #include "math/decompositions.h"
-#include "math/restitution.h"
 #include "mimbre/model.h"
 #include "mimbre/reduced_body.h"
 #include "model/check_spec.h"
@@ -18,9 +17,8 @@
 #include "model/contact_pairs.h"
 #include "model/find_scales.h"
 #include "model/flexible_data.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/image.h"
-#include "model/rolling_size.h"
 #include "model/slow_speeds.h"
 #include "model/topology.h"
 #include "model/triangle_mesh.h"
@@ -276,7 +274,7 @@ class Compiler {
       c_.sums.push_back(k);
       const spec::Element& s = spec_.elements[c_.elements[k].spec];
       const auto add = [&](ElementData e, double factor) {
-        e.law = static_cast<int>(Law::sensor);
+        e.law = find_law("sensor");
         e.leg = true;
         const int place = add_element(std::move(e));
         c_.elements[k].legs.push_back({place, factor, {}});
@@ -343,7 +341,7 @@ class Compiler {
     for (int k = 0; k < static_cast<int>(s.springs.size()); ++k) {
       const spec::Spring& spring = s.springs[k];
       ElementData e;
-      e.law = static_cast<int>(Law::spring);
+      e.law = find_law("spring");
       e.spec = k;
       e.measure = Measure::distance;
       e.marked = true;
@@ -366,7 +364,7 @@ class Compiler {
     for (int k = 0; k < static_cast<int>(s.loads.size()); ++k) {
       const spec::Load& l = s.loads[k];
       ElementData e;
-      e.law = static_cast<int>(Law::load);
+      e.law = find_law("load");
       e.spec = k;
       e.frame_b = c_.frame_of_spec[l.frame];
       e.direction = l.force;
@@ -381,7 +379,7 @@ class Compiler {
       const spec::Joint& j = s.joints[joint];
       for (int k = 0; k < static_cast<int>(j.springs.size()); ++k) {
         ElementData e = on_coordinate(joint, j.springs[k].coordinate);
-        e.law = static_cast<int>(Law::spring);
+        e.law = find_law("spring");
         e.spec = k;
         e.functions = add_functions({j.springs[k].elastic, j.springs[k].damping});
         e.formula = add_formula(c_, j.springs[k].general);
@@ -396,7 +394,7 @@ class Compiler {
   }
 
   static Measure measure_of(const spec::Tyre& tyre) {
-    return tyre.law == law_info(static_cast<int>(Law::tyre)).name ? Measure::height : Measure::wheel;
+    return law_info(find_law(tyre.law)).rolling_size ? Measure::wheel : Measure::height;
   }
   ElementData tyre(int k) {
     const spec::Tyre& s = spec_.tyres[k];
@@ -411,11 +409,11 @@ class Compiler {
     e.state_count = law_info(e.law).states;
     e.numbers = add_numbers({s.stiffness, s.radius});
     add_numbers(s.numbers);
+    add_derived(e, s.numbers);
     if (e.measure == Measure::height) return e;
-    if (e.law == static_cast<int>(Law::brush_tyre)) add_numbers({0.0});  // brush_tyre_slow
     e.radius = s.radius;
     e.direction = s.axis.normalized();
-    const RollingSize size = rolling_size(s);
+    const RollingSize size = law_info(e.law).rolling_size(s.numbers);
     e.rolling = size.share;
     e.footprint = size.footprint;
     return e;
@@ -445,17 +443,17 @@ class Compiler {
     for (int k = 0; k < static_cast<int>(spec_.contacts.size()); ++k) {
       const spec::Contact& s = spec_.contacts[static_cast<std::size_t>(k)];
       c_.first_of_contact.push_back(static_cast<int>(c_.elements.size()));
-      const int numbers = add_numbers(s.numbers);
-      add_numbers({restitution_damping(s.numbers[contact_restitution]), 0});
-      const bool turning = s.numbers[contact_rolling] > 0 || s.numbers[contact_spinning] > 0;
       ElementData contact;
-      contact.law = static_cast<int>(Law::contact);
+      contact.law = find_law("contact");
+      const LawInfo& law = law_info(contact.law);
+      const bool turning = law.resists_turning(s.numbers);
+      contact.numbers = add_numbers(s.numbers);
+      add_derived(contact, s.numbers);
       contact.spec = k;
       contact.measure = Measure::contact;
       contact.count = turning ? 6 : 3;
       contact.marked = true;
-      contact.numbers = numbers;
-      contact.state_count = turning ? contact_turning_states : law_info(contact.law).states;
+      contact.state_count = turning ? law.turning_states : law.states;
       const auto sphere_of = [&](double radius) {
         const auto [it, fresh] = spheres.try_emplace(radius, static_cast<int>(c_.surfaces.size()));
         if (fresh) c_.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {radius, 0, 0}, {}});
@@ -540,12 +538,10 @@ class Compiler {
     e.spec = k;
     e.marked = true;
     e.numbers = add_numbers(s.numbers);
-    if (e.law == static_cast<int>(Law::stop)) add_numbers({restitution_damping(s.numbers.back()), 0});
-    if (e.law == static_cast<int>(Law::cable)) add_numbers({cable_rest_length(s.numbers, e.reference)});
-    if (e.law == static_cast<int>(Law::motor)) {
-      add_numbers({0.0});
-      if (const double inertia = motor_inertia(s.numbers); inertia > 0) e.inertia = add_numbers({inertia});
-    }
+    add_derived(e, s.numbers);
+    const LawInfo& law = law_info(e.law);
+    if (const double inertia = law.inertia ? law.inertia(s.numbers) : 0; inertia > 0)
+      e.inertia = add_numbers({inertia});
     for (const MaxwellNumbers& branch : branch_numbers(s)) add_numbers(branch);
     if (!s.functions.empty()) e.functions = add_functions(s.functions);
     e.formula = add_formula(c_, s.general);
@@ -555,10 +551,10 @@ class Compiler {
     e.user = s.user != nullptr;
     e.sampled = s.user && s.user->sampled;
     e.elastic = s.user && s.user->elastic;
-    e.state_count += law_info(e.law).states;
+    e.state_count += law.states;
     if (!s.branches.empty()) e.state_count += 6 * (1 + static_cast<int>(s.branches.size()));
     if (s.user) e.state_count += static_cast<int>(s.user->states.size()) + (s.user->sampled ? e.count : 0);
-    if (e.law == static_cast<int>(Law::actuator) && !s.arguments.empty()) {
+    if (law.given && !s.arguments.empty()) {
       const int slot = c_.arguments[e.arguments];
       if (slot >= c_.signals.first_moving) e.feedback = slot;
     }
@@ -585,6 +581,12 @@ class Compiler {
     const int first = static_cast<int>(c_.numbers.size());
     c_.numbers.append(numbers.begin(), numbers.end());
     return first;
+  }
+  /// The numbers that follow from those given.
+  void add_derived(const ElementData& e, const std::vector<double>& given) {
+    std::vector<double> behind;
+    if (const auto derived = law_info(e.law).derived) derived(given, e.reference, behind);
+    add_numbers(behind);
   }
   int add_functions(const std::vector<Function>& functions) {
     const int first = static_cast<int>(c_.functions.size());

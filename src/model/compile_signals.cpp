@@ -7,7 +7,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/reduced_body.h"
 #include "model/compile_blocks.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/output_kinds.h"
 #include "model/signal_order.h"
 
@@ -374,7 +374,7 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
         d.element = static_cast<int>(found - c.elements.begin());
       } else {
         ElementData e = on_coordinate(o.item, o.component);
-        e.law = static_cast<int>(Law::sensor);
+        e.law = find_law("sensor");
         d.element = add_element(std::move(e));
       }
       if (o.kind == Kind::joint_velocity) d.offset = 0;

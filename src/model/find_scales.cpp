@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "model/force_laws.h"
 #include "model/struck_mass.h"
 
 namespace mimbre {
@@ -124,19 +123,6 @@ std::vector<int> carriers(const Compiled& m) {
   return carrier;
 }
 
-/// By the speed √(a R) that a wheel of radius R reaches within R/2 under its tyre's usual acceleration a.
-constexpr double slow = 0.1;
-/// Of its radius, that the mean mass presses a tyre in by.
-constexpr double usual_deflection = 0.05;
-
-/// Speed at which a wheel hardly rolls, m/s: a is that of gravity, or without that the one which the tyre's
-/// stiffness gives the mean mass.
-double slow_rolling(const Compiled& m, const ElementData& tyre) {
-  const double stiffness = *(m.numbers.data() + tyre.numbers), gravity = m.gravity.norm();
-  const double a = gravity > 0 ? gravity : usual_deflection * tyre.radius * stiffness / m.mass_scale;
-  return slow * std::sqrt(a * tyre.radius);
-}
-
 }  // namespace
 
 BodyResistances::BodyResistances(const Compiled& m) : all_(m.bodies.size() + 1) {
@@ -196,9 +182,6 @@ void find_scales(Compiled& m) {
   m.length_scale = lengths.empty() ? length_between_points(m) : robust_mean(lengths);
   for (ElementData& e : m.elements)
     if (e.measure == Measure::contact && !e.pooled) e.struck_mass = struck_mass(m, e);
-  for (const ElementData& e : m.elements)
-    if (e.law == static_cast<int>(Law::brush_tyre))
-      *(m.numbers.data() + e.numbers + brush_tyre_slow) = slow_rolling(m, e);
 
   const BodyResistances resistances(m);
   const double mass = m.mass_scale, angle = m.length_scale * m.length_scale;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/surface_kinds.h"
 #include "model_file/elements.h"
 #include "model_file/heights.h"
@@ -166,7 +166,7 @@ std::vector<Value> one_or_more(const Value& value) {
 }
 
 void read_contact(Builder& builder, const Part& part, const Value& value, spec::Contact& contact) {
-  const LawInfo& law = law_info(static_cast<int>(Law::contact));
+  const LawInfo& law = law_info(find_law("contact"));
   std::vector<std::string> keys{"spheres", "surfaces", "among", "swarm"};
   for (const LawNumber& number : law.numbers) keys.emplace_back(number.key);
   const Fields fields(value, keys);

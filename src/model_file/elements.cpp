@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "joints/table.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model/nearest_place.h"
 #include "model_file/signals.h"
 
@@ -312,14 +312,15 @@ void read_plain(Builder& builder, const Part& part, const LawInfo& law, const Va
 
 std::vector<std::string> with_element_sections(std::vector<std::string> before,
                                                const std::vector<std::string>& behind) {
-  for (const LawInfo& law : law_table)
-    if (!law.section.empty()) before.emplace_back(law.section);
+  for (const LawInfo* law : all_laws())
+    if (!law->section.empty()) before.emplace_back(law->section);
   before.insert(before.end(), behind.begin(), behind.end());
   return before;
 }
 
 void read_elements(Builder& builder, Part& part) {
-  for (const LawInfo& law : law_table) {
+  for (const LawInfo* info : all_laws()) {
+    const LawInfo& law = *info;
     if (law.section.empty()) continue;
     const std::string section(law.section), kind(law.name);
     Names& names = builder.element_names[section];

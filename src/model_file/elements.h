@@ -1,7 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "model_file/builder.h"
 
 /// What the sections of force elements have in common.
@@ -63,7 +63,7 @@ void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Va
 void read_motor(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
 void read_drag(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
 
-/// Keys with the sections of the laws (model/force_laws.h) between them.
+/// Keys with the sections of the laws (model/force_law.h) between them.
 std::vector<std::string> with_element_sections(std::vector<std::string> before,
                                                const std::vector<std::string>& behind);
 /// Those sections.

@@ -93,16 +93,24 @@ void read_road(Builder& builder, const Part& part, const Value& value, spec::Roa
 
 /// What the models of tyres are called, their laws, and the keys that they need or may have.
 struct TyreModel {
-  const char* name;
-  Law law;
+  std::string name;
+  const LawInfo* law;
   std::vector<std::string> keys;
 };
 const std::vector<TyreModel>& tyre_models() {
   static const std::vector<TyreModel> models = [] {
-    std::vector<TyreModel> all{{"vertical", Law::tyre, {"stiffness", "radius"}},
-                               {"brush", Law::brush_tyre, {"stiffness", "radius", "axis"}},
-                               {"magic_formula", Law::magic_tyre, {"file", "axis", "settling"}}};
-    for (const LawNumber& number : brush_tyre_numbers) all[1].keys.emplace_back(number.key);
+    std::vector<TyreModel> all;
+    for (const LawInfo* law : all_laws()) {
+      if (law->list != SpecList::tyres) continue;
+      TyreModel model{std::string(law->model), law, {}};
+      if (law->by_file)
+        model.keys = {"file"};
+      else
+        model.keys = {"stiffness", "radius"};
+      if (law->rolling_size) model.keys.emplace_back("axis");
+      for (const LawNumber& number : law->numbers) model.keys.emplace_back(number.key);
+      all.push_back(std::move(model));
+    }
     return all;
   }();
   return models;
@@ -134,10 +142,9 @@ const TyreModel& read_tyre_model(const Fields& fields) {
 }
 
 /// The formula's numbers of a property file, and how the carcass settles.
-void read_property_file(Builder& builder, const Fields& fields, const Value& value, spec::Tyre& tyre) {
-  LawInfo settles;
-  settles.numbers = std::span(&brush_tyre_numbers[brush_tyre_settling], 1);
-  const double settling = read_numbers(settles, fields, value, false).front();
+void read_property_file(Builder& builder, const LawInfo& law, const Fields& fields, const Value& value,
+                        spec::Tyre& tyre) {
+  const std::vector<double> behind = read_numbers(law, fields, value, false);
   const auto file = fields.need("file", "tyre.tir");
   const auto path = file ? file->word() : std::nullopt;
   if (!path || !has_folder(builder, *file)) return;
@@ -155,7 +162,7 @@ void read_property_file(Builder& builder, const Fields& fields, const Value& val
   } catch (const InputError& e) {
     for (const Diagnostic& d : e.diagnostics()) file->error(to_string(d));
   }
-  tyre.numbers.push_back(settling);
+  tyre.numbers.insert(tyre.numbers.end(), behind.begin(), behind.end());
 }
 
 void read_tyre(Builder& builder, const Part& part, const Value& value, spec::Tyre& tyre) {
@@ -166,14 +173,14 @@ void read_tyre(Builder& builder, const Part& part, const Value& value, spec::Tyr
   const Fields fields(value, keys);
   if (!value.has_fields()) return;
   const TyreModel& model = read_tyre_model(fields);
-  const LawInfo& law = law_info(static_cast<int>(model.law));
+  const LawInfo& law = *model.law;
   tyre.law = law.name;
   if (const auto on = fields.need("on", "axle"))
     tyre.frame = attach(builder, part, *on, fields.get("at"), tyre.name + ".frame");
   if (const auto road = fields.need("road", "track"))
     if (const auto name = road->word()) tyre.road = builder.resolve(builder.road_names, part, *name, *road);
-  if (model.law == Law::magic_tyre) {
-    read_property_file(builder, fields, value, tyre);
+  if (law.by_file) {
+    read_property_file(builder, law, fields, value, tyre);
   } else {
     if (const auto k = fields.need("stiffness", "4.6e5"))
       tyre.stiffness = k->positive(quantity::stiffness).value_or(1);

@@ -45,7 +45,7 @@ double quiet_speed(const Compiled& m, double whole) {
   for (std::size_t c = 0; c + 1 < m.first_of_contact.size(); ++c) {
     const int first = m.first_of_contact[c];
     if (first == m.first_of_contact[c + 1]) continue;
-    quiet = std::max(quiet, m.numbers[m.elements[first].numbers + contact_slow]);
+    quiet = std::max(quiet, m.numbers[m.elements[first].numbers + forces::contact::slow]);
   }
   return quiet;
 }

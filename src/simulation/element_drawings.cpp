@@ -7,6 +7,7 @@
 #include "joints/table.h"
 #include "math/space_curve.h"
 #include "model/constraint_kinds.h"
+#include "model/force_law.h"
 
 namespace mimbre {
 namespace {
@@ -15,12 +16,6 @@ const char* spring_kind(bool elastic, bool damping) {
   if (elastic && damping) return "spring damper";
   if (elastic) return "spring";
   return damping ? "damper" : "actuator";
-}
-
-/// Of a law between two points.
-const char* line_kind(const std::string& law) {
-  if (law == "gas_spring") return "spring damper";
-  return law == "stop" ? "damper" : "actuator";
 }
 
 /// About or along which of its axes a joint moves in this coordinate.
@@ -52,9 +47,8 @@ Eigen::Matrix3Xd drawn_curve(const spec::Constraint& c) {
 }
 
 /// "motor about z": of a law on a joint's coordinate.
-std::string joint_law_kind(const std::string& law, spec::JointType type, int coordinate) {
-  const char* const what = law == "friction" || law == "stop" ? law.c_str() : "motor";
-  return fmt::format("{} {} {}", what, is_angle(type, coordinate) ? "about" : "along",
+std::string joint_law_kind(const LawInfo& law, spec::JointType type, int coordinate) {
+  return fmt::format("{} {} {}", law.drawn_at_joint, is_angle(type, coordinate) ? "about" : "along",
                      moving_axis(type, coordinate));
 }
 
@@ -110,15 +104,16 @@ class Collector {
 /// Where a force element acts; what turns or pushes two frames along an axis has no place of its own.
 void add_element(const spec::Model& model, const spec::Element& e, Collector& all) {
   using On = spec::Element::On;
+  const LawInfo& law = law_info(find_law(e.law));
   switch (e.on) {
     case On::line:
-      return all.add(e.name, line_kind(e.law), e.frame_a, e.frame_b);
+      return all.add(e.name, std::string(law.drawn_along), e.frame_a, e.frame_b);
     case On::path:
       for (std::size_t k = 1; k < e.path.size(); ++k) all.add(e.name, "actuator", e.path[k - 1], e.path[k]);
       return;
     case On::coordinate: {
       const spec::Joint& joint = model.joints[static_cast<std::size_t>(e.joint)];
-      return all.add(e.name, joint_law_kind(e.law, joint.type, e.coordinate), joint.frame_a, joint.frame_b);
+      return all.add(e.name, joint_law_kind(law, joint.type, e.coordinate), joint.frame_a, joint.frame_b);
     }
     case On::coordinates:
       return all.add_coupling(e.name, "coupling spring", e.terms);

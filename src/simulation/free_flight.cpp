@@ -7,7 +7,7 @@
 #include "dynamics/relative/shift.h"
 #include "joints/table.h"
 #include "math/elementary.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
 namespace mimbre {
 namespace {
@@ -62,7 +62,7 @@ Ties find_ties(const Compiled& m) {
     for (const ConstraintTerm& term : c.terms) tie(term.frame_a, term.frame_b);
   for (const ElementData& e : m.elements) {
     // Of a sum the legs act.
-    const bool acts = e.leg || (e.measure != Measure::sum && e.law != static_cast<int>(Law::sensor));
+    const bool acts = e.leg || (e.measure != Measure::sum && law_info(e.law).list != SpecList::sensors);
     if (e.measure == Measure::none || !acts || e.pooled) continue;
     if (e.body < 0)
       tie(e.frame_a, e.frame_b);

@@ -84,9 +84,7 @@ std::string jumping_law(const Compiled& m, const SeenByLaws& start, const SeenBy
       }
   }
   for (const ElementData& e : m.elements) {
-    const bool spring =
-        e.law == static_cast<int>(Law::spring) || e.law == static_cast<int>(Law::torsion_spring);
-    if (!spring) continue;
+    if (!law_info(e.law).of_functions) continue;
     const auto a = element_state_at(e, start.elements.data() + e.storage),
                b = element_state_at(e, last.elements.data() + e.storage);
     const auto jump = find_jump([&](double s) {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
 namespace mimbre {
 namespace {
@@ -59,24 +59,24 @@ std::string equation_name(const Compiled& m, const natural::NaturalSystem* natur
 }
 
 std::string element_name(const Compiled& m, const ElementData& e) {
-  const bool of_joint = e.measure == Measure::coordinate;
-  switch (static_cast<Law>(e.law)) {
-    case Law::spring:
-      return of_joint ? fmt::format("the spring of joint '{}'", m.spec().joints[e.joint_spec].name)
-                      : fmt::format("spring '{}'", m.spec().springs[e.spec].name);
-    case Law::tyre:
-    case Law::brush_tyre:
-    case Law::magic_tyre:
+  const LawInfo& law = law_info(e.law);
+  switch (law.list) {
+    case SpecList::springs:
+      return e.measure == Measure::coordinate
+                 ? fmt::format("the spring of joint '{}'", m.spec().joints[e.joint_spec].name)
+                 : fmt::format("spring '{}'", m.spec().springs[e.spec].name);
+    case SpecList::tyres:
       return fmt::format("tyre '{}'", m.spec().tyres[e.spec].name);
-    case Law::load:
+    case SpecList::loads:
       return fmt::format("load '{}'", m.spec().loads[e.spec].name);
-    case Law::contact:
+    case SpecList::contacts:
       return fmt::format("contact '{}'", m.spec().contacts[e.spec].name);
-    case Law::sensor:
+    case SpecList::sensors:
       return "a sensor";
-    default:
-      return fmt::format("{} '{}'", law_info(e.law).name, m.spec().elements[e.spec].name);
+    case SpecList::elements:
+      break;
   }
+  return fmt::format("{} '{}'", law.name, m.spec().elements[e.spec].name);
 }
 
 std::string place_name(const Compiled& m, const EnergyMeter::Place& place) {

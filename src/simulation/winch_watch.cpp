@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "forces/cable.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "simulation/names.h"
 
 namespace mimbre {
@@ -12,7 +12,7 @@ WinchWatch::WinchWatch(const Compiled& m) : model_(m) {
   using namespace forces::cable;
   for (int k = 0; k < std::ssize(m.elements); ++k) {
     const ElementData& e = m.elements[k];
-    if (e.law == static_cast<int>(Law::cable) && e.argument_count > 0)
+    if (law_info(e.law).path && e.argument_count > 0)
       winches_.push_back(
           {k, e.states + e.own_states + rest_before, least_rest * m.numbers[e.numbers + rest_number], -1});
   }

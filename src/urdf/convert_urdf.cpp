@@ -13,7 +13,7 @@
 #include "mimbre/spec.h"
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "urdf/merged.h"
 #include "urdf/mesh_paths.h"
 #include "urdf/repair.h"
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 // blow's energy. Nor of friction: how far what sticks gives; half a period of that takes a step at least.
 constexpr double steps_of_blow = 5, steps_of_sticking = 1;
 constexpr double restitution = 0.1;
-const double default_sticking = friction_numbers.front().otherwise;
+const double default_sticking = law_info(find_law("friction")).numbers.front().otherwise;
 
 /// The square of 1/ω of what swings to and fro once in twice as many default steps, s²: displacement under a
 /// load by the acceleration that the load gives what is free.

@@ -8,7 +8,7 @@
 
 #include "integrate/initial.h"
 #include "math/decompositions.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "simulation/energy.h"
 #include "support/probe.h"
 
@@ -180,7 +180,7 @@ TEST_P(RelativeSystem, PowerBalance) {
     if (flexible) dissipated += p.modes(i, v, true).dot(flexible->damping * p.modes(i, v, true));
   }
   for (const ElementData& e : p.m.elements) {
-    if (e.law != static_cast<int>(Law::spring)) continue;
+    if (e.law != find_law("spring")) continue;
     const FunctionData& damping = p.m.functions[static_cast<std::size_t>(e.functions) + 1];
     if (e.measure == Measure::coordinate) {
       dissipated += damping.value(v[e.v]) * v[e.v];

@@ -71,12 +71,12 @@ Touching touching(Random& random, int kind, double friction, double exponent, bo
   Touching t;
   t.model.surfaces.push_back(surface(kind));
   ElementData& e = t.element;
-  e.law = static_cast<int>(Law::contact);
+  e.law = find_law("contact");
   e.measure = Measure::contact;
   e.count = turning ? 6 : 3;
   e.surface = 0;
   e.radius = 0.2;
-  e.state_count = turning ? contact_turning_states : law_info(e.law).states;
+  e.state_count = turning ? law_info(e.law).turning_states : law_info(e.law).states;
   const double arm = turning ? 0.02 : 0;
   for (const double number :
        {4e3, exponent, 1e-2, 0.6, friction, 1.0, 0.01, 0.7, 1e-3, arm, arm, restitution_damping(0.6), 0.01})

@@ -241,7 +241,7 @@ TEST(FrictionLaw, NeverFeedsEnergyIn) {
   m.numbers = {1e-3, 1.5, 0.01, 0, 1e-3};
   m.arguments = {0};
   ElementData e;
-  e.law = static_cast<int>(Law::friction);
+  e.law = find_law("friction");
   e.measure = Measure::coordinate;
   e.count = 1;
   e.state_count = 4;

@@ -38,7 +38,7 @@ RoadData bumpy_grid(Random& random) {
 ElementData wheel_element(double radius) {
   ElementData e;
   e.measure = Measure::wheel;
-  e.law = static_cast<int>(Law::brush_tyre);
+  e.law = find_law("brush_tyre");
   e.count = 6;
   e.road = 0;
   e.radius = radius;
@@ -463,7 +463,7 @@ TEST(Carcass, FollowsOnTheRelaxationLength) {
 /// A wheel on a tyre of that file, that has not been anywhere yet.
 Wheel magic_wheel(const TyreProperties& tyre) {
   Wheel w(slope(0), tyre.unloaded_radius);
-  w.element.law = static_cast<int>(Law::magic_tyre);
+  w.element.law = find_law("magic_tyre");
   w.element.state_count = law_info(w.element.law).states;
   w.element.rolling = 0.3;
   w.model.numbers = {0, tyre.unloaded_radius};

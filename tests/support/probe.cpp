@@ -1,6 +1,6 @@
 #include "support/probe.h"
 
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
 #include <algorithm>
 #include <array>
@@ -215,11 +215,11 @@ double Probe::potential(const VectorXd& q) {
     energy -= m.gravity.dot(mass * (w.bodies[index].position + w.origin) + w.bodies[index].rotation * first);
   }
   for (const ElementData& e : m.elements) {
-    if (e.law == static_cast<int>(Law::spring)) {
+    if (e.law == find_law("spring")) {
       const FunctionData& elastic = m.functions[static_cast<std::size_t>(e.functions)];
       energy += elastic.antiderivative(e.measure == Measure::distance ? spring_length(e) : q[e.q]);
     }
-    if (e.law != static_cast<int>(Law::tyre)) continue;
+    if (e.law != find_law("tyre")) continue;
     const spec::Tyre& t = m.spec().tyres[static_cast<std::size_t>(e.spec)];
     const Vec3d wheel = w.frames[static_cast<std::size_t>(e.frame_b)].position + w.origin;
     const double penetration =

@@ -14,7 +14,7 @@
 #include "dynamics/relative/system.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 #include "support/simulate.h"
 
 namespace mimbre::urdf_test {
@@ -287,9 +287,10 @@ TEST_F(UrdfFile, DampingFrictionAndLimitsBecomeElements) {
   const spec::Model m = parse_model(robot.text, "robot.yaml", "");
   EXPECT_EQ(m.elements.size(), 3u);
   const auto stop_number = [&](const char* stop, const std::string& key) {
-    const auto number = std::find_if(stop_numbers.begin(), stop_numbers.end(),
-                                     [&](const LawNumber& one) { return one.key == key; });
-    return named(m.elements, stop).numbers.at(static_cast<std::size_t>(number - stop_numbers.begin()));
+    const auto numbers = law_info(find_law("stop")).numbers;
+    const auto number =
+        std::find_if(numbers.begin(), numbers.end(), [&](const LawNumber& one) { return one.key == key; });
+    return named(m.elements, stop).numbers.at(static_cast<std::size_t>(number - numbers.begin()));
   };
   for (const char* stop : {"hinge_stop", "rail_stop"}) EXPECT_EQ(stop_number(stop, "restitution"), 0.1);
   EXPECT_EQ(stop_number("hinge_stop", "lower"), -1);
