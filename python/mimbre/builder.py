@@ -37,6 +37,7 @@ _order = (
     "springs",
     "bushings",
     "gas_springs",
+    "hydraulic_dampers",
     "frictions",
     "stops",
     "torsion_springs",
@@ -140,6 +141,11 @@ class Part:
         """Pushes two points apart by enclosed gas: between, at, pressure (Pa) at the length (m), area (m²) and
         gas_length (m) of the column."""
         self._add("gas_springs", name, keys)
+
+    def add_hydraulic_damper(self, name: str, /, **keys: Unpack[words.HydraulicDamper]) -> None:
+        """A damper with compressible oil: between, at, damping (N s/m) and quadratic (N s²/m²) of its orifices, area (m²)
+        of the piston, length (m) of the oil column in each chamber, bulk_modulus (Pa) of the oil."""
+        self._add("hydraulic_dampers", name, keys)
 
     def add_friction(self, name: str, /, **keys: Unpack[words.Friction]) -> None:
         """Dry friction that sticks, on a joint's coordinate: its limit as `force` (N) on a length or `torque` (N m)

@@ -889,6 +889,22 @@ class GasSpring(TypedDict, total=False):
     # Pa; default: 101325.
     ambient: Number
 
+class HydraulicDamper(TypedDict, total=False):
+    # Two bodies, frames or nodes.
+    between: Required[Between]
+    # Its ends, m, global.
+    at: Sequence[Vector | None] | Array
+    # Force over speed at low speed, N s/m.
+    damping: Required[Number]
+    # Force over squared speed of the orifices, N s²/m²; default: 0.
+    quadratic: Number
+    # Of the piston, m².
+    area: Required[Number]
+    # Of the oil column in each chamber, m.
+    length: Required[Number]
+    # Of the oil, Pa; default: 1.4e9.
+    bulk_modulus: Number
+
 class Friction(TypedDict, total=False):
     # On whose coordinate it acts.
     joint: Required[str]

@@ -152,6 +152,7 @@ struct BrushTyre {
     const double a = gravity > 0 ? gravity : usual_deflection * R * p[brush_tyre::stiffness] / m.mass_scale;
     p[brush_tyre::slow] = share * std::sqrt(a * R);
   }
+  static double slow_speed(const double* p) { return p[brush_tyre::slow]; }
   /// It rolls as a wheel that is smaller by a third of its deflection.
   static RollingSize rolling_size(std::span<const double> n) {
     return {1. / 3, n[brush_tyre::half_length - 2]};
@@ -163,6 +164,7 @@ struct BrushTyre {
                                 .derived = derived,
                                 .set_scales = set_scales,
                                 .model = "brush",
+                                .slow_speed = slow_speed,
                                 .rolling_size = rolling_size};
 
   template <class T>

@@ -3,12 +3,13 @@
 
 #include "forces/element.h"
 
-/// A hydraulic damper with compressible oil: a piston with a rod on both sides drives oil through orifices from one
-/// chamber to the other. The oil's compression is a spring in series with the orifices:
+/// A hydraulic damper with compressible oil: a piston with a rod on both sides drives oil through orifices
+/// from one chamber to the other. The oil's compression is a spring in series with the orifices:
 ///   Ḟ = K (ẋ − w),  F = c w + d w |w|,  K = 2 B A/l,
-/// with the part w of the piston's speed that the orifices pass, the laminar and turbulent resistance c and d, the bulk
-/// modulus B, the piston's area A and the length l of each column of oil. (Merritt, Hydraulic Control Systems, 1967,
-/// sections 3.2 and 6.2: continuity of a double-ended cylinder, flow through orifices.)
+/// with the part w of the piston's speed that the orifices pass, the laminar and turbulent resistance c and
+/// d, the bulk modulus B, the piston's area A and the length l of each column of oil. (Merritt, Hydraulic
+/// Control Systems, 1967, sections 3.2 and 6.2: continuity of a double-ended cylinder, flow through
+/// orifices.)
 namespace mimbre::forces {
 
 namespace hydraulic_damper {
@@ -16,8 +17,8 @@ namespace hydraulic_damper {
 constexpr int damping = 0, quadratic = 1, area = 2, length = 3, bulk_modulus = 4, stiffness = 5;
 /// States: the force, and the measure, at the start of the step.
 constexpr int force = 0, place = 1;
-/// Of the rule: the two-stage diagonally implicit one of order 2 that damps what is stiff (Alexander, SIAM J. Numer.
-/// Anal. 14, 1977).
+/// Of the rule: the two-stage diagonally implicit one of order 2 that damps what is stiff (Alexander, SIAM J.
+/// Numer. Anal. 14, 1977).
 inline constexpr double gamma = 1 - 0.70710678118654752440;
 
 /// w at the force F + g w = f, where g ≥ 0, and its derivative by f.
@@ -97,8 +98,7 @@ struct HydraulicDamper {
     const double* p = c.numbers();
     const auto lost = [&](double f) { return f * flow(p, f, 0.0).speed; };
     e.stored = 0.5 * s.force[0] * s.force[0] / p[stiffness];
-    if (c.step > 0)
-      e.lost = 0.5 * c.step * (lost(c.states[c.element.own_states + force]) + lost(s.force[0]));
+    if (c.step > 0) e.lost = 0.5 * c.step * (lost(c.states[c.element.own_states + force]) + lost(s.force[0]));
   }
 };
 

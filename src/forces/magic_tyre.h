@@ -167,6 +167,7 @@ struct MagicTyre {
                                      n[static_cast<std::size_t>(k)]));
     if (!(n.back() >= 0)) faults.push_back(fmt::format("settling is {}; it cannot be below 0", n.back()));
   }
+  static double slow_speed(const double* p) { return magic::slow * p[magic_tyre::formula + magic::longvl]; }
   /// At the nominal load, by the rolling radius of the property file, (A3.6) of Pacejka 2012, and the length
   /// of the footprint of its appendix 3's tyre, (A3.7): R (0.671 √(δ/R) + 0.733 δ/R).
   static RollingSize rolling_size(std::span<const double> n) {
@@ -182,6 +183,7 @@ struct MagicTyre {
                                 .model = "magic_formula",
                                 .by_file = true,
                                 .check_file = check_file,
+                                .slow_speed = slow_speed,
                                 .rolling_size = rolling_size};
 
   template <class T>

@@ -84,6 +84,8 @@ struct LawInfo {
   std::string_view model = {};                     ///< in the model file
   bool by_file = false;                            ///< its numbers come from a property file,
   void (*check_file)(Numbers, Faults&) = nullptr;  ///< and these are their faults
+  /// At which one that rolls hardly does so, m/s, of all its compiled numbers.
+  double (*slow_speed)(const double* numbers) = nullptr;
   RollingSize (*rolling_size)(Numbers) = nullptr;  ///< of those that roll
   // Contacts.
   bool (*resists_turning)(Numbers) = nullptr;

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "forces/magic_tyre.h"
 #include "forces/measure_wheel.h"
 #include "math/elementary.h"
 #include "math/smooth.h"
-#include "model/force_laws.h"
+#include "model/force_law.h"
 
 namespace mimbre {
 namespace {
@@ -18,10 +17,7 @@ using Kind = spec::Output::Kind;
 
 /// At which a tyre hardly rolls, m/s: slips of slower wheels are over what its law takes for their speed.
 double slow_speed(const Compiled& m, const ElementData& tyre) {
-  const double* n = m.numbers.data() + tyre.numbers;
-  return tyre.law == static_cast<int>(Law::brush_tyre)
-             ? n[brush_tyre_slow]
-             : forces::magic::slow * n[forces::magic_tyre::formula + forces::magic::longvl];
+  return law_info(tyre.law).slow_speed(m.numbers.data() + tyre.numbers);
 }
 
 struct WheelChannel {
