@@ -27,7 +27,8 @@ TurnWatch::TurnWatch(const Compiled& model) : model_(model) {
   for (int k = 0; k < static_cast<int>(model.elements.size()); ++k) {
     const ElementData& e = model.elements[k];
     const bool by_angle = e.measure == Measure::relative || (e.measure == Measure::axis && e.about);
-    if (by_angle && !law_info(e.law).given && law_info(e.law).list != SpecList::sensors) watched_.push_back({k});
+    if (by_angle && !law_info(e.law).given && law_info(e.law).list != SpecList::sensors)
+      watched_.push_back({k});
   }
 }
 
