@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 using Kind = spec::Output::Kind;
 
 /// A force and a moment on one of the body's frames at its origin, global axes.
-struct Wrench {
+struct FrameWrench {
   Vector3d force = Vector3d::Zero(), moment = Vector3d::Zero();
 };
 
@@ -79,7 +79,7 @@ class RigidModel {
     const auto pose = row.poses.col(body_);
     const Matrix3d R = Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]).toRotationMatrix();
     VectorXd f = VectorXd::Zero(flexible_.modes);
-    const auto add = [&](int frame, const Wrench& w) {
+    const auto add = [&](int frame, const FrameWrench& w) {
       const int k = original.frames[static_cast<std::size_t>(frame)].flexible_frame;
       if (k < 0) return;
       const BodyFrame& place = flexible_.frames[static_cast<std::size_t>(k)];
@@ -91,7 +91,7 @@ class RigidModel {
       return Vector3d(pose.head<3>() + R * original.frames[static_cast<std::size_t>(frame)].pose.position);
     };
     for (const JointForce& j : joints_) {
-      Wrench w{j.sign * vector(j.at), j.sign * vector(j.at + 3)};
+      FrameWrench w{j.sign * vector(j.at), j.sign * vector(j.at + 3)};
       w.moment += (vector(j.place) - origin(j.frame)).cross(w.force);
       add(j.frame, w);
     }

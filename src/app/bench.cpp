@@ -16,7 +16,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct BenchArguments {
   std::vector<std::string> models, settings;
   MethodArguments method;
   std::optional<double> step, until;
@@ -47,7 +47,7 @@ struct Measurement {
 };
 
 /// Whole runs without any output: only the stepping loop is timed.
-Measurement measure(const std::string& path, const Arguments& arguments) {
+Measurement measure(const std::string& path, const BenchArguments& arguments) {
   const LoadedModel loaded = load(path, arguments.settings);
   const Model& model = *loaded.model;
   RunOptions options = run_options(arguments.method, model.spec().simulation);
@@ -128,7 +128,7 @@ std::string to_table(const std::vector<Measurement>& measurements) {
   return table.markdown();
 }
 
-int run(const Arguments& arguments) {
+int run_bench(const BenchArguments& arguments) {
   std::vector<Measurement> measurements;
   for (const std::string& path : arguments.models) measurements.push_back(measure(path, arguments));
   if (!arguments.json) {
@@ -147,7 +147,7 @@ int run(const Arguments& arguments) {
 
 Command add_bench(CommandLine& program) {
   Parser parser = program.add_command("bench", "Measure how fast models run on this machine");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BenchArguments>();
   parser.add_option("models", arguments->models, "Model files (YAML)").required().type_name("MODEL");
   parser.add_option("--runs", arguments->runs, "Runs of each model; their median counts")
       .within(1, 100000)
@@ -163,7 +163,7 @@ Command add_bench(CommandLine& program) {
       "above 1 is\n"
       "faster than real time. The peak memory is the process's, up to and with the model of the row.\n"
       "Example:\n  mimbre bench pendulum.yaml car.yaml --runs 9");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_bench(*arguments); }};
 }
 
 }  // namespace mimbre::app

@@ -24,7 +24,7 @@ namespace {
 
 constexpr Eigen::Index frequencies_shown = 3;
 
-struct Arguments {
+struct CheckArguments {
   std::string model;
   std::vector<std::string> settings;
   MethodArguments method;
@@ -288,7 +288,7 @@ std::string to_tables(const Description& d, const std::string& title) {
          method_table(d.method) + redundancy_note(d.redundancy) + choices_note(d.choices);
 }
 
-int run(const Arguments& arguments) {
+int run_check(const CheckArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   const Description description =
       describe(loaded, run_options(arguments.method, loaded.model->spec().simulation));
@@ -301,14 +301,14 @@ int run(const Arguments& arguments) {
 
 Command add_check(CommandLine& program) {
   Parser parser = program.add_command("check", "Say what a model is, or everything that is wrong with it");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CheckArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   parser.add_flag("--json", arguments->json, "The same as JSON");
   add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method);
   parser.footer("Example:\n  mimbre check pendulum.yaml --set length=2");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_check(*arguments); }};
 }
 
 }  // namespace mimbre::app

@@ -16,7 +16,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::vector<std::string> files;
   bool json = false;
 };
@@ -64,7 +64,7 @@ std::string left_out(const std::string& file, const Span& whole, const Span& com
       common.from, common.until, file, whole.from, whole.until);
 }
 
-int run(const Arguments& arguments) {
+int run_compare(const CompareArguments& arguments) {
   if (arguments.files.size() != 2)
     throw UsageError(fmt::format(
         "two results files are needed, the reference and the one to compare with it; {}",
@@ -118,14 +118,14 @@ int run(const Arguments& arguments) {
 
 Command add_compare(CommandLine& program) {
   Parser parser = program.add_command("compare", "Give the differences of two results, channel by channel");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   parser.add_option("results", arguments->files, "Two results files (HDF5); the first is the reference")
       .type_name("A.h5 B.h5");
   parser.add_flag("--json", arguments->json, "The same as JSON");
   parser.footer(
       "Compares the channels that both have, on the instants of the coarser one within the time they share.\n"
       "Example:\n  mimbre compare coarse.h5 fine.h5");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_compare(*arguments); }};
 }
 
 }  // namespace mimbre::app

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ConvertArguments {
   std::string input, output, to;
   std::vector<std::string> packages;
   bool no_stress = false, floating = false, keep_fixed = false, repair = false, json = false;
@@ -31,7 +31,7 @@ fe::BodyFormat format_of(const std::string& path) {
 }
 
 /// NAME=FOLDER
-std::map<std::string, std::string> packages_of(const Arguments& a) {
+std::map<std::string, std::string> packages_of(const ConvertArguments& a) {
   std::map<std::string, std::string> packages;
   for (const std::string& text : a.packages) {
     const auto equals = text.find('=');
@@ -42,7 +42,7 @@ std::map<std::string, std::string> packages_of(const Arguments& a) {
   return packages;
 }
 
-int convert_robot(const Arguments& a) {
+int convert_robot(const ConvertArguments& a) {
   if (!a.to.empty() && a.to != "yaml")
     throw UsageError(fmt::format("a robot becomes a model file: --to yaml, not {}", a.to));
   if (a.no_stress) throw UsageError("--no-stress belongs to reduced bodies");
@@ -60,7 +60,7 @@ int convert_robot(const Arguments& a) {
   return done;
 }
 
-int convert_body(const Arguments& a) {
+int convert_body(const ConvertArguments& a) {
   if (a.to.empty()) throw UsageError("--to is needed: sid, fem or h5");
   if (a.to == "yaml") throw UsageError("--to yaml is for robots (.urdf)");
   if (a.floating || a.keep_fixed || a.repair || !a.packages.empty())
@@ -87,7 +87,7 @@ int convert_body(const Arguments& a) {
   return done;
 }
 
-int run(const Arguments& a) {
+int run_convert(const ConvertArguments& a) {
   std::string ending = fs::path(a.input).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ending == ".urdf" || ending == ".xacro" ? convert_robot(a) : convert_body(a);
@@ -99,7 +99,7 @@ Command add_convert(CommandLine& program) {
   Parser parser = program.add_command(
       "convert",
       "Write a reduced body in another format (MBDyn's .fem, SID, HDF5), or a robot in URDF as a model file");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ConvertArguments>();
   parser.add_option("input", a->input, "Reduced body: .h5, .fem or .sid; robot: .urdf")
       .required()
       .type_name("FILE");
@@ -122,7 +122,7 @@ Command add_convert(CommandLine& program) {
       "Prints the file's name. What a format has no place for is said in docs/reduced-body-format.md.\n"
       "Example:\n  mimbre convert arm.h5 --to fem\n"
       "  mimbre convert robot.urdf -o robot.yaml && mimbre check robot.yaml");
-  return {parser, [a] { return run(*a); }};
+  return {parser, [a] { return run_convert(*a); }};
 }
 
 }  // namespace mimbre::app

@@ -7,13 +7,13 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct ExportArguments {
   std::string results, folder;
   int instants = 500;
   bool json = false;
 };
 
-int run(const Arguments& a) {
+int run_export(const ExportArguments& a) {
   const Results results = read_results(a.results);
   Progress progress(!a.json);
   VtkOptions options;
@@ -30,7 +30,7 @@ int run(const Arguments& a) {
 Command add_export(CommandLine& program) {
   Parser parser =
       program.add_command("export", "Write a run as VTK files: motion, deflection and stress for ParaView");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ExportArguments>();
   parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
   parser.add_option("--vtk", a->folder, "Folder for the files").required().type_name("FOLDER");
   parser.add_option("--instants", a->instants, "At most so many instants, evenly spread; default 500")
@@ -41,7 +41,7 @@ Command add_export(CommandLine& program) {
       "other "
       "files stay.\nExample:\n  mimbre export run.h5 --vtk frames\n"
       "  paraview frames/run.pvd");
-  return {parser, [a] { return run(*a); }};
+  return {parser, [a] { return run_export(*a); }};
 }
 
 }  // namespace mimbre::app

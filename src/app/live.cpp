@@ -27,7 +27,7 @@ extern char** environ;
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct LiveArguments {
   std::string model, address = "127.0.0.1", token, record, policy = "catch_up";
   std::vector<std::string> settings, inputs, sent, taken;
   std::string shared_memory, udp_address = "127.0.0.1";
@@ -41,7 +41,7 @@ struct Arguments {
 
 const std::vector<std::string> policies{"catch_up", "skip_output", "slow_down", "stop"};
 
-std::string options_json(const Arguments& arguments) {
+std::string options_json(const LiveArguments& arguments) {
   Json json = Json::object();
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
   if (arguments.step) json["step"] = *arguments.step;
@@ -52,7 +52,7 @@ std::string options_json(const Arguments& arguments) {
   return to_text(json);
 }
 
-RealTimeOptions loop_options(const Arguments& a) {
+RealTimeOptions loop_options(const LiveArguments& a) {
   RealTimeOptions o = a.clock;
   if (a.duration) o.duration = *a.duration;
   o.overrun = static_cast<Overrun>(std::find(policies.begin(), policies.end(), a.policy) - policies.begin());
@@ -117,7 +117,7 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
   return text;
 }
 
-int live(const Arguments& arguments) {
+int live(const LiveArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   if (!arguments.record.empty()) {
@@ -213,7 +213,7 @@ int live(const Arguments& arguments) {
 
 Command add_live(CommandLine& program) {
   Parser parser = program.add_command("live", "Run a model against the clock, shown and driven in a browser");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<LiveArguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
   add_input_option(parser, a->inputs);

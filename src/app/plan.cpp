@@ -20,7 +20,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   std::string model, deadline = "1ms";
   std::vector<std::string> settings, inputs;
   MethodArguments method;
@@ -31,7 +31,7 @@ struct Arguments {
 };
 
 /// What `mimbre live` and `mimbre run` are to be told.
-std::vector<std::string> options_of(const RealTimeCandidate& c, const Arguments& a) {
+std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArguments& a) {
   std::vector<std::string> words{"--formulation",    name_of(c.formulation),
                                  "--step",           fmt::format("{}", c.step),
                                  "--max-iterations", fmt::format("{}", c.max_iterations),
@@ -55,7 +55,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const Arguments&
 }
 
 /// What `mimbre live` alone is to be told.
-std::string clocked_options(const Arguments& a) {
+std::string clocked_options(const PlanArguments& a) {
   std::string words;
   if (a.clock.speed != 1) words += fmt::format(" --speed {}", a.clock.speed);
   if (a.clock.priority > 0) words += fmt::format(" --priority {}", a.clock.priority);
@@ -80,7 +80,7 @@ Json candidate_json(const RealTimeCandidate& c) {
   return json;
 }
 
-Json to_json(const RealTimePlan& plan, const Arguments& a) {
+Json to_json(const RealTimePlan& plan, const PlanArguments& a) {
   Json json = answer("plan", plan.chosen >= 0 ? "ok" : "failed");
   json["model"] = a.model;
   json["deadline"] = plan.deadline;
@@ -100,7 +100,7 @@ Json to_json(const RealTimePlan& plan, const Arguments& a) {
   return json;
 }
 
-std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
+std::string plan_table(const RealTimePlan& plan, const PlanArguments& a) {
   Table table({"formulation", "step, ms", "modes", "parts", "unknowns", "error, %", "of", "CPU, ms",
                "99.99 %", "worst", "iterations", ""});
   for (std::size_t k = 0; k < plan.candidates.size(); ++k) {
@@ -144,7 +144,7 @@ std::string plan_table(const RealTimePlan& plan, const Arguments& a) {
   return text;
 }
 
-int plan(const Arguments& a) {
+int plan(const PlanArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   const spec::Model& model = loaded.model->spec();
   RecordedInputs inputs(a.inputs, model.inputs);
@@ -173,7 +173,7 @@ int plan(const Arguments& a) {
 Command add_plan(CommandLine& program) {
   Parser parser =
       program.add_command("plan", "Measure which method, step and modes this machine can hold in real time");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<PlanArguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
   add_input_option(parser, a->inputs);

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ReduceArguments {
   std::string input, output, report, mass, nodes, dofs, user_modes, stress, stress_nodes;
   InterfaceOptions interfaces;
   std::vector<std::string> materials, densities, thicknesses, loads;
@@ -103,7 +103,7 @@ std::vector<fe::NamedNumber> numbers_of(const char* option, const std::vector<st
   return numbers;
 }
 
-fe::FeModel read_input(const Arguments& a) {
+fe::FeModel read_input(const ReduceArguments& a) {
   try {
     return fe::read_model(a.input,
                           {a.mass, a.nodes, a.dofs, materials_of(a.materials),
@@ -165,12 +165,12 @@ std::string effective_masses(const Json& summary) {
   return "Effective mass of the modes with interfaces held\n" + table.text() + '\n';
 }
 
-std::string body_name(const Arguments& a) { return fs::path(a.output).stem().string(); }
+std::string body_name(const ReduceArguments& a) { return fs::path(a.output).stem().string(); }
 
 void print_line(const Json& text) { fmt::print(stderr, "{}\n", text.get<std::string>()); }
 
 /// Makes the body and writes it; the summary of it, and the warnings.
-Json reduce_anew(const Arguments& a) {
+Json reduce_anew(const ReduceArguments& a) {
   Progress progress(!a.json);
   progress.update("reading", 0);
   const fe::FeModel input = read_input(a);
@@ -243,7 +243,7 @@ Json reduce_anew(const Arguments& a) {
 }
 
 /// What was kept of the same reduction, its body written; null when there is nothing.
-Json reduce_from(const ResultCache& cache, const std::string& key, const Arguments& a) {
+Json reduce_from(const ResultCache& cache, const std::string& key, const ReduceArguments& a) {
   const auto kept = cache.fetch(key, a.output);
   if (!kept) return nullptr;
   Json found = Json::parse(*kept);
@@ -273,7 +273,7 @@ std::string summary_text(const Json& summary) {
 }
 
 /// All files that are read, those that the input names included.
-std::vector<std::string> inputs_of(const Arguments& a) {
+std::vector<std::string> inputs_of(const ReduceArguments& a) {
   std::vector<std::string> inputs;
   for (const std::string& given : {a.input, a.mass, a.nodes, a.dofs, a.user_modes, a.stress, a.stress_nodes})
     if (!given.empty()) inputs.push_back(given);
@@ -284,7 +284,7 @@ std::vector<std::string> inputs_of(const Arguments& a) {
   return inputs;
 }
 
-int run(const Arguments& a, const Parser& command) {
+int run_reduce(const ReduceArguments& a, const Parser& command) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<std::string> inputs = inputs_of(a);
   for (const std::string& made : {a.output, a.report}) {
@@ -324,7 +324,7 @@ int run(const Arguments& a, const Parser& command) {
 Command add_reduce(CommandLine& program) {
   Parser parser = program.add_command(
       "reduce", "Make a body of a finite-element model: interface and dynamic modes, with a certificate");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ReduceArguments>();
   parser.add_option("input", a->input, "The model; formats: below").required().type_name("INPUT");
   add_interface_options(parser, a->interfaces);
   parser.add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
@@ -408,7 +408,7 @@ Command add_reduce(CommandLine& program) {
       std::string(formats) +
       "Example:\n  mimbre reduce arm.inp --interface pivot=set:pivot --interface ball=set:ball --modes 10 "
       "-o arm.h5");
-  return {parser, [a, parser] { return run(*a, parser); }};
+  return {parser, [a, parser] { return run_reduce(*a, parser); }};
 }
 
 }  // namespace mimbre::app

@@ -17,7 +17,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct ReportArguments {
   std::vector<std::string> results, labels, summaries;
   std::string output;
   bool json = false;
@@ -25,14 +25,14 @@ struct Arguments {
 
 /// An option that is given once per results file, or not at all.
 void require_one_per_file(const std::vector<std::string>& given, const char* option,
-                          const Arguments& arguments) {
+                          const ReportArguments& arguments) {
   if (given.empty() || given.size() == arguments.results.size()) return;
   throw UsageError(
       fmt::format("{} is given {} times for {} results files; give it once per file, in their order", option,
                   given.size(), arguments.results.size()));
 }
 
-std::string page_name(const Arguments& arguments) {
+std::string page_name(const ReportArguments& arguments) {
   if (!arguments.output.empty()) return arguments.output;
   if (arguments.results.size() > 1)
     throw UsageError("a page of several results needs a name; give it with -o FILE.html");
@@ -60,7 +60,7 @@ std::string measured_summary(const std::string& path, const Results& results) {
 }
 
 /// The page of a reduced body: its certificate and its modes.
-int run_modes(const Arguments& arguments) {
+int run_modes(const ReportArguments& arguments) {
   if (arguments.results.size() > 1)
     throw UsageError("a body's page has no room for other files; give the body alone");
   if (!arguments.labels.empty() || !arguments.summaries.empty())
@@ -74,7 +74,7 @@ int run_modes(const Arguments& arguments) {
   return done;
 }
 
-int run(const Arguments& arguments) {
+int run_report(const ReportArguments& arguments) {
   if (std::any_of(arguments.results.begin(), arguments.results.end(), is_reduced_body))
     return run_modes(arguments);
   if (arguments.results.size() == 1 && !arguments.labels.empty())
@@ -108,7 +108,7 @@ Command add_report(CommandLine& program) {
       "report",
       "Make one HTML page of a results file, with plots and an animation, to open in a browser; of several, "
       "one that compares them; of a body that `mimbre reduce` made, one of its modes");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ReportArguments>();
   parser
       .add_option("results", arguments->results,
                   "Results files (HDF5); the others are compared with the first. Or one reduced body")
@@ -134,7 +134,7 @@ Command add_report(CommandLine& program) {
       "Prints the page's name.\nExample:\n  mimbre report pendulum.h5 -o pendulum.html\n"
       "  mimbre report fine.h5 coarse.h5 --label 1ms --label 10ms -o steps.html\n"
       "  mimbre report arm.h5 -o modes.html");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_report(*arguments); }};
 }
 
 }  // namespace mimbre::app

@@ -16,7 +16,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct ReproduceArguments {
   std::vector<std::string> tables;
   bool list = false, json = false, markdown = false;
 };
@@ -164,7 +164,7 @@ int list(bool as_json) {
   return done;
 }
 
-int run(const Arguments& arguments) {
+int run_reproduce(const ReproduceArguments& arguments) {
   if (arguments.list) return list(arguments.json);
   const std::vector<const PublishedTable*> tables = selected(arguments.tables);
   catch_interrupts();
@@ -194,7 +194,7 @@ int run(const Arguments& arguments) {
 
 Command add_reproduce(CommandLine& program) {
   Parser parser = program.add_command("reproduce", "Published tables beside those of this machine");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ReproduceArguments>();
   parser.add_option("--table", arguments->tables, "This table only; may be repeated")
       .type_name("NAME")
       .repeated();
@@ -208,7 +208,7 @@ Command add_reproduce(CommandLine& program) {
       "are ours\n"
       "over published. All tables take a few minutes; what they show is in docs/reproduction.md.\n"
       "Example:\n  mimbre reproduce --table coordinates-vehicle --table energy");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_reproduce(*arguments); }};
 }
 
 }  // namespace mimbre::app

@@ -8,13 +8,13 @@ namespace {
 
 const std::string in_plane = "spin-up-beam/beam-2d.yaml", in_space = "spin-up-beam/beam-3d.yaml";
 
-struct Column {
+struct DeflectionColumn {
   std::string name;
   Settings settings;
   bool damped = false;  ///< by the default integrator: the trapezoidal rule fails, as the note says
 };
 
-Column substructures(int count, const std::string& name, const std::string& rotation) {
+DeflectionColumn substructures(int count, const std::string& name, const std::string& rotation) {
   return {name,
           {{"method", "substructuring"},
            {"substructures", fmt::format("{}", count)},
@@ -22,7 +22,7 @@ Column substructures(int count, const std::string& name, const std::string& rota
 }
 
 /// The second axial mode of the first nonlinear stiffness rings with the trapezoidal rule.
-Column nonlinear(int axial_modes, const std::string& end) {
+DeflectionColumn nonlinear(int axial_modes, const std::string& end) {
   return {fmt::format("{} axial", axial_modes),
           {{"method", "nonlinear_stiffness_1"},
            {"axial_modes", fmt::format("{}", axial_modes)},
@@ -30,12 +30,12 @@ Column nonlinear(int axial_modes, const std::string& end) {
           axial_modes > 1};
 }
 
-Column foreshortening(int axial_modes) {
+DeflectionColumn foreshortening(int axial_modes) {
   return {fmt::format("{} axial", axial_modes),
           {{"method", "foreshortening"}, {"axial_modes", fmt::format("{}", axial_modes)}}};
 }
 
-Case make_case(const std::string& file, const Column& column, Formulation formulation) {
+Case make_case(const std::string& file, const DeflectionColumn& column, Formulation formulation) {
   Case c{file, column.settings, {}};
   c.options.step = 0.01;
   c.options.formulation = formulation;
@@ -54,7 +54,7 @@ struct Measured {
 };
 
 PublishedTable spin_up(const std::string& name, const std::string& title, const std::string& file,
-                       const std::vector<Column>& columns, const Measured& natural,
+                       const std::vector<DeflectionColumn>& columns, const Measured& natural,
                        const Measured& relative) {
   const auto make = [=](Lab& lab, const Tell& tell) {
     Rows rows(tell);
@@ -63,11 +63,11 @@ PublishedTable spin_up(const std::string& name, const std::string& title, const 
     };
     for (const Formulation formulation : formulations) {
       const Measured& known = formulation == Formulation::natural ? natural : relative;
-      const auto note = [&](const Column& column) {
+      const auto note = [&](const DeflectionColumn& column) {
         return column.damped ? "default integrator" : std::string();
       };
       for (std::size_t k = 0; k < columns.size(); ++k)
-        rows.add({"CPU, " + name_of(formulation),
+        rows.add({"CPU, " + formulation_name(formulation),
                   columns[k].name,
                   "s",
                   published(known.cpu, k),
@@ -76,7 +76,7 @@ PublishedTable spin_up(const std::string& name, const std::string& title, const 
                  [&](ReproducedRow&) { return lab.cpu_seconds(make_case(file, columns[k], formulation)); });
       for (int component = 0; component < (file == in_plane ? 2 : 3); ++component)
         for (std::size_t k = 0; k < columns.size(); ++k)
-          rows.add({fmt::format("{}, {}", "xyz"[component], name_of(formulation)),
+          rows.add({fmt::format("{}, {}", "xyz"[component], formulation_name(formulation)),
                     columns[k].name,
                     "mm",
                     published(known.deviation[static_cast<std::size_t>(component)], k),
@@ -94,11 +94,12 @@ PublishedTable spin_up(const std::string& name, const std::string& title, const 
 }  // namespace
 
 std::vector<PublishedTable> deflection_tables() {
-  const Column two_d_foreshortening{"foreshortening", {{"method", "foreshortening"}, {"axial_modes", "0"}}};
-  Column one = nonlinear(1, "held"), two = nonlinear(2, "held");
+  const DeflectionColumn two_d_foreshortening{"foreshortening",
+                                              {{"method", "foreshortening"}, {"axial_modes", "0"}}};
+  DeflectionColumn one = nonlinear(1, "held"), two = nonlinear(2, "held");
   one.name = "stiffness, " + one.name;
   two.name = "stiffness, " + two.name;
-  std::vector<Column> cuts;
+  std::vector<DeflectionColumn> cuts;
   for (const int count : {3, 5, 10, 20})
     cuts.push_back(substructures(count, fmt::format("{}", count), "exponential"));
   cuts.push_back(substructures(20, "20, infinitesimal", "infinitesimal"));

@@ -14,7 +14,7 @@ using Numbers = std::vector<std::optional<double>>;
 
 inline constexpr std::array formulations{Formulation::natural, Formulation::relative};
 
-inline std::string name_of(Formulation formulation) {
+inline std::string formulation_name(Formulation formulation) {
   return formulation == Formulation::natural ? "natural" : "relative";
 }
 

@@ -90,16 +90,21 @@ struct Published {
 
 PublishedTable coordinates(const std::string& name, const std::string& title,
                            const std::vector<Variant>& variants, const Published& published) {
-  return {
-      "coordinates-" + name, title, [=](Lab& lab, const Tell& tell) {
-        Rows rows(tell);
-        for (const Formulation formulation : formulations)
-          for (std::size_t k = 0; k < variants.size(); ++k)
-            rows.add(
-                {name_of(formulation), variants[k].column, "1", published.of(formulation)[k], {}, {}},
-                [&](ReproducedRow&) { return lab.counts(newmark(variants[k], formulation)).coordinates; });
-        return rows.take();
-      }};
+  return {"coordinates-" + name, title, [=](Lab& lab, const Tell& tell) {
+            Rows rows(tell);
+            for (const Formulation formulation : formulations)
+              for (std::size_t k = 0; k < variants.size(); ++k)
+                rows.add({formulation_name(formulation),
+                          variants[k].column,
+                          "1",
+                          published.of(formulation)[k],
+                          {},
+                          {}},
+                         [&](ReproducedRow&) {
+                           return lab.counts(newmark(variants[k], formulation)).coordinates;
+                         });
+            return rows.take();
+          }};
 }
 
 PublishedTable cpu(const std::string& name, const std::string& title, const std::vector<Variant>& variants,
@@ -108,11 +113,15 @@ PublishedTable cpu(const std::string& name, const std::string& title, const std:
             Rows rows(tell);
             for (const Formulation formulation : formulations)
               for (std::size_t k = 0; k < variants.size(); ++k)
-                rows.add(
-                    {name_of(formulation), variants[k].column, unit, published.of(formulation)[k], {}, {}},
-                    [&](ReproducedRow&) {
-                      return per_second * lab.cpu_seconds(projected(newmark(variants[k], formulation)));
-                    });
+                rows.add({formulation_name(formulation),
+                          variants[k].column,
+                          unit,
+                          published.of(formulation)[k],
+                          {},
+                          {}},
+                         [&](ReproducedRow&) {
+                           return per_second * lab.cpu_seconds(projected(newmark(variants[k], formulation)));
+                         });
             rows.add_quotient("natural over relative", "natural", "relative");
             return rows.take();
           }};
@@ -132,7 +141,7 @@ std::vector<ReproducedRow> cpu_inertia(Lab& lab, const Tell& tell) {
         variant.settings["elements"] = columns[k];
         Case c = newmark(variant, formulations[f]);
         c.options.inertia = integrals ? Inertia::integrals : Inertia::projection;
-        rows.add({name_of(formulations[f]) + (integrals ? ", integrals" : ", projection"),
+        rows.add({formulation_name(formulations[f]) + (integrals ? ", integrals" : ", projection"),
                   columns[k],
                   "s",
                   published[f][integrals ? 1 : 0][k],
@@ -141,7 +150,7 @@ std::vector<ReproducedRow> cpu_inertia(Lab& lab, const Tell& tell) {
                  [&](ReproducedRow&) { return lab.cpu_seconds(c); });
       }
   for (const Formulation formulation : formulations) {
-    const std::string name = name_of(formulation);
+    const std::string name = formulation_name(formulation);
     rows.add_quotient(name + ", projection over integrals", name + ", projection", name + ", integrals");
   }
   return rows.take();
@@ -158,7 +167,7 @@ std::vector<Column> accuracy_columns() {
   std::vector<Column> columns;
   for (const bool flexible : {false, true})
     for (const Formulation formulation : formulations)
-      columns.push_back({(flexible ? "flexible " : "rigid ") + name_of(formulation),
+      columns.push_back({(flexible ? "flexible " : "rigid ") + formulation_name(formulation),
                          flexible ? vehicles().back() : vehicles().front(), formulation});
   return columns;
 }
@@ -242,9 +251,13 @@ std::vector<ReproducedRow> energy(Lab& lab, const Tell& tell) {
     for (const bool flexible : {false, true})
       for (const Formulation formulation : formulations) {
         const Case c = newmark(flexible ? variants.back() : variants.front(), formulation);
-        rows.add(
-            {name, (flexible ? "flexible " : "rigid ") + name_of(formulation), "J", published[k++], {}, {}},
-            [&](ReproducedRow&) { return measure(c); });
+        rows.add({name,
+                  (flexible ? "flexible " : "rigid ") + formulation_name(formulation),
+                  "J",
+                  published[k++],
+                  {},
+                  {}},
+                 [&](ReproducedRow&) { return measure(c); });
       }
   };
   series("double four-bar, mean loss", bars(), {0.021, 0.004, 0.021, 0.018},

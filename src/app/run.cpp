@@ -24,7 +24,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::string model, output, csv, state, resume;
   std::vector<std::string> settings, inputs;
   MethodArguments method;
@@ -34,7 +34,7 @@ struct Arguments {
 };
 
 /// What of the command line decides the results; kept in the results file.
-std::string options_json(const Arguments& arguments) {
+std::string options_json(const RunArguments& arguments) {
   Json json = Json::object();
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
   if (arguments.step) json["step"] = *arguments.step;
@@ -45,7 +45,7 @@ std::string options_json(const Arguments& arguments) {
   return to_text(json);
 }
 
-void check_targets(const Arguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+void check_targets(const RunArguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
   const std::string* const targets[] = {&arguments.output, &arguments.csv, &arguments.state};
   for (const std::string* target : targets) {
     const std::string& path = *target;
@@ -128,7 +128,7 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inp
 }
 
 /// Options that decide the results must be those of the saved run; it may end later.
-void require_same_options(const Arguments& arguments, const RunState& saved) {
+void require_same_options(const RunArguments& arguments, const RunState& saved) {
   Json now = Json::parse(options_json(arguments)), then = Json::parse(saved.options_json);
   now.erase("until");
   then.erase("until");
@@ -142,7 +142,8 @@ void require_same_options(const Arguments& arguments, const RunState& saved) {
 }
 
 /// Puts a simulation to where a saved run was.
-void resume(const Arguments& arguments, const RunState& saved, const RunPlan& plan, Simulation& simulation) {
+void resume(const RunArguments& arguments, const RunState& saved, const RunPlan& plan,
+            Simulation& simulation) {
   if (saved.totals.steps > plan.steps || saved.snapshot.time > plan.end)
     throw UsageError(fmt::format("the saved run is at t = {:.6g} s already, the end asked for is {:.6g} s",
                                  saved.snapshot.time, plan.end));
@@ -171,8 +172,8 @@ void resume(const Arguments& arguments, const RunState& saved, const RunPlan& pl
   simulation.restore(saved.snapshot);
 }
 
-int run(const Arguments& given_arguments) {
-  Arguments arguments = given_arguments;
+int run_model(const RunArguments& given_arguments) {
+  RunArguments arguments = given_arguments;
   if (arguments.every && arguments.state.empty()) {
     if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
     arguments.state = arguments.resume;
@@ -268,7 +269,7 @@ int run(const Arguments& given_arguments) {
 
 Command add_run(CommandLine& program) {
   Parser parser = program.add_command("run", "Simulate a model");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RunArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   add_input_option(parser, arguments->inputs);
@@ -308,7 +309,7 @@ Command add_run(CommandLine& program) {
       "--strict was given.\n"
       "Example:\n  mimbre run pendulum.yaml --set length=2 --until 10 --output pendulum.h5 --csv "
       "pendulum.csv");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_model(*arguments); }};
 }
 
 }  // namespace mimbre::app

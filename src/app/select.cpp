@@ -19,7 +19,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct SelectArguments {
   std::string model, body, output, pre = "candidates", keep = "combinations";
   std::vector<std::string> settings;
   MethodArguments method;
@@ -40,7 +40,7 @@ int find_body(const spec::Model& model, const std::string& name) {
                                did_you_mean(name, flexible), known.empty() ? "none" : known));
 }
 
-ModeSelection select(const LoadedModel& loaded, const Arguments& a, Progress& progress) {
+ModeSelection select(const LoadedModel& loaded, const SelectArguments& a, Progress& progress) {
   const spec::Model& model = loaded.model->spec();
   ModeSelectionOptions options;
   options.error = a.error / 100;
@@ -63,7 +63,7 @@ ModeSelection select(const LoadedModel& loaded, const Arguments& a, Progress& pr
 }
 
 /// The body with all its modes took long to make, and the next selection needs it.
-void require_not_candidates(const spec::Model& model, const Arguments& a) {
+void require_not_candidates(const spec::Model& model, const SelectArguments& a) {
   const auto& candidates = model.bodies[static_cast<std::size_t>(find_body(model, a.body))].flexible;
   if (!candidates || !is_reduced_body(a.output)) return;
   const ReducedBody there = load_reduced_body(a.output);  // it or its mirror image
@@ -93,7 +93,7 @@ std::string to_table(const ModeSelection& s) {
   return table.text();
 }
 
-int run(const Arguments& a) {
+int run_select(const SelectArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const LoadedModel loaded = load(a.model, a.settings);
   require_different(a.model, a.output);
@@ -139,7 +139,7 @@ int run(const Arguments& a) {
 Command add_select(CommandLine& program) {
   Parser parser =
       program.add_command("select", "Make a body with as few modes as a mechanism needs, of one with many");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<SelectArguments>();
   parser.add_option("model", a->model, "Model file (YAML) in which the body has all its modes")
       .required()
       .type_name("MODEL");
@@ -166,7 +166,7 @@ Command add_select(CommandLine& program) {
   parser.add_flag("--json", a->json, "The same as JSON");
   add_method_options(parser, a->method);
   parser.footer("Example:\n  mimbre select suspension.yaml --body front_left.arm --error 1 -o arm-small.h5");
-  return {parser, [a] { return run(*a); }};
+  return {parser, [a] { return run_select(*a); }};
 }
 
 }  // namespace mimbre::app

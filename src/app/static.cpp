@@ -12,7 +12,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct StaticArguments {
   std::string model;
   std::vector<std::string> settings;
   MethodArguments method;
@@ -56,7 +56,7 @@ StaticResult equilibrium(const LoadedModel& loaded, const RunOptions& options) {
   }
 }
 
-int run(const Arguments& arguments) {
+int run_static(const StaticArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
@@ -75,7 +75,7 @@ int run(const Arguments& arguments) {
 
 Command add_static(CommandLine& program) {
   Parser parser = program.add_command("static", "Find the static equilibrium and give the outputs there");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StaticArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   parser.add_flag("--json", arguments->json, "The same as JSON");
@@ -83,7 +83,7 @@ Command add_static(CommandLine& program) {
   // At rest it does not matter how constraints and steps are made.
   add_method_options(parser, arguments->method, {.formulation = true, .motion = false});
   parser.footer("Example:\n  mimbre static suspension.yaml --json");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_static(*arguments); }};
 }
 
 }  // namespace mimbre::app

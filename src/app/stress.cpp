@@ -16,7 +16,7 @@
 namespace mimbre::app {
 namespace {
 
-struct Arguments {
+struct StressArguments {
   std::string results;
   std::vector<std::string> bodies;
   int most = 5;
@@ -45,7 +45,7 @@ std::vector<std::string> bodies_with_stress(const Results& results) {
 
 /// The hot spots of a body that has stress modes, for people added to `text`.
 Json hot_spots_of(const BodyDrawing& body, const Eigen::VectorXd& time,
-                  const Eigen::Ref<const Eigen::MatrixXd>& amplitudes, const Arguments& a,
+                  const Eigen::Ref<const Eigen::MatrixXd>& amplitudes, const StressArguments& a,
                   std::string& text) {
   const double size = (body.points.rowwise().maxCoeff() - body.points.rowwise().minCoeff()).norm();
   const StressHistory history =
@@ -87,7 +87,7 @@ Unit unit_of(std::size_t component) {
 }
 
 /// "span at 0.45 m"
-std::string name_of(const RecordedSection& section) {
+std::string section_name(const RecordedSection& section) {
   return fmt::format("{} at {:.4g} m", section.bar, section.along);
 }
 
@@ -126,7 +126,7 @@ Json envelopes_of(const Results& results, int body, std::string& text) {
     for (const Extreme& e : ends[c]) {
       row.push_back(fmt::format("{:.4g}", e.value / unit.size));
       row.push_back(fmt::format("{:.4g}", e.time));
-      row.push_back(name_of(*e.section));
+      row.push_back(section_name(*e.section));
     }
     table.add(row);
   }
@@ -136,7 +136,7 @@ Json envelopes_of(const Results& results, int body, std::string& text) {
   return sections;
 }
 
-int run(const Arguments& a) {
+int run_stress(const StressArguments& a) {
   const Results results = read_results(a.results);
   const std::vector<std::string> names = bodies_with_stress(results);
   if (names.empty())
@@ -187,7 +187,7 @@ Command add_stress(CommandLine& program) {
   Parser parser = program.add_command(
       "stress",
       "Tell where and when the bodies of a run were stressed most, and the loads in sections of bars");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<StressArguments>();
   parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
   parser.add_option("--body", a->bodies, "Only this body; several times for several")
       .type_name("NAME")
@@ -212,7 +212,7 @@ Command add_stress(CommandLine& program) {
       "Components of stress are in body axes, MPa; loads in the axes of their bar, on the part before the "
       "section.\nExample:\n  mimbre stress run.h5 --body arm --spots 10\n"
       "  mimbre stress run.h5 --loads loads.csv --envelopes envelopes.csv");
-  return {parser, [a] { return run(*a); }};
+  return {parser, [a] { return run_stress(*a); }};
 }
 
 }  // namespace mimbre::app

@@ -21,7 +21,7 @@ namespace {
 using method_names::formulations;
 constexpr std::size_t channels_shown = 10;
 
-struct Arguments {
+struct VerifyArguments {
   std::string model;
   std::vector<std::string> settings;
   MethodArguments method;
@@ -165,7 +165,7 @@ std::string to_report(const Verification& v, bool all) {
 }
 
 /// With the loader's warnings.
-Verification verify(const Arguments& arguments, std::vector<std::string>& warnings) {
+Verification verify(const VerifyArguments& arguments, std::vector<std::string>& warnings) {
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   warnings = loaded.warnings;
   VerifyOptions options;
@@ -187,7 +187,7 @@ Verification verify(const Arguments& arguments, std::vector<std::string>& warnin
   return v;
 }
 
-int run(const Arguments& arguments) {
+int run_verify(const VerifyArguments& arguments) {
   std::vector<std::string> warnings;
   const Verification v = verify(arguments, warnings);
   std::vector<std::string> found = v.warnings();
@@ -208,7 +208,7 @@ int run(const Arguments& arguments) {
 Command add_verify(CommandLine& program) {
   Parser parser = program.add_command(
       "verify", "Run a model in both formulations, relative and natural coordinates, and compare them");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<VerifyArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
@@ -235,7 +235,7 @@ Command add_verify(CommandLine& program) {
       "where\n"
       "--strict was given.\n"
       "Example:\n  mimbre verify pendulum.yaml --until 2");
-  return {parser, [arguments] { return run(*arguments); }};
+  return {parser, [arguments] { return run_verify(*arguments); }};
 }
 
 }  // namespace mimbre::app

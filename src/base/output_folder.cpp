@@ -22,7 +22,7 @@ void check(const std::error_code& error) {
 }
 
 /// Both names at once where the system can do that; else one after the other. 0, or the error.
-int exchange(const fs::path& made, const fs::path& older) {
+int exchange_names(const fs::path& made, const fs::path& older) {
 #ifdef RENAME_EXCHANGE
   if (renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, older.c_str(), RENAME_EXCHANGE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
@@ -134,7 +134,7 @@ void OutputFolder::commit() {
     throw std::runtime_error("other files in it cannot be taken along; name a folder of its own");
   fs::permissions(path_, fs::status(target_, error).permissions(), error);
   if (lock_ >= 0) put_on_disk(lock_);
-  if (const int failed = exchange(path_, target_); failed != 0)
+  if (const int failed = exchange_names(path_, target_); failed != 0)
     throw std::runtime_error(std::strerror(failed));
   // Now the older folder has the other name, and goes; with what came into it meanwhile it stays.
   pending_ = others_follow(path_, target_);

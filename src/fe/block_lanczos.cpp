@@ -47,7 +47,7 @@ VectorXd inverse_lengths(const MatrixXd& block, const MatrixXd& image, const Vec
 struct Orthonormal {
   MatrixXd block, factor;
 };
-Orthonormal orthonormal(const Pencil& pencil, const MatrixXd& block) {
+Orthonormal orthonormal_block(const Pencil& pencil, const MatrixXd& block) {
   MatrixXd out = block, factor = MatrixXd::Identity(block.cols(), block.cols());
   for (int pass = 0; pass < 2 && out.cols() > 0; ++pass) {
     const MatrixXd image = pencil.mass(out), gram = out.transpose() * image;
@@ -78,7 +78,7 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, Index fewest,
   const Index rows = pencil.rows > 0 ? pencil.rows : pencil.size;
   const Index width = std::min<Index>(kWidth, pencil.size);
   MatrixXd basis(rows, 0), projected(0, 0);
-  Orthonormal next = orthonormal(pencil, pencil.solve(pencil.mass(start_block(rows, width))));
+  Orthonormal next = orthonormal_block(pencil, pencil.solve(pencil.mass(start_block(rows, width))));
   if (next.block.cols() == 0)
     throw std::invalid_argument(
         "no part of the finite-element model that can move has a mass that counts beside its "
@@ -104,7 +104,7 @@ Modes iterate(const Pencil& pencil, const Wanted& wanted, Index fewest,
     }
     projected.block(0, first, columns, fresh) = products;
     projected.block(first, 0, fresh, columns) = products.transpose();
-    next = orthonormal(pencil, image);
+    next = orthonormal_block(pencil, image);
 
     // The small eigenproblem costs columns³: it waits until enough columns are there, and then for a
     // sixteenth more.

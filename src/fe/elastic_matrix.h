@@ -20,6 +20,8 @@ struct SheetElasticity {
   Eigen::Matrix3d plane;
   Eigen::Matrix2d shear;  ///< order zx, yz
 };
+/// Share of the transverse shear stiffness, whose stress is not the same through the thickness.
+constexpr double kShearFactor = 5.0 / 6;
 SheetElasticity sheet_elasticity(const Matrix6& elastic);
 
 /// Directions of a material at a place, columns.

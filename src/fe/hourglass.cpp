@@ -8,13 +8,13 @@ namespace mimbre::fe {
 namespace {
 
 constexpr int kNodes = 20, kModes = 6;
-using Modes = Eigen::Matrix<double, 3 * kNodes, kModes>;
+using HourglassModes = Eigen::Matrix<double, 3 * kNodes, kModes>;
 using Nodal = Eigen::Matrix<double, 3, kNodes>;
 
 /// In reference coordinates: covariant components at the nodes, so that the strains are those of the brick
 /// [-1, 1]³ whatever affine image the element is.
-Modes reference_modes(const NodePositions& reference) {
-  Modes modes = Modes::Zero();
+HourglassModes reference_modes(const NodePositions& reference) {
+  HourglassModes modes = HourglassModes::Zero();
   for (int n = 0; n < kNodes; ++n)
     for (int pair = 0; pair < 3; ++pair) {
       const int i = pair, j = (pair + 1) % 3, k = (pair + 2) % 3;
@@ -33,11 +33,11 @@ Modes reference_modes(const NodePositions& reference) {
 void add_hourglass_stiffness(const SolidGeometry& geometry, const ElementMaterial& material,
                              SolidMatrix& stiffness) {
   static const NodePositions reference = reference_nodes(ElementType::hex20);
-  static const Modes covariant = reference_modes(reference);
+  static const HourglassModes covariant = reference_modes(reference);
   static const ShapeGradients centre = shape_gradients(ElementType::hex20, Eigen::Vector3d::Zero());
   const Eigen::Matrix3d J = geometry.nodes.lazyProduct(centre.transpose());
   const Eigen::Matrix3d to_body = J.inverse().transpose();
-  Modes modes;
+  HourglassModes modes;
   for (int n = 0; n < kNodes; ++n) modes.middleRows<3>(3 * n) = to_body * covariant.middleRows<3>(3 * n);
 
   // The test vectors are the modes without what linear displacements in body coordinates and quadratic ones
@@ -51,7 +51,7 @@ void add_hourglass_stiffness(const SolidGeometry& geometry, const ElementMateria
         r.y() * r.z(), r.z() * r.x();
   }
   const Eigen::Matrix<double, kNodes, 10> basis = orthonormal(smooth);
-  Modes tests = modes;
+  HourglassModes tests = modes;
   for (int m = 0; m < kModes; ++m)
     for (int k = 0; k < 3; ++k) {
       Eigen::Matrix<double, kNodes, 1> component;

@@ -13,7 +13,6 @@ namespace {
 using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
 template <int Rows>
 using Operator = Eigen::Matrix<double, Rows, Eigen::Dynamic, Eigen::ColMajor, Rows, 12>;
-constexpr double kShearFactor = 5.0 / 6;
 
 using Gradients = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 4>;
 
@@ -58,7 +57,7 @@ struct PlateShapes {
   Gradients sides;      ///< shear strains (reference) of unit ones along the sides times their lengths
 };
 
-PlateShapes triangle_shapes(double r, double s) {
+PlateShapes triangle_plate_shapes(double r, double s) {
   const std::array<double, 3> l{1 - r - s, r, s};
   PlateShapes shapes;
   shapes.nodes.resize(2, 3);
@@ -73,7 +72,7 @@ PlateShapes triangle_shapes(double r, double s) {
   return shapes;
 }
 
-PlateShapes square_shapes(double x, double y) {
+PlateShapes square_plate_shapes(double x, double y) {
   PlateShapes shapes;
   shapes.nodes.resize(2, 4);
   shapes.nodes << -(1 - y), 1 - y, 1 + y, -(1 + y), -(1 - x), -(1 + x), 1 + x, 1 - x;
@@ -96,7 +95,7 @@ std::array<Side, 4> all_sides(const PlaneNodes& nodes, const SheetElasticity& el
 }
 
 PlateShapes plate_shapes(Eigen::Index count, const Eigen::Vector3d& at) {
-  return count == 3 ? triangle_shapes(at.x(), at.y()) : square_shapes(at.x(), at.y());
+  return count == 3 ? triangle_plate_shapes(at.x(), at.y()) : square_plate_shapes(at.x(), at.y());
 }
 
 Operator<3> curvature_operator(const std::array<Side, 4>& sides, const Gradients& nodes,

@@ -18,12 +18,10 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kShearFactor = 5.0 / 6;
 /// Share of the shear modulus that resists drilling rotations other than the membrane's.
 constexpr double kDrillingShare = 0.05;
 /// Share of the full integration's energy that motions get which reduced integration does not see.
 constexpr double kUnseenShare = 0.02;
-constexpr double kNoArea = 1e-10;  ///< relative to the square of the element's extent
 
 struct SurfaceShapes {
   Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxShellNodes, 1> values;

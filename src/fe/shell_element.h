@@ -19,6 +19,7 @@ namespace mimbre::fe {
 
 constexpr int kMaxShellNodes = 8;
 constexpr int kMaxShellDofs = 6 * kMaxShellNodes;
+constexpr double kNoArea = 1e-10;  ///< relative to the square of the element's extent
 using ShellNodes = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxShellNodes>;
 using ShellMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxShellDofs, kMaxShellDofs>;

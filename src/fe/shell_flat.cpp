@@ -13,8 +13,6 @@
 namespace mimbre::fe {
 namespace {
 
-constexpr double kNoArea = 1e-10;  ///< relative to the square of the element's extent
-
 /// Columns: x, y in the plane of the element (of a warped one: parallel to both diagonals), z its normal.
 Eigen::Matrix3d shell_axes(const ShellNodes& nodes) {
   const bool triangle = nodes.cols() == 3;
@@ -57,13 +55,13 @@ ShellMatrix transformation(const Eigen::Matrix3d& axes, const Eigen::VectorXd& h
 
 /// Functions of the nodes and of the sides (parabolas of unit height), derivatives of the former by the
 /// reference coordinates.
-struct SurfaceShapes {
+struct FlatShapes {
   Eigen::Vector4d nodes, sides;
   Eigen::Matrix<double, 4, 2> derivatives;
 };
 
-SurfaceShapes surface_shapes(Eigen::Index count, double x, double y) {
-  SurfaceShapes shapes;
+FlatShapes flat_shapes(Eigen::Index count, double x, double y) {
+  FlatShapes shapes;
   if (count == 3) {
     const double l = 1 - x - y;
     shapes.nodes << l, x, y, 0;
@@ -128,7 +126,7 @@ ShellMatrix flat_drilling_mass(const ShellGeometry& geometry, double density) {
   const Eigen::Index count = geometry.nodes.cols();
   const Eigen::Matrix3d axes = shell_axes(geometry.nodes);
   const double middle = count == 3 ? 1.0 / 3 : 0.0;
-  const Eigen::Matrix<double, 4, 2> derivatives = surface_shapes(count, middle, middle).derivatives;
+  const Eigen::Matrix<double, 4, 2> derivatives = flat_shapes(count, middle, middle).derivatives;
   const Eigen::Matrix<double, 2, 2> J =
       axes.leftCols<2>().transpose() * geometry.nodes * derivatives.topRows(count);
   const double area = (count == 3 ? 0.5 : 4.0) * J.determinant();
@@ -156,7 +154,7 @@ void for_each_flat_mass_point(const ShellGeometry& geometry, double density, con
   const auto count = nodes.cols();
   const Eigen::Vector3d normal = shell_axes(nodes).col(2);
   for (const IntegrationPoint& point : count == 3 ? triangle : square) {
-    const SurfaceShapes shapes = surface_shapes(count, point.at.x(), point.at.y());
+    const FlatShapes shapes = flat_shapes(count, point.at.x(), point.at.y());
     const Eigen::Matrix<double, 3, 2> tangents = nodes * shapes.derivatives.topRows(count);
     const double dm =
         density * geometry.thickness * point.weight * tangents.col(0).cross(tangents.col(1)).norm();

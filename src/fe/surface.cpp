@@ -11,7 +11,7 @@ namespace mimbre::fe {
 namespace {
 
 using Eigen::Vector3d;
-using Triangle = std::array<int, 3>;
+using Corners = std::array<int, 3>;
 
 constexpr double kSharp = 0.866;  ///< cosine of the angle between faces from which an edge is drawn
 
@@ -20,7 +20,7 @@ Vector3d area_of(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 }
 
 struct ShellFace {
-  Triangle nodes;
+  Corners nodes;
   double thickness;
 };
 
@@ -117,7 +117,7 @@ void add_sharp_edges(const SolidMesh& mesh, Surface& surface) {
     return mesh.nodes.col(p.node) + p.offset;
   };
   std::map<std::array<int, 2>, Edge> edges;
-  for (const Triangle& t : surface.triangles) {
+  for (const Corners& t : surface.triangles) {
     const Vector3d normal = area_of(at(t[0]), at(t[1]), at(t[2])).normalized();
     for (int k = 0; k < 3; ++k) {
       const int a = t[k], b = t[(k + 1) % 3];
@@ -141,7 +141,7 @@ Surface surface(const SolidMesh& mesh) {
   const std::map<int, Vector3d> offsets = shell_offsets(mesh, shells);
 
   std::map<std::pair<int, int>, int> index;  // node and side (0: solids, beams) → point
-  for (const Triangle& t : solids.triangles)
+  for (const Corners& t : solids.triangles)
     for (const int node : t) index[{node, 0}] = 0;
   for (const auto& [node, offset] : offsets) index[{node, 1}] = index[{node, -1}] = 0;
   for (const BeamElement& beam : mesh.beams)

@@ -13,7 +13,7 @@ namespace mimbre::fe {
 
 namespace {
 
-bool is_skipped(std::string_view line) {
+bool holds_no_entry(std::string_view line) {
   line = trimmed(line);
   return line.empty() || line.starts_with("*") || line.starts_with("%");
 }
@@ -44,7 +44,7 @@ Coordinates coordinates(std::string_view line, const TextFile& file) {
 bool abaqus_is_labelled(TextFile& file) {
   std::string_view line;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_entry(line)) continue;
     file.put_back();
     return std::count(line.begin(), line.end(), ',') >= 4;
   }
@@ -72,7 +72,7 @@ SymmetricEntries parse_abaqus_labelled(TextFile& file, const SolidMesh& mesh) {
   };
   std::string_view line;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_entry(line)) continue;
     std::string_view rest = line;
     const int row = key(rest, line), column = key(rest, line);
     const auto value = to_real(next_field(rest));
@@ -87,7 +87,7 @@ std::int64_t count_abaqus_rows(TextFile& file) {
   std::int64_t rows = 0;
   std::string_view line;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_entry(line)) continue;
     const Coordinates entry = coordinates(line, file);
     rows = std::max({rows, entry.row, entry.column});
   }
@@ -99,7 +99,7 @@ SymmetricEntries parse_abaqus_coordinates(TextFile& file, const std::vector<Dof>
   const auto n = static_cast<std::int64_t>(rows.size());
   std::string_view line;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_entry(line)) continue;
     const auto [row, column, value] = coordinates(line, file);
     if (row > n || column > n)
       file.fail(fmt::format("row or column {} where there are {} dofs", std::max(row, column), n));

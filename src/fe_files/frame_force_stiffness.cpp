@@ -21,12 +21,12 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr int kInertia = GeometricStiffness::boundary;
-constexpr int kProducts[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+constexpr int kInertiaCount = GeometricStiffness::boundary;
+constexpr int kEntries[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 
 /// f_l: modes × 12.
 MatrixXd inertia_forces(const ReducedBody& body) {
-  MatrixXd forces(body.modes, kInertia);
+  MatrixXd forces(body.modes, kInertiaCount);
   for (int m = 0; m < body.modes; ++m)
     forces.row(m).segment<6>(GeometricStiffness::angular_velocity) = -centrifugal(position_integral(body, m));
   forces.middleCols<3>(GeometricStiffness::acceleration) = -body.S.transpose();
@@ -51,7 +51,7 @@ void add(MatrixXd& sum, double factor, const MatrixXd& matrix) {
     sum += factor * matrix;
 }
 
-using Inertia = std::array<MatrixXd, kInertia>;
+using Inertia = std::array<MatrixXd, kInertiaCount>;
 
 double largest(const MatrixXd& matrix) { return matrix.size() > 0 ? matrix.cwiseAbs().maxCoeff() : 0; }
 
@@ -80,7 +80,7 @@ bool FrameForceStiffness::any() const {
 Eigen::Matrix<double, 1, 6> centrifugal(const Eigen::Matrix3d& A) {
   Eigen::Matrix<double, 1, 6> result;
   for (int c = 0; c < 6; ++c) {
-    const int a = kProducts[c][0], b = kProducts[c][1];
+    const int a = kEntries[c][0], b = kEntries[c][1];
     result(c) = a == b ? A(a, a) - A.trace() : A(a, b) + A(b, a);
   }
   return result;
@@ -92,7 +92,7 @@ FrameForceStiffness by_frame_forces(const ReducedBody& body) {
   if (!body.geometric) return out;
   const GeometricStiffness& g = *body.geometric;
   for (std::size_t l = 0; l < g.loads.size(); ++l)
-    if (g.loads[l] < kInertia) out.inertia[static_cast<std::size_t>(g.loads[l])] = g.stiffness[l];
+    if (g.loads[l] < kInertiaCount) out.inertia[static_cast<std::size_t>(g.loads[l])] = g.stiffness[l];
   if (g.boundary_loads.rows() == 0) return out;
   const Cholesky K(body.stiffness);
   if (!K.ok())
@@ -107,9 +107,9 @@ FrameForceStiffness by_frame_forces(const ReducedBody& body) {
     if (!from_frames.middleRows<6>(6 * (i / 6)).isZero(0))
       out.forces[static_cast<std::size_t>(i)] = MatrixXd::Zero(body.modes, body.modes);
   for (std::size_t l = 0; l < g.loads.size(); ++l) {
-    const Index row = g.loads[l] - kInertia;
+    const Index row = g.loads[l] - kInertiaCount;
     if (row < 0) continue;
-    for (Index c = 0; c < kInertia; ++c)
+    for (Index c = 0; c < kInertiaCount; ++c)
       add(out.inertia[static_cast<std::size_t>(c)], from_inertia(c, row), g.stiffness[l]);
     for (Index i = 0; i < from_frames.rows(); ++i)
       add(out.forces[static_cast<std::size_t>(i)], from_frames(i, row), g.stiffness[l]);
@@ -147,7 +147,7 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const MatrixXd& stiffness = given.forces[static_cast<std::size_t>(rows[r])];
       if (stiffness.isZero(0)) continue;
-      for (Index c = 0; c < kInertia; ++c)
+      for (Index c = 0; c < kInertiaCount; ++c)
         add(inertia[static_cast<std::size_t>(c)], -from_inertia(c, static_cast<Index>(r)), stiffness);
       boundary.push_back(stiffness);
       taken.push_back(static_cast<Index>(r));
@@ -168,9 +168,9 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
     g.loads.push_back(static_cast<int>(number));
     g.stiffness.push_back(0.5 * (matrix + matrix.transpose()));
   };
-  for (Index c = 0; c < kInertia; ++c)
+  for (Index c = 0; c < kInertiaCount; ++c)
     if (const MatrixXd& matrix = inertia[static_cast<std::size_t>(c)]; matrix.size() > 0) take(c, matrix);
-  for (std::size_t r = 0; r < boundary.size(); ++r) take(kInertia + static_cast<Index>(r), boundary[r]);
+  for (std::size_t r = 0; r < boundary.size(); ++r) take(kInertiaCount + static_cast<Index>(r), boundary[r]);
   g.boundary_loads = std::move(loads);
   if (!g.loads.empty()) body.geometric = std::move(g);
   return left_out;

@@ -26,7 +26,7 @@ struct GmshType {
   std::optional<ElementType> ours = {};
 };
 
-constexpr GmshType kTypes[] = {
+constexpr GmshType kGmshTypes[] = {
     {1, 1, 2, "line"},
     {2, 2, 3, "triangle", ElementType::tri3},
     {3, 2, 4, "quadrangle", ElementType::quad4},
@@ -54,7 +54,7 @@ constexpr GmshType kTypes[] = {
 };
 
 const GmshType& type_of(std::int64_t code, const TextFile& file) {
-  for (const GmshType& type : kTypes)
+  for (const GmshType& type : kGmshTypes)
     if (type.code == code) return type;
   file.fail(fmt::format("element type {} is not known", code));
 }
@@ -86,9 +86,9 @@ struct Block {
 
 using Physical = std::pair<int, std::int64_t>;  // dimension, tag
 
-class Reader {
+class GmshReader {
  public:
-  explicit Reader(TextFile& file) : file_(file) {}
+  explicit GmshReader(TextFile& file) : file_(file) {}
 
   ImportedMesh read() {
     read_format();
@@ -400,6 +400,6 @@ class Reader {
 
 }  // namespace
 
-ImportedMesh parse_gmsh(TextFile& file) { return Reader(file).read(); }
+ImportedMesh parse_gmsh(TextFile& file) { return GmshReader(file).read(); }
 
 }  // namespace mimbre::fe

@@ -47,28 +47,28 @@ struct Named {
   std::string_view name;
   InpType type;
 };
-using Kind = InpType::Kind;
-constexpr Named kTypes[] = {
-    {"C3D4", {Kind::element, ElementType::tet4, 4}},
-    {"C3D10", {Kind::element, ElementType::tet10, 10}},
-    {"C3D8", {Kind::element, ElementType::hex8, 8}},
-    {"C3D20", {Kind::element, ElementType::hex20, 20}},
-    {"C3D6", {Kind::element, ElementType::wedge6, 6}},
-    {"C3D15", {Kind::element, ElementType::wedge15, 15}},
-    {"S3", {Kind::element, ElementType::tri3, 3}},
-    {"S4", {Kind::element, ElementType::quad4, 4}},
-    {"S6", {Kind::element, ElementType::tri6, 6}},
-    {"S8", {Kind::element, ElementType::quad8, 8}},
-    {"B31", {Kind::beam, ElementType::tet4, 2}},
-    {"B32", {Kind::beam, ElementType::tet4, 3}},
-    {"T3D2", {Kind::boundary_only, ElementType::tet4, 2}},
-    {"T3D3", {Kind::boundary_only, ElementType::tet4, 3}},
+using InpKind = InpType::Kind;
+constexpr Named kNamedTypes[] = {
+    {"C3D4", {InpKind::element, ElementType::tet4, 4}},
+    {"C3D10", {InpKind::element, ElementType::tet10, 10}},
+    {"C3D8", {InpKind::element, ElementType::hex8, 8}},
+    {"C3D20", {InpKind::element, ElementType::hex20, 20}},
+    {"C3D6", {InpKind::element, ElementType::wedge6, 6}},
+    {"C3D15", {InpKind::element, ElementType::wedge15, 15}},
+    {"S3", {InpKind::element, ElementType::tri3, 3}},
+    {"S4", {InpKind::element, ElementType::quad4, 4}},
+    {"S6", {InpKind::element, ElementType::tri6, 6}},
+    {"S8", {InpKind::element, ElementType::quad8, 8}},
+    {"B31", {InpKind::beam, ElementType::tet4, 2}},
+    {"B32", {InpKind::beam, ElementType::tet4, 3}},
+    {"T3D2", {InpKind::boundary_only, ElementType::tet4, 2}},
+    {"T3D3", {InpKind::boundary_only, ElementType::tet4, 3}},
 };
 constexpr Named kPointTypes[] = {
-    {"MASS", {Kind::mass, ElementType::tet4, 1}},
-    {"ROTARYI", {Kind::inertia, ElementType::tet4, 1}},
-    {"SPRINGA", {Kind::spring_along, ElementType::tet4, 2}},
-    {"SPRING2", {Kind::spring_between, ElementType::tet4, 2}},
+    {"MASS", {InpKind::mass, ElementType::tet4, 1}},
+    {"ROTARYI", {InpKind::inertia, ElementType::tet4, 1}},
+    {"SPRINGA", {InpKind::spring_along, ElementType::tet4, 2}},
+    {"SPRING2", {InpKind::spring_between, ElementType::tet4, 2}},
 };
 
 /// Plane elements: meshers write the surfaces of a solid so.
@@ -81,11 +81,11 @@ bool is_plane(std::string_view name) {
 std::optional<InpType> find_type(const std::string& name) {
   for (const Named& type : kPointTypes)
     if (name == type.name) return type.type;
-  for (const Named& type : kTypes) {
+  for (const Named& type : kNamedTypes) {
     if (!name.starts_with(type.name)) continue;
     const std::string_view suffix = std::string_view(name).substr(type.name.size());
     const bool variant = suffix.find_first_not_of("IRHMS") == std::string_view::npos;
-    if (!suffix.empty() && (!variant || type.type.kind == Kind::boundary_only)) continue;
+    if (!suffix.empty() && (!variant || type.type.kind == InpKind::boundary_only)) continue;
     InpType found = type.type;
     found.reduced = suffix.find('R') != std::string_view::npos;
     return found;
@@ -96,7 +96,7 @@ std::optional<InpType> find_type(const std::string& name) {
                                                                                            : 0);
     const auto nodes = to_integer(std::string_view(name).substr(std::min(digit, name.size()), 1));
     if (nodes && *nodes >= 3)
-      return InpType{Kind::boundary_only, ElementType::tri3, static_cast<int>(*nodes)};
+      return InpType{InpKind::boundary_only, ElementType::tri3, static_cast<int>(*nodes)};
   }
   return std::nullopt;
 }
@@ -165,7 +165,7 @@ void read_elements(InpModel& model, const InpKeyword& keyword) {
     model.warn("type " + name, keyword.mark, fmt::format("elements {} are left out{}", shown(name), why));
     return;
   }
-  if (type->kind == Kind::boundary_only)
+  if (type->kind == InpKind::boundary_only)
     model.warn("type " + name, keyword.mark,
                fmt::format("elements {} are not part of the body; they only make node sets", name));
   const int type_index = static_cast<int>(model.types.size());
@@ -307,7 +307,7 @@ void read_element_set(InpModel& model, const InpKeyword& keyword) {
 }
 
 /// Nothing of the body: what to print, tables of loads, headings.
-bool is_silent(const std::string& name) {
+bool is_silent_keyword(const std::string& name) {
   for (const std::string_view known : {"HEADING",
                                        "PREPRINT",
                                        "RESTART",
@@ -376,7 +376,7 @@ void read_keyword(InpModel& model, const InpKeyword& keyword, bool& part) {
                                    keyword.name));
   if (keyword.name == "MEMBRANE SECTION")
     throw InputError(keyword.mark, "membranes are not read, and the body would lack them");
-  if (!is_silent(keyword.name))
+  if (!is_silent_keyword(keyword.name))
     model.warn("keyword " + keyword.name, keyword.mark, fmt::format("*{} is left out", shown(keyword.name)));
 }
 

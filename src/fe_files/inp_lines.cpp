@@ -12,9 +12,7 @@ namespace mimbre::fe {
 
 namespace {
 
-constexpr std::size_t kDeepest = 20;
-
-std::string capitals(std::string_view text) {
+std::string compact_capitals(std::string_view text) {
   std::string result;
   for (const char c : text)
     if (c != ' ' && c != '\t') result += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -27,13 +25,8 @@ std::string_view unquoted(std::string_view text) {
 }
 
 bool is_include(std::string_view line) {
-  const std::string name = capitals(line.substr(1, line.find(',') - 1));
+  const std::string name = compact_capitals(line.substr(1, line.find(',') - 1));
   return name == "INCLUDE";
-}
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return std::filesystem::equivalent(a, b, ignored);
 }
 
 }  // namespace
@@ -104,7 +97,7 @@ InpKeyword InpLines::keyword_of(std::string_view line) {
   std::string_view name = next_field(rest);
   while (!name.empty()) {
     if (!keyword.name.empty()) keyword.name += ' ';
-    keyword.name += capitals(next_word(name));
+    keyword.name += compact_capitals(next_word(name));
     name = trimmed(name);
   }
   while (!rest.empty()) {
@@ -113,7 +106,7 @@ InpKeyword InpLines::keyword_of(std::string_view line) {
     const std::size_t equals = field.find('=');
     const std::string_view value =
         equals == std::string_view::npos ? std::string_view() : trimmed(field.substr(equals + 1));
-    keyword.parameters.emplace_back(capitals(field.substr(0, equals)), unquoted(value));
+    keyword.parameters.emplace_back(compact_capitals(field.substr(0, equals)), unquoted(value));
   }
   return keyword;
 }
@@ -143,7 +136,8 @@ void InpLines::include(const InpKeyword& keyword) {
   const std::string path = (std::filesystem::path(folder_) / *input).string();
   for (const auto& open : files_)
     if (same_file(open->name(), path)) file().fail(fmt::format("'{}' includes itself", shown(*input)));
-  if (files_.size() >= kDeepest) file().fail(fmt::format("includes go more than {} files deep", kDeepest));
+  if (files_.size() >= kDeepestIncludes)
+    file().fail(fmt::format("includes go more than {} files deep", kDeepestIncludes));
   if (!std::filesystem::exists(path)) file().fail(fmt::format("'{}' is not there to be included", path));
   files_.push_back(std::make_unique<TextFile>(path));
   included_.push_back(path);

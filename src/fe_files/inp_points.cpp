@@ -8,7 +8,7 @@
 namespace mimbre::fe {
 namespace {
 
-using Kind = InpPointProperty::Kind;
+using PointKind = InpPointProperty::Kind;
 
 int direction_field(InpModel& model, std::string_view& line) {
   const std::string_view field = next_field(line);
@@ -24,11 +24,11 @@ bool read_inp_point_property(InpModel& model, const InpKeyword& keyword) {
   InpPointProperty property;
   property.mark = keyword.mark;
   if (keyword.name == "MASS")
-    property.kind = Kind::mass;
+    property.kind = PointKind::mass;
   else if (keyword.name == "ROTARY INERTIA")
-    property.kind = Kind::inertia;
+    property.kind = PointKind::inertia;
   else if (keyword.name == "SPRING")
-    property.kind = Kind::spring;
+    property.kind = PointKind::spring;
   else
     return false;
   property.element_set = needed(keyword, "ELSET");
@@ -45,18 +45,18 @@ bool read_inp_point_property(InpModel& model, const InpKeyword& keyword) {
         between ||
         model.types[static_cast<std::size_t>(model.elements[static_cast<std::size_t>(index)].type)].kind ==
             InpType::Kind::spring_between;
-  if (property.kind == Kind::inertia) {
+  if (property.kind == PointKind::inertia) {
     const auto v = inp_numbers(model, keyword, 6, "I11, I22, I33, I12, I13, I23");
     std::copy(v.begin(), v.end(), property.values.begin());
   } else {
-    if (property.kind == Kind::spring && between) {
+    if (property.kind == PointKind::spring && between) {
       std::string_view line;
       if (!model.lines.next_data(line))
         throw InputError(keyword.mark, "*SPRING needs a line with its two dofs");
       for (int& direction : property.directions) direction = direction_field(model, line);
     }
     property.values[0] =
-        inp_numbers(model, keyword, 1, property.kind == Kind::mass ? "the mass" : "the stiffness")[0];
+        inp_numbers(model, keyword, 1, property.kind == PointKind::mass ? "the mass" : "the stiffness")[0];
     if (!(property.values[0] >= 0)) model.lines.file().fail("must not be negative");
   }
   model.point_properties.push_back(std::move(property));
@@ -97,10 +97,10 @@ void finish_inp_points(const InpModel& model, SolidMesh& mesh) {
           throw InputError(property.mark, fmt::format("element {} of the set {} is none for *{}",
                                                       element.label, shown(property.element_set), card));
       };
-      if (property.kind == Kind::mass) {
+      if (property.kind == PointKind::mass) {
         require(kind == InpType::Kind::mass, "MASS");
         mesh.point_masses.push_back({name, nodes[0], property.values[0]});
-      } else if (property.kind == Kind::inertia) {
+      } else if (property.kind == PointKind::inertia) {
         require(kind == InpType::Kind::inertia, "ROTARY INERTIA");
         const auto& v = property.values;
         PointMass point{name, nodes[0]};

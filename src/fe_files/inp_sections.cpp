@@ -38,7 +38,7 @@ std::vector<double> inp_numbers(InpModel& model, const InpKeyword& keyword, int 
 
 namespace {
 
-using Kind = InpSection::Kind;
+using SectionKind = InpSection::Kind;
 
 /// As in the model file: W. C. Young, Roark's Formulas, for the torsion of a rectangle.
 Section rectangle(double first, double second) {
@@ -77,7 +77,7 @@ Section box(double a, double b, const std::array<double, 4>& t) {
 }
 
 void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& section) {
-  section.kind = Kind::beam;
+  section.kind = SectionKind::beam;
   std::string shape = lower(needed(keyword, "SECTION"));
   for (const char* name : {"rect", "circ"})  // also written out
     if (shape.starts_with(name)) shape = name;
@@ -177,20 +177,20 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword) {
   InpSection section;
   section.mark = keyword.mark;
   if (keyword.name == "SHELL SECTION") {
-    section.kind = Kind::shell;
+    section.kind = SectionKind::shell;
   } else if (keyword.name == "BEAM SECTION" || keyword.name == "BEAM GENERAL SECTION") {
-    section.kind = Kind::beam;
+    section.kind = SectionKind::beam;
   } else if (keyword.name != "SOLID SECTION") {
     return false;
   }
   section.element_set = needed(keyword, "ELSET");
   if (const std::string* orientation = keyword.find("ORIENTATION")) section.orientation = *orientation;
-  const bool layers = section.kind == Kind::shell && keyword.find("COMPOSITE");
+  const bool layers = section.kind == SectionKind::shell && keyword.find("COMPOSITE");
   if (layers)
     read_plies(model, keyword, section);
   else
     section.material = needed(keyword, "MATERIAL");
-  if (section.kind == Kind::shell) {
+  if (section.kind == SectionKind::shell) {
     if (!layers) section.thickness = inp_numbers(model, keyword, 1, "the thickness")[0];
     if (!(section.thickness > 0)) model.lines.file().fail("a thickness must be positive");
     if (const std::string* offset = keyword.find("OFFSET")) {
@@ -202,7 +202,7 @@ bool read_inp_section(InpModel& model, const InpKeyword& keyword) {
       section.offset = -*value * section.thickness;
     }
   }
-  if (section.kind == Kind::beam) read_beam_section(model, keyword, section);
+  if (section.kind == SectionKind::beam) read_beam_section(model, keyword, section);
   model.sections.push_back(std::move(section));
   return true;
 }
@@ -228,8 +228,10 @@ int find_orientation(const InpModel& model, const std::string& name, const Mark&
                    fmt::format("there is no orientation '{}'{}", shown(name), did_you_mean(name, names)));
 }
 
-const char* name_of(Kind kind) {
-  return kind == Kind::solid ? "*SOLID SECTION" : kind == Kind::shell ? "*SHELL SECTION" : "*BEAM SECTION";
+const char* name_of(SectionKind kind) {
+  return kind == SectionKind::solid   ? "*SOLID SECTION"
+         : kind == SectionKind::shell ? "*SHELL SECTION"
+                                      : "*BEAM SECTION";
 }
 
 /// Meshers write faces and edges of solids as plane elements and trusses, that a section may take with the
@@ -256,9 +258,9 @@ void assign_sections(InpModel& model) {
       InpElement& element = model.elements[static_cast<std::size_t>(index)];
       const InpType& type = model.types[static_cast<std::size_t>(element.type)];
       if (type.kind != InpType::Kind::element && type.kind != InpType::Kind::beam) continue;
-      const Kind right = type.kind == InpType::Kind::beam ? Kind::beam
-                         : is_shell(type.type)            ? Kind::shell
-                                                          : Kind::solid;
+      const SectionKind right = type.kind == InpType::Kind::beam ? SectionKind::beam
+                                : is_shell(type.type)            ? SectionKind::shell
+                                                                 : SectionKind::solid;
       if (right != section.kind)
         throw InputError(section.mark, fmt::format("element {} of the set {} needs a {}", element.label,
                                                    shown(section.element_set), name_of(right)));

@@ -108,7 +108,7 @@ void read_scalar_points(NastranModel& model, const NastranCard& card) {
 }
 
 /// Nothing of the body's mass and stiffness: loads, steps, output, temperatures, aerodynamics, optimization.
-bool is_silent(std::string_view name) {
+bool is_silent_card(std::string_view name) {
   return begins_with_one_of(
              name, {"FORCE",   "MOMENT",  "PLOAD",   "TEMP",    "EIG",     "FREQ",   "TSTEP",   "TLOAD",
                     "RLOAD",   "TABLE",   "DESVAR",  "DRESP",   "DVPREL",  "DVMREL", "DVCREL",  "DCONSTR",
@@ -182,7 +182,7 @@ void read_other(NastranModel& model, const NastranCard& card) {
       if (!one.why.empty()) model.warn(std::string(one.head), card.mark, std::string(one.why));
       return;
     }
-  if (is_silent(name)) return;
+  if (is_silent_card(name)) return;
   if (name.starts_with('=') || name.empty())
     card.fail("cards made by replication (=) are not read; write them out");
   // Elements and ties, which the body would lack.

@@ -15,13 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kDeepest = 20;
 constexpr std::size_t kLongestName = 4096;
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored);
-}
 
 }  // namespace
 
@@ -70,8 +64,8 @@ void NastranLines::include(std::string_view line) {
   for (const auto& open : files_)
     if (same_file(open->name(), path))
       throw InputError(start, fmt::format("'{}' includes itself", shown(name)));
-  if (files_.size() >= kDeepest)
-    throw InputError(start, fmt::format("includes go more than {} files deep", kDeepest));
+  if (files_.size() >= kDeepestIncludes)
+    throw InputError(start, fmt::format("includes go more than {} files deep", kDeepestIncludes));
   files_.push_back(std::make_unique<TextFile>(path));
   included_.push_back(path);
 }

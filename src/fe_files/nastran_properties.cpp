@@ -13,7 +13,7 @@ namespace mimbre::fe {
 
 namespace {
 
-using Kind = NastranMaterial::Kind;
+using MaterialKind = NastranMaterial::Kind;
 
 template <class Map, class Value>
 void add(Map& map, std::int64_t label, Value value, const NastranCard& card) {
@@ -22,7 +22,7 @@ void add(Map& map, std::int64_t label, Value value, const NastranCard& card) {
 
 /// What all materials have, the density in a field; `read` gives the rest.
 template <class Read>
-void read_material(NastranModel& model, const NastranCard& card, Kind kind, std::size_t density,
+void read_material(NastranModel& model, const NastranCard& card, MaterialKind kind, std::size_t density,
                    const Read& read) {
   NastranMaterial material;
   material.kind = kind;
@@ -43,7 +43,7 @@ void read_symmetric(const NastranCard& card, Matrix& matrix) {
 
 /// E, G, ν: two of them make the third.
 void read_isotropic(NastranModel& model, const NastranCard& card) {
-  read_material(model, card, Kind::isotropic, 4, [&](NastranMaterial& material) {
+  read_material(model, card, MaterialKind::isotropic, 4, [&](NastranMaterial& material) {
     material.young = card.real(1, "Young's modulus");
     material.shear = card.real(2, "shear modulus");
     material.poisson = card.real(3, "Poisson's ratio");
@@ -61,7 +61,7 @@ void read_isotropic(NastranModel& model, const NastranCard& card) {
 }
 
 void read_sheet(NastranModel& model, const NastranCard& card) {
-  read_material(model, card, Kind::sheet, 7, [&](NastranMaterial& material) {
+  read_material(model, card, MaterialKind::sheet, 7, [&](NastranMaterial& material) {
     read_symmetric(card, material.sheet);
     material.sheet_shear = material.sheet(2, 2) * Eigen::Matrix2d::Identity();
     // As MID3 it relates shear forces to shear strains: G11, G12, G22, and the others are blank.
@@ -71,7 +71,7 @@ void read_sheet(NastranModel& model, const NastranCard& card) {
 }
 
 void read_orthotropic_sheet(NastranModel& model, const NastranCard& card) {
-  read_material(model, card, Kind::sheet, 7, [&](NastranMaterial& material) {
+  read_material(model, card, MaterialKind::sheet, 7, [&](NastranMaterial& material) {
     const double E1 = card.real(1, "Young's modulus"), E2 = card.real(2, "Young's modulus");
     const double nu12 = card.real(3, "Poisson's ratio"), G12 = card.real(4, "shear modulus");
     // Blank and 0: rigid in shear across; a shear modulus far above those in the plane stands for it.
@@ -90,14 +90,14 @@ void read_orthotropic_sheet(NastranModel& model, const NastranCard& card) {
 }
 
 void read_solid_matrix(NastranModel& model, const NastranCard& card) {
-  read_material(model, card, Kind::solid, 22, [&](NastranMaterial& material) {
+  read_material(model, card, MaterialKind::solid, 22, [&](NastranMaterial& material) {
     read_symmetric(card, material.elastic);
     material.young = material.elastic(0, 0);
   });
 }
 
 void read_orthotropic_solid(NastranModel& model, const NastranCard& card) {
-  read_material(model, card, Kind::solid, 10, [&](NastranMaterial& material) {
+  read_material(model, card, MaterialKind::solid, 10, [&](NastranMaterial& material) {
     const auto at = [&](std::size_t i) { return card.real(i, "elastic constant"); };
     const EngineeringConstants constants{at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8), at(9)};
     try {
@@ -110,7 +110,7 @@ void read_orthotropic_solid(NastranModel& model, const NastranCard& card) {
   });
 }
 
-void read_shell(NastranModel& model, const NastranCard& card) {
+void read_shell_property(NastranModel& model, const NastranCard& card) {
   NastranShellProperty property;
   property.place = model.place(card.mark);
   property.membrane = card.whole(1, "material", 0);
@@ -157,7 +157,7 @@ void read_laminate(NastranModel& model, const NastranCard& card, std::size_t siz
   add(model.shell_properties, card.label(0, "property"), std::move(property), card);
 }
 
-void read_solid(NastranModel& model, const NastranCard& card) {
+void read_solid_property(NastranModel& model, const NastranCard& card) {
   NastranSolidProperty property;
   property.place = model.place(card.mark);
   property.material = card.label(1, "material");
@@ -167,7 +167,7 @@ void read_solid(NastranModel& model, const NastranCard& card) {
   add(model.solid_properties, card.label(0, "property"), property, card);
 }
 
-void read_bar(NastranModel& model, const NastranCard& card) {
+void read_bar_property(NastranModel& model, const NastranCard& card) {
   NastranBarProperty property;
   property.place = model.place(card.mark);
   property.material = card.label(1, "material");
@@ -302,7 +302,7 @@ void read_shape(NastranModel& model, const NastranCard& card) {
   add(model.bar_properties, card.label(0, "property"), property, card);
 }
 
-void read_rod(NastranModel& model, const NastranCard& card) {
+void read_rod_property(NastranModel& model, const NastranCard& card) {
   NastranBarProperty property;
   property.place = model.place(card.mark);
   property.material = card.label(1, "material");
@@ -322,7 +322,7 @@ void read_rod(NastranModel& model, const NastranCard& card) {
   add(model.bar_properties, card.label(0, "property"), property, card);
 }
 
-void read_panel(NastranModel& model, const NastranCard& card) {
+void read_panel_property(NastranModel& model, const NastranCard& card) {
   NastranPanelProperty property;
   property.place = model.place(card.mark);
   property.material = card.label(1, "material");
@@ -383,23 +383,23 @@ bool read_nastran_property(NastranModel& model, const NastranCard& card) {
   } else if (name == "MAT3" || name == "MAT10" || name.starts_with("MATH") || name == "MATDIGI") {
     model.other_materials[card.label(0, "material")] = name;
   } else if (name == "PSHELL") {
-    read_shell(model, card);
+    read_shell_property(model, card);
   } else if (name == "PCOMP") {
     read_laminate(model, card, 4, 0);
   } else if (name == "PCOMPG") {
     read_laminate(model, card, 8, 1);
   } else if (name == "PSOLID") {
-    read_solid(model, card);
+    read_solid_property(model, card);
   } else if (name == "PBAR") {
-    read_bar(model, card);
+    read_bar_property(model, card);
   } else if (name == "PBEAM") {
     read_beam(model, card);
   } else if (name == "PBARL" || name == "PBEAML") {
     read_shape(model, card);
   } else if (name == "PROD" || name == "PTUBE") {
-    read_rod(model, card);
+    read_rod_property(model, card);
   } else if (name == "PSHEAR") {
-    read_panel(model, card);
+    read_panel_property(model, card);
   } else if (name == "PELAS") {
     read_springs(model, card);
   } else if (name == "PMASS") {

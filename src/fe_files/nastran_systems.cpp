@@ -16,9 +16,9 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Kind = NastranSystem::Kind;
+using SystemKind = NastranSystem::Kind;
 
-constexpr int kDeepest = 1000;
+constexpr int kLongestChain = 1000;
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// sin and cos that are exact at multiples of 90°.
@@ -36,10 +36,10 @@ Vector3d direction_in_plane(double degrees) {
 
 Vector3d NastranSystem::place(const Vector3d& c) const {
   Vector3d local = c;
-  if (kind == Kind::cylindrical) {
+  if (kind == SystemKind::cylindrical) {
     local = c[0] * direction_in_plane(c[1]);
     local.z() = c[2];
-  } else if (kind == Kind::spherical) {  // r, θ from the z axis, φ about it
+  } else if (kind == SystemKind::spherical) {  // r, θ from the z axis, φ about it
     const Vector3d from_z = direction_in_plane(c[1]);
     local = c[0] * from_z[1] * direction_in_plane(c[2]);
     local.z() = c[0] * from_z[0];
@@ -48,7 +48,7 @@ Vector3d NastranSystem::place(const Vector3d& c) const {
 }
 
 Matrix3d NastranSystem::directions(const Vector3d& at) const {
-  if (kind == Kind::rectangular) return axes;
+  if (kind == SystemKind::rectangular) return axes;
   const Vector3d local = axes.transpose() * (at - origin);
   const double radius = std::hypot(local.x(), local.y());
   const Vector3d out = radius > 1e-9 * (std::abs(local.z()) + (at.norm() + origin.norm()))
@@ -56,7 +56,7 @@ Matrix3d NastranSystem::directions(const Vector3d& at) const {
                            : Vector3d(Vector3d::UnitX());
   const Vector3d around(-out.y(), out.x(), 0), up = Vector3d::UnitZ();
   Matrix3d result;
-  if (kind == Kind::cylindrical) {
+  if (kind == SystemKind::cylindrical) {
     result << out, around, up;
   } else {
     const double distance = local.norm();
@@ -67,7 +67,7 @@ Matrix3d NastranSystem::directions(const Vector3d& at) const {
   return axes * result;
 }
 
-bool NastranSystem::is_basic() const { return kind == Kind::rectangular && axes.isIdentity(1e-9); }
+bool NastranSystem::is_basic() const { return kind == SystemKind::rectangular && axes.isIdentity(1e-9); }
 
 void NastranSystems::add(const NastranCard& card, std::size_t label_field, Card system) {
   const std::int64_t label = card.label(label_field, "coordinate system");
@@ -82,13 +82,13 @@ bool NastranSystems::read(const NastranCard& card) {
   Card system;
   switch (name[5]) {
     case 'R':
-      system.kind = Kind::rectangular;
+      system.kind = SystemKind::rectangular;
       break;
     case 'C':
-      system.kind = Kind::cylindrical;
+      system.kind = SystemKind::cylindrical;
       break;
     case 'S':
-      system.kind = Kind::spherical;
+      system.kind = SystemKind::spherical;
       break;
     default:
       return false;
@@ -134,7 +134,7 @@ const NastranSystem& NastranSystems::resolved(std::int64_t label, const Mark& ma
     throw InputError(mark,
                      fmt::format("coordinate system {} is not there; give the file that has it", label));
   Card& card = found->second;
-  if (card.within || depth > kDeepest)
+  if (card.within || depth > kLongestChain)
     throw InputError(card.mark, "coordinate systems refer to each other in a circle");
   card.within = true;
   std::array<Vector3d, 3> points;

@@ -25,7 +25,7 @@ bool split(std::string_view line, std::array<std::string_view, count>& fields) {
   return trimmed(line).empty() && !fields.back().empty();
 }
 
-bool is_skipped(std::string_view line) {
+bool holds_no_node(std::string_view line) {
   line = trimmed(line);
   return line.empty() || line.starts_with('#');
 }
@@ -48,7 +48,7 @@ ImportedMesh parse_node_table(TextFile& file) {
   std::array<std::string_view, 4> fields;
   bool first = true;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_node(line)) continue;
     const bool good = split(line, fields);
     const auto label = good ? to_integer(fields[0]) : std::nullopt;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -82,7 +82,7 @@ std::vector<Dof> parse_dof_table(TextFile& file, const SolidMesh& mesh) {
   std::array<std::string_view, 3> fields;
   bool first = true;
   while (file.next(line)) {
-    if (is_skipped(line)) continue;
+    if (holds_no_node(line)) continue;
     const bool good = split(line, fields);
     const auto row = good ? to_integer(fields[0]) : std::nullopt;
     const auto label = good ? to_integer(fields[1]) : std::nullopt;

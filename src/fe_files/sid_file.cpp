@@ -24,9 +24,9 @@ bool is_block(std::string_view word) {
   return false;
 }
 
-class Reader {
+class SidReader {
  public:
-  explicit Reader(TextFile& file) : file_(file) {}
+  explicit SidReader(TextFile& file) : file_(file) {}
 
   SidFile read() {
     std::string_view line = file_.expect("the head");
@@ -204,7 +204,7 @@ class Reader {
 
 }  // namespace
 
-SidFile parse_sid_file(TextFile& file) { return Reader(file).read(); }
+SidFile parse_sid_file(TextFile& file) { return SidReader(file).read(); }
 
 Eigen::MatrixXd constant_part(const SidBlock& block) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(block.rows, block.columns);

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 namespace mimbre::fe {
 
@@ -106,6 +108,11 @@ std::optional<double> to_real(std::string_view text) {
     if (length + 1 >= copy.size()) return std::nullopt;
   }
   return plain_real({copy.data(), length});
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(a, b, ignored);
 }
 
 }  // namespace mimbre::fe

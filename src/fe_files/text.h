@@ -24,4 +24,8 @@ std::optional<std::int64_t> to_integer(std::string_view text);
 /// their sign: 1.5-3.
 std::optional<double> to_real(std::string_view text);
 
+/// Files that include each other.
+constexpr std::size_t kDeepestIncludes = 20;
+bool same_file(const std::string& a, const std::string& b);
+
 }  // namespace mimbre::fe

@@ -78,7 +78,7 @@ VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& 
 constexpr double exactly_closed = 1e-13, nearly_closed = 1e-8, no_change = 1e-15, furthest_change = 0.5;
 /// Of the accelerations at play: what a round may still change of them; beyond the second the matrix is not
 /// that of the motion.
-constexpr double settled = 1e-10, unsettled = 1e-6;
+constexpr double settled_start = 1e-10, unsettled = 1e-6;
 /// Pivots that are no more than this of the entry that they come from are round-off.
 constexpr double pivot_round_off = 1e3 * std::numeric_limits<double>::epsilon();
 /// Times the scales of the penalties.
@@ -123,7 +123,7 @@ double iterate_accelerations(System& system, State& s, bool by_mass) {
     const double correction = scales.of_coordinates(r.data()), rate = scales.of_coordinates(s.v.data());
     const double play = std::max(scales.accelerations(s.a.data()), rate * rate);
     change = correction == 0 ? 0 : play > 0 ? correction / play : 1;
-    if (change <= settled) break;
+    if (change <= settled_start) break;
   }
   s.algorithmic = s.a;
   return change;

@@ -7,6 +7,12 @@
 /// How threads hand each other things without locks: neither ever waits for the other.
 namespace mimbre::live {
 
+/// Of the only thread that changes it.
+template <class Number>
+void increase(std::atomic<Number>& number, Number by) {
+  number.store(number.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
+}
+
 /// The newest of what one thread writes, for one that reads: three places, of which each thread has one and
 /// the third is exchanged. What was not read in time is overwritten.
 template <class T>

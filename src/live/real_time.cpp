@@ -37,12 +37,9 @@ void check(const RealTimeOptions& o) {
           fmt::format("there are {} places for snapshots; there must be 0 to 1000", o.snapshots));
 }
 
-/// Of the only thread that changes it.
-template <class Number>
-void increase(std::atomic<Number>& number, Number by) {
-  number.store(number.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
-}
+using live::increase;
 
+/// Of the only thread that changes it.
 template <class Number>
 void raise(std::atomic<Number>& number, Number to) {
   if (to > number.load(std::memory_order_relaxed)) number.store(to, std::memory_order_relaxed);

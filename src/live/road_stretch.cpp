@@ -9,7 +9,7 @@ namespace mimbre::live {
 namespace {
 
 constexpr int samples = 2000, lengths_before = 2, lengths_behind = 17;
-constexpr std::size_t most_points = 20'000;
+constexpr std::size_t most_stretch_points = 20'000;
 constexpr double tolerance = 5e-4;  // m: a kept sample may be as far off as those between
 
 /// Keeps the samples from which straight lines pass all others within the tolerance: from the last that was
@@ -61,8 +61,8 @@ RoadDrawing road_stretch(const spec::Road& road) {
   }
   std::vector<Eigen::Vector2d> points;
   Thinned thinned(points);
-  for (int k = -lengths_before * samples; k <= (1 + lengths_behind) * samples && points.size() < most_points;
-       ++k) {
+  for (int k = -lengths_before * samples;
+       k <= (1 + lengths_behind) * samples && points.size() < most_stretch_points; ++k) {
     const double z = road.height.value(place(k));
     if (z >= low - length && z <= high + length) thinned.add({place(k), z});
   }

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "live/mailbox.h"
+
 namespace mimbre {
 namespace {
+
+using live::increase;
 
 constexpr double least = 1e-8, growth = 1.01;
 
 /// Where bin k ends.
 double edge(int k) { return least * std::pow(growth, k); }
-
-/// Of one writer: no other thread changes it in between.
-template <class Number>
-void increase(std::atomic<Number>& number, Number by) {
-  number.store(number.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
-}
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 namespace mimbre {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 /// π/2 = the sum of three doubles, to 160 bits.
 constexpr double half_pi[] = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54, -0x1.f1976b7ed8fbcp-110};
@@ -75,7 +75,7 @@ Reduced reduce_large(double x) {
 Reduced reduce(double x) {
   if (std::abs(x) < 0.78) return {0, {x, 0}};
   if (!(std::abs(x) < 0x1p40)) {
-    if (!std::isfinite(x)) return {0, {nan, nan}};
+    if (!std::isfinite(x)) return {0, {undefined, undefined}};
     Reduced r = reduce_large(std::abs(x));
     if (x < 0) r = {(4 - r.quadrant) % 4, -r.angle};
     return r;
@@ -180,7 +180,7 @@ double tan(double x) {
 }
 
 double atan2(double y, double x) {
-  if (std::isnan(x) || std::isnan(y)) return nan;
+  if (std::isnan(x) || std::isnan(y)) return undefined;
   double a = std::abs(y), b = x;
   if (a == 0) return std::copysign(std::signbit(x) ? straight_angle.head : 0, y);
   if (std::isinf(a) || std::isinf(b)) {
@@ -202,19 +202,19 @@ double atan(double x) {
 }
 
 double asin(double x) {
-  if (!(std::abs(x) <= 1)) return nan;
+  if (!(std::abs(x) <= 1)) return undefined;
   if (std::abs(x) < 0x1p-27) return x;
   return std::copysign(angle_of(other_leg(x), {std::abs(x), 0}), x);
 }
 
 double acos(double x) {
-  if (!(std::abs(x) <= 1)) return nan;
+  if (!(std::abs(x) <= 1)) return undefined;
   return angle_of({x, 0}, other_leg(x));
 }
 
 double hypot(double x, double y) {
   if (std::isinf(x) || std::isinf(y)) return std::numeric_limits<double>::infinity();
-  if (std::isnan(x) || std::isnan(y)) return nan;
+  if (std::isnan(x) || std::isnan(y)) return undefined;
   double a = std::abs(x), b = std::abs(y), unit = 1;
   if (a < b) {
     const double c = a;

@@ -18,7 +18,7 @@ namespace {
 using Op = ExpressionProgram::Op;
 
 constexpr std::size_t longest_text = 10000;
-constexpr int deepest_nesting = 100;
+constexpr int deepest_brackets = 100;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
@@ -35,7 +35,7 @@ void check_text(const std::string& text) {
     if (c == '"' || c == '\'') refuse("quotes are not allowed");
     if (c == '(' || c == '?') ++depth;
     if (c == ')') --depth;
-    if (depth > deepest_nesting) refuse(fmt::format("is nested deeper than {} levels", deepest_nesting));
+    if (depth > deepest_brackets) refuse(fmt::format("is nested deeper than {} levels", deepest_brackets));
     if (c != '=') continue;
     const bool second_half =
         i > 0 && (text[i - 1] == '=' || text[i - 1] == '<' || text[i - 1] == '>' || text[i - 1] == '!');

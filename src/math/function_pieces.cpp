@@ -13,7 +13,7 @@ namespace mimbre {
 
 namespace {
 
-[[noreturn]] void refuse(std::string message) { throw InputError(Mark{}, std::move(message)); }
+[[noreturn]] void refuse_pieces(std::string message) { throw InputError(Mark{}, std::move(message)); }
 
 template <class Values>
 bool all_finite(const Values& values) {
@@ -24,17 +24,17 @@ bool all_finite(const Values& values) {
 
 Pieces::Pieces(const std::vector<double>& breaks, const std::vector<Piece>& pieces) : breaks_(breaks) {
   if (pieces.size() != breaks_.size() + 1)
-    refuse(fmt::format("a function of {} pieces needs {} breaks, not {}", pieces.size(),
-                       pieces.empty() ? 0 : pieces.size() - 1, breaks_.size()));
-  if (!all_finite(breaks_)) refuse("the breaks of a piecewise function must be finite");
+    refuse_pieces(fmt::format("a function of {} pieces needs {} breaks, not {}", pieces.size(),
+                              pieces.empty() ? 0 : pieces.size() - 1, breaks_.size()));
+  if (!all_finite(breaks_)) refuse_pieces("the breaks of a piecewise function must be finite");
   for (std::size_t k = 1; k < breaks_.size(); ++k)
     if (!(breaks_[k - 1] < breaks_[k]))
-      refuse(fmt::format("the breaks of a piecewise function must ascend: {} is followed by {}",
-                         breaks_[k - 1], breaks_[k]));
+      refuse_pieces(fmt::format("the breaks of a piecewise function must ascend: {} is followed by {}",
+                                breaks_[k - 1], breaks_[k]));
 
   for (const Piece& piece : pieces) {
     if (!std::isfinite(piece.origin) || !all_finite(piece.coefficients))
-      refuse("the coefficients of a piecewise function must be finite");
+      refuse_pieces("the coefficients of a piecewise function must be finite");
     origins_.push_back(piece.origin);
     first_.push_back(coefficients_.size());
     coefficients_.append(piece.coefficients.begin(), piece.coefficients.end());
@@ -54,8 +54,8 @@ Pieces::Pieces(const std::vector<double>& breaks, const std::vector<Piece>& piec
 
 Pieces Pieces::repeated(double start, double period) const {
   if (!std::isfinite(start) || !std::isfinite(period) || period <= 0)
-    refuse(fmt::format("a function can be repeated with a positive period only, not {}", period));
-  if (wrap_.period > 0) refuse("a repeated function cannot be repeated again");
+    refuse_pieces(fmt::format("a function can be repeated with a positive period only, not {}", period));
+  if (wrap_.period > 0) refuse_pieces("a repeated function cannot be repeated again");
   Pieces result = *this;
   const double integral = integrated(start + period) - integrated(start);
   result.wrap_ = Wrap{start, period, integral};
@@ -141,16 +141,17 @@ namespace {
 
 void check_points(const std::vector<double>& x, const std::vector<double>& y, bool may_jump) {
   if (x.size() != y.size())
-    refuse(fmt::format("a table needs as many x as y, not {} and {}", x.size(), y.size()));
-  if (x.size() < 2) refuse("a table needs at least two points");
-  if (!all_finite(x) || !all_finite(y)) refuse("the points of a table must be finite");
+    refuse_pieces(fmt::format("a table needs as many x as y, not {} and {}", x.size(), y.size()));
+  if (x.size() < 2) refuse_pieces("a table needs at least two points");
+  if (!all_finite(x) || !all_finite(y)) refuse_pieces("the points of a table must be finite");
   for (std::size_t i = 1; i < x.size(); ++i) {
     if (x[i] < x[i - 1])
-      refuse(fmt::format("the x of a table must ascend: {} is followed by {}", x[i - 1], x[i]));
+      refuse_pieces(fmt::format("the x of a table must ascend: {} is followed by {}", x[i - 1], x[i]));
     if (x[i] > x[i - 1]) continue;
     if (!may_jump)
-      refuse(fmt::format("a cubic table cannot jump: x = {} stands twice (linear tables can)", x[i]));
-    if (i > 1 && x[i - 2] == x[i]) refuse(fmt::format("x = {} stands more than twice in a table", x[i]));
+      refuse_pieces(fmt::format("a cubic table cannot jump: x = {} stands twice (linear tables can)", x[i]));
+    if (i > 1 && x[i - 2] == x[i])
+      refuse_pieces(fmt::format("x = {} stands more than twice in a table", x[i]));
   }
 }
 

@@ -8,7 +8,7 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Constraint::Kind;
+using ConstraintKind = spec::Constraint::Kind;
 
 /// Axes of both sides, global; nothing where they are those of the frames that are named.
 std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> given_axes(const Addition& addition,
@@ -22,10 +22,10 @@ std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> given_axes(const Addi
     return {};
   }
   const Eigen::Vector3d first = addition.direction("axis", *given.axis);
-  if (given.kind == Kind::perpendicular && !given.axis2)
+  if (given.kind == ConstraintKind::perpendicular && !given.axis2)
     addition.refuse("'axis2' is missing: the direction on the second that stays at right angles");
   const Eigen::Vector3d second = given.axis2 ? addition.direction("axis2", *given.axis2) : first;
-  if (given.kind == Kind::constant_velocity && !(first.dot(second) > -1 + 1e-9))
+  if (given.kind == ConstraintKind::constant_velocity && !(first.dot(second) > -1 + 1e-9))
     addition.refuse("the shafts point against each other; turn one of the axes round");
   return constraint_axes(given.kind, first, second);
 }
@@ -46,7 +46,7 @@ void make_sides(Addition& addition, const std::string& name, const build::Constr
       place[k] = addition.point("at", *given.at[k]);
     }
   }
-  if (given.kind != Kind::distance)
+  if (given.kind != ConstraintKind::distance)
     for (int k = 0; k < 2; ++k)
       if (!place[k]) place[k] = place[1 - k];
   int frames[2];
@@ -55,7 +55,7 @@ void make_sides(Addition& addition, const std::string& name, const build::Constr
     if (sides[k].frame < 0 && !own_axes)
       addition.refuse(fmt::format("'axis' is missing: '{}' is a body, which has no direction of its own",
                                   given.between[static_cast<std::size_t>(k)]));
-    if (!place[k] && sides[k].body == spec::ground && given.kind == Kind::distance)
+    if (!place[k] && sides[k].body == spec::ground && given.kind == ConstraintKind::distance)
       addition.refuse("a point of the ground needs its place, 'at'");
     if (sides[k].frame >= 0 && !axes) {
       frames[k] = sides[k].frame;
@@ -100,7 +100,7 @@ void ModelBuilder::add_constraint(const std::string& name, const build::Constrai
   spec::Constraint made;
   made.name = name;
   made.kind = given.kind;
-  if (given.kind == Kind::coupling) {
+  if (given.kind == ConstraintKind::coupling) {
     for (const build::Constraint::Term& term : given.terms)
       made.terms.push_back({addition.find(impl_->joints, "terms", term.joint), term.coordinate, term.factor});
     made.constant = given.constant;

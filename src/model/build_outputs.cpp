@@ -11,7 +11,7 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 using Of = OutputKind::Of;
 using Words = std::vector<std::string>;
 
@@ -45,19 +45,19 @@ const Words axes{"x", "y", "z"};
 
 /// What is given must be used, so that a mistake does not look like a success.
 void check_used(const Addition& addition, const OutputKind& kind, const build::Output& given) {
-  const bool stress = kind.kind == Kind::stress || kind.kind == Kind::strain;
+  const bool stress = kind.kind == Measured::stress || kind.kind == Measured::strain;
   const auto only = [&](bool is_given, bool is_used, const char* what, const char* belongs_to) {
     if (is_given && !is_used) addition.refuse(fmt::format("'{}' belongs to {}", what, belongs_to));
   };
-  only(given.at.has_value(), kind.of == Of::frame || stress || kind.kind == Kind::section_force, "at",
+  only(given.at.has_value(), kind.of == Of::frame || stress || kind.kind == Measured::section_force, "at",
        "outputs of a body");
-  only(given.along.has_value(), kind.kind == Kind::deflection || kind.kind == Kind::strain, "along",
+  only(given.along.has_value(), kind.kind == Measured::deflection || kind.kind == Measured::strain, "along",
        "'deflection' and 'strain'");
-  only(!given.relative_to.empty(), kind.kind == Kind::displacement, "relative_to", "'displacement'");
-  only(given.about.has_value(), kind.kind == Kind::angular_momentum, "about", "'angular_momentum'");
+  only(!given.relative_to.empty(), kind.kind == Measured::displacement, "relative_to", "'displacement'");
+  only(given.about.has_value(), kind.kind == Measured::angular_momentum, "about", "'angular_momentum'");
   only(given.node.has_value(), stress, "node", "'stress' and 'strain'");
-  only(given.offset != 0, kind.kind == Kind::joint_position, "offset", "'joint'");
-  only(given.own_axes, kind.kind == Kind::angular_velocity, "own_axes", "'angular_velocity'");
+  only(given.offset != 0, kind.kind == Measured::joint_position, "offset", "'joint'");
+  only(given.own_axes, kind.kind == Measured::angular_velocity, "own_axes", "'angular_velocity'");
   only(!given.bodies.empty(), kind.of == Of::bodies, "bodies", "outputs of the motion of mass");
   only(!given.on.empty(), kind.of == Of::contact, "on", "outputs of a contact");
   if (!given.component.empty() && !has_component(kind))
@@ -66,18 +66,18 @@ void check_used(const Addition& addition, const OutputKind& kind, const build::O
 
 void of_frame(Addition& addition, const build::Output& given, const std::string& name, spec::Output& output) {
   output.item = addition.attach("of", given.of, given.at, name + ".output");
-  const Kind kind = output.kind;
-  if (kind == Kind::deflection) {
+  const Measured kind = output.kind;
+  if (kind == Measured::deflection) {
     if (!given.along) addition.refuse("'along' is missing; a deflection is along a direction");
     const int body = addition.frame(output.item).body;
     output.direction =
         addition.body_pose(body).rotation.transpose() * addition.direction("along", *given.along);
     return;
   }
-  if (kind == Kind::roll || kind == Kind::pitch || kind == Kind::yaw) return;
+  if (kind == Measured::roll || kind == Measured::pitch || kind == Measured::yaw) return;
   output.component = find_component(addition, given.component, axes);
   output.own_axes = given.own_axes;
-  if (kind != Kind::displacement) return;
+  if (kind != Measured::displacement) return;
   if (given.relative_to == "ground")
     addition.refuse("the ground has no axes of its own here; name a frame of it, or use 'position'");
   output.reference = addition.attach("relative_to", given.relative_to, {}, name + ".reference");
@@ -90,19 +90,20 @@ void of_frame(Addition& addition, const build::Output& given, const std::string&
 void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const build::Output& given,
               spec::Output& output) {
   output.item = addition.find(builder.joints, "of", given.of);
-  if (output.kind == Kind::joint_force) {
+  if (output.kind == Measured::joint_force) {
     output.component = find_component(addition, given.component, {"fx", "fy", "fz", "mx", "my", "mz"});
     return;
   }
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
     if (info.quaternion < 0)
       addition.refuse(fmt::format("a {} joint has coordinates of its own; see kind 'joint'", info.name));
-    output.component = find_component(addition, given.component,
-                                      output.kind == Kind::joint_rotation ? axes : Words{"w", "x", "y", "z"});
+    output.component =
+        find_component(addition, given.component,
+                       output.kind == Measured::joint_rotation ? axes : Words{"w", "x", "y", "z"});
     return;
   }
-  const bool rate = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
+  const bool rate = output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
   const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
   if (count == 0) addition.refuse(fmt::format("a {} joint has no scalar coordinate", info.name));
   output.component = find_component(addition, given.component, numbers(count));
@@ -156,16 +157,16 @@ void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const 
              spec::Output& output) {
   output.item = addition.find(builder.bodies, "of", given.of);
   const spec::Body& body = builder.model.bodies[static_cast<std::size_t>(output.item)];
-  if (output.kind == Kind::modal_amplitude) {
+  if (output.kind == Measured::modal_amplitude) {
     if (!body.flexible || body.flexible->modes <= 0)
       addition.refuse(fmt::format("body '{}' is rigid and has no modes", given.of));
     if (given.component.empty()) addition.refuse("'component' is missing; for example \"0\"");
     output.component = find_component(addition, given.component, numbers(body.flexible->modes));
     return;
   }
-  if (output.kind == Kind::section_force) return of_section(addition, given, body, output);
+  if (output.kind == Measured::section_force) return of_section(addition, given, body, output);
   Words words(stress_components.begin(), stress_components.end());
-  const bool stress = output.kind == Kind::stress;
+  const bool stress = output.kind == Measured::stress;
   if (!stress) words.pop_back();  // von Mises is a measure of stress
   if (given.along) {
     if (!given.component.empty()) addition.refuse("give 'along' or 'component', not both");
@@ -218,16 +219,16 @@ void ModelBuilder::add_output(const std::string& name, const build::Output& give
       break;
     case Of::tyre:
       output.item = addition.find(impl_->tyres, "of", given.of);
-      if (kind.kind == Kind::tyre_moment)
+      if (kind.kind == Measured::tyre_moment)
         output.component = find_component(addition, given.component,
                                           {tyre_moment_components.begin(), tyre_moment_components.end()});
-      if (kind.kind == Kind::tyre_force && !given.component.empty())
+      if (kind.kind == Measured::tyre_force && !given.component.empty())
         output.component = find_component(addition, given.component,
                                           {tyre_force_components.begin(), tyre_force_components.end()});
       break;
     case Of::contact:
       output.item = addition.find(impl_->contacts, "of", given.of);
-      if (kind.kind == Kind::contact_force)
+      if (kind.kind == Measured::contact_force)
         output.component =
             find_component(addition, given.component, {contact_components.begin(), contact_components.end()});
       if (!given.on.empty()) output.bodies = {addition.find(impl_->bodies, "on", given.on)};

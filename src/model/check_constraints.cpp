@@ -10,7 +10,7 @@
 namespace mimbre::checks {
 namespace {
 
-using Kind = spec::Constraint::Kind;
+using ConstraintKind = spec::Constraint::Kind;
 
 void check_terms(const spec::Model& model, const Thing& thing, const spec::Constraint& c) {
   if (c.terms.empty()) thing.error("couples nothing; give it the coordinates of joints");
@@ -67,15 +67,15 @@ void check_constraints(const spec::Model& model, std::vector<Diagnostic>& errors
     const spec::Constraint& c = model.constraints[k];
     const Thing thing(errors, "constraint", c.name, c.mark, k);
     if (!thing.enumerator("kind", c.kind, static_cast<int>(constraint_table.size()))) continue;
-    if (c.kind == Kind::coupling) {
+    if (c.kind == ConstraintKind::coupling) {
       check_terms(model, thing, c);
       continue;
     }
     check_frames_of(model, thing, c);
-    if (c.kind == Kind::distance) thing.positive("length", c.length);
-    if (c.kind == Kind::screw && thing.finite("lead", c.lead) && c.lead == 0)
+    if (c.kind == ConstraintKind::distance) thing.positive("length", c.length);
+    if (c.kind == ConstraintKind::screw && thing.finite("lead", c.lead) && c.lead == 0)
       thing.error("lead is 0, so that it never moves along its axis; a revolute joint does that");
-    if (c.kind == Kind::on_curve) check_points(thing, c);
+    if (c.kind == ConstraintKind::on_curve) check_points(thing, c);
   }
 }
 

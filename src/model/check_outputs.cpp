@@ -15,7 +15,7 @@ int components(spec::Element::On on) {
   return on == spec::Element::On::frames ? 6 : on == spec::Element::On::velocity ? 3 : 1;
 }
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 
 void check_direction(const Thing& thing, const Eigen::Vector3d& direction) {
   if (thing.finite("direction", direction) && direction.isZero(0))
@@ -24,22 +24,22 @@ void check_direction(const Thing& thing, const Eigen::Vector3d& direction) {
 
 void check_joint(const spec::Model& model, const Thing& thing, const spec::Output& output) {
   if (!thing.index("item", output.item, model.joints.size(), "joints")) return;
-  if (output.kind == Kind::joint_force) {
+  if (output.kind == Measured::joint_force) {
     thing.between("component", output.component, 0, 5);
     return;
   }
   const spec::JointType type = model.joints[static_cast<std::size_t>(output.item)].type;
   if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
   const JointInfo& info = joint_info(type);
-  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
     if (info.quaternion < 0)
       thing.error(
           fmt::format("a {} joint has no quaternion; its coordinates say how it is turned", info.name));
     else
-      thing.between("component", output.component, 0, output.kind == Kind::joint_rotation ? 2 : 3);
+      thing.between("component", output.component, 0, output.kind == Measured::joint_rotation ? 2 : 3);
     return;
   }
-  const bool rate = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
+  const bool rate = output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
   const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
   if (count == 0)
     thing.error(fmt::format("a {} joint has no {} coordinate", info.name, rate ? "" : "scalar"));
@@ -64,7 +64,7 @@ void check_amplitude(const spec::Model& model, const Thing& thing, const spec::O
 
 /// Of a rigid body stress and strain are 0, which is allowed: a model may have a body in both ways.
 void check_stress(const spec::Model& model, const Thing& thing, const spec::Output& output) {
-  const bool stress = output.kind == Kind::stress;
+  const bool stress = output.kind == Measured::stress;
   thing.between("component", output.component, 0, stress ? von_mises_component : von_mises_component - 1);
   if (thing.finite("direction", output.direction) && stress && !output.direction.isZero(0))
     thing.error("a direction belongs to a strain, not to a stress");
@@ -124,12 +124,12 @@ void check_name(const Thing& thing, const std::string& name) {
 /// A tyre that only carries has its vertical force and nothing else.
 void check_tyre(const spec::Model& model, const Thing& thing, const spec::Output& output) {
   const auto last = [](const auto& components) { return static_cast<int>(components.size()) - 1; };
-  if (output.kind == Kind::tyre_force)
+  if (output.kind == Measured::tyre_force)
     thing.between("component", output.component, 0, last(tyre_force_components));
-  if (output.kind == Kind::tyre_moment)
+  if (output.kind == Measured::tyre_moment)
     thing.between("component", output.component, 0, last(tyre_moment_components));
   if (!thing.index("item", output.item, model.tyres.size(), "tyres")) return;
-  if (output.kind == Kind::tyre_force && output.component == 0) return;
+  if (output.kind == Measured::tyre_force && output.component == 0) return;
   const spec::Tyre& tyre = model.tyres[static_cast<std::size_t>(output.item)];
   const int law = find_law(tyre.law);
   if (law >= 0 && !law_info(law).rolling_size)
@@ -141,7 +141,7 @@ void check_tyre(const spec::Model& model, const Thing& thing, const spec::Output
 
 /// Of a body that never touches anything there it would be 0 always.
 void check_contact(const spec::Model& model, const Thing& thing, const spec::Output& output) {
-  if (output.kind == Kind::contact_force)
+  if (output.kind == Measured::contact_force)
     thing.between("component", output.component, 0, static_cast<int>(contact_components.size()) - 1);
   if (!thing.index("item", output.item, model.contacts.size(), "contacts") || output.bodies.empty()) return;
   const int body = output.bodies.front();
@@ -168,66 +168,66 @@ void check_output(const spec::Model& model, const Thing& thing, const spec::Outp
   check_name(thing, output.name);
   thing.finite("offset", output.offset);
   switch (output.kind) {
-    case Kind::position:
-    case Kind::velocity:
-    case Kind::acceleration:
-    case Kind::angular_velocity:
+    case Measured::position:
+    case Measured::velocity:
+    case Measured::acceleration:
+    case Measured::angular_velocity:
       thing.between("component", output.component, 0, 2);
       thing.index("item", output.item, model.frames.size(), "frames");
       return;
-    case Kind::roll:
-    case Kind::pitch:
-    case Kind::yaw:
+    case Measured::roll:
+    case Measured::pitch:
+    case Measured::yaw:
       thing.index("item", output.item, model.frames.size(), "frames");
       return;
-    case Kind::displacement:
+    case Measured::displacement:
       thing.index("reference", output.reference, model.frames.size(), "frames");
       [[fallthrough]];
-    case Kind::deflection:
+    case Measured::deflection:
       thing.index("item", output.item, model.frames.size(), "frames");
       return check_direction(thing, output.direction);
-    case Kind::joint_position:
-    case Kind::joint_velocity:
-    case Kind::joint_acceleration:
-    case Kind::joint_rotation:
-    case Kind::joint_quaternion:
-    case Kind::joint_force:
+    case Measured::joint_position:
+    case Measured::joint_velocity:
+    case Measured::joint_acceleration:
+    case Measured::joint_rotation:
+    case Measured::joint_quaternion:
+    case Measured::joint_force:
       return check_joint(model, thing, output);
-    case Kind::modal_amplitude:
+    case Measured::modal_amplitude:
       return check_amplitude(model, thing, output);
-    case Kind::stress:
-    case Kind::strain:
+    case Measured::stress:
+    case Measured::strain:
       return check_stress(model, thing, output);
-    case Kind::section_force:
+    case Measured::section_force:
       return check_section_force(model, thing, output);
-    case Kind::centre_of_mass:
-    case Kind::linear_momentum:
-    case Kind::angular_momentum:
+    case Measured::centre_of_mass:
+    case Measured::linear_momentum:
+    case Measured::angular_momentum:
       return check_motion_of_mass(model, thing, output);
-    case Kind::spring_force:
-    case Kind::spring_length:
+    case Measured::spring_force:
+    case Measured::spring_length:
       thing.index("item", output.item, model.springs.size(), "springs");
       return;
-    case Kind::tyre_force:
-    case Kind::tyre_moment:
-    case Kind::tyre_slip:
-    case Kind::tyre_slip_angle:
-    case Kind::tyre_camber:
-    case Kind::tyre_deflection:
+    case Measured::tyre_force:
+    case Measured::tyre_moment:
+    case Measured::tyre_slip:
+    case Measured::tyre_slip_angle:
+    case Measured::tyre_camber:
+    case Measured::tyre_deflection:
       return check_tyre(model, thing, output);
-    case Kind::contact_force:
-    case Kind::contact_depth:
-    case Kind::contact_count:
+    case Measured::contact_force:
+    case Measured::contact_depth:
+    case Measured::contact_count:
       return check_contact(model, thing, output);
-    case Kind::signal:
+    case Measured::signal:
       thing.index("item", output.item, model.signals.size(), "signals");
       return;
-    case Kind::input:
+    case Measured::input:
       thing.index("item", output.item, model.inputs.size(), "inputs");
       return;
-    case Kind::element_force:
-    case Kind::element_measure:
-    case Kind::element_rate:
+    case Measured::element_force:
+    case Measured::element_measure:
+    case Measured::element_rate:
       if (thing.index("item", output.item, model.elements.size(), "elements"))
         thing.between("component", output.component, 0,
                       components(model.elements[static_cast<std::size_t>(output.item)].on) - 1);

@@ -14,27 +14,27 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 using Source = spec::Source;
 
 /// What depends on position and velocity alone. Forces and accelerations do not: they are decided at the same
 /// instant as what would depend on them.
-bool is_of_motion(Kind kind) {
+bool is_of_motion(Measured kind) {
   switch (kind) {
-    case Kind::position:
-    case Kind::velocity:
-    case Kind::angular_velocity:
-    case Kind::roll:
-    case Kind::pitch:
-    case Kind::yaw:
-    case Kind::displacement:
-    case Kind::deflection:
-    case Kind::joint_position:
-    case Kind::joint_velocity:
-    case Kind::spring_length:
-    case Kind::element_measure:
-    case Kind::element_rate:
-    case Kind::modal_amplitude:
+    case Measured::position:
+    case Measured::velocity:
+    case Measured::angular_velocity:
+    case Measured::roll:
+    case Measured::pitch:
+    case Measured::yaw:
+    case Measured::displacement:
+    case Measured::deflection:
+    case Measured::joint_position:
+    case Measured::joint_velocity:
+    case Measured::spring_length:
+    case Measured::element_measure:
+    case Measured::element_rate:
+    case Measured::modal_amplitude:
       return true;
     default:
       return false;
@@ -299,9 +299,10 @@ std::vector<int> seen_within_a_step(const Compiled& c) {
   return {c.signals.seen.begin(), c.signals.seen.end()};
 }
 
-bool is_of_frame(Kind kind) {
-  return kind == Kind::position || kind == Kind::velocity || kind == Kind::angular_velocity ||
-         kind == Kind::roll || kind == Kind::pitch || kind == Kind::yaw || kind == Kind::displacement;
+bool is_of_frame(Measured kind) {
+  return kind == Measured::position || kind == Measured::velocity || kind == Measured::angular_velocity ||
+         kind == Measured::roll || kind == Measured::pitch || kind == Measured::yaw ||
+         kind == Measured::displacement;
 }
 
 int slot_of(const Compiled& c, const Source& source) {
@@ -361,10 +362,11 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
     d.direction = o.direction;
     d.offset = o.offset;
     if (is_of_frame(o.kind)) d.frame = c.frame_of_spec[o.item];
-    if (o.kind == Kind::displacement) d.reference = c.frame_of_spec[o.reference];
-    if (o.kind == Kind::spring_length) d.element = o.item;
-    if (o.kind == Kind::element_measure || o.kind == Kind::element_rate) d.element = c.first_other + o.item;
-    if (o.kind == Kind::joint_position || o.kind == Kind::joint_velocity) {
+    if (o.kind == Measured::displacement) d.reference = c.frame_of_spec[o.reference];
+    if (o.kind == Measured::spring_length) d.element = o.item;
+    if (o.kind == Measured::element_measure || o.kind == Measured::element_rate)
+      d.element = c.first_other + o.item;
+    if (o.kind == Measured::joint_position || o.kind == Measured::joint_velocity) {
       d.component = 0;
       const auto same = [&](const ElementData& e) {
         return e.measure == Measure::coordinate && e.joint_spec == o.item && e.local == o.component;
@@ -377,9 +379,9 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
         e.law = find_law("sensor");
         d.element = add_element(std::move(e));
       }
-      if (o.kind == Kind::joint_velocity) d.offset = 0;
+      if (o.kind == Measured::joint_velocity) d.offset = 0;
     }
-    if (o.kind == Kind::deflection) {
+    if (o.kind == Measured::deflection) {
       const FrameData& f = c.frames[c.frame_of_spec[o.item]];
       d.body = f.body;
       if (f.flexible >= 0 && !c.flexible[f.flexible].products.empty())
@@ -392,7 +394,7 @@ void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_eleme
         d.shapes.assign(row.data(), row.data() + c.bodies[f.body].modes);
       }
     }
-    if (o.kind == Kind::modal_amplitude) {
+    if (o.kind == Measured::modal_amplitude) {
       d.body = c.body_of_spec[o.item];
       if (const auto& body = c.spec().bodies[o.item].flexible) {
         const Eigen::RowVectorXd row = body->user_from_modal.row(o.component);

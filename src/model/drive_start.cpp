@@ -9,7 +9,7 @@ namespace mimbre {
 namespace {
 
 /// Of figures that a user writes.
-constexpr double rounding = 1e-9;
+constexpr double drive_rounding = 1e-9;
 
 /// How far bodies and their points lie from the origin at most, m.
 double extent(const spec::Model& model) {
@@ -28,7 +28,7 @@ bool contradicts_drive(const spec::Model& model, spec::JointType type, int coord
   const double length = extent(model);
   double scale = is_angle(type, coordinate) ? 1 : length;
   if (rate) scale *= length > 0 ? std::sqrt(model.gravity.norm() / length) : 0;
-  return off > rounding * std::max({scale, std::abs(given), std::abs(driven)});
+  return off > drive_rounding * std::max({scale, std::abs(given), std::abs(driven)});
 }
 
 }  // namespace mimbre

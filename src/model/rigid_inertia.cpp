@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double rounding = 1e-6;  ///< of figures in files
+constexpr double file_rounding = 1e-6;  ///< of figures in files
 
 /// How a body can turn: its angular velocity is 0, along an axis, or any.
 struct Turning {
@@ -42,7 +42,7 @@ Turning carried(const Turning& carrier, const spec::Model& model, const spec::Jo
   const spec::Frame& frame = model.frames[static_cast<std::size_t>(joint.frame_a)];
   Vector3d z = frame.pose.rotation.col(2);
   if (frame.body >= 0) z = model.bodies[static_cast<std::size_t>(frame.body)].pose.rotation * z;
-  if (carrier.kind == Turning::axis && z.cross(carrier.along).norm() > rounding) return {};
+  if (carrier.kind == Turning::axis && z.cross(carrier.along).norm() > file_rounding) return {};
   return {Turning::axis, z};
 }
 
@@ -70,7 +70,9 @@ Turning turning_of(const spec::Model& model, std::size_t wanted) {
   return bodies[wanted];
 }
 
-std::string to_text(const Vector3d& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]); }
+std::string moments_text(const Vector3d& v) {
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
+}
 
 }  // namespace
 
@@ -84,14 +86,14 @@ std::optional<InertiaFault> inertia_fault(const spec::Model& model, std::size_t 
   const double size = J.cwiseAbs().maxCoeff();
   const Vector3d I = eigenvalues3(J);
   InertiaFault fault;
-  if (I[0] < -rounding * size)
+  if (I[0] < -file_rounding * size)
     fault.what =
-        fmt::format("is not positive definite: principal moments {}; none can be negative", to_text(I));
-  else if (I[0] + I[1] < I[2] * (1 - rounding))
+        fmt::format("is not positive definite: principal moments {}; none can be negative", moments_text(I));
+  else if (I[0] + I[1] < I[2] * (1 - file_rounding))
     fault.what = fmt::format(
         "breaks the triangle inequality: principal moments {}, but no body has one larger than "
         "the sum of the others",
-        to_text(I));
+        moments_text(I));
   else
     return {};
   const Turning turning = turning_of(model, number);

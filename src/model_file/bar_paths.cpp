@@ -7,8 +7,8 @@ namespace {
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
-struct Walk {
-  explicit Walk(const fe::Mesh& of)
+struct BarWalk {
+  explicit BarWalk(const fe::Mesh& of)
       : mesh(of), elements_at(at(static_cast<int>(of.nodes.cols()))), reached(elements_at.size(), false) {
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
       for (const int node : mesh.elements[e].nodes) elements_at[at(node)].push_back(static_cast<int>(e));
@@ -44,7 +44,7 @@ std::vector<BarPath> bar_paths(const fe::Mesh& mesh, int start) {
   struct Begin {
     int node, element, before;
   };
-  Walk walk(mesh);
+  BarWalk walk(mesh);
   std::vector<BarPath> paths;
   std::vector<Begin> waiting;
   const auto wait_at = [&](int node, int before) {

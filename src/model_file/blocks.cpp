@@ -10,7 +10,7 @@ namespace mimbre::model_file {
 namespace {
 
 /// A formula of time, inputs, signals and outputs.
-std::optional<spec::Law> formula(Builder& builder, const Part& part, const Value& text) {
+std::optional<spec::Law> input_formula(Builder& builder, const Part& part, const Value& text) {
   auto law = read_formula(builder, part, {{text, variables_of(LawOf::time)}}, {"t"}, quantity::any);
   if (law) law->arguments.insert(law->arguments.begin(), spec::Source{});
   return law;
@@ -85,7 +85,7 @@ void read_inputs_of(Builder& builder, const Part& part, const Fields& fields, co
                     const BlockInfo& info, spec::Block& block) {
   if (info.inputs == 0) return;
   const auto add = [&](const Value& text) {
-    if (auto law = formula(builder, part, text)) block.inputs.push_back(std::move(*law));
+    if (auto law = input_formula(builder, part, text)) block.inputs.push_back(std::move(*law));
   };
   if (main.is_list()) {
     for (const Value& each : main.list()) add(each);

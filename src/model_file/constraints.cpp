@@ -15,7 +15,7 @@
 namespace mimbre::model_file {
 namespace {
 
-using Kind = spec::Constraint::Kind;
+using ConstraintKind = spec::Constraint::Kind;
 
 /// Uses of a coupling that have a name, behind the kinds.
 constexpr std::array uses{"gear", "rack", "differential"};
@@ -132,7 +132,7 @@ void read_coupling(Builder& builder, const Part& part, const Value& value, spec:
 /// Global axes of both sides; nothing where they are those of the frames that are named.
 std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(const Part& part,
                                                                                 const Fields& fields,
-                                                                                Kind kind) {
+                                                                                ConstraintKind kind) {
   const auto axis = fields.get("axis"), axis2 = has_second_axis(kind) ? fields.get("axis2") : std::nullopt;
   if (!axis) {
     if (axis2) axis2->error("goes with 'axis', which is missing");
@@ -141,9 +141,9 @@ std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(
   const auto first = axis->direction();
   const auto second = axis2 ? axis2->direction() : first;
   if (!first || !second) return {};
-  if (kind == Kind::perpendicular && !axis2)
+  if (kind == ConstraintKind::perpendicular && !axis2)
     fields.error("'axis2' is missing: the direction on the second that stays at right angles");
-  if (kind == Kind::constant_velocity && !(first->dot(*second) > -1 + 1e-9)) {
+  if (kind == ConstraintKind::constant_velocity && !(first->dot(*second) > -1 + 1e-9)) {
     axis->error("the shafts point against each other; turn one of the axes round");
     return {};
   }
@@ -169,7 +169,7 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
       const auto triple = given.triple(quantity::length);
       return triple ? std::optional(part.place.point(*triple)) : std::nullopt;
     };
-    if (c.kind != Kind::distance) {
+    if (c.kind != ConstraintKind::distance) {
       place[0] = place[1] = point(*at);
       if (!place[0]) return false;
     } else {
@@ -188,8 +188,8 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
   for (int k = 0; k < 2; ++k)
     if (sides[k]->frame >= 0) place[k] = builder.global_pose(sides[k]->frame).position;
   for (int k = 0; k < 2; ++k)
-    if (!place[k] && c.kind != Kind::distance) place[k] = place[1 - k];
-  const bool needs_place = c.kind != Kind::parallel && c.kind != Kind::perpendicular;
+    if (!place[k] && c.kind != ConstraintKind::distance) place[k] = place[1 - k];
+  const bool needs_place = c.kind != ConstraintKind::parallel && c.kind != ConstraintKind::perpendicular;
   int frames[2];
   for (int k = 0; k < 2; ++k) {
     const Attachment& side = *sides[k];
@@ -205,8 +205,8 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
                       constraint_info(c.kind).name));
       return false;
     }
-    if (!place[k] && needs_place && (side.body == spec::ground || c.kind != Kind::distance)) {
-      fields.error(side.body == spec::ground && c.kind == Kind::distance
+    if (!place[k] && needs_place && (side.body == spec::ground || c.kind != ConstraintKind::distance)) {
+      fields.error(side.body == spec::ground && c.kind == ConstraintKind::distance
                        ? "a point of the ground needs its place: at: [[x, y, z], null]"
                        : "'at' is missing; where two bodies are named the constraint needs its place, for "
                          "example at: [0, 0, 0]");
@@ -227,20 +227,21 @@ void read_between(Builder& builder, const Part& part, const Value& value, spec::
   std::vector<std::string> keys{"type", "between", "at"};
   if (has_axis(c.kind)) keys.emplace_back("axis");
   if (has_second_axis(c.kind)) keys.emplace_back("axis2");
-  if (c.kind == Kind::distance) keys.emplace_back("length");
-  if (c.kind == Kind::screw) keys.emplace_back("lead");
-  if (c.kind == Kind::on_curve) keys.insert(keys.end(), {"points", "closed"});
+  if (c.kind == ConstraintKind::distance) keys.emplace_back("length");
+  if (c.kind == ConstraintKind::screw) keys.emplace_back("lead");
+  if (c.kind == ConstraintKind::on_curve) keys.insert(keys.end(), {"points", "closed"});
   const Fields fields(value, keys);
   const bool sides = read_sides(builder, part, fields, c);
-  if (c.kind == Kind::screw) {
+  if (c.kind == ConstraintKind::screw) {
     if (const auto lead = fields.need("lead", "0.005"))
       c.lead = part.place.determinant() * lead->number(quantity::length).value_or(1);
   }
-  const auto points =
-      c.kind == Kind::on_curve ? fields.need("points", "[[0, 0, 0], [1, 0, 0.2], [2, 0, 0]]") : std::nullopt;
+  const auto points = c.kind == ConstraintKind::on_curve
+                          ? fields.need("points", "[[0, 0, 0], [1, 0, 0.2], [2, 0, 0]]")
+                          : std::nullopt;
   if (!sides) return;
   const spec::Pose a = builder.global_pose(c.frame_a), b = builder.global_pose(c.frame_b);
-  if (c.kind == Kind::distance) {
+  if (c.kind == ConstraintKind::distance) {
     c.length = (b.position - a.position).norm();
     if (const auto length = fields.get("length"))
       c.length = length->positive(quantity::length).value_or(1);
@@ -268,7 +269,7 @@ void read_constraint(Builder& builder, const Part& part, const Value& value, spe
   if (!choice) return;
   const auto type = static_cast<std::size_t>(*choice);
   if (type < constraint_table.size()) c.kind = constraint_table[type].kind;
-  if (c.kind != Kind::coupling) return read_between(builder, part, value, c);
+  if (c.kind != ConstraintKind::coupling) return read_between(builder, part, value, c);
   constexpr std::array readers{read_gear, read_rack, read_differential};
   if (type < constraint_table.size())
     read_coupling(builder, part, value, c);

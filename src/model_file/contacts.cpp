@@ -12,7 +12,7 @@
 namespace mimbre::model_file {
 namespace {
 
-using Kind = spec::Surface::Kind;
+using SurfaceForm = spec::Surface::Kind;
 
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
@@ -38,7 +38,7 @@ int read_place(Builder& builder, const Part& part, const Fields& fields, const s
   spec::Pose pose = read_pose(part, fields, Eigen::Vector3d::Zero());
   if (body >= 0 && !fields.has("at")) pose.position = builder.body_pose(body).position;
   // The upper side of what is mirrored along z is its lower one.
-  if (surface.kind == Kind::half_space && part.place.mirror[2] < 0)
+  if (surface.kind == SurfaceForm::half_space && part.place.mirror[2] < 0)
     pose.rotation = (pose.rotation * Eigen::Vector3d(1, -1, -1).asDiagonal()).eval();
   return builder.add_frame_at(surface.name + ".surface", body, pose.position, pose.rotation,
                               on ? *on : fields.value());
@@ -115,7 +115,7 @@ void read_surface(Builder& builder, const Part& part, const Value& value, spec::
   const auto type = any.need("type", "half_space");
   const auto choice = type ? type->choice(kind_names()) : std::nullopt;
   if (!choice) return;
-  surface.kind = static_cast<Kind>(*choice);
+  surface.kind = static_cast<SurfaceForm>(*choice);
   const SurfaceKind& kind = surface_kinds[static_cast<std::size_t>(*choice)];
   keys.resize(6);
   for (const std::string_view size : kind.sizes)

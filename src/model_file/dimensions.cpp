@@ -20,9 +20,9 @@ constexpr Measure unknown{Measure::unknown, {}};
 
 /// Walks an expression by the usual rules of precedence. What it does not understand is left to who
 /// evaluates.
-class Walk {
+class DimensionWalk {
  public:
-  Walk(const std::string& text, const Scope& scope, const std::vector<Variable>& variables)
+  DimensionWalk(const std::string& text, const Scope& scope, const std::vector<Variable>& variables)
       : text_(text), scope_(scope), variables_(variables) {}
 
   Measure whole() { return choice(); }
@@ -162,7 +162,7 @@ class Walk {
 
 void check_dimensions(const std::string& text, const Scope& scope, const std::vector<Variable>& variables,
                       const Quantity& wanted) {
-  Walk walk(text, scope, variables);
+  DimensionWalk walk(text, scope, variables);
   Measure measure;
   try {
     measure = walk.whole();

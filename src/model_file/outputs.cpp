@@ -16,7 +16,7 @@
 namespace mimbre::model_file {
 namespace {
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 
 /// Commas and quotes would break the columns of a CSV file.
 bool check_output_name(const Value& value, const std::string& name) {
@@ -40,19 +40,20 @@ int read_component(const Fields& fields, const std::vector<std::string>& words) 
 }
 
 void read_joint_component(const Builder& builder, const Fields& fields, spec::Output& output) {
-  if (output.kind == Kind::joint_force) {
+  if (output.kind == Measured::joint_force) {
     output.component = read_component(fields, {"fx", "fy", "fz", "mx", "my", "mz"});
     return;
   }
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  if (output.kind == Kind::joint_rotation || output.kind == Kind::joint_quaternion) {
+  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
     if (info.quaternion < 0)
       return fields.error(fmt::format("a {} joint has coordinates of its own; see 'joint'", info.name));
-    output.component = output.kind == Kind::joint_rotation ? read_component(fields, {"x", "y", "z"})
-                                                           : read_component(fields, {"w", "x", "y", "z"});
+    output.component = output.kind == Measured::joint_rotation ? read_component(fields, {"x", "y", "z"})
+                                                               : read_component(fields, {"w", "x", "y", "z"});
     return;
   }
-  const bool velocity = output.kind == Kind::joint_velocity || output.kind == Kind::joint_acceleration;
+  const bool velocity =
+      output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
   const int count = info.quaternion < 0 || velocity ? info.velocities : info.quaternion;
   if (count == 0) {
     fields.error(fmt::format("a {} joint has no scalar coordinate", info.name));
@@ -110,7 +111,7 @@ void read_surface_node(const Builder& builder, const Part& part, const Fields& f
 /// Which stress or strain of a body, and where; without a place its extreme over the surface.
 void read_stress(Builder& builder, const Part& part, const Fields& fields, const Value& named,
                  spec::Output& output) {
-  const bool stress = output.kind == Kind::stress;
+  const bool stress = output.kind == Measured::stress;
   std::vector<std::string> words(stress_components.begin(), stress_components.end());
   if (!stress) words.pop_back();  // von Mises is a measure of stress
   if (const auto along = fields.get("along")) {
@@ -221,13 +222,14 @@ void read_motion_of_mass(Builder& builder, const Part& part, const Fields& field
   read_several_bodies(builder, part, named, output);
   const auto about = fields.get("about");
   if (!about) return;
-  if (output.kind != Kind::angular_momentum) return about->error("only 'angular_momentum' is about a point");
+  if (output.kind != Measured::angular_momentum)
+    return about->error("only 'angular_momentum' is about a point");
   if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
 }
 
 /// Of the force a component; of all spheres, or of one body.
 void read_contact_output(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
-  if (output.kind == Kind::contact_force)
+  if (output.kind == Measured::contact_force)
     output.component = read_component(fields, {contact_components.begin(), contact_components.end()});
   const auto on = fields.get("on");
   const auto name = on ? on->word() : std::nullopt;
@@ -237,17 +239,17 @@ void read_contact_output(Builder& builder, const Part& part, const Fields& field
 }
 
 void read_tyre_component(const Fields& fields, spec::Output& output) {
-  if (output.kind == Kind::tyre_moment)
+  if (output.kind == Measured::tyre_moment)
     output.component = read_component(fields, {tyre_moment_components.begin(), tyre_moment_components.end()});
-  if (output.kind == Kind::tyre_force && fields.has("component"))
+  if (output.kind == Measured::tyre_force && fields.has("component"))
     output.component = read_component(fields, {tyre_force_components.begin(), tyre_force_components.end()});
 }
 
 void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
                const Value& named, spec::Output& output) {
   const auto at = fields.get("at");
-  const bool stress = row.kind == Kind::stress || row.kind == Kind::strain,
-             section = row.kind == Kind::section_force;
+  const bool stress = row.kind == Measured::stress || row.kind == Measured::strain,
+             section = row.kind == Measured::section_force;
   if (at && row.of != OutputKind::Of::frame && !stress && !section)
     at->error("only an output of a body has a place");
   if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
@@ -258,13 +260,14 @@ void read_item(Builder& builder, const Part& part, const Fields& fields, const O
     output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
     if (output.item < 0) return;
     const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
-    if (row.kind == Kind::position || row.kind == Kind::velocity || row.kind == Kind::acceleration ||
-        row.kind == Kind::angular_velocity || row.kind == Kind::displacement)
+    if (row.kind == Measured::position || row.kind == Measured::velocity ||
+        row.kind == Measured::acceleration || row.kind == Measured::angular_velocity ||
+        row.kind == Measured::displacement)
       output.component = read_component(fields, {"x", "y", "z"});
-    if (const auto axes = fields.get("axes"); axes && row.kind == Kind::angular_velocity)
+    if (const auto axes = fields.get("axes"); axes && row.kind == Measured::angular_velocity)
       output.own_axes = axes->choice({"global", "own"}).value_or(0) == 1;
-    if (row.kind == Kind::displacement) read_reference(builder, part, fields, output);
-    if (row.kind == Kind::deflection) {
+    if (row.kind == Measured::displacement) read_reference(builder, part, fields, output);
+    if (row.kind == Measured::deflection) {
       const auto along = fields.need("along", "[0, 0, 1]");
       const auto direction = along ? along->direction() : std::nullopt;
       output.direction = builder.body_pose(body).rotation.transpose() *
@@ -367,18 +370,19 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   if (!text || !check_output_name(*given_name, output.name)) return;
   if (!has_component(row) && fields.has("component"))
     fields.error(fmt::format("'{}' has no component", row.key));
-  if (row.kind != Kind::deflection && row.kind != Kind::stress && row.kind != Kind::strain &&
+  if (row.kind != Measured::deflection && row.kind != Measured::stress && row.kind != Measured::strain &&
       fields.has("along"))
     fields.error("'along' belongs to 'deflection' and 'strain'");
-  if (row.kind != Kind::displacement && fields.has("relative_to"))
+  if (row.kind != Measured::displacement && fields.has("relative_to"))
     fields.error("'relative_to' belongs to 'displacement'");
-  if (row.kind != Kind::joint_position && fields.has("offset")) fields.error("'offset' belongs to 'joint'");
-  if (row.kind != Kind::angular_velocity && fields.has("axes"))
+  if (row.kind != Measured::joint_position && fields.has("offset"))
+    fields.error("'offset' belongs to 'joint'");
+  if (row.kind != Measured::angular_velocity && fields.has("axes"))
     fields.error("'axes' belongs to 'angular_velocity'");
   if (row.of != OutputKind::Of::bodies && fields.has("about"))
     fields.error("'about' belongs to 'angular_momentum'");
   output.kind = row.kind;
-  if (row.kind == Kind::section_force && !fields.has("at"))
+  if (row.kind == Measured::section_force && !fields.has("at"))
     return add_all_sections(builder, part, fields, *given_name, *fields.get(row.key), output);
   read_item(builder, part, fields, row, *fields.get(row.key), output);
   add_output(builder, part, *given_name, std::move(output));

@@ -10,6 +10,7 @@
 
 #include "mimbre/diagnostics.h"
 #include "model_file/expression.h"
+#include "model_file/scanning.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -75,7 +76,6 @@ constexpr std::array named_units{
 };
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
 
 /// An exponent at `at`: ^2, 2 or ²; 1 where there is none. Moves `at` behind it.
 int read_exponent(const std::string& text, std::size_t& at) {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 /// A prestress below this part of what its load could cause at most is round-off.
-constexpr double negligible = 1e-7;
+constexpr double negligible_stiffness = 1e-7;
 
 Vector12 nodal_values(const BeamElement& beam, const VectorXd& displacement) {
   Vector12 values;
@@ -166,7 +166,7 @@ GeometricStiffness geometric_stiffness(const Mesh& mesh, const ReductionOptions&
   const double largest = modes > 0 ? reference.cwiseAbs().maxCoeff() : 0;
   for (int l = 0; l < static_cast<int>(stiffness.size()); ++l) {
     MatrixXd& k = stiffness[static_cast<std::size_t>(l)];
-    if (modes == 0 || !(k.cwiseAbs().maxCoeff() > negligible * largest * loads.sizes[l])) continue;
+    if (modes == 0 || !(k.cwiseAbs().maxCoeff() > negligible_stiffness * largest * loads.sizes[l])) continue;
     int load = l;
     if (l >= GeometricStiffness::boundary) {
       const Eigen::Index row = out.boundary_loads.rows();

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 /// Of the largest of its kind: what is below is round-off.
-constexpr double negligible = 1e-6;
+constexpr double negligible_stiffening = 1e-6;
 
 }  // namespace
 
@@ -70,7 +70,7 @@ GeometricStiffness solid_stiffening(const SolidMesh& mesh, const MatrixXd& respo
     const Index first = l < 6 ? 0 : l < boundary ? 3 * (l / 3) : boundary + 3 * ((l - boundary) / 3);
     const Index count = l < 6 ? 6 : std::min<Index>(3, displacements.cols() - first);
     const MatrixXd& k = projected[static_cast<std::size_t>(l)];
-    if (!(k.cwiseAbs().maxCoeff() > negligible * largest(first, count))) continue;
+    if (!(k.cwiseAbs().maxCoeff() > negligible_stiffening * largest(first, count))) continue;
     int load = static_cast<int>(l);
     if (l >= boundary) {
       const Index row = out.boundary_loads.rows();

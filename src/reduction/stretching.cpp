@@ -35,7 +35,7 @@ constexpr double least_share = 1e-4;
 /// Cells that are computed in parallel before any is added: sums do not depend on the number of threads.
 constexpr int bunch = 512;
 /// Of the energy that the displacements of second order have with nothing in response: round-off.
-constexpr double negligible = 1e-9;
+constexpr double negligible_energy = 1e-9;
 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
@@ -141,7 +141,8 @@ MatrixXd states_of(const Resistance& resisted, const MatrixXd& response) {
   const EigenPairs pairs = symmetric_eigen(energy);
   const Index all = pairs.values.size();
   const double largest = all > 0 ? pairs.values[all - 1] : 0,
-               least = std::max(least_share * largest, negligible * resisted.energy.diagonal().maxCoeff());
+               least =
+                   std::max(least_share * largest, negligible_energy * resisted.energy.diagonal().maxCoeff());
   Index kept = 0;
   while (pairs.ok && kept < std::min(all, Index{most_stretching_states}) &&
          pairs.values[all - 1 - kept] > least)

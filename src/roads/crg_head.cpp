@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::size_t most_columns = 100000;
 /// Reference lines are measured in thousands of km at most.
-constexpr double largest = 1e9;
+constexpr double largest_number = 1e9;
 
 const std::set<std::string>& known_keys() {
   static const std::set<std::string> keys{
@@ -87,7 +87,7 @@ void read_number(const Lines& lines, std::string_view line, CrgHead& head) {
     return;
   }
   const auto value = fe::to_real(text);
-  if (!value || std::abs(*value) > largest)
+  if (!value || std::abs(*value) > largest_number)
     lines.fail(fmt::format("{} is '{}'; a number is needed", shown(key), shown(text)));
   head.numbers[key] = *value;
   head.marks[key] = lines.mark();
@@ -124,7 +124,7 @@ CrgColumn column_of(const Lines& lines, std::string_view definition) {
     const bool at = equals != std::string::npos;
     const std::string_view text = trimmed(std::string_view(name).substr(at ? equals + 1 : section.size()));
     const auto number = fe::to_real(text);
-    if (!number || std::abs(*number) > largest)
+    if (!number || std::abs(*number) > largest_number)
       lines.fail(
           fmt::format("'{}' says neither the section's number nor 'at v = ' and its place", shown(name)));
     return {at ? CrgColumn::section_at : CrgColumn::section_numbered, *number};

@@ -14,7 +14,7 @@ namespace roads {
 namespace {
 
 /// Heights and lines are some km at most; what is larger would only overflow later.
-constexpr double largest = 1e9;
+constexpr double largest_value = 1e9;
 
 /// For each place the nearest known one; the number of places where none is known.
 std::vector<std::size_t> nearest_known(const std::vector<bool>& is_known) {
@@ -70,7 +70,7 @@ class Reading {
   /// A number of the reference line, which must be known.
   double known(std::size_t row, std::size_t column, const char* what) const {
     const double value = at(row, column);
-    if (!(std::abs(value) < largest))
+    if (!(std::abs(value) < largest_value))
       fail("", fmt::format("the row {} of the data has no {} of the reference line", row + 1, what));
     return value;
   }
@@ -224,7 +224,7 @@ class Reading {
     for (std::size_t i = 0; i < count_; ++i)
       for (const std::size_t k : sections_) {
         const double height = at(i, k);
-        if (std::isfinite(height) && std::abs(height) > largest)
+        if (std::isfinite(height) && std::abs(height) > largest_value)
           fail("", fmt::format("the row {} of the data has a height of {} m", i + 1, height));
         road_.height.push_back(std::isfinite(height) ? height : std::nan(""));
       }

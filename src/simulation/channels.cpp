@@ -23,7 +23,7 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 
 /// 'a', 'b' of the bodies, for people.
 std::string names(const Compiled& m, const spec::Output& o) {
@@ -36,9 +36,9 @@ std::string names(const Compiled& m, const spec::Output& o) {
 }
 
 double motion_of_mass(const spec::Output& o, const relative::Momentum& of, const Vec3d& origin) {
-  if (o.kind == Kind::linear_momentum) return of.linear[o.component];
+  if (o.kind == Measured::linear_momentum) return of.linear[o.component];
   const Vec3d centre = of.centre + origin;
-  if (o.kind == Kind::centre_of_mass) return centre[o.component];
+  if (o.kind == Measured::centre_of_mass) return centre[o.component];
   if (!o.about) return of.angular[o.component];
   const Vec3d arm = centre - *o.about;
   return (of.angular + arm.cross(of.linear))[o.component];
@@ -73,54 +73,54 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
   const auto contact = [&] { return m.spec().contacts[static_cast<std::size_t>(o.item)].name; };
   const auto at_body = [&] { return o.bodies.empty() ? std::string() : " at " + names(m, o); };
   switch (o.kind) {
-    case Kind::position:
+    case Measured::position:
       return {o.name, "m", fmt::format("global {} of '{}'", axes[o.component], frame())};
-    case Kind::velocity:
+    case Measured::velocity:
       return {o.name, "m/s", fmt::format("global {} velocity of '{}'", axes[o.component], frame())};
-    case Kind::acceleration:
+    case Measured::acceleration:
       return {o.name, "m/s²", fmt::format("global {} acceleration of '{}'", axes[o.component], frame())};
-    case Kind::roll:
+    case Measured::roll:
       return {o.name, "rad", fmt::format("roll of '{}'", frame())};
-    case Kind::pitch:
+    case Measured::pitch:
       return {o.name, "rad", fmt::format("pitch of '{}' (nose down positive)", frame())};
-    case Kind::yaw:
+    case Measured::yaw:
       return {o.name, "rad", fmt::format("yaw of '{}'", frame())};
-    case Kind::joint_position:
+    case Measured::joint_position:
       return {o.name, angle() ? "rad" : "m",
               fmt::format("coordinate {} of joint '{}'", o.component, joint())};
-    case Kind::joint_velocity:
+    case Measured::joint_velocity:
       return {o.name, angle() ? "rad/s" : "m/s",
               fmt::format("rate of coordinate {} of joint '{}'", o.component, joint())};
-    case Kind::joint_acceleration:
+    case Measured::joint_acceleration:
       return {o.name, angle() ? "rad/s²" : "m/s²",
               fmt::format("acceleration of coordinate {} of joint '{}'", o.component, joint())};
-    case Kind::joint_rotation:
+    case Measured::joint_rotation:
       return {o.name, "rad",
               fmt::format(
                   "rotation vector of joint '{}', its second body against the first, {} of the first's axes",
                   joint(), axes[o.component])};
-    case Kind::joint_quaternion:
+    case Measured::joint_quaternion:
       return {o.name, "1",
               fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
                           std::array{"w", "x", "y", "z"}[static_cast<std::size_t>(o.component)], joint())};
-    case Kind::joint_force:
+    case Measured::joint_force:
       return {
           o.name, o.component < 3 ? "N" : "N m",
           fmt::format("reaction {} of joint '{}' on its second body, at the joint's point there, {} of the "
                       "global axes{}",
                       o.component < 3 ? "force" : "moment", joint(), axes[o.component % 3],
                       joint_note(m.spec().joints[o.item].type))};
-    case Kind::deflection:
+    case Measured::deflection:
       return {o.name, "m", fmt::format("deflection of '{}'", frame())};
-    case Kind::displacement:
+    case Measured::displacement:
       return {o.name, "m",
               fmt::format("displacement of '{}' in the axes of '{}'", frame(),
                           m.spec().frames[o.reference].name)};
-    case Kind::modal_amplitude:
+    case Measured::modal_amplitude:
       return {o.name, "1", fmt::format("amplitude {} of '{}'", o.component, m.spec().bodies[o.item].name)};
-    case Kind::stress:
-    case Kind::strain: {
-      const bool stress = o.kind == Kind::stress;
+    case Measured::stress:
+    case Measured::strain: {
+      const bool stress = o.kind == Measured::stress;
       const std::string what = o.direction.isZero(0) ? fmt::format("{} {}", stress ? "stress" : "strain",
                                                                    stress_components[o.component])
                                                      : "elongation";
@@ -132,18 +132,18 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
                     : fmt::format("node {}", body.flexible->node_labels[o.node]);
       return {o.name, stress ? "Pa" : "1", fmt::format("{} of '{}', {}", what, body.name, place)};
     }
-    case Kind::spring_force:
+    case Measured::spring_force:
       return {o.name, "N", fmt::format("tension of spring '{}'", m.spec().springs[o.item].name)};
-    case Kind::spring_length:
+    case Measured::spring_length:
       return {o.name, "m", fmt::format("length of spring '{}'", m.spec().springs[o.item].name)};
-    case Kind::tyre_force:
-    case Kind::tyre_moment:
-    case Kind::tyre_slip:
-    case Kind::tyre_slip_angle:
-    case Kind::tyre_camber:
-    case Kind::tyre_deflection:
+    case Measured::tyre_force:
+    case Measured::tyre_moment:
+    case Measured::tyre_slip:
+    case Measured::tyre_slip_angle:
+    case Measured::tyre_camber:
+    case Measured::tyre_deflection:
       return wheel_output_info(m.spec().tyres[o.item].name, o);
-    case Kind::contact_force: {
+    case Measured::contact_force: {
       const std::string on = o.bodies.empty() ? "its spheres" : names(m, o);
       const char* const component = contact_components[static_cast<std::size_t>(o.component)];
       return {
@@ -152,27 +152,27 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
               ? fmt::format("force of contact '{}' on {}, {} of the global axes", contact(), on, component)
               : fmt::format("sum of the {} forces of contact '{}' on {}", component, contact(), on)};
     }
-    case Kind::contact_depth:
+    case Measured::contact_depth:
       return {o.name, "m", fmt::format("largest depth of contact '{}'{}", contact(), at_body())};
-    case Kind::contact_count:
+    case Measured::contact_count:
       return {o.name, "1", fmt::format("pairs of contact '{}' that touch{}", contact(), at_body())};
-    case Kind::signal:
+    case Measured::signal:
       return {o.name, m.spec().signals[o.item].unit.empty() ? "1" : m.spec().signals[o.item].unit,
               fmt::format("signal '{}'", m.spec().signals[o.item].name)};
-    case Kind::input:
+    case Measured::input:
       return {o.name, m.spec().inputs[o.item].unit.empty() ? "1" : m.spec().inputs[o.item].unit,
               fmt::format("input '{}'", m.spec().inputs[o.item].name)};
-    case Kind::element_force:
-    case Kind::element_measure:
-    case Kind::element_rate: {
+    case Measured::element_force:
+    case Measured::element_measure:
+    case Measured::element_rate: {
       const ElementData& e = m.elements[m.first_other + o.item];
       const ComponentNames called = component_names(e, o.component);
       const std::string of = element_name(m, e);
-      if (o.kind == Kind::element_force) return {o.name, called.force, "force of " + of};
-      if (o.kind == Kind::element_measure) return {o.name, called.measure, "what " + of + " measures"};
+      if (o.kind == Measured::element_force) return {o.name, called.force, "force of " + of};
+      if (o.kind == Measured::element_measure) return {o.name, called.measure, "what " + of + " measures"};
       return {o.name, called.rate, "rate of what " + of + " measures"};
     }
-    case Kind::section_force: {
+    case Measured::section_force: {
       const char* const unit = o.component < 3 ? "N" : o.component < 6 ? "N m" : "Pa";
       const char* const component = section_components[static_cast<std::size_t>(o.component)];
       const spec::Body& body = m.spec().bodies[o.item];
@@ -185,16 +185,16 @@ ChannelInfo output_info(const Compiled& m, const spec::Output& o) {
                           component, body.name, section.bar, section.along, o.node % 2 == 1 ? "end" : "start",
                           section.element)};
     }
-    case Kind::angular_velocity:
+    case Measured::angular_velocity:
       return {o.name, "rad/s",
               fmt::format("angular velocity of '{}' about {} of {} axes", frame(), axes[o.component],
                           o.own_axes ? "its own" : "the global")};
-    case Kind::centre_of_mass:
+    case Measured::centre_of_mass:
       return {o.name, "m",
               fmt::format("global {} of the centre of mass of {}", axes[o.component], names(m, o))};
-    case Kind::linear_momentum:
+    case Measured::linear_momentum:
       return {o.name, "kg m/s", fmt::format("global {} momentum of {}", axes[o.component], names(m, o))};
-    case Kind::angular_momentum:
+    case Measured::angular_momentum:
       return {
           o.name, "kg m²/s",
           fmt::format("global {} angular momentum of {} about {}", axes[o.component], names(m, o),
@@ -216,7 +216,7 @@ bool more_extreme(int component, double a, double b) {
 
 double stress_or_strain(const spec::Output& o, const ReducedBody& body,
                         const Eigen::Ref<const Eigen::VectorXd>& y) {
-  const bool stress = o.kind == Kind::stress;
+  const bool stress = o.kind == Measured::stress;
   const Eigen::MatrixXd& shapes = stress ? body.stress : body.strain;
   const auto value = [&](const Vector6& here) {
     if (!o.direction.isZero(0)) return elongation(here, o.direction);
@@ -233,27 +233,27 @@ double stress_or_strain(const spec::Output& o, const ReducedBody& body,
 
 }  // namespace
 
-Channels::Needs Channels::needs_of(Kind kind) {
+Channels::Needs Channels::needs_of(Measured kind) {
   switch (kind) {
-    case Kind::joint_force:
-    case Kind::section_force:
+    case Measured::joint_force:
+    case Measured::section_force:
       return Channels::Needs::reactions;
-    case Kind::spring_force:
-    case Kind::spring_length:
-    case Kind::tyre_force:
-    case Kind::tyre_moment:
-    case Kind::tyre_slip:
-    case Kind::tyre_slip_angle:
-    case Kind::tyre_camber:
-    case Kind::tyre_deflection:
-    case Kind::contact_force:
-    case Kind::contact_depth:
-    case Kind::contact_count:
-    case Kind::signal:
-    case Kind::input:
-    case Kind::element_force:
-    case Kind::element_measure:
-    case Kind::element_rate:
+    case Measured::spring_force:
+    case Measured::spring_length:
+    case Measured::tyre_force:
+    case Measured::tyre_moment:
+    case Measured::tyre_slip:
+    case Measured::tyre_slip_angle:
+    case Measured::tyre_camber:
+    case Measured::tyre_deflection:
+    case Measured::contact_force:
+    case Measured::contact_depth:
+    case Measured::contact_count:
+    case Measured::signal:
+    case Measured::input:
+    case Measured::element_force:
+    case Measured::element_measure:
+    case Measured::element_rate:
       return Channels::Needs::forces;
     default:
       return Channels::Needs::motion;
@@ -262,7 +262,8 @@ Channels::Needs Channels::needs_of(Kind kind) {
 
 std::vector<int> bodies_of(const Compiled& m, const spec::Output& o) {
   std::vector<int> bodies;
-  if (o.kind != Kind::centre_of_mass && o.kind != Kind::linear_momentum && o.kind != Kind::angular_momentum)
+  if (o.kind != Measured::centre_of_mass && o.kind != Measured::linear_momentum &&
+      o.kind != Measured::angular_momentum)
     return bodies;
   for (const int b : o.bodies) bodies.push_back(m.body_of_spec[static_cast<std::size_t>(b)]);
   if (o.bodies.empty())
@@ -290,8 +291,8 @@ Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.
     const spec::Output& o = m.spec().outputs[static_cast<std::size_t>(k)];
     add_with(Of::output, k, needs_of(o.kind), [&] { info_.push_back(output_info(m, o)); });
     mass_of_output_.push_back(bodies_of(m, o));
-    if (o.kind == Kind::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
-    if (o.kind == Kind::joint_quaternion) info_.back().alike = ChannelInfo::Alike::sign;
+    if (o.kind == Measured::joint_position) info_.back().alike = joints_.alike(o.item, o.component);
+    if (o.kind == Measured::joint_quaternion) info_.back().alike = ChannelInfo::Alike::sign;
   }
   output_count_ = static_cast<int>(info_.size());
   for (int j = 0; j < static_cast<int>(m.spec().joints.size()); ++j) {
@@ -407,51 +408,52 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
     return relative::output_motion(system, m.frame_of_spec[o.item], s.q.data(), s.v.data(), s.a.data());
   };
   switch (o.kind) {
-    case Kind::position:
+    case Measured::position:
       return motion().position[o.component] + w.origin[o.component];
-    case Kind::velocity:
+    case Measured::velocity:
       return motion().velocity[o.component];
-    case Kind::acceleration:
+    case Measured::acceleration:
       return motion().acceleration[o.component] + m.gravity[o.component];
-    case Kind::angular_velocity: {
+    case Measured::angular_velocity: {
       const auto here = motion();
       return (o.own_axes ? Vec3d(here.rotation.transpose() * here.omega) : here.omega)[o.component];
     }
-    case Kind::centre_of_mass:
-    case Kind::linear_momentum:
-    case Kind::angular_momentum:
+    case Measured::centre_of_mass:
+    case Measured::linear_momentum:
+    case Measured::angular_momentum:
       return motion_of_mass(o, relative::momentum(m, w, mass_of, s.q.data(), s.v.data()), w.origin);
-    case Kind::roll: {
+    case Measured::roll: {
       const Mat3d r = motion().rotation;
       return mimbre::atan2(r(2, 1), r(2, 2));
     }
-    case Kind::pitch: {
+    case Measured::pitch: {
       const Mat3d r = motion().rotation;
       return mimbre::atan2(-r(2, 0), mimbre::hypot(r(2, 1), r(2, 2)));
     }
-    case Kind::yaw: {
+    case Measured::yaw: {
       const Mat3d r = motion().rotation;
       return mimbre::atan2(r(1, 0), r(0, 0));
     }
-    case Kind::joint_position:
+    case Measured::joint_position:
       return joints_.coordinates(o.item, system, s).positions[o.component] + o.offset;
-    case Kind::joint_velocity:
+    case Measured::joint_velocity:
       return joints_.coordinates(o.item, system, s).rates[o.component];
-    case Kind::joint_acceleration:
+    case Measured::joint_acceleration:
       return joints_.coordinates(o.item, system, s).accelerations[o.component];
-    case Kind::joint_rotation:
-    case Kind::joint_quaternion: {
+    case Measured::joint_rotation:
+    case Measured::joint_quaternion: {
       const int first = joint_info(m.spec().joints[o.item].type).quaternion;
       const JointCoordinates c = joints_.coordinates(o.item, system, s);
       const Quat<double> turn(c.positions[first], c.positions[first + 1], c.positions[first + 2],
                               c.positions[first + 3]);
-      return o.kind == Kind::joint_quaternion ? turn[o.component] : quaternion_log<double>(turn)[o.component];
+      return o.kind == Measured::joint_quaternion ? turn[o.component]
+                                                  : quaternion_log<double>(turn)[o.component];
     }
-    case Kind::joint_force: {
+    case Measured::joint_force: {
       const JointReaction r = joints_.reaction(o.item, system, s);
       return o.component < 3 ? r.force[o.component] : r.moment[o.component - 3];
     }
-    case Kind::deflection: {
+    case Measured::deflection: {
       const FrameData& f = m.frames[m.frame_of_spec[o.item]];
       if (f.flexible < 0) return 0;
       const BodyData& b = m.bodies[f.body];
@@ -461,57 +463,57 @@ double Channels::value(const spec::Output& o, const std::vector<int>& mass_of,
       extend(flexible, y);
       return o.direction.dot(times(f.X, y));
     }
-    case Kind::displacement: {
+    case Measured::displacement: {
       const auto reference =
           relative::output_motion(system, m.frame_of_spec[o.reference], s.q.data(), s.v.data(), s.a.data());
       return o.direction.dot(reference.rotation.transpose() * (motion().position - reference.position)) +
              o.offset;
     }
-    case Kind::modal_amplitude: {
+    case Measured::modal_amplitude: {
       const spec::Body& body = m.spec().bodies[o.item];
       if (!body.flexible) return 0;
       const BodyData& b = m.bodies[m.body_of_spec[o.item]];
       return body.flexible->user_from_modal.row(o.component)
           .dot(s.q.segment(b.q + b.joint_positions, b.modes));
     }
-    case Kind::stress:
-    case Kind::strain: {
+    case Measured::stress:
+    case Measured::strain: {
       const spec::Body& body = m.spec().bodies[o.item];
       if (!body.flexible) return 0;
       const BodyData& b = m.bodies[m.body_of_spec[o.item]];
       return stress_or_strain(o, *body.flexible, s.q.segment(b.q + b.joint_positions, b.modes));
     }
-    case Kind::spring_force:
+    case Measured::spring_force:
       return element(o.item).force[0];
-    case Kind::spring_length:
+    case Measured::spring_length:
       return element(o.item).x[0];
-    case Kind::tyre_force:
-    case Kind::tyre_moment:
-    case Kind::tyre_slip:
-    case Kind::tyre_slip_angle:
-    case Kind::tyre_camber:
-    case Kind::tyre_deflection:
+    case Measured::tyre_force:
+    case Measured::tyre_moment:
+    case Measured::tyre_slip:
+    case Measured::tyre_slip_angle:
+    case Measured::tyre_camber:
+    case Measured::tyre_deflection:
       return wheel_output(m, m.elements[m.first_tyre + o.item], o, element(m.first_tyre + o.item));
-    case Kind::contact_force:
-    case Kind::contact_depth:
-    case Kind::contact_count: {
+    case Measured::contact_force:
+    case Measured::contact_depth:
+    case Measured::contact_count: {
       const int body = o.bodies.empty() ? -1 : m.body_of_spec[static_cast<std::size_t>(o.bodies.front())];
       const ContactSum sum = contact_sum(m, w, o.item, body);
-      if (o.kind == Kind::contact_depth) return sum.depth;
-      if (o.kind == Kind::contact_count) return sum.count;
+      if (o.kind == Measured::contact_depth) return sum.depth;
+      if (o.kind == Measured::contact_count) return sum.count;
       return o.component < 3 ? sum.force[o.component] : o.component == 3 ? sum.normal : sum.tangential;
     }
-    case Kind::signal:
+    case Measured::signal:
       return w.signals.value[m.signals.slot_of_signal[o.item]];
-    case Kind::input:
+    case Measured::input:
       return w.signals.value[m.signals.slot_of_input[o.item]];
-    case Kind::element_force:
+    case Measured::element_force:
       return -element(m.first_other + o.item).force[o.component];
-    case Kind::element_measure:
+    case Measured::element_measure:
       return element(m.first_other + o.item).x[o.component];
-    case Kind::element_rate:
+    case Measured::element_rate:
       return element(m.first_other + o.item).v[o.component];
-    case Kind::section_force: {
+    case Measured::section_force: {
       const spec::Body& body = m.spec().bodies[o.item];
       if (!body.flexible) return 0;
       const auto forces = section_forces(system, *body.flexible->sections, m.body_of_spec[o.item], o.node, s);
@@ -550,7 +552,7 @@ void Channels::mark_undetermined(const Redundancy& redundancy) {
     }
     if (part.kind != Part::Kind::output) continue;
     const spec::Output& o = model_.spec().outputs[static_cast<std::size_t>(part.item)];
-    if (o.kind == Kind::joint_force) mark_joint(part, o.item);
+    if (o.kind == Measured::joint_force) mark_joint(part, o.item);
   }
 }
 

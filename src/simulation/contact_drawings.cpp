@@ -7,7 +7,7 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Surface::Kind;
+using SurfaceForm = spec::Surface::Kind;
 using Shape = spec::Shape;
 
 const spec::Frame& frame_of(const spec::Model& model, int frame) {
@@ -132,23 +132,23 @@ void draw(const spec::Model& model, int number, BodyDrawing& body) {
     body.shapes.push_back({kind, at, size});
   };
   switch (s.kind) {
-    case Kind::half_space: {
+    case SurfaceForm::half_space: {
       const double side = plate_size(model, number), thick = 0.01 * side;
       return add(Shape::Kind::box, shifted(pose, -0.5 * thick), {side, side, thick});
     }
-    case Kind::box:
+    case SurfaceForm::box:
       return add(Shape::Kind::box, pose, s.size);
-    case Kind::capsule:
+    case SurfaceForm::capsule:
       for (const double end : {-0.5, 0.5})
         add(Shape::Kind::sphere, shifted(pose, end * s.size[1]), {s.size[0], 0, 0});
       [[fallthrough]];
-    case Kind::cylinder:
+    case SurfaceForm::cylinder:
       return add(Shape::Kind::cylinder, pose, {s.size[0], s.size[1], 0});
-    case Kind::sphere:
+    case SurfaceForm::sphere:
       return add(Shape::Kind::sphere, pose, {s.size[0], 0, 0});
-    case Kind::heights:
+    case SurfaceForm::heights:
       return draw_heights(s.heights, s.spacing, pose, body);
-    case Kind::mesh:
+    case SurfaceForm::mesh:
       return draw_triangles(s.vertices, s.triangles, pose, body);
   }
 }

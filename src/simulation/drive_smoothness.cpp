@@ -10,7 +10,7 @@
 namespace mimbre {
 namespace {
 
-constexpr int samples = 4000, suspects = 16, halvings = 12;
+constexpr int drive_samples = 4000, suspects = 16, halvings = 12;
 
 using Law = std::function<double(double)>;
 
@@ -40,15 +40,15 @@ Break largest_break(const Function& law, double end) {
 
 Break largest_break(const std::function<double(double)>& law, double end) {
   if (!(end > 0)) return {};
-  const double h = end / samples;
-  std::vector<double> bend(samples + 1, 0.0);
+  const double h = end / drive_samples;
+  std::vector<double> bend(drive_samples + 1, 0.0);
   double slope = 0;
-  for (int k = 1; k < samples; ++k) {
+  for (int k = 1; k < drive_samples; ++k) {
     bend[static_cast<std::size_t>(k)] = second_difference(law, k * h, h);
     slope = std::max(slope, std::abs(law(k * h + h) - law(k * h - h)) / (2 * h));
   }
   std::vector<int> order;
-  for (int k = 1; k < samples; ++k) {
+  for (int k = 1; k < drive_samples; ++k) {
     const auto i = static_cast<std::size_t>(k);
     if (bend[i] > 0 && bend[i] >= bend[i - 1] && bend[i] >= bend[i + 1]) order.push_back(k);
   }

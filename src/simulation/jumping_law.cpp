@@ -14,7 +14,7 @@ namespace {
 /// Where on the line from the start (0) to the last iteration (1) a law is looked at: an iteration that goes
 /// to and fro has been on either side.
 constexpr double line_from = -2, line_to = 4;
-constexpr int samples = 96, bisections = 44;
+constexpr int law_samples = 96, bisections = 44;
 constexpr double beside = 1e-9;
 /// Of the law's range on the line: less is round-off of a steep slope.
 constexpr double share_of_range = 0.01;
@@ -26,12 +26,12 @@ struct Jump {
 /// The largest step of f between neighbours, bisected: of what is continuous nothing is left.
 template <class F>
 std::optional<Jump> find_jump(const F& f) {
-  std::array<double, samples + 1> y;
-  const auto place = [](int k) { return line_from + (line_to - line_from) * k / samples; };
-  for (int k = 0; k <= samples; ++k) y[k] = f(place(k));
+  std::array<double, law_samples + 1> y;
+  const auto place = [](int k) { return line_from + (line_to - line_from) * k / law_samples; };
+  for (int k = 0; k <= law_samples; ++k) y[k] = f(place(k));
   if (!std::all_of(y.begin(), y.end(), [](double value) { return std::isfinite(value); })) return {};
   int steepest = 0;
-  for (int k = 1; k < samples; ++k)
+  for (int k = 1; k < law_samples; ++k)
     if (std::abs(y[k + 1] - y[k]) > std::abs(y[steepest + 1] - y[steepest])) steepest = k;
   const auto [least, most] = std::minmax_element(y.begin(), y.end());
   double a = place(steepest), b = place(steepest + 1), at_a = y[steepest], at_b = y[steepest + 1];

@@ -12,8 +12,8 @@
 namespace mimbre {
 namespace {
 
-constexpr double dependent = 1e-9;  ///< what an equation adds to others, as a share of its length
-constexpr double at_all = 1e-7;     ///< speed, of about 1, of what moves
+constexpr double dependent_share = 1e-9;  ///< what an equation adds to others, as a share of its length
+constexpr double at_all = 1e-7;           ///< speed, of about 1, of what moves
 
 /// A row of the Jacobian that no drive makes, of length 1.
 struct Row {
@@ -70,7 +70,7 @@ Eigen::VectorXd some_motion(const Compiled& m, const std::vector<Row>& rows, con
   if (rates.empty()) return any;
   linalg::SparseMatrix transposed(m.velocities, std::ssize(rates));
   transposed.setFromTriplets(entries.begin(), entries.end());
-  return any - linalg::SparseQr(transposed, dependent)
+  return any - linalg::SparseQr(transposed, dependent_share)
                    .shortest(Eigen::Map<const Eigen::VectorXd>(rates.data(), std::ssize(rates)));
 }
 

@@ -18,8 +18,8 @@ namespace mimbre {
 namespace {
 
 /// Ends with the number of the layout.
-constexpr std::string_view mark = "mimbre-run-state-003";
-constexpr std::string_view kind = mark.substr(0, 17);
+constexpr std::string_view run_state_mark = "mimbre-run-state-003";
+constexpr std::string_view run_state_kind = run_state_mark.substr(0, 17);
 
 void add_matrix(Hash64& hash, const double* x, Eigen::Index count) {
   for (Eigen::Index k = 0; k < count; ++k) hash.add(x[k]);
@@ -111,7 +111,7 @@ std::string this_program() {
 
 void write_run_state(const std::string& path, const RunState& state) {
   Writer out;
-  out.bytes = mark;
+  out.bytes = run_state_mark;
   for_values(state, out);
   const std::vector<std::byte> snapshot = state.snapshot.bytes();
   out(std::string(reinterpret_cast<const char*>(snapshot.data()), snapshot.size()));
@@ -129,19 +129,19 @@ RunState read_run_state(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw refuse("cannot be read: there is no such file, or no permission");
   const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!bytes.starts_with(kind))
+  if (!bytes.starts_with(run_state_kind))
     throw refuse("not a saved state of a run (`mimbre run --save-state` writes them)");
-  if (!bytes.starts_with(mark))
+  if (!bytes.starts_with(run_state_mark))
     throw refuse(fmt::format("has layout '{}', this version of mimbre reads '{}'",
-                             bytes.substr(0, mark.size()), mark));
+                             bytes.substr(0, run_state_mark.size()), run_state_mark));
   const auto damaged = [&] { return refuse("is damaged: use an older one, or run from the start"); };
   std::uint64_t sum = 0;
-  if (bytes.size() < mark.size() + sizeof sum) throw damaged();
+  if (bytes.size() < run_state_mark.size() + sizeof sum) throw damaged();
   const std::string_view content = std::string_view(bytes).substr(0, bytes.size() - sizeof sum);
   std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
   if (sum != hash_of(content)) throw damaged();
   RunState state;
-  Reader in(content.substr(mark.size()));
+  Reader in(content.substr(run_state_mark.size()));
   for_values(state, in);
   std::string snapshot;
   in(snapshot);

@@ -8,7 +8,7 @@ namespace mimbre {
 namespace {
 
 constexpr double many = 2e7;  ///< operations of a factorisation, some milliseconds
-constexpr double times =
+constexpr double times_slower =
     30;  ///< as many as in natural coordinates, whose blocks are smaller and take longer each
 
 /// Multiplications and additions of a factorisation.
@@ -34,7 +34,7 @@ std::string explain_slow_formulation(const Simulation& simulation) {
   const double relative = operations(m.symbolic);
   if (!(relative > many)) return {};
   const double natural = operations(*natural::Layout(m).symbolic);
-  if (!(relative > times * natural)) return {};
+  if (!(relative > times_slower * natural)) return {};
   return fmt::format(
       "the matrix of {} relative coordinates takes {:.2g} operations to factorise, {:.0f} times as many as "
       "that of natural ones; --formulation natural is the fast choice for so long a chain",

@@ -10,7 +10,7 @@ namespace {
 
 /// Of the diagonal, added to A Aᵀ: motions that strain the joints by less than its root, 1e-5, count as free.
 constexpr double regularisation = 1e-10;
-constexpr int most_rounds = 30;
+constexpr int most_balances = 30;
 /// What is not resolved: strains within a step, at most this; of n joints in a row, 1/n is nothing unusual.
 constexpr double most_strain = 1e-2, least_strain = 0.1;
 constexpr double excess = 10;       ///< of all wrenches over those that need no motion without strain
@@ -282,7 +282,7 @@ bool SmallestReactions::find(const relative::RelativeSystem& system, const State
   set_given(system, s, multipliers);
   if (!factor(regularisation)) return false;
   const double load = left_.norm();
-  if (!(balance(most_rounds) <= 1e-3 * load) || !x_.allFinite()) return false;
+  if (!(balance(most_balances) <= 1e-3 * load) || !x_.allFinite()) return false;
   set_multipliers(system, multipliers);
   return true;
 }

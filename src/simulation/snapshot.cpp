@@ -11,8 +11,8 @@ namespace mimbre {
 namespace {
 
 /// Ends with the number of the layout.
-constexpr std::string_view mark = "mimbre-state-001";
-constexpr std::string_view kind = mark.substr(0, 13);
+constexpr std::string_view snapshot_mark = "mimbre-state-001";
+constexpr std::string_view snapshot_kind = snapshot_mark.substr(0, 13);
 constexpr std::size_t vectors = 9;
 
 template <class Snapshot>
@@ -30,7 +30,9 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
   return hash.value();
 }
 
-[[noreturn]] void refuse(const std::string& why) { throw InputError(Mark{}, "the saved state " + why); }
+[[noreturn]] void refuse_snapshot(const std::string& why) {
+  throw InputError(Mark{}, "the saved state " + why);
+}
 
 }  // namespace
 
@@ -43,7 +45,7 @@ std::vector<std::byte> Simulation::Snapshot::bytes() const {
   };
   const auto word = [&](std::uint64_t value) { put(&value, sizeof value); };
   const auto number = [&](double value) { put(&value, sizeof value); };
-  put(mark.data(), mark.size());
+  put(snapshot_mark.data(), snapshot_mark.size());
   word(model);
   for (const Eigen::VectorXd* x : vectors_of(*this)) word(static_cast<std::uint64_t>(x->size()));
   number(time);
@@ -56,13 +58,13 @@ std::vector<std::byte> Simulation::Snapshot::bytes() const {
 }
 
 Simulation::Snapshot Simulation::Snapshot::from_bytes(std::span<const std::byte> bytes) {
-  if (!text(bytes).starts_with(kind)) refuse("is none: its first bytes are others");
-  if (!text(bytes).starts_with(mark))
-    refuse(fmt::format("has another layout ('{}') than this version of mimbre reads ('{}')",
-                       text(bytes).substr(0, mark.size()), mark));
-  std::size_t at = mark.size();
+  if (!text(bytes).starts_with(snapshot_kind)) refuse_snapshot("is none: its first bytes are others");
+  if (!text(bytes).starts_with(snapshot_mark))
+    refuse_snapshot(fmt::format("has another layout ('{}') than this version of mimbre reads ('{}')",
+                                text(bytes).substr(0, snapshot_mark.size()), snapshot_mark));
+  std::size_t at = snapshot_mark.size();
   const auto take = [&](void* to, std::size_t count) {
-    if (bytes.size() - at < count) refuse("is damaged: it is cut short");
+    if (bytes.size() - at < count) refuse_snapshot("is damaged: it is cut short");
     std::memcpy(to, bytes.data() + at, count);
     at += count;
   };
@@ -81,12 +83,12 @@ Simulation::Snapshot Simulation::Snapshot::from_bytes(std::span<const std::byte>
   std::size_t k = 0;
   for (Eigen::VectorXd* x : vectors_of(s)) {
     const std::uint64_t size = sizes[k++];
-    if (size > (bytes.size() - at) / sizeof(double)) refuse("is damaged: it is cut short");
+    if (size > (bytes.size() - at) / sizeof(double)) refuse_snapshot("is damaged: it is cut short");
     x->resize(static_cast<Eigen::Index>(size));
     take(x->data(), size * sizeof(double));
   }
   const std::uint64_t sum = checksum(bytes.first(at));
-  if (word() != sum || at != bytes.size()) refuse("is damaged: its checksum is wrong");
+  if (word() != sum || at != bytes.size()) refuse_snapshot("is damaged: its checksum is wrong");
   return s;
 }
 

@@ -13,7 +13,7 @@
 namespace mimbre {
 namespace {
 
-using Kind = spec::Output::Kind;
+using Measured = spec::Output::Kind;
 
 /// At which a tyre hardly rolls, m/s: slips of slower wheels are over what its law takes for their speed.
 double slow_speed(const Compiled& m, const ElementData& tyre) {
@@ -40,15 +40,15 @@ constexpr std::array channels{
 int channel_of(const spec::Output& o) {
   constexpr int moments = 2, slip = 5;
   switch (o.kind) {
-    case Kind::tyre_moment:
+    case Measured::tyre_moment:
       return moments + o.component;
-    case Kind::tyre_slip:
+    case Measured::tyre_slip:
       return slip;
-    case Kind::tyre_slip_angle:
+    case Measured::tyre_slip_angle:
       return slip + 1;
-    case Kind::tyre_camber:
+    case Measured::tyre_camber:
       return slip + 2;
-    case Kind::tyre_deflection:
+    case Measured::tyre_deflection:
       return slip + 3;
     default:
       return o.component - 1;

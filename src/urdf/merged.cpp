@@ -3,11 +3,6 @@
 namespace mimbre::urdf {
 namespace {
 
-/// Inertia of a mass at `arm` from the point about which it is taken (Steiner).
-Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& arm) {
-  return mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
-}
-
 /// Adds a link's mass and inertia, of which one may be 0; the body's inertia is in global axes meanwhile.
 void add_mass(MergedBody& body, const Link& link, const Pose& place) {
   const Eigen::Vector3d com = place.position + place.rotation * link.com;
@@ -21,6 +16,10 @@ void add_mass(MergedBody& body, const Link& link, const Pose& place) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& arm) {
+  return mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+}
 
 MergedRobot merged(const Robot& robot, bool keep_fixed) {
   MergedRobot result;

@@ -27,4 +27,7 @@ struct MergedRobot {
 /// `keep_fixed`: links on fixed joints stay bodies.
 MergedRobot merged(const Robot& robot, bool keep_fixed);
 
+/// Inertia of a mass at `arm` from the point about which it is taken (Steiner).
+Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& arm);
+
 }  // namespace mimbre::urdf

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "math/decompositions.h"
+#include "urdf/merged.h"
 #include "urdf/yaml_text.h"
 
 namespace mimbre::urdf {
@@ -21,10 +22,6 @@ struct Solid {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about com; axes as com's
 };
-
-Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& arm) {
-  return mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
-}
 
 Solid box_of(const Eigen::Vector3d& edges, double of_density) {
   Solid solid;
