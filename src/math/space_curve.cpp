@@ -12,11 +12,6 @@ namespace {
 using Row = Eigen::RowVectorXd;
 using Knots = Eigen::Matrix<double, SpaceCurve::rows, Eigen::Dynamic>;
 
-/// What the directions are turned by from one tangent to the next.
-Eigen::Matrix3d least_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
-}
-
 /// Second derivatives at the knots. The equations are diagonally dominant, so that every sweep (Gauss–Seidel)
 /// at least halves what is left. Open curves end without curvature, directions without slope.
 Knots curvatures(const Knots& values, const std::vector<double>& spans, bool closed) {
@@ -64,14 +59,14 @@ void add_directions(Knots& values, const std::vector<double>& spans, bool closed
   std::vector<Eigen::Vector3d> firsts{first};
   double length = spans[0];
   for (int k = 1; k < n; ++k) {
-    first =
-        least_turn(tangents[static_cast<std::size_t>(k - 1)], tangents[static_cast<std::size_t>(k)]) * first;
+    first = turn_between(tangents[static_cast<std::size_t>(k - 1)], tangents[static_cast<std::size_t>(k)]) *
+            first;
     firsts.push_back(first);
     if (static_cast<std::size_t>(k) < spans.size()) length += spans[static_cast<std::size_t>(k)];
   }
   double left = 0;
   if (closed) {
-    first = least_turn(tangents.back(), tangents[0]) * first;
+    first = turn_between(tangents.back(), tangents[0]) * first;
     left = mimbre::atan2(tangents[0].dot(first.cross(start)), first.dot(start));
   }
   double at = 0;

@@ -1,8 +1,7 @@
 #include "model/constraint_axes.h"
 
-#include <Eigen/Geometry>
-
 #include "joints/axes.h"
+#include "math/turn.h"
 
 namespace mimbre {
 
@@ -11,7 +10,7 @@ std::pair<Eigen::Matrix3d, Eigen::Matrix3d> constraint_axes(spec::Constraint::Ki
                                                             const Eigen::Vector3d& second) {
   const Eigen::Matrix3d a = axes_with_z(first);
   if (kind != spec::Constraint::Kind::constant_velocity) return {a, axes_with_z(second)};
-  return {a, Eigen::Quaterniond::FromTwoVectors(first, second).toRotationMatrix() * a};
+  return {a, turn_between(first, second) * a};
 }
 
 }  // namespace mimbre

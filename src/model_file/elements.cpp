@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "joints/table.h"
+#include "math/decompositions.h"
 #include "model/force_law.h"
 #include "model/nearest_place.h"
 #include "model_file/signals.h"
@@ -171,7 +172,7 @@ std::optional<Eigen::Matrix<double, 6, 6>> read_six(const Value& value, bool lin
     return {};
   }
   m = (0.5 * (m + m.transpose())).eval();
-  if (m.ldlt().vectorD().minCoeff() < -1e-9 * size) {
+  if (PivotedCholesky(m).least_pivot() < -1e-9 * size) {
     value.error("is not positive: pushed in some direction it would push further");
     return {};
   }

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "base/random_numbers.h"
+#include "math/decompositions.h"
 #include "math/elementary.h"
 #include "mimbre/road_profile.h"
 
@@ -100,7 +100,7 @@ Wave wave(const RandomRoad& what, std::uint64_t number, double low, double high)
   }
   // Of long waves the tracks hardly differ; what is added keeps the matrix away from a singular one.
   together.diagonal().array() += 1e-10;
-  const Eigen::MatrixXd mixing = together.llt().matrixL();
+  const Eigen::MatrixXd mixing = Cholesky(together).lower();
   out.cosine = amplitude * (mixing * c);
   out.sine = -amplitude * (mixing * s);
   return out;

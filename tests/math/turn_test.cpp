@@ -31,5 +31,19 @@ TEST(Turn, OfNothingIsTheIdentity) {
   EXPECT_LT((turn_by(tiny) - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-199);
 }
 
+TEST(Turn, BetweenTwoDirectionsIsTheLeast) {
+  Random random(4);
+  for (int k = 0; k < 1000; ++k) {
+    const Eigen::Vector3d from = random.vector(3), to = random.vector(2);
+    const Eigen::Matrix3d turn = turn_between(from, to);
+    EXPECT_LT((turn * from.normalized() - to.normalized()).norm(), 1e-14);
+    EXPECT_LT((turn * from.cross(to) - from.cross(to)).norm(), 1e-14);
+    EXPECT_LT((turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-14);
+    const Eigen::Matrix3d back = turn_between(from, -2 * from);
+    EXPECT_LT((back * from + from).norm(), 1e-14);
+    EXPECT_NEAR(back.determinant(), 1, 1e-14);
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::turn_test

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "joints/table.h"
+#include "math/decompositions.h"
 #include "model/find_scales.h"
 
 namespace mimbre::natural {
@@ -330,7 +331,7 @@ class Builder {
       if (found == last) return false;
       wanted[found - b.variables.begin()] = size_of_variable(variable) * factor;
     }
-    const Vec3d place = axes.colPivHouseholderQr().solve(wanted);
+    const Vec3d place = shortest_solution(axes, wanted);
     return (axes * place - wanted).norm() <= alike * wanted.norm();
   }
 
