@@ -1,37 +1,45 @@
-# Compiles sources of one folder in a few units, so that the headers that they share are parsed and instantiated a few
-# times and not by each. Names in unnamed namespaces are unique in their folder therefore.
+# Compiles the sources of one folder in a few units, so that the headers that they share are parsed and instantiated a
+# few times and not by each. Names in unnamed namespaces are therefore unique in their folder: in src/ by their names, in
+# tests/ by a namespace for each file.
 
-# Groups FILES, sources of `target`, by folder, up to `chunk` bytes of source text in one unit: more is less work in all,
-# and more after an edit. What is not named in FILES stays alone. Called in the folder that makes the target.
-function(mimbre_unity target chunk)
+option(MIMBRE_UNITY "Compile the sources of a folder together: a full build takes half the time" ON)
+set(MIMBRE_UNITY_BYTES 90000 CACHE STRING "Most source text in one unit: more is less work in all, and more after an edit")
+mark_as_advanced(MIMBRE_UNITY_BYTES)
+
+# Groups the sources of `target` by their folder under src/ or tests/; those after EXCEPT, paths from there, and those with
+# options of their own stay alone. Called in the folder that makes the target.
+function(mimbre_unity target)
+  cmake_parse_arguments(PARSE_ARGV 1 given "" "" EXCEPT)
   if(NOT MIMBRE_UNITY)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
-  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set(folders)
-  foreach(source IN LISTS ARGN)
-    file(SIZE ${source} bytes)
-    cmake_path(GET source PARENT_PATH folder)
-    string(MAKE_C_IDENTIFIER ${folder} folder)
-    math(EXPR bytes_${folder} "${bytes_${folder}} + ${bytes}")
-    list(APPEND sources_${folder} ${source})
-    list(APPEND folders ${folder})
+  list(FILTER sources INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/(src|tests)/.*\\.cpp$")
+  set(rooms)
+  foreach(source IN LISTS sources)
+    string(REGEX REPLACE "^${PROJECT_SOURCE_DIR}/(src|tests)/" "" path ${source})
+    get_source_file_property(options ${source} COMPILE_OPTIONS)
+    if(NOT options AND NOT path IN_LIST given_EXCEPT)
+      string(REGEX REPLACE "/.*" "" room ${path})
+      file(SIZE ${source} bytes)
+      math(EXPR bytes_${room} "${bytes_${room}} + ${bytes}")
+      list(APPEND sources_${room} ${source})
+      list(APPEND rooms ${room})
+    endif()
   endforeach()
-  list(REMOVE_DUPLICATES folders)
-  foreach(folder IN LISTS folders)
-    math(EXPR units "${bytes_${folder}} / ${chunk} + 1")
+  list(REMOVE_DUPLICATES rooms)
+  foreach(room IN LISTS rooms)
+    math(EXPR units "${bytes_${room}} / ${MIMBRE_UNITY_BYTES} + 1")
     set(before 0)
-    foreach(source IN LISTS sources_${folder})
-      cmake_path(GET source PARENT_PATH name)
-      cmake_path(GET name FILENAME name)
-      math(EXPR unit "${before} * ${units} / ${bytes_${folder}}")
-      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION OFF UNITY_GROUP ${name}_${unit})
+    foreach(source IN LISTS sources_${room})
+      math(EXPR unit "${before} * ${units} / ${bytes_${room}}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${unit})
       file(SIZE ${source} bytes)
       math(EXPR before "${before} + ${bytes}")
     endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # The compiler takes sources that are included for headers, where types of unnamed namespaces have no place.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  # The compiler takes sources that are included for headers, where types of unnamed namespaces have no place; and what
+  # a local name hides is another file's.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow -Wshadow=local>)
 endfunction()
