@@ -64,9 +64,9 @@ bench: configure ## Run the benchmarks
 
 lint: ## Check the formatting and run clang-tidy over all sources
 	@scripts/install-packages clang-format clang-tidy
-	@cmake --preset release
+	@cmake --preset debug
 	@scripts/check-format
-	@scripts/lint $(BUILD)
+	@scripts/lint build/debug
 
 format: ## Format all C++ files
 	@scripts/install-packages clang-format
