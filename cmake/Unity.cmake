@@ -39,7 +39,6 @@ function(mimbre_unity target)
     endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # The compiler takes sources that are included for headers, where types of unnamed namespaces have no place; and what
-  # a local name hides is another file's.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow -Wshadow=local>)
+  # The compiler takes sources that are included for headers, where types of unnamed namespaces have no place.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()

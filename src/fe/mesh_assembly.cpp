@@ -60,14 +60,14 @@ Mesh beam_mesh(const SolidMesh& mesh) {
 
 /// Adds the point masses and the springs.
 void add_points_and_springs(const SolidMesh& mesh, const BlockPattern& pattern, FeMatrices& matrices) {
-  using Triplets = std::vector<Eigen::Triplet<double>>;
-  const auto add_to = [](Eigen::SparseMatrix<double>& matrix, const Triplets& entries) {
+  using Entries = std::vector<Eigen::Triplet<double>>;
+  const auto add_to = [](Eigen::SparseMatrix<double>& matrix, const Entries& entries) {
     Eigen::SparseMatrix<double> more(matrix.rows(), matrix.cols());
     more.setFromTriplets(entries.begin(), entries.end());
     matrix = Eigen::SparseMatrix<double>(matrix + more);
   };
   if (!mesh.point_masses.empty()) {
-    Triplets entries;
+    Entries entries;
     const auto blocks = point_mass_matrices(mesh);
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const int node = mesh.point_masses[k].node;
@@ -78,7 +78,7 @@ void add_points_and_springs(const SolidMesh& mesh, const BlockPattern& pattern, 
     add_to(matrices.mass, entries);
   }
   if (mesh.springs.empty()) return;
-  Triplets entries;
+  Entries entries;
   for (const Spring& spring : mesh.springs)
     for (const LinearTerm& a : spring.stretch)
       for (const LinearTerm& b : spring.stretch) {

@@ -107,7 +107,7 @@ std::map<int, Vector3d> shell_offsets(const SolidMesh& mesh, const std::vector<S
 }
 
 void add_sharp_edges(const SolidMesh& mesh, Surface& surface) {
-  struct Edge {
+  struct SharpEdge {
     Vector3d normal = Vector3d::Zero();
     int faces = 0;
     bool sharp = false;
@@ -116,12 +116,12 @@ void add_sharp_edges(const SolidMesh& mesh, Surface& surface) {
     const SurfacePoint& p = surface.points[static_cast<std::size_t>(point)];
     return mesh.nodes.col(p.node) + p.offset;
   };
-  std::map<std::array<int, 2>, Edge> edges;
+  std::map<std::array<int, 2>, SharpEdge> edges;
   for (const Corners& t : surface.triangles) {
     const Vector3d normal = area_of(at(t[0]), at(t[1]), at(t[2])).normalized();
     for (int k = 0; k < 3; ++k) {
       const int a = t[k], b = t[(k + 1) % 3];
-      Edge& edge = edges[{std::min(a, b), std::max(a, b)}];
+      SharpEdge& edge = edges[{std::min(a, b), std::max(a, b)}];
       if (edge.faces++ == 0)
         edge.normal = normal;
       else
