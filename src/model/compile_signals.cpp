@@ -42,7 +42,7 @@ bool is_of_motion(Measured kind) {
 }
 
 /// Its word in a model file.
-std::string key_of(Kind kind) {
+std::string key_of(spec::Output::Kind kind) {
   for (const OutputKind& row : output_kinds)
     if (row.kind == kind) return row.key;
   return "force";
