@@ -23,7 +23,8 @@ constexpr double same = 1e-9;
 constexpr std::ptrdiff_t dense_entries = 40000;
 
 /// Smallest x, scaled by the weights, with J x = b in the sense of least squares; `damping` > 0 gives up a
-/// part of directions that J hardly sees (Levenberg, Marquardt): those with J² < damping.
+/// part of directions that J hardly sees (Levenberg, Marquardt): those with J² < damping, J times the weights
+/// without a unit.
 VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const VectorXd& b, double damping = 0,
                       double negligible = 1e-13) {
   const MatrixXd scaled = jacobian * weight.asDiagonal();
@@ -40,9 +41,10 @@ VectorXd least_change(const MatrixXd& jacobian, const VectorXd& weight, const Ve
   return weight.asDiagonal() * shortest_solution(scaled, b, same);
 }
 
-/// The same without damping for large systems, with J at q: equations that depend on others are left out.
-VectorXd sparse_least_change(System& system, double t, const VectorXd& q, const VectorXd& weight,
-                             const VectorXd& b, double negligible) {
+/// The same without damping for large systems, with J at q and its rows times `rows`: equations that depend
+/// on others are left out.
+VectorXd sparse_least_change(System& system, double t, const VectorXd& q, const VectorXd& rows,
+                             const VectorXd& weight, const VectorXd& b, double negligible) {
   const int n = system.velocities(), m = system.equations();
   const VectorXd zero = VectorXd::Zero(n), none = VectorXd::Zero(m);
   VectorXd r(n);
@@ -50,7 +52,7 @@ VectorXd sparse_least_change(System& system, double t, const VectorXd& q, const 
   system.factor(q.data(), {});
   std::vector<Eigen::Triplet<double>> entries;
   for (const JacobianEntry& e : system.jacobian_entries())
-    if (const double value = e.value * weight[e.coordinate]; value != 0)
+    if (const double value = rows[e.equation] * e.value * weight[e.coordinate]; value != 0)
       entries.emplace_back(e.coordinate, e.equation, value);
   linalg::SparseMatrix transposed(n, m);
   transposed.setFromTriplets(entries.begin(), entries.end());
@@ -64,13 +66,18 @@ Map<const VectorXd> coordinate_scales(const System& system) {
   return {system.scales().coordinates.data(), system.velocities()};
 }
 
-/// Least change of the coordinates that makes up for `b`.
-VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& weight, const VectorXd& b,
-                   double damping = 0, double negligible = 1e-13) {
+VectorXd inverse_equation_scales(const System& system) {
+  return Map<const VectorXd>(system.scales().equations.data(), system.equations()).cwiseInverse();
+}
+
+/// Least change of the coordinates that makes up for `b`, where equations count by `rows`.
+VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& rows, const VectorXd& weight,
+                   const VectorXd& b, double damping = 0, double negligible = 1e-13) {
+  const VectorXd right = rows.cwiseProduct(b);
   const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(system.velocities()) * system.equations();
   if (damping == 0 && entries > dense_entries)
-    return sparse_least_change(system, t, q, weight, b, negligible);
-  return least_change(dense_jacobian(system, t, q), weight, b, damping, negligible);
+    return sparse_least_change(system, t, q, rows, weight, right, negligible);
+  return least_change(rows.asDiagonal() * dense_jacobian(system, t, q), weight, right, damping, negligible);
 }
 
 /// Of violations by the scales of equations: known to round-off, and nearly closed; of changes by the scales
@@ -152,6 +159,8 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
   const int n = system.velocities(), m = system.equations();
   if (m == 0) return 0;
   const VectorXd zero = VectorXd::Zero(n);
+  // Damping compares the equations with a number.
+  const VectorXd rows = caution > 0 ? inverse_equation_scales(system) : VectorXd::Ones(m);
   double violation = 0;
   for (int iteration = 0; iteration < 60; ++iteration) {
     system.kinematics(t, q.data(), zero.data(), zero.data());
@@ -159,7 +168,7 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
     violation = system.scales().of_equations(phi.data());
     if (!(violation > exactly_closed)) break;
     const double damping = violation > nearly_closed ? caution * violation : 0;
-    VectorXd x = change_of(system, t, q, weight, -phi, damping, negligible);
+    VectorXd x = change_of(system, t, q, rows, weight, -phi, damping, negligible);
     const double length = x.cwiseQuotient(coordinate_scales(system)).norm();
     if (!(length > no_change)) break;
     if (length > furthest_change) x *= furthest_change / length;
@@ -178,7 +187,7 @@ double close_velocities(System& system, double t, const VectorXd& q, const Vecto
     const VectorXd phi_dot = copy(system.phi_dot(), m);
     violation = system.scales().of_equations(phi_dot.data());
     if (violation == 0) break;
-    if (round < 2) v += change_of(system, t, q, weight, -phi_dot);
+    if (round < 2) v += change_of(system, t, q, VectorXd::Ones(m), weight, -phi_dot);
   }
   return violation;
 }
@@ -190,7 +199,10 @@ void find_multipliers(System& system, State& s, double negligible) {
   const MatrixXd jacobian = dense_jacobian(system, s.time, s.q);
   VectorXd r(n);
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-  s.multipliers = least_change(jacobian.transpose(), VectorXd::Ones(m), -r, 0, negligible);
+  // By the work of what is not balanced along the scales of the coordinates.
+  const auto scale = coordinate_scales(system);
+  s.multipliers = least_change(scale.asDiagonal() * jacobian.transpose(), inverse_equation_scales(system),
+                               -scale.cwiseProduct(r), 0, negligible);
 }
 
 bool solve_accelerations(System& system, State& s, double step, int* undetermined) {

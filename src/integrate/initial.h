@@ -13,8 +13,8 @@ Eigen::MatrixXd dense_jacobian(System& system, double t, const Eigen::VectorXd& 
 /// how readily each one moves, 0: not at all. Returns the violation that is left,
 /// max |Φ| by the scales of the equations. Equations that are redundant on the constraints seem to be
 /// independent off them, by a little, and what they ask for there may move the mechanism far; `caution` > 0
-/// (30 for gaps that are small) keeps it near. Where no coordinate that moves by its weight moves any
-/// equation by more than `negligible` they hold nothing.
+/// (30 for gaps that are small) keeps it near, and equations count by their scales. Where no coordinate that
+/// moves by its weight moves any equation by more than `negligible` they hold nothing.
 double close_positions(System& system, double t, const Eigen::VectorXd& weight, Eigen::VectorXd& q,
                        double caution = 0, double negligible = 1e-13);
 
@@ -23,7 +23,7 @@ double close_velocities(System& system, double t, const Eigen::VectorXd& q, cons
                         Eigen::VectorXd& v);
 
 /// Multipliers that balance the forces at the given motion best, of those the smallest: M a + Φzᵀ λ = Q in
-/// the sense of least squares.
+/// the sense of least squares, by the work along the scales of the coordinates.
 void find_multipliers(System& system, State& state, double negligible = 1e-13);
 
 /// Accelerations and multipliers of the equations of motion at state.time, q, v: M a + Φzᵀ λ = Q, Φ̈ = 0.

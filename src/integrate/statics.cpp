@@ -118,8 +118,6 @@ StaticsStatus search(System& system, State& s, bool careful) {
   VectorXd lightness = VectorXd::Ones(n);
   if (heaviest > 0) lightness = (mass.diagonal() / heaviest).cwiseMax(light).cwiseSqrt().cwiseInverse();
   const VectorXd readiness = lightness.cwiseProduct(scale);
-  const double negligible_change =
-      m > 0 ? negligible * *std::min_element(scales.equations.begin(), scales.equations.end()) : negligible;
   const double negligible_work = balanced_share * units.energy;
   const double closed = std::max(still, 10 * scales.round_off);
   double round_off = 0;  // of elastic forces
@@ -130,8 +128,8 @@ StaticsStatus search(System& system, State& s, bool careful) {
     // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
     // redundant, both are determined.
     if (m > 0) {
-      close_positions(system, s.time, readiness, s.q, 30, negligible_change);
-      find_multipliers(system, s, negligible_change);
+      close_positions(system, s.time, readiness, s.q, 30, negligible);
+      find_multipliers(system, s, negligible);
     }
     r = forces(s.q, zero);
     const double off = violation();

@@ -73,6 +73,24 @@ springs:
 outputs: [{name: a, joint: a}, {name: w, joint_velocity: d}, {name: f, joint_force: e, component: fx}]
 )",
      {angle, rate, force}},
+    {"equilibrium",
+     R"(
+gravity: [0, 0, -9.81*L/(T*T)]
+initial: equilibrium
+bodies:
+  c: {mass: 0.5*M, com: [0, 0, 0.1*L], inertia: [0.002*J, 0.002*J, 0.0001*J]}
+  k: {mass: M, com: [0.3*L, 0, 0.35*L], inertia: [0.02*J, 0.02*J, 0.0005*J]}
+  r: {mass: M, com: [0.6*L, 0, 0.25*L], inertia: [0.02*J, 0.02*J, 0.0005*J]}
+joints:
+  a: {type: revolute, between: [ground, c], at: [0, 0, 0], axis: [0, 1, 0]}
+  b: {type: revolute, between: [c, k], at: [0, 0, 0.2*L], axis: [0, 1, 0]}
+  d: {type: revolute, between: [ground, r], at: [0.6*L, 0, 0], axis: [0, 1, 0],
+      spring: {stiffness: 40*k*L*L, damping: 0.1*J/T}}
+  e: {type: revolute, between: [k, r], at: [0.6*L, 0, 0.5*L], axis: [0, 1, 0]}
+loads: {push: {on: k, at: [0.3*L, 0, 0.35*L], force: [F, 0, 0]}}
+outputs: [{name: a, joint: a}, {name: w, joint_velocity: d}, {name: f, joint_force: e, component: fx}]
+)",
+     {angle, rate, force}},
     {"open",
      R"(
 gravity: [0, -9.81*L/(T*T), 0]
@@ -218,7 +236,10 @@ TEST_P(UnitSystems, AreAlike) {
     const Ran other = ran(of, formulation, units);
     EXPECT_LE((other.outputs - unit.outputs).cwiseAbs().maxCoeff(), 1e-9 * size)
         << other.outputs.transpose() << " instead of " << unit.outputs.transpose();
-    EXPECT_EQ(other.iterations, unit.iterations);
+    // A step that starts in balance ends by round-off.
+    if (std::string(of.name) != "equilibrium") {
+      EXPECT_EQ(other.iterations, unit.iterations);
+    }
     EXPECT_EQ(other.substeps, unit.substeps);
   }
 }
