@@ -143,8 +143,8 @@ class Part:
         self._add("gas_springs", name, keys)
 
     def add_hydraulic_damper(self, name: str, /, **keys: Unpack[words.HydraulicDamper]) -> None:
-        """A damper with compressible oil: between, at, damping (N s/m) and quadratic (N s²/m²) of its orifices, area (m²)
-        of the piston, length (m) of the oil column in each chamber, bulk_modulus (Pa) of the oil."""
+        """A damper with compressible oil: between, at, damping (N s/m) and quadratic (N s²/m²) of its orifices, area
+        (m²) of the piston, length (m) of the oil column in each chamber, bulk_modulus (Pa) of the oil."""
         self._add("hydraulic_dampers", name, keys)
 
     def add_friction(self, name: str, /, **keys: Unpack[words.Friction]) -> None:

@@ -31,6 +31,7 @@ Eigen::Matrix3d turn_between(const Eigen::Vector3d& from, const Eigen::Vector3d&
   Eigen::Quaterniond q;
   q.vec() = a.cross(b) * (1 / s);
   q.w() = s * 0.5;
+  if (c < 0) q.normalize();  // 1 + c has lost digits
   return q.toRotationMatrix();
 }
 
