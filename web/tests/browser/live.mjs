@@ -34,6 +34,15 @@ const atServer = async (page, name) => (await tracks(page))[name].values.at(-1);
 /** What the page has told the server of an input, value by value. */
 const told = (sent, name) => sent.map(({ values }) => values?.[name]).filter((one) => one !== undefined);
 
+/** Keeps what the page announces to a listener from now on: one announcement may follow another at once. */
+const listenToAnnouncements = (page) =>
+  page.evaluate(() => {
+    const region = document.querySelector("header [role=status]");
+    window.mimbreAnnounced = [region.textContent];
+    new MutationObserver(() => window.mimbreAnnounced.push(region.textContent)).observe(region, { childList: true, characterData: true, subtree: true });
+  });
+const announced = (page) => page.evaluate(() => window.mimbreAnnounced);
+
 /** Everything as at the start, running; nobody touches anything. */
 async function afresh(page) {
   await inControl(page);
@@ -293,7 +302,9 @@ test("channels are chosen from the list, taken away, and held still", async ({ p
 
 test("two viewers: the second looks on, asks, and gets control when the first hands it over", async ({ page, browser, server }) => {
   await afresh(page);
+  await listenToAnnouncements(page);
   const { page: second, complaints } = await open(browser, server.url);
+  await listenToAnnouncements(second);
   await state(second, "Running");
   await until("another has control", async () => /Another viewer/.test(await say(second, ".control-words")));
   await until("two viewers", async () => /2 viewers/.test(await say(page, ".states")));
@@ -307,7 +318,7 @@ test("two viewers: the second looks on, asks, and gets control when the first ha
   assert.equal(await say(page, ".pill"), "Running");
   const asking = page.locator(".asking");
   await until("the first is told", async () => /^Viewer \d+ asks for control/.test(await say(page, ".asking")));
-  assert.match(await page.locator("header [role=status]").textContent(), /asks for control/);
+  await until("it is announced", async () => (await announced(page)).some((words) => /^Viewer \d+ asks for control$/.test(words)));
   await asking.getByRole("button", { name: "Not now" }).click();
   assert.ok(!(await asking.isVisible()));
   for (const words of ["Another viewer", "You have asked"]) {
@@ -317,7 +328,7 @@ test("two viewers: the second looks on, asks, and gets control when the first ha
   await asking.getByRole("button", { name: "Hand over" }).click();
   await until("handed over", async () => (await say(second, ".take")) === "Give control back");
   await until("the first drives no more", async () => page.getByRole("button", { name: "Reset" }).isDisabled());
-  assert.match(await second.locator("header [role=status]").textContent(), /You are in control/);
+  await until("that is announced", async () => (await announced(second)).some((words) => /You are in control/.test(words)));
   await second.close();
   await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
   assert.deepEqual(complaints.filter((text) => !/WebGL/.test(text)), []);
