@@ -11,7 +11,7 @@ function(mimbre_embed_examples target)
   endforeach()
   set(generated ${CMAKE_CURRENT_BINARY_DIR}/embedded_examples.cpp)
   file(CONFIGURE OUTPUT ${generated} CONTENT [=[
-#include "app/reproduce_examples.h"
+#include "app/reproduce/reproduce_examples.h"
 
 namespace mimbre::app {
 

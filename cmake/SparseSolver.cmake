@@ -1,4 +1,4 @@
-# The library that factorises large finite-element matrices. src/reduction/large_factor_*.cpp are one class, once for
+# The library that factorises large finite-element matrices. src/reduction/factor/large_factor_*.cpp are one class, once for
 # each of them.
 
 if(MIMBRE_SPARSE_SOLVER STREQUAL "cholmod")
@@ -19,8 +19,8 @@ else()
   message(FATAL_ERROR "MIMBRE_SPARSE_SOLVER is `${MIMBRE_SPARSE_SOLVER}`; it must be cholmod, mumps or eigen")
 endif()
 
-target_sources(mimbre PRIVATE ${PROJECT_SOURCE_DIR}/src/reduction/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp)
-set_source_files_properties(${PROJECT_SOURCE_DIR}/src/reduction/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp PROPERTIES
+target_sources(mimbre PRIVATE ${PROJECT_SOURCE_DIR}/src/reduction/factor/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp)
+set_source_files_properties(${PROJECT_SOURCE_DIR}/src/reduction/factor/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp PROPERTIES
   COMPILE_OPTIONS $<$<CONFIG:Release>:${MIMBRE_WARM_OPTIONS}> SKIP_PRECOMPILE_HEADERS ON)
 target_include_directories(mimbre SYSTEM PRIVATE ${include})
 target_link_libraries(mimbre PRIVATE ${libraries})

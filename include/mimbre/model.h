@@ -44,7 +44,7 @@ class Model {
   std::vector<ConstraintLine> constraint_lines() const;
 
   const Compiled& compiled() const;
-  /// What the step needs, as one block (model/image.h): for the library itself, its type's header is not
+  /// What the step needs, as one block (compile/image.h): for the library itself, its type's header is not
   /// installed.
   const Image& image() const { return *image_; }
 

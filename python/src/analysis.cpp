@@ -20,7 +20,7 @@
 #include "mimbre/statics.h"
 #include "mimbre/stress_history.h"
 #include "mimbre/verify.h"
-#include "simulation/names.h"
+#include "simulation/describe/names.h"
 
 /// What the program's commands beside run and reduce find out: mimbre/analysis.py gives it names.
 namespace mimbre::python {

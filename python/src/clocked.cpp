@@ -5,7 +5,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
-#include "app/monitor.h"
+#include "app/terminal/monitor.h"
 #include "mimbre/live_server.h"
 
 namespace mimbre::python {

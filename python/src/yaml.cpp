@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "bindings.h"
-#include "model_file/expression.h"
-#include "model_file/tree.h"
+#include "model_file/text/expression.h"
+#include "model_file/text/tree.h"
 
 /// YAML as model files have it, for other files that are read in Python: the same bounds, messages, numbers.
 namespace mimbre::python {

@@ -1,5 +1,5 @@
 #include "analysis/mode_participation.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -10,7 +10,7 @@
 
 #include "analysis/mode_participation.h"
 #include "analysis/rigid_response.h"
-#include "reduction/project_modes.h"
+#include "reduction/bases/project_modes.h"
 
 namespace mimbre {
 namespace {

@@ -3,12 +3,12 @@
 #include <stdexcept>
 
 #include "base/cpu_time.h"
-#include "simulation/assembly.h"
-#include "simulation/channels.h"
-#include "simulation/drawn_open.h"
-#include "simulation/explain.h"
-#include "simulation/redundancy.h"
-#include "simulation/smallest_reactions.h"
+#include "simulation/describe/explain.h"
+#include "simulation/observe/channels.h"
+#include "simulation/observe/smallest_reactions.h"
+#include "simulation/start/assembly.h"
+#include "simulation/start/drawn_open.h"
+#include "simulation/start/redundancy.h"
 
 namespace mimbre {
 

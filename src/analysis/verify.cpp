@@ -8,8 +8,8 @@
 #include <new>
 #include <unordered_map>
 
+#include "compile/compiled.h"
 #include "mimbre/method_names.h"
-#include "model/compiled.h"
 
 namespace mimbre {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "app/busy.h"
+#include "app/terminal/busy.h"
 #include "mimbre/assembly.h"
 #include "mimbre/model_file.h"
 #include "mimbre/real_time_plan.h"

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "app/interfaces.h"
+#include "app/commands/interfaces.h"
 
 namespace mimbre::app {
 

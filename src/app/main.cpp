@@ -2,7 +2,7 @@
 
 #include "app/main_program.h"
 #include "app/processor_check.h"
-#include "app/standard_streams.h"
+#include "app/terminal/standard_streams.h"
 
 int main(int argc, char** argv) {
   mimbre::app::prepare_standard_streams();

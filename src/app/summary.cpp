@@ -11,7 +11,7 @@
 
 #include "app/common.h"
 #include "app/method_options.h"
-#include "app/table.h"
+#include "app/terminal/table.h"
 #include "mimbre/build.h"
 #include "mimbre/method_names.h"
 

@@ -1,10 +1,10 @@
 #pragma once
+#include "compile/compiled.h"
 #include "constraints/closures.h"
 #include "constraints/curve.h"
 #include "joints/table.h"
-#include "model/compiled.h"
 
-/// The equations of a constraint by its kind. Apart from the table (model/constraint_kinds.h), so that
+/// The equations of a constraint by its kind. Apart from the table (spec/constraint_kinds.h), so that
 /// whoever only asks how many they are does not compile them.
 namespace mimbre::constraints {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "model/compiled.h"
+#include "compile/compiled.h"
 
 /// Extended amplitudes η of a flexible body: its amplitudes y, then the products y_a y_b by which large
 /// deflections enter (SecondOrder). Integrals, frames and stiffness belong to η; coordinates are y. Bodies

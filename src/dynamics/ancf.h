@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/compiled.h"
+#include "compile/compiled.h"
 
 /// Elastic forces of planar beams by absolute nodal coordinates: strain energy ½∫EA ε² + ½∫EI κ², with
 /// ε = |r'| − 1 and κ = (r' × r'')/|r'|², the turn of the tangent per undeformed length, so that N and M are

@@ -1,6 +1,6 @@
 #pragma once
+#include "compile/compiled.h"
 #include "dynamics/ancf.h"
-#include "model/compiled.h"
 
 /// Elastic and damping forces of flexible bodies on their extended amplitudes: linear, or of a beam in
 /// absolute nodal coordinates.

@@ -1,10 +1,10 @@
 #pragma once
 #include <algorithm>
 
+#include "compile/compiled.h"
 #include "dynamics/motion.h"
 #include "math/four.h"
 #include "math/multiply_add.h"
-#include "model/compiled.h"
 
 /// Kernels of flexible bodies over padded rows of mode values (see FlexibleData): dot products, y-dependent
 /// integrals.

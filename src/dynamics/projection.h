@@ -3,11 +3,11 @@
 #include <array>
 #include <vector>
 
+#include "compile/rows.h"
 #include "linalg/block_sparse.h"
 #include "math/rotation.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/spec.h"
-#include "model/rows.h"
 
 /// Inertia of flexible bodies by projection of the mesh's mass matrix, M̄ = B*ᵀ M* B* (Lugrís
 /// 2008, 2.76–2.90), evaluated node by node at every position: the cost grows with the mesh. All in body

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "model/find_scales.h"
+#include "compile/find_scales.h"
 
 namespace mimbre {
 namespace {

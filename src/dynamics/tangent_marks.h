@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
+#include "compile/compiled.h"
 #include "dynamics/ancf.h"
 #include "dynamics/system.h"
 #include "forces/element.h"
-#include "model/compiled.h"
 
 namespace mimbre {
 

@@ -1,6 +1,6 @@
 #include <vector>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "mimbre/fe.h"
 
 namespace mimbre::fe {

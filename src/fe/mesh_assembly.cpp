@@ -2,14 +2,14 @@
 
 #include <stdexcept>
 
-#include "fe/beam_element.h"
-#include "fe/block_pattern.h"
-#include "fe/cell_elements.h"
-#include "fe/cell_loop.h"
-#include "fe/mass_points.h"
-#include "fe/shell_element.h"
-#include "fe/solid_element.h"
-#include "fe/solid_stress.h"
+#include "fe/elements/beam_element.h"
+#include "fe/elements/cell_elements.h"
+#include "fe/elements/cell_loop.h"
+#include "fe/elements/mass_points.h"
+#include "fe/elements/shell_element.h"
+#include "fe/elements/solid_element.h"
+#include "fe/elements/solid_stress.h"
+#include "fe/solve/block_pattern.h"
 #include "mimbre/fe_mesh.h"
 
 namespace mimbre::fe {

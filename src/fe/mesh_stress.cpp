@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "fe/cell_elements.h"
-#include "fe/solid_stress.h"
+#include "fe/elements/cell_elements.h"
+#include "fe/elements/solid_stress.h"
 #include "mimbre/fe_mesh.h"
 
 namespace mimbre::fe {

@@ -1,5 +1,5 @@
 #include "fe/rigid_motion.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

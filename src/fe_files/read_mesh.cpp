@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "fe_files/gmsh.h"
-#include "fe_files/inp_model.h"
+#include "fe_files/inp/inp_model.h"
 #include "fe_files/mesh_builder.h"
 #include "fe_files/node_table.h"
 #include "fe_files/text.h"

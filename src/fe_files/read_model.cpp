@@ -8,9 +8,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "fe_files/inp_lines.h"
-#include "fe_files/inp_model.h"
-#include "fe_files/nastran.h"
+#include "fe_files/inp/inp_lines.h"
+#include "fe_files/inp/inp_model.h"
+#include "fe_files/nastran/nastran.h"
 #include "fe_files/text.h"
 #include "mimbre/fe_import.h"
 

@@ -1,13 +1,13 @@
 #pragma once
 #include <cmath>
 
+#include "compile/slow_speeds.h"
 #include "forces/blow.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
 #include "math/elementary.h"
 #include "math/restitution.h"
-#include "model/slow_speeds.h"
 
 /// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
 /// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the

@@ -3,11 +3,11 @@
 #include <initializer_list>
 #include <type_traits>
 
+#include "compile/compiled.h"
 #include "math/choice.h"
 #include "math/function_values.h"
 #include "math/rotation.h"
-#include "model/compiled.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 
 namespace mimbre {
 

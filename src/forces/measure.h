@@ -14,7 +14,7 @@
 #include "joints/table.h"
 #include "math/elementary.h"
 #include "math/function_values.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 
 /// What elements measure between two frames: x, its rate v, and the directions in which a force against it
 /// acts. All vectors are in global axes.

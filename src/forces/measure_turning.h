@@ -5,7 +5,7 @@
 
 #include "forces/element.h"
 #include "math/elementary.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 
 /// How far frame b has turned against frame a, as three numbers that grow through any number of turns.
 namespace mimbre {

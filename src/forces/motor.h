@@ -1,8 +1,8 @@
 #pragma once
 #include <cmath>
 
+#include "compile/slow_speeds.h"
 #include "forces/element.h"
-#include "model/slow_speeds.h"
 
 /// A motor with its gear on a joint's coordinate. It turns `ratio` times as fast as the joint, ω = n q̇, and
 /// its torque τ(ω) comes from a curve times a command from −1 to 1, or from a voltage U by the constants of a

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "compile/compiled.h"
 #include "math/function_values.h"
 #include "math/rotation.h"
-#include "model/compiled.h"
 
 /// Roads as wheels feel them: heights and slopes that are continuous, so that a spring on them keeps its
 /// energy and nothing jumps where the road has a corner. A profile is felt along a footprint: its height is

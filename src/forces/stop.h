@@ -1,10 +1,10 @@
 #pragma once
 #include <cmath>
 
+#include "compile/slow_speeds.h"
 #include "forces/blow.h"
 #include "forces/element.h"
 #include "math/restitution.h"
-#include "model/slow_speeds.h"
 
 /// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
 /// Within its depth d a stop pushes back with f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl.

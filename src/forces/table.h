@@ -18,7 +18,7 @@
 #include "forces/stop.h"
 #include "forces/tyre.h"
 #include "forces/user.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 
 /// The laws of force elements. A new one is a file like gas_spring.h and its name in this list.
 namespace mimbre::forces {

@@ -41,7 +41,7 @@ inline Answer call(const LawContext<double>& c, const double* x, const double* v
 }
 }  // namespace user
 
-/// What a law that is called before the step (simulation/signal_state.cpp) said: that is kept.
+/// What a law that is called before the step (simulation/step/signal_state.cpp) said: that is kept.
 template <class T>
 void sampled_law(const LawContext<T>& c, ElementState<T>& s) {
   const int n = s.count;

@@ -1,5 +1,5 @@
 #include "integrate/dense.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 #include <algorithm>
 #include <cmath>

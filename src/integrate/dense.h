@@ -3,7 +3,7 @@
 
 #include "integrate/partition.h"
 #include "integrate/stepper.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre {
 

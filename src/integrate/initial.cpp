@@ -1,6 +1,6 @@
 #include "integrate/initial.h"
-#include "linalg/sparse_qr.h"
-#include "math/decompositions.h"
+#include "linalg/once/sparse_qr.h"
+#include "math/once/decompositions.h"
 
 #include <Eigen/Core>
 #include <algorithm>

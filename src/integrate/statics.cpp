@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "integrate/initial.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre {
 

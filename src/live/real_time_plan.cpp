@@ -9,10 +9,10 @@
 #include <tuple>
 
 #include "live/host.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
-#include "reduction/project_modes.h"
+#include "reduction/bases/project_modes.h"
 
 namespace mimbre {
 namespace {

@@ -1,5 +1,5 @@
 #include "math/stress.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 #include <Eigen/Core>
 #include <cmath>

@@ -12,7 +12,7 @@
 #include "fe_files/text.h"
 #include "fe_files/text_file.h"
 #include "mimbre/unknown_name.h"
-#include "model_file/units.h"
+#include "model_file/text/units.h"
 
 namespace mimbre {
 namespace {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "model_file/parse.h"
+#include "model_file/text/parse.h"
 
 namespace mimbre {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "math/gauss.h"
 #include "mimbre/beam_reduction.h"
 #include "reduction/shape_integrals.h"

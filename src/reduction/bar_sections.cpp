@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fe/symmetric_solver.h"
-#include "reduction/geometric_stiffness.h"
+#include "fe/solve/symmetric_solver.h"
 #include "reduction/inertia_fields.h"
+#include "reduction/stiffening/geometric_stiffness.h"
 
 namespace mimbre::fe {
 namespace {

@@ -10,8 +10,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "math/decompositions.h"
-#include "reduction/rigid_shapes.h"
+#include "math/once/decompositions.h"
+#include "reduction/bases/rigid_shapes.h"
 
 namespace mimbre::fe {
 namespace {

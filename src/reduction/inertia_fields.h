@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "mimbre/reduced_body.h"
 
 /// Acceleration fields of a rigid motion, as beams see them.

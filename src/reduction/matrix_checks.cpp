@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fe/mass_points.h"
+#include "fe/elements/mass_points.h"
 #include "fe/node_label.h"
 #include "fe/skin.h"
 #include "math/elementary.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/bases/rigid_shapes.h"
 #include "reduction/material_oddity.h"
 #include "reduction/matrix_checks.h"
-#include "reduction/rigid_shapes.h"
 #include "reduction/tied_model.h"
 
 namespace mimbre::fe {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "fe/mass_points.h"
+#include "fe/elements/mass_points.h"
 
 namespace mimbre::fe {
 

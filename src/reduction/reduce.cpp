@@ -6,14 +6,14 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "mimbre/beam_reduction.h"
 #include "reduction/bar_sections.h"
-#include "reduction/craig_bampton.h"
-#include "reduction/geometric_stiffness.h"
-#include "reduction/second_order.h"
+#include "reduction/bases/craig_bampton.h"
 #include "reduction/shape_integrals.h"
-#include "reduction/stretching.h"
+#include "reduction/stiffening/geometric_stiffness.h"
+#include "reduction/stiffening/second_order.h"
+#include "reduction/stiffening/stretching.h"
 
 namespace mimbre::fe {
 namespace {

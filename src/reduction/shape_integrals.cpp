@@ -1,6 +1,6 @@
 #include "reduction/shape_integrals.h"
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "math/gauss.h"
 
 namespace mimbre::fe {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "fe/node_label.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::fe {
 

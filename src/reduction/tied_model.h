@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "fe/block_lanczos.h"
+#include "fe/solve/block_lanczos.h"
 #include "mimbre/fe_reduce.h"
-#include "reduction/large_factor.h"
+#include "reduction/factor/large_factor.h"
 
 namespace mimbre::fe {
 

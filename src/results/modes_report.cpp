@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/report.h"
 #include "results/report_json.h"

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "base/random_numbers.h"
-#include "math/decompositions.h"
 #include "math/elementary.h"
+#include "math/once/decompositions.h"
 #include "mimbre/road_profile.h"
 
 namespace mimbre {

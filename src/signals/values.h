@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "compile/compiled.h"
 #include "math/function_values.h"
-#include "model/compiled.h"
 #include "signals/blocks/rows.h"
 
 /// What a step sees of time, inputs and signals: one number per slot, with two derivatives by time of those

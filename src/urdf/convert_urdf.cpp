@@ -13,7 +13,7 @@
 #include "mimbre/spec.h"
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 #include "urdf/merged.h"
 #include "urdf/mesh_paths.h"
 #include "urdf/repair.h"

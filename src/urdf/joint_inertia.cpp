@@ -6,7 +6,7 @@
 
 #include "base/random_numbers.h"
 #include "math/cross_matrix.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "math/turn.h"
 
 namespace mimbre::urdf {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "urdf/merged.h"
 #include "urdf/yaml_text.h"
 

@@ -14,7 +14,7 @@
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"
 #include "mimbre/model_file.h"
-#include "reduction/project_modes.h"
+#include "reduction/bases/project_modes.h"
 
 /// The fewest modes that a mechanism needs.
 namespace mimbre::test::mode_selection_test {

@@ -12,7 +12,7 @@
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
 #include "mimbre/threads.h"
-#include "reduction/large_factor.h"
+#include "reduction/factor/large_factor.h"
 #include "support/clocked.h"
 
 namespace mimbre::one_thread_test {

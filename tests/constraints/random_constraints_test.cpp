@@ -2,8 +2,8 @@
 
 #include "dynamics/natural/system.h"
 #include "integrate/initial.h"
-#include "math/decompositions.h"
-#include "model/constraint_kinds.h"
+#include "math/once/decompositions.h"
+#include "spec/constraint_kinds.h"
 #include "support/random_mechanism.h"
 
 /// Constraints of every kind between bodies of random mechanisms: both formulations, and finite differences.

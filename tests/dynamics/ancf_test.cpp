@@ -8,7 +8,7 @@
 #include <random>
 
 #include "dynamics/elasticity.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 #include "support/models.h"
 

@@ -4,13 +4,13 @@
 #include <complex>
 #include <numbers>
 
+#include "compile/flexible_data.h"
 #include "dynamics/geometric.h"
 #include "dynamics/natural/system.h"
 #include "fe/meshes.h"
 #include "integrate/initial.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/simulation.h"
-#include "model/flexible_data.h"
 #include "support/dense.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"

@@ -6,9 +6,9 @@
 
 #include "dynamics/relative/residual.h"
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
-#include "simulation/energy.h"
+#include "simulation/step/energy.h"
 #include "support/brick_mesh.h"
 #include "support/probe.h"
 

@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 
 #include "integrate/initial.h"
-#include "math/decompositions.h"
-#include "model/force_law.h"
-#include "simulation/energy.h"
+#include "math/once/decompositions.h"
+#include "simulation/step/energy.h"
+#include "spec/force_law.h"
 #include "support/probe.h"
 
 /// Random mechanisms of rigid and flexible bodies, with every joint type forward, reversed and cut.

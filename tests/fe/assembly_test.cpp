@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 
 namespace mimbre::test::assembly_test {

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "fe/meshes.h"
-#include "math/decompositions.h"
 #include "math/gauss.h"
+#include "math/once/decompositions.h"
 #include "math/rotation.h"
 #include "support/dense.h"
 

@@ -7,10 +7,10 @@
 #include <functional>
 #include <numbers>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
+#include "fe/elements/shear_coefficient.h"
 #include "fe/meshes.h"
-#include "fe/shear_coefficient.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 #include "support/dense.h"
 

@@ -1,4 +1,4 @@
-#include "fe/block_lanczos.h"
+#include "fe/solve/block_lanczos.h"
 
 #include <gmock/gmock.h>
 

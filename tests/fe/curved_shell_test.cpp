@@ -6,9 +6,9 @@
 #include <map>
 #include <numbers>
 
+#include "fe/elements/shell_element.h"
 #include "fe/meshes.h"
-#include "fe/shell_element.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "support/dense.h"
 

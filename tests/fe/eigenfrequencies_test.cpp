@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 
 namespace mimbre::test::eigenfrequencies_test {

@@ -6,7 +6,7 @@
 
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_mesh.h"
 
 namespace mimbre::test::mesh_assembly_test {

@@ -2,8 +2,8 @@
 
 #include <numbers>
 
-#include "fe/lowest_modes.h"
 #include "fe/solid_meshes.h"
+#include "fe/solve/lowest_modes.h"
 #include "mimbre/fe_mesh.h"
 
 namespace mimbre::test::mesh_frequencies_test {

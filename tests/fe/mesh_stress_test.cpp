@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "fe/elements/solid_stress.h"
 #include "fe/meshes.h"
 #include "fe/skin.h"
 #include "fe/solid_meshes.h"
-#include "fe/solid_stress.h"
 #include "fe/surface.h"
 
 /// Stress at both sides of shells, and what is seen of a mesh.

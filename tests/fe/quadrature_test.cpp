@@ -1,4 +1,4 @@
-#include "fe/quadrature.h"
+#include "fe/elements/quadrature.h"
 
 #include <gtest/gtest.h>
 

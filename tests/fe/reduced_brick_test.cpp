@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "fe/elastic_matrix.h"
+#include "fe/elements/elastic_matrix.h"
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "support/dense.h"
 

@@ -1,11 +1,11 @@
-#include "fe/shell_element.h"
+#include "fe/elements/shell_element.h"
 
 #include <gtest/gtest.h>
 
+#include "fe/elements/shell_membrane.h"
 #include "fe/meshes.h"
-#include "fe/shell_membrane.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::test::shell_element_test {
 namespace {

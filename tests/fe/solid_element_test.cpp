@@ -1,4 +1,4 @@
-#include "fe/solid_element.h"
+#include "fe/elements/solid_element.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::test::solid_element_test {
 namespace {

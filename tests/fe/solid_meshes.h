@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fe/solid_shape.h"
+#include "fe/elements/solid_shape.h"
 #include "mimbre/fe_mesh.h"
 #include "support/dense.h"
 

@@ -1,4 +1,4 @@
-#include "fe/solid_stress.h"
+#include "fe/elements/solid_stress.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::test::solid_stress_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "fe/turning_cell.h"
+#include "fe/elements/turning_cell.h"
 
 #include <gtest/gtest.h>
 

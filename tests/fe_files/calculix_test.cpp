@@ -1,4 +1,4 @@
-#include "fe_files/calculix.h"
+#include "fe_files/inp/calculix.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "fe_files/fe_files.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "support/dense.h"
 
 namespace mimbre::fe::calculix_test {

@@ -1,4 +1,4 @@
-#include "fe_files/frame_force_stiffness.h"
+#include "fe_files/bodies/frame_force_stiffness.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 
 #include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
+#include "fe_files/bodies/sid_file.h"
 #include "fe_files/fe_files.h"
-#include "fe_files/sid_file.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_import.h"
 #include "mimbre/fe_reduce.h"
 

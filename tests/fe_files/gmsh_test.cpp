@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "fe/solid_shape.h"
+#include "fe/elements/solid_shape.h"
 #include "fe_files/element_faces.h"
 #include "fe_files/fe_files.h"
 

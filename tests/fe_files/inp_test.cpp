@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "fe_files/fe_files.h"
-#include "fe_files/inp_model.h"
+#include "fe_files/inp/inp_model.h"
 #include "mimbre/fe_import.h"
 
 namespace mimbre::fe::inp_test {

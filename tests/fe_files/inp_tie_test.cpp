@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "fe_files/inp_model.h"
+#include "fe_files/inp/inp_model.h"
 
 /// *TIE of surfaces whose nodes do not meet.
 namespace mimbre::fe::inp_tie_test {

@@ -8,10 +8,10 @@
 
 #include "fe/solid_meshes.h"
 #include "fe_files/fe_files.h"
-#include "fe_files/inp_model.h"
-#include "fe_files/nastran.h"
-#include "fe_files/nastran_model.h"
-#include "math/decompositions.h"
+#include "fe_files/inp/inp_model.h"
+#include "fe_files/nastran/nastran.h"
+#include "fe_files/nastran/nastran_model.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 
 namespace mimbre::fe::nastran_mesh_test {

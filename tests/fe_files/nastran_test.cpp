@@ -1,4 +1,4 @@
-#include "fe_files/nastran.h"
+#include "fe_files/nastran/nastran.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "fe_files/fe_files.h"
-#include "fe_files/nastran_cards.h"
+#include "fe_files/nastran/nastran_cards.h"
 #include "mimbre/fe_import.h"
 
 namespace mimbre::fe::nastran_test {

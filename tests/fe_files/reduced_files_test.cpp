@@ -1,4 +1,4 @@
-#include "fe_files/reduced_files.h"
+#include "fe_files/bodies/reduced_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <functional>
 #include <random>
 
+#include "fe_files/bodies/sid_file.h"
 #include "fe_files/fe_files.h"
-#include "fe_files/sid_file.h"
 #include "reduction/shape_integrals.h"
 
 namespace mimbre::fe::reduced_files_test {

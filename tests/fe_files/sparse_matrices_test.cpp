@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 
 #include "fe_files/fe_files.h"
-#include "fe_files/matrix_files.h"
+#include "fe_files/matrices/matrix_files.h"
 #include "mimbre/fe_import.h"
 #include "support/dense.h"
 

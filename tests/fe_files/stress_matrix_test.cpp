@@ -1,4 +1,4 @@
-#include "fe_files/stress_matrix.h"
+#include "fe_files/bodies/stress_matrix.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 
 #include "fe_files/fe_files.h"
 #include "fe_files/npz_writer.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 /// Stress of models whose matrices come from other programs.
 namespace mimbre::fe::stress_matrix_test {

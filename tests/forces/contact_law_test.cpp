@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "compile/triangle_mesh.h"
 #include "forces/measure.h"
 #include "forces/table.h"
 #include "math/restitution.h"
-#include "model/triangle_mesh.h"
 #include "support/random_mechanism.h"
 
 /// What a contact measures and its law, for every kind of surface: rates, energies, tangents, the return to

@@ -4,9 +4,9 @@
 #include <functional>
 #include <numbers>
 
+#include "compile/triangle_mesh.h"
 #include "forces/surfaces/table.h"
 #include "math/dual.h"
-#include "model/triangle_mesh.h"
 #include "support/random_mechanism.h"
 
 /// Distances from surfaces, against closed forms, other kinds of surfaces and every triangle by itself.

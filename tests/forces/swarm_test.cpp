@@ -6,8 +6,8 @@
 
 #include "dynamics/natural/system.h"
 #include "mimbre/diagnostics.h"
-#include "simulation/mechanism.h"
-#include "simulation/start.h"
+#include "simulation/start/start.h"
+#include "simulation/step/mechanism.h"
 #include "support/dense.h"
 #include "support/models.h"
 #include "support/simulate.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
 #include "support/probe.h"

@@ -5,7 +5,7 @@
 
 #include "joints/kernels.h"
 #include "joints/table.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "support/probe.h"
 
 /// Every row of the joint table goes through the same checks.

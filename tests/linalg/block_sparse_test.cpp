@@ -14,8 +14,8 @@
 #include <stdexcept>
 
 #include "linalg/block_factor_impl.h"
-#include "math/decompositions.h"
 #include "math/dual.h"
+#include "math/once/decompositions.h"
 #include "math/pack.h"
 
 namespace mimbre::linalg::block_sparse_test {

@@ -1,10 +1,10 @@
-#include "linalg/sparse_qr.h"
+#include "linalg/once/sparse_qr.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::linalg::sparse_qr_test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/reduced_body.h"
 #include "support/models.h"

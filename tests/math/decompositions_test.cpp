@@ -1,4 +1,4 @@
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre::model_file_test {

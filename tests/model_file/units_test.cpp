@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "mimbre/model_file.h"
-#include "model_file/expression.h"
+#include "model_file/text/expression.h"
 
 /// Numbers with units: what they are in SI, and where they do not fit.
 namespace mimbre::model_file::units_test {

@@ -7,7 +7,7 @@
 #include "fe/bar_ends.h"
 #include "fe/meshes.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 #include "mimbre/fe_reduce.h"
 

@@ -7,9 +7,9 @@
 
 #include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
-#include "reduction/shapes.h"
+#include "reduction/bases/shapes.h"
 #include "reduction/tied_model.h"
 
 /// Motions of interfaces that are left free or held.

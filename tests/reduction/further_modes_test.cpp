@@ -11,8 +11,8 @@
 #include <numbers>
 
 #include "fe/solid_meshes.h"
-#include "fe_files/user_modes_file.h"
-#include "math/decompositions.h"
+#include "fe_files/bodies/user_modes_file.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/tied_model.h"
 

@@ -1,4 +1,4 @@
-#include "reduction/geometric_stiffness.h"
+#include "reduction/stiffening/geometric_stiffness.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "fe/beam_element.h"
+#include "fe/elements/beam_element.h"
 #include "fe/meshes.h"
-#include "math/decompositions.h"
 #include "math/gauss.h"
+#include "math/once/decompositions.h"
 #include "math/rotation.h"
 
 namespace mimbre::geometric_stiffness_test {

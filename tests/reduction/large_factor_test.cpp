@@ -1,4 +1,4 @@
-#include "reduction/large_factor.h"
+#include "reduction/factor/large_factor.h"
 
 #include <gtest/gtest.h>
 

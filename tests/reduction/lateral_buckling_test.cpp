@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "math/rotation.h"
-#include "reduction/geometric_stiffness.h"
+#include "reduction/stiffening/geometric_stiffness.h"
 
 /// Reduced strips whose bending in one plane lets them tip over and twist.
 namespace mimbre::test::lateral_buckling_test {

@@ -1,4 +1,4 @@
-#include "reduction/mirror.h"
+#include "reduction/file/mirror.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -11,9 +11,9 @@
 #include <numbers>
 
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
-#include "reduction/rigid_shapes.h"
+#include "reduction/bases/rigid_shapes.h"
 #include "reduction/tied_model.h"
 
 /// Bases of the reduction of finite-element models, against the full model.

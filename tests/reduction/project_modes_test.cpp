@@ -1,11 +1,11 @@
-#include "reduction/project_modes.h"
+#include "reduction/bases/project_modes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "support/brick_mesh.h"
 
 /// Bodies on fewer modes than they had.

@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "fe/bar_ends.h"
-#include "fe/block_lanczos.h"
 #include "fe/skin.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "fe/solve/block_lanczos.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
-#include "reduction/rigid_shapes.h"
+#include "reduction/bases/rigid_shapes.h"
 #include "reduction/tied_model.h"
 
 /// Reduction of finite-element models of any origin.

@@ -6,10 +6,10 @@
 #include <random>
 
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
 #include "mimbre/reduced_body.h"
-#include "reduction/craig_bampton.h"
+#include "reduction/bases/craig_bampton.h"
 
 namespace mimbre::test::reduction_test {
 namespace {

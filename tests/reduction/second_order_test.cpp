@@ -1,11 +1,11 @@
-#include "reduction/second_order.h"
+#include "reduction/stiffening/second_order.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "fe/meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "math/rotation.h"
 #include "support/models.h"
 #include "support/run.h"

@@ -1,4 +1,4 @@
-#include "reduction/solid_stiffening.h"
+#include "reduction/stiffening/solid_stiffening.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 
 /// Geometric stiffness of solids from unit loads.

@@ -5,7 +5,7 @@
 
 #include "fe/bar_ends.h"
 #include "fe/solid_meshes.h"
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
 
 /// Stress of reduced bodies.

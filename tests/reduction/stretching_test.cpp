@@ -1,14 +1,14 @@
-#include "reduction/stretching.h"
+#include "reduction/stiffening/stretching.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <cmath>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/fe_mesh.h"
 #include "mimbre/fe_reduce.h"
-#include "reduction/mirror.h"
+#include "reduction/file/mirror.h"
 
 /// What bending does to lengths and areas, against plates and strips of von Kármán's theory.
 namespace mimbre::fe::stretching_test {

@@ -1,4 +1,4 @@
-#include "simulation/contact_watch.h"
+#include "simulation/step/contact_watch.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <random>
 
+#include "compile/triangle_mesh.h"
 #include "forces/surfaces/mesh.h"
 #include "mimbre/model_file.h"
-#include "model/triangle_mesh.h"
-#include "simulation/contact_sweep.h"
+#include "simulation/step/contact_sweep.h"
 #include "support/models.h"
 #include "support/simulate.h"
 

@@ -1,4 +1,4 @@
-#include "simulation/drive_smoothness.h"
+#include "simulation/start/drive_smoothness.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "simulation/element_drawings.h"
+#include "simulation/describe/element_drawings.h"
 
 #include <gtest/gtest.h>
 

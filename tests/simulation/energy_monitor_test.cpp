@@ -1,4 +1,4 @@
-#include "simulation/energy_monitor.h"
+#include "simulation/watch/energy_monitor.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "simulation/energy.h"
+#include "simulation/step/energy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "simulation/held_stretch.h"
+#include "simulation/watch/held_stretch.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,10 +1,10 @@
-#include "simulation/jumping_law.h"
+#include "simulation/start/jumping_law.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "model/compiled.h"
+#include "compile/compiled.h"
 #include "support/models.h"
 #include "support/simulate.h"
 

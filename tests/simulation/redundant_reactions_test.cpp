@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "compile/compiled.h"
 #include "mimbre/simulation.h"
-#include "model/compiled.h"
 #include "support/models.h"
 
 /// Reactions that rigid bodies do not determine: the smallest ones, in every formulation, whichever joint is

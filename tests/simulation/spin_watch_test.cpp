@@ -1,4 +1,4 @@
-#include "simulation/spin_watch.h"
+#include "simulation/watch/spin_watch.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/simulation.h"
 #include "mimbre/statics.h"
 #include "support/models.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "mimbre/simulation.h"
-#include "simulation/explain.h"
-#include "simulation/mechanism.h"
-#include "simulation/names.h"
+#include "simulation/describe/explain.h"
+#include "simulation/describe/names.h"
+#include "simulation/step/mechanism.h"
 #include "support/models.h"
 
 /// Violations of lengths and of angles are two numbers with their units.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/decompositions.h"
+#include "math/once/decompositions.h"
 
 namespace mimbre::test {
 

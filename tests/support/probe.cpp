@@ -1,6 +1,6 @@
 #include "support/probe.h"
 
-#include "model/force_law.h"
+#include "spec/force_law.h"
 
 #include <algorithm>
 #include <array>

@@ -6,9 +6,9 @@
 
 #include "fe/meshes.h"
 #include "joints/kernels.h"
-#include "model/checked_thing.h"
-#include "model/nearest_place.h"
-#include "reduction/stretching.h"
+#include "reduction/stiffening/stretching.h"
+#include "spec/checked_thing.h"
+#include "spec/nearest_place.h"
 
 namespace mimbre::test {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "compile/compiled.h"
 #include "dynamics/relative/system.h"
 #include "mimbre/beam_reduction.h"
 #include "mimbre/model.h"
-#include "model/compiled.h"
 
 /// Random mechanisms for property tests: the same seed gives the same mechanism.
 namespace mimbre::test {

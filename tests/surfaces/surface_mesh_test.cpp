@@ -11,7 +11,7 @@
 
 #include "mimbre/model.h"
 #include "mimbre/model_file.h"
-#include "simulation/body_drawings.h"
+#include "simulation/describe/body_drawings.h"
 
 namespace mimbre::surface_mesh_test {
 namespace {

@@ -14,7 +14,7 @@
 #include "dynamics/relative/system.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
-#include "model/force_law.h"
+#include "spec/force_law.h"
 #include "support/simulate.h"
 
 namespace mimbre::urdf_test {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "compile/find_scales.h"
 #include "dynamics/frame_turn.h"
 #include "dynamics/natural/constraints.h"
 #include "dynamics/natural/forces.h"
 #include "dynamics/natural/inertia.h"
 #include "dynamics/natural/kinematics.h"
 #include "dynamics/natural/matrix.h"
-#include "model/find_scales.h"
 
 namespace mimbre::natural {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "dynamics/geometric.h"
 #include "dynamics/motion.h"
-#include "dynamics/natural/layout.h"
+#include "dynamics/natural/once/layout.h"
 #include "dynamics/projection.h"
 #include "signals/values.h"
 

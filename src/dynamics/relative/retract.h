@@ -1,6 +1,6 @@
 #pragma once
+#include "compile/compiled.h"
 #include "math/rotation.h"
-#include "model/compiled.h"
 
 /// Positions and increments in their tangent space: sums, but for the unit quaternions of some joints.
 namespace mimbre::relative {

@@ -1,10 +1,10 @@
 #pragma once
 #include <vector>
 
+#include "compile/compiled.h"
 #include "dynamics/motion.h"
 #include "dynamics/projection.h"
 #include "dynamics/stress_motion.h"
-#include "model/compiled.h"
 #include "signals/values.h"
 
 /// Scratch of the relative formulation, sized once. Every array says who writes it. All vectors are in global

@@ -1,8 +1,8 @@
 #pragma once
 #include <array>
 
+#include "compile/compiled.h"
 #include "forces/surfaces/touch.h"
-#include "model/compiled.h"
 
 namespace mimbre::surfaces {
 

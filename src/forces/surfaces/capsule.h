@@ -1,6 +1,6 @@
 #pragma once
+#include "compile/compiled.h"
 #include "forces/surfaces/touch.h"
-#include "model/compiled.h"
 
 namespace mimbre::surfaces {
 

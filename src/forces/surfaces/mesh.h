@@ -3,8 +3,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "compile/compiled.h"
 #include "forces/surfaces/touch.h"
-#include "model/compiled.h"
 
 /// Triangles that close, or reach as far as anything does. The nearest point of all by a tree of boxes; the
 /// sign by the normal of the face, edge or corner on which it lies (Bærentzen and Aanæs, IEEE Trans. Vis.

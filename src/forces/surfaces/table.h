@@ -7,10 +7,10 @@
 #include "forces/surfaces/half_space.h"
 #include "forces/surfaces/mesh.h"
 #include "forces/surfaces/sphere.h"
-#include "model/surface_kinds.h"
+#include "spec/surface_kinds.h"
 
 /// The surfaces that spheres touch. A new one is a file like box.h, a row here and one in
-/// model/surface_kinds.h.
+/// spec/surface_kinds.h.
 namespace mimbre::surfaces {
 
 template <class T>

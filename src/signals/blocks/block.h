@@ -3,7 +3,7 @@
 
 #include "math/function_values.h"
 #include "math/lanes.h"
-#include "model/block_types.h"
+#include "spec/block_types.h"
 
 /// What the blocks share: each makes signals of others and of what it remembers, in the step (continuous) or
 /// at instants (sampled).

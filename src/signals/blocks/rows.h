@@ -1,6 +1,5 @@
 #pragma once
-#include "model/block_types.h"
-#include "model/compiled.h"
+#include "compile/compiled.h"
 #include "signals/blocks/delay.h"
 #include "signals/blocks/hysteresis.h"
 #include "signals/blocks/linear.h"
@@ -8,6 +7,7 @@
 #include "signals/blocks/pid.h"
 #include "signals/blocks/rate_limit.h"
 #include "signals/blocks/table.h"
+#include "spec/block_types.h"
 
 namespace mimbre {
 

@@ -1,0 +1,315 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/advice.h"
+#include "app/common.h"
+#include "app/json.h"
+#include "app/method_options.h"
+#include "app/recorded_inputs.h"
+#include "app/recorder.h"
+#include "app/summary.h"
+#include "app/targets.h"
+#include "app/terminal/busy.h"
+#include "app/terminal/interrupts.h"
+#include "app/terminal/progress.h"
+#include "mimbre/run.h"
+
+/// mimbre run: simulates a model.
+namespace mimbre::app {
+namespace {
+
+struct RunArguments {
+  std::string model, output, csv, state, resume;
+  std::vector<std::string> settings, inputs;
+  MethodArguments method;
+  std::optional<double> step, until, every;
+  int most_modes = 0;
+  bool json = false, quiet = false, strict = false, csv_units = false;
+};
+
+/// What of the command line decides the results; kept in the results file.
+std::string options_json(const RunArguments& arguments) {
+  Json json = Json::object();
+  for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
+  if (arguments.step) json["step"] = *arguments.step;
+  if (arguments.until) json["until"] = *arguments.until;
+  for (const std::string& input : arguments.inputs) json["input"].push_back(input);
+  if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
+  json.update(to_json(arguments.method));
+  return to_text(json);
+}
+
+void check_targets(const RunArguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+  const std::string* const targets[] = {&arguments.output, &arguments.csv, &arguments.state};
+  for (const std::string* target : targets) {
+    const std::string& path = *target;
+    if (path.empty()) continue;
+    if (target != &arguments.state && !arguments.resume.empty()) require_different(arguments.resume, path);
+    for (const std::string* other : targets)
+      if (other != target && !other->empty()) require_different(*other, path);
+    require_different(arguments.model, path);
+    for (const std::string& input : loaded.other_files) require_different(input, path);
+    for (const std::string& input : inputs.files()) require_different(input, path);
+    require_no_body(path);
+    require_writable(path);
+  }
+}
+
+/// Saves the run now and then; without a file never.
+struct Saving {
+  std::string path;
+  RunPlan times;  ///< the plan with the interval of saving as that of the rows
+  RunState state;
+
+  bool wanted() const { return !path.empty(); }
+  void save(const Simulation& simulation, const RunTotals& totals, Recorder& recorder) {
+    recorder.describe(state);
+    simulation.save(state.snapshot);
+    state.totals = totals;
+    write_run_state(path, state);
+    recorder.remove_what_was_taken_over();
+  }
+};
+
+/// The stepping loop with its output, from where the totals are. What goes wrong in it is told by the ending,
+/// so that the results so far are kept.
+Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inputs, Recorder& recorder,
+                Progress& progress, Saving& saving, RunTotals& totals, const std::function<void()>& begin) {
+  // Without files the clock is read once, with a progress line a few hundred times.
+  const std::int64_t chunk = progress.shown() ? plan.steps / 500 + 1 : plan.steps;
+  std::int64_t& recorded = saving.state.recorded;
+  const auto stop = [&] {
+    inputs.set(simulation);
+    recorder.flush_if_due();
+    return interrupted();
+  };
+  // Where a run stops is its last row, too.
+  const auto stopped = [&](Ending ending) {
+    if (recorded < totals.steps) recorder.record(simulation);
+    return ending;
+  };
+  try {
+    begin();
+    while (totals.steps < plan.steps) {
+      const std::int64_t row = recorder.recording() ? plan.next_row(totals.steps) : plan.steps;
+      const std::int64_t save = saving.wanted() ? saving.times.next_row(totals.steps) : plan.steps;
+      const std::int64_t pause = recorder.recording() ? plan.steps : totals.steps + chunk;
+      const StepReport report = advance(simulation, plan, std::min({row, save, pause}), totals, stop);
+      if (!report.ok()) return stopped({"failed", simulation.explain(report)});
+      if (totals.steps == row) {
+        recorder.record(simulation);
+        recorded = row;
+      }
+      if (simulation.stopped()) {
+        recorder.record(simulation);
+        if (saving.wanted()) saving.save(simulation, totals, recorder);
+        return {};
+      }
+      const bool ends = interrupted() && totals.steps < plan.steps;
+      if (saving.wanted() && (totals.steps == save || ends)) saving.save(simulation, totals, recorder);
+      progress.update(simulation.time(), plan.end, totals.cpu_seconds);
+      if (ends)
+        return stopped(
+            {"interrupted",
+             fmt::format("interrupted at t = {:.6g} s of {:.6g} s{}", simulation.time(), plan.end,
+                         saving.wanted() ? fmt::format("; --resume {} goes on from there", saving.path)
+                                         : std::string())});
+    }
+  } catch (const std::exception& error) {
+    return {"failed", error.what()};
+  }
+  return {};
+}
+
+/// Options that decide the results must be those of the saved run; it may end later.
+void require_same_options(const RunArguments& arguments, const RunState& saved) {
+  Json now = Json::parse(options_json(arguments)), then = Json::parse(saved.options_json);
+  now.erase("until");
+  then.erase("until");
+  if (now == then) return;
+  const Json change = Json::diff(then, now);
+  const std::string where = change.empty() ? std::string() : change[0].value("path", "");
+  throw UsageError(fmt::format(
+      "the saved run was made with other options: it had {}, and here there are {} (they differ in '{}'); "
+      "only --until may be another",
+      then.dump(), now.dump(), where.empty() ? where : where.substr(1)));
+}
+
+/// Puts a simulation to where a saved run was.
+void resume(const RunArguments& arguments, const RunState& saved, const RunPlan& plan,
+            Simulation& simulation) {
+  if (saved.totals.steps > plan.steps || saved.snapshot.time > plan.end)
+    throw UsageError(fmt::format("the saved run is at t = {:.6g} s already, the end asked for is {:.6g} s",
+                                 saved.snapshot.time, plan.end));
+  if (saved.snapshot.model != simulation.fingerprint())
+    throw InputError(
+        Mark{arguments.model, 0, 0},
+        fmt::format("the state in '{}' was saved of another model, or the model (or a file that it "
+                    "names) has been changed since; only the same one goes on",
+                    arguments.resume));
+  if (saved.program != this_program())
+    print_warning(
+        fmt::format("the state in '{}' was saved by another program ({}; this is {}): what follows is "
+                    "as good, but not the same bits",
+                    arguments.resume, saved.program, this_program()));
+  const auto same_files = [&](const char* option, const std::string& now, const std::string& then) {
+    if (now.empty() == then.empty()) return;
+    throw UsageError(
+        then.empty()
+            ? fmt::format("the saved run had no {}, so that its first rows are missing; "
+                          "go on without",
+                          option)
+            : fmt::format("the saved run had {}; give it here, too (its rows are in '{}')", option, then));
+  };
+  same_files("--output", arguments.output, saved.results);
+  same_files("--csv", arguments.csv, saved.csv);
+  simulation.restore(saved.snapshot);
+}
+
+int run_model(const RunArguments& given_arguments) {
+  RunArguments arguments = given_arguments;
+  if (arguments.every && arguments.state.empty()) {
+    if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
+    arguments.state = arguments.resume;
+  }
+  if (arguments.csv_units && arguments.csv.empty()) throw UsageError("--csv-units belongs to --csv FILE.csv");
+  const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
+  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
+  check_targets(arguments, loaded, inputs);
+  const spec::Simulation& given = loaded.model->spec().simulation;
+  std::optional<RunState> saved;
+  if (!arguments.resume.empty()) {
+    saved = read_run_state(arguments.resume);
+    require_same_options(arguments, *saved);
+  }
+  RunOptions options = run_options(arguments.method, given);
+  options.step = arguments.step.value_or(0);
+  options.end = arguments.until.value_or(-1);
+  options.inputs = inputs.start();
+  const RunPlan plan = planned(given, options, arguments.step, arguments.until);
+  const std::unique_ptr<Simulation> made = [&] {
+    const Busy busy("assembling the mechanism", !arguments.quiet);
+    return std::make_unique<Simulation>(loaded.model, options);
+  }();
+  Simulation& simulation = *made;
+  inputs.attach(simulation);
+  if (!arguments.quiet) {
+    if (simulation.method().default_end)
+      fmt::print(stderr,
+                 "mimbre: note: the model does not say when a run ends: {} s are taken (--until, or `end` in "
+                 "its section `simulation`, says it)\n",
+                 plan.end);
+    print_advice(simulation);
+  }
+
+  catch_interrupts();
+  const RunFiles files{arguments.output, arguments.csv, arguments.csv_units};
+  std::vector<ResultsRow> rows;
+  if (saved) {
+    resume(arguments, *saved, plan, simulation);
+    if (saved->rows.count > 0) rows = recorded_rows(*saved, files, simulation.output_count());
+  }
+  Recorder recorder(files, simulation, options_json(arguments));
+  RunTotals totals;
+  Saving saving{arguments.state, plan, {}};
+  saving.times.output_interval = arguments.every.value_or(2 * plan.end);  // none: at the end
+  saving.state.options_json = options_json(arguments);
+  saving.state.program = this_program();
+  if (saved) {
+    totals = saved->totals;
+    saving.state.recorded = saved->recorded;
+  }
+  Progress progress(!arguments.quiet);
+  Ending ending = simulate(simulation, plan, inputs, recorder, progress, saving, totals, [&] {
+    if (saved)
+      recorder.take_over(*saved, rows);
+    else
+      recorder.record(simulation);
+  });
+  progress.clear();
+
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : simulation.warnings()) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
+  std::vector<std::string> kept;
+  try {
+    kept =
+        recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)), ending.message.empty());
+  } catch (const std::exception& error) {
+    if (ending.message.empty()) ending = {"failed", error.what()};
+  }
+
+  if (!ending.message.empty()) {
+    print_error(ending.message);
+    if (!kept.empty())
+      fmt::print(stderr, "mimbre: what was computed until then is kept: {} ({} steps of {})\n",
+                 fmt::join(kept, ", "), totals.steps, plan.steps);
+  }
+  if (arguments.json) {
+    Json summary = answer("run");
+    summary.update(run_summary(simulation, totals, ending, warnings));
+    summary["units"] = output_units(simulation);
+    add_measurements(summary, simulation, totals);
+    print_data(to_text(summary) + '\n');
+  } else if (!arguments.quiet) {
+    print_data(summary_table(simulation, totals));
+  }
+  return ending.message.empty() ? done_with(!warnings.empty(), arguments.strict) : failed;
+}
+
+}  // namespace
+
+Command add_run(CommandLine& program) {
+  Parser parser = program.add_command("run", "Simulate a model");
+  const auto arguments = std::make_shared<RunArguments>();
+  parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, arguments->settings);
+  add_input_option(parser, arguments->inputs);
+  parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
+  parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
+  parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
+      .type_name("FILE.h5");
+  parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
+  parser
+      .add_option("--save-state", arguments->state,
+                  "File that the state goes to, every --every seconds, at the end, and when\n"
+                  "the run is interrupted: --resume goes on from it")
+      .type_name("FILE");
+  parser.add_option("--every", arguments->every, "Simulated seconds from one saved state to the next")
+      .above(0)
+      .type_name("S");
+  parser
+      .add_option("--resume", arguments->resume,
+                  "Goes on from a saved state, with the same model and options, to the same\n"
+                  "results as without the break")
+      .type_name("FILE");
+  parser.add_flag("--csv-units", arguments->csv_units, "A second line in the table: the columns' units");
+  parser.add_flag("--json", arguments->json, "The summary as JSON");
+  parser.add_flag("-q,--quiet", arguments->quiet, "No progress line and no summary table");
+  add_strict_option(parser, arguments->strict);
+  add_method_options(parser, arguments->method);
+  add_most_modes_option(parser, arguments->most_modes);
+  parser.footer(
+      "The summary goes to the standard output, as a table or with --json as JSON; warnings, errors and the "
+      "progress line\ngo to the standard error.\n"
+      "The run ends at its end: the last step is shorter where the end is no whole number of steps. Rows are "
+      "written at the\n"
+      "start, at the end, and at the first step at or after every multiple of the model's output_interval.\n"
+      "Exit codes: 0 done, 1 the model is bad, 2 wrong use, 3 a step failed, a file could not be written, or "
+      "the run\n"
+      "was interrupted (the results up to then are kept, beside older files), 4 done with warnings, where "
+      "--strict was given.\n"
+      "Example:\n  mimbre run pendulum.yaml --set length=2 --until 10 --output pendulum.h5 --csv "
+      "pendulum.csv");
+  return {parser, [arguments] { return run_model(*arguments); }};
+}
+
+}  // namespace mimbre::app

@@ -1,0 +1,291 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "joints/axes.h"
+#include "joints/table.h"
+#include "model_file/sections/elements.h"
+#include "spec/constraint_axes.h"
+#include "spec/constraint_kinds.h"
+#include "spec/nearest_place.h"
+
+/// Constraints between bodies, and couplings of joint coordinates by their uses: gears, racks, differentials.
+namespace mimbre::model_file {
+namespace {
+
+using ConstraintKind = spec::Constraint::Kind;
+
+/// Uses of a coupling that have a name, behind the kinds.
+constexpr std::array uses{"gear", "rack", "differential"};
+
+/// The coordinate of a joint that is named alone: `coordinate` where it has several.
+std::optional<spec::Constraint::Term> read_joint_of(Builder& builder, const Part& part, const Value& joint,
+                                                    const std::optional<Value>& coordinate) {
+  const auto found = read_coordinate(builder, part, joint, coordinate);
+  if (!found) return {};
+  return spec::Constraint::Term{found->first, found->second, 1};
+}
+
+/// `joints: [a, b]`, with `coordinates: [0, 1]` where they have several.
+std::vector<spec::Constraint::Term> read_coupled(Builder& builder, const Part& part, const Fields& fields,
+                                                 std::size_t count, const char* example) {
+  const auto joints = fields.need("joints", example);
+  if (!joints) return {};
+  const auto names = joints->list();
+  if (names.size() != count) {
+    if (joints->is_list()) joints->error(fmt::format("{} joints are needed, for example {}", count, example));
+    return {};
+  }
+  std::vector<Value> coordinates;
+  if (const auto given = fields.get("coordinates")) {
+    coordinates = given->list();
+    if (coordinates.size() != count) {
+      if (given->is_list()) given->error(fmt::format("{} are needed, one for each joint", count));
+      return {};
+    }
+  }
+  std::vector<spec::Constraint::Term> terms;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto coordinate =
+        coordinates.empty() || coordinates[k].is_null() ? std::nullopt : std::optional(coordinates[k]);
+    if (const auto term = read_joint_of(builder, part, names[k], coordinate)) terms.push_back(*term);
+  }
+  return terms.size() == count ? terms : std::vector<spec::Constraint::Term>();
+}
+
+bool turns(const Builder& builder, const spec::Constraint::Term& term) {
+  return is_angle(builder.model.joints[static_cast<std::size_t>(term.joint)].type, term.coordinate);
+}
+
+/// θ1 = ratio · θ2.
+void read_gear(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  const Fields fields(value, {"type", "joints", "coordinates", "ratio", "teeth", "internal", "constant"});
+  c.terms = read_coupled(builder, part, fields, 2, "[pinion, wheel]");
+  const auto ratio = fields.get("ratio"), teeth = fields.get("teeth"), internal = fields.get("internal");
+  if (ratio.has_value() == teeth.has_value())
+    return value.error(
+        "needs 'ratio', the first joint's speed over the second's, or 'teeth', of both; give one of them");
+  double of = 1;
+  if (ratio) {
+    of = ratio->number().value_or(1);
+    if (of == 0)
+      ratio->error("is 0, so that the first joint could not turn at all; lock it by a drive instead");
+    if (internal) internal->error("belongs to 'teeth'; a ratio has its sign");
+  } else {
+    const auto numbers = teeth->numbers(2, 2);
+    if (!numbers) return;
+    if (!((*numbers)[0] > 0 && (*numbers)[1] > 0)) return teeth->error("have to be two positive numbers");
+    const bool inside = internal && internal->flag().value_or(false);
+    of = (inside ? 1 : -1) * (*numbers)[1] / (*numbers)[0];
+  }
+  if (c.terms.empty()) return;
+  if (turns(builder, c.terms[0]) != turns(builder, c.terms[1]))
+    return value.error("one of the joints turns and the other slides; that is a rack: type: rack");
+  c.terms[1].factor = -of;
+}
+
+/// x = travel · θ / 2π.
+void read_rack(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  const Fields fields(value, {"type", "joints", "coordinates", "radius", "travel", "constant"});
+  c.terms = read_coupled(builder, part, fields, 2, "[pinion, rack]");
+  const auto radius = fields.get("radius"), travel = fields.get("travel");
+  if (radius.has_value() == travel.has_value())
+    return value.error(
+        "needs 'radius', of the pinion, or 'travel', of the rack for each turn; give one of them");
+  const auto length = (radius ? *radius : *travel).number(quantity::length);
+  if (length && *length == 0) (radius ? *radius : *travel).error("is 0, so that the rack would not move");
+  if (c.terms.empty() || !length) return;
+  if (!turns(builder, c.terms[0]) || turns(builder, c.terms[1]))
+    return value.error("needs a joint that turns, the pinion, and then one that slides, the rack");
+  c.terms[0].factor = radius ? -*length : -*length / (2 * std::numbers::pi);
+}
+
+/// The cage turns with the mean of both sides.
+void read_differential(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  const Fields fields(value, {"type", "joints", "coordinates", "constant"});
+  c.terms = read_coupled(builder, part, fields, 3, "[cage, left, right]");
+  if (!c.terms.empty()) c.terms[0].factor = -2;
+}
+
+void read_coupling(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  const Fields fields(value, {"type", "terms", "constant"});
+  const auto terms = fields.need("terms", "[{joint: a, factor: 1}, {joint: b, factor: -2}]");
+  if (!terms) return;
+  for (const Value& item : terms->list()) {
+    const Fields of(item, {"joint", "coordinate", "factor"});
+    if (!item.has_fields()) continue;
+    const auto joint = of.need("joint", "hinge");
+    if (!joint) continue;
+    auto term = read_joint_of(builder, part, *joint, of.get("coordinate"));
+    if (!term) continue;
+    if (const auto factor = of.need("factor", "1")) {
+      term->factor = factor->number(quantity::any).value_or(1);
+      if (term->factor == 0) factor->error("is 0; leave the joint out");
+    }
+    c.terms.push_back(*term);
+  }
+  if (terms->is_list() && terms->list().empty()) terms->error("is empty; it couples nothing");
+}
+
+/// Global axes of both sides; nothing where they are those of the frames that are named.
+std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(const Part& part,
+                                                                                const Fields& fields,
+                                                                                ConstraintKind kind) {
+  const auto axis = fields.get("axis"), axis2 = has_second_axis(kind) ? fields.get("axis2") : std::nullopt;
+  if (!axis) {
+    if (axis2) axis2->error("goes with 'axis', which is missing");
+    return {};
+  }
+  const auto first = axis->direction();
+  const auto second = axis2 ? axis2->direction() : first;
+  if (!first || !second) return {};
+  if (kind == ConstraintKind::perpendicular && !axis2)
+    fields.error("'axis2' is missing: the direction on the second that stays at right angles");
+  if (kind == ConstraintKind::constant_velocity && !(first->dot(*second) > -1 + 1e-9)) {
+    axis->error("the shafts point against each other; turn one of the axes round");
+    return {};
+  }
+  return constraint_axes(kind, part.place.vector(*first), part.place.vector(*second));
+}
+
+/// The frames of both sides; false where something is wrong, and said.
+bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::Constraint& c) {
+  const auto between = fields.need("between", "[arm, rod]");
+  if (!between) return false;
+  const auto pair = between->list();
+  if (pair.size() != 2) {
+    if (between->is_list()) between->error("two bodies or frames are needed, for example [arm, rod]");
+    return false;
+  }
+  const std::optional<Attachment> sides[2] = {resolve_attachment(builder, part, pair[0]),
+                                              resolve_attachment(builder, part, pair[1])};
+  if (!sides[0] || !sides[1]) return false;
+  // One place that both have, or of a distance two.
+  std::optional<Eigen::Vector3d> place[2];
+  if (const auto at = fields.get("at")) {
+    const auto point = [&](const Value& given) -> std::optional<Eigen::Vector3d> {
+      const auto triple = given.triple(quantity::length);
+      return triple ? std::optional(part.place.point(*triple)) : std::nullopt;
+    };
+    if (c.kind != ConstraintKind::distance) {
+      place[0] = place[1] = point(*at);
+      if (!place[0]) return false;
+    } else {
+      const auto list = at->list();
+      if (list.size() != 2) {
+        if (at->is_list()) at->error("two places are needed: [[x, y, z], [x, y, z]]");
+        return false;
+      }
+      for (int k = 0; k < 2; ++k)
+        if (!list[static_cast<std::size_t>(k)].is_null()) place[k] = point(list[static_cast<std::size_t>(k)]);
+    }
+  }
+  const bool with_axes = has_axis(c.kind);
+  const auto axes = with_axes ? read_constraint_axes(part, fields, c.kind) : std::nullopt;
+  if (fields.value().tree().find("axis") && with_axes && !axes) return false;
+  for (int k = 0; k < 2; ++k)
+    if (sides[k]->frame >= 0) place[k] = builder.global_pose(sides[k]->frame).position;
+  for (int k = 0; k < 2; ++k)
+    if (!place[k] && c.kind != ConstraintKind::distance) place[k] = place[1 - k];
+  const bool needs_place = c.kind != ConstraintKind::parallel && c.kind != ConstraintKind::perpendicular;
+  int frames[2];
+  for (int k = 0; k < 2; ++k) {
+    const Attachment& side = *sides[k];
+    const Value& named = pair[static_cast<std::size_t>(k)];
+    if (side.frame >= 0 && !axes) {
+      frames[k] = side.frame;
+      continue;
+    }
+    if (with_axes && !axes) {
+      fields.error(
+          fmt::format("'axis' is missing; a {} constraint between bodies needs it, for example axis: "
+                      "[0, 0, 1]",
+                      constraint_info(c.kind).name));
+      return false;
+    }
+    if (!place[k] && needs_place && (side.body == spec::ground || c.kind != ConstraintKind::distance)) {
+      fields.error(side.body == spec::ground && c.kind == ConstraintKind::distance
+                       ? "a point of the ground needs its place: at: [[x, y, z], null]"
+                       : "'at' is missing; where two bodies are named the constraint needs its place, for "
+                         "example at: [0, 0, 0]");
+      return false;
+    }
+    const spec::Pose body = builder.body_pose(side.body);
+    const std::string name = c.name + (k == 0 ? ".a" : ".b");
+    frames[k] = builder.add_frame_at(name, side.body, place[k].value_or(body.position),
+                                     axes ? (k == 0 ? axes->first : axes->second) : body.rotation, named);
+    builder.claim_end(builder.constraint_names, part, c.name, k == 0 ? 'a' : 'b', named.mark(), frames[k]);
+  }
+  c.frame_a = frames[0];
+  c.frame_b = frames[1];
+  return true;
+}
+
+void read_between(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  std::vector<std::string> keys{"type", "between", "at"};
+  if (has_axis(c.kind)) keys.emplace_back("axis");
+  if (has_second_axis(c.kind)) keys.emplace_back("axis2");
+  if (c.kind == ConstraintKind::distance) keys.emplace_back("length");
+  if (c.kind == ConstraintKind::screw) keys.emplace_back("lead");
+  if (c.kind == ConstraintKind::on_curve) keys.insert(keys.end(), {"points", "closed"});
+  const Fields fields(value, keys);
+  const bool sides = read_sides(builder, part, fields, c);
+  if (c.kind == ConstraintKind::screw) {
+    if (const auto lead = fields.need("lead", "0.005"))
+      c.lead = part.place.determinant() * lead->number(quantity::length).value_or(1);
+  }
+  const auto points = c.kind == ConstraintKind::on_curve
+                          ? fields.need("points", "[[0, 0, 0], [1, 0, 0.2], [2, 0, 0]]")
+                          : std::nullopt;
+  if (!sides) return;
+  const spec::Pose a = builder.global_pose(c.frame_a), b = builder.global_pose(c.frame_b);
+  if (c.kind == ConstraintKind::distance) {
+    c.length = (b.position - a.position).norm();
+    if (const auto length = fields.get("length"))
+      c.length = length->positive(quantity::length).value_or(1);
+    else if (at_one_place(a.position, b.position))
+      fields.error(
+          fmt::format("both ends are at {}, and a distance of 0 has no direction: type: spherical under "
+                      "'joints' holds two points together",
+                      to_text(a.position)));
+  }
+  if (!points) return;
+  for (const Value& point : points->list())
+    if (const auto p = point.triple(quantity::length))
+      c.points.push_back(a.rotation.transpose() * (part.place.point(*p) - a.position));
+  if (const auto closed = fields.get("closed")) c.closed = closed->flag().value_or(false);
+}
+
+void read_constraint(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+  if (!value.has_fields()) return value.error("a description is needed, for example {type: gear, …}");
+  std::vector<std::string> types;
+  for (const ConstraintInfo& info : constraint_table) types.emplace_back(info.name);
+  types.insert(types.end(), uses.begin(), uses.end());
+  const Tree::Entry* entry = value.is_map() ? value.tree().find("type") : nullptr;
+  if (!entry) return value.error(fmt::format("'type' is missing; it is one of: {}", joined(types)));
+  const auto choice = Value(value.reading(), *entry->value, value.what() + ": type").choice(types);
+  if (!choice) return;
+  const auto type = static_cast<std::size_t>(*choice);
+  if (type < constraint_table.size()) c.kind = constraint_table[type].kind;
+  if (c.kind != ConstraintKind::coupling) return read_between(builder, part, value, c);
+  constexpr std::array readers{read_gear, read_rack, read_differential};
+  if (type < constraint_table.size())
+    read_coupling(builder, part, value, c);
+  else
+    readers[type - constraint_table.size()](builder, part, value, c);
+  if (const Tree::Entry* constant = value.tree().find("constant"))
+    c.constant = Value(value.reading(), *constant->value, value.what() + ": constant")
+                     .number(quantity::any)
+                     .value_or(0);
+}
+
+}  // namespace
+
+void read_constraints(Builder& builder, Part& part) {
+  read_each(builder, part, "constraints", builder.constraint_names, builder.model.constraints,
+            read_constraint);
+}
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,72 @@
+#pragma once
+#include <fmt/format.h>
+
+#include "model_file/text/builder.h"
+#include "spec/force_law.h"
+
+/// What the sections of force elements have in common.
+namespace mimbre::model_file {
+
+/// Calls `one(name, entry, value)` for every named thing of a section and counts it in `names`.
+template <class Read>
+void for_each(Builder& builder, Part& part, const std::string& key, Names& names, std::size_t& count,
+              Read&& one) {
+  const auto section = part.section(key);
+  if (!section) return;
+  if (!section->is_map()) return section->error("names with their descriptions are needed");
+  for (const auto& entry : section->tree().entries) {
+    const std::string name = part.full_name(entry.key);
+    if (!builder.claim(names, part, name, entry.mark, static_cast<int>(count))) continue;
+    one(name, entry.mark, Value(part.reading, *entry.value, fmt::format("{} '{}'", names.kind, name)));
+    ++count;
+  }
+}
+
+/// Things of a section that have nothing but a name, a place and what `read` finds.
+template <class Thing, class Read>
+void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Thing>& things,
+               Read&& read) {
+  std::size_t count = things.size();
+  for_each(builder, part, key, names, count,
+           [&](const std::string& name, const Mark& mark, const Value& value) {
+             Thing thing;
+             thing.name = name;
+             thing.mark = mark;
+             read(builder, part, value, thing);
+             things.push_back(std::move(thing));
+           });
+}
+
+/// The two frames of `between`, at the places `at` (two), or at one place that both have; -1 where that is
+/// wrong, and said.
+std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,
+                              const std::string& name, bool one_place);
+
+/// The joint that is named and its velocity coordinate, a plain number: the one of `coordinate`, which joints
+/// with several need; nothing where that is wrong, and said.
+std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part& part, const Value& joint,
+                                                   const std::optional<Value>& coordinate);
+/// A frame at another's place with these global axes, on the same body.
+int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
+                 const Value& value);
+
+/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, and said.
+std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields);
+/// Likewise as what the element acts on; false where that is wrong.
+bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e);
+
+/// The numbers of a law, where they are given. `turns`: on an angle.
+std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns);
+
+void read_torsion_spring(Builder& builder, const Part& part, const Value& value, spec::Element& e);
+void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
+void read_motor(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
+void read_drag(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);
+
+/// Keys with the sections of the laws (spec/force_law.h) between them.
+std::vector<std::string> with_element_sections(std::vector<std::string> before,
+                                               const std::vector<std::string>& behind);
+/// Those sections.
+void read_elements(Builder& builder, Part& part);
+
+}  // namespace mimbre::model_file

@@ -1,0 +1,445 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "joints/table.h"
+#include "math/stress.h"
+#include "mimbre/reduced_body.h"
+#include "model_file/sections/signals.h"
+#include "model_file/text/builder.h"
+#include "spec/output_kinds.h"
+
+/// Channels of the CSV file.
+namespace mimbre::model_file {
+namespace {
+
+using Measured = spec::Output::Kind;
+
+/// Commas and quotes would break the columns of a CSV file.
+bool check_output_name(const Value& value, const std::string& name) {
+  const bool good = !name.empty() && name.size() <= 100 && std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 && c != ',' && c != '"' && c != 0x7f;
+  });
+  if (!good)
+    value.error(fmt::format("'{}' is no name of a column; it has 1 to 100 characters, no comma and no quote",
+                            name.substr(0, 100)));
+  if (name == "t") value.error("'t' is the column of the time; choose another name");
+  return good && name != "t";
+}
+
+/// "x" or 0: an index among `words`.
+int read_component(const Fields& fields, const std::vector<std::string>& words) {
+  const auto component = fields.need("component", words.front());
+  if (!component) return 0;
+  if (component->is_scalar() && component->tree().text.find_first_not_of("0123456789") == std::string::npos)
+    return component->integer(0, static_cast<int>(words.size()) - 1).value_or(0);
+  return component->choice(words).value_or(0);
+}
+
+void read_joint_component(const Builder& builder, const Fields& fields, spec::Output& output) {
+  if (output.kind == Measured::joint_force) {
+    output.component = read_component(fields, {"fx", "fy", "fz", "mx", "my", "mz"});
+    return;
+  }
+  const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
+  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
+    if (info.quaternion < 0)
+      return fields.error(fmt::format("a {} joint has coordinates of its own; see 'joint'", info.name));
+    output.component = output.kind == Measured::joint_rotation ? read_component(fields, {"x", "y", "z"})
+                                                               : read_component(fields, {"w", "x", "y", "z"});
+    return;
+  }
+  const bool velocity =
+      output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
+  const int count = info.quaternion < 0 || velocity ? info.velocities : info.quaternion;
+  if (count == 0) {
+    fields.error(fmt::format("a {} joint has no scalar coordinate", info.name));
+    return;
+  }
+  if (const auto component = fields.get("component"))
+    output.component = component->integer(0, count - 1).value_or(0);
+  else if (count > 1)
+    fields.error(fmt::format("the joint has {} coordinates; say which: component: 0", count));
+  const bool angle = info.quaternion >= 0 || is_angle(info.type, output.component);
+  if (!velocity) output.offset = fields.number("offset", 0, angle ? quantity::angle : quantity::length);
+}
+
+/// The frame from which a displacement is seen, and where that frame sees the undeformed place.
+void read_reference(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
+  const auto named = fields.need("relative_to", "hub");
+  if (!named) return;
+  if (named->is_scalar() && named->tree().text == "ground")
+    return named->error("the ground has no axes of its own here; name a frame of it, or use 'position'");
+  output.reference = attach(builder, part, *named, {}, fmt::format("{}.reference", output.name));
+  if (output.reference < 0) return;
+  const spec::Pose here = builder.global_pose(output.reference);
+  output.direction = Eigen::Vector3d::Unit(output.component);
+  output.offset = -output.direction.dot(here.rotation.transpose() *
+                                        (builder.global_pose(output.item).position - here.position));
+}
+
+/// The node of the body's surface at `at`, or of the number `node` in its mesh.
+void read_surface_node(const Builder& builder, const Part& part, const Fields& fields,
+                       const ReducedBody& body, spec::Output& output) {
+  if (const auto node = fields.get("node")) {
+    const auto label = node->integer(0, std::numeric_limits<int>::max());
+    const auto& labels = body.node_labels;
+    const auto found = std::find(labels.begin(), labels.end(), label.value_or(-1));
+    if (!label) return;
+    if (found == labels.end())
+      node->error(fmt::format("the body's surface has no node {}", *label));
+    else
+      output.node = static_cast<int>(found - labels.begin());
+    return;
+  }
+  const auto at = fields.get("at");
+  const auto point = at ? at->triple(quantity::length) : std::nullopt;
+  if (!point) return;
+  const spec::Pose pose = builder.body_pose(output.item);
+  const Eigen::Vector3d wanted = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
+  Eigen::Index nearest = 0;
+  const double distance = (body.nodes.colwise() - wanted).colwise().norm().minCoeff(&nearest);
+  const double size = (body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff()).norm();
+  if (distance > 0.02 * size)
+    at->error(fmt::format("the nearest node of the body's surface is {:.3g} m away", distance));
+  output.node = static_cast<int>(nearest);
+}
+
+/// Which stress or strain of a body, and where; without a place its extreme over the surface.
+void read_stress(Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                 spec::Output& output) {
+  const bool stress = output.kind == Measured::stress;
+  std::vector<std::string> words(stress_components.begin(), stress_components.end());
+  if (!stress) words.pop_back();  // von Mises is a measure of stress
+  if (const auto along = fields.get("along")) {
+    if (stress) along->error("'along' belongs to 'strain' and 'deflection'");
+    if (fields.has("component")) along->error("give 'along' or 'component', not both");
+    const spec::Pose pose = builder.body_pose(output.item);
+    output.direction =
+        pose.rotation.transpose() * part.place.vector(along->direction().value_or(Eigen::Vector3d::UnitX()));
+  } else {
+    output.component = fields.has("component") ? read_component(fields, words)
+                       : stress                ? von_mises_component
+                                               : max_principal_component;
+  }
+  if (fields.has("node") && fields.has("at")) fields.error("give 'node' or 'at', not both");
+  const auto& body = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+  if (!body) {
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+    if (info.description)
+      named.error("bodies made of bars have no stress modes; a body that 'mimbre reduce' made has them");
+    else
+      builder.warnings.push_back(
+          {named.mark(),
+           fmt::format("body '{}' is rigid: output '{}' is 0 always",
+                       builder.model.bodies[static_cast<std::size_t>(output.item)].name, output.name)});
+    return;
+  }
+  if ((stress ? body->stress : body->strain).size() == 0)
+    return named.error("the body's file has no stress modes; reduce its model again, with its elements");
+  read_surface_node(builder, part, fields, *body, output);
+}
+
+/// Bodies made of bars, with modes, in one piece have section forces; their reduction is told to keep them.
+bool ask_for_sections(Builder& builder, const Value& named, int body) {
+  BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
+  if (info.failed) return false;
+  if (!info.description || info.description->kind != BeamKind::reduced || info.description->in_pieces()) {
+    named.error(
+        "has no section forces: they are those of a flexible body made of bars, with modes, in one piece");
+    return false;
+  }
+  info.description->options.sections = true;
+  return true;
+}
+
+/// A force or moment in a section at a node of the bars, or the stress by them. The bar that ends there,
+/// where one does; else the one that begins.
+void read_section_force(Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                        spec::Output& output) {
+  output.component = read_component(fields, {section_components.begin(), section_components.end()});
+  const auto at = fields.need("at", "[0.5, 0, 0]");
+  const auto point = at ? at->triple(quantity::length) : std::nullopt;
+  if (!point || !ask_for_sections(builder, named, output.item)) return;
+  const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+  const spec::Pose pose = builder.body_pose(output.item);
+  const Eigen::Vector3d local = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
+  const fe::Mesh& mesh = info.description->mesh;
+  Eigen::Index node = 0;
+  const double off = (mesh.nodes.colwise() - local).colwise().norm().minCoeff(&node);
+  for (std::size_t e = 0; e < mesh.elements.size() && output.node < 0; ++e)
+    if (mesh.elements[e].nodes[1] == node) output.node = static_cast<int>(2 * e + 1);
+  for (std::size_t e = 0; e < mesh.elements.size() && output.node < 0; ++e)
+    if (mesh.elements[e].nodes[0] == node) output.node = static_cast<int>(2 * e);
+  const double element =
+      std::sqrt((mesh.nodes.colwise() - mesh.nodes.col(node))
+                    .colwise()
+                    .squaredNorm()
+                    .unaryExpr([](double d) { return d > 0 ? d : std::numeric_limits<double>::max(); })
+                    .minCoeff());
+  const Eigen::Vector3d nearest = pose.position + pose.rotation * mesh.nodes.col(node);
+  if (off > 0.51 * element)
+    return at->error(
+        fmt::format("is {:.3g} m away from the nearest node of the bars, {}", off, to_text(nearest)));
+  if (off > 1e-6 * element)
+    builder.warnings.push_back(
+        {at->mark(),
+         fmt::format("output '{}': the section is that at the nearest node, {}; more elements have "
+                     "more nodes",
+                     output.name, to_text(nearest))});
+}
+
+/// A body, a list of bodies, or `all` of the model.
+void read_several_bodies(Builder& builder, const Part& part, const Value& named, spec::Output& output) {
+  const bool is_list = named.is_list();
+  if (!is_list && named.is_scalar() && named.tree().text == "all" &&
+      builder.known(builder.body_names, part, "all") < 0)
+    return;
+  const std::vector<Value> values = is_list ? named.list() : std::vector{named};
+  if (values.empty()) return named.error("names no body; a body, a list of bodies, or all");
+  bool with_mass = false;
+  for (const Value& value : values) {
+    const auto name = value.word();
+    const int body = name ? builder.resolve(builder.body_names, part, *name, value) : -1;
+    if (body < 0) return;
+    if (std::find(output.bodies.begin(), output.bodies.end(), body) != output.bodies.end())
+      return value.error(fmt::format("body '{}' is named twice", *name));
+    output.bodies.push_back(body);
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
+    with_mass = with_mass || info.failed || info.flexible ||
+                builder.model.bodies[static_cast<std::size_t>(body)].mass > 0;
+  }
+  if (!with_mass) named.error("has no mass, and so neither a centre of mass nor momentum");
+}
+
+/// What is of the motion of a body's mass: along which axis, and angular momentum about what.
+void read_motion_of_mass(Builder& builder, const Part& part, const Fields& fields, const Value& named,
+                         spec::Output& output) {
+  output.component = read_component(fields, {"x", "y", "z"});
+  read_several_bodies(builder, part, named, output);
+  const auto about = fields.get("about");
+  if (!about) return;
+  if (output.kind != Measured::angular_momentum)
+    return about->error("only 'angular_momentum' is about a point");
+  if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
+}
+
+/// Of the force a component; of all spheres, or of one body.
+void read_contact_output(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
+  if (output.kind == Measured::contact_force)
+    output.component = read_component(fields, {contact_components.begin(), contact_components.end()});
+  const auto on = fields.get("on");
+  const auto name = on ? on->word() : std::nullopt;
+  if (!name) return;
+  if (const int body = builder.resolve(builder.body_names, part, *name, *on); body >= 0)
+    output.bodies = {body};
+}
+
+void read_tyre_component(const Fields& fields, spec::Output& output) {
+  if (output.kind == Measured::tyre_moment)
+    output.component = read_component(fields, {tyre_moment_components.begin(), tyre_moment_components.end()});
+  if (output.kind == Measured::tyre_force && fields.has("component"))
+    output.component = read_component(fields, {tyre_force_components.begin(), tyre_force_components.end()});
+}
+
+void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
+               const Value& named, spec::Output& output) {
+  const auto at = fields.get("at");
+  const bool stress = row.kind == Measured::stress || row.kind == Measured::strain,
+             section = row.kind == Measured::section_force;
+  if (at && row.of != OutputKind::Of::frame && !stress && !section)
+    at->error("only an output of a body has a place");
+  if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
+  if (fields.has("on") && row.of != OutputKind::Of::contact)
+    fields.error("'on' belongs to outputs of a contact");
+  if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
+  if (row.of == OutputKind::Of::frame) {
+    output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
+    if (output.item < 0) return;
+    const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
+    if (row.kind == Measured::position || row.kind == Measured::velocity ||
+        row.kind == Measured::acceleration || row.kind == Measured::angular_velocity ||
+        row.kind == Measured::displacement)
+      output.component = read_component(fields, {"x", "y", "z"});
+    if (const auto axes = fields.get("axes"); axes && row.kind == Measured::angular_velocity)
+      output.own_axes = axes->choice({"global", "own"}).value_or(0) == 1;
+    if (row.kind == Measured::displacement) read_reference(builder, part, fields, output);
+    if (row.kind == Measured::deflection) {
+      const auto along = fields.need("along", "[0, 0, 1]");
+      const auto direction = along ? along->direction() : std::nullopt;
+      output.direction = builder.body_pose(body).rotation.transpose() *
+                         part.place.vector(direction.value_or(Eigen::Vector3d::UnitZ()));
+    }
+    return;
+  }
+  const auto name = named.word();
+  if (!name) return;
+  const Names& names = row.of == OutputKind::Of::joint    ? builder.joint_names
+                       : row.of == OutputKind::Of::body   ? builder.body_names
+                       : row.of == OutputKind::Of::spring ? builder.spring_names
+                       : row.of == OutputKind::Of::tyre   ? builder.tyre_names
+                                                          : builder.contact_names;
+  output.item = builder.resolve(names, part, *name, named);
+  if (output.item < 0) return;
+  if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
+  if (row.of == OutputKind::Of::tyre) return read_tyre_component(fields, output);
+  if (row.of == OutputKind::Of::contact) return read_contact_output(builder, part, fields, output);
+  if (stress) return read_stress(builder, part, fields, named, output);
+  if (section) return read_section_force(builder, part, fields, named, output);
+  if (row.of == OutputKind::Of::body) {
+    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+    const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+    const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
+    const auto component = fields.need("component", "0");
+    if (info.failed) return;
+    if (modes == 0)
+      named.error(fmt::format("body '{}' is rigid and has no modes", *name));
+    else if (component)
+      output.component = component->integer(0, modes - 1).value_or(0);
+  }
+}
+
+/// These keys and those of all outputs.
+std::vector<std::string> keys_with(std::vector<std::string> keys) {
+  keys.insert(keys.end(),
+              {"at", "component", "along", "offset", "relative_to", "node", "axes", "about", "on"});
+  for (const OutputKind& kind : output_kinds) keys.emplace_back(kind.key);
+  return keys;
+}
+
+void add_output(Builder& builder, const Part& part, const Value& named, spec::Output output) {
+  const int index = static_cast<int>(builder.model.outputs.size());
+  if (!builder.output_names.index.emplace(output.name, index).second)
+    named.error(
+        fmt::format("there are two outputs called '{}'; {}", output.name,
+                    part.instance.empty() ? "rename one" : "in a template the name needs {instance}"));
+  builder.model.outputs.push_back(std::move(output));
+}
+
+/// Without a place: an output for each section of all bars, NAME.BAR.ELEMENT.start or end, and each
+/// component, or the one that is named. Of a section whose shape is not known there is no stress.
+void add_all_sections(Builder& builder, const Part& part, const Fields& fields, const Value& given_name,
+                      const Value& body, const spec::Output& named) {
+  const std::vector<std::string> words{section_components.begin(), section_components.end()};
+  const int first = fields.has("component") ? read_component(fields, words) : 0,
+            last = fields.has("component") ? first : static_cast<int>(words.size()) - 1;
+  const auto name = body.word();
+  const int item = name ? builder.resolve(builder.body_names, part, *name, body) : -1;
+  if (item < 0 || !ask_for_sections(builder, body, item)) return;
+  const auto& elements = builder.bodies[static_cast<std::size_t>(item)].description->mesh.elements;
+  int number = 0;  // of the element in its bar
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    number = e > 0 && elements[e - 1].bar == elements[e].bar ? number + 1 : 1;
+    for (const bool end : {false, true})
+      for (int component = first; component <= last; ++component) {
+        if (component == von_mises_of_section && !(elements[e].section.torsion_modulus > 0)) continue;
+        spec::Output output = named;
+        output.name = fmt::format("{}.{}.{}.{}.{}", named.name, elements[e].bar, number,
+                                  end ? "end" : "start", words[static_cast<std::size_t>(component)]);
+        output.item = item;
+        output.node = static_cast<int>(2 * e) + (end ? 1 : 0);
+        output.component = component;
+        add_output(builder, part, given_name, std::move(output));
+      }
+  }
+}
+
+void read_output(Builder& builder, const Part& part, const Value& value) {
+  const Fields fields(value, keys_with({"name"}));
+  if (!value.has_fields()) return;
+  const auto given_name = fields.need("name", "chassis.z");
+  const auto text = given_name ? given_name->text() : std::nullopt;
+  spec::Output output;
+  output.mark = value.mark();
+  if (text && text->size() <= 1000) output.name = instance_name(*text, part.instance);
+
+  std::vector<const OutputKind*> given;
+  for (const OutputKind& row : output_kinds)
+    if (fields.has(row.key)) given.push_back(&row);
+  if (given.size() != 1) {
+    std::vector<std::string> words;
+    for (const OutputKind& row : output_kinds) words.emplace_back(row.key);
+    value.error(fmt::format("says {} of what it is; exactly one of {}",
+                            given.empty() ? "nothing" : "several things", joined(words)));
+    return;
+  }
+  const OutputKind& row = *given.front();
+  if (!text || !check_output_name(*given_name, output.name)) return;
+  if (!has_component(row) && fields.has("component"))
+    fields.error(fmt::format("'{}' has no component", row.key));
+  if (row.kind != Measured::deflection && row.kind != Measured::stress && row.kind != Measured::strain &&
+      fields.has("along"))
+    fields.error("'along' belongs to 'deflection' and 'strain'");
+  if (row.kind != Measured::displacement && fields.has("relative_to"))
+    fields.error("'relative_to' belongs to 'displacement'");
+  if (row.kind != Measured::joint_position && fields.has("offset"))
+    fields.error("'offset' belongs to 'joint'");
+  if (row.kind != Measured::angular_velocity && fields.has("axes"))
+    fields.error("'axes' belongs to 'angular_velocity'");
+  if (row.of != OutputKind::Of::bodies && fields.has("about"))
+    fields.error("'about' belongs to 'angular_momentum'");
+  output.kind = row.kind;
+  if (row.kind == Measured::section_force && !fields.has("at"))
+    return add_all_sections(builder, part, fields, *given_name, *fields.get(row.key), output);
+  read_item(builder, part, fields, row, *fields.get(row.key), output);
+  add_output(builder, part, *given_name, std::move(output));
+}
+
+}  // namespace
+
+std::string instance_name(std::string text, const std::string& instance) {
+  const std::string placeholder = "{instance}";
+  for (auto at = text.find(placeholder); at != std::string::npos;
+       at = text.find(placeholder, at + instance.size()))
+    text.replace(at, placeholder.size(), instance);
+  return text;
+}
+
+bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::Output& output) {
+  const Fields fields(value, keys_with({"unit", "every"}));
+  const OutputKind* row = nullptr;
+  int given = 0;
+  for (const OutputKind& kind : output_kinds)
+    if (fields.has(kind.key)) row = &kind, ++given;
+  if (given != 1) {
+    value.error(given == 0
+                    ? "says nothing of what it is: 'value' with an expression, or what an output would be, "
+                      "for example joint: hinge"
+                    : "says several things of what it is; keep one");
+    return false;
+  }
+  output.kind = row->kind;
+  read_item(builder, part, fields, *row, *fields.get(row->key), output);
+  return true;
+}
+
+void read_outputs(Builder& builder) {
+  Part& model = builder.parts.front();
+  if (const auto section = model.section("outputs"))
+    for (const Value& value : section->list()) read_output(builder, model, value);
+
+  // A template's outputs: each for all of its instances before the next, as columns are compared.
+  std::vector<std::vector<const Part*>> groups;
+  std::unordered_map<const Tree*, std::size_t> group_of;
+  for (const Part& part : builder.parts) {
+    if (part.instance.empty() || !part.section("outputs")) continue;
+    const auto [place, first] = group_of.emplace(part.written.get(), groups.size());
+    if (first) groups.emplace_back();
+    groups[place->second].push_back(&part);
+  }
+  for (const auto& parts : groups) {
+    std::size_t most = 0;
+    for (const Part* part : parts) most = std::max(most, part->section("outputs")->list().size());
+    for (std::size_t k = 0; k < most; ++k)
+      for (const Part* part : parts) {
+        const Value list = *part->section("outputs");
+        if (k >= list.tree().items.size()) continue;  // they may be repeated more often in another
+        read_output(builder, *part, Value(part->reading, *list.tree().items[k], list.what()));
+      }
+  }
+}
+
+}  // namespace mimbre::model_file

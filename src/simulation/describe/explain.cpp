@@ -1,0 +1,256 @@
+#include "simulation/describe/explain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "joints/table.h"
+#include "simulation/describe/names.h"
+
+namespace mimbre {
+namespace {
+
+/// Masses that are further apart than this may be lost in each other's round-off.
+constexpr double digits_of_masses = 1e10;
+/// Masses that are joined and further apart than this make stiff mechanisms.
+constexpr double apart = 1e5;
+
+/// Bodies that no mass moves with: neither they nor what they carry have any.
+std::vector<std::string> moved_without_mass(const Compiled& m) {
+  std::vector<double> carried;
+  for (const BodyData& b : m.bodies) carried.push_back(b.mass);
+  for (std::size_t k = m.bodies.size(); k-- > 0;)  // parents come before children
+    if (m.bodies[k].parent >= 0) carried[static_cast<std::size_t>(m.bodies[k].parent)] += carried[k];
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < m.bodies.size(); ++k)
+    if (carried[k] == 0 && m.bodies[k].size() > 0) names.push_back(m.spec().bodies[m.bodies[k].spec].name);
+  return names;
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), most); ++k)
+    text += fmt::format("{}'{}'", k > 0 ? ", " : "", names[k]);
+  return names.size() > most ? text + ", …" : text;
+}
+
+/// That of the equation that came apart, with its unit.
+std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
+  const bool is_angle =
+      r.equation >= 0 && mechanism.system.scales().is_angle[static_cast<std::size_t>(r.equation)];
+  return fmt::format("{:.3g} {}", r.equation_violation, is_angle ? "rad" : "m");
+}
+
+/// A light body that is joined to a heavier one is held by forces of the weight of the heavy one, and swings
+/// between them about √(M/m) times as fast as the mechanism: a matrix of inertias and springs, which does not
+/// know of these forces, only leads to the solution of a step that is shorter than that.
+std::string follows(const Compiled& m, double lightest, double heaviest) {
+  const double gravity = m.gravity.norm();
+  if (!(gravity > 0)) return "a very short step follows";
+  return fmt::format("steps of about {:.0e} s follow",
+                     std::sqrt(lightest / heaviest * m.length_scale / gravity));
+}
+
+/// Where a body is joined to one so much heavier that a step hardly follows it: which ones, else nothing.
+std::string lost_masses(const Compiled& m) {
+  struct Extremes {
+    const BodyData *lightest = nullptr, *heaviest = nullptr;
+  };
+  std::vector<std::size_t> root;  // of the tree that stands on the ground there
+  std::vector<Extremes> trees(m.bodies.size());
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {  // parents come before children
+    const BodyData& b = m.bodies[k];
+    root.push_back(b.parent < 0 ? k : root[static_cast<std::size_t>(b.parent)]);
+    if (!(b.mass > 0)) continue;
+    Extremes& e = trees[root[k]];
+    if (!e.lightest || b.mass < e.lightest->mass) e.lightest = &b;
+    if (!e.heaviest || b.mass > e.heaviest->mass) e.heaviest = &b;
+  }
+  for (const Extremes& e : trees)
+    if (e.lightest && e.heaviest->mass > apart * e.lightest->mass)
+      return fmt::format(
+          "; body '{}' of {:.3g} kg is joined to '{}' of {:.3g} kg: what holds the one moves the other so "
+          "fast that only {} it, and beyond a ratio of 1e13 too few digits are left",
+          m.spec().bodies[e.lightest->spec].name, e.lightest->mass, m.spec().bodies[e.heaviest->spec].name,
+          e.heaviest->mass, follows(m, e.lightest->mass, e.heaviest->mass));
+  return {};
+}
+
+/// The body that a velocity coordinate moves, or with `carried` what carries that, where it floats freely;
+/// null elsewhere.
+const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natural, int coordinate,
+                          bool carried) {
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+    const BodyData* root = &m.bodies[k];
+    while (carried && root->parent >= 0) root = &m.bodies[static_cast<std::size_t>(root->parent)];
+    const BodyData& b = m.bodies[k];
+    const bool here = natural
+                          ? coordinate >= 0 && natural->body_of(coordinate) == static_cast<int>(k)
+                          : coordinate >= b.v && coordinate < b.v + (carried ? b.size() : b.joint_velocities);
+    if (here && root->joint == spec::JointType::floating && root->parent < 0) return root;
+  }
+  return nullptr;
+}
+
+/// Of a generalised force. A natural coordinate belongs to a point or to a unit vector of a body.
+std::string_view unit_of_force(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
+  if (natural) return "N at a point, or N m about an axis";
+  for (const BodyData& b : m.bodies) {
+    if (coordinate < b.v || coordinate >= b.v + b.size()) continue;
+    if (coordinate >= b.v + b.joint_velocities) return "J per unit of the mode";
+    return is_angle(b.joint, coordinate - b.v) ? "N m" : "N";
+  }
+  return "N or N m";
+}
+
+}  // namespace
+
+std::string explain_undetermined_start(const Compiled& m, const natural::NaturalSystem* natural,
+                                       int coordinate) {
+  const std::vector<std::string> names = moved_without_mass(m);
+  if (!names.empty())
+    return fmt::format(
+        "the accelerations at the start are not determined: {} {} move{} without any mass, of {} own or of "
+        "what "
+        "{} carr{}; give mass and inertia, or fix {} to another body",
+        names.size() > 1 ? "bodies" : "body", quoted(names), names.size() > 1 ? "" : "s",
+        names.size() > 1 ? "their" : "its", names.size() > 1 ? "they" : "it", names.size() > 1 ? "y" : "ies",
+        names.size() > 1 ? "them" : "it");
+  if (coordinate < 0)
+    return "the accelerations at the start are not determined: some motion moves neither mass nor inertia; "
+           "give every body that turns about an axis through its centre of mass an inertia";
+  const std::string where = coordinate_name(m, natural, coordinate);
+  double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;
+  std::vector<std::string> massless;
+  for (const BodyData& b : m.bodies) {
+    if (b.mass > 0) lightest = std::min(lightest, b.mass);
+    heaviest = std::max(heaviest, b.mass);
+    if (!(b.mass > 0)) massless.push_back(m.spec().bodies[static_cast<std::size_t>(b.spec)].name);
+  }
+  if (!massless.empty())
+    return fmt::format(
+        "the accelerations at the start are not determined: a motion of {} moves neither mass nor inertia, "
+        "and no spring or damper holds it; {} {} no mass: give mass and inertia, a spring with a damper, or "
+        "one of two joints that leave the same motion free fewer freedoms",
+        where, quoted(massless), massless.size() > 1 ? "have" : "has");
+  if (heaviest > lightest * digits_of_masses)
+    return fmt::format(
+        "the accelerations at the start are not determined: a motion of {} moves so little beside the rest "
+        "that its inertia is lost in round-off; masses go from {:.3g} to {:.3g} kg, of which a number has 15 "
+        "digits: leave out or fix what is that light, or try the other formulation",
+        where, lightest, heaviest);
+  return fmt::format(
+      "the accelerations at the start are not determined: a motion of {} moves neither mass nor inertia, or "
+      "so little of them beside the rest that it is lost in round-off; give every body that turns about an "
+      "axis through its centre of mass an inertia",
+      where);
+}
+
+std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump) {
+  const Compiled& model = mechanism.model;
+  const natural::NaturalSystem* const natural = mechanism.natural.get();
+  const std::string where = coordinate_name(model, natural, r.coordinate);
+  switch (r.code) {
+    case StepReport::Code::ok:
+      return "ok";
+    case StepReport::Code::not_converged:
+      if (!jump.empty())
+        return fmt::format(
+            "the step to t = {:.6g} s did not converge in {} iterations: {}, and the iterations go to and "
+            "fro "
+            "between both; give it a slope (tanh(v/0.01) for sign(v)), take `frictions` for what resists "
+            "motion, or evaluate a signal at instants (`every`)",
+            t, r.iterations, jump);
+      return fmt::format(
+          "the step to t = {:.6g} s did not converge in {} iterations, the largest correction in {}; "
+          "a smaller step or an integrator with more damping (smaller rho) may help{}",
+          t, r.iterations, where, lost_masses(model));
+    case StepReport::Code::not_finite:
+      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}", t, where,
+                         lost_masses(model));
+    case StepReport::Code::drifted:
+      if (r.unconverged)
+        return fmt::format(
+            "the {} iterations that the fixed cost allows for the step to t = {:.6g} s led nowhere: {} is "
+            "off by {}; allow more of them (max_iterations), take a smaller step, or no fixed cost",
+            r.iterations, t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
+      return fmt::format(
+          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {}; this formalism "
+          "does not hold them, take `index3`, a stabilised one or a smaller step",
+          t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
+    case StepReport::Code::singular:
+      if (r.equation >= 0)
+        return fmt::format(
+            "the constraints are dependent in the step to t = {:.6g} s, at {}: a singular position, or a "
+            "joint "
+            "too many; take a formalism that bears it (`index3`, `penalty`, `index1_augmented`)",
+            t, equation_name(model, natural, r.equation));
+      return fmt::format(
+          "the matrix of the step to t = {:.6g} s is singular at {}: is there a body without mass that "
+          "nothing holds?{}",
+          t, where, lost_masses(model));
+  }
+  return {};
+}
+
+std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                              const StaticsStatus& status) {
+  const bool has_wheels = std::any_of(model.elements.begin(), model.elements.end(),
+                                      [](const ElementData& e) { return e.measure == Measure::wheel; });
+  // What is not balanced lies anywhere between a vehicle and its wheels.
+  const BodyData* const body = free_body(model, natural, status.coordinate, has_wheels);
+  const std::string_view unit = unit_of_force(model, natural, status.coordinate);
+  if (body && has_wheels)
+    return fmt::format(
+        "no static equilibrium was found: nothing holds body '{}' against {:.3g} {}; on wheels that no brake "
+        "holds it rolls away, and on a slope that friction does not hold it "
+        "slides; give the hubs friction that holds, and no velocities",
+        model.spec().bodies[body->spec].name, status.residual, unit);
+  if (body)
+    return fmt::format(
+        "no static equilibrium was found: body '{}' floats freely, and nothing holds it against {:.3g} {}; "
+        "join it to the ground or to a body that is, or carry it by springs",
+        model.spec().bodies[body->spec].name, status.residual, unit);
+  std::string open;
+  if (status.position_violation > 0)
+    open += fmt::format(", lengths off by {:.3g} m", status.position_violation);
+  if (status.angle_violation > 0) open += fmt::format(", angles off by {:.3g} rad", status.angle_violation);
+  return fmt::format(
+      "no static equilibrium was found: unbalanced force {:.3g} {}, the largest in {} (does anything hold "
+      "it?){}, after {} iterations",
+      status.residual, unit, coordinate_name(model, natural, status.coordinate), open, status.iterations);
+}
+
+std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
+                                const StaticsStatus& status) {
+  if (!(status.growth > 0)) return {};
+  return fmt::format(
+      "the static equilibrium is unstable: the smallest disturbance grows by e in {:.3g} s, most in {}",
+      1 / status.growth, coordinate_name(model, natural, status.growing));
+}
+
+std::string explain_near_redundancy(const Redundancy& r) {
+  if (r.nearly == 0) return {};
+  std::vector<std::string> names = r.nearly_joints;
+  names.insert(names.end(), r.nearly_constraints.begin(), r.nearly_constraints.end());
+  return fmt::format(
+      "constraints are nearly redundant: axes or points of {} {} are off by so little that the "
+      "mechanism "
+      "may lock, and their reactions are arbitrary; give them exactly, or free a coordinate of one of them",
+      r.nearly_constraints.empty() ? "joints" : "joints and constraints", quoted(names));
+}
+
+std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {
+  return fmt::format(
+      "at t = {:.6g} s the mechanism goes through a singular position (a change point), where reactions grow "
+      "beyond all bounds and no step resolves them: joint '{}' would bear {:.3g} N and {:.3g} Nm; there and "
+      "wherever it happens again the reactions that are left without them are given",
+      r.time, model.spec().joints[static_cast<std::size_t>(r.joint)].name, r.force, r.moment);
+}
+
+}  // namespace mimbre

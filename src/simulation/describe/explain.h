@@ -1,0 +1,35 @@
+#pragma once
+#include <string>
+
+#include "dynamics/natural/system.h"
+#include "integrate/statics.h"
+#include "mimbre/simulation.h"
+#include "simulation/observe/smallest_reactions.h"
+#include "simulation/step/mechanism.h"
+
+namespace mimbre {
+
+/// What went wrong in the step to `t`, and where, for people. `jump`: of a step that did not converge the law
+/// that jumps (jumping_law), if any.
+std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump);
+
+/// Why the accelerations at the start are not determined: the bodies that move without mass, or the
+/// coordinate, -1: unknown, whose inertia is round-off, and what to do.
+std::string explain_undetermined_start(const Compiled& model, const natural::NaturalSystem* natural,
+                                       int coordinate);
+
+/// Why a static equilibrium was not found: what is not balanced, and where.
+std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                              const StaticsStatus& status);
+
+/// A warning where an equilibrium does not last, else nothing.
+std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
+                                const StaticsStatus& status);
+
+/// A warning where constraints are nearly redundant, else nothing.
+std::string explain_near_redundancy(const Redundancy& redundancy);
+
+/// A warning of reactions that a run does not resolve.
+std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& reaction);
+
+}  // namespace mimbre

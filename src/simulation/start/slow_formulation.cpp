@@ -1,0 +1,44 @@
+#include "mimbre/slow_formulation.h"
+
+#include <fmt/format.h>
+
+#include "dynamics/natural/once/layout.h"
+
+namespace mimbre {
+namespace {
+
+constexpr double many = 2e7;  ///< operations of a factorisation, some milliseconds
+constexpr double times_slower =
+    30;  ///< as many as in natural coordinates, whose blocks are smaller and take longer each
+
+/// Multiplications and additions of a factorisation.
+double operations(const linalg::BlockSymbolic& symbolic) {
+  double sum = 0;
+  for (const linalg::Panel& p : symbolic.panels()) {
+    const double n = p.columns;
+    sum += n * n * n / 3 + n * n * (p.stride - p.below);
+    for (int u = p.first_update; u < p.last_update; ++u) {
+      const linalg::PanelUpdate& update = symbolic.updates()[static_cast<std::size_t>(u)];
+      const double entries = static_cast<double>(update.rows) * update.columns;
+      sum += (update.row == update.column ? 1 : 2) * n * entries;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::string explain_slow_formulation(const Simulation& simulation) {
+  if (simulation.method().formulation != spec::Simulation::Formulation::relative) return {};
+  const Compiled& m = simulation.model().compiled();
+  const double relative = operations(m.symbolic);
+  if (!(relative > many)) return {};
+  const double natural = operations(*natural::Layout(m).symbolic);
+  if (!(relative > times_slower * natural)) return {};
+  return fmt::format(
+      "the matrix of {} relative coordinates takes {:.2g} operations to factorise, {:.0f} times as many as "
+      "that of natural ones; --formulation natural is the fast choice for so long a chain",
+      m.velocities, relative, relative / natural);
+}
+
+}  // namespace mimbre

@@ -1,0 +1,259 @@
+#include "simulation/step/free_flight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "dynamics/relative/shift.h"
+#include "joints/table.h"
+#include "math/elementary.h"
+#include "spec/force_law.h"
+
+namespace mimbre {
+namespace {
+
+/// Within this angle of steady rotation about a principal axis energy is stationary: round-off in it would
+/// tell more than the error of a step.
+constexpr double steady = 1e-4;
+
+/// The turn that brings the energy of rotation back to `energy`.
+Mat3d restoring_turn(const Mat3d& inertia, const Vec3d& angular, double energy) {
+  Mat3d turn = Mat3d::Identity();
+  for (int round = 0; round < 2; ++round) {
+    const Rotation r = rotation_of(turn * inertia * turn.transpose(), angular);
+    const double slope = r.gain.squaredNorm();
+    if (!(slope > steady * steady * r.energy * r.energy)) break;
+    const Vec3d theta = (energy - r.energy) / slope * r.gain;
+    if (!(theta.squaredNorm() < 0.01)) break;  // not the error of a step
+    turn = rotation_exp<double>(theta) * turn;
+  }
+  return turn;
+}
+
+/// What ties the trees of bodies to each other and to the ground, besides the joints that they stand on.
+struct Ties {
+  std::vector<int> root;                   ///< by body
+  std::vector<std::pair<int, int>> pairs;  ///< of roots; -1: the ground
+  std::vector<char> tied;                  ///< by root: to anything, or it has no floating joint
+};
+
+Ties find_ties(const Compiled& m) {
+  const int count = static_cast<int>(m.bodies.size());
+  Ties t;
+  t.root.resize(m.bodies.size());
+  t.tied.assign(m.bodies.size(), 0);
+  const auto add = [&](int a, int b) {
+    if (a == b) return;
+    t.pairs.emplace_back(a, b);
+    if (a >= 0) t.tied[a] = 1;
+    if (b >= 0) t.tied[b] = 1;
+  };
+  for (int i = 0; i < count; ++i) {
+    const BodyData& b = m.bodies[i];
+    t.root[i] = b.parent < 0 ? i : t.root[b.parent];
+    if (b.parent < 0 && b.joint != spec::JointType::floating) add(i, -1);
+  }
+  const auto root_of = [&](int frame) {
+    return frame < 0 || m.frames[frame].body < 0 ? -1 : t.root[m.frames[frame].body];
+  };
+  const auto tie = [&](int frame_a, int frame_b) { add(root_of(frame_a), root_of(frame_b)); };
+  for (const LoopData& l : m.loops) tie(l.frame_a, l.frame_b);
+  for (const ConstraintData& c : m.constraints)
+    for (const ConstraintTerm& term : c.terms) tie(term.frame_a, term.frame_b);
+  for (const ElementData& e : m.elements) {
+    // Of a sum the legs act.
+    const bool acts = e.leg || (e.measure != Measure::sum && law_info(e.law).list != SpecList::sensors);
+    if (e.measure == Measure::none || !acts || e.pooled) continue;
+    if (e.body < 0)
+      tie(e.frame_a, e.frame_b);
+    else if (m.bodies[e.body].parent < 0)
+      add(e.body, -1);
+  }
+  for (const SwarmData& swarm : m.swarms)
+    for (const SwarmSphere& sphere : swarm.spheres) tie(swarm.spheres[0].frame, sphere.frame);
+  for (const DriveData& d : m.drives)
+    if (m.bodies[d.body].parent < 0) add(d.body, -1);
+  return t;
+}
+
+}  // namespace
+
+std::vector<FloatingSet> floating_sets(const Compiled& m) {
+  const Ties ties = find_ties(m);
+  // Of each root the lowest one that it is tied to; -1: the ground.
+  std::vector<int> lowest(m.bodies.size());
+  for (std::size_t i = 0; i < lowest.size(); ++i) lowest[i] = static_cast<int>(i);
+  const auto of = [&](int root) { return root < 0 ? -1 : lowest[root]; };
+  for (bool changes = true; changes;) {
+    changes = false;
+    for (const auto& [a, b] : ties.pairs) {
+      const int low = std::min(of(a), of(b));
+      for (const int root : {a, b})
+        if (root >= 0 && lowest[root] != low) {
+          lowest[root] = low;
+          changes = true;
+        }
+    }
+  }
+  std::vector<FloatingSet> sets;
+  const int count = static_cast<int>(m.bodies.size());
+  for (int first = 0; first < count; ++first) {
+    if (ties.root[first] != first || lowest[first] != first || !ties.tied[first]) continue;
+    FloatingSet set;
+    set.has.assign(m.bodies.size(), 0);
+    double mass = 0;
+    for (int i = 0; i < count; ++i) {
+      if (lowest[ties.root[i]] != first) continue;
+      if (ties.root[i] == i) set.roots.push_back(i);
+      set.bodies.push_back(i);
+      set.has[i] = 1;
+      mass += m.bodies[i].mass;
+    }
+    if (mass > 0) sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+std::vector<FreeGroup> free_groups(const Compiled& m) {
+  const int count = static_cast<int>(m.bodies.size());
+  const Ties ties = find_ties(m);
+  const std::vector<int>& root = ties.root;
+  std::vector<FreeGroup> groups;
+  for (int i = 0; i < count; ++i) {
+    if (root[i] != i || ties.tied[i]) continue;
+    FreeGroup g;
+    g.root = i;
+    g.has.assign(m.bodies.size(), 0);
+    g.rigid = true;
+    double mass = 0;
+    for (int k = 0; k < count; ++k) {
+      if (root[k] != i) continue;
+      g.bodies.push_back(k);
+      g.has[k] = 1;
+      mass += m.bodies[k].mass;
+      g.rigid = g.rigid && m.bodies[k].modes == 0 && (k == i || m.bodies[k].joint_velocities == 0);
+    }
+    for (const ElementData& e : m.elements) {
+      if (e.measure != Measure::none) continue;
+      const int body = m.frames[e.frame_b].body;
+      if (body >= 0 && root[body] == i) g.loads.push_back(m.arguments[e.arguments]);
+    }
+    if (mass > 0) groups.push_back(std::move(g));
+  }
+  return groups;
+}
+
+FreeFlight::FreeFlight(const Compiled& model)
+    : model_(model), groups_(free_groups(model)), starts_(groups_.size()) {
+  for (const FreeGroup& g : groups_) changes_shape_ = changes_shape_ || !g.rigid;
+  if (!changes_shape_) return;
+  start_q_.setZero(model.positions);
+  rates_.setZero(model.velocities);
+}
+
+bool FreeFlight::loaded(const FreeGroup& group, const SignalValues<double>& signals) const {
+  // What motion decides is known with the forces only.
+  return std::any_of(group.loads.begin(), group.loads.end(), [&](int slot) {
+    return slot >= model_.signals.first_moving || signals.value[slot] != 0;
+  });
+}
+
+void FreeFlight::begin(relative::RelativeSystem& observer, const State& s) {
+  origin_ = observer.workspace().origin;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    Start& start = starts_[k];
+    start.loaded = loaded(groups_[k], observer.workspace().signals);
+    if (start.loaded) continue;
+    const relative::Momentum p =
+        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
+    start.centre = p.centre;
+    start.velocity = p.velocity();
+    start.angular = p.angular;
+    start.rotation = rotation_of(p.inertia, p.angular).energy;
+  }
+  if (changes_shape_) start_q_ = s.q;
+}
+
+void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& s,
+                     double h, State& state) {
+  const Vec3d gained = h * model_.gravity;
+  if (changes_shape_) find_gains(observer, s, h);
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const Start& start = starts_[k];
+    if (start.loaded || loaded(groups_[k], observer.workspace().signals)) continue;
+    const relative::Momentum p =
+        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
+    RigidShift shift;
+    shift.centre = p.centre;
+    shift.velocity = p.velocity();
+    shift.rate = start.velocity + gained - shift.velocity;
+    shift.move = start.centre - p.centre + (origin_ - observer.workspace().origin) +
+                 h * (start.velocity + 0.5 * gained);
+    shift.turn = restoring_turn(p.inertia, start.angular, start.rotation + start.gain);
+    shift.spin = relative::mean_spin(shift.turn * p.inertia * shift.turn.transpose(),
+                                     start.angular - shift.turn * p.angular);
+    shift_group(observer, natural, groups_[k], shift, state);
+  }
+}
+
+/// What the energies of rotation gain over the step by the change of shape that the step made: the power of
+/// the rates that make it, the mean of that at both ends. So nothing is left over when a shape returns, as it
+/// were if the velocities were taken, which are those of the positions but for the rule's error.
+void FreeFlight::find_gains(relative::RelativeSystem& observer, const State& s, double h) {
+  set_rates(s, h);
+  for (Start& start : starts_) start.gain = 0;
+  const auto add_at = [&](double time, const double* q) {
+    observer.kinematics(time, q, rates_.data(), s.a.data());
+    for (std::size_t k = 0; k < groups_.size(); ++k)
+      if (!groups_[k].rigid && !starts_[k].loaded)
+        starts_[k].gain +=
+            0.5 * h *
+            relative::centrifugal_power(
+                relative::momentum(model_, observer.workspace(), groups_[k].bodies, q, rates_.data()),
+                starts_[k].angular);
+  };
+  add_at(s.time - h, start_q_.data());
+  add_at(s.time, s.q.data());
+  observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+}
+
+/// Constant rates of the coordinates by which the step came to s.q; the roots', which no shape depends on,
+/// are their velocities.
+void FreeFlight::set_rates(const State& s, double h) {
+  rates_ = s.v;
+  for (const BodyData& b : model_.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    const double *from = start_q_.data() + b.q, *to = s.q.data() + b.q;
+    double* out = rates_.data() + b.v;
+    if (b.parent >= 0) {
+      const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
+      for (int k = 0; k < plain; ++k) out[k] = (to[k] - from[k]) / h;
+      if (info.quaternion >= 0) {
+        const double *p = from + info.quaternion, *r = to + info.quaternion;
+        const Quat<double> turn = quaternion_product<double>(Quat<double>(p[0], -p[1], -p[2], -p[3]),
+                                                             Quat<double>(r[0], r[1], r[2], r[3]));
+        const Vec3d axis = turn.tail<3>();
+        const double sine = axis.norm();
+        Eigen::Map<Vec3d>(out + info.rotation) =
+            (sine > 0 ? 2 * mimbre::atan2(sine, turn[0]) / sine : 2.0) / h * axis;
+      }
+    }
+    for (int k = 0; k < b.modes; ++k)
+      out[info.velocities + k] = (to[info.positions + k] - from[info.positions + k]) / h;
+  }
+}
+
+Rotation rotation_of(const Mat3d& inertia, const Vec3d& angular) {
+  const Vec3d spin = relative::mean_spin(inertia, angular);
+  return {0.5 * angular.dot(spin), spin.cross(angular)};
+}
+
+void shift_group(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const FreeGroup& group,
+                 const RigidShift& shift, State& state) {
+  if (natural)
+    natural->shift(group.has, shift, observer.workspace().origin, state);
+  else
+    relative::shift_root(observer.model(), observer.workspace(), group.root, shift, state);
+}
+
+}  // namespace mimbre

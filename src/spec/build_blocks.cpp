@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+
+#include "mimbre/diagnostics.h"
+#include "spec/block_types.h"
+#include "spec/model_builder_parts.h"
+
+/// Blocks and events by names.
+namespace mimbre {
+namespace {
+
+/// The numbers of a type, with its defaults where they are not given.
+std::vector<double> numbers_of(const Addition& addition, const BlockInfo& info, const build::Block& given) {
+  std::vector<std::string> known;
+  std::vector<double> numbers;
+  for (const LawNumber& number : info.numbers) {
+    known.emplace_back(number.key);
+    const auto found = given.numbers.find(known.back());
+    numbers.push_back(found == given.numbers.end() ? number.otherwise : found->second);
+    if (found != given.numbers.end() || !std::isnan(number.otherwise)) continue;
+    if (known.back() == "falling")
+      numbers.back() = -numbers.front();
+    else
+      addition.refuse(fmt::format("numbers: '{}' is missing: {}", number.key, number.about));
+  }
+  for (const auto& [name, value] : given.numbers)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      addition.refuse(fmt::format("numbers: a '{}' has no '{}'{}; it has {}", info.name, name,
+                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+  return numbers;
+}
+
+std::vector<Eigen::MatrixXd> matrices_of(const Addition& addition, const BlockInfo& info,
+                                         const build::Block& given) {
+  std::vector<std::string> known;
+  std::vector<Eigen::MatrixXd> matrices;
+  for (const std::string_view name : info.matrices) {
+    known.emplace_back(name);
+    const auto found = given.matrices.find(known.back());
+    const bool needed = name != "D" && name != "initial";
+    if (found == given.matrices.end() && needed)
+      addition.refuse(fmt::format("matrices: '{}' is missing", name));
+    matrices.push_back(found == given.matrices.end() ? Eigen::MatrixXd() : found->second);
+  }
+  for (const auto& [name, value] : given.matrices)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      addition.refuse(fmt::format("matrices: a '{}' has no '{}'{}; it has {}", info.name, name,
+                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+  return matrices;
+}
+
+}  // namespace
+
+void ModelBuilder::add_block(const std::string& name, const build::Block& given) {
+  Addition addition(*impl_, impl_->signals, name);
+  const int type = find_block(given.type);
+  if (type < 0) {
+    std::vector<std::string> known;
+    for (const BlockInfo& info : block_table) known.emplace_back(info.name);
+    addition.refuse(fmt::format("there is no block '{}'{}; there are {}", given.type,
+                                did_you_mean(given.type, known), listed(known)));
+  }
+  const BlockInfo& info = block_table[static_cast<std::size_t>(type)];
+  spec::Block block;
+  block.name = name;
+  block.type = given.type;
+  block.every = given.every;
+  block.function = given.function;
+  block.numbers = numbers_of(addition, info, given);
+  block.matrices = matrices_of(addition, info, given);
+  std::vector<std::string> formulas = given.inputs;
+  if (given.type == "pid" && formulas.size() == 1) formulas.emplace_back("0");
+  const std::vector<std::string> outputs = given.outputs.empty() ? std::vector{name} : given.outputs;
+  const auto wanted = given.type == "state_space" ? block.matrices[2].rows() : 1;
+  if (wanted != std::ssize(outputs))
+    addition.refuse(fmt::format("has {} outputs and {} names of them", wanted, outputs.size()));
+  for (const std::string& output : outputs)
+    if (output != name && impl_->signals.index.contains(output))
+      addition.refuse(fmt::format("there is a signal '{}' already", output));
+  block.inputs = addition.formulas("inputs", formulas, given.of);
+  spec::Model& model = impl_->model;
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    spec::Signal signal;
+    signal.name = outputs[k];
+    signal.unit = given.unit;
+    signal.block = static_cast<int>(model.blocks.size());
+    signal.output = static_cast<int>(k);
+    if (outputs[k] == name)
+      addition.commit(impl_->signals, model.signals.size());
+    else
+      impl_->signals.index[outputs[k]] = static_cast<int>(model.signals.size());
+    model.signals.push_back(std::move(signal));
+  }
+  model.blocks.push_back(std::move(block));
+}
+
+void ModelBuilder::add_event(const std::string& name, const build::Event& given) {
+  Addition addition(*impl_, impl_->events, name);
+  spec::Event event;
+  event.name = name;
+  event.direction = given.direction;
+  event.stop = given.stop;
+  std::vector<std::string> formulas{given.when};
+  for (const auto& [input, value] : given.set) {
+    event.sets.push_back({addition.find(impl_->inputs, "set", input), {}});
+    formulas.push_back(value);
+  }
+  std::vector<spec::Law> laws = addition.formulas("when and set", formulas, given.of);
+  event.when = std::move(laws.front());
+  for (std::size_t k = 0; k < event.sets.size(); ++k) event.sets[k].value = std::move(laws[k + 1]);
+  addition.commit(impl_->events, impl_->model.events.size());
+  impl_->model.events.push_back(std::move(event));
+}
+
+}  // namespace mimbre
