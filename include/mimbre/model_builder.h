@@ -230,7 +230,7 @@ struct Contact {
 
 /// Equations between bodies that are no joint of the tree.
 struct Constraint {
-  spec::Constraint::Kind kind = spec::Constraint::Kind::coupling;
+  std::string type = "coupling";  ///< as in model files, but gear, rack and differential, which are below
   /// Of a coupling, Σ factor · coordinate = constant.
   struct Term {
     std::string joint{};
@@ -238,7 +238,6 @@ struct Constraint {
     int coordinate = 0;
   };
   std::vector<Term> terms{};
-  double constant = 0;
   std::array<std::string, 2> between{};  ///< of the others: bodies, frames, nodes
   /// Of a body: where the constraint acts; default: of a distance the origin of the body's frame, else the
   /// place of the other side.
@@ -246,8 +245,9 @@ struct Constraint {
   /// Directions on the first and on the second; default: z of the frames that are named; of the second also
   /// that of the first.
   std::optional<Eigen::Vector3d> axis{}, axis2{};
-  std::optional<double> length{};         ///< of a distance, m; default: as assembled
-  double lead = 0;                        ///< of a screw, m for each turn
+  /// By their keys in model files, SI units: "length" of a distance, default: as assembled; "lead" of a
+  /// screw, for each turn; "constant" of a coupling.
+  std::map<std::string, double> numbers{};
   std::vector<Eigen::Vector3d> points{};  ///< of a curve
   bool closed = false;
   std::string in{};

@@ -308,17 +308,9 @@ struct Element {
 struct Constraint {
   std::string name;
   Mark mark;
-  enum class Kind {
-    coupling,           ///< Σ factor · coordinate = constant
-    distance,           ///< between the origins of both frames: `length`
-    on_line,            ///< the origin of b lies on the line through a's origin along a's z,
-    on_plane,           ///< or on the plane through it at right angles to that,
-    on_curve,           ///< or on the curve through `points`
-    parallel,           ///< the z axes of both frames, of either sense,
-    perpendicular,      ///< or they are at right angles
-    constant_velocity,  ///< both origins coincide, and a turn about a's z makes b turn as much about its z
-    screw               ///< b turns about a's z and moves along it by `lead` for each turn
-  } kind = Kind::coupling;
+  /// As in model files: "coupling" of joints' coordinates, Σ factor · coordinate = numbers[0]; else between
+  /// two frames, as src/constraints says of each type.
+  std::string type = "coupling";
   /// A coupling's coordinates: angles count their turns.
   struct Term {
     int joint = -1;
@@ -326,13 +318,11 @@ struct Constraint {
     double factor = 1;
   };
   std::vector<Term> terms;
-  double constant = 0;
   // Of the others.
   int frame_a = -1;
   int frame_b = -1;
-  double length = 0;  ///< m
-  double lead = 0;    ///< m for each turn, right-handed where positive
-  /// In the axes of frame a; the curve is the cubic spline through them over the length of its chords.
+  std::vector<double> numbers;  ///< of the type, in the order of its description
+  /// Of a curve, in the axes of frame a: the cubic spline through them over the length of its chords.
   std::vector<Eigen::Vector3d> points;
   bool closed = false;  ///< the last point is followed by the first; else it goes on straight beyond its ends
 };

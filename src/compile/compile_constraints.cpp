@@ -1,10 +1,9 @@
 #include <map>
-#include <numbers>
 
 #include "compile/compile_parts.h"
 #include "compile/element_parts.h"
 #include "compile/paths.h"
-#include "spec/constraint_kinds.h"
+#include "spec/constraint_kind.h"
 
 namespace mimbre {
 namespace {
@@ -32,7 +31,7 @@ void couple(const Compiled& m, const spec::Constraint& s, ConstraintData& c) {
   }
   const double unit = largest[1] > 0 ? largest[1] : largest[0];
   for (ConstraintTerm& term : c.terms) term.factor /= unit;
-  c.constant = s.constant / unit;
+  c.numbers.push_back(s.numbers[0] / unit);
   c.lengths = largest[1] > 0 ? 1 : 0;
 }
 
@@ -56,35 +55,26 @@ void find_paths(const Compiled& m, ConstraintData& c) {
 
 void add_constraint(Compiled& m, int k) {
   const spec::Constraint& s = m.spec().constraints[k];
-  const ConstraintInfo& info = constraint_info(s.kind);
   ConstraintData c;
   c.spec = k;
-  c.kind = s.kind;
+  c.kind = find_constraint(s.type);
+  const ConstraintInfo& info = constraint_info(c.kind);
+  c.of_coordinates = info.of_coordinates;
   c.first_equation = m.equations;
   c.count = info.equations;
   c.lengths = info.lengths;
   c.state_count = info.states;
-  switch (s.kind) {
-    case spec::Constraint::Kind::coupling:
-      couple(m, s, c);
-      break;
-    case spec::Constraint::Kind::distance:
-      c.constant = s.length;
-      break;
-    case spec::Constraint::Kind::screw:
-      c.constant = s.lead / (2 * std::numbers::pi);
-      break;
-    case spec::Constraint::Kind::on_curve:
-      c.curve = space_curve(s.points, s.closed);
-      break;
-    default:
-      break;
-  }
-  if (c.terms.empty()) {
+  if (info.of_coordinates) {
+    couple(m, s, c);
+  } else {
     ConstraintTerm term;
     term.frame_a = m.frame_of_spec[s.frame_a];
     term.frame_b = m.frame_of_spec[s.frame_b];
     c.terms.push_back(term);
+    if (info.compile)
+      info.compile(s, c);
+    else
+      c.numbers.append(s.numbers.begin(), s.numbers.end());
   }
   find_paths(m, c);
   c.jacobian = add_jacobian(m, c.path, c.count);
@@ -94,10 +84,10 @@ void add_constraint(Compiled& m, int k) {
   c.next_states = m.constraint_states;
   m.constraint_states += c.state_count;
   m.states.resize(m.states.size() + c.state_count, 0.0);
-  if (s.kind == spec::Constraint::Kind::on_curve) {
+  if (info.start) {
     const spec::Pose a = global_pose(m, s.frame_a);
-    m.states[c.states] =
-        nearest_on(c.curve, a.rotation.transpose() * (global_pose(m, s.frame_b).position - a.position));
+    info.start(c, a.rotation.transpose() * (global_pose(m, s.frame_b).position - a.position),
+               m.states.data() + c.states);
   }
   m.equations += c.count;
   m.constraints.push_back(std::move(c));

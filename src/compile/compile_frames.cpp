@@ -3,6 +3,7 @@
 #include "compile/compile_parts.h"
 #include "compile/compile_signals.h"
 #include "compile/flexible_data.h"
+#include "spec/constraint_kind.h"
 #include "spec/force_law.h"
 
 namespace mimbre {
@@ -24,7 +25,7 @@ FramesOfStep frames_of_step(const Compiled& c, const Topology& topology, const C
   }
   for (int k : topology.cut_joints) full.insert({spec.joints[k].frame_a, spec.joints[k].frame_b});
   for (const auto& s : spec.constraints) {
-    if (s.kind != spec::Constraint::Kind::coupling) full.insert({s.frame_a, s.frame_b});
+    if (!constraint_info(find_constraint(s.type)).of_coordinates) full.insert({s.frame_a, s.frame_b});
     for (const auto& term : s.terms)  // also of floating joints that close a loop, which are not cut
       full.insert({spec.joints[term.joint].frame_a, spec.joints[term.joint].frame_b});
   }

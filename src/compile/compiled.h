@@ -176,15 +176,15 @@ struct ConstraintTerm {
   Path path;         ///< none of the tree's; its offsets are those of the constraint's path
 };
 
-/// Equations between bodies. Their laws are in src/constraints.
+/// Equations between bodies: their constants. The equations are in src/constraints.
 struct ConstraintData : EquationRows {
-  using Kind = spec::Constraint::Kind;
   int spec = -1;
-  Kind kind = Kind::coupling;
+  int kind = 0;                 ///< row of the list
+  bool of_coordinates = false;  ///< a coupling
   unsigned lengths = 0;  ///< bit r: equation r is a length, m, otherwise an angle, rad
   Array<ConstraintTerm> terms;
   int covectors = 0;  ///< first of count × terms in the workspace, those of one equation next to each other
-  double constant = 0;  ///< of a coupling; distance: m; screw: m/rad
+  Array<double> numbers;  ///< of its kind
   SpaceCurve curve;
   int states = 0, state_count = 0;  ///< among the model's: turns, or the place on the curve
   int next_states = 0;              ///< likewise in the workspace

@@ -49,7 +49,7 @@ std::vector<char> holding_frames(const Compiled& m) {
   for (const LoopData& l : m.loops) mark(l.frame_a), mark(l.frame_b);
   for (const ConstraintData& c : m.constraints)
     for (const ConstraintTerm& t : c.terms)
-      if (c.kind != ConstraintData::Kind::coupling) mark(t.frame_a), mark(t.frame_b);
+      if (!c.of_coordinates) mark(t.frame_a), mark(t.frame_b);
   for (const ElementData& e : m.elements) {
     if (e.measure == Measure::none || e.measure == Measure::coordinate) continue;
     mark(e.frame_a), mark(e.frame_b);

@@ -1,6 +1,6 @@
 #include "compile/compiled.h"
 #include "mimbre/model.h"
-#include "spec/constraint_kinds.h"
+#include "spec/constraint_kind.h"
 
 /// What a compiled model consists of, in words and counts.
 namespace mimbre {

@@ -1,41 +1,69 @@
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
-#include "spec/constraint_axes.h"
-#include "spec/constraint_kinds.h"
+#include "mimbre/diagnostics.h"
+#include "spec/constraint_kind.h"
+#include "spec/coupling_uses.h"
 #include "spec/model_builder_parts.h"
 
 /// Constraints by names: what a model file's `constraints` say (src/model_file/sections/constraints.cpp).
 namespace mimbre {
 namespace {
 
-using ConstraintKind = spec::Constraint::Kind;
+const ConstraintInfo& constraint_of(const Addition& addition, const std::string& type) {
+  if (const int kind = find_constraint(type); kind >= 0) return constraint_info(kind);
+  std::vector<std::string> known;
+  for (const ConstraintInfo* info : all_constraints()) known.emplace_back(info->name);
+  addition.refuse(
+      fmt::format("type: there is no '{}'{}; there are {}", type, did_you_mean(type, known), listed(known)));
+}
+
+/// The numbers of a type; those that follow from the assembled position are NaN where they are not given.
+std::vector<double> numbers_of_constraint(const Addition& addition, const ConstraintInfo& info,
+                                          const build::Constraint& given) {
+  std::vector<std::string> known;
+  std::vector<double> numbers;
+  for (const LawNumber& number : info.numbers) {
+    known.emplace_back(number.key);
+    const auto found = given.numbers.find(known.back());
+    numbers.push_back(found == given.numbers.end() ? number.otherwise : found->second);
+    if (std::isnan(numbers.back()) && !info.complete)
+      addition.refuse(fmt::format("numbers: '{}' is missing: {}", number.key, number.about));
+  }
+  for (const auto& [name, value] : given.numbers)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      addition.refuse(fmt::format("numbers: a '{}' has no '{}'{}; it has {}", info.name, name,
+                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+  return numbers;
+}
 
 /// Axes of both sides, global; nothing where they are those of the frames that are named.
 std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> given_axes(const Addition& addition,
+                                                                      const ConstraintInfo& info,
                                                                       const build::Constraint& given) {
-  const auto name = constraint_info(given.kind).name;
-  if (given.axis && !has_axis(given.kind)) addition.refuse(fmt::format("{}: has no axis", name));
-  if (given.axis2 && !has_second_axis(given.kind))
-    addition.refuse(fmt::format("{}: has no second axis", name));
+  if (given.axis && info.axes < 1) addition.refuse(fmt::format("{}: has no axis", info.name));
+  if (given.axis2 && info.axes < 2) addition.refuse(fmt::format("{}: has no second axis", info.name));
   if (!given.axis) {
     if (given.axis2) addition.refuse("'axis' is missing beside 'axis2'");
     return {};
   }
   const Eigen::Vector3d first = addition.direction("axis", *given.axis);
-  if (given.kind == ConstraintKind::perpendicular && !given.axis2)
+  if (info.second_axis && !given.axis2)
     addition.refuse("'axis2' is missing: the direction on the second that stays at right angles");
   const Eigen::Vector3d second = given.axis2 ? addition.direction("axis2", *given.axis2) : first;
-  if (given.kind == ConstraintKind::constant_velocity && !(first.dot(second) > -1 + 1e-9))
-    addition.refuse("the shafts point against each other; turn one of the axes round");
-  return constraint_axes(given.kind, first, second);
+  if (info.axes_fault)
+    if (const auto fault = info.axes_fault(first, second); !fault.empty())
+      addition.refuse(std::string(fault));
+  return constraint_axes(info, first, second);
 }
 
-void make_sides(Addition& addition, const std::string& name, const build::Constraint& given,
-                spec::Constraint& made) {
+void make_sides(Addition& addition, const std::string& name, const ConstraintInfo& info,
+                const build::Constraint& given, spec::Constraint& made) {
   if (!given.terms.empty()) addition.refuse("only a coupling has terms");
   const Attachment sides[2] = {addition.attachment("between", given.between[0]),
                                addition.attachment("between", given.between[1])};
-  const auto axes = given_axes(addition, given);
+  const auto axes = given_axes(addition, info, given);
   // Where they meet: the place that is given, or that of the frame that is named.
   std::optional<Eigen::Vector3d> place[2];
   for (int k = 0; k < 2; ++k) {
@@ -46,16 +74,16 @@ void make_sides(Addition& addition, const std::string& name, const build::Constr
       place[k] = addition.point("at", *given.at[k]);
     }
   }
-  if (given.kind != ConstraintKind::distance)
+  if (!info.two_places)
     for (int k = 0; k < 2; ++k)
       if (!place[k]) place[k] = place[1 - k];
   int frames[2];
   for (int k = 0; k < 2; ++k) {
-    const bool own_axes = axes || !has_axis(given.kind);
+    const bool own_axes = axes || info.axes == 0;
     if (sides[k].frame < 0 && !own_axes)
       addition.refuse(fmt::format("'axis' is missing: '{}' is a body, which has no direction of its own",
                                   given.between[static_cast<std::size_t>(k)]));
-    if (!place[k] && sides[k].body == spec::ground && given.kind == ConstraintKind::distance)
+    if (!place[k] && sides[k].body == spec::ground && info.two_places)
       addition.refuse("a point of the ground needs its place, 'at'");
     if (sides[k].frame >= 0 && !axes) {
       frames[k] = sides[k].frame;
@@ -71,8 +99,7 @@ void make_sides(Addition& addition, const std::string& name, const build::Constr
   made.frame_a = frames[0];
   made.frame_b = frames[1];
   const spec::Pose a = addition.frame_pose(made.frame_a), b = addition.frame_pose(made.frame_b);
-  made.length = given.length.value_or((b.position - a.position).norm());
-  made.lead = given.lead;
+  if (info.complete) info.complete(a.position, b.position, made.numbers);
   for (const Eigen::Vector3d& p : given.points)
     made.points.push_back(a.rotation.transpose() * (addition.point("points", p) - a.position));
   made.closed = given.closed;
@@ -83,13 +110,16 @@ void make_sides(Addition& addition, const std::string& name, const build::Constr
 namespace build {
 
 Constraint gear(const std::string& first, const std::string& second, double ratio) {
-  return {.terms = {{first, 1}, {second, -ratio}}};
+  const auto factor = gear_factors(ratio);
+  return {.terms = {{first, factor[0]}, {second, factor[1]}}};
 }
 Constraint rack(const std::string& pinion, const std::string& rack, double travel) {
-  return {.terms = {{rack, 1}, {pinion, -travel / (2 * std::numbers::pi)}}};
+  const auto factor = rack_factors(travel / (2 * std::numbers::pi));
+  return {.terms = {{pinion, factor[0]}, {rack, factor[1]}}};
 }
 Constraint differential(const std::string& cage, const std::string& left, const std::string& right) {
-  return {.terms = {{left, 1}, {right, 1}, {cage, -2}}};
+  const auto& factor = differential_factors;
+  return {.terms = {{cage, factor[0]}, {left, factor[1]}, {right, factor[2]}}};
 }
 
 }  // namespace build
@@ -99,13 +129,14 @@ void ModelBuilder::add_constraint(const std::string& name, const build::Constrai
   addition.coordinates_of(given.in);
   spec::Constraint made;
   made.name = name;
-  made.kind = given.kind;
-  if (given.kind == ConstraintKind::coupling) {
+  made.type = given.type;
+  const ConstraintInfo& info = constraint_of(addition, given.type);
+  made.numbers = numbers_of_constraint(addition, info, given);
+  if (info.of_coordinates) {
     for (const build::Constraint::Term& term : given.terms)
       made.terms.push_back({addition.find(impl_->joints, "terms", term.joint), term.coordinate, term.factor});
-    made.constant = given.constant;
   } else {
-    make_sides(addition, name, given, made);
+    make_sides(addition, name, info, given, made);
   }
   addition.commit(impl_->constraints, impl_->model.constraints.size());
   impl_->model.constraints.push_back(std::move(made));

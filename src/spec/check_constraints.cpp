@@ -4,17 +4,14 @@
 
 #include "joints/table.h"
 #include "spec/checked_thing.h"
-#include "spec/constraint_kinds.h"
+#include "spec/constraint_kind.h"
 
 /// Constraints between bodies.
 namespace mimbre::checks {
 namespace {
 
-using ConstraintKind = spec::Constraint::Kind;
-
 void check_terms(const spec::Model& model, const Thing& thing, const spec::Constraint& c) {
   if (c.terms.empty()) thing.error("couples nothing; give it the coordinates of joints");
-  thing.finite("constant", c.constant);
   std::set<std::pair<int, int>> coupled;
   for (const spec::Constraint::Term& term : c.terms) {
     if (!thing.index("joint", term.joint, model.joints.size(), "joints")) continue;
@@ -30,24 +27,23 @@ void check_terms(const spec::Model& model, const Thing& thing, const spec::Const
   }
 }
 
-void check_points(const Thing& thing, const spec::Constraint& c) {
-  const std::size_t least = c.closed ? 3 : 2, count = c.points.size();
-  if (count < least)
-    return thing.error(fmt::format("has {} points; {} curve needs {} at least", count,
-                                   c.closed ? "a closed" : "an open", least));
-  if (!std::all_of(c.points.begin(), c.points.end(), [](const auto& p) { return p.allFinite(); }))
-    return thing.error("a point of the curve is not finite");
-  double extent = 0;
-  for (const Eigen::Vector3d& p : c.points) extent = std::max(extent, (p - c.points.front()).norm());
-  for (std::size_t k = c.closed ? 0 : 1; k < count; ++k) {
-    const std::size_t before = k > 0 ? k - 1 : count - 1;
-    if (!((c.points[k] - c.points[before]).norm() > 1e-9 * extent))
-      thing.error(fmt::format("points {} and {} of the curve are at one place{}", before, k,
-                              k == 0 ? "; a closed curve goes on to its first point by itself" : ""));
-  }
+void check_constraint_numbers(const Thing& thing, const spec::Constraint& c, const ConstraintInfo& info) {
+  if (c.numbers.size() != info.numbers.size())
+    return thing.error(
+        fmt::format("a {} has {} numbers, {} are given", info.name, info.numbers.size(), c.numbers.size()));
+  for (const double number : c.numbers)
+    if (!thing.finite("one of numbers", number)) return;
+  ConstraintInfo::Faults faults;
+  if (info.check) info.check(c, faults);
+  for (const std::string& fault : faults) thing.error(fault);
+  if (!faults.empty()) return;
+  for (std::size_t k = 0; k < c.numbers.size(); ++k)
+    if (const LawNumber& number = info.numbers[k]; !number.allows(c.numbers[k]))
+      thing.error(fmt::format("{} {}", number.key, wrong_number(number, c.numbers[k])));
 }
 
 void check_frames_of(const spec::Model& model, const Thing& thing, const spec::Constraint& c) {
+  if (!c.terms.empty()) thing.error("has terms, which belong to a coupling");
   const bool a = thing.index("frame_a", c.frame_a, model.frames.size(), "frames");
   const bool b = thing.index("frame_b", c.frame_b, model.frames.size(), "frames");
   if (!a || !b || !sound_frame(model, c.frame_a) || !sound_frame(model, c.frame_b)) return;
@@ -66,16 +62,17 @@ void check_constraints(const spec::Model& model, std::vector<Diagnostic>& errors
   for (std::size_t k = 0; k < model.constraints.size(); ++k) {
     const spec::Constraint& c = model.constraints[k];
     const Thing thing(errors, "constraint", c.name, c.mark, k);
-    if (!thing.enumerator("kind", c.kind, static_cast<int>(constraint_table.size()))) continue;
-    if (c.kind == ConstraintKind::coupling) {
-      check_terms(model, thing, c);
+    const int kind = find_constraint(c.type);
+    if (kind < 0) {
+      thing.error(fmt::format("type is '{}', which there is not", c.type));
       continue;
     }
-    check_frames_of(model, thing, c);
-    if (c.kind == ConstraintKind::distance) thing.positive("length", c.length);
-    if (c.kind == ConstraintKind::screw && thing.finite("lead", c.lead) && c.lead == 0)
-      thing.error("lead is 0, so that it never moves along its axis; a revolute joint does that");
-    if (c.kind == ConstraintKind::on_curve) check_points(thing, c);
+    const ConstraintInfo& info = constraint_info(kind);
+    if (info.of_coordinates)
+      check_terms(model, thing, c);
+    else
+      check_frames_of(model, thing, c);
+    check_constraint_numbers(thing, c, info);
   }
 }
 

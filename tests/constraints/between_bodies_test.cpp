@@ -248,7 +248,6 @@ TEST(ConstraintsOfCode, SayWhatIsWrong) {
     }
     return "";
   };
-  using Kind = spec::Constraint::Kind;
   EXPECT_THAT(message({}), HasSubstr("constraint 'it': couples nothing"));
   EXPECT_THAT(message({.terms = {{"hinge", 0}}}), HasSubstr("the factor of joint 'hinge' is 0"));
   EXPECT_THAT(message({.terms = {{"hing", 1}}}),
@@ -256,18 +255,28 @@ TEST(ConstraintsOfCode, SayWhatIsWrong) {
   EXPECT_THAT(message({.terms = {{"hinge", 1}, {"hinge", 2}}}),
               HasSubstr("coordinate 0 of joint 'hinge' twice"));
   EXPECT_THAT(message({.terms = {{"hinge", 1, 3}}}), HasSubstr("coordinate is 3"));
-  EXPECT_THAT(message({.kind = Kind::distance, .between = {"a", "b"}}), HasSubstr("length is 0"));
-  EXPECT_THAT(message({.kind = Kind::on_line, .between = {"a", "b"}}), HasSubstr("'axis' is missing"));
-  EXPECT_THAT(message({.kind = Kind::parallel, .between = {"a", "a"}, .axis = Eigen::Vector3d{0, 0, 1}}),
+  EXPECT_THAT(message({.type = "distance", .between = {"a", "b"}}), HasSubstr("length is 0"));
+  EXPECT_THAT(message({.type = "on_line", .between = {"a", "b"}}), HasSubstr("'axis' is missing"));
+  EXPECT_THAT(message({.type = "parallel", .between = {"a", "a"}, .axis = Eigen::Vector3d{0, 0, 1}}),
               HasSubstr("both sides are on the rigid body 'a'"));
-  EXPECT_THAT(message({.kind = Kind::screw, .between = {"a", "b"}, .axis = Eigen::Vector3d{0, 0, 1}}),
+  EXPECT_THAT(message({.type = "screw",
+                       .between = {"a", "b"},
+                       .axis = Eigen::Vector3d{0, 0, 1},
+                       .numbers = {{"lead", 0}}}),
               HasSubstr("lead is 0"));
-  EXPECT_THAT(message({.kind = Kind::on_curve, .between = {"a", "b"}, .points = {{0, 0, 0}}}),
+  EXPECT_THAT(message({.type = "screw", .between = {"a", "b"}, .axis = Eigen::Vector3d{0, 0, 1}}),
+              HasSubstr("'lead' is missing"));
+  EXPECT_THAT(message({.type = "distance", .between = {"a", "b"}, .numbers = {{"length", -1}}}),
+              HasSubstr("length is -1; it has to be above 0"));
+  EXPECT_THAT(message({.type = "distance", .between = {"a", "b"}, .numbers = {{"lenght", 1}}}),
+              HasSubstr("did you mean 'length'"));
+  EXPECT_THAT(message({.type = "on_lime", .between = {"a", "b"}}), HasSubstr("did you mean 'on_line'"));
+  EXPECT_THAT(message({.type = "on_curve", .between = {"a", "b"}, .points = {{0, 0, 0}}}),
               HasSubstr("has 1 points; an open curve needs 2 at least"));
   EXPECT_THAT(
-      message({.kind = Kind::on_curve, .between = {"a", "b"}, .points = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}}),
+      message({.type = "on_curve", .between = {"a", "b"}, .points = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}}),
       HasSubstr("points 1 and 2 of the curve are at one place"));
-  EXPECT_THAT(message({.kind = Kind::on_plane, .between = {"a", "b"}, .axis = Eigen::Vector3d{0, 0, 0}}),
+  EXPECT_THAT(message({.type = "on_plane", .between = {"a", "b"}, .axis = Eigen::Vector3d{0, 0, 0}}),
               HasSubstr("the direction has no length"));
 }
 

@@ -132,7 +132,7 @@ std::shared_ptr<const Model> bead(std::vector<Vector3d> points, bool closed, con
   m.add_joint("free", {.type = spec::JointType::floating,
                        .between = {"ground", "bead"},
                        .velocity = {velocity[0], velocity[1], velocity[2], 0, 0, 0}});
-  m.add_constraint("wire", {.kind = spec::Constraint::Kind::on_curve,
+  m.add_constraint("wire", {.type = "on_curve",
                             .between = {"ground", "bead"},
                             .at = {std::nullopt, start},
                             .points = std::move(points),
@@ -233,7 +233,7 @@ TEST_P(Curves, TurnWithTheirBody) {
   // twice.
   std::vector<Vector3d> points = circle(96, 0.5);
   for (Vector3d& p : points) p[0] += 0.1;
-  m.add_constraint("profile", {.kind = spec::Constraint::Kind::on_curve,
+  m.add_constraint("profile", {.type = "on_curve",
                                .between = {"cam", "follower"},
                                .at = {Vector3d(0, 0, 0), Vector3d(0, 0, 0.5)},
                                .points = std::move(points),

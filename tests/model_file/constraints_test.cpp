@@ -98,10 +98,11 @@ TEST(ConstraintsInFiles, AreRead) {
           .factor,
       -2.5);
   EXPECT_DOUBLE_EQ(read("{type: rack, joints: [hinge, slide], radius: 12 mm}").terms[0].factor, -0.012);
-  EXPECT_DOUBLE_EQ(read("{type: distance, between: [arm, rod]}").length, 1);
-  EXPECT_DOUBLE_EQ(read("{type: distance, between: [arm, rod], length: 90 cm}").length, 0.9);
+  EXPECT_DOUBLE_EQ(read("{type: distance, between: [arm, rod]}").numbers[0], 1);
+  EXPECT_DOUBLE_EQ(read("{type: distance, between: [arm, rod], length: 90 cm}").numbers[0], 0.9);
   EXPECT_DOUBLE_EQ(
-      read("{type: screw, between: [arm, rod], at: [1, 0, 0], axis: [0, 0, 1], lead: -5 mm}").lead, -0.005);
+      read("{type: screw, between: [arm, rod], at: [1, 0, 0], axis: [0, 0, 1], lead: -5 mm}").numbers[0],
+      -0.005);
   EXPECT_EQ(read("{type: on_curve, between: [arm, rod], at: [1, 0, 0], points: [[1, 0, 0], [2, 1, 0]]}")
                 .points.size(),
             2u);
@@ -127,7 +128,7 @@ instances:
   const Eigen::Vector3d mirror(1, -1, 1);
   const spec::Constraint &left = model.constraints[0], &right = model.constraints[2];
   EXPECT_EQ(right.name, "right.thread");
-  EXPECT_DOUBLE_EQ(right.lead, -left.lead);
+  EXPECT_DOUBLE_EQ(right.numbers[0], -left.numbers[0]);
   EXPECT_LT((frame(right.frame_a).rotation.col(2) - mirror.cwiseProduct(frame(left.frame_a).rotation.col(2)))
                 .norm(),
             1e-12);

@@ -1,5 +1,5 @@
 #pragma once
-#include "constraints/kernels.h"
+#include "constraints/table.h"
 #include "dynamics/natural/joint_rates.h"
 
 /// Rigidity of the bodies, what joints do not share, drives, and constraints between bodies.
@@ -27,14 +27,16 @@ void constrain_bodies(const Compiled& m, const Layout& l, Workspace<T>& w, const
     const ConstraintData& c = m.constraints[i];
     const int k = l.constraints[i].first_equation, terms = static_cast<int>(c.terms.size());
     for (int r = 0; r < c.count; ++r) w.phi[k + r] = w.phi_dot[k + r] = w.phi_ddot[k + r] = T(0);
-    if (c.kind == ConstraintData::Kind::coupling) w.phi[k] = T(-c.constant);
+    if (c.of_coordinates) w.phi[k] = T(-c.numbers[0]);
     for (int t = 0; t < terms; ++t) {
       const ConstraintTerm& term = c.terms[t];
       const FrameMotion<T>& A = w.frames[term.frame_a];
       const RelativeMotion<T> motion = relative_motion<T>(A, w.frames[term.frame_b]);
       ScalarEquation<T> equation[constraints::most_equations];
-      constraints::equations<T>(c, term, motion, known_positions<T>(l, term, q), w.signals.states + c.states,
-                                w.constraint_states.data() + c.next_states, equation);
+      constraints::equations<T>[c.kind](
+          {c, term, motion, known_positions<T>(l, term, q), w.signals.states + c.states,
+           w.constraint_states.data() + c.next_states},
+          equation);
       for (int r = 0; r < c.count; ++r) {
         w.phi[k + r] += equation[r].value;
         w.phi_dot[k + r] += equation[r].rate(motion);

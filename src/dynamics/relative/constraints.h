@@ -1,5 +1,5 @@
 #pragma once
-#include "constraints/kernels.h"
+#include "constraints/table.h"
 #include "dynamics/relative/workspace.h"
 #include "forces/relative_motion.h"
 
@@ -14,7 +14,7 @@ void constrain_bodies(const Compiled& m, Workspace<T>& w, const T* q, const T* v
     T* const first = w.phi_dot.data() + c.first_equation;
     T* const second = w.phi_ddot.data() + c.first_equation;
     for (int r = 0; r < c.count; ++r) phi[r] = first[r] = second[r] = T(0);
-    if (c.kind == ConstraintData::Kind::coupling) phi[0] = T(-c.constant);
+    if (c.of_coordinates) phi[0] = T(-c.numbers[0]);
     const int terms = static_cast<int>(c.terms.size());
     for (int t = 0; t < terms; ++t) {
       const ConstraintTerm& term = c.terms[t];
@@ -28,8 +28,9 @@ void constrain_bodies(const Compiled& m, Workspace<T>& w, const T* q, const T* v
       const Motion<T>&A = w.frames[term.frame_a], &B = w.frames[term.frame_b];
       const RelativeMotion<T> motion = relative_motion<T>(A, B);
       ScalarEquation<T> equation[constraints::most_equations];
-      constraints::equations<T>(c, term, motion, nullptr, w.signals.states + c.states,
-                                w.constraint_states.data() + c.next_states, equation);
+      constraints::equations<T>[c.kind](
+          {c, term, motion, nullptr, w.signals.states + c.states, w.constraint_states.data() + c.next_states},
+          equation);
       for (int r = 0; r < c.count; ++r) {
         phi[r] += equation[r].value;
         first[r] += equation[r].rate(motion);

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include "joints/axes.h"
 #include "joints/table.h"
 #include "model_file/sections/elements.h"
-#include "spec/constraint_axes.h"
-#include "spec/constraint_kinds.h"
-#include "spec/nearest_place.h"
+#include "spec/constraint_kind.h"
+#include "spec/coupling_uses.h"
 
 /// Constraints between bodies, and couplings of joint coordinates by their uses: gears, racks, differentials.
 namespace mimbre::model_file {
 namespace {
-
-using ConstraintKind = spec::Constraint::Kind;
 
 /// Uses of a coupling that have a name, behind the kinds.
 constexpr std::array uses{"gear", "rack", "differential"};
@@ -55,6 +53,11 @@ std::vector<spec::Constraint::Term> read_coupled(Builder& builder, const Part& p
   return terms.size() == count ? terms : std::vector<spec::Constraint::Term>();
 }
 
+template <std::size_t n>
+void set_factors(spec::Constraint& c, const std::array<double, n>& factors) {
+  for (std::size_t k = 0; k < n; ++k) c.terms[k].factor = factors[k];
+}
+
 bool turns(const Builder& builder, const spec::Constraint::Term& term) {
   return is_angle(builder.model.joints[static_cast<std::size_t>(term.joint)].type, term.coordinate);
 }
@@ -83,7 +86,7 @@ void read_gear(Builder& builder, const Part& part, const Value& value, spec::Con
   if (c.terms.empty()) return;
   if (turns(builder, c.terms[0]) != turns(builder, c.terms[1]))
     return value.error("one of the joints turns and the other slides; that is a rack: type: rack");
-  c.terms[1].factor = -of;
+  set_factors(c, gear_factors(of));
 }
 
 /// x = travel · θ / 2π.
@@ -99,14 +102,14 @@ void read_rack(Builder& builder, const Part& part, const Value& value, spec::Con
   if (c.terms.empty() || !length) return;
   if (!turns(builder, c.terms[0]) || turns(builder, c.terms[1]))
     return value.error("needs a joint that turns, the pinion, and then one that slides, the rack");
-  c.terms[0].factor = radius ? -*length : -*length / (2 * std::numbers::pi);
+  set_factors(c, rack_factors(radius ? *length : *length / (2 * std::numbers::pi)));
 }
 
 /// The cage turns with the mean of both sides.
 void read_differential(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
   const Fields fields(value, {"type", "joints", "coordinates", "constant"});
   c.terms = read_coupled(builder, part, fields, 3, "[cage, left, right]");
-  if (!c.terms.empty()) c.terms[0].factor = -2;
+  if (!c.terms.empty()) set_factors(c, differential_factors);
 }
 
 void read_coupling(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
@@ -132,8 +135,8 @@ void read_coupling(Builder& builder, const Part& part, const Value& value, spec:
 /// Global axes of both sides; nothing where they are those of the frames that are named.
 std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(const Part& part,
                                                                                 const Fields& fields,
-                                                                                ConstraintKind kind) {
-  const auto axis = fields.get("axis"), axis2 = has_second_axis(kind) ? fields.get("axis2") : std::nullopt;
+                                                                                const ConstraintInfo& info) {
+  const auto axis = fields.get("axis"), axis2 = info.axes > 1 ? fields.get("axis2") : std::nullopt;
   if (!axis) {
     if (axis2) axis2->error("goes with 'axis', which is missing");
     return {};
@@ -141,17 +144,19 @@ std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(
   const auto first = axis->direction();
   const auto second = axis2 ? axis2->direction() : first;
   if (!first || !second) return {};
-  if (kind == ConstraintKind::perpendicular && !axis2)
+  if (info.second_axis && !axis2)
     fields.error("'axis2' is missing: the direction on the second that stays at right angles");
-  if (kind == ConstraintKind::constant_velocity && !(first->dot(*second) > -1 + 1e-9)) {
-    axis->error("the shafts point against each other; turn one of the axes round");
+  if (const std::string_view fault = info.axes_fault ? info.axes_fault(*first, *second) : "";
+      !fault.empty()) {
+    axis->error(std::string(fault));
     return {};
   }
-  return constraint_axes(kind, part.place.vector(*first), part.place.vector(*second));
+  return constraint_axes(info, part.place.vector(*first), part.place.vector(*second));
 }
 
 /// The frames of both sides; false where something is wrong, and said.
-bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::Constraint& c) {
+bool read_sides(Builder& builder, const Part& part, const Fields& fields, const ConstraintInfo& info,
+                spec::Constraint& c) {
   const auto between = fields.need("between", "[arm, rod]");
   if (!between) return false;
   const auto pair = between->list();
@@ -169,7 +174,7 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
       const auto triple = given.triple(quantity::length);
       return triple ? std::optional(part.place.point(*triple)) : std::nullopt;
     };
-    if (c.kind != ConstraintKind::distance) {
+    if (!info.two_places) {
       place[0] = place[1] = point(*at);
       if (!place[0]) return false;
     } else {
@@ -182,14 +187,13 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
         if (!list[static_cast<std::size_t>(k)].is_null()) place[k] = point(list[static_cast<std::size_t>(k)]);
     }
   }
-  const bool with_axes = has_axis(c.kind);
-  const auto axes = with_axes ? read_constraint_axes(part, fields, c.kind) : std::nullopt;
+  const bool with_axes = info.axes > 0;
+  const auto axes = with_axes ? read_constraint_axes(part, fields, info) : std::nullopt;
   if (fields.value().tree().find("axis") && with_axes && !axes) return false;
   for (int k = 0; k < 2; ++k)
     if (sides[k]->frame >= 0) place[k] = builder.global_pose(sides[k]->frame).position;
   for (int k = 0; k < 2; ++k)
-    if (!place[k] && c.kind != ConstraintKind::distance) place[k] = place[1 - k];
-  const bool needs_place = c.kind != ConstraintKind::parallel && c.kind != ConstraintKind::perpendicular;
+    if (!place[k] && !info.two_places) place[k] = place[1 - k];
   int frames[2];
   for (int k = 0; k < 2; ++k) {
     const Attachment& side = *sides[k];
@@ -202,11 +206,11 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
       fields.error(
           fmt::format("'axis' is missing; a {} constraint between bodies needs it, for example axis: "
                       "[0, 0, 1]",
-                      constraint_info(c.kind).name));
+                      info.name));
       return false;
     }
-    if (!place[k] && needs_place && (side.body == spec::ground || c.kind != ConstraintKind::distance)) {
-      fields.error(side.body == spec::ground && c.kind == ConstraintKind::distance
+    if (!place[k] && info.force && (side.body == spec::ground || !info.two_places)) {
+      fields.error(side.body == spec::ground && info.two_places
                        ? "a point of the ground needs its place: at: [[x, y, z], null]"
                        : "'at' is missing; where two bodies are named the constraint needs its place, for "
                          "example at: [0, 0, 0]");
@@ -223,62 +227,62 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::
   return true;
 }
 
-void read_between(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
+void read_between(Builder& builder, const Part& part, const Value& value, const ConstraintInfo& info,
+                  spec::Constraint& c) {
   std::vector<std::string> keys{"type", "between", "at"};
-  if (has_axis(c.kind)) keys.emplace_back("axis");
-  if (has_second_axis(c.kind)) keys.emplace_back("axis2");
-  if (c.kind == ConstraintKind::distance) keys.emplace_back("length");
-  if (c.kind == ConstraintKind::screw) keys.emplace_back("lead");
-  if (c.kind == ConstraintKind::on_curve) keys.insert(keys.end(), {"points", "closed"});
+  if (info.axes > 0) keys.emplace_back("axis");
+  if (info.axes > 1) keys.emplace_back("axis2");
+  for (const LawNumber& number : info.numbers) keys.emplace_back(number.key);
+  if (info.curve) keys.insert(keys.end(), {"points", "closed"});
   const Fields fields(value, keys);
-  const bool sides = read_sides(builder, part, fields, c);
-  if (c.kind == ConstraintKind::screw) {
-    if (const auto lead = fields.need("lead", "0.005"))
-      c.lead = part.place.determinant() * lead->number(quantity::length).value_or(1);
-  }
-  const auto points = c.kind == ConstraintKind::on_curve
-                          ? fields.need("points", "[[0, 0, 0], [1, 0, 0.2], [2, 0, 0]]")
-                          : std::nullopt;
-  if (!sides) return;
+  const bool sides = read_sides(builder, part, fields, info, c);
+  c.numbers = read_numbers(info.numbers, fields, value, false, info.complete != nullptr);
+  for (std::size_t k = 0; k < c.numbers.size(); ++k)
+    if ((info.handed >> k & 1u) != 0) c.numbers[k] *= part.place.determinant();
+  const auto points =
+      info.curve ? fields.need("points", "[[0, 0, 0], [1, 0, 0.2], [2, 0, 0]]") : std::nullopt;
+  const bool all_numbers =
+      std::all_of(info.numbers.begin(), info.numbers.end(), [&](const LawNumber& number) {
+        return info.complete || !std::isnan(number.otherwise) || fields.has(std::string(number.key));
+      });
+  if (!sides || !all_numbers || (info.curve && !(points && points->is_list()))) return;
   const spec::Pose a = builder.global_pose(c.frame_a), b = builder.global_pose(c.frame_b);
-  if (c.kind == ConstraintKind::distance) {
-    c.length = (b.position - a.position).norm();
-    if (const auto length = fields.get("length"))
-      c.length = length->positive(quantity::length).value_or(1);
-    else if (at_one_place(a.position, b.position))
-      fields.error(
-          fmt::format("both ends are at {}, and a distance of 0 has no direction: type: spherical under "
-                      "'joints' holds two points together",
-                      to_text(a.position)));
-  }
-  if (!points) return;
-  for (const Value& point : points->list())
-    if (const auto p = point.triple(quantity::length))
-      c.points.push_back(a.rotation.transpose() * (part.place.point(*p) - a.position));
-  if (const auto closed = fields.get("closed")) c.closed = closed->flag().value_or(false);
+  if (info.complete) info.complete(a.position, b.position, c.numbers);
+  if (points)
+    for (const Value& point : points->list())
+      if (const auto p = point.triple(quantity::length))
+        c.points.push_back(a.rotation.transpose() * (part.place.point(*p) - a.position));
+  if (const auto closed = info.curve ? fields.get("closed") : std::nullopt)
+    c.closed = closed->flag().value_or(false);
+  ConstraintInfo::Faults faults;
+  if (info.check) info.check(c, faults);
+  for (const std::string& fault : faults) fields.error(fault);
 }
 
 void read_constraint(Builder& builder, const Part& part, const Value& value, spec::Constraint& c) {
   if (!value.has_fields()) return value.error("a description is needed, for example {type: gear, …}");
   std::vector<std::string> types;
-  for (const ConstraintInfo& info : constraint_table) types.emplace_back(info.name);
+  for (const ConstraintInfo* info : all_constraints()) types.emplace_back(info->name);
+  const std::size_t kinds = types.size();
   types.insert(types.end(), uses.begin(), uses.end());
   const Tree::Entry* entry = value.is_map() ? value.tree().find("type") : nullptr;
   if (!entry) return value.error(fmt::format("'type' is missing; it is one of: {}", joined(types)));
   const auto choice = Value(value.reading(), *entry->value, value.what() + ": type").choice(types);
   if (!choice) return;
   const auto type = static_cast<std::size_t>(*choice);
-  if (type < constraint_table.size()) c.kind = constraint_table[type].kind;
-  if (c.kind != ConstraintKind::coupling) return read_between(builder, part, value, c);
+  if (type < kinds) c.type = types[type];
+  const ConstraintInfo& info = constraint_info(find_constraint(c.type));
+  if (!info.of_coordinates) return read_between(builder, part, value, info, c);
   constexpr std::array readers{read_gear, read_rack, read_differential};
-  if (type < constraint_table.size())
+  if (type < kinds)
     read_coupling(builder, part, value, c);
   else
-    readers[type - constraint_table.size()](builder, part, value, c);
+    readers[type - kinds](builder, part, value, c);
+  c.numbers = {0};
   if (const Tree::Entry* constant = value.tree().find("constant"))
-    c.constant = Value(value.reading(), *constant->value, value.what() + ": constant")
+    c.numbers = {Value(value.reading(), *constant->value, value.what() + ": constant")
                      .number(quantity::any)
-                     .value_or(0);
+                     .value_or(0)};
 }
 
 }  // namespace

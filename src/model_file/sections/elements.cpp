@@ -244,9 +244,10 @@ Quantity quantity_of(std::string_view unit, bool turns) {
 
 }  // namespace
 
-std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns) {
-  std::vector<double> numbers;
-  for (const LawNumber& number : law.numbers) {
+std::vector<double> read_numbers(std::span<const LawNumber> numbers, const Fields& fields, const Value& value,
+                                 bool turns, bool may_miss) {
+  std::vector<double> all;
+  for (const LawNumber& number : numbers) {
     const std::string key(number.key);
     const Quantity of = quantity_of(number.unit, turns);
     double read = number.otherwise;
@@ -255,14 +256,14 @@ std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const
         read = *x;
         if (!number.allows(read)) given->error(wrong_number(number, read));
       }
-    } else if (std::isnan(read)) {
+    } else if (std::isnan(read) && !may_miss) {
       value.error(fmt::format("'{}' is missing: {}, {}", key, number.about,
                               number.unit.empty() ? "a number" : of.unit));
       read = 0;
     }
-    numbers.push_back(read);
+    all.push_back(read);
   }
-  return numbers;
+  return all;
 }
 
 namespace {
@@ -305,7 +306,7 @@ void read_plain(Builder& builder, const Part& part, const LawInfo& law, const Va
   } else {
     std::tie(e.frame_a, e.frame_b) = read_ends(builder, part, fields, e.name, false);
   }
-  e.numbers = read_numbers(law, fields, value, turns);
+  e.numbers = read_numbers(law.numbers, fields, value, turns);
   if (law.arguments > 0) read_force(builder, part, fields, value, turns, e);
 }
 

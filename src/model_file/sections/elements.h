@@ -55,8 +55,14 @@ std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part&
 /// Likewise as what the element acts on; false where that is wrong.
 bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e);
 
-/// The numbers of a law, where they are given. `turns`: on an angle.
-std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value, bool turns);
+/// Numbers by their keys. `turns`: on an angle. `may_miss`: those that are not given are as they are
+/// otherwise, even NaN.
+std::vector<double> read_numbers(std::span<const LawNumber> numbers, const Fields& fields, const Value& value,
+                                 bool turns, bool may_miss = false);
+inline std::vector<double> read_numbers(const LawInfo& law, const Fields& fields, const Value& value,
+                                        bool turns) {
+  return read_numbers(law.numbers, fields, value, turns);
+}
 
 void read_torsion_spring(Builder& builder, const Part& part, const Value& value, spec::Element& e);
 void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Value& value, spec::Element& e);

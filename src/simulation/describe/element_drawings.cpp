@@ -6,7 +6,7 @@
 
 #include "joints/table.h"
 #include "math/space_curve.h"
-#include "spec/constraint_kinds.h"
+#include "spec/constraint_kind.h"
 #include "spec/force_law.h"
 
 namespace mimbre {
@@ -144,12 +144,12 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
     }
   for (const spec::Element& e : model.spec().elements) add_element(model.spec(), e, all);
   for (const spec::Constraint& c : model.spec().constraints) {
-    const std::string kind(constraint_info(c.kind).name);
-    if (c.kind == spec::Constraint::Kind::coupling)
-      all.add_coupling(c.name, kind, c.terms);
+    const ConstraintInfo& info = constraint_info(find_constraint(c.type));
+    if (info.of_coordinates)
+      all.add_coupling(c.name, c.type, c.terms);
     else
-      all.add(c.name, kind, c.frame_a, c.frame_b);
-    if (c.kind == spec::Constraint::Kind::on_curve) all.drawn.elements.back().curve = drawn_curve(c);
+      all.add(c.name, c.type, c.frame_a, c.frame_b);
+    if (info.curve) all.drawn.elements.back().curve = drawn_curve(c);
   }
   for (const spec::Load& load : model.spec().loads) all.add(load.name, "load", load.frame, -1);
   for (const spec::Tyre& tyre : model.spec().tyres) {

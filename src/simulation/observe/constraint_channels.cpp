@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "joints/table.h"
-#include "spec/constraint_kinds.h"
+#include "spec/constraint_kind.h"
 
 namespace mimbre {
 
@@ -25,7 +25,7 @@ Wrench<double> constraint_wrench(const ConstraintData& c, const relative::Relati
 
 void add_constraint_info(const Compiled& m, const ConstraintData& c, std::vector<ChannelInfo>& channels) {
   const std::string& name = m.spec().constraints[c.spec].name;
-  if (c.kind == ConstraintData::Kind::coupling) {
+  if (c.of_coordinates) {
     for (const ConstraintTerm& term : c.terms) {
       const std::string& joint = m.spec().joints[term.joint_spec].name;
       const bool several = joint_info(term.joint).velocities > 1, angle = is_angle(term.joint, term.local);
@@ -52,7 +52,7 @@ void add_constraint_info(const Compiled& m, const ConstraintData& c, std::vector
 
 void read_constraint(const ConstraintData& c, const relative::RelativeSystem& system, const State& s,
                      double* values) {
-  if (c.kind == ConstraintData::Kind::coupling) {
+  if (c.of_coordinates) {
     for (const ConstraintTerm& term : c.terms) *values++ = -s.multipliers[c.first_equation] * term.factor;
     return;
   }

@@ -65,7 +65,7 @@ std::string drawn_open(relative::RelativeSystem& system, const State& s) {
     look(l, [&](int r) { return l.closure[r].kind == LoopClosure::Kind::distance; });
   // Couplings take joints from where they are drawn to where their initial values are.
   for (const ConstraintData& c : m.constraints)
-    if (c.kind != ConstraintData::Kind::coupling) look(c, [&](int r) { return c.is_length(r); });
+    if (!c.of_coordinates) look(c, [&](int r) { return c.is_length(r); });
   if (places.empty()) return {};
   evaluate(s.q);
   const std::vector<Vec3d> after = positions_of_frames();

@@ -80,7 +80,7 @@ std::vector<std::string> locking_warnings(relative::RelativeSystem& system, cons
   const Compiled& m = system.model();
   std::vector<const ConstraintData*> couplings;
   for (const ConstraintData& c : m.constraints)
-    if (c.kind == ConstraintData::Kind::coupling) couplings.push_back(&c);
+    if (c.of_coordinates) couplings.push_back(&c);
   if (couplings.size() < 2) return {};
   const std::vector<Row> rows = rows_of(system, s);
   const Eigen::VectorXd motion = some_motion(m, rows, nullptr);

@@ -4,7 +4,7 @@
 
 #include "constraints/scalar_equation.h"
 
-/// The equations that constraints between two frames consist of.
+/// What the equations of constraints consist of.
 namespace mimbre::constraints {
 
 /// The component of b's origin along an axis of a.
@@ -25,17 +25,6 @@ ScalarEquation<T> axes_product(const RelativeMotion<T>& r, int axis_a, int axis_
   e.value = z[axis_a];
   e.angular = z.cross(x);
   e.bias = r.omega.cross(Vec3<T>(r.omega.cross(z)))[axis_a];
-  return e;
-}
-
-/// Half of what the square of the distance exceeds that of `length` by, over it: the distance itself to first
-/// order, and smooth where both points meet.
-template <class T>
-ScalarEquation<T> distance(const RelativeMotion<T>& r, const T& length) {
-  ScalarEquation<T> e;
-  e.value = T(0.5) * (r.displacement.squaredNorm() / length - length);
-  e.linear = r.displacement / length;
-  e.bias = r.velocity.squaredNorm() / length;
   return e;
 }
 
