@@ -8,7 +8,7 @@
 
 #include "base/array.h"
 #include "compile/rows.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "linalg/block_sparse.h"
 #include "math/function_data.h"
 #include "math/space_curve.h"
@@ -181,7 +181,7 @@ struct ConstraintData : EquationRows {
   int spec = -1;
   int kind = 0;                 ///< row of the list
   bool of_coordinates = false;  ///< a coupling
-  unsigned lengths = 0;  ///< bit r: equation r is a length, m, otherwise an angle, rad
+  unsigned lengths = 0;         ///< bit r: equation r is a length, m, otherwise an angle, rad
   Array<ConstraintTerm> terms;
   int covectors = 0;  ///< first of count × terms in the workspace, those of one equation next to each other
   Array<double> numbers;  ///< of its kind

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/elementary.h"
 #include "spec/force_law.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <tuple>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre {

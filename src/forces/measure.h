@@ -10,7 +10,7 @@
 #include "forces/measure_turning.h"
 #include "forces/measure_wheel.h"
 #include "forces/motion.h"
-#include "joints/kernels.h"
+#include "joints/joint_kind.h"
 #include "joints/table.h"
 #include "math/elementary.h"
 #include "math/function_values.h"

@@ -5,8 +5,6 @@
 
 namespace mimbre {
 
-using spec::JointType;
-
 Eigen::Matrix3d axes_with_z(const Eigen::Vector3d& z) {
   // Away from z by construction: the coordinate axis along which z is smallest.
   Eigen::Index smallest = 0;
@@ -38,19 +36,5 @@ Eigen::Matrix3d axes_with(const std::vector<std::pair<int, Eigen::Vector3d>>& gi
 }
 
 bool perpendicular(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::abs(a.dot(b)) <= 1e-3; }
-
-bool needs_axis(JointType type) {
-  return type == JointType::revolute || type == JointType::prismatic || type == JointType::cylindrical ||
-         type == JointType::universal || type == JointType::planar;
-}
-
-Eigen::Matrix3d joint_axes(JointType type, const Eigen::Vector3d& axis, const Eigen::Vector3d& second) {
-  if (type != JointType::universal) return axes_with_z(axis);
-  Eigen::Matrix3d axes;
-  axes.col(0) = axis;
-  axes.col(1) = (second - axes.col(0) * axes.col(0).dot(second)).normalized();
-  axes.col(2) = axes.col(0).cross(axes.col(1));
-  return axes;
-}
 
 }  // namespace mimbre

@@ -3,8 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "mimbre/joint_type.h"
-
 /// Axes from directions, as people give them.
 namespace mimbre {
 
@@ -17,13 +15,5 @@ Eigen::Matrix3d axes_with(const std::vector<std::pair<int, Eigen::Vector3d>>& gi
 
 /// Whether two unit vectors are at right angles, but for rounded figures.
 bool perpendicular(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
-
-/// Whether joints of the type have an axis.
-bool needs_axis(spec::JointType type);
-
-/// Axes of both frames of a joint by its axis (a unit vector): z is along it. Of a universal joint, x is
-/// along it and y along the second axis, which must be at right angles; others have no second.
-Eigen::Matrix3d joint_axes(spec::JointType type, const Eigen::Vector3d& axis,
-                           const Eigen::Vector3d& second = Eigen::Vector3d::Zero());
 
 }  // namespace mimbre

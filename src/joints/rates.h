@@ -1,5 +1,5 @@
 #pragma once
-#include "joints/kernels.h"
+#include "joints/table.h"
 
 /// Joint coordinates as functions of how one frame moves as seen from another.
 namespace mimbre {

@@ -1,19 +1,33 @@
 #pragma once
+#include "joints/joint_kind.h"
 #include "joints/motion.h"
 
-namespace mimbre {
+namespace mimbre::joints {
 
 /// Rotation q0 about z.
-template <class T>
-void revolute_motion(const T* q, const T*, JointMotion<T>& m) {
-  m.rotation = rotation_z(q[0]);
-  m.angular(2, 0) = T(1);
-}
+struct Revolute {
+  static constexpr JointInfo info{
+      .type = spec::JointType::revolute,
+      .name = "revolute",
+      .elsewhere = "hinge pin rotational",
+      .velocities = 1,
+      .positions = 1,
+      .moves = "z",
+      .equations = 5,
+      .closure = {closure::dx, closure::dy, closure::dz, closure::xz, closure::yz},
+      .given = {2, -1}};
 
-/// The angle, within ±π.
-template <class T>
-void revolute_coordinates(const Mat3<T>& rotation, const Vec3<T>&, T* q) {
-  q[0] = turn_about_z(rotation);
-}
+  template <class T>
+  static void motion(const T* q, const T*, JointMotion<T>& m) {
+    m.rotation = rotation_z(q[0]);
+    m.angular(2, 0) = T(1);
+  }
 
-}  // namespace mimbre
+  /// The angle, within ±π.
+  template <class T>
+  static void coordinates(const Mat3<T>& rotation, const Vec3<T>&, T* q) {
+    q[0] = turn_about_z(rotation);
+  }
+};
+
+}  // namespace mimbre::joints

@@ -1,5 +1,5 @@
 #include "joints/axes.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/turn.h"
 #include "spec/model_builder_parts.h"
 
@@ -10,18 +10,18 @@ namespace {
 using spec::JointType;
 
 /// Joint axes by the given ones, global; nothing where none are given.
-std::optional<Eigen::Matrix3d> given_axes(const Addition& addition, JointType type,
+std::optional<Eigen::Matrix3d> given_axes(const Addition& addition, const JointInfo& info,
                                           const std::optional<Eigen::Vector3d>& given,
                                           const std::optional<Eigen::Vector3d>& given2) {
-  if (given2 && type != JointType::universal) addition.refuse("only a universal joint has a second axis");
+  if (given2 && info.axes() < 2) addition.refuse(fmt::format("a {} joint has no second axis", info.name));
   if (!given) return {};
-  if (!needs_axis(type)) addition.refuse(fmt::format("a {} joint has no axis", joint_info(type).name));
+  if (info.axes() < 1) addition.refuse(fmt::format("a {} joint has no axis", info.name));
   const Eigen::Vector3d axis = addition.direction("axis", *given);
-  if (type != JointType::universal) return joint_axes(type, axis);
-  if (!given2) addition.refuse("'axis2' is missing; a universal joint needs it");
+  if (info.axes() < 2) return joint_axes(info, axis);
+  if (!given2) addition.refuse(fmt::format("'axis2' is missing; a {} joint needs it", info.name));
   const Eigen::Vector3d second = addition.direction("axis2", *given2);
   if (!perpendicular(axis, second)) addition.refuse("axis and axis2 are not perpendicular");
-  return joint_axes(type, axis, second);
+  return joint_axes(info, axis, second);
 }
 
 /// Where the joint is, and the frames of both sides there.
@@ -36,15 +36,13 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   const int frame = a.frame >= 0 ? a.frame : b.frame;
   if (joint.at && frame >= 0)
     addition.refuse("a frame has its place already; 'at' goes with the names of two bodies");
-  const bool any_place =
-      joint.type == JointType::floating || joint.type == JointType::fixed || joint.type == JointType::bracket;
-  if (!joint.at && frame < 0 && !any_place)
+  const JointInfo& info = joint_info(joint.type);
+  if (!joint.at && frame < 0 && !info.any_place)
     addition.refuse("'at' is missing; where two bodies are named the joint needs its place");
 
-  std::optional<Eigen::Matrix3d> axes = given_axes(addition, joint.type, joint.axis, joint.axis2);
+  std::optional<Eigen::Matrix3d> axes = given_axes(addition, info, joint.axis, joint.axis2);
   if (!axes && frame < 0) {
-    if (needs_axis(joint.type))
-      addition.refuse(fmt::format("'axis' is missing; a {} joint needs it", joint_info(joint.type).name));
+    if (info.axes() > 0) addition.refuse(fmt::format("'axis' is missing; a {} joint needs it", info.name));
     axes = joint.type == JointType::floating ? addition.body_pose(b.body).rotation
                                              : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
   }
@@ -54,10 +52,9 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   if (joint.at_b) {
     if (!joint.at) addition.refuse("'at' is missing; 'at_b' goes with a point of the first body");
     const std::optional<Eigen::Matrix3d> other =
-        joint.axis_b || joint.axis2_b
-            ? given_axes(addition, joint.type, joint.axis_b ? joint.axis_b : joint.axis,
-                         joint.axis2_b ? joint.axis2_b : joint.axis2)
-            : axes;
+        joint.axis_b || joint.axis2_b ? given_axes(addition, info, joint.axis_b ? joint.axis_b : joint.axis,
+                                                   joint.axis2_b ? joint.axis2_b : joint.axis2)
+                                      : axes;
     const int first = addition.new_frame(name + ".a", a.body, {place, *axes});
     return {first, addition.new_frame(name + ".b", b.body, {addition.point("at_b", *joint.at_b), *other})};
   }
@@ -110,7 +107,7 @@ void turn_velocity(const Addition& addition, spec::Joint& joint) {
 
 void ModelBuilder::add_joint(const std::string& name, const build::Joint& given) {
   Addition addition(*impl_, impl_->joints, name);
-  if (static_cast<std::size_t>(given.type) >= joint_table.size())
+  if (!is_joint(given.type))
     addition.refuse(fmt::format("type is {}, which is none of the types", static_cast<int>(given.type)));
   addition.coordinates_of(given.in);
   spec::Joint joint;

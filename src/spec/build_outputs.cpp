@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "spec/model_builder_parts.h"

@@ -2,7 +2,7 @@
 #include <set>
 #include <utility>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "spec/checked_thing.h"
 #include "spec/constraint_kind.h"
 
@@ -16,8 +16,7 @@ void check_terms(const spec::Model& model, const Thing& thing, const spec::Const
   for (const spec::Constraint::Term& term : c.terms) {
     if (!thing.index("joint", term.joint, model.joints.size(), "joints")) continue;
     const spec::Joint& joint = model.joints[static_cast<std::size_t>(term.joint)];
-    const int type = static_cast<int>(joint.type);
-    if (type < 0 || type >= static_cast<int>(joint_table.size())) continue;  // check_joints
+    if (!is_joint(joint.type)) continue;  // check_joints
     check_coordinate(thing, fmt::format("joint '{}'", joint.name).c_str(), joint.type, term.coordinate);
     if (!coupled.insert({term.joint, term.coordinate}).second)
       thing.error(fmt::format("has coordinate {} of joint '{}' twice; add up its factors", term.coordinate,

@@ -1,6 +1,6 @@
 #include <set>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "spec/checked_thing.h"
 #include "spec/drive_start.h"
 
@@ -92,7 +92,7 @@ void check_joints(const spec::Model& model, std::vector<Diagnostic>& errors) {
     const Thing thing(errors, "joint", joint.name, joint.mark, k);
     check_ends(model, thing, joint);
     thing.enumerator("cut", joint.cut, 3);
-    if (!thing.enumerator("type", joint.type, static_cast<int>(joint_table.size()))) continue;
+    if (!thing.enumerator("type", joint.type, static_cast<int>(all_joints().size()))) continue;
     const JointInfo& info = joint_info(joint.type);
     check_initial(thing, "initial_position", joint.initial_position, info);
     check_initial(thing, "initial_velocity", joint.initial_velocity, info);

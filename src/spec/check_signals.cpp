@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "spec/block_types.h"
 #include "spec/checked_thing.h"
 #include "spec/force_law.h"
@@ -33,7 +33,7 @@ void check_source(const spec::Model& model, const Thing& thing, const spec::Sour
 void check_coordinate(const spec::Model& model, const Thing& thing, int joint, int coordinate) {
   if (!thing.index("joint", joint, model.joints.size(), "joints")) return;
   const spec::JointType type = model.joints[static_cast<std::size_t>(joint)].type;
-  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+  if (!is_joint(type)) return;  // said already
   const JointInfo& info = joint_info(type);
   const int count = info.quaternion < 0 ? info.velocities : info.rotation;
   if (count == 0)

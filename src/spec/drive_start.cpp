@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 
 namespace mimbre {
 namespace {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 #include "spec/checked_thing.h"
 
@@ -23,22 +24,10 @@ struct Turning {
 
 /// Of what a joint carries on something that turns as `carrier` does.
 Turning carried(const Turning& carrier, const spec::Model& model, const spec::Joint& joint) {
-  using Type = spec::JointType;
   if (joint.apart || carrier.kind == Turning::any) return {};
-  switch (joint.type) {
-    case Type::fixed:
-    case Type::bracket:
-    case Type::prismatic:
-      return carrier;
-    case Type::revolute:
-    case Type::cylindrical:
-    case Type::planar:
-      break;
-    case Type::universal:
-    case Type::spherical:
-    case Type::floating:
-      return {};
-  }
+  const JointInfo& info = joint_info(joint.type);
+  if (info.rotations() == 0) return carrier;
+  if (info.rotations() > 1) return {};
   const spec::Frame& frame = model.frames[static_cast<std::size_t>(joint.frame_a)];
   Vector3d z = frame.pose.rotation.col(2);
   if (frame.body >= 0) z = model.bodies[static_cast<std::size_t>(frame.body)].pose.rotation * z;

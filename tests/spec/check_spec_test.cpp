@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "mimbre/surface_mesh.h"

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "fe/meshes.h"
-#include "joints/kernels.h"
+#include "joints/table.h"
 #include "reduction/stiffening/stretching.h"
 #include "spec/checked_thing.h"
 #include "spec/nearest_place.h"

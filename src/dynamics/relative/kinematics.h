@@ -2,7 +2,7 @@
 #include "dynamics/amplitudes.h"
 #include "dynamics/deformation.h"
 #include "dynamics/relative/workspace.h"
-#include "joints/kernels.h"
+#include "joints/table.h"
 
 /// Positions, velocities and accelerations from the root to the leaves.
 namespace mimbre::relative {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "joints/axes.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "model_file/sections/elements.h"
 #include "spec/constraint_kind.h"
 #include "spec/coupling_uses.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 #include "model_file/sections/signals.h"
 #include "spec/force_law.h"

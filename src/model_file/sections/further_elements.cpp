@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "model_file/sections/elements.h"
 #include "model_file/sections/signals.h"
 

@@ -8,7 +8,7 @@
 #include <unordered_set>
 
 #include "joints/axes.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/turn.h"
 #include "model_file/sections/signals.h"
 #include "model_file/text/builder.h"
@@ -30,76 +30,66 @@ const CoordinateUnits& units_of(JointType type, int coordinate) {
   return is_angle(type, coordinate) ? units_of_angle : units_of_length;
 }
 
-/// What other programs call the types of joints.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> other_names{
-    {{"hinge", "revolute"},
-     {"pin", "revolute"},
-     {"rotational", "revolute"},
-     {"weld", "fixed"},
-     {"rigid", "fixed"},
-     {"ball", "spherical"},
-     {"ball_joint", "spherical"},
-     {"slider", "prismatic"},
-     {"translational", "prismatic"},
-     {"cardan", "universal"},
-     {"hooke", "universal"},
-     {"free", "floating"},
-     {"plane", "planar"}}};
+/// Whether a word is one of those, which spaces part.
+bool is_among(std::string_view words, std::string_view word) {
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    if (words.substr(at, end - at) == word) return true;
+    at = end + 1;
+  }
+  return false;
+}
 
 std::optional<JointType> read_type(const Fields& fields) {
   const auto type = fields.need("type", "revolute");
   if (!type) return {};
-  std::vector<std::string> names;
-  for (const JointInfo& info : joint_table) names.emplace_back(info.name);
   const auto word = type->word();
   if (!word) return {};
-  const auto other = std::find_if(other_names.begin(), other_names.end(),
-                                  [&](const auto& pair) { return *word == pair.first; });
-  if (other != other_names.end()) {
-    type->error(fmt::format("'{}' is called '{}' here", *word, other->second));
-    return {};
+  std::vector<std::string> names;
+  for (const JointInfo* info : all_joints()) {
+    if (is_among(info->elsewhere, *word)) {
+      type->error(fmt::format("'{}' is called '{}' here", *word, info->name));
+      return {};
+    }
+    names.emplace_back(info->name);
   }
   const auto choice = type->choice(names);
   if (!choice) return {};
-  return joint_table[static_cast<std::size_t>(*choice)].type;
+  return all_joints()[static_cast<std::size_t>(*choice)]->type;
 }
 
-/// Joint axes from the given axis (and universal's second), placed so that a mirrored joint's coordinates
-/// mean the same: rotation axes as pseudo-vectors, translation axes as vectors.
+/// An axis of a joint's frames in its part: placed so that a mirrored joint's coordinates mean the same.
+Eigen::Vector3d placed(const Part& part, const JointInfo& info, int axis, const Eigen::Vector3d& direction) {
+  return info.is_vector(axis) ? part.place.vector(direction) : part.place.pseudo_vector(direction);
+}
+
+/// Joint axes from the given axis, and of types that have it the second.
 std::optional<Eigen::Matrix3d> read_axes(const Part& part, const Value& axis,
-                                         const std::optional<Value>& axis2, JointType type) {
+                                         const std::optional<Value>& axis2, const JointInfo& info) {
   const auto first = axis.direction();
   if (!first) return {};
-  if (type == JointType::universal) {
-    const auto second = axis2 ? axis2->direction() : std::nullopt;
-    if (!second) return {};
-    if (!perpendicular(*first, *second)) {
-      axis2->error(
-          fmt::format("axis and axis2 are not perpendicular: {} and {}", to_text(*first), to_text(*second)));
-      return {};
-    }
-    return joint_axes(type, part.place.pseudo_vector(*first), part.place.pseudo_vector(*second));
+  if (info.implied) {
+    Eigen::Matrix3d axes = joint_axes(info, *first);
+    for (int k = 0; k < 3; ++k) axes.col(k) = placed(part, info, k, axes.col(k));
+    return axes;
   }
-  if (type == JointType::prismatic) return joint_axes(type, part.place.vector(*first));
-  if (type == JointType::planar) {
-    // The translations are mirrored as vectors, the rotation as a pseudo-vector.
-    const Eigen::Matrix3d axes = joint_axes(type, *first);
-    Eigen::Matrix3d placed;
-    placed.col(0) = part.place.vector(axes.col(0));
-    placed.col(1) = part.place.vector(axes.col(1));
-    placed.col(2) = part.place.pseudo_vector(axes.col(2));
-    return placed;
+  if (info.axes() < 2) return joint_axes(info, placed(part, info, info.given[0], *first));
+  const auto second = axis2 ? axis2->direction() : std::nullopt;
+  if (!second) return {};
+  if (!perpendicular(*first, *second)) {
+    axis2->error(
+        fmt::format("axis and axis2 are not perpendicular: {} and {}", to_text(*first), to_text(*second)));
+    return {};
   }
-  return joint_axes(type, part.place.pseudo_vector(*first));
+  return joint_axes(info, placed(part, info, info.given[0], *first),
+                    placed(part, info, info.given[1], *second));
 }
 
 /// A frame of a mirrored template turned over so that joint coordinates mean the same as in the template (see
 /// read_axes; the placed frame is M R M, these are R' M D).
-Eigen::Matrix3d unmirrored_axes(const Part& part, JointType type, const Eigen::Matrix3d& axes) {
-  const double det = part.place.determinant();
-  Eigen::Vector3d signs = Eigen::Vector3d::Constant(det);
-  if (type == JointType::prismatic) signs = {det, 1, 1};
-  if (type == JointType::planar) signs = {1, 1, det};
+Eigen::Matrix3d unmirrored_axes(const Part& part, const JointInfo& info, const Eigen::Matrix3d& axes) {
+  Eigen::Vector3d signs;
+  for (int k = 0; k < 3; ++k) signs[k] = info.is_vector(k) ? 1 : part.place.determinant();
   return axes * part.place.mirror.cwiseProduct(signs).asDiagonal();
 }
 
@@ -118,18 +108,19 @@ bool is_pair(const Value& value) {
 
 /// The frames of bodies that are drawn apart: `at` has a point of each where it is drawn.
 std::pair<int, int> read_apart(Builder& builder, const Part& part, const Fields& fields,
-                               const std::array<int, 2>& bodies, const std::string& name, JointType type) {
+                               const std::array<int, 2>& bodies, const std::string& name,
+                               const JointInfo& info) {
   const std::pair<int, int> none{-1, -1};
   const Value at = *fields.get("at");
   const auto points = for_both(at);
   const auto axis = fields.get("axis");
-  const auto axis2 = type == JointType::universal ? fields.need("axis2", "[0, 1, 0]") : std::nullopt;
-  if (needs_axis(type) && !axis)
-    fields.error(fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]",
-                             joint_info(type).name));
+  const auto axis2 = info.axes() > 1 ? fields.need("axis2", "[0, 1, 0]") : std::nullopt;
+  if (info.axes() > 0 && !axis)
+    fields.error(
+        fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]", info.name));
   const auto axes = axis ? for_both(*axis) : std::nullopt;
   const auto second = axis2 ? for_both(*axis2) : std::nullopt;
-  if (!points || (needs_axis(type) && !axes) || (type == JointType::universal && !second)) return none;
+  if (!points || (info.axes() > 0 && !axes) || (info.axes() > 1 && !second)) return none;
   std::array<int, 2> made{-1, -1};
   for (std::size_t k = 0; k < 2; ++k) {
     const auto point = (*points)[k].triple(quantity::length);
@@ -137,7 +128,7 @@ std::pair<int, int> read_apart(Builder& builder, const Part& part, const Fields&
         Eigen::Matrix3d(part.place.determinant() * part.place.rotation * part.place.mirror.asDiagonal());
     if (axes)
       rotation =
-          read_axes(part, (*axes)[k], second ? std::optional<Value>((*second)[k]) : std::nullopt, type);
+          read_axes(part, (*axes)[k], second ? std::optional<Value>((*second)[k]) : std::nullopt, info);
     if (!point || !rotation) return none;
     const std::string frame_name = name + (k == 0 ? ".a" : ".b");
     made[k] = builder.add_frame_at(frame_name, bodies[k], part.place.point(*point), *rotation, (*points)[k]);
@@ -149,6 +140,7 @@ std::pair<int, int> read_apart(Builder& builder, const Part& part, const Fields&
 /// The two frames; -1 where something is wrong.
 std::pair<int, int> read_between(Builder& builder, const Part& part, const Fields& fields,
                                  const std::string& name, JointType type) {
+  const JointInfo& info = joint_info(type);
   const std::pair<int, int> none{-1, -1};
   const auto between = fields.need("between", "[ground, arm]");
   if (!between) return none;
@@ -172,17 +164,15 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
     at->error("a frame has its place already; 'at' goes with the names of two bodies");
     return none;
   }
-  if (fields.has("axis2") && type != JointType::universal)
-    fields.get("axis2")->error("only a universal joint has a second axis");
-  if (axis && !needs_axis(type)) {
-    axis->error(fmt::format("a {} joint has no axis", joint_info(type).name));
+  if (fields.has("axis2") && info.axes() < 2)
+    fields.get("axis2")->error(fmt::format("a {} joint has no second axis", info.name));
+  if (axis && info.axes() == 0) {
+    axis->error(fmt::format("a {} joint has no axis", info.name));
     return none;
   }
-  if (at && is_pair(*at)) return read_apart(builder, part, fields, {a->body, b->body}, name, type);
+  if (at && is_pair(*at)) return read_apart(builder, part, fields, {a->body, b->body}, name, info);
 
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  const bool any_place =
-      type == JointType::floating || type == JointType::fixed || type == JointType::bracket;
   const int frame = a->frame >= 0 ? a->frame : b->frame;
   bool own_frame_b = false;  // the body's own frame, which moves with the tangent frame of a flexible body
   if (at) {
@@ -191,7 +181,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
     place = part.place.point(*given);
   } else if (frame >= 0) {
     place = builder.global_pose(frame).position;
-  } else if (any_place) {
+  } else if (info.any_place) {
     place = builder.body_pose(b->body).position;
     own_frame_b = type == JointType::floating && b->body != spec::ground;
   } else {
@@ -202,12 +192,11 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
 
   std::optional<Eigen::Matrix3d> axes;
   if (axis) {
-    axes = read_axes(part, *axis,
-                     type == JointType::universal ? fields.need("axis2", "[0, 1, 0]") : std::nullopt, type);
+    axes = read_axes(part, *axis, info.axes() > 1 ? fields.need("axis2", "[0, 1, 0]") : std::nullopt, info);
     if (!axes) return none;
-  } else if (frame < 0 && needs_axis(type)) {
-    fields.error(fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]",
-                             joint_info(type).name));
+  } else if (frame < 0 && info.axes() > 0) {
+    fields.error(
+        fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]", info.name));
     return none;
   } else if (frame < 0) {
     axes = type == JointType::floating ? builder.body_pose(b->body).rotation
@@ -226,7 +215,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
                              : frame >= 0          ? builder.global_pose(frame)
                                                    : spec::Pose{place, Eigen::Matrix3d::Identity()};
     const Eigen::Matrix3d rotation = axes       ? *axes
-                                     : mirrored ? unmirrored_axes(part, type, there.rotation)
+                                     : mirrored ? unmirrored_axes(part, info, there.rotation)
                                                 : there.rotation;
     const std::string frame_name = name + "." + letter;
     const Value& where = at ? *at : pair[letter[0] == 'a' ? 0 : 1];

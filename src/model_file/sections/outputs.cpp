@@ -5,7 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model_file/sections/signals.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 
 namespace mimbre::model_file {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/space_curve.h"
 #include "spec/constraint_kind.h"
 #include "spec/force_law.h"
@@ -19,11 +19,8 @@ const char* spring_kind(bool elastic, bool damping) {
 }
 
 /// About or along which of its axes a joint moves in this coordinate.
-const char* moving_axis(spec::JointType type, int coordinate) {
-  static constexpr const char* axes[] = {"x", "y", "z"};
-  if (type == spec::JointType::universal) return axes[coordinate];
-  // In a plane a joint slides along x and y; else there is one axis.
-  return type == spec::JointType::planar && coordinate < 2 ? axes[coordinate] : "z";
+char moving_axis(spec::JointType type, int coordinate) {
+  return joint_info(type).moves[static_cast<std::size_t>(coordinate)];
 }
 
 /// "torsional spring about z", "sliding spring damper along x"

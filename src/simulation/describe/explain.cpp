@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "simulation/describe/names.h"
 
 namespace mimbre {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "spec/constraint_kind.h"
 
 namespace mimbre {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "joints/kernels.h"
+#include "joints/joint_kind.h"
 #include "joints/table.h"
 #include "math/rotation.h"
 

@@ -12,7 +12,7 @@
 #include "dynamics/relative/forces.h"
 #include "forces/measure_wheel.h"
 #include "integrate/initial.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "mimbre/diagnostics.h"
 #include "simulation/describe/explain.h"
 #include "simulation/step/signal_state.h"

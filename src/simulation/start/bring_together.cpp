@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "integrate/initial.h"
-#include "joints/kernels.h"
+#include "joints/table.h"
 #include "math/once/decompositions.h"
 #include "math/rotation.h"
 #include "mimbre/assembly.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "simulation/describe/names.h"
 
 namespace mimbre {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dynamics/relative/shift.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/elementary.h"
 #include "spec/force_law.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "dynamics/relative/momentum.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/elementary.h"
 
 namespace mimbre {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "compile/find_scales.h"
-#include "joints/table.h"
+#include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 
 namespace mimbre::natural {
