@@ -77,6 +77,11 @@ void make_sides(Addition& addition, const std::string& name, const ConstraintInf
   if (!info.two_places)
     for (int k = 0; k < 2; ++k)
       if (!place[k]) place[k] = place[1 - k];
+  // Axes that both frames have where no directions are given.
+  std::optional<Eigen::Matrix3d> common;
+  if (info.aligned) common = Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  for (const Attachment& side : sides)
+    if (common && side.frame >= 0) common = addition.frame_pose(side.frame).rotation;
   int frames[2];
   for (int k = 0; k < 2; ++k) {
     const bool own_axes = axes || info.axes == 0;
@@ -87,13 +92,14 @@ void make_sides(Addition& addition, const std::string& name, const ConstraintInf
       addition.refuse("a point of the ground needs its place, 'at'");
     if (sides[k].frame >= 0 && !axes) {
       frames[k] = sides[k].frame;
-    } else if (sides[k].frame < 0 && !axes && !place[k] && sides[k].body != spec::ground) {
+    } else if (sides[k].frame < 0 && !axes && !common && !place[k] && sides[k].body != spec::ground) {
       frames[k] = addition.own_frame(sides[k].body);
     } else {
       const spec::Pose body = addition.body_pose(sides[k].body);
-      frames[k] = addition.new_frame(
-          name + (k == 0 ? ".a" : ".b"), sides[k].body,
-          {place[k].value_or(body.position), axes ? (k == 0 ? axes->first : axes->second) : body.rotation});
+      frames[k] =
+          addition.new_frame(name + (k == 0 ? ".a" : ".b"), sides[k].body,
+                             {place[k].value_or(body.position),
+                              axes ? (k == 0 ? axes->first : axes->second) : common.value_or(body.rotation)});
     }
   }
   made.frame_a = frames[0];

@@ -32,6 +32,8 @@ struct ConstraintInfo {
   unsigned handed = 0;       ///< bit k: number k changes its sign in a mirrored part
   int axes = 0;              ///< 1: `axis`, of both frames; 2: also `axis2`, of the second
   bool second_axis = false;  ///< which has to be given; else it is that of the first
+  bool aligned = false;      ///< both frames have the same axes in the assembled position: those of a frame
+                             ///< that is named beside a body, else the global ones
   bool two_places = false;   ///< `at` has a place for each frame; else they meet at one
   bool curve = false;        ///< `points`, `closed`
 

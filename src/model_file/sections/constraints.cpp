@@ -194,6 +194,11 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, const 
     if (sides[k]->frame >= 0) place[k] = builder.global_pose(sides[k]->frame).position;
   for (int k = 0; k < 2; ++k)
     if (!place[k] && !info.two_places) place[k] = place[1 - k];
+  // Axes that both frames have where no directions are given.
+  std::optional<Eigen::Matrix3d> common;
+  if (info.aligned) common = Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  for (const auto& side : sides)
+    if (common && side->frame >= 0) common = builder.global_pose(side->frame).rotation;
   int frames[2];
   for (int k = 0; k < 2; ++k) {
     const Attachment& side = *sides[k];
@@ -218,8 +223,9 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, const 
     }
     const spec::Pose body = builder.body_pose(side.body);
     const std::string name = c.name + (k == 0 ? ".a" : ".b");
-    frames[k] = builder.add_frame_at(name, side.body, place[k].value_or(body.position),
-                                     axes ? (k == 0 ? axes->first : axes->second) : body.rotation, named);
+    frames[k] = builder.add_frame_at(
+        name, side.body, place[k].value_or(body.position),
+        axes ? (k == 0 ? axes->first : axes->second) : common.value_or(body.rotation), named);
     builder.claim_end(builder.constraint_names, part, c.name, k == 0 ? 'a' : 'b', named.mark(), frames[k]);
   }
   c.frame_a = frames[0];
