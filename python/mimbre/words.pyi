@@ -313,7 +313,7 @@ class ConstraintTerms(TypedDict, total=False):
 
 class Constraint(TypedDict, total=False):
     # What it says of coordinates of joints (the first four), or of two bodies.
-    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw"]]
+    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation"]]
     # Of a gear the two, of a rack pinion and rack, of a differential cage, left and right.
     joints: Sequence[str]
     # Of each of the joints which of its coordinates, where they have several.

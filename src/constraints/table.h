@@ -7,6 +7,7 @@
 #include "constraints/on_curve.h"
 #include "constraints/on_line.h"
 #include "constraints/on_plane.h"
+#include "constraints/orientation.h"
 #include "constraints/parallel.h"
 #include "constraints/perpendicular.h"
 #include "constraints/screw.h"
@@ -17,8 +18,8 @@ namespace mimbre::constraints {
 template <class... Kinds>
 struct KindList {};
 /// In the order of ConstraintData::kind.
-using Kinds =
-    KindList<Coupling, Distance, OnLine, OnPlane, OnCurve, Parallel, Perpendicular, ConstantVelocity, Screw>;
+using Kinds = KindList<Coupling, Distance, OnLine, OnPlane, OnCurve, Parallel, Perpendicular,
+                       ConstantVelocity, Screw, Orientation>;
 
 /// The equations of one term of a constraint: `equations` of its kind; of a coupling the term's share.
 template <class T>
