@@ -279,16 +279,17 @@ OneOrTwoVectors: TypeAlias = Vector | Sequence[Vector] | Array
 
 class Joint(TypedDict, total=False):
     # Which motions it leaves.
-    type: Required[Literal["fixed", "bracket", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "floating"]]
+    type: Required[Literal["fixed", "bracket", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "floating", "pin_slot"]]
     # Two bodies, frames or nodes; coordinates are those of the second relative to the first.
     between: Required[Between]
     # Its point, m, global; where frames are named they say it. Two: a point of each body, which are drawn
     # apart and brought together.
     at: OneOrTwoVectors
     # The joint's z axis, global: of rotation, of translation, of a plane its normal; of a universal joint
-    # the first.
+    # the first; of a pin_slot joint the pin's.
     axis: OneOrTwoVectors
-    # Second axis of a universal joint.
+    # Second axis of a universal joint; direction of the slot of a pin_slot joint. At right angles to the
+    # first.
     axis2: OneOrTwoVectors
     # Whether it may be or is cut where loops are closed.
     cut: Literal["automatic", "never", "always"]

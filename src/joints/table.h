@@ -4,6 +4,7 @@
 #include "joints/cylindrical.h"
 #include "joints/fixed.h"
 #include "joints/floating.h"
+#include "joints/pin_slot.h"
 #include "joints/planar.h"
 #include "joints/prismatic.h"
 #include "joints/revolute.h"
@@ -17,8 +18,8 @@ namespace joints {
 template <class... Types>
 struct TypeList {};
 /// In the order of spec::JointType.
-using Types =
-    TypeList<Fixed, Bracket, Revolute, Prismatic, Cylindrical, Universal, Spherical, Planar, Floating>;
+using Types = TypeList<Fixed, Bracket, Revolute, Prismatic, Cylindrical, Universal, Spherical, Planar,
+                       Floating, PinSlot>;
 
 template <class... Type>
 constexpr std::array<const JointInfo*, sizeof...(Type)> infos_of(TypeList<Type...>) {
