@@ -319,6 +319,44 @@ int run_reduce(const ReduceArguments& a, const Parser& command) {
   return warned;
 }
 
+/// Properties that the file lacks, and the files of a model that is given by its matrices.
+void add_file_options(Parser& parser, ReduceArguments& a) {
+  parser
+      .add_option("--material", a.materials, "E,nu,rho in SI, of all elements without material or of a group")
+      .repeated()
+      .type_name("[GROUP=]E,NU,RHO");
+  parser
+      .add_option("--density", a.densities,
+                  "kg/m³, of all materials of the file without a density or of one by its name")
+      .repeated()
+      .type_name("[MATERIAL=]RHO");
+  parser
+      .add_option("--thickness", a.thicknesses,
+                  "m, of all shells of the file without a thickness or of a group")
+      .repeated()
+      .type_name("[GROUP=]T");
+  parser.add_option("--damping", a.damping, "Damping proportional to stiffness, s; default 0")
+      .not_negative()
+      .type_name("S");
+  parser.add_flag("--geometric-stiffness", a.stiffening,
+                  "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
+  parser.add_option("--units", a.units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
+      .choice({"SI", "mm", "in"});
+  parser.add_option("--mass", a.mass, "Mass matrix").type_name("FILE");
+  parser.add_option("--nodes", a.nodes, "Nodes: CSV label,x,y,z, or a mesh").type_name("FILE");
+  parser.add_option("--dofs", a.dofs, "Dofs of the rows: CSV row,node,direction").type_name("FILE");
+  parser
+      .add_option(
+          "--stress", a.stress,
+          "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
+          "stiffness matrix")
+      .type_name("FILE");
+  parser
+      .add_option("--stress-nodes", a.stress_nodes,
+                  "Nodes of its rows: CSV, labels in the first column; default: all, in order")
+      .type_name("FILE");
+}
+
 }  // namespace
 
 Command add_reduce(CommandLine& program) {
@@ -362,41 +400,7 @@ Command add_reduce(CommandLine& program) {
       .type_name("N");
   parser.add_option("--frame", a->frame, "Reference frame; default tangent")
       .choice({"tangent", "centre_of_mass", "mean_axis"});
-  parser
-      .add_option("--material", a->materials,
-                  "E,nu,rho in SI, of all elements without material or of a group")
-      .repeated()
-      .type_name("[GROUP=]E,NU,RHO");
-  parser
-      .add_option("--density", a->densities,
-                  "kg/m³, of all materials of the file without a density or of one by its name")
-      .repeated()
-      .type_name("[MATERIAL=]RHO");
-  parser
-      .add_option("--thickness", a->thicknesses,
-                  "m, of all shells of the file without a thickness or of a group")
-      .repeated()
-      .type_name("[GROUP=]T");
-  parser.add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
-      .not_negative()
-      .type_name("S");
-  parser.add_flag("--geometric-stiffness", a->stiffening,
-                  "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
-  parser.add_option("--units", a->units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
-      .choice({"SI", "mm", "in"});
-  parser.add_option("--mass", a->mass, "Mass matrix").type_name("FILE");
-  parser.add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh").type_name("FILE");
-  parser.add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction").type_name("FILE");
-  parser
-      .add_option(
-          "--stress", a->stress,
-          "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
-          "stiffness matrix")
-      .type_name("FILE");
-  parser
-      .add_option("--stress-nodes", a->stress_nodes,
-                  "Nodes of its rows: CSV, labels in the first column; default: all, in order")
-      .type_name("FILE");
+  add_file_options(parser, *a);
   parser.add_option("-o,--output", a->output, "The body").required().type_name("BODY.h5");
   parser
       .add_option("--report", a->report,

@@ -172,13 +172,33 @@ void resume(const RunArguments& arguments, const RunState& saved, const RunPlan&
   simulation.restore(saved.snapshot);
 }
 
-int run_model(const RunArguments& given_arguments) {
-  RunArguments arguments = given_arguments;
+/// Options that need others; the file of the saved run is that of the resumed one, if none is named.
+RunArguments completed(RunArguments arguments) {
   if (arguments.every && arguments.state.empty()) {
     if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
     arguments.state = arguments.resume;
   }
   if (arguments.csv_units && arguments.csv.empty()) throw UsageError("--csv-units belongs to --csv FILE.csv");
+  return arguments;
+}
+
+std::unique_ptr<Simulation> assembled(const LoadedModel& loaded, const RunOptions& options, bool quiet) {
+  const Busy busy("assembling the mechanism", !quiet);
+  return std::make_unique<Simulation>(loaded.model, options);
+}
+
+/// Warnings of loading and of the run; the latter are printed.
+std::vector<std::string> print_warnings(const LoadedModel& loaded, const Simulation& simulation) {
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : simulation.warnings()) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
+  return warnings;
+}
+
+int run_model(const RunArguments& given_arguments) {
+  const RunArguments arguments = completed(given_arguments);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   check_targets(arguments, loaded, inputs);
@@ -193,11 +213,8 @@ int run_model(const RunArguments& given_arguments) {
   options.end = arguments.until.value_or(-1);
   options.inputs = inputs.start();
   const RunPlan plan = planned(given, options, arguments.step, arguments.until);
-  const std::unique_ptr<Simulation> made = [&] {
-    const Busy busy("assembling the mechanism", !arguments.quiet);
-    return std::make_unique<Simulation>(loaded.model, options);
-  }();
-  Simulation& simulation = *made;
+  const std::unique_ptr<Simulation> owner = assembled(loaded, options, arguments.quiet);
+  Simulation& simulation = *owner;
   inputs.attach(simulation);
   if (!arguments.quiet) {
     if (simulation.method().default_end)
@@ -234,11 +251,7 @@ int run_model(const RunArguments& given_arguments) {
   });
   progress.clear();
 
-  std::vector<std::string> warnings = loaded.warnings;
-  for (const std::string& warning : simulation.warnings()) {
-    print_warning(warning);
-    warnings.push_back(warning);
-  }
+  const std::vector<std::string> warnings = print_warnings(loaded, simulation);
   std::vector<std::string> kept;
   try {
     kept =
