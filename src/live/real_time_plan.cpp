@@ -235,6 +235,56 @@ spec::Model with_lowest_modes(spec::Model model, int most) {
   return model;
 }
 
+namespace {
+
+/// The candidate's model: with fewer modes, or as it is.
+std::shared_ptr<const Model> model_with(const spec::Model& model,
+                                        const std::shared_ptr<const Model>& compiled,
+                                        const RealTimeCandidate& c) {
+  return c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
+}
+
+/// Runs a candidate without a clock: its error, times and iterations, and whether it is out of the question.
+void measure(const std::shared_ptr<const Model>& model, const RealTimePlanOptions& o, double end,
+             const History& exact, const std::vector<double>& ranges, RealTimeCandidate& c) {
+  Simulation simulation(model, options_of(o, c));
+  c.coordinates = simulation.coordinates();
+  Timings timings;
+  const History history = history_of(simulation, o, end, &timings, &c.most_iterations);
+  judge(exact, ranges, history, c);
+  c.median = timings.quantile(0.5);
+  c.p9999 = timings.quantile(0.9999);
+  c.worst = timings.worst();
+  c.max_iterations = c.most_iterations + spare_iterations;
+  // A situation that the manoeuvre does not contain must neither end a drive nor take longer.
+  c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
+                 simulation.method().formalism == spec::Simulation::Formalism::index3;
+  if (c.p9999 > o.load * c.step / o.loop.speed)
+    c.failure = "too slow";
+  else if (!std::isfinite(c.error))
+    c.failure = "no finite outputs, or an end at another time";
+}
+
+/// Candidates that did not fail. First those that have time left if the machine is `late` by as much as when
+/// it was idle; of them the most accurate, and of equally accurate ones the cheapest. If none has time left,
+/// first those that lack the least.
+std::vector<int> ranked(const std::vector<RealTimeCandidate>& candidates, const RealTimePlanOptions& o,
+                        double late) {
+  std::vector<int> order;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    if (candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
+  const auto rank = [&](int k) {
+    const RealTimeCandidate& c = candidates[static_cast<std::size_t>(k)];
+    const double excess = (c.p9999 + late) * o.loop.speed / (o.load * c.step);
+    return std::make_tuple(std::round(4 * std::log10(std::max(excess, 1.0))),
+                           std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
+  };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  return order;
+}
+
+}  // namespace
+
 RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions& o) {
   check(o);
   const auto tell = [&](const std::string& stage, double done) {
@@ -247,7 +297,6 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   tell("idle machine", 0);
   plan.idle = std::make_shared<RealTimeMonitor>();
   idle_loop(o.deadline, std::min(longest_idle, o.watch), o.loop, *plan.idle);
-  const double late = plan.idle->latency.quantile(0.9999);
 
   tell("fine run", 0);
   const auto compiled = Model::compile(model);
@@ -273,47 +322,19 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
                      c.most_modes > 0 ? fmt::format(", {} modes", c.most_modes) : std::string()),
          static_cast<double>(k) / static_cast<double>(plan.candidates.size()));
     try {
-      const auto with = c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
-      Simulation simulation(with, options_of(o, c));
-      c.coordinates = simulation.coordinates();
-      Timings timings;
-      const History history = history_of(simulation, o, end, &timings, &c.most_iterations);
-      judge(right, ranges, history, c);
-      c.median = timings.quantile(0.5);
-      c.p9999 = timings.quantile(0.9999);
-      c.worst = timings.worst();
-      c.max_iterations = c.most_iterations + spare_iterations;
-      // What the manoeuvre did not show is not to end a drive, nor to take longer.
-      c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
-                     simulation.method().formalism == spec::Simulation::Formalism::index3;
-      if (c.p9999 > o.load * c.step / o.loop.speed)
-        c.failure = "too slow";
-      else if (!std::isfinite(c.error))
-        c.failure = "no finite outputs, or an end at another time";
+      measure(model_with(model, compiled, c), o, end, right, ranges, c);
     } catch (const std::exception& error) {
       c.failure = error.what();
     }
   }
 
-  // Those first that have time left when the machine is as late as it was idle; of them the most accurate,
-  // and of those alike the cheapest. Where it leaves time to none, those that it leaves the most.
-  std::vector<int> order;
-  for (std::size_t k = 0; k < plan.candidates.size(); ++k)
-    if (plan.candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
-  const auto rank = [&](int k) {
-    const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    const double excess = (c.p9999 + late) * o.loop.speed / (o.load * c.step);
-    return std::make_tuple(std::round(4 * std::log10(std::max(excess, 1.0))),
-                           std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
-  };
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  const std::vector<int> order = ranked(plan.candidates, o, plan.idle->latency.quantile(0.9999));
   for (const int k : order) {
     RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
     tell("against the clock",
          static_cast<double>(plan.watched_candidates) / static_cast<double>(order.size()));
-    const auto with = c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
     std::string failure;
-    const auto monitor = watch(with, o, c, end, failure);
+    const auto monitor = watch(model_with(model, compiled, c), o, c, end, failure);
     ++plan.watched_candidates;
     const double period = c.step / o.loop.speed, load = load_of(*monitor, period);
     if (!failure.empty()) {
