@@ -433,6 +433,43 @@ bool all_rigid(const FeMatrices& all, const FeMatrices& left) {
   return largest(left.stiffness) <= rounding * largest(all.stiffness);
 }
 
+/// Throws where a check of the matrices failed without which there is no body. `rigid`: nothing can deform.
+void require_sound(const std::vector<Check>& checks, bool rigid) {
+  for (const Check& check : checks)
+    if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
+                          check.name == "positive diagonals" || check.name == "rigid motions"))
+      throw std::invalid_argument(rigid
+                                      ? "rigid elements and equations tie all of the model together, so that "
+                                        "it cannot deform: in the model file it is a rigid body"
+                                      : fmt::format("{}: {}", check.name, check.detail));
+}
+
+Check loose_rotations_check(const SolidMesh& mesh, const std::vector<Dof>& loose) {
+  return {"loose rotations", true,
+          fmt::format("{} rotations that nothing resists are left out, the first of node {} about {}",
+                      loose.size(), label_of(mesh, loose.front().node), "xyz"[loose.front().direction - 3])};
+}
+
+void add_frames(const std::vector<Interface>& interfaces, const Shapes& shapes, ReducedBody& body) {
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    const Interface& interface = interfaces[i];
+    const auto rows = shapes.points.middleRows<6>(static_cast<Index>(6 * i));
+    body.frames.push_back(
+        {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
+  }
+}
+
+void add_final_checks(const MatrixXd& mass, ReducedBody& body) {
+  const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -
+                          MatrixXd::Identity(body.modes, body.modes))
+                             .cwiseAbs()
+                             .maxCoeff();
+  body.checks.push_back({"orthogonal modes", overlap < 1e-8, fmt::format("to {:.1g}", overlap)});
+  std::string unsound;
+  for (const std::string& message : check(body)) unsound += (unsound.empty() ? "" : "; ") + message;
+  body.checks.push_back({"reduced body", unsound.empty(), unsound.empty() ? "sound" : unsound});
+}
+
 }  // namespace
 
 Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
@@ -458,22 +495,10 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   };
   ReductionResult result;
   result.body.checks = check_matrices(mesh, matrices, options.interfaces);
-  for (const Check& check : result.body.checks)
-    if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
-                          check.name == "positive diagonals" || check.name == "rigid motions"))
-      throw std::invalid_argument(constrained && all_rigid(all, left)
-                                      ? "rigid elements and equations tie all of the model together, so that "
-                                        "it cannot deform: in the model file it is a rigid body"
-                                      : fmt::format("{}: {}", check.name, check.detail));
-
+  require_sound(result.body.checks, constrained && all_rigid(all, left));
   result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
   if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);
-
-  if (!loose.empty())
-    result.body.checks.push_back(
-        {"loose rotations", true,
-         fmt::format("{} rotations that nothing resists are left out, the first of node {} about {}",
-                     loose.size(), label_of(mesh, loose.front().node), "xyz"[loose.front().direction - 3])});
+  if (!loose.empty()) result.body.checks.push_back(loose_rotations_check(mesh, loose));
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
   if (!options.stress.nodes.empty()) {
@@ -503,12 +528,7 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   body.mass_matrix = 0.5 * (mass + mass.transpose());
   body.stiffness = 0.5 * (stiffness + stiffness.transpose());
   body.damping = options.stiffness_damping * body.stiffness;
-  for (std::size_t i = 0; i < options.interfaces.size(); ++i) {
-    const Interface& interface = options.interfaces[i];
-    const auto rows = shapes.points.middleRows<6>(static_cast<Index>(6 * i));
-    body.frames.push_back(
-        {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
-  }
+  add_frames(options.interfaces, shapes, body);
   tell("stress", 0);
   add_surface(mesh, all, all_shapes, displacements, options.stress, body);
   if (options.geometric_stiffness) {
@@ -525,14 +545,7 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   held.reset();  // the free model's factors take its place in memory
   make_orthogonal(body);
 
-  const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -
-                          MatrixXd::Identity(body.modes, body.modes))
-                             .cwiseAbs()
-                             .maxCoeff();
-  body.checks.push_back({"orthogonal modes", overlap < 1e-8, fmt::format("to {:.1g}", overlap)});
-  std::string unsound;
-  for (const std::string& message : check(body)) unsound += (unsound.empty() ? "" : "; ") + message;
-  body.checks.push_back({"reduced body", unsound.empty(), unsound.empty() ? "sound" : unsound});
+  add_final_checks(mass, body);
   add_free_modes(matrices, options, R, shapes.dofs, scale, result);
   tell("done", 1);
   return result;
