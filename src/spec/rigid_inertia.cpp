@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "math/once/decompositions.h"
-#include "spec/checked_thing.h"
+#include "spec/checked_item.h"
 
 namespace mimbre {
 namespace {

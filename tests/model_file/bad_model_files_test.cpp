@@ -635,7 +635,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"OutputComponent", 8, {"'w'", "x, y, z"}, output("{name: q, position: arm, component: w}")},
         Mistake{"OutputsNoList",
                 8,
-                {"a list is needed, this is a map of keys; each of its things begins with '- '"},
+                {"a list is needed, this is a map of keys; each of its items begins with '- '"},
                 sound + "outputs:\n  q: {roll: arm}\n"},
         Mistake{"OutputOfTheWorld",
                 8,

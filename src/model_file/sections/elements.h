@@ -7,7 +7,7 @@
 /// What the sections of force elements have in common.
 namespace mimbre::model_file {
 
-/// Calls `one(name, entry, value)` for every named thing of a section and counts it in `names`.
+/// Calls `one(name, entry, value)` for every named item of a section and counts it in `names`.
 template <class Read>
 void for_each(Builder& builder, Part& part, const std::string& key, Names& names, std::size_t& count,
               Read&& one) {
@@ -22,18 +22,18 @@ void for_each(Builder& builder, Part& part, const std::string& key, Names& names
   }
 }
 
-/// Things of a section that have nothing but a name, a place and what `read` finds.
-template <class Thing, class Read>
-void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Thing>& things,
+/// Items of a section that have nothing but a name, a place and what `read` finds.
+template <class Item, class Read>
+void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Item>& items,
                Read&& read) {
-  std::size_t count = things.size();
+  std::size_t count = items.size();
   for_each(builder, part, key, names, count,
            [&](const std::string& name, const Mark& mark, const Value& value) {
-             Thing thing;
-             thing.name = name;
-             thing.mark = mark;
-             read(builder, part, value, thing);
-             things.push_back(std::move(thing));
+             Item item;
+             item.name = name;
+             item.mark = mark;
+             read(builder, part, value, item);
+             items.push_back(std::move(item));
            });
 }
 

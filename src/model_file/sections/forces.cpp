@@ -74,12 +74,12 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   }
 }
 
-template <class Thing>
-Thing named(const std::string& name, const Mark& mark) {
-  Thing thing;
-  thing.name = name;
-  thing.mark = mark;
-  return thing;
+template <class Item>
+Item named(const std::string& name, const Mark& mark) {
+  Item item;
+  item.name = name;
+  item.mark = mark;
+  return item;
 }
 
 }  // namespace

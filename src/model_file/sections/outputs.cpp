@@ -363,7 +363,7 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
     std::vector<std::string> words;
     for (const OutputKind& row : output_kinds) words.emplace_back(row.key);
     value.error(fmt::format("says {} of what it is; exactly one of {}",
-                            given.empty() ? "nothing" : "several things", joined(words)));
+                            given.empty() ? "nothing" : "several items", joined(words)));
     return;
   }
   const OutputKind& row = *given.front();
@@ -408,7 +408,7 @@ bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::O
     value.error(given == 0
                     ? "says nothing of what it is: 'value' with an expression, or what an output would be, "
                       "for example joint: hinge"
-                    : "says several things of what it is; keep one");
+                    : "says several items of what it is; keep one");
     return false;
   }
   output.kind = row->kind;

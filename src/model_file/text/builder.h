@@ -41,7 +41,7 @@ struct Part {
   const Part* outer = nullptr;          ///< in which it stands; null for the model itself
   const Part* home = nullptr;           ///< in which its template is written
   std::shared_ptr<const Tree> written;  ///< as it is in the file
-  std::shared_ptr<const Tree> tree;     ///< with repeated things written out
+  std::shared_ptr<const Tree> tree;     ///< with repeated items written out
   std::map<std::string, Template> templates;
   Scope scope;
   Placement place;
@@ -52,7 +52,7 @@ struct Part {
   std::string full_name(const std::string& name) const {
     return instance.empty() ? name : instance + "." + name;
   }
-  /// What `name` may mean: a thing of this part first, then of those in which it stands, of the model last.
+  /// What `name` may mean: an item of this part first, then of those in which it stands, of the model last.
   std::vector<std::string> meanings(const std::string& name) const;
   /// Section `key` of this part; nothing when absent.
   std::optional<Value> section(const std::string& key) const;
@@ -99,7 +99,7 @@ struct BodyInfo {
   std::optional<Value> inertia;  ///< of a rigid body with a sound mass, to be checked with the joints
 };
 
-/// Names of one kind of things: index by full name.
+/// Names of one kind of items: index by full name.
 struct Names {
   std::string kind;
   std::unordered_map<std::string, int> index;
@@ -138,9 +138,9 @@ struct Builder {
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);
   /// Likewise for the frame THING.a or THING.b (`end`) of a joint or constraint, at its first or second body.
-  void claim_end(const Names& things, const Part& part, const std::string& thing, char end, const Mark& mark,
+  void claim_end(const Names& items, const Part& part, const std::string& item, char end, const Mark& mark,
                  int frame);
-  /// The thing called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
+  /// The item called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
   int resolve(const Names& names, const Part& part, const std::string& name, const Value& value);
   /// The same without an error.
   int known(const Names& names, const Part& part, const std::string& name) const;

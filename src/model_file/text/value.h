@@ -23,7 +23,7 @@ class Errors {
   void throw_if_any() const;
   /// `name`, of an instance: messages that differ by it alone, at one place, are one.
   void instance(const std::string& name) { common_[name] = ""; }
-  /// `name`, of one of many things that are written once as `pattern`, in `instance` (empty: the model).
+  /// `name`, of one of many items that are written once as `pattern`, in `instance` (empty: the model).
   void stands_for(const std::string& name, const std::string& pattern, const std::string& instance) {
     common_[name] = instance.empty() ? pattern : pattern.substr(instance.size() + 1);
   }
@@ -43,7 +43,7 @@ class Errors {
 
   const Limits& limits_;
   std::map<std::string, std::string>
-      common_;  ///< what names of instances and of repeated things have in common
+      common_;  ///< what names of instances and of repeated items have in common
   std::vector<Several> several_;
 };
 
@@ -119,9 +119,9 @@ class Fields {
   Value value_;
 };
 
-/// Whether names of things may have it: letters, digits, '_', '-', '.', what is beyond ASCII.
-bool in_a_thing_name(char c);
-/// True for names that things may have; records an error otherwise.
+/// Whether names of items may have it: letters, digits, '_', '-', '.', what is beyond ASCII.
+bool in_an_item_name(char c);
+/// True for names that items may have; records an error otherwise.
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind);
 
 std::string joined(const std::vector<std::string>& words);
