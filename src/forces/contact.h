@@ -29,28 +29,28 @@ constexpr int damping = 11, slow = 12;
 constexpr double still = 1e-7;
 
 template <class T, int n>
-struct Held {
+struct BristleForce {
   Eigen::Matrix<T, n, 1> bend, force;
   Eigen::Matrix<T, n, n> tangent;
 };
 
-/// Bristles that were bent by `bent` and pulled by `pulled`, and are moved on. `firm`, `viscosity`: theirs;
-/// step 0: their damper's part of the pull stays.
+/// Bristles that were bent by `bent` and pulled by `pulled`, and are moved on. `bristle_stiffness`,
+/// `viscosity`: theirs; step 0: their damper's part of the pull stays.
 template <class T, int n>
-Held<T, n> hold(const Eigen::Matrix<T, n, 1>& bent, const Eigen::Matrix<T, n, 1>& pulled,
-                const Eigen::Matrix<T, n, 1>& moved, const T& firm, const T& viscosity, double step,
-                const T& limit) {
+BristleForce<T, n> bend_bristles(const Eigen::Matrix<T, n, 1>& bent, const Eigen::Matrix<T, n, 1>& pulled,
+                                 const Eigen::Matrix<T, n, 1>& moved, const T& bristle_stiffness,
+                                 const T& viscosity, double step, const T& limit) {
   using std::sqrt;
   using Vector = Eigen::Matrix<T, n, 1>;
   const bool steps = step > 0;
-  const T damped = steps ? T(viscosity / step) : T(0), whole = firm + damped;
-  const Vector kept = steps ? Vector(firm * bent) : pulled, trial = kept + whole * moved;
+  const T damped = steps ? T(viscosity / step) : T(0), whole = bristle_stiffness + damped;
+  const Vector kept = steps ? Vector(bristle_stiffness * bent) : pulled, trial = kept + whole * moved;
   const T square = trial.squaredNorm();
   const auto sliding = square > limit * limit;
   const T size = sqrt(select(sliding, square, T(1))), share = select(sliding, T(limit / size), T(1));
-  Held<T, n> h;
+  BristleForce<T, n> h;
   h.force = share * trial;
-  // Sliding: firm z + damped (z − bent) = force.
+  // Sliding: bristle_stiffness z + damped (z − bent) = force.
   const T some = select(whole > T(0), whole, T(1));
   for (int k = 0; k < n; ++k)
     h.bend[k] = select(sliding, T((h.force[k] - kept[k] + whole * bent[k]) / some), T(bent[k] + moved[k]));
@@ -93,15 +93,15 @@ Eigen::Matrix<T, 2, 1> carried(const Mat3<T>& axes, const T* before) {
 /// What slides or turns as it starts has bent the bristles already. `rest`: rate below which it does neither.
 template <class T, int n>
 void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& rest, const T& limit,
-           const T& firm, Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
+           const T& bristle_stiffness, Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
   using std::sqrt;
-  if (c.step > 0 || !any(firm > T(0))) return;
+  if (c.step > 0 || !any(bristle_stiffness > T(0))) return;
   const T square = rate.squaredNorm();
   const auto begins = select(c.states[contact_states::gap] < T(0), T(0), square) > rest * rest;
   const T size = sqrt(select(begins, square, T(1)));
   for (int k = 0; k < n; ++k) {
     pulled[k] = select(begins, T(limit * rate[k] / size), pulled[k]);
-    bent[k] = select(begins, T(pulled[k] / firm), bent[k]);
+    bent[k] = select(begins, T(pulled[k] / bristle_stiffness), bent[k]);
   }
 }
 
@@ -134,20 +134,22 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   s.damping[0] = push.along_speed;
 
   const Mat3<T> axes = axes_of(s);
-  const T firm = p[tangential] * p[stiffness];
+  const T bristle_stiffness = p[tangential] * p[stiffness];
   const T square = s.v[1] * s.v[1] + s.v[2] * s.v[2];
   const T limit = push.force * p[friction] *
                   (T(1) + (p[static_ratio] - T(1)) * exp(T(-square / (p[stribeck] * p[stribeck]))));
   Vector2 bent = carried(axes, c.states + states::bend), pulled = carried(axes, c.states + states::pull);
   const T rest = T(still) * p[stribeck];
-  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), rest, limit, firm, bent, pulled);
-  const Held<T, 2> held =
-      hold<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), firm, T(firm * p[settling]), c.step, limit);
-  const Vec3<T> bend = axes.template leftCols<2>() * held.bend,
-                pull = axes.template leftCols<2>() * held.force;
+  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), rest, limit, bristle_stiffness, bent, pulled);
+  const BristleForce<T, 2> bristles =
+      bend_bristles<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), bristle_stiffness,
+                          T(bristle_stiffness * p[settling]), c.step, limit);
+  const Vec3<T> bend = axes.template leftCols<2>() * bristles.bend,
+                pull = axes.template leftCols<2>() * bristles.force;
   for (int i = 0; i < 2; ++i) {
-    s.force[1 + i] = select(touches, held.force[i], T(0));
-    for (int j = 0; j < 2; ++j) s.stiffness[(1 + i) * n + 1 + j] = select(touches, held.tangent(i, j), T(0));
+    s.force[1 + i] = select(touches, bristles.force[i], T(0));
+    for (int j = 0; j < 2; ++j)
+      s.stiffness[(1 + i) * n + 1 + j] = select(touches, bristles.tangent(i, j), T(0));
   }
   for (int k = 0; k < 3; ++k) {
     s.states[states::bend + k] = select(touches, bend[k], T(0));
@@ -159,17 +161,17 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
                 turned = axes.transpose() * vector_at<T>(c.states + states::moment);
   const T radius(ends_of(c.model, c.element, c.states).radius),
-      lever = firm * radius, roll = lever * p[rolling], spin = lever * p[spinning];
+      lever = bristle_stiffness * radius, roll = lever * p[rolling], spin = lever * p[spinning];
   const T most_roll = push.force * p[rolling], most_spin = push.force * p[spinning];
   Vector2 rolled = twisted.template head<2>(), roll_moment = turned.template head<2>();
   Vector1 spun(twisted[2]), spin_moment(turned[2]);
   const T turning_rest = rest / radius;
   begin<T, 2>(c, Vector2(s.v[3], s.v[4]), turning_rest, most_roll, roll, rolled, roll_moment);
   begin<T, 1>(c, Vector1(s.v[5]), turning_rest, most_spin, spin, spun, spin_moment);
-  const Held<T, 2> rolls = hold<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
-                                      T(roll * p[settling]), c.step, most_roll);
-  const Held<T, 1> spins =
-      hold<T, 1>(spun, spin_moment, Vector1(s.x[5]), spin, T(spin * p[settling]), c.step, most_spin);
+  const BristleForce<T, 2> rolls = bend_bristles<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
+                                                       T(roll * p[settling]), c.step, most_roll);
+  const BristleForce<T, 1> spins =
+      bend_bristles<T, 1>(spun, spin_moment, Vector1(s.x[5]), spin, T(spin * p[settling]), c.step, most_spin);
   for (int i = 0; i < 2; ++i) {
     s.force[3 + i] = select(touches, rolls.force[i], T(0));
     for (int j = 0; j < 2; ++j) s.stiffness[(3 + i) * n + 3 + j] = select(touches, rolls.tangent(i, j), T(0));
@@ -199,11 +201,11 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   using namespace contact;
   namespace states = contact_states;
   const double* p = c.numbers();
-  const double firm = p[tangential] * p[stiffness],
-               lever = firm * ends_of(c.model, c.element, c.states).radius;
+  const double bristle_stiffness = p[tangential] * p[stiffness],
+               lever = bristle_stiffness * ends_of(c.model, c.element, c.states).radius;
   const bool turning = s.count > 3;
   const auto bristles = [&](const double* z, const Mat3d& axes) {
-    double stored = 0.5 * firm * vector_at<double>(z + states::bend).squaredNorm();
+    double stored = 0.5 * bristle_stiffness * vector_at<double>(z + states::bend).squaredNorm();
     if (!turning) return stored;
     const Vec3d twist = axes.transpose() * vector_at<double>(z + states::twist);
     return stored +
