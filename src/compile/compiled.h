@@ -43,10 +43,11 @@ struct AncfElement {
 struct GeometricData {
   int modes = 0;
   Array<int> loads;
-  int inertial = 0;     ///< of these the first: loads of inertia and gravity
-  Rows stiffness;       ///< loads · modes × stride
-  Rows boundary_loads;  ///< count × stride: R
-  Rows boundary_give;  ///< count × stride: row l is K⁻¹ R_l, the amplitudes that one unit of the load causes
+  int inertial = 0;          ///< of these the first: loads of inertia and gravity
+  Rows stiffness;            ///< loads · modes × stride
+  Rows boundary_loads;       ///< count × stride: R
+  Rows boundary_compliance;  ///< count × stride: row l is K⁻¹ R_l, the amplitudes that one unit of the load
+                             ///< causes
   /// 6 × stride: acceleration of the origin and angular acceleration of the rigid motion that is nearest, by
   /// mass, to that of each mode, body axes.
   Rows mean_motion;

@@ -59,11 +59,11 @@ class HeldStretch {
   using Rows = Eigen::Matrix<double, rows, Eigen::Dynamic>;  ///< the last ones 0 where there are fewer
   struct Body {
     int first_amplitude = 0, modes = 0, first_state = 0, states = 0, coordinates = 0;
-    Rows<most_coordinates> bending;  ///< coordinates of its bending, energy ½ |c|², by amplitudes
-    Rows<most_states> stretch;       ///< e by products c_i c_j, j ≤ i, in the order 00, 10, 11, 20 …
-    Rows<most_states> turn;          ///< l_q likewise; empty where it does not turn
-    Rows<most_states> press;         ///< l by amplitudes
-    Rows<most_coordinates> gives;    ///< C, in these coordinates
+    Rows<most_coordinates> bending;     ///< coordinates of its bending, energy ½ |c|², by amplitudes
+    Rows<most_states> stretch;          ///< e by products c_i c_j, j ≤ i, in the order 00, 10, 11, 20 …
+    Rows<most_states> turn;             ///< l_q likewise; empty where it does not turn
+    Rows<most_states> press;            ///< l by amplitudes
+    Rows<most_coordinates> compliance;  ///< C, in these coordinates
     Eigen::MatrixXd unit, axes;  ///< amplitudes by coordinates of unit energy, and those by c: for the start
     std::array<double, most_coordinates> c{};  ///< of y, then of y₀
     double share = 0;                          ///< of l_q that is in l
