@@ -30,7 +30,7 @@ namespace {
 class Compiler {
  public:
   explicit Compiler(spec::Model& model) : spec_(model) {
-    c_.beside = &model;
+    c_.source = &model;
     c_.gravity = model.gravity;
   }
 

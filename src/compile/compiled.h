@@ -323,12 +323,12 @@ struct SignalsData {
   };
   /// What the host sets: at `held` the value and when it was last changed, or for a straight line value,
   /// time, next value, next time.
-  struct Held {
+  struct HeldInput {
     int slot, held;
     bool linear;
     int input;  ///< of the spec; -1: a sampled signal
   };
-  struct Made {
+  struct Computed {
     int slot;
     LawData law;
     int block = -1;  ///< instead of the law: makes its outputs, from the slot on
@@ -373,11 +373,11 @@ struct SignalsData {
   int slots = 1;
   int first_moving = 1;  ///< slot from which on they are of sensors and of what follows from them
   Array<OfTime> of_time;
-  Array<Held> held;
-  Array<Made> fixed;  ///< of time and inputs, in the order in which they need each other
+  Array<HeldInput> held;
+  Array<Computed> fixed;  ///< of time and inputs, in the order in which they need each other
   Array<Integral> integrals;
   Array<Sensor> sensors;
-  Array<Made> moving;                              ///< of sensors, in that order
+  Array<Computed> moving;                          ///< of sensors, in that order
   bool fixed_loops = false, moving_loops = false;  ///< some of them are blocks `ahead`
   Array<Block> blocks;
   Array<double> numbers;          ///< of blocks
@@ -452,9 +452,9 @@ struct MassPlace {
 };
 
 struct Compiled {
-  /// What people need stands beside it, of this process: names, marks and texts, and laws that users wrote.
-  const spec::Model* beside = nullptr;
-  const spec::Model& spec() const { return *beside; }
+  /// What people need stands source it, of this process: names, marks and texts, and laws that users wrote.
+  const spec::Model* source = nullptr;
+  const spec::Model& spec() const { return *source; }
 
   int positions = 0, velocities = 0, equations = 0;
   Vec3d gravity = Vec3d::Zero();

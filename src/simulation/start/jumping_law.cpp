@@ -69,7 +69,7 @@ std::string jumping_law(const Compiled& m, const SeenByLaws& start, const SeenBy
   const auto told = [](const std::string& who, const Jump& jump) {
     return fmt::format("{} jumps with the motion, from {:.4g} to {:.4g}", who, jump.from, jump.to);
   };
-  for (const SignalsData::Made& made : m.signals.moving) {
+  for (const SignalsData::Computed& made : m.signals.moving) {
     if (made.block >= 0) continue;
     const auto jump = find_jump([&](double s) { return value(made.law, 0, s); });
     if (!jump) continue;
