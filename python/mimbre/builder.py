@@ -154,7 +154,7 @@ class Part:
 
     def add_stop(self, name: str, /, **keys: Unpack[words.Stop]) -> None:
         """Stops at the ends of a joint's travel, or of the distance of two points: lower, upper (m or rad), stiffness
-        (N/m or N m/rad), restitution of a blow."""
+        (N/m or N m/rad), restitution of an impact."""
         self._add("stops", name, keys)
 
     def add_torsion_spring(self, name: str, /, **keys: Unpack[words.TorsionSpring]) -> None:

@@ -260,7 +260,7 @@ struct ElementData {
   double radius = 0;       ///< contact: of the sphere; wheel
   double rolling = 0;      ///< wheel: share of its deflection by which it rolls as if it were smaller
   double footprint = 0;    ///< wheel: half the length along which it feels a profile, m
-  double struck_mass = 0;  ///< contact: of both bodies, as far as they move in a blow, kg
+  double struck_mass = 0;  ///< contact: of both bodies, as far as they move in an impact, kg
   /// axis: direction; wheel: its axis, in b; none: force and moment
   Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();
   bool about = false;                  ///< axis: turns

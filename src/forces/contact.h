@@ -2,20 +2,20 @@
 #include <cmath>
 
 #include "compile/slow_speeds.h"
-#include "forces/blow.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
+#include "forces/impact.h"
 #include "math/elementary.h"
 #include "math/restitution.h"
 
-/// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
-/// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
-/// limit μ N; then they slide, and the bristles stay bent: the return to the limit of a perfectly plastic
-/// spring (Simo and Hughes, Computational Inelasticity, 1998, 2.3), so that nothing below the limit creeps.
-/// Their stiffness does not depend on the normal force: what they store could not be had back otherwise.
-/// Rolling and spinning are resisted likewise, by moments up to N times an arm. The tangents leave out what
-/// the limits owe to the normal force: that is not symmetric.
+/// A sphere on a surface. Normal force: that of an impact (forces/impact.h) at the depth −x₀. Tangential
+/// force: bristles, springs with dampers in two directions, hold the surfaces together until their force
+/// reaches the limit μ N; then they slide, and the bristles stay bent: the return to the limit of a perfectly
+/// plastic spring (Simo and Hughes, Computational Inelasticity, 1998, 2.3), so that nothing below the limit
+/// creeps. Their stiffness does not depend on the normal force: what they store could not be had back
+/// otherwise. Rolling and spinning are resisted likewise, by moments up to N times an arm. The tangents leave
+/// out what the limits owe to the normal force: that is not symmetric.
 namespace mimbre::forces {
 
 namespace contact {
@@ -106,10 +106,10 @@ void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& 
 }
 
 template <class T>
-blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
+impact::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
   const T* p = c.numbers();
-  return blow::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
-                    blow::factor(p[damping], c.states[contact_states::blow], p[slow]));
+  return impact::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
+                      impact::factor(p[damping], c.states[contact_states::impact], p[slow]));
 }
 }  // namespace contact
 
@@ -124,11 +124,11 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   for (int k = 0; k < n * n; ++k) s.stiffness[k] = s.damping[k] = T(0);
   for (int k = states::bend; k < law_states(c.element); ++k) s.states[k] = T(0);
   const auto touches = s.x[0] < T(0);
-  // The speed of the next blow, as long as there is none.
-  s.states[states::blow] = select(touches, c.states[states::blow], T(abs(s.v[0])));
+  // The speed of the next impact, as long as there is none.
+  s.states[states::impact] = select(touches, c.states[states::impact], T(abs(s.v[0])));
   if (!any(touches)) return;
   const T* p = c.numbers();
-  const blow::Push<T> push = normal_push(c, s);
+  const impact::Push<T> push = normal_push(c, s);
   s.force[0] = -push.force;
   s.stiffness[0] = push.along_depth;
   s.damping[0] = push.along_speed;
@@ -196,7 +196,7 @@ inline Vec3d turn_since(const double* before, const double* now) {
 }
 }  // namespace contact
 
-/// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the blow's take.
+/// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the impact's take.
 inline void contact_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace contact;
   namespace states = contact_states;
@@ -215,7 +215,7 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   const Mat3d axes = touches ? axes_of<double>(s) : Mat3d(Mat3d::Identity());
   double now = 0;
   if (touches) {
-    const blow::Push<double> push = normal_push(c, s);
+    const impact::Push<double> push = normal_push(c, s);
     now = bristles(s.states, axes);
     e.stored = push.elastic * -s.x[0] / (p[exponent] + 1) + now;
     e.dissipating[0] = push.elastic - push.force;
@@ -245,7 +245,7 @@ struct Contact {
       {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
       {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
       {.key = "restitution",
-       .about = "share of the speed that a blow leaves",
+       .about = "share of the speed that an impact leaves",
        .otherwise = 1,
        .least = 0.01,
        .most = 1},

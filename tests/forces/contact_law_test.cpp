@@ -131,7 +131,7 @@ TEST(ContactLaw, TheGradientOfTheElasticEnergyIsTheForce) {
     for (int round = 0; round < 50; ++round) {
       const bool turning = round % 2 == 0;
       Touching t = touching(random, kind, 50, round % 3 == 0 ? 1 : 1.5, turning);
-      // The damping of the blow aside.
+      // The damping of the impact aside.
       t.model.numbers[11] = 0;
       ElementState<double> s = t.at(0, 0);
       t.law(s, 0);

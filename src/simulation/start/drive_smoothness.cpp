@@ -97,7 +97,7 @@ std::vector<std::string> drive_warnings(const Compiled& m, double end) {
         "the drive of joint '{}' {} by {:.3g} at t = {:.4g} s: that takes {}, of which joint forces in the "
         "results show nothing or what the step makes of it; {}",
         m.spec().joints[d.joint_spec].name, jump ? "jumps" : "changes its speed at once", worst.size,
-        worst.at, jump ? "an infinite force" : "a blow, a force without bound for no time",
+        worst.at, jump ? "an infinite force" : "an impact, a force without bound for no time",
         "use `interpolation: cubic` or an expression with continuous speed"));
   }
   return all;
