@@ -452,7 +452,7 @@ struct MassPlace {
 };
 
 struct Compiled {
-  /// What people need stands source it, of this process: names, marks and texts, and laws that users wrote.
+  /// The model that this was compiled from, in this process: names, marks, texts and laws of the user.
   const spec::Model* source = nullptr;
   const spec::Model& spec() const { return *source; }
 

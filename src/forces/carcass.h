@@ -6,7 +6,7 @@
 #include "math/elementary.h"
 
 /// The footprint of a tyre behind its carcass. The carcass is a spring with a damper along and across; the
-/// footprint slips behind it by a law of friction. In series they resistance all that a tyre does over time:
+/// footprint slips behind it by a law of friction. In series they give all that a tyre does over time:
 /// on the roll the force follows the slip on a way of slip stiffness over carcass stiffness, the relaxation
 /// length; a wheel that stands or is locked hangs on its carcass, without creeping, until its friction is
 /// used up.
@@ -98,7 +98,7 @@ FootprintForce<T> footprint_force(const Patch<T>& patch) {
   const T kept = select(size > limit, T(limit / size), T(1));
   for (int k = 0; k < 2; ++k) shear.force[k] *= kept;
 
-  // Along the force it grows by less than relaxed it: not at all where all slides.
+  // Along the force it grows by less than across it: not at all where all slides.
   const T left = T(1) - shear.used, mean = T(0.5) * (ratio[0] + ratio[1]);
   const T radial = left * left / some(T(left * left + mean)), secant = q / (q + mean);
   const T lost = select(slides, T(1), T(T(1) - radial / secant));

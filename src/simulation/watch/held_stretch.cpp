@@ -27,7 +27,7 @@ constexpr double largest_deflection = 0.2, least_ratio = 0.01;
 constexpr double negligible_form = 1e-3;
 /// Weight of frames' turns, by the distance between them, against their displacements.
 constexpr double turn_weight = 0.03;
-/// Stiffness by the largest of the places: what has less compliance way.
+/// Share of the largest stiffness of the places below which a place does not resist.
 constexpr double loose = 1e-9;
 /// Square of what a unit motion of the mechanism moves of places that are held: round-off.
 constexpr double no_motion = 1e-18;
