@@ -212,7 +212,7 @@ bool Verification::energy_lost() const {
 
 std::string verdict(const Verification& v) {
   if (!v.compared()) return {};
-  if (!v.ran()) return "No step was made: there is nothing that could agree.";
+  if (!v.ran()) return "No step was made: there is nothing to compare.";
   std::string text;
   // What half or a quarter of the step failed in is told by the failures.
   if (v.agreement.agree && !v.failures().empty())
@@ -220,8 +220,7 @@ std::string verdict(const Verification& v) {
   else if (v.agreement.agree && v.energy_lost())
     text = fmt::format(
         "The formulations agree, but the numerics changed the energy by {:.3g} J, of {:.3g} J at play, and "
-        "by "
-        "hardly less with half the step: something vibrates that no such step resolves.",
+        "by almost as much with half the step: a vibration is too fast for these steps.",
         v.half->runs[0].energy_drift, v.energy_at_play);
   else
     text = verdict(v.agreement);

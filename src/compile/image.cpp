@@ -67,7 +67,7 @@ Image::Image(const Compiled& grown) {
 Image::Image(std::span<const std::byte> bytes, const spec::Model* source) {
   Header header;
   if (bytes.size() < sizeof header)
-    throw InputError(Mark{}, "these bytes are not the image of a model: there are too few of them");
+    throw InputError(Mark{}, "these bytes are not the image of a model: they are too few");
   const Header expected;
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0)

@@ -245,7 +245,7 @@ struct Contact {
       {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
       {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
       {.key = "restitution",
-       .about = "share of the speed that an impact leaves",
+       .about = "coefficient of restitution: ratio of rebound to impact speed",
        .otherwise = 1,
        .least = 0.01,
        .most = 1},

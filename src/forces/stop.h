@@ -75,7 +75,7 @@ struct Stop {
        .otherwise = 1e-3,
        .above = 0},
       {.key = "restitution",
-       .about = "share of the speed that an impact leaves",
+       .about = "coefficient of restitution: ratio of rebound to impact speed",
        .otherwise = 1,
        .least = 0.01,
        .most = 1},

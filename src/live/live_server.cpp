@@ -144,9 +144,9 @@ struct Session {
   void take_control(Viewer& viewer, bool take) {
     if (take && controller && controller != &viewer) {
       controller->send(live::asked_text(viewer.number()));
-      throw InputError(Mark{}, "another viewer has control; it has to give it back first");
+      throw InputError(Mark{}, "another viewer has control; it has to release it first");
     }
-    if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to give back");
+    if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to release");
     controller = take ? &viewer : nullptr;
     tell_control();
   }
@@ -180,7 +180,7 @@ struct Session {
   /// What the viewer in control asks for.
   void act(live::Asked& asked) {
     const auto request = [&](RealTimeRequest::Kind kind, int place = 0) {
-      if (!loop.request({kind, place})) throw InputError(Mark{}, "too much is asked for at once");
+      if (!loop.request({kind, place})) throw InputError(Mark{}, "too many requests at once");
     };
     using Kind = RealTimeRequest::Kind;
     const std::string& what = asked.what;
@@ -210,7 +210,7 @@ struct Session {
       tell_all(live::recording_text(recorder->recording(), recorder->path()));
     } else if (what == "play") {
       if (!board.play(asked.tracks ? std::make_unique<live::InputTracks>(std::move(*asked.tracks)) : nullptr))
-        throw InputError(Mark{}, "too much is asked for at once");
+        throw InputError(Mark{}, "too many requests at once");
     }
   }
 
@@ -456,7 +456,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         return self->refuse(http::status::payload_too_large, "the request is too long");
       if (error && error.category() == make_error_code(http::error::bad_method).category() &&
           error != http::error::end_of_stream && error != http::error::partial_message)
-        return self->refuse(http::status::bad_request, "this is no request");
+        return self->refuse(http::status::bad_request, "the request is malformed");
       if (!error) self->answer();
     });
   }
@@ -476,7 +476,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     keep_alive_ = request.keep_alive();
     if (!guard_.allows_host(host)) return refuse(http::status::forbidden, "the host is not this server's");
     if (!guard_.allows_origin(as_view(request[http::field::origin]), host))
-      return refuse(http::status::forbidden, "pages of other origins may not");
+      return refuse(http::status::forbidden, "pages of other origins are refused");
     if (!guard_.allows_token(target)) return refuse(http::status::forbidden, "the token is wrong or missing");
     if (websocket::is_upgrade(request)) {
       if (path != "/ws") return refuse(http::status::not_found, "the WebSocket is at /ws");

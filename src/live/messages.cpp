@@ -260,7 +260,7 @@ Asked understood(const std::string& text, const std::vector<spec::Input>& inputs
   } else if (is("play")) {
     if (message.contains("tracks")) asked.tracks = tracks_of(message["tracks"], inputs);
   } else if (!is("pause") && !is("resume") && !is("step") && !is("reset")) {
-    wrong(fmt::format("'{}' is nothing that can be done here", asked.what.substr(0, 100)));
+    wrong(fmt::format("there is no action '{}'", asked.what.substr(0, 100)));
   }
   return asked;
 }

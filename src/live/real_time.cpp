@@ -271,8 +271,8 @@ struct RealTimeLoop::Impl {
       increase(monitor.lag, nano * static_cast<double>(by));
     } else if (options.overrun == Overrun::stop) {
       end(State::failed,
-          fmt::format("the step to t = {:.6g} s was not ready in time: {:.3g} ms of {:.3g} ms "
-                      "that there are, begun {:.3g} ms late",
+          fmt::format("the step to t = {:.6g} s was not ready in time: it took {:.3g} ms of {:.3g} ms and "
+                      "began {:.3g} ms late",
                       simulation.time(), 1e3 * timing.computation, 1e3 * period, 1e3 * timing.latency));
     }
   }

@@ -186,7 +186,7 @@ void check(const RealTimePlanOptions& o) {
           fmt::format("the deadline is {} s; it must be 1e-5 to 10 s", o.deadline));
   require(o.load > 0 && o.load <= 1,
           fmt::format("the load is {}; it must be above 0, and at most 1", o.load));
-  require(o.watch > 0, fmt::format("it is to be watched for {} s; it must be longer", o.watch));
+  require(o.watch > 0, fmt::format("the time against the clock is {} s; it must be positive", o.watch));
 }
 
 /// In the order of what is to be tried: the model as it is first, then with fewer modes.

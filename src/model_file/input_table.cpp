@@ -224,7 +224,7 @@ class Table {
     if (name_.empty())
       file_.fail("has no header with the names of inputs; name the one input of a table without: NAME=FILE");
     if (cells_.size() != 2)
-      file_.fail(fmt::format("has {} columns, and no header says which they are", cells_.size()));
+      file_.fail(fmt::format("has {} columns, and no header that names them", cells_.size()));
     width_ = 2;
     add_column(*find(name_), 1);
   }

@@ -86,7 +86,7 @@ spec::Pose Addition::pose(const Eigen::Vector3d& at, const build::Axes& axes) co
   if (axes.x) given.emplace_back(0, direction("x", *axes.x));
   if (axes.y) given.emplace_back(1, direction("y", *axes.y));
   if (axes.z) given.emplace_back(2, direction("z", *axes.z));
-  if (given.size() > 2) refuse("two of the axes x, y, z say all; leave one out");
+  if (given.size() > 2) refuse("two of the axes x, y, z determine all; leave one out");
   if (given.size() == 2 && !perpendicular(given[0].second, given[1].second))
     refuse(fmt::format("the axes {} and {} are not perpendicular: they have the cosine {:.4g}",
                        "xyz"[given[0].first], "xyz"[given[1].first], given[0].second.dot(given[1].second)));

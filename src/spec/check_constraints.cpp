@@ -43,7 +43,7 @@ void check_points(const CheckedItem& item, const spec::Constraint& c) {
     const std::size_t before = k > 0 ? k - 1 : count - 1;
     if (!((c.points[k] - c.points[before]).norm() > 1e-9 * extent))
       item.error(fmt::format("points {} and {} of the curve are at one place{}", before, k,
-                             k == 0 ? "; a closed curve goes on to its first point by itself" : ""));
+                             k == 0 ? "; a closed curve returns to its first point automatically" : ""));
   }
 }
 

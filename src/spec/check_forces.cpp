@@ -12,7 +12,7 @@ int body_of(const spec::Model& model, int frame) {
 
 void check_spring(const spec::Model& model, const CheckedItem& item, const spec::Spring& spring) {
   if (spring.elastic.is_zero() && spring.damping.is_zero() && spring.general.formula.is_zero())
-    item.error("says no force; give 'elastic', 'damping' or a law of both");
+    item.error("specifies no force; give 'elastic', 'damping' or a law of both");
   const bool a = item.index("frame_a", spring.frame_a, model.frames.size(), "frames");
   const bool b = item.index("frame_b", spring.frame_b, model.frames.size(), "frames");
   if (!a || !b || !sound_frame(model, spring.frame_a) || !sound_frame(model, spring.frame_b)) return;

@@ -58,7 +58,7 @@ void check_joint_springs(const CheckedItem& item, const spec::Joint& joint) {
   for (const spec::JointSpring& spring : joint.springs) {
     if (!check_coordinate(item, "spring", joint.type, spring.coordinate)) continue;
     if (spring.elastic.is_zero() && spring.damping.is_zero() && spring.general.formula.is_zero())
-      item.error("spring: says no force; give 'elastic', 'damping' or both");
+      item.error("spring: specifies no force; give 'elastic', 'damping' or both");
   }
 }
 

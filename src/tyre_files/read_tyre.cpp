@@ -130,7 +130,7 @@ class Reading {
     for (const char* const key : {"PROPERTY_FILE_FORMAT", "FITTYP"})
       if (const auto found = said.find(key); found != said.end()) tyre_.version = found->second.first;
     if (tyre_.version == 0 && errors_.empty())
-      refuse(end_, "says nowhere which Magic Formula it is: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
+      refuse(end_, "does not specify its Magic Formula: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
     at(version) = tyre_.version;
   }
 

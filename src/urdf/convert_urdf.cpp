@@ -392,7 +392,8 @@ class Writer {
                                    example);
       note({}, what + (package.empty()
                            ? ""
-                           : fmt::format("; say where the package '{0}' is: --package {0}=FOLDER", package)));
+                           : fmt::format("; specify the folder of the package '{0}': --package {0}=FOLDER",
+                                         package)));
     }
     std::string what;
     for (const auto& [tag, count] : robot_.left_out)

@@ -408,7 +408,7 @@ const std::vector<Mistake>& mistakes() {
          [](spec::Element& e, M&, Random&) { e.general.arguments.clear(); }),
       in("signal of a torsion spring", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "argument",
          [](spec::Element& e, M&, Random& r) { e.general.arguments[0].index = bad_index(r); }),
-      in("torsion spring without a force", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "says no force",
+      in("torsion spring without a force", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "specifies no force",
          [](spec::Element& e, M&, Random&) { e.general = {}; e.functions[0] = {}; }),
       in("formula of another law", "element", &M::elements, [](const spec::Element& e) { return e.law == "actuator"; }, "has no formula 'general'",
          [](spec::Element& e, M&, Random&) { e.general = {Formula::expression("x", {"x", "v"}), {}}; }),

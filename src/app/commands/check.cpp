@@ -202,9 +202,9 @@ std::string redundancy_note(const Redundancy& r) {
   all.insert(all.end(), r.constraints.begin(), r.constraints.end());
   const std::vector<std::string> some(all.begin(), all.begin() + std::min(all.size(), named));
   return fmt::format(
-      "\nIn this position {} of the equations {} what others say. That does not change the motion, but rigid "
-      "bodies do not\ndetermine how these {} share their loads; of all reactions the smallest are "
-      "given: {}{}\n",
+      "\nIn this position {} of the constraint equations {} others. That does not change the motion, but "
+      "rigid bodies do not\ndetermine how these {} share their loads; the results contain the smallest "
+      "reactions: {}{}\n",
       r.equations, r.equations == 1 ? "repeats" : "repeat",
       r.constraints.empty() ? "joints" : "joints and constraints", fmt::join(some, ", "),
       all.size() > named ? fmt::format(" and {} more", all.size() - named) : "");
@@ -300,7 +300,7 @@ int run_check(const CheckArguments& arguments) {
 }  // namespace
 
 Command add_check(CommandLine& program) {
-  Parser parser = program.add_command("check", "Say what a model is, or everything that is wrong with it");
+  Parser parser = program.add_command("check", "Print what a model contains, or all mistakes in it");
   const auto arguments = std::make_shared<CheckArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);

@@ -248,7 +248,9 @@ void add_page_options(Parser& parser, LiveArguments& a) {
                   "and need the token")
       .type_name("A")
       .group("Page");
-  parser.add_option("--token", a.token, "What a viewer has to know; without, one is made where it is needed")
+  parser
+      .add_option("--token", a.token,
+                  "Secret that viewers need; default: a new one if others can reach the page")
       .type_name("T")
       .group("Page");
   const Option open =
@@ -269,11 +271,11 @@ void add_loop_options(Parser& parser, LiveArguments& a) {
       .one_of(policies)
       .type_name("NAME")
       .group("Clock");
-  parser.add_option("--spin", a.clock.spin, "Seconds before a step in which it waits without sleeping")
+  parser.add_option("--spin", a.clock.spin, "Seconds of busy waiting before a step")
       .from(0, 0.1)
       .type_name("S")
       .group("Clock");
-  parser.add_flag("--no-lock", a.no_lock, "Do not keep the memory in place").group("Clock");
+  parser.add_flag("--no-lock", a.no_lock, "Do not lock the memory").group("Clock");
   parser.add_option("--idle", a.idle, "Watch the idle machine for so many seconds first, to compare with")
       .above(0)
       .type_name("S")
@@ -292,7 +294,7 @@ void add_exchange_options(Parser& parser, LiveArguments& a) {
   parser
       .add_option(
           "--udp-wait", a.udp_wait,
-          "Seconds that a step waits at most for the answer to the last\noutputs; 0: it takes what has come")
+          "Most seconds that a step waits for the answer to the last\noutputs; 0: it uses the latest answer")
       .from(0, 10)
       .type_name("S")
       .group("Exchange");
@@ -303,11 +305,11 @@ void add_exchange_options(Parser& parser, LiveArguments& a) {
       .group("Exchange");
   parser
       .add_option("--send", a.sent,
-                  "Channel that the other program is given; several; without, the model's\noutputs")
+                  "Channel that is sent to the other program; may be repeated; default: the\nmodel's outputs")
       .repeated()
       .type_name("CHANNEL")
       .group("Exchange");
-  parser.add_option("--take", a.taken, "Input that the other program sets; several; without, all")
+  parser.add_option("--take", a.taken, "Input that the other program sets; may be repeated; default: all")
       .repeated()
       .type_name("INPUT")
       .group("Exchange");
@@ -324,12 +326,10 @@ Command add_live(CommandLine& program) {
   parser.add_option("--step", a->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser
       .add_option("--duration", a->duration,
-                  "Simulated seconds after which it ends; without, it runs until it is interrupted")
+                  "Simulated seconds after which the run ends; default: until it is interrupted")
       .above(0)
       .type_name("S");
-  parser
-      .add_option("--record", a->record,
-                  "Results file (HDF5) that it is recorded to, with the times of its steps")
+  parser.add_option("--record", a->record, "Results file (HDF5) of the run, with the times of its steps")
       .type_name("FILE.h5");
   add_page_options(parser, *a);
   add_loop_options(parser, *a);
@@ -345,8 +345,7 @@ Command add_live(CommandLine& program) {
       "Example:\n  mimbre live examples/iltis/vehicle.yaml --open");
   return {parser, [a, parser] {
             if (parser.has("--token") && a->token.empty())
-              throw UsageError(
-                  "--token: the token is empty; leave the option out where nobody is to be asked for one");
+              throw UsageError("--token: the token is empty; leave the option out if viewers need none");
             return live(*a);
           }};
 }

@@ -191,7 +191,7 @@ Json reduce_anew(const ReduceArguments& a) {
     options.stress = fe::read_stress_matrix(a.stress, a.stress_nodes, input.mesh, input.matrices,
                                             input.file_dofs, units_of(a.units));
   else if (!a.stress_nodes.empty())
-    throw UsageError("--stress-nodes says which nodes the rows of --stress FILE belong to");
+    throw UsageError("--stress-nodes belongs to --stress FILE: it lists the nodes of its rows");
   options.dynamic_modes = a.modes;
   options.free_modes = a.free_modes;
   options.basis = basis_of(a.basis);
@@ -315,7 +315,7 @@ int run_reduce(const ReduceArguments& a, const Parser& command) {
     print_data(summary_text(summary));
   }
   if (summary.at("passed").get<bool>()) return done;
-  print_warning("not all checks are passed: the certificate says what to look at before you trust this body");
+  print_warning("some checks failed: read the validation report before you use this body");
   return warned;
 }
 
@@ -361,7 +361,8 @@ void add_file_options(Parser& parser, ReduceArguments& a) {
 
 Command add_reduce(CommandLine& program) {
   Parser parser = program.add_command(
-      "reduce", "Make a body of a finite-element model: interface and dynamic modes, with a certificate");
+      "reduce",
+      "Reduce a finite-element model to a body: interface and dynamic modes, with a validation report");
   const auto a = std::make_shared<ReduceArguments>();
   parser.add_option("input", a->input, "The model; formats: below").required().type_name("INPUT");
   add_interface_options(parser, a->interfaces);
@@ -404,7 +405,7 @@ Command add_reduce(CommandLine& program) {
   parser.add_option("-o,--output", a->output, "The body").required().type_name("BODY.h5");
   parser
       .add_option("--report", a->report,
-                  "A page of the body's modes and certificate, as `mimbre report` makes")
+                  "A page of the body's modes and validation report, as `mimbre report` writes")
       .type_name("FILE.html");
   parser.add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
   parser.add_flag("--json", a->json, "Print a summary for machines");

@@ -185,8 +185,7 @@ int run_stress(const StressArguments& a) {
 
 Command add_stress(CommandLine& program) {
   Parser parser = program.add_command(
-      "stress",
-      "Tell where and when the bodies of a run were stressed most, and the loads in sections of bars");
+      "stress", "Print the largest stresses of a run, where and when, and the loads in sections of bars");
   const auto a = std::make_shared<StressArguments>();
   parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
   parser.add_option("--body", a->bodies, "Only this body; several times for several")

@@ -134,8 +134,7 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
   if (!rows.empty() && !K.ok()) {
     left_out =
         "the stiffening by forces at nodes is left out: the stiffness is not positive definite, so "
-        "amplitudes "
-        "do not say the forces";
+        "amplitudes do not determine the forces";
   } else if (!rows.empty()) {
     // F with P K⁻¹ Pᵀ F = P y and, where frames depend on each other, the least forces that do it, measured
     // by what each deflects: with K = L Lᵀ and rows of length 1 in A = S P L⁻ᵀ it is S A⁺ᵀ Lᵀ y.

@@ -80,7 +80,7 @@ ImportedMatrices read_calculix_matrices(const std::string& inp_path, const FileU
   };
   if (lower(std::filesystem::path(inp_path).extension().string()) != ".inp")
     throw InputError({inp_path, 0, 0},
-                     "the input file (.inp) is needed; .sti, .mas and .dof must stand beside it");
+                     "the input file (.inp) is needed; .sti, .mas and .dof must be in the same folder");
   ImportedMesh mesh = read_inp(inp_path, units);
   TextFile dof_file(beside(".dof"));
   TextFile stiffness(beside(".sti"));

@@ -278,10 +278,9 @@ void check_beam(const InpModel& model, const InpElement& element, const InpSecti
                                                shown(section.element_set)));
   const double along = axis.cross(section.first_axis).norm() / (axis.norm() * section.first_axis.norm());
   if (along < 1e-8)
-    throw InputError(section.mark,
-                     fmt::format("element {} of the set {} lies along the direction 1 of its section; say "
-                                 "another one in the last line of the section",
-                                 element.label, shown(section.element_set)));
+    throw InputError(section.mark, fmt::format("element {} of the set {} lies along the direction 1 of its "
+                                               "section; give another one in the last line of the section",
+                                               element.label, shown(section.element_set)));
 }
 
 /// One beam between neighbours of its nodes: a quadratic beam is two that bend as cubics, exact in statics

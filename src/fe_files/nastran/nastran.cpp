@@ -45,9 +45,8 @@ std::string choose_matrix(const std::vector<std::string>& names, const std::stri
     if (name.starts_with(letter)) fitting.push_back(name);
   if (fitting.size() != 1)
     throw InputError(
-        mark,
-        fmt::format("has {} DMIG matrices whose names begin with {}; the name must be said. There are: {}",
-                    fitting.size(), letter, shown(all)));
+        mark, fmt::format("has {} DMIG matrices whose names begin with {}; specify the name. There are: {}",
+                          fitting.size(), letter, shown(all)));
   return fitting.front();
 }
 

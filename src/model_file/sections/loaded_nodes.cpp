@@ -32,12 +32,11 @@ void warn_of_loaded_nodes(Builder& builder) {
       return;
     const std::string& node = body.node_names[static_cast<std::size_t>(f.flexible_frame)];
     builder.warnings.push_back(
-        {mark,
-         fmt::format("{} '{}' acts on node '{}' of body '{}', which has no static mode: dynamic modes alone "
-                     "show badly how a force there bends the body; add {{node: {}, along: [..]}} or "
-                     "{{node: {}, all: true}} to its static_modes",
-                     kind, name, node, builder.model.bodies[static_cast<std::size_t>(f.body)].name, node,
-                     node)});
+        {mark, fmt::format("{} '{}' acts on node '{}' of body '{}', which has no static mode: dynamic modes "
+                           "alone represent its deflection by a force there poorly; add {{node: {}, along: "
+                           "[..]}} or {{node: {}, all: true}} to its static_modes",
+                           kind, name, node, builder.model.bodies[static_cast<std::size_t>(f.body)].name,
+                           node, node)});
   };
   for (const spec::Joint& joint : builder.model.joints)
     if (joint.type != spec::JointType::floating)  // which bears no force

@@ -34,8 +34,7 @@ void read_patch(const Value& value, spec::Road& road) {
   };
   interval("x", 0);
   interval("y", 1);
-  if (!fields.has("x") && !fields.has("y"))
-    value.error("does not say where it is; for example x: [0, 10], y: [-2, 2]");
+  if (!fields.has("x") && !fields.has("y")) value.error("has no place; for example x: [0, 10], y: [-2, 2]");
   if (const auto friction = fields.need("friction", "0.3"))
     patch.friction = friction->not_negative().value_or(1);
   road.patches.push_back(patch);

@@ -18,7 +18,7 @@ namespace {
 
 void check_version(const Fields& fields) {
   const auto version = fields.get("mimbre");
-  if (!version) return fields.error("'mimbre: 1' is missing; it says which version of the format this is");
+  if (!version) return fields.error("'mimbre: 1' is missing, the version of the format");
   const auto number = version->number();
   if (number && *number != 1)
     version->error(

@@ -322,9 +322,9 @@ void check_certified_mass(const ReducedBody& body, Report& report) {
     const auto [end, error] =
         std::from_chars(line.detail.data(), line.detail.data() + line.detail.size(), told);
     if (error != std::errc{} || !std::string_view(end).starts_with(" kg")) continue;
-    report.require(
-        std::abs(body.mass - told) <= 1e-5 * std::abs(told),
-        fmt::format("mass is {:.6g} kg, but the certificate says {:.6g}: it was changed", body.mass, told));
+    report.require(std::abs(body.mass - told) <= 1e-5 * std::abs(told),
+                   fmt::format("mass is {:.6g} kg, but the validation report has {:.6g}: it was changed",
+                               body.mass, told));
   }
 }
 
