@@ -18,7 +18,7 @@ struct UrdfOptions {
 /// A robot as a model file.
 struct ConvertedRobot {
   std::string text;                 ///< YAML
-  std::vector<Diagnostic> notes;    ///< what was left out or assumed
+  std::vector<Diagnostic> notes;    ///< parts left out or assumed
   std::vector<Diagnostic> repairs;  ///< what was, and what is
 };
 

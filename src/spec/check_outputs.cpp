@@ -33,8 +33,7 @@ void check_joint(const spec::Model& model, const CheckedItem& item, const spec::
   const JointInfo& info = joint_info(type);
   if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
     if (info.quaternion < 0)
-      item.error(
-          fmt::format("a {} joint has no quaternion; its coordinates say how it is turned", info.name));
+      item.error(fmt::format("a {} joint has no quaternion; its coordinates are its angles", info.name));
     else
       item.between("component", output.component, 0, output.kind == Measured::joint_rotation ? 2 : 3);
     return;

@@ -630,7 +630,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Rest, BadModelFile,
     testing::Values(
-        Mistake{"OutputNothing", 8, {"says nothing of what it is"}, output("{name: z}")},
+        Mistake{"OutputNothing", 8, {"specifies nothing to measure"}, output("{name: z}")},
         Mistake{"OutputUnknownJoint", 8, {"no joint 'hing'"}, output("{name: q, joint: hing}")},
         Mistake{"OutputComponent", 8, {"'w'", "x, y, z"}, output("{name: q, position: arm, component: w}")},
         Mistake{"OutputsNoList",

@@ -235,7 +235,7 @@ void forget_recovery(spec::Model& model) {
 }  // namespace
 
 /// The mechanism with bodies of places.
-struct HeldStretch::Held {
+struct HeldStretch::Ends {
   std::shared_ptr<const Model> model;
   std::unique_ptr<relative::RelativeSystem> system;
   struct Copied {
@@ -361,7 +361,7 @@ void HeldStretch::find_held(const Compiled& m, const std::vector<MatrixXd>& plac
   }
   if (!any) return;
   forget_recovery(changed);
-  auto held = std::make_unique<Held>();
+  auto held = std::make_unique<Ends>();
   held->model = Model::compile(std::move(changed));
   const Compiled& h = held->model->compiled();
   bool alike = h.bodies.size() == m.bodies.size() && h.velocities <= most_velocities;
@@ -453,7 +453,7 @@ void HeldStretch::find_coupling(const State& state, const State& inputs) {
 void HeldStretch::find_compliance(const MatrixXd& motions, const std::vector<Index>& felt) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& b = bodies_[k];
-    const Held::Places& places = held_->places[k];
+    const Ends::Places& places = held_->places[k];
     const Index rows = places.motions.rows();
     if (b.turn.size() == 0 || rows == 0) continue;
     std::vector<Index> own, at;  // rows that are felt, and where among those

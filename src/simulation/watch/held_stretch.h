@@ -68,7 +68,7 @@ class HeldStretch {
     std::array<double, most_coordinates> c{};  ///< of y, then of y₀
     double share = 0;                          ///< of l_q that is in l
   };
-  struct Held;
+  struct Ends;
   /// Whether any of the body's states of stress may count; the work of those on the places' motions.
   bool add(const Compiled& model, int number, std::vector<Eigen::MatrixXd>& places);
   void find_held(const Compiled& model, const std::vector<Eigen::MatrixXd>& places);
@@ -83,7 +83,7 @@ class HeldStretch {
 
   std::vector<int> numbers_;
   std::vector<Body> bodies_;
-  std::unique_ptr<Held> held_;  ///< with places that can move; none: places do not matter
+  std::unique_ptr<Ends> held_;  ///< with places that can move; none: places do not matter
   int states_ = 0;
   bool slack_ = false;        ///< A is so small that nothing would ever come of it
   Eigen::VectorXd strength_;  ///< the ratio of each state alone at the largest deflection, with A = 1
