@@ -194,7 +194,7 @@ bool Refined::settled() const {
   for (std::size_t f = 0; f < step.size(); ++f) {
     if (!step[f] || mean(*step[f]) <= agreed) continue;
     if (!(mean(*step[f]) <= largest_error)) return false;
-    // Where a quarter of the step was not made, there was something worse to say.
+    // Where a quarter of the step was not made, there was a worse fault to report.
     if (!half_step[f]) continue;
     if (mean(*half_step[f]) > agreed && best_fall(*step[f], *half_step[f]) < least_step_fall) return false;
     if (mean(*step[f]) > large_error && mean(*step[f]) > most_step_fall * mean(*half_step[f])) return false;

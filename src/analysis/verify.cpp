@@ -24,7 +24,7 @@ struct Recorded {
   bool interrupted = false;
 };
 
-/// The steps of a run, sampled where `rows` says.
+/// The steps of a run, sampled at `rows`.
 Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& method, const RunPlan& plan,
                 const std::vector<std::int64_t>& rows, const VerifyOptions& options) {
   Recorded out;
@@ -214,7 +214,7 @@ std::string verdict(const Verification& v) {
   if (!v.compared()) return {};
   if (!v.ran()) return "No step was made: there is nothing to compare.";
   std::string text;
-  // What half or a quarter of the step failed in is told by the failures.
+  // What half or a quarter of the step failed in is reported with the failures.
   if (v.agreement.agree && !v.failures().empty())
     text = "The formulations agree at the step, but not all of the shorter steps went through.";
   else if (v.agreement.agree && v.energy_lost())

@@ -12,7 +12,7 @@
 #include "mimbre/isolation.h"
 #include "mimbre/threads.h"
 
-/// The command line `mimbre`: finds the command, and tells what goes wrong in it.
+/// The command line `mimbre`: finds the command, and reports what goes wrong in it.
 namespace mimbre::app {
 namespace {
 

@@ -34,10 +34,10 @@ constexpr double least_memory = 512e6, memory_per_byte = 64;
 constexpr double least_seconds = 3, seconds_per_byte = 1e-7;
 constexpr double patience = 10;  ///< seconds on the clock for each of the processor
 
-/// What the other process says first; without it, it is none that rehearses.
+/// The first message of the other process; without it, it is none that rehearses.
 constexpr char greeting[] = "mimbre rehearsal 1\n";
 constexpr std::size_t greeting_size = sizeof greeting - 1;
-/// What it says at its end; silence means that it did not come to one.
+/// Its last message; silence means that it did not come to one.
 enum Verdict : char { done = 'd', refused = 'r', too_large = 'm', other = 'o' };
 
 std::mutex program_mutex;
@@ -98,7 +98,7 @@ void say(int pipe, const std::string& message) {
   }
 }
 
-/// All that the other process says; `in_time`: it came to its end before `seconds` were over.
+/// All messages of the other process; `in_time`: it came to its end before `seconds` were over.
 std::string listen(int pipe, double seconds, bool& in_time) {
   using Clock = std::chrono::steady_clock;
   const auto end =
@@ -222,7 +222,7 @@ int play_rehearsal(const RehearsalBounds& bounds, const std::function<void()>& w
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // What a library prints is no part of what is said.
+  // What a library prints is no part of the messages.
   const int pipe = dup(STDOUT_FILENO), nowhere = open("/dev/null", O_WRONLY);
   if (pipe < 0 || nowhere < 0 || dup2(nowhere, STDOUT_FILENO) < 0) return EXIT_FAILURE;
   signal(SIGPIPE, SIG_IGN);

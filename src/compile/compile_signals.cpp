@@ -261,7 +261,7 @@ class Planner {
     const double start = k < joint.initial_position.size() ? joint.initial_position[k].value_or(0) : 0;
     const bool position = drive.of == spec::Drive::Of::position;
     if (drive.signal < 0)
-      // A run may be longer than the file says: what is prepared reaches over four times that.
+      // A run may be longer than in the file: what is prepared reaches over four times that.
       return of_time(position ? drive.law : drive.law.integral(start, 4 * s_.simulation.end));
     const int signal = fixed_signal(drive.signal, fmt::format("the drive of joint '{}'", joint.name), true);
     if (position) return signal;

@@ -229,7 +229,7 @@ constexpr bool is_velocity(Measure m, int component) {
 constexpr bool on_road(Measure m) { return m == Measure::height || m == Measure::wheel; }
 
 /// What of the surroundings an element keeps from its measure for its law: the height of the road, or the
-/// tangents of a surface in its axes, or what forces/measure_wheel.h says.
+/// tangents of a surface in its axes, or as in forces/measure_wheel.h.
 constexpr int surroundings_size(Measure m) { return m == Measure::contact ? 6 : m == Measure::wheel ? 5 : 1; }
 
 /// One of the summands of Measure::sum: an element that only measures, and carries its share of the force.
@@ -273,7 +273,7 @@ struct ElementData {
   int states = 0, state_count = 0;
   int feedback = -1;   ///< slot of a signal that its own motion may decide
   int own_states = 0;  ///< of these the first that is the law's, behind the turns
-  bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and what it says
+  bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and its properties
   bool marked = false;                                  ///< a change of its tangent may ask for a new matrix
   int inertia = -1;     ///< among the model's numbers: of what is measured, kg or kg m²; -1: none
   Array<Leg> legs;      ///< of a sum; they come behind it

@@ -5,7 +5,7 @@
 #include "joints/table.h"
 
 /// The equations of a constraint by its kind. Apart from the table (spec/constraint_kinds.h), so that
-/// whoever only asks how many they are does not compile them.
+/// a unit that only asks for their number does not compile them.
 namespace mimbre::constraints {
 
 /// Of one of its terms: c.count equations, of a coupling the term's share. `known`: positions of a coupling's

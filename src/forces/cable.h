@@ -10,7 +10,7 @@
 namespace mimbre::forces {
 
 namespace cable {
-/// Among the law's numbers. `rest_number`: the length without tension, where no signal says it.
+/// Among the law's numbers. `rest_number`: the length without tension, where no signal sets it.
 constexpr int stiffness = 0, damping = 1, rest_number = 4;
 /// States: the length without tension, and the length, at the start of the step.
 constexpr int rest_before = 0, length_before = 1;

@@ -44,7 +44,7 @@ MagicVertical<T> vertical(const T* n, const ElementState<T>& s) {
   in.dpi = pressure(n);
   return magic_vertical(n, in);
 }
-/// What the formula says of small slip: the carcass's stiffness, slip stiffness and limit.
+/// The formula at small slip: the carcass's stiffness, slip stiffness and limit.
 template <class T>
 void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
   using namespace magic;

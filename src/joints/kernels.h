@@ -9,8 +9,8 @@
 #include "joints/universal.h"
 #include "mimbre/joint_type.h"
 
-/// The motion of a joint by its type. Apart from the table, so that whoever only asks how many coordinates a
-/// joint has does not compile its kernels.
+/// The motion of a joint by its type. Apart from the table, so that a unit that only asks how many
+/// coordinates a joint has does not compile its kernels.
 namespace mimbre {
 
 /// Motion of b relative to a at positions q with velocities v.

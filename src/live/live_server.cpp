@@ -151,7 +151,7 @@ struct Session {
     tell_control();
   }
 
-  // A viewer that cannot be told leaves: they are gone through in a copy.
+  // A viewer that cannot be reached leaves: they are gone through in a copy.
   void tell_control() {
     const auto all = viewers;
     for (const auto& one : all) {
@@ -417,7 +417,7 @@ struct Guard {
       if (host == name + number || (port == 80 && host == name)) return true;
     return false;
   }
-  /// Pages of other places may not; what is no page says nothing of its origin.
+  /// Pages of other places may not; other programs send no origin.
   static bool allows_origin(std::string_view origin, std::string_view host) {
     return origin.empty() || origin == "http://" + std::string(host) ||
            origin == "https://" + std::string(host);
@@ -631,7 +631,7 @@ struct LiveServer::Impl {
         std::make_shared<Connection>(std::move(socket), session, guard)->read();
         return accept();
       }
-      // Out of files, say: it may pass.
+      // Out of files, for example: it may pass.
       auto later = std::make_shared<asio::steady_timer>(context, retry_period);
       later->async_wait([this, later](error_code) {
         if (!ending) accept();

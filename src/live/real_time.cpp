@@ -66,7 +66,7 @@ OverrunCause cause_of(const StepTiming& t, double usual, double usual_iterations
   return OverrunCause::computation;
 }
 
-/// Waits for a step that is due then, and says how it begins; `done`: when the one before was.
+/// Waits for a step that is due then, and returns how it begins; `done`: when the one before was.
 StepTiming begun(std::int64_t step, std::int64_t due, std::int64_t done, double spin) {
   wait_until(due, spin);
   StepTiming timing;

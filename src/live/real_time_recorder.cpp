@@ -24,7 +24,7 @@ struct Waiting {
 };
 
 constexpr std::size_t waiting_rows = 256, waiting_timings = 1 << 15;
-/// Single steps are kept up to here; of what comes after, the attributes tell.
+/// Single steps are kept up to here; of what comes after, see the attributes.
 constexpr std::size_t most_timings = 10'000'000;
 constexpr auto look_again = std::chrono::milliseconds(10);
 

@@ -52,7 +52,7 @@ struct Arrival {
   std::int64_t time = 0;
 };
 
-/// Of a longer packet only so much is copied as the place holds, though its size is told.
+/// Of a longer packet only so much is copied as the place holds, though its size is reported.
 Arrival receive(int socket, std::span<char> packet, Address& from) {
   iovec place{packet.data(), packet.size()};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
@@ -186,7 +186,7 @@ struct UdpExchange::Impl {
   void take_all(Simulation& simulation) {
     for (int k = 0; k < most_packets && take(); ++k) {
     }
-    // However many have said hello, the last is the peer.
+    // However many have sent a hello, the last is the peer.
     if (!std::exchange(greeted, false)) return;
     const std::string& names = exchanged.names();
     send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(names.size()), 0, simulation.time(), names.data(),

@@ -151,7 +151,7 @@ void require_unit(const TextFile& file, const spec::Input& input, const std::str
     file.fail(fmt::format("the column of '{}' is in '{}', and the input is in '{}'", input.name, shown(unit),
                           input.unit));
   }
-  // The model does not say which it is: then it is an SI unit.
+  // The model does not specify it: then it is an SI unit.
   const auto written = unit_of(unit);
   if (is_pure(unit) || (written && written->numerator == written->denominator)) return;
   file.fail(fmt::format(

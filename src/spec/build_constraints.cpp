@@ -4,7 +4,7 @@
 #include "spec/constraint_kinds.h"
 #include "spec/model_builder_parts.h"
 
-/// Constraints by names: what a model file's `constraints` say (src/model_file/sections/constraints.cpp).
+/// Constraints by names: what a model file's `constraints` contain (src/model_file/sections/constraints.cpp).
 namespace mimbre {
 namespace {
 

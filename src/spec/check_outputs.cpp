@@ -29,7 +29,7 @@ void check_joint(const spec::Model& model, const CheckedItem& item, const spec::
     return;
   }
   const spec::JointType type = model.joints[static_cast<std::size_t>(output.item)].type;
-  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // reported already
   const JointInfo& info = joint_info(type);
   if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
     if (info.quaternion < 0)

@@ -33,7 +33,7 @@ void check_source(const spec::Model& model, const CheckedItem& item, const spec:
 void check_coordinate(const spec::Model& model, const CheckedItem& item, int joint, int coordinate) {
   if (!item.index("joint", joint, model.joints.size(), "joints")) return;
   const spec::JointType type = model.joints[static_cast<std::size_t>(joint)].type;
-  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // said already
+  if (static_cast<std::size_t>(type) >= joint_table.size()) return;  // reported already
   const JointInfo& info = joint_info(type);
   const int count = info.quaternion < 0 ? info.velocities : info.rotation;
   if (count == 0)

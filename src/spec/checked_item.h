@@ -29,7 +29,7 @@ class CheckedItem {
     errors_.push_back({mark_, fmt::format("{}: {}", called_, message)});
   }
 
-  // Each says whether all is well, and records an error otherwise.
+  // Each returns whether all is well, and records an error otherwise.
   bool finite(const std::string& what, double value) const {
     if (std::isfinite(value)) return true;
     error(fmt::format("{} is {}; it must be a finite number", what, value));
@@ -90,7 +90,7 @@ inline Eigen::Vector3d assembled_place(const spec::Model& model, const spec::Fra
   return body.position + body.rotation * frame.pose.position;
 }
 
-/// Whether the frame exists and its body does: nothing more can be said of what is wrong there already.
+/// Whether the frame exists and its body does: what is wrong there is reported elsewhere.
 inline bool sound_frame(const spec::Model& model, int frame) {
   if (frame < 0 || frame >= static_cast<int>(model.frames.size())) return false;
   const int body = model.frames[static_cast<std::size_t>(frame)].body;

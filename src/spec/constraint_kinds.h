@@ -4,7 +4,7 @@
 
 #include "mimbre/spec.h"
 
-/// What there is to say of the kinds of constraints besides their equations, which are in src/constraints:
+/// The properties of the kinds of constraints besides their equations, which are in src/constraints:
 /// the rows here and the cases there have the same order.
 namespace mimbre {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-/// Stanford's polygon format: a header that says what follows, how often and of which types, then the
+/// Stanford's polygon format: a header that lists what follows, how often and of which types, then the
 /// numbers, as text or as bytes (G. Turk, The PLY polygon file format, 1994).
 namespace mimbre {
 namespace {

@@ -62,14 +62,14 @@ bool is_left_out(const std::string& key) {
   return keys.contains(key);
 }
 
-/// Keys that say what the file is, or in which range it was measured; they change no force.
+/// Keys that describe the file, or in which range it was measured; they change no force.
 bool says_no_number(const Property& property) {
   static const std::set<std::string> sections{"UNITS", "MDI_HEADER"};
   static const std::set<std::string> keys{"PROPERTY_FILE_FORMAT", "TYRESIDE", "FITTYP"};
   return sections.contains(property.section) || keys.contains(property.key);
 }
 
-/// 52, 61 or 62; 0 where the file does not say it.
+/// 52, 61 or 62; 0 where the file does not specify it.
 int version_said_by(const Property& property, std::vector<Diagnostic>& errors) {
   static const std::map<std::string, int> versions{{"5", 52},  {"6", 52},  {"21", 52}, {"51", 52},
                                                    {"52", 52}, {"60", 61}, {"61", 61}, {"62", 62}};
@@ -201,7 +201,7 @@ class Reading {
                          "further to the side to which it slips",
                          at(pky1)));
   }
-  /// The force over the deflection x = ρ/R is q x + Q_FZ2 x², of which file or stiffness say q.
+  /// The force over the deflection x = ρ/R is q x + Q_FZ2 x², of which file or stiffness determine q.
   void check_vertical_stiffness() {
     const double slope = at(vertical_stiffness) * at(unloaded_radius) / at(fnomin);
     if (at(q_fz2) == 0) return;
@@ -275,7 +275,7 @@ class Reading {
     // Rolling resistance of 5.2 and PAC2002 is Fz {…} (Fz/Fz₀)^QSY7, that since 6.1 Fz₀ {…} (Fz/Fz₀)^QSY7,
     // which is evaluated.
     if (tyre_.version < 60 && given_.contains(qsy7)) at(qsy7) += 1;
-    // A file that says none, as those of version 5.2 do, has the nominal one, whatever that is.
+    // A file that has none, as those of version 5.2 do, has the nominal one, whatever that is.
     if (!given_.contains(nompres) && !given_.contains(inflpres)) at(nompres) = at(inflpres) = 1;
   }
 

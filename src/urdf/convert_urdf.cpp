@@ -26,13 +26,13 @@ namespace {
 using namespace urdf;
 namespace fs = std::filesystem;
 
-// What URDF does not say of a stop: how long an impact takes, in default steps, and that it takes most of the
-// impact's energy. Nor of friction: how far what sticks gives; half a period of that takes a step at least.
+// What URDF lacks of a stop: how long an impact takes, in default steps, and that it takes most of the
+// impact's energy. Nor of friction: the presliding displacement; half a period of that takes a step at least.
 constexpr double steps_of_impact = 5, steps_of_sticking = 1;
 constexpr double restitution = 0.1;
 const double default_sticking = law_info(find_law("friction")).numbers.front().otherwise;
 
-/// The square of 1/ω of what swings to and fro once in twice as many default steps, s²: displacement under a
+/// The square of 1/ω of what oscillates once in twice as many default steps, s²: displacement under a
 /// load by the acceleration that the load gives what is free.
 double softness(double steps) {
   const double time = steps * spec::Simulation().step / EIGEN_PI;

@@ -78,7 +78,7 @@ std::vector<ContactLine> contact_lines(const spec::Model& model) {
   return lines;
 }
 
-/// Everything that is said, gathered once for both forms.
+/// All results, gathered once for both forms.
 struct Description {
   std::vector<BodyLine> bodies;
   std::vector<Model::JointLine> joints;
@@ -96,7 +96,7 @@ struct Description {
 
 Description describe(const LoadedModel& loaded, const RunOptions& options) {
   const Model& model = *loaded.model;
-  // Sets the model up for its start, so that loops that do not close are told here and not by the run.
+  // Sets the model up for its start, so that loops that do not close are reported here and not by the run.
   const std::unique_ptr<Simulation> made = [&] {
     const Busy busy("assembling the mechanism");
     return std::make_unique<Simulation>(loaded.model, options);

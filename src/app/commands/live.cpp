@@ -61,7 +61,7 @@ RealTimeOptions loop_options(const LiveArguments& a) {
   return o;
 }
 
-/// Ends the loop when the process is told to end, and plays inputs from tables.
+/// Ends the loop when the process is asked to end, and plays inputs from tables.
 class Ends : public RealTimePart {
  public:
   Ends(RealTimeLoop& loop, RecordedInputs& inputs) : loop_(loop), inputs_(inputs) {}

@@ -30,7 +30,7 @@ struct PlanArguments {
   bool json = false;
 };
 
-/// What `mimbre live` and `mimbre run` are to be told.
+/// Options for `mimbre live` and `mimbre run`.
 std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArguments& a) {
   std::vector<std::string> words{"--formulation",    name_of(c.formulation),
                                  "--step",           fmt::format("{}", c.step),
@@ -54,7 +54,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArgume
   return words;
 }
 
-/// What `mimbre live` alone is to be told.
+/// Options for `mimbre live` alone.
 std::string clocked_options(const PlanArguments& a) {
   std::string words;
   if (a.clock.speed != 1) words += fmt::format(" --speed {}", a.clock.speed);

@@ -77,7 +77,7 @@ struct Saving {
   }
 };
 
-/// The stepping loop with its output, from where the totals are. What goes wrong in it is told by the ending,
+/// The stepping loop with its output, from where the totals are. The ending reports what goes wrong in it,
 /// so that the results so far are kept.
 Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inputs, Recorder& recorder,
                 Progress& progress, Saving& saving, RunTotals& totals, const std::function<void()>& begin) {

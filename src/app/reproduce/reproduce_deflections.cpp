@@ -11,7 +11,7 @@ const std::string in_plane = "spin-up-beam/beam-2d.yaml", in_space = "spin-up-be
 struct DeflectionColumn {
   std::string name;
   Settings settings;
-  bool damped = false;  ///< by the default integrator: the trapezoidal rule fails, as the note says
+  bool damped = false;  ///< by the default integrator: the trapezoidal rule fails, see the note
 };
 
 DeflectionColumn substructures(int count, const std::string& name, const std::string& rotation) {

@@ -217,7 +217,7 @@ void read_rigid(const Fem& fem, ReducedBody& body) {
   body.second_moment = second_moment_of(central) + body.mass * centre * centre.transpose();
 }
 
-/// I5_jk without I9: what its antisymmetric part says.
+/// I5_jk without I9: what its antisymmetric part determines.
 Eigen::Matrix3d from_cross(const Eigen::Vector3d& cross) {
   Eigen::Matrix3d result;
   result << 0, cross.z(), -cross.y(), -cross.z(), 0, cross.x(), cross.y(), -cross.x(), 0;

@@ -136,7 +136,7 @@ void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& s
     }
     ++direction;
   }
-  section.first_axis = -Eigen::Vector3d::UnitZ();  // Abaqus, CalculiX: when no direction is said
+  section.first_axis = -Eigen::Vector3d::UnitZ();  // Abaqus, CalculiX: when no direction is given
   if (!model.lines.next_data(line)) return;
   for (double& x : section.first_axis) {
     const std::string_view field = next_field(line);

@@ -118,7 +118,7 @@ std::vector<NastranMatrix> parse_dmig(NastranLines& lines, const std::vector<std
 
 namespace {
 
-/// What the reader of one file after another has; the first one's control tells which constraints count.
+/// What the reader of one file after another has; the first one's control selects the constraints that count.
 struct Deck {
   NastranModel model;
   std::vector<std::string> included;

@@ -150,7 +150,7 @@ std::optional<std::pair<Eigen::Matrix3d, Eigen::Matrix3d>> read_constraint_axes(
   return constraint_axes(kind, part.place.vector(*first), part.place.vector(*second));
 }
 
-/// The frames of both sides; false where something is wrong, and said.
+/// The frames of both sides; false where something is wrong, which is reported.
 bool read_sides(Builder& builder, const Part& part, const Fields& fields, spec::Constraint& c) {
   const auto between = fields.need("between", "[arm, rod]");
   if (!between) return false;

@@ -38,19 +38,19 @@ void read_each(Builder& builder, Part& part, const std::string& key, Names& name
 }
 
 /// The two frames of `between`, at the places `at` (two), or at one place that both have; -1 where that is
-/// wrong, and said.
+/// wrong, which is reported.
 std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,
                               const std::string& name, bool one_place);
 
 /// The joint that is named and its velocity coordinate, a plain number: the one of `coordinate`, which joints
-/// with several need; nothing where that is wrong, and said.
+/// with several need; nothing where that is wrong, which is reported.
 std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part& part, const Value& joint,
                                                    const std::optional<Value>& coordinate);
 /// A frame at another's place with these global axes, on the same body.
 int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
                  const Value& value);
 
-/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, and said.
+/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, which is reported.
 std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields);
 /// Likewise as what the element acts on; false where that is wrong.
 bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e);

@@ -81,7 +81,7 @@ struct Reader {
       const double x = evaluate(fraction.tree().text, *value.reading().scope);
       return x == 0 || x == 1;
     } catch (const ExpressionError&) {
-      return false;  // said where it is read
+      return false;  // reported where it is read
     }
   }
 
@@ -134,7 +134,7 @@ struct Reader {
     for (const auto& [name, node] : ends) read_bar_end(name, node);
     if (positions.empty()) fail(nodes, "there is no node");
   }
-  std::vector<int> unplaced;  ///< nodes that lie where their bar says
+  std::vector<int> unplaced;  ///< nodes that are placed by their bar
 
   void read_on_bar(const Value& on) {
     if (!on.is_list() || on.tree().items.size() != 2)

@@ -109,7 +109,7 @@ void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Va
   }
   const auto length = fields.get("length");
   const bool winch = length && !is_plain_number(*length);
-  // What the numbers say of a length that a signal gives is not asked for.
+  // The number of a length that a signal sets is not needed.
   e.numbers.clear();
   for (const LawNumber& number : law.numbers) {
     const std::string key(number.key);

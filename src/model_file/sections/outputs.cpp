@@ -143,7 +143,7 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
   read_surface_node(builder, part, fields, *body, output);
 }
 
-/// Bodies made of bars, with modes, in one piece have section forces; their reduction is told to keep them.
+/// Bodies made of bars, with modes, in one piece have section forces; their reduction has to keep them.
 bool ask_for_sections(Builder& builder, const Value& named, int body) {
   BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
   if (info.failed) return false;

@@ -115,7 +115,7 @@ const std::vector<TyreModel>& tyre_models() {
   return models;
 }
 
-/// The model that is said, and an error for each key that belongs to others.
+/// The model that is chosen, and an error for each key that belongs to others.
 const TyreModel& read_tyre_model(const Fields& fields) {
   const std::vector<TyreModel>& models = tyre_models();
   std::vector<std::string> names;

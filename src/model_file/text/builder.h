@@ -126,10 +126,10 @@ struct Builder {
       surface_names{"surface", {}}, contact_names{"contact", {}}, output_names{"output", {}},
       input_names{"input", {}}, signal_names{"signal", {}}, event_names{"event", {}},
       constraint_names{"constraint", {}};
-  std::map<std::string, Names> element_names;        ///< by section
-  std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
-  std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use
-  std::set<std::string> clashing_ends;               ///< of which joints and constraints that has been said
+  std::map<std::string, Names> element_names;   ///< by section
+  std::set<std::string> outputs_ahead;          ///< names of outputs, before they are read
+  std::map<std::string, int> sensor_of_output;  ///< those that laws and signals use
+  std::set<std::string> clashing_ends;          ///< joints and constraints for which that has been reported
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
   /// Bodies of files, by path and by which axes are mirrored.
   std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
@@ -200,7 +200,7 @@ spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector
 /// Whether a text is a number, or an expression of numbers and parameters alone.
 bool is_plain_number(const Value& value);
 
-/// A law (docs/model-file.md) of what `law` says, whose numbers may have the units.
+/// A law (docs/model-file.md) of `law`, whose numbers may have the units.
 std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& units);
 /// The same for springs, where a plain number could mean a stiffness or a force and is refused.
 std::optional<Function> read_elastic_law(const Value& value, const LawUnits& units);

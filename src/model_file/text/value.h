@@ -15,7 +15,7 @@
 namespace mimbre::model_file {
 
 /// Collects mistakes while reading goes on. Throws InputError with all of them once there are
-/// `limits.errors`. What is wrong in a template, or in what is repeated, is said once, with where it is.
+/// `limits.errors`. What is wrong in a template, or in what is repeated, is reported once, with where it is.
 class Errors {
  public:
   explicit Errors(const Limits& limits) : limits_(limits) {}
@@ -69,7 +69,7 @@ class Value {
   bool is_list() const { return tree_->kind == Tree::Kind::list; }
   bool is_scalar() const { return tree_->kind == Tree::Kind::scalar; }
   bool is_null() const { return tree_->kind == Tree::Kind::null; }
-  /// Fields can be read from it: nothing at all counts as no fields, so that what is missing is said.
+  /// Fields can be read from it: nothing at all counts as no fields, so that missing ones are reported.
   bool has_fields() const { return is_map() || is_null(); }
 
   void error(const std::string& message) const;
@@ -107,7 +107,7 @@ class Fields {
 
   /// Nothing where the key is absent or its value empty.
   std::optional<Value> get(const std::string& key) const;
-  /// Records an error where it is absent; `example` says what would be right.
+  /// Records an error where it is absent; `example` shows what would be right.
   std::optional<Value> need(const std::string& key, const std::string& example) const;
   bool has(const std::string& key) const { return get(key).has_value(); }
   const Value& value() const { return value_; }

@@ -231,7 +231,7 @@ Eigen::MatrixXd whole_mass_matrix(const ReducedBody& body) {
   return M.selfadjointView<Eigen::Upper>();
 }
 
-/// Every mode has a stiffness, and the frequencies that the file tells are those of its matrices.
+/// Every mode has a stiffness, and the frequencies in the file are those of its matrices.
 void check_frequencies(const ReducedBody& body, Report& report) {
   report.require((body.stiffness.diagonal().array() > 0).all(),
                  "stiffness must hold every mode: a diagonal entry is 0");
@@ -314,7 +314,7 @@ void check_sizes_and_mass(const ReducedBody& body, Report& report) {
   if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
 }
 
-/// The certificate begins its line of the mass with it: six digits.
+/// The validation report begins its line of the mass with it: six digits.
 void check_certified_mass(const ReducedBody& body, Report& report) {
   for (const Check& line : body.checks) {
     if (line.name != "mass") continue;

@@ -178,7 +178,7 @@ std::vector<Group> groups_of(const LoopAssembly& assembly) {
 
 int tries_for(const VectorXd& weight) { return 40 + 20 * static_cast<int>((weight.array() > 0).count()); }
 
-/// How far q is from what the joints of a group are said to be near to, or where none says anything from
+/// How far q is from what the joints of a group are given as `near`, or without any from
 /// where they were drawn.
 class Distance {
  public:

@@ -12,7 +12,7 @@ namespace mimbre {
 namespace {
 
 /// Where on the line from the start (0) to the last iteration (1) a law is looked at: an iteration that goes
-/// to and fro has been on either side.
+/// back and forth has been on either side.
 constexpr double line_from = -2, line_to = 4;
 constexpr int law_samples = 96, bisections = 44;
 constexpr double beside = 1e-9;
@@ -76,7 +76,7 @@ std::string jumping_law(const Compiled& m, const SeenByLaws& start, const SeenBy
     for (std::size_t k = 0; k < m.signals.slot_of_signal.size(); ++k)
       if (m.signals.slot_of_signal[k] == made.slot) {
         const spec::Signal& signal = m.spec().signals[k];
-        // "brake.command" is what actuator 'brake' says of its force.
+        // "brake.command" is the expression for the force of actuator 'brake'.
         return told(signal.named ? fmt::format("signal '{}'", signal.name)
                                  : fmt::format("the expression of '{}'",
                                                signal.name.substr(0, signal.name.rfind('.'))),

@@ -101,7 +101,7 @@ double StepMaker::step_tolerance() const {
                              : substep_without_gravity * play;
 }
 
-/// Where a step begins with accelerations of its own, what signals say may have jumped: forces, what elements
+/// Where a step begins with accelerations of its own, signals may have jumped: forces, what elements
 /// store, and what their laws remember of it.
 void StepMaker::begin_anew() {
   Mechanism& m = mechanism_;

@@ -25,7 +25,7 @@ namespace mimbre {
 /// Linear modes that turn the body's held frames against its own axes, as where these turn at a hinge, by θ
 /// say, have them ½ θ² L too far apart. Between ends that are held this presses the body back by a stretch l
 /// of its own, which is measured and counts as far as it is of that kind: of the size l_q = ½ yᵀ T y that the
-/// nearest rotation of the frames says, as far as A leaves it. Without the force of that press the linear
+/// nearest rotation of the frames has it, as far as A leaves it. Without the force of that press the linear
 /// body would bend by y₀ = y + C Σ_s (A l)_s T_s y, C its compliance between what holds it, and in truth it
 /// is stretched by e + l: so y₀, with e + l of y₀, stands for y above. Deflections are too large by the share
 /// σ/α − 1, σ the deflection by y over that by y₀, both along the loads K y₀.
