@@ -129,7 +129,7 @@ class Study {
     return sum;
   }
 
-  void tell(Verification& v) {
+  void report_to(Verification& v) {
     v.whole = std::move(whole_.runs);
     v.half = half_ ? std::optional(std::move(half_->runs)) : std::nullopt;
     v.quarter = quarter_ ? std::optional(std::move(quarter_->runs)) : std::nullopt;
@@ -252,11 +252,11 @@ Verification verify(std::shared_ptr<const Model> model, const VerifyOptions& opt
     if (v.interrupted = !plain.make(); v.interrupted) return v;
     v.without_repeats = plain.ok();
     if (v.without_repeats) {
-      plain.tell(v);
+      plain.report_to(v);
       return v;
     }
   }
-  study.tell(v);
+  study.report_to(v);
   return v;
 }
 

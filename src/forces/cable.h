@@ -21,8 +21,8 @@ template <class T>
 T rest_now(const LawContext<T>& c) {
   const T* p = c.numbers();
   if (!c.has_arguments()) return p[rest_number];
-  const T said = c.argument(0), least = least_rest * p[rest_number];
-  return select(said > least, said, least);
+  const T requested = c.argument(0), least = least_rest * p[rest_number];
+  return select(requested > least, requested, least);
 }
 
 inline double stored(double ea, double length, double rest) {

@@ -590,7 +590,7 @@ struct LiveServer::Impl {
     loop.add(session.pictures);
     accept();
     show();
-    tell();
+    report_status();
     thread = std::thread([this] { serve(); });
   }
 
@@ -649,13 +649,13 @@ struct LiveServer::Impl {
     });
   }
 
-  void tell() {
+  void report_status() {
     statuses.expires_after(status_period);
     statuses.async_wait([this](error_code error) {
       if (error || ending) return;
       if (!session.viewers.empty())
         session.tell_all(live::status_text(session.loop, session.recorder, session.viewers.size(), true));
-      tell();
+      report_status();
     });
   }
 

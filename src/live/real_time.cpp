@@ -196,8 +196,8 @@ struct RealTimeLoop::Impl {
   /// Of what failed or ended.
   std::string why() const {
     const State s = state;
-    const auto told = message.load();
-    return told && (s == State::failed || s == State::ended) ? *told : std::string();
+    const auto stored = message.load();
+    return stored && (s == State::failed || s == State::ended) ? *stored : std::string();
   }
 
   /// What the first steps need is fetched before they count.

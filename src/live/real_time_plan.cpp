@@ -287,18 +287,18 @@ std::vector<int> ranked(const std::vector<RealTimeCandidate>& candidates, const 
 
 RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions& o) {
   check(o);
-  const auto tell = [&](const std::string& stage, double done) {
+  const auto notify = [&](const std::string& stage, double done) {
     if (o.progress) o.progress(stage, done);
   };
   const double end = o.end > 0 ? o.end : resolve_method(model.simulation, o.run).end;
   RealTimePlan plan;
   plan.deadline = o.deadline;
   plan.reference_step = o.deadline * o.loop.speed / fine;
-  tell("idle machine", 0);
+  notify("idle machine", 0);
   plan.idle = std::make_shared<RealTimeMonitor>();
   idle_loop(o.deadline, std::min(longest_idle, o.watch), o.loop, *plan.idle);
 
-  tell("fine run", 0);
+  notify("fine run", 0);
   const auto compiled = Model::compile(model);
   RealTimeCandidate exact;
   exact.step = plan.reference_step;
@@ -318,9 +318,9 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   plan.candidates = candidates_of(model, o);
   for (std::size_t k = 0; k < plan.candidates.size(); ++k) {
     RealTimeCandidate& c = plan.candidates[k];
-    tell(fmt::format("{}, {:.4g} ms{}", name_of(c.formulation), 1e3 * c.step,
-                     c.most_modes > 0 ? fmt::format(", {} modes", c.most_modes) : std::string()),
-         static_cast<double>(k) / static_cast<double>(plan.candidates.size()));
+    notify(fmt::format("{}, {:.4g} ms{}", name_of(c.formulation), 1e3 * c.step,
+                       c.most_modes > 0 ? fmt::format(", {} modes", c.most_modes) : std::string()),
+           static_cast<double>(k) / static_cast<double>(plan.candidates.size()));
     try {
       measure(model_with(model, compiled, c), o, end, right, ranges, c);
     } catch (const std::exception& error) {
@@ -331,8 +331,8 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   const std::vector<int> order = ranked(plan.candidates, o, plan.idle->latency.quantile(0.9999));
   for (const int k : order) {
     RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    tell("against the clock",
-         static_cast<double>(plan.watched_candidates) / static_cast<double>(order.size()));
+    notify("against the clock",
+           static_cast<double>(plan.watched_candidates) / static_cast<double>(order.size()));
     std::string failure;
     const auto monitor = watch(model_with(model, compiled, c), o, c, end, failure);
     ++plan.watched_candidates;

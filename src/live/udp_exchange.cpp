@@ -68,10 +68,10 @@ Arrival receive(int socket, std::span<char> packet, Address& from) {
   if (arrival.size < 0) return arrival;
   arrival.from_size = message.msg_namelen;
   arrival.time = stamp_now();
-  for (cmsghdr* told = CMSG_FIRSTHDR(&message); told; told = CMSG_NXTHDR(&message, told)) {
-    if (told->cmsg_level != SOL_SOCKET || told->cmsg_type != SCM_TIMESTAMPNS) continue;
+  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header; header = CMSG_NXTHDR(&message, header)) {
+    if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) continue;
     timespec t{};
-    std::memcpy(&t, CMSG_DATA(told), sizeof t);
+    std::memcpy(&t, CMSG_DATA(header), sizeof t);
     arrival.time = 1'000'000'000 * static_cast<std::int64_t>(t.tv_sec) + t.tv_nsec;
   }
   return arrival;

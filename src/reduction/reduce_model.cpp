@@ -347,7 +347,7 @@ std::string freed_and_held(const std::vector<Interface>& interfaces) {
 Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
                 const TiedModel& tied, const MatrixXd& R, double& scale, ReductionResult& result) {
   using Basis = ModelReduction::Basis;
-  const auto tell = [&](const char* stage, double done) {
+  const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   const auto square = [](double hertz) { return std::pow(hertz / kHertz, 2); };
@@ -356,8 +356,8 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     if (options.frame == ModelReduction::Frame::centre_of_mass)
       to_centre_of_mass(matrices, options.interfaces, R, shapes);
   };
-  tell("dynamic modes", 0);
-  const auto progress = [&](double done) { tell("dynamic modes", done); };
+  report("dynamic modes", 0);
+  const auto progress = [&](double done) { report("dynamic modes", done); };
   Shapes shapes;
   if (options.basis == Basis::free_interface) {
     VectorXd eigenvalues;
@@ -391,7 +391,7 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     result.fixed_frequencies = held.eigenvalues.cwiseMax(0).cwiseSqrt() * kHertz;
     x = std::move(held.vectors);
   }
-  tell("static modes", 0);
+  report("static modes", 0);
   shapes = static_shapes(tied, matrices, options.interfaces, tangent ? 1 : 0);
   const bool krylov = options.basis == Basis::krylov;
   const Shapes held = held_shapes(tied, options.interfaces, x, krylov ? "krylov" : "dynamic");
@@ -482,11 +482,11 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   const bool constrained = has_constraints(mesh) || has_loose_rotations(all);
   ModelReduction options = wanted;
   if (constrained) options.interfaces = at_references(mesh, options.interfaces);
-  const auto tell = [&](const char* stage, double done) {
+  const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   require(options);
-  tell("checks", 0);
+  report("checks", 0);
   std::vector<Dof> loose;
   const FeMatrices left = constrained ? constrain(mesh, all, options.interfaces, &loose) : FeMatrices{};
   const FeMatrices& matrices = constrained ? left : all;
@@ -506,14 +506,14 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
     result.body.checks.push_back(check_rigid(options.stress, expanded(R)));
   }
   double scale = 0;  // a typical ω²
-  tell("factorisation", 0);
+  report("factorisation", 0);
   std::optional<TiedModel> held(std::in_place, mesh, matrices, options.interfaces);
   const Shapes shapes = basis_of(mesh, matrices, options, *held, R, scale, result);
   if (scale == 0)
     scale = shapes.dofs.cwiseProduct(symmetric_times(matrices.stiffness, shapes.dofs)).sum() /
             shapes.dofs.cwiseProduct(symmetric_times(matrices.mass, shapes.dofs)).sum();
 
-  tell("integrals", 0);
+  report("integrals", 0);
   ReducedBody& body = result.body;
   body.modes = static_cast<int>(shapes.dofs.cols());
   body.mode_names = shapes.names;
@@ -529,10 +529,10 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   body.stiffness = 0.5 * (stiffness + stiffness.transpose());
   body.damping = options.stiffness_damping * body.stiffness;
   add_frames(options.interfaces, shapes, body);
-  tell("stress", 0);
+  report("stress", 0);
   add_surface(mesh, all, all_shapes, displacements, options.stress, body);
   if (options.geometric_stiffness) {
-    tell("geometric stiffness", 0);
+    report("geometric stiffness", 0);
     MatrixXd forces = unit_inertia_forces(mesh, all);
     if (constrained) forces = (left.expansion.transpose() * forces).eval();
     const MatrixXd x = held->solve(held->restrict(forces));
@@ -540,14 +540,14 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
     body.geometric = solid_stiffening(mesh, responses, all_shapes, body.stiffness,
                                       static_cast<Index>(retained_motions(options.interfaces, 1).size()));
   }
-  tell("stretching", 0);
+  report("stretching", 0);
   body.stretching = stretching_of_mesh(mesh, all, matrices, options.interfaces, *held, shapes, body);
   held.reset();  // the free model's factors take its place in memory
   make_orthogonal(body);
 
   add_final_checks(mass, body);
   add_free_modes(matrices, options, R, shapes.dofs, scale, result);
-  tell("done", 1);
+  report("done", 1);
   return result;
 }
 

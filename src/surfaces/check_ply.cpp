@@ -175,11 +175,11 @@ std::string fault_in(const Header& header, Numbers numbers) {
       for (const Property& property : element.properties) {
         double count = 1;
         if (!property.count.empty()) {
-          const auto said = numbers.next(property.count, fault);
-          if (!said) return ends();
-          if (!(*said >= 0))
-            return fmt::format("is damaged: a list of '{}' has {} entries", element.name, *said);
-          count = *said;
+          const auto listed = numbers.next(property.count, fault);
+          if (!listed) return ends();
+          if (!(*listed >= 0))
+            return fmt::format("is damaged: a list of '{}' has {} entries", element.name, *listed);
+          count = *listed;
         }
         if (!numbers.skip(count, property.type, fault)) return ends();
       }

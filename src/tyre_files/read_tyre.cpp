@@ -116,19 +116,19 @@ class Reading {
   void refuse(const Mark& mark, std::string message) { errors_.push_back({mark, std::move(message)}); }
 
   void read_version() {
-    std::map<std::string, std::pair<int, int>> said;  // by key: version and line
+    std::map<std::string, std::pair<int, int>> stated;  // by key: version and line
     for (const Property& property : properties_) {
       if (property.key == "TYRESIDE") tyre_.side = fe::lower(property.value);
       const int version = version_said_by(property, errors_);
       if (!version) continue;
-      const auto [before, first] = said.emplace(property.key, std::pair(version, property.mark.line));
+      const auto [before, first] = stated.emplace(property.key, std::pair(version, property.mark.line));
       if (!first && before->second.first != version)
         refuse(property.mark, fmt::format("{} is given a second time, and otherwise; the first is in line {}",
                                           property.key, before->second.second));
     }
     // FITTYP is the more exact of the two.
     for (const char* const key : {"PROPERTY_FILE_FORMAT", "FITTYP"})
-      if (const auto found = said.find(key); found != said.end()) tyre_.version = found->second.first;
+      if (const auto found = stated.find(key); found != stated.end()) tyre_.version = found->second.first;
     if (tyre_.version == 0 && errors_.empty())
       refuse(end_, "does not specify its Magic Formula: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
     at(version) = tyre_.version;

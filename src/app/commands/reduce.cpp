@@ -280,7 +280,7 @@ std::vector<std::string> inputs_of(const ReduceArguments& a) {
   for (const std::string& interface : a.interfaces.interfaces)
     if (const auto file = interface.find("=nodes:"); file != std::string::npos)
       inputs.push_back(interface.substr(file + std::string_view("=nodes:").size()));
-  for (const std::string& beside : fe::files_beside(a.input)) inputs.push_back(beside);
+  for (const std::string& neighbour : fe::files_beside(a.input)) inputs.push_back(neighbour);
   return inputs;
 }
 

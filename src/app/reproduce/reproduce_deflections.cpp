@@ -56,8 +56,8 @@ struct Measured {
 PublishedTable spin_up(const std::string& name, const std::string& title, const std::string& file,
                        const std::vector<DeflectionColumn>& columns, const Measured& natural,
                        const Measured& relative) {
-  const auto make = [=](Lab& lab, const Tell& tell) {
-    Rows rows(tell);
+  const auto make = [=](Lab& lab, const Report& report) {
+    Rows rows(report);
     const auto published = [](const Numbers& numbers, std::size_t k) {
       return k < numbers.size() ? numbers[k] : std::nullopt;
     };

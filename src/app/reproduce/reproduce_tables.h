@@ -21,8 +21,8 @@ struct ReproducedRow {
 /// A published table, and the runs that make ours.
 struct PublishedTable {
   std::string name, title;
-  /// `tell` is called with the name of each row before it is measured.
-  std::function<std::vector<ReproducedRow>(Lab& lab, const std::function<void(const ReproducedRow&)>& tell)>
+  /// `report` is called with the name of each row before it is measured.
+  std::function<std::vector<ReproducedRow>(Lab& lab, const std::function<void(const ReproducedRow&)>& report)>
       make;
 };
 const std::vector<PublishedTable>& published_tables();

@@ -134,9 +134,9 @@ void read_actuator(Builder& builder, const Part& part, const Value& value, spec:
   }
   if (force && turns) force->error("is a torque here, about an angle: write 'torque'");
   if (torque && !turns) torque->error("is a force here, along a length: write 'force'");
-  const auto& said = force ? force : torque;
-  if (!said) return;
-  const int signal = anonymous_signal(builder, part, *said, fmt::format("{}.command", e.name),
+  const auto& command_value = force ? force : torque;
+  if (!command_value) return;
+  const int signal = anonymous_signal(builder, part, *command_value, fmt::format("{}.command", e.name),
                                       turns ? quantity::moment : quantity::force);
   if (signal >= 0) e.arguments = {{spec::Source::Kind::signal, signal}};
 }

@@ -21,14 +21,14 @@ bool answers(const FlexibleDescription& d, int node) {
 }  // namespace
 
 void warn_of_loaded_nodes(Builder& builder) {
-  std::set<std::pair<int, int>> told;  // bodies and nodes
+  std::set<std::pair<int, int>> reported;  // bodies and nodes
   const auto look = [&](std::string_view kind, const std::string& name, const Mark& mark, int frame) {
     if (frame < 0) return;
     const spec::Frame& f = builder.model.frames[static_cast<std::size_t>(frame)];
     if (f.body < 0 || f.flexible_frame < 0) return;
     const BodyInfo& body = builder.bodies[static_cast<std::size_t>(f.body)];
     if (!body.description || body.description->kind != BeamKind::reduced || body.description->in_pieces() ||
-        answers(*body.description, f.flexible_frame) || !told.emplace(f.body, f.flexible_frame).second)
+        answers(*body.description, f.flexible_frame) || !reported.emplace(f.body, f.flexible_frame).second)
       return;
     const std::string& node = body.node_names[static_cast<std::size_t>(f.flexible_frame)];
     builder.warnings.push_back(

@@ -130,10 +130,10 @@ const TyreModel& read_tyre_model(const Fields& fields) {
         chosen = static_cast<std::size_t>(found - names.begin());
     }
   const auto& own = models[chosen].keys;
-  std::set<std::string> said;
+  std::set<std::string> reported;
   for (const TyreModel& model : models)
     for (const std::string& key : model.keys)
-      if (std::find(own.begin(), own.end(), key) == own.end() && said.insert(key).second)
+      if (std::find(own.begin(), own.end(), key) == own.end() && reported.insert(key).second)
         if (const auto given = fields.get(key))
           given->error(fmt::format("belongs to 'model: {}'; one of 'model: {}' has {}", model.name,
                                    models[chosen].name, joined(own)));

@@ -101,11 +101,11 @@ bool Errors::merged(const Mark& mark, const std::string& message) {
 }
 
 void Errors::add(const Mark& mark, const std::string& message) {
-  const auto said = [&](const Diagnostic& d) {
+  const auto known_already = [&](const Diagnostic& d) {
     return d.message == message && d.mark.line == mark.line && d.mark.column == mark.column &&
            d.mark.file == mark.file && mark.line > 0;
   };
-  if (merged(mark, message) || std::any_of(list.begin(), list.end(), said)) return;
+  if (merged(mark, message) || std::any_of(list.begin(), list.end(), known_already)) return;
   list.push_back({mark, message});
   if (list.size() >= limits_.errors) {
     list.push_back({Mark{}, "too many errors; the rest is not shown"});
