@@ -182,7 +182,8 @@ bool IndexThree::find_correction(Attempt& t) {
     }
   }
   const double penalty_factor = weights_.penalty / motion_.scale;
-  for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * system_.penalty()[k] * system_.phi()[k];
+  const double *alpha = system_.penalty(), *phi = system_.phi();
+  for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * phi[k];
   system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
   for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
   system_.solve(r_.data());
@@ -196,10 +197,11 @@ bool IndexThree::find_correction(Attempt& t) {
 /// along directions that hardly act, while the motion does not change any more.
 void IndexThree::update_multipliers(Attempt& t, int iteration) {
   const double penalty_factor = weights_.penalty / motion_.scale;
+  const double *alpha = system_.penalty(), *phi = system_.phi();
+  const int m = system_.equations();
   t.settled = !t.precise && iteration >= iterations_before_settling && t.violation <= t.position_tolerance;
   if (options_.fixed_cost) before_ = lambda_;
-  for (int k = 0; k < system_.equations(); ++k)
-    force_[k] = penalty_factor * system_.penalty()[k] * (system_.phi()[k] + impulse_[k]);
+  for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (phi[k] + impulse_[k]);
   if (!t.settled) lambda_ += force_;
 }
 
@@ -265,7 +267,8 @@ void IndexThree::end_positions(const State& s, Attempt& t) {
 void IndexThree::project_expected_velocities(Attempt& t) {
   const int m = system_.equations();
   if (m == 0) return;
-  for (int k = 0; k < m; ++k) rates_[k] = system_.phi_dot()[k] + motion_.rate * impulse_[k];
+  const double* phi_dot = system_.phi_dot();
+  for (int k = 0; k < m; ++k) rates_[k] = phi_dot[k] + motion_.rate * impulse_[k];
   t.rate_violation = scales_.of_equations(rates_.data());
   t.projected = t.rate_violation > t.velocity_tolerance;
   if (t.projected) project(motion_.v.data(), rates_.data(), t.velocity_tolerance);

@@ -171,8 +171,8 @@ struct OwnInertia {
 /// The deformed inertia of a flexible body, and its coupling with the modes (6 × s at `elastic`, modes from
 /// column joint_velocities on).
 template <class T>
-void add_flexible_inertia(const Compiled& m, Workspace<T>& w, std::size_t i, const T* q, OwnInertia<T>& own,
-                          T* elastic) {
+[[gnu::always_inline]] inline void add_flexible_inertia(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                        const T* q, OwnInertia<T>& own, T* elastic) {
   const BodyData& b = m.bodies[i];
   const Mat3<T>& A = w.bodies[i].rotation;
   const int s = m.subspaces[b.subspace].stride;
@@ -215,8 +215,8 @@ void add_flexible_inertia(const Compiled& m, Workspace<T>& w, std::size_t i, con
 /// Adds to a flexible body's diagonal block what its modes contribute; `own`: its motion subspace, `force`:
 /// the composite inertia times it, to which the coupling is added.
 template <class T>
-void add_modal_mass(const Compiled& m, Workspace<T>& w, std::size_t i, const T* own, const T* elastic,
-                    T* force, T* values) {
+[[gnu::always_inline]] inline void add_modal_mass(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                  const T* own, const T* elastic, T* force, T* values) {
   const BodyData& b = m.bodies[i];
   const linalg::BlockPlace& diagonal = m.diagonal[i];
   const int s = m.subspaces[b.subspace].stride, n = b.size();
@@ -238,7 +238,8 @@ void add_modal_mass(const Compiled& m, Workspace<T>& w, std::size_t i, const T* 
 
 /// The share of a parent's modes in the inertia of the subtree at a body, where they move the joint's frame.
 template <class T>
-void add_modes_of_parent(const Compiled& m, Workspace<T>& w, std::size_t i, T* values) {
+[[gnu::always_inline]] inline void add_modes_of_parent(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                       T* values) {
   const BodyData& b = m.bodies[i];
   const FrameData& frame = m.frames[b.inboard_frame];
   if (frame.flexible < 0) return;
