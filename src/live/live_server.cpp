@@ -86,7 +86,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Viewer& operator=(const Viewer&) = delete;
 
   void accept(const http::request<http::empty_body>& request);
-  void send(std::string text);
+  void enqueue(std::string text);
   void show(const live::Picture& picture, live::PictureMarks marks);
   void control(bool has);
   void close();
@@ -125,10 +125,10 @@ struct Session {
 
   void enter(const std::shared_ptr<Viewer>& viewer) {
     viewers.push_back(viewer);
-    viewer->send(live::hello_text(viewer->number(), controller == viewer.get(), viewer->channels()));
-    viewer->send(live::control_text(controller == viewer.get(), controller != nullptr));
-    viewer->send(live::snapshots_text(snapshots));
-    viewer->send(live::status_text(loop, recorder, viewers.size(), true));
+    viewer->enqueue(live::hello_text(viewer->number(), controller == viewer.get(), viewer->channels()));
+    viewer->enqueue(live::control_text(controller == viewer.get(), controller != nullptr));
+    viewer->enqueue(live::snapshots_text(snapshots));
+    viewer->enqueue(live::status_text(loop, recorder, viewers.size(), true));
     choose();
   }
 
@@ -143,7 +143,7 @@ struct Session {
 
   void take_control(Viewer& viewer, bool take) {
     if (take && controller && controller != &viewer) {
-      controller->send(live::asked_text(viewer.number()));
+      controller->enqueue(live::asked_text(viewer.number()));
       throw InputError(Mark{}, "another viewer has control; it has to release it first");
     }
     if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to release");
@@ -156,7 +156,7 @@ struct Session {
     const auto all = viewers;
     for (const auto& one : all) {
       one->control(one.get() == controller);
-      one->send(live::control_text(one.get() == controller, controller != nullptr));
+      one->enqueue(live::control_text(one.get() == controller, controller != nullptr));
     }
   }
 
@@ -174,7 +174,7 @@ struct Session {
 
   void tell_all(const std::string& text) {
     const auto all = viewers;
-    for (const auto& viewer : all) viewer->send(text);
+    for (const auto& viewer : all) viewer->enqueue(text);
   }
 
   /// What the viewer in control asks for.
@@ -346,19 +346,19 @@ void Viewer::hear(const std::string& text) {
       channels_ = asked.channels;
       ++choice_;
       session_.choose();
-      return send(live::channels_text(channels_, choice_));
+      return enqueue(live::channels_text(channels_, choice_));
     }
     if (asked.what == "control") return session_.take_control(*this, asked.on);
     if (session_.controller != this)
       throw InputError(Mark{}, fmt::format("'{}' is for the viewer in control", asked.what));
     session_.act(asked);
   } catch (const std::exception& error) {
-    send(live::error_text(error.what()));
+    enqueue(live::error_text(error.what()));
     if (++errors_ >= most_errors) close();
   }
 }
 
-void Viewer::send(std::string text) {
+void Viewer::enqueue(std::string text) {
   if (!here_) return;
   if (texts_.size() >= most_waiting_texts) return close();
   texts_.push_back(std::move(text));
