@@ -430,8 +430,8 @@ mockTest("overruns are told with their causes", async ({ page }) => {
 });
 
 mockTest("an order that the server refuses is shown", async ({ page, mock }) => {
-  mock.say({ say: "error", message: "too much is asked for at once" });
-  await until("it is shown", async () => page.getByText("The server says: too much is asked for at once").isVisible());
+  mock.say({ say: "error", message: "too many requests at once" });
+  await until("it is shown", async () => page.getByText("The server says: too many requests at once").isVisible());
 });
 
 mockTest("the vehicle is drawn where the server has it, and the eye stays behind it", async ({ page, mock }) => {
