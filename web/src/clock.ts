@@ -15,6 +15,8 @@ export class Clock {
   time: number;
   playing = false;
   speed = 1;
+  /** At the end it begins again. */
+  repeats = false;
   private listeners: (() => void)[] = [];
   private last = 0;
   private frame = 0; // what requestAnimationFrame returned
@@ -45,6 +47,12 @@ export class Clock {
     this.changed();
   }
 
+  /** Stops at a time. */
+  stopAt(time: number): void {
+    if (this.playing) this.toggle();
+    this.set(time);
+  }
+
   toggle(): void {
     if (!this.playing && this.time >= this.end) this.time = this.start;
     this.playing = !this.playing;
@@ -60,9 +68,10 @@ export class Clock {
     this.last = now;
     this.time += elapsed * this.speed;
     if (this.time >= this.end) {
-      this.time = this.end;
-      this.playing = false;
-    } else this.frame = requestAnimationFrame(this.tick);
+      this.time = this.repeats ? this.start : this.end;
+      this.playing = this.repeats;
+    }
+    if (this.playing) this.frame = requestAnimationFrame(this.tick);
     this.changed();
   };
 

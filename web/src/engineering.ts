@@ -1,4 +1,5 @@
 // The unit in which people read a quantity of some size: kN rather than 1e3 N, mm rather than 0.001 m, ° rather than rad.
+import { formatNumber } from "./format";
 
 export interface Scale {
   unit: string;
@@ -58,7 +59,7 @@ export function timeText(start: number, end: number, instants: number): (time: n
 export function tickLabels(values: number[]): string[] {
   const gap = values.length > 1 ? Math.abs(values[1] - values[0]) : Math.abs(values[0] ?? 0);
   const largest = Math.max(...values.map(Math.abs), 0);
-  if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => (value === 0 ? "0" : value.toExponential(2).replace("e+", "e").replace(/^-/, "−")));
+  if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => formatNumber(value, 3));
   let decimals = gap > 0 ? Math.min(Math.max(0, -Math.floor(Math.log10(gap) + 1e-6)), 10) : 0;
   // Steps of 0.25 need one more than steps of 0.2.
   const rest = (gap * 10 ** decimals) % 1;

@@ -68,9 +68,12 @@ export class FilmButton {
   private record(way: Way & { kind: "recording" }): void {
     const { clock } = this;
     const stage = new Stage(this.view.canvas);
+    const { repeats } = clock;
+    clock.repeats = false; // its end is the film's
     const recording = new Recording(way, stage.canvas, (film) => {
       forget();
       if (clock.playing) clock.toggle();
+      clock.repeats = repeats;
       save(fileName("film", way.type.startsWith("video/mp4") ? "mp4" : "webm"), film);
       this.over();
     });

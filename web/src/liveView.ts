@@ -1,7 +1,7 @@
 // The card with the 3D view of what happens now.
 import * as THREE from "three";
 import { Clock } from "./clock";
-import { ColorBar, quantityNames, quantityText } from "./colorBar";
+import { ColorBar, quantityNames, quantityText, viewNote } from "./colorBar";
 import { has, type Quantity } from "./coloring";
 import type { Scene, Signals } from "./data";
 import { element } from "./dom";
@@ -11,7 +11,6 @@ import { niceAbove } from "./arrows";
 import { fill, liveAnimation, type Between } from "./livePictures";
 import type { LiveScene, Picture } from "./liveProtocol";
 import { checkbox, choice, factorSlider } from "./slider";
-import { quantity } from "./summaryLines";
 import { View3D } from "./view3d";
 
 const largestFactor = 500; // of the deformation scale
@@ -56,6 +55,7 @@ export class LiveView {
   private bar = new ColorBar();
   private quantity: Quantity = "none";
   private exaggeration = 1;
+  private note = element("small", { class: "cell" });
   private ends: number[]; // the largest of each body so far
   private looked = 0; // when the ends were last looked after, s of this machine
   private forces?: ForcePanel;
@@ -133,7 +133,7 @@ export class LiveView {
       view.canvas.setAttribute("aria-label", "The mechanism as it moves now; arrow keys turn the picture, + and − come nearer or go away");
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) this.holder.append(this.bar.root);
-      this.holder.append(element("small", { class: "cell" }, `Grid ${quantity(view.cell, "m")}`));
+      this.holder.append(this.note);
       return view;
     } catch (error) {
       console.warn(error);
@@ -168,12 +168,12 @@ export class LiveView {
       row.append(factorSlider("Deformation", 1, largestFactor, 1, exaggerate));
       const options = view.quantities.map((value) => ({ value, text: quantityNames[value] }));
       const asked = new URLSearchParams(location.hash.slice(1)).get("color") as Quantity;
-      row.append(choice("Colour", options, view.quantities.includes(asked) ? asked : "none", (quantity) => this.colorBy(view, quantity)));
+      row.append(choice("Colour", options, view.quantities.includes(asked) ? asked : "displacement", (quantity) => this.colorBy(view, quantity)));
       const again = element("button", { title: "Let the colours' scale begin anew" }, "New scale");
       again.addEventListener("click", () => this.colorBy(view, this.quantity));
       row.append(again);
-    }
-    if (this.scene.bodies.some((body) => body.shapes.length > 0)) row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
+    } else this.tellColors();
+    if (this.scene.bodies.some((body) => body.shapes.length > 0)) row.append(checkbox("See through solids", view.hidesFlexible(), (on) => view.seeThrough(on)));
     if (this.scene.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
     const fine = checkbox("Shadows and full sharpness", true, (on) => view.refine(on));
@@ -248,9 +248,9 @@ export class LiveView {
   }
 
   private tellColors(): void {
+    this.note.textContent = viewNote(this.view?.cell ?? 1, this.exaggeration);
     if (this.quantity === "none") return this.bar.hide();
     const end = this.ends[0] ?? 0;
-    const note = this.exaggeration > 1 ? ` (drawn ${this.exaggeration}×)` : "";
-    this.bar.show(this.quantity, end, note, end > 0 ? `up to ${quantityText(end, this.quantity)} so far` : "");
+    this.bar.show(this.quantity, end, end > 0 ? `up to ${quantityText(end, this.quantity)} so far` : "");
   }
 }

@@ -148,7 +148,7 @@ export class ModePlayer {
     const { value } = this.view.peak(this.quantity);
     this.view.color(this.quantity);
     if (this.quantity === "none" || value === 0) this.bar.hide();
-    else this.bar.show(this.quantity, value, " at amplitude 1");
+    else this.bar.show(this.quantity, value, "", " at amplitude 1");
   }
 
   /** The largest values of the mode, and what they say of each other. */

@@ -1,6 +1,6 @@
 // The card with the 3D view and everything that steers it.
 import { speeds, type Clock } from "./clock";
-import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
+import { ColorBar, peakText, quantityNames, quantityText, viewNote } from "./colorBar";
 import { atNode, has, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { element } from "./dom";
@@ -11,6 +11,7 @@ import { formatNumber } from "./format";
 import { nearest, valueAt } from "./interpolate";
 import { checkbox, choice, factorSlider } from "./slider";
 import { isJoint } from "./placement";
+import { playFrom } from "./firstPicture";
 import { quantity } from "./summaryLines";
 import { isCoupling } from "./couplingView";
 import { isJointLaw, jointLawText } from "./jointLawView";
@@ -33,6 +34,7 @@ export class Player {
   private quantity: Quantity = "none";
   private perBody = false;
   private exaggeration = 1;
+  private note = element("small", { class: "cell" });
   /** Said to who cannot see, when the animation rests. */
   private spoken = element("p", { class: "unseen", "aria-live": "polite" });
   private speaking = 0;
@@ -49,10 +51,11 @@ export class Player {
     const holder = element("div", { class: "view" });
     const { time } = report.animation;
     this.slider = element("input", { type: "range", class: "timeline", min: clock.start, max: clock.end, step: "any", "aria-label": "Time" });
-    this.slider.addEventListener("input", () => clock.set(Number(this.slider.value)));
+    this.slider.addEventListener("input", () => clock.stopAt(Number(this.slider.value)));
     this.play.addEventListener("click", () => clock.toggle());
     this.root.append(element("h2", { class: "unseen" }, "Animation"), holder, element("div", { class: "row transport" }, this.play, this.slider, this.shown));
     this.view = this.made(holder);
+    if (this.view) this.start(this.view);
     this.root.append(this.spoken, this.settings(this.view));
     if (this.view) this.root.append(this.exports(this.view));
     const key = (name: string) => element("kbd", {}, name);
@@ -66,6 +69,22 @@ export class Player {
     if (time.length > 0) document.addEventListener("keydown", (event) => this.key(event));
   }
 
+  /** Plays from a moment before the instant at which most happens; with reduced motion, rests at it. */
+  private start(view: View3D): void {
+    const { clock } = this;
+    const instant = view.tellingInstant();
+    const resting = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const from = resting ? instant : playFrom(instant, clock.start, speeds(clock.end - clock.start)[2]);
+    clock.set(from);
+    view.fit();
+    if (resting) return;
+    const forget = view.onDrawn(() => {
+      forget();
+      // Unless another time was asked for before the first picture.
+      if (!clock.playing && clock.time === from) clock.toggle();
+    });
+  }
+
   private made(holder: HTMLElement): View3D | null {
     if (this.report.bodies.length === 0 || this.report.animation.time.length === 0) {
       holder.append(element("p", { class: "hint" }, "The results hold nothing to animate."));
@@ -75,7 +94,7 @@ export class Player {
       const view = new View3D(this.report, this.clock, holder, this.options);
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) holder.append(this.bar.root);
-      holder.append(element("small", { class: "cell" }, `Grid ${quantity(view.cell, "m")}`));
+      holder.append(this.note);
       this.nameClicked(view, holder);
       return view;
     } catch (error) {
@@ -164,12 +183,12 @@ export class Player {
   }
 
   private showScale(view: View3D): void {
-    const note = this.exaggeration > 1 ? ` (drawn ${this.exaggeration}×)` : "";
+    this.note.textContent = viewNote(view.cell, this.exaggeration);
     if (this.quantity === "none") this.bar.hide();
-    else if (this.perBody) this.bar.showRelative(this.quantity, note);
+    else if (this.perBody) this.bar.showRelative(this.quantity);
     else {
       const peak = view.peak(this.quantity);
-      this.bar.show(this.quantity, peak.value, note, peakText(this.report.bodies, peak, this.quantity));
+      this.bar.show(this.quantity, peak.value, peakText(this.report.bodies, peak, this.quantity));
     }
   }
 
@@ -177,6 +196,7 @@ export class Player {
     const row = element("div", { class: "settings" });
     const [slowest, fastest, start] = speeds(this.clock.end - this.clock.start);
     row.append(factorSlider("Speed", slowest, fastest, start, (factor) => (this.clock.speed = factor), (factor) => `${formatNumber(factor)}×`));
+    row.append(checkbox("Repeat", true, (on) => (this.clock.repeats = on)));
     if (!view) return row;
     const exaggerate = (factor: number) => {
       this.exaggeration = factor;
@@ -184,7 +204,8 @@ export class Player {
       this.showScale(view);
     };
     if (view.largest > 0)
-      row.append(factorSlider("Exaggerate", 1, largestFactor, 1, exaggerate));
+      row.append(factorSlider("Exaggerate", 1, largestFactor, view.firstExaggeration(largestFactor), exaggerate));
+    else this.showScale(view);
     if (view.quantities.length > 1) row.append(...this.colors(view));
     const follow = element("select", { "aria-label": "Follow" }, element("option", { value: -1 }, "nothing"));
     this.report.bodies.forEach((body, k) => follow.append(element("option", { value: k }, body.name)));
@@ -192,7 +213,7 @@ export class Player {
     follow.addEventListener("change", () => view.follow(Number(follow.value)));
     row.append(element("label", {}, element("span", {}, "Follow"), follow));
     if (this.report.bodies.some((body) => body.shapes.length > 0)) {
-      row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
+      row.append(checkbox("See through solids", view.hidesFlexible(), (on) => view.seeThrough(on)));
     }
     if (this.report.elements.some(({ kind }) => !["load", "drag"].includes(kind) && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
@@ -259,6 +280,6 @@ export class Player {
   private step(count: number): void {
     const { time } = this.report.animation;
     const index = Math.min(Math.max(nearest(time, this.clock.time) + count, 0), time.length - 1);
-    this.clock.set(time[index]);
+    this.clock.stopAt(time[index]);
   }
 }

@@ -114,7 +114,9 @@ export class Plots implements View {
     plot.traces.forEach(({ time, values, range }, k) => {
       const value = valueAt(time, values, t);
       const { size, unit } = plot.scales[k];
-      plot.values[k].textContent = value === null ? "–" : `${formatWithin(range / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
+      // Round-off beside curves that change much is shown as zero.
+      const widest = Math.max(...plot.traces.filter((_, other) => plot.scales[other] === plot.scales[k]).map((other) => other.range));
+      plot.values[k].textContent = value === null ? "–" : `${formatWithin(Math.max(range, 1e-4 * widest) / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
     });
   }
 

@@ -8,6 +8,8 @@ import type { Clock } from "./clock";
 import { has, peaks, type Peak, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { onThemeChange, themeColor } from "./dom";
+import { firstExaggeration, tellingInstant } from "./firstPicture";
+import { framing } from "./framing";
 import { drape } from "./drape";
 import { elementMaterials, ElementView } from "./elementView";
 import { amplitudesAt, poseAt, valueAt } from "./interpolate";
@@ -35,20 +37,6 @@ function viewDirection(box: THREE.Box3): THREE.Vector3 {
   if (z < flat && Math.min(x, y) > flat) return new THREE.Vector3(0.3, -0.7, 1).normalize();
   if (y < flat && Math.min(x, z) > flat) return new THREE.Vector3(0.3, -1, 0.2).normalize();
   return new THREE.Vector3(0.62, -1, 0.42).normalize();
-}
-
-/** From how far an eye in this direction sees all of the box, with a margin; `tangent` of half the angle of view. */
-export function fittingDistance(box: THREE.Box3, direction: THREE.Vector3, tangent: number, aspect: number, filled = 0.82): number {
-  const right = new THREE.Vector3(-direction.y, direction.x, 0).normalize();
-  const upwards = direction.clone().cross(right);
-  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
-  let distance = 0;
-  for (let corner = 0; corner < 8; ++corner) {
-    const place = new THREE.Vector3(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
-    const aside = Math.max(Math.abs(place.dot(right)) / aspect, Math.abs(place.dot(upwards)));
-    distance = Math.max(distance, place.dot(direction) + aside / (tangent * filled));
-  }
-  return distance;
 }
 
 const extent = (box: THREE.Box3) => box.getSize(new THREE.Vector3()).length();
@@ -184,12 +172,11 @@ export class View3D {
     });
     this.scene.add(...[...this.bodies, ...this.ghosts.flatMap(({ views }) => views)].map((body) => body.group));
     this.addSurroundings();
-    for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0018 * this.size);
+    for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0025 * this.size);
     this.arrows = new Arrows(report, this.size, options.live);
     this.elements = this.addElements();
     this.followed = this.defaultFollowed();
     this.update();
-    this.place.copy(this.followedPlace());
     this.fit();
     this.theme();
     const ready = () => {
@@ -277,6 +264,34 @@ export class View3D {
     this.request();
   }
 
+  /** Where most happens. */
+  tellingInstant(): number {
+    const radii = this.bodies.map(({ bounds }) => 0.5 * extent(bounds));
+    return tellingInstant(this.report.animation, this.peaks("displacement"), radii, this.followed);
+  }
+
+  /** By which deformations are seen. */
+  firstExaggeration(largest: number): number {
+    const peaks = this.peaks("displacement");
+    const deflections = this.bodies.flatMap(({ bounds, flexible }, k) => (flexible ? [{ value: peaks[k].value, length: extent(bounds) }] : []));
+    return firstExaggeration(deflections, this.size, largest);
+  }
+
+  /** Whether solids cover a good part of the flexible bodies, seen from where the camera is now. */
+  hidesFlexible(): boolean {
+    const solids = this.bodies.flatMap(({ solidMeshes }) => solidMeshes);
+    if (solids.length === 0) return false;
+    this.update();
+    this.scene.updateMatrixWorld(true);
+    const eye = this.camera.position;
+    const points = this.bodies.filter(({ flexible }) => flexible).flatMap((body) => body.someOfThePoints(40));
+    const covered = points.filter((point) => {
+      const along = point.clone().sub(eye);
+      return new THREE.Raycaster(eye, along.clone().normalize(), 0, 0.999 * along.length()).intersectObjects(solids, false).length > 0;
+    });
+    return covered.length > 0.1 * points.length;
+  }
+
   exaggerate(factor: number): void {
     this.exaggeration = factor;
     this.request();
@@ -289,21 +304,25 @@ export class View3D {
 
   follow(body: number): void {
     this.followed = body;
-    this.place.copy(this.followedPlace());
     this.fit();
   }
 
   /** Looks at all bodies: as they are now when one is followed, else over the whole time. */
   fit(): void {
-    const box = this.followed >= 0 ? this.boundsAt(this.clock.time) : this.boundsOverTime();
-    const center = box.getCenter(new THREE.Vector3());
-    const radius = Math.max(0.5 * extent(box), 0.15 * this.size);
+    const points = this.followed >= 0 ? this.cornersAt(this.clock.time) : this.cornersOverTime();
+    const box = new THREE.Box3().setFromPoints(points);
     const direction = this.options.from?.() ?? viewDirection(box);
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const { center, distance } = framing(points, direction, Math.tan((this.camera.fov * Math.PI) / 360), this.camera.aspect, this.lone ? 0.4 : undefined);
+    this.place.copy(this.followedPlace());
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(direction, Math.max(fittingDistance(box, direction, tangent, this.camera.aspect), radius));
+    this.camera.position.copy(center).addScaledVector(direction, Math.max(distance, 0.5 * extent(box), 0.15 * this.size));
     this.controls.update();
     this.request();
+  }
+
+  /** One body on a ground: seen with what is around it. */
+  private get lone(): boolean {
+    return this.wide >= 0 && this.bodies.length === 2 && this.followed >= 0;
   }
 
   showElements(on: boolean): void {
@@ -487,27 +506,39 @@ export class View3D {
   }
 
   private boundsAt(time: number): THREE.Box3 {
-    const box = new THREE.Box3();
-    this.bodies.forEach((body, k) => {
-      if (k === this.wide) return;
-      const matrix = this.poseMatrix(time, k);
-      if (matrix) box.union(body.bounds.clone().applyMatrix4(matrix));
-    });
-    for (const point of this.anchors) if (!box.isEmpty()) box.expandByPoint(point);
-    return box.isEmpty() ? box.setFromCenterAndSize(new THREE.Vector3(), new THREE.Vector3(1, 1, 1)) : box;
+    return new THREE.Box3().setFromPoints(this.cornersAt(time));
   }
 
   private boundsOverTime(): THREE.Box3 {
+    return new THREE.Box3().setFromPoints(this.cornersOverTime());
+  }
+
+  /** Of the boxes around the bodies, and the points on the ground. */
+  private cornersAt(time: number): THREE.Vector3[] {
+    const corners = this.bodies.flatMap(({ bounds: { min, max } }, k) => {
+      const matrix = k === this.wide ? null : this.poseMatrix(time, k);
+      if (!matrix) return [];
+      return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => new THREE.Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z).applyMatrix4(matrix));
+    });
+    if (corners.length === 0) return [-0.5, 0.5].map((half) => new THREE.Vector3(half, half, half));
+    return [...corners, ...this.anchors];
+  }
+
+  private cornersOverTime(): THREE.Vector3[] {
     const { time } = this.report.animation;
-    const box = new THREE.Box3();
     const every = Math.max(1, Math.floor(time.length / 60));
-    const first = this.boundsAt(time[0] ?? 0);
-    for (let i = 0; i < time.length; i += every) {
-      const now = this.boundsAt(time[i]);
+    const all = this.cornersAt(time[0] ?? 0);
+    const box = new THREE.Box3().setFromPoints(all);
+    const first = extent(box) || 10;
+    for (let i = every; i < time.length; i += every) {
+      const now = this.cornersAt(time[i]);
+      const wider = box.clone().union(new THREE.Box3().setFromPoints(now));
       // A run that diverged would make the rest invisibly small.
-      if (i === 0 || extent(box.clone().union(now)) < farthest * (extent(first) || 10)) box.union(now);
+      if (!(extent(wider) < farthest * first)) continue;
+      box.copy(wider);
+      all.push(...now);
     }
-    return box;
+    return all;
   }
 
   /** In the scene; null where the results hold no finite pose. */

@@ -75,7 +75,7 @@ export class Reports {
 
 /** Opens a page; whatever its script complains of is kept in `complaints`. `listen` gets the page before it is loaded. */
 export async function open(browser, url, options = {}, before = undefined, listen = undefined) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, ...options });
+  const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, reducedMotion: "reduce", ...options });
   page.setDefaultTimeout(300_000); // a machine that has other work takes its time
   if (before) await page.addInitScript(before);
   const complaints = [];

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
 
 const skipped = 77;
 const reason = await noBrowser();
@@ -82,9 +82,58 @@ async function slideToEnd(page, label) {
   await drawn(page);
 }
 
-test("true scale at first; exaggerated, what hangs on a beam follows its tip", async ({ page }) => {
+const exaggeration = (page) => page.evaluate(() => window.mimbreView.exaggeration);
+
+test("the first picture: playing about the largest deformation, see-through, drawn larger by a factor that is stated", async () => {
+  // Every time at which the page plays, from its very first picture on.
+  const watch = () => {
+    window.playedTimes = [];
+    const look = () => {
+      requestAnimationFrame(look);
+      if (window.mimbreView?.clock.playing) window.playedTimes.push(window.mimbreView.clock.time);
+    };
+    look();
+  };
+  const { page, complaints } = await open(browser, rig, { reducedMotion: "no-preference" }, watch);
+  const [instant, from] = await page.evaluate(() => {
+    const { clock } = window.mimbreView;
+    return [window.mimbreView.peak("displacement").time, clock.start];
+  });
+  assert.ok(instant > from);
+  // From a moment before it over the end and round again.
+  await page.waitForFunction(() => window.playedTimes.some((time, k) => time < window.playedTimes[k - 1]));
+  const first = await page.evaluate(() => window.playedTimes[0]);
+  assert.ok(first >= instant - 0.2501, `${first} s, the largest deformation is at ${instant} s`);
+  const factor = await exaggeration(page);
+  assert.ok(factor > 1, `${factor}`);
+  assert.equal(await say(page, ".cell"), `Grid 0.2 m · Deformations drawn ${factor} times larger`);
+  assert.ok(await page.getByLabel("See through solids").isChecked());
+  assert.match(await say(page, ".colorbar small"), /^Largest: [\d.]+ mm in arm at [\d.]+ s$/);
+  // It stops where a time is asked for, and without repeating at its end.
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.evaluate(() => window.mimbreView.clock.playing), false);
+  await page.getByLabel("Repeat").uncheck();
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(() => !window.mimbreView.clock.playing && window.mimbreView.clock.time === window.mimbreView.clock.end);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test("a page opened at a time rests there", async () => {
+  const { page } = await open(browser, `${rig}#t=0.42`, { reducedMotion: "no-preference" });
+  await ready(page);
+  await drawn(page);
+  assert.deepEqual(await page.evaluate(() => [window.mimbreView.clock.time, window.mimbreView.clock.playing]), [0.42, false]);
+  await page.close();
+});
+
+test("true scale when it is asked for; exaggerated, what hangs on a beam follows its tip", async ({ page }) => {
   await goTo(page, 0.3);
-  assert.equal(await page.evaluate(() => window.mimbreView.exaggeration), 1);
+  await page.getByLabel("Exaggerate", { exact: true }).focus();
+  await page.keyboard.press("Home");
+  await drawn(page);
+  assert.equal(await exaggeration(page), 1);
+  assert.equal(await say(page, ".cell"), "Grid 0.2 m");
   const [before] = await placeOf(page, "bob");
   await slideToEnd(page, "Exaggerate");
   const [after] = await placeOf(page, "bob");
@@ -311,8 +360,11 @@ for (const { name, of, moments, length, force, axis, time, channel } of [
     assert.deepEqual(complaints, []);
   });
 
-test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
-  const solids = await page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
+test("solids that hide the flexible arm are seen through until it is unticked, and wheels have marks that turn", async ({ page }) => {
+  const drawnSolids = () => page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
+  assert.ok((await drawnSolids()).every(({ transparent }) => transparent));
+  await page.getByLabel("See through solids").uncheck();
+  const solids = await drawnSolids();
   assert.ok(solids.every(({ transparent }) => !transparent));
   assert.equal(solids.filter(({ vertexColors }) => vertexColors).length, 1); // the wheel
 });
