@@ -13,7 +13,7 @@ const prefixes: [name: string, size: number][] = [["p", 1e-12], ["n", 1e-9], ["�
 const usual: Record<string, string[]> = {
   m: ["n", "µ", "m", "", "k"],
   s: ["n", "µ", "m", ""],
-  "m/s": ["µ", "m", ""],
+  "m/s": ["n", "µ", "m", ""],
   "m/s²": ["m", ""],
   N: ["n", "µ", "m", "", "k", "M"],
   "N m": ["n", "µ", "m", "", "k", "M"],

@@ -21,8 +21,8 @@ import { View3D, type Picked, type ViewOptions } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
 
-/** A joint's own spring. */
 const isConstraint = (kind: string) => kind === "distance" || kind === "constant_velocity" || kind === "screw" || kind.startsWith("on_");
+/** A joint's own spring or damper. */
 const isOfJoint = (element: Pick<Element, "kind">) => isTorsional(element) || slideOf(element) !== null;
 
 export class Player {
@@ -35,11 +35,11 @@ export class Player {
   private perBody = false;
   private exaggeration = 1;
   private note = element("small", { class: "cell" });
-  /** Said to who cannot see, when the animation rests. */
+  /** For screen readers: the time at which the animation rests. */
   private spoken = element("p", { class: "unseen", "aria-live": "polite" });
   private speaking = 0;
   private forces?: ForcePanel;
-  /** What was clicked is described anew. */
+  /** Describes again what was clicked. */
   private pickedChanged = (): void => {};
   view: View3D | null = null;
 
@@ -60,8 +60,8 @@ export class Player {
     if (this.view) this.root.append(this.exports(this.view));
     const key = (name: string) => element("kbd", {}, name);
     this.root.append(
-      element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step; in the picture the arrows turn it"),
-      element("p", { class: "hint fingers" }, "One finger scrolls the page or turns the picture sideways, two move and zoom it. A tap says what is there, and one finger then turns it every way until you touch something else"),
+      element("p", { class: "hint mouse" }, "Drag to rotate, right-drag to pan, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step. With the picture focused, the arrow keys rotate it"),
+      element("p", { class: "hint fingers" }, "One finger scrolls the page or rotates the picture sideways; two fingers pan and zoom. Tap a part to read its values; one finger then rotates freely until you tap outside the picture"),
     );
     clock.onChange(() => this.changed());
     this.changed();
@@ -87,7 +87,7 @@ export class Player {
 
   private made(holder: HTMLElement): View3D | null {
     if (this.report.bodies.length === 0 || this.report.animation.time.length === 0) {
-      holder.append(element("p", { class: "hint" }, "The results hold nothing to animate."));
+      holder.append(element("p", { class: "hint" }, "The results contain nothing to animate."));
       return null;
     }
     try {
@@ -99,7 +99,7 @@ export class Player {
       return view;
     } catch (error) {
       console.warn(error);
-      holder.append(element("p", { class: "hint" }, "This browser has no WebGL: the animation cannot be drawn. The plots work."));
+      holder.append(element("p", { class: "hint" }, "This browser has no WebGL, so the animation cannot be drawn. The plots work."));
       return null;
     }
   }
@@ -157,8 +157,8 @@ export class Player {
     const sizes = (of: string, what: string) => Math.hypot(...["x", "y", "z"].map((axis) => now(`${of}.${name}.${what}.${axis}`) ?? NaN));
     if (isConstraint(kind)) {
       const [force, moment] = [sizes("constraint", "force"), sizes("constraint", "moment")];
-      const borne = [Number.isFinite(force) ? quantity(force, "N") : "", Number.isFinite(moment) ? quantity(moment, "N m") : ""].filter((text) => text);
-      return `${name}, ${kind.replace(/_/g, " ")}${borne.length > 0 ? `: ${borne.join(", ")}` : ""}`;
+      const carried = [Number.isFinite(force) ? quantity(force, "N") : "", Number.isFinite(moment) ? quantity(moment, "N m") : ""].filter((text) => text);
+      return `${name}, ${kind.replace(/_/g, " ")}${carried.length > 0 ? `: ${carried.join(", ")}` : ""}`;
     }
     const [force, moment] = [sizes("joint", "force"), sizes("joint", "moment")];
     const note = kind === "bracket" ? " (fixed, with static modes of its flexible bodies)" : "";
@@ -169,10 +169,10 @@ export class Player {
     if (element >= 0) return this.describeElement(element);
     const drawn = this.report.bodies[body];
     if (drawn.pointShapes.length === 0) return drawn.name;
-    let text = `${drawn.name}: deformed by up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
+    let text = `${drawn.name}: deformation up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
     if (!has(drawn, "stress")) return text;
     const largest = view.largestNow(body, "stress");
-    text += `, stressed by up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
+    text += `, von Mises stress up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
     if (point >= 0) text += `; here ${quantityText(view.valuesNow(body, "stress")[point], "stress")}${atNode(drawn, point)}`;
     return text;
   }
@@ -204,7 +204,7 @@ export class Player {
       this.showScale(view);
     };
     if (view.largest > 0)
-      row.append(factorSlider("Exaggerate", 1, largestFactor, view.firstExaggeration(largestFactor), exaggerate));
+      row.append(factorSlider("Exaggeration", 1, largestFactor, view.firstExaggeration(largestFactor), exaggerate));
     else this.showScale(view);
     if (view.quantities.length > 1) row.append(...this.colors(view));
     const follow = element("select", { "aria-label": "Follow" }, element("option", { value: -1 }, "nothing"));
@@ -224,9 +224,9 @@ export class Player {
 
   /** The picture and the film as files, and the view as it was. */
   private exports(view: View3D): HTMLElement {
-    const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
+    const fit = element("button", { title: "Show all bodies" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
-    const picture = element("button", { title: "Save this picture (PNG)" }, "Save picture");
+    const picture = element("button", { title: "Save the picture as PNG" }, "Save picture");
     picture.addEventListener("click", () => {
       view.redraw();
       saveCanvas(view.canvas, `t${this.clock.text().replace(" ", "")}`);

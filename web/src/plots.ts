@@ -50,7 +50,7 @@ export class Plots implements View {
     this.root.replaceChildren();
     const traces = this.curves.traces(selection).filter(({ time }) => time.length > 0);
     if (traces.length === 0) {
-      const why = selection.length > 0 ? "The results hold no instants." : "No channel is chosen: tick some in the list.";
+      const why = selection.length > 0 ? "The results contain no instants." : "No channel is selected. Tick some in the list.";
       this.root.append(element("p", { class: "hint" }, why));
     }
     this.gutters = { left: 0, right: 0 };

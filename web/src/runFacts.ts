@@ -30,7 +30,7 @@ export function remarks(runs: Run[]): Remark[] {
   const latest = Math.max(...runs.map(endOf).filter(Number.isFinite));
   return runs.flatMap((run): Remark[] => {
     const end = endOf(run);
-    if (!Number.isFinite(end)) return [{ text: `${run.label} holds no instant.`, warning: true }];
+    if (!Number.isFinite(end)) return [{ text: `${run.label} contains no instants.`, warning: true }];
     const upTo = `drawn up to ${instant(end, 5)}`;
     const summary = asSummary(run);
     if (!isSound(run)) {

@@ -139,7 +139,7 @@ export class View3D {
     this.renderer.debug.checkShaderErrors = false; // asking for them waits for the compiler
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "Animation of the mechanism; arrow keys turn it, + and − come nearer or go away");
+    this.canvas.setAttribute("aria-label", "Animation of the mechanism; arrow keys rotate the view, + and − zoom");
     this.canvas.tabIndex = 0;
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.renderer.shadowMap.enabled = true;

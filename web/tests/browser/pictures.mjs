@@ -3,7 +3,7 @@
 import { mkdtemp, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports, resting } from "./browser.mjs";
 
 const [program, target] = process.argv.slice(2);
 const most = 200_000; // bytes of a picture
@@ -83,7 +83,7 @@ async function set(page, { time, exaggerate, forces, through, tab, nearer, turne
   if (time !== undefined) await page.evaluate((t) => window.mimbreView.clock.set(t), time);
   // Through the slider, so that what it shows is what is drawn; its ends are 1 and 500.
   if (exaggerate)
-    await page.getByLabel("Exaggerate", { exact: true }).evaluate((slider, factor) => {
+    await page.getByLabel("Exaggeration", { exact: true }).evaluate((slider, factor) => {
       slider.value = String(Math.log(factor) / Math.log(500));
       slider.dispatchEvent(new Event("input"));
     }, exaggerate);
@@ -105,7 +105,7 @@ const wanted = process.argv[4] ?? "";
 const browser = await launch();
 for (const picture of pictures.filter(({ name }) => name.includes(wanted))) {
   const { name, size, scene } = picture;
-  const { page, complaints } = await open(browser, await address(picture), { viewport: size ?? { width, height: 800 } });
+  const { page, complaints } = await open(browser, await address(picture), { ...resting, viewport: size ?? { width, height: 800 } });
   await set(page, picture);
   // As high as the card of the animation.
   const card = await page.locator(".player").boundingBox();
