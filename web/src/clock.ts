@@ -23,7 +23,7 @@ export class Clock {
 
   private words: (time: number) => string;
 
-  /** `instants`: of the animation, which the time's text tells apart. */
+  /** `instants`: number of instants of the animation, which the text of the time distinguishes. */
   constructor(
     readonly start: number,
     readonly end: number,
@@ -33,7 +33,7 @@ export class Clock {
     this.words = timeText(start, end, instants);
   }
 
-  /** The time as it is read. */
+  /** The time with its unit. */
   text(): string {
     return this.words(this.time);
   }

@@ -36,7 +36,7 @@ export function scaleFor(unit: string, value: number): Scale {
   if (!names || !(Math.abs(value) > 0) || !Number.isFinite(value)) return { unit, size: 1 };
   const known = prefixes.filter(([name]) => names.includes(name));
   const fitting = known.filter(([name, size]) => Math.abs(value) >= 0.9999 * size * least(unit, name));
-  // Round-off of a nought needs no millionths.
+  // Round-off of a zero keeps the unit without prefix.
   const small = Math.abs(value) >= 1e-3 * known[0][1] ? known[0] : (["", 1] as const);
   const [name, size] = fitting[fitting.length - 1] ?? small;
   return { unit: name + unit, size };
@@ -47,7 +47,7 @@ export function axisScale(unit: string, value: number): Scale {
   return scaleFor(unit, value * (unit === "s" ? 20 : unit === "Hz" ? 0.1 : 1));
 }
 
-/** Says times between `start` and `end` so that `instants` of them, equally far apart, are told apart. */
+/** Formats times between `start` and `end` with the decimals that distinguish `instants` of them at equal distances. */
 export function timeText(start: number, end: number, instants: number): (time: number) => string {
   const { unit, size } = axisScale("s", Math.max(Math.abs(start), Math.abs(end)));
   const gap = (end - start) / Math.max(instants - 1, 1) / size;

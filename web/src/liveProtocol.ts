@@ -131,7 +131,7 @@ export interface Picture {
 
 const headLength = 40; // bytes
 
-/** Throws where the message does not have the length that it says. */
+/** Throws where the message does not have the stated length. */
 export function decodePicture(message: ArrayBuffer, bodies: number, amplitudes: number): Picture {
   if (message.byteLength < headLength) throw new Error(`a picture of ${message.byteLength} bytes`);
   const head = new DataView(message);

@@ -92,7 +92,7 @@ export class LiveView {
   show(between: Between, value: (name: string, picture: Picture) => number | null, now: number): void {
     const { view } = this;
     const still = between.time === this.clock.time;
-    // While it is paused only now and then, which says nothing of how fast the machine draws.
+    // A paused simulation is drawn only now and then: that does not measure the speed of drawing.
     if (still) this.watched = { since: now, drawn: 0 };
     if (!view || (still && now - this.looked < scaleEvery)) return;
     fill(this.scene.animation, between);

@@ -94,6 +94,10 @@ export class Player {
       const view = new View3D(this.report, this.clock, holder, this.options);
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) holder.append(this.bar.root);
+      const forget = view.onDrawn(() => {
+        forget();
+        this.bar.root.classList.toggle("left", view.emptierLeft());
+      });
       holder.append(this.note);
       this.nameClicked(view, holder);
       return view;

@@ -23,7 +23,7 @@ const bodyColors = ["#7c93b2", "#d08c60", "#7fa883", "#b07aa1", "#c9a94f", "#6fa
 
 const gridCells = 120;
 
-const farthest = 1e6; // sizes: nothing that is sound travels so far
+const farthest = 1e6; // sizes; a run that travels farther has diverged
 
 /** Links of one kind ("front_left.arm", "rear_right.arm") share a colour. */
 function colorKey(name: string): string {
@@ -46,7 +46,7 @@ export interface ViewOptions {
   steadyColors?: boolean;
   /** A grid on the ground; default: there is one. */
   grid?: boolean;
-  /** The animation is filled while it is watched: what it holds at first says nothing of what comes. */
+  /** The animation is filled while it is shown: its first content does not show what comes. */
   live?: boolean;
   /** From the centre to the eye when the view is fitted; without, and where it is null, from where most is seen. */
   from?: () => THREE.Vector3 | null;
@@ -292,6 +292,13 @@ export class View3D {
     return covered.length > 0.1 * points.length;
   }
 
+  /** Whether less of the mechanism is in the upper left corner of the picture than in the upper right one. */
+  emptierLeft(): boolean {
+    const corners = this.cornersAt(this.clock.time).concat(this.bodies.filter(({ flexible }) => flexible).flatMap((body) => body.someOfThePoints(40)));
+    const seen = corners.map((point) => point.project(this.camera)).filter(({ y }) => y > 0.5);
+    return seen.filter(({ x }) => x < -0.25).length < seen.filter(({ x }) => x > 0.25).length;
+  }
+
   exaggerate(factor: number): void {
     this.exaggeration = factor;
     this.request();
@@ -354,7 +361,7 @@ export class View3D {
     return () => (this.drawn = this.drawn.filter((one) => one !== listener));
   }
 
-  /** Draws what waits for the screen's next picture; for who is called for that picture already. */
+  /** Draws now what waits for the next animation frame; for callers that are in an animation frame. */
   flush(): void {
     if (this.waiting === 0) return;
     cancelAnimationFrame(this.waiting);
@@ -497,7 +504,7 @@ export class View3D {
     return extent(this.boundsOverTime()) > 4 * this.size ? 0 : -1;
   }
 
-  /** The ground where it is far wider than what moves on it: a track says nothing of how large things are. */
+  /** The ground where it is far wider than what moves on it: then it does not count for the size of the mechanism. */
   private wideGround(): number {
     const ground = this.report.bodies.findIndex(({ name }) => name === "ground");
     if (ground < 0) return -1;
@@ -521,7 +528,7 @@ export class View3D {
       return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => new THREE.Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z).applyMatrix4(matrix));
     });
     if (corners.length === 0) return [-0.5, 0.5].map((half) => new THREE.Vector3(half, half, half));
-    return [...corners, ...this.anchors];
+    return [...corners, ...this.anchors.map((point) => point.clone())];
   }
 
   private cornersOverTime(): THREE.Vector3[] {
