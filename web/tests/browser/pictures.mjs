@@ -46,8 +46,8 @@ const pictures = [
   { name: "robot", model: "examples/robot/model.yaml", scene: true, time: 1, forces: "all", exaggerate: 20 },
   { name: "solar-array", model: "examples/solar-array/model.yaml", scene: true, time: 8 },
   { name: "ball-cascade", model: "examples/ball-cascade/model.yaml", scene: true, time: 0.012 },
-  { name: "force-elements", model: "web/tests/browser/force-elements.yaml", scene: true, time: 0.1, forces: "loads", through: true, turned: [-0.4, 0, 0.95] },
-  { name: "constraints", model: "web/tests/browser/constraints.yaml", scene: true, time: 0.15, through: true, turned: [-0.4, 0, 0.95] },
+  { name: "force-elements", model: "web/tests/browser/force-elements.yaml", scene: true, time: 0.1, forces: "loads", through: true, turned: [-0.4, 0, 1.15] },
+  { name: "constraints", model: "web/tests/browser/constraints.yaml", scene: true, time: 0.15, through: true, turned: [-0.4, 0, 1.15] },
   { name: "spin-up", model: "examples/spin-up-beam/beam-2d.yaml", time: 8, tab: "x–y" },
   {
     name: "spin-up-comparison",
