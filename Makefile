@@ -44,6 +44,10 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 	$(PROGRAM) report results/iltis.h5 -o report.html
 	@echo "Made report.html (plots, animation) from results/iltis.h5 (every channel; as a table: results/iltis.csv)."
 	@echo "Open it in a browser:  xdg-open $(CURDIR)/report.html"
+	@echo "Next:"
+	@echo "  make live           drive the vehicle yourself, in the browser"
+	@echo "  docs/tutorial.md    a model of your own: $(PROGRAM) run MODEL.yaml -o RUN.h5, then $(PROGRAM) report RUN.h5"
+	@echo "  docs/gallery.md     robots, rotors, mechanisms, contact: pictures and the commands that make them"
 
 live: configure ## Drive a vehicle in the browser
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program

@@ -6,7 +6,7 @@
 Every shot is aimed so that the ball meets the surface: each kind of surface and other balls, a tenth of the ball's size
 to ten times it, at rest or in flight and turning by up to a radian a step. A shot is silent where the ball flies on at
 its velocity and nothing is said of the contact. It is wrong, against a solid at rest, where nothing is said and the
-ball does not leave at 0.8 of the speed at which it came, along the direction of the blow, to a tenth. Prints a line for
+ball does not leave at 0.8 of the speed at which it came, along the direction of the impact, to a tenth. Prints a line for
 every shot that is silent or wrong, then the counts.
 """
 

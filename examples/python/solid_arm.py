@@ -24,7 +24,7 @@ for part in ("solid-arm", "iltis"):
 # ## Reduction
 #
 # An interface is where a joint or a force takes hold: the nodes of a group of the mesh, tied to a point. The mesh is in
-# mm. The certificate says what was checked, and up to which frequency the body can be trusted.
+# mm. The validation report lists the checks and the frequency up to which the body is valid.
 # %%
 arm = mimbre.reduce(
     folder / "solid-arm/arm.msh",

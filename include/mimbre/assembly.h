@@ -12,7 +12,7 @@ namespace mimbre {
 /// the coordinates that are given (`initial_position`), near others (`near`), or as they are drawn, the
 /// coordinates are found that close all loops, if need be from other positions. The bodies' poses become
 /// those of the found position, and `near` of the joints its coordinates. A model without such joints, or
-/// whose lengths do not fit, comes back as it is: the start of a simulation says by how much they do not.
+/// whose lengths do not fit, comes back unchanged: the start of a simulation reports the misfit.
 /// Throws InputError where the model cannot be compiled.
 spec::Model brought_together(spec::Model model);
 

@@ -7,7 +7,7 @@
 
 #include "mimbre/spec.h"
 
-/// What a run tells of itself: numbers by name, and what a picture needs.
+/// The data of a run: numbers by name, and what a picture needs.
 namespace mimbre {
 
 struct ChannelInfo {
@@ -16,7 +16,7 @@ struct ChannelInfo {
   std::string meaning;  ///< one line for people
   /// Whether rigid-body mechanics determines it: reactions of redundant constraints it does not.
   bool determined = true;
-  /// What says the same as a value: nothing else, whole turns more or less (an angle of a cut joint), or its
+  /// Which other values mean the same: none, whole turns more or less (an angle of a cut joint), or its
   /// negative (a quaternion).
   enum class Alike { value, turns, sign } alike = Alike::value;
 };

@@ -24,7 +24,7 @@ struct UdpOptions : ExchangeOptions {
   double wait = 0;
 };
 
-/// By UDP: who says hello is told the names, and gets a packet after each step.
+/// By UDP: a program that sends a hello receives the names, and a packet after each step.
 class UdpExchange : public RealTimePart {
  public:
   /// Throws UnknownName for names that the simulation does not have, InputError where there are too many or

@@ -70,8 +70,8 @@ Eigen::SparseMatrix<double> read_calculix_geometric_stiffness(const std::string&
                                                               const FileUnits& units = {});
 
 /// What Abaqus writes for *MATRIX GENERATE and *MATRIX OUTPUT: lines `row node, dof, column node, dof, value`
-/// of one triangle, or, in its coordinate form, `row column value`, for which the dofs must be said as in
-/// read_sparse_matrices. `nodes` as for read_nodes.
+/// of one triangle, or, in its coordinate form, `row column value`, for which the dofs must be specified as
+/// in read_sparse_matrices. `nodes` as for read_nodes.
 ImportedMatrices read_abaqus_matrices(const std::string& stiffness_path, const std::string& mass_path,
                                       const std::string& nodes_path, const std::string& dofs_path = "",
                                       const FileUnits& units = {});
@@ -113,7 +113,7 @@ struct NamedNumber {
   double value = 0;
 };
 
-/// What the model's own file does not say.
+/// Data that the model's own file lacks.
 struct FeCompanions {
   std::string mass, nodes, dofs;  ///< files beside a stiffness matrix; `nodes` also of DMIG cards
   /// Of the element groups without a material, by the group's name; "": of all that are left.
@@ -140,7 +140,7 @@ std::vector<std::string> files_beside(const std::string& inp_path);
 /// the model), `cylinder(px,py,pz, ax,ay,az, r)` (on that surface, to 1 % of r). Coordinates in the file's
 /// unit of length. Places select among nodes with dofs: others cannot carry
 /// anything. Throws
-/// std::invalid_argument that says what is wrong and what there is.
+/// std::invalid_argument with the mistake and the valid names.
 std::vector<int> select_nodes(const std::string& text, const SolidMesh& mesh, const std::vector<Dof>& dofs,
                               double length_unit);
 
@@ -158,7 +158,7 @@ StressMatrix read_stress_matrix(const std::string& path, const std::string& node
 /// `direction` (1–6) of whole numbers, `shapes` (rows × modes). Throws InputError.
 UserModes read_user_modes(const std::string& path, const SolidMesh& mesh, const FileUnits& units = {});
 
-/// A body reduced elsewhere, with what its file could not say.
+/// A body reduced elsewhere, with warnings of what its file lacks.
 struct ImportedBody {
   ReducedBody body;
   std::vector<Diagnostic> warnings;

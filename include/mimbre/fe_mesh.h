@@ -51,7 +51,7 @@ struct Orientation {
 struct ElementGroup {
   ElementType type = ElementType::tet4;
   std::string name;                  ///< element set or physical group that they come from
-  int material = -1;                 ///< of SolidMesh::materials; -1: none said
+  int material = -1;                 ///< of SolidMesh::materials; -1: not specified
   double thickness = 0;              ///< m, shells
   std::vector<int> nodes;            ///< indices into SolidMesh::nodes, node_count(type) per element
   std::vector<std::int64_t> labels;  ///< of the elements in their file, for messages
@@ -118,7 +118,7 @@ struct Spring {
 struct Equation {
   std::string name;
   std::vector<LinearTerm> terms;
-  /// Only says where the first term's node goes in a direction in which nothing holds it. In a rigid
+  /// Only specifies where the first term's node goes in a direction in which nothing holds it. In a rigid
   /// interface it goes with the interface instead.
   bool loose = false;
 };
@@ -202,7 +202,7 @@ struct Recovery {
   Eigen::MatrixXd stress, strain;
 };
 
-/// Stress and strain at points by displacement fields (columns; rows as `dofs` say, what is missing is held):
+/// Stress and strain at points by displacement fields (columns; rows by `dofs`; what is missing is held):
 /// in each solid extrapolated from where they are most accurate, then the mean over the solids that have the
 /// node. Of shells, on the side where the offset points: the membrane's mean over the element and the
 /// plate's bending, without transverse shear. Zero where no element of the kind is. Throws

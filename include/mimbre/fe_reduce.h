@@ -89,7 +89,7 @@ struct ModelReduction {
   /// With nodes: these are the body's points, in this order, their stress is this one's, and strain is not
   /// known.
   StressMatrix stress;
-  int free_modes = 10;  ///< of the full model, for the certificate: 0 saves a factorisation
+  int free_modes = 10;  ///< of the full model, for the validation report: 0 saves a factorisation
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;
 };
@@ -107,12 +107,12 @@ struct ReductionResult {
 /// Reduction of free matrices to a basis, Craig–Bampton's (Craig, Bampton 1968; Lugrís 2008, 2.7–2.9) or
 /// another (Rubin 1975; Craig, Hale 1988), shape integrals, modes made orthogonal. All bases have the exact
 /// static compliance between the interfaces.
-/// Throws std::invalid_argument that says what is wrong: interfaces without hold, nodes in two of them,
+/// Throws std::invalid_argument for: interfaces without hold, nodes in two of them,
 /// matrices that are not those of a free elastic body, options that do not go together.
 ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options);
 
 /// What matrices must be, whatever body they come from: sizes, finite, definite mass, six rigid motions
-/// without force, plausible units. Each line says what it found.
+/// without force, plausible units. Each line reports its result.
 std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matrices);
 
 }  // namespace mimbre::fe

@@ -30,8 +30,9 @@ struct RunOptions {
   /// input jumps. Of the formalism index3. Where it is not given: from the file.
   std::optional<bool> fixed_cost;
   double end = -1;  ///< s; negative: from the file, or the default
-  /// What inputs and tunable parameters start with, by name, within their ranges; others as the model says.
-  /// The start, its equilibrium and all that is observed there are those of a model with these values.
+  /// What inputs and tunable parameters start with, by name, within their ranges; others with the model's
+  /// values. The start, its equilibrium and all that is observed there are those of a model with these
+  /// values.
   std::map<std::string, double> inputs;
   bool profile = false;  ///< measure the phases of the steps (Simulation::phases); costs a few per cent
   // What is watched while stepping; what is not costs nothing.
@@ -56,7 +57,7 @@ struct Method {
   int substeps = 1;            ///< parts in which an inaccurate step is repeated; 1: never
   bool fixed_cost = false;     ///< steps are taken as they are after max_iterations
   double end = 0;              ///< s
-  bool default_end = false;    ///< nobody said when the run ends
+  bool default_end = false;    ///< neither model nor options specify the end of the run
   double output_interval = 0;  ///< s; 0: every step
   bool profile = false;
   bool energies = true;  ///< asked for, or implied

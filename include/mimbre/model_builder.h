@@ -192,7 +192,7 @@ struct Element {
   std::string on{};  ///< against the velocity of a body or frame, at `at[0]`
 };
 
-/// What spheres touch; the kinds say what their sizes, heights and triangles are (spec::Surface).
+/// What spheres touch; the meaning of sizes, heights and triangles depends on the kind (spec::Surface).
 struct Surface {
   spec::Surface::Kind kind = spec::Surface::Kind::half_space;
   std::string on = "ground";            ///< a body, or a frame, whose place and axes then are the surface's
@@ -303,7 +303,7 @@ namespace mimbre {
 /// Names have 1 to 100 letters, digits, '_', '-' or '.'; bodies and frames share theirs.
 ///
 /// A call that cannot be done throws InputError, which names the thing, what is wrong, and names that could
-/// be meant, and leaves the builder as it was. What only the whole can tell build() says, all of it at once.
+/// be meant, and leaves the builder as it was. build() reports all mistakes that only the whole model shows.
 class ModelBuilder {
  public:
   explicit ModelBuilder(std::string title = {});

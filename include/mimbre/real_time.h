@@ -10,7 +10,7 @@
 #include "mimbre/simulation.h"
 #include "mimbre/timings.h"
 
-/// Steps of a simulation that begin when the clock says so.
+/// Steps of a simulation that begin at given times of the clock.
 namespace mimbre {
 
 /// What is done when a step was not ready when the next one was due.
@@ -29,7 +29,7 @@ struct RealTimeOptions {
   int priority = 0;         ///< 1 to 99: of SCHED_FIFO, where that is permitted; 0: as other programs
   int processor = -1;       ///< the loop's thread stays on it; -1: any
   double spin = 0;          ///< s before a step is due in which its thread waits without sleeping
-  /// Where its time is over, or a step failed, the loop rests until it is told to stop, to be reset or put
+  /// Where its time is over, or a step failed, the loop rests until it is asked to stop, to be reset or put
   /// elsewhere; otherwise run() returns.
   bool rests_at_end = false;
   int snapshots = 16;  ///< places for RealTimeRequest::save and restore
@@ -132,8 +132,8 @@ class RealTimeLoop {
   void add(RealTimePart& part);
 
   /// Steps until the time is over, an event of the model stops it, a step fails, an overrun stops it or
-  /// stop() is called. Before the first one it asks the system for what the options say, and makes a few
-  /// steps to bring all memory that they need into place, which are taken back. Nothing in the loop
+  /// stop() is called. Before the first one it requests from the system what the options need, and makes a
+  /// few steps to bring all memory that they need into place, which are taken back. Nothing in the loop
   /// allocates. Returns why it ended; empty: its time was over, or stop().
   std::string run();
 

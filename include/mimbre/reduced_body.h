@@ -142,7 +142,7 @@ struct BarStress {
   Eigen::MatrixXd shapes;   ///< 8·lines × modes, Pa by amplitude
 };
 
-/// One line of the certificate that a reduction gives.
+/// One line of the validation report of a reduction.
 struct Check {
   std::string name;
   bool passed = false;
@@ -212,7 +212,7 @@ std::vector<std::string> check(const ReducedBody& body);
 /// with it; save throws std::runtime_error where the file cannot be written.
 void save(const ReducedBody& body, const std::string& path);
 ReducedBody load_reduced_body(const std::string& path);
-/// Whether there is such a file, as far as its first attribute says.
+/// Whether there is such a file, judged by its first attribute.
 bool is_reduced_body(const std::string& path);
 
 }  // namespace mimbre

@@ -51,8 +51,8 @@ std::string comparison_html(const std::vector<ComparedRun>& runs, const ReportOp
 void write_comparison(const std::vector<ComparedRun>& runs, const std::string& path,
                       const ReportOptions& options = {});
 
-/// One page of a body: the certificate of its reduction, and its modes, animated, with their stresses where
-/// the body has them: its eigenmodes and, by user_from_modal, the user's. Throws as `report_html`.
+/// One page of a body: the validation report of its reduction, and its modes, animated, with their stresses
+/// where the body has them: its eigenmodes and, by user_from_modal, the user's. Throws as `report_html`.
 std::string modes_html(const ReducedBody& body);
 
 /// Writes `modes_html` as `write_report` does.

@@ -25,7 +25,7 @@ class ContentKey {
   std::unique_ptr<class Sha256> digest_;
 };
 
-/// A folder of results, one file each: what was said of it (any text) and the bytes of the file that was
+/// A folder of results, one file each: a description (any text) and the bytes of the file that was
 /// made. Nothing that is wrong with the folder or an entry is an error: such an entry is not there, and what
 /// cannot be kept is not kept.
 class ResultCache {

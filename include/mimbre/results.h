@@ -14,8 +14,8 @@ namespace mimbre {
 /// readable when the process is killed. Where an older file stands at `path` it is replaced by finish() only,
 /// and the new one grows beside it (NAME.part-PID.h5) until then. Throws std::runtime_error with a clear
 /// message (disk full, no permission, another program writes the file); after an error the rows flushed
-/// before remain readable where the message says. Data are identical bytes for identical rows (no time
-/// stamps). A writer that is destroyed before its end keeps its rows as keep() does.
+/// before remain readable at the place that the message names. Data are identical bytes for identical rows
+/// (no time stamps). A writer that is destroyed before its end keeps its rows as keep() does.
 class ResultsWriter {
  public:
   ResultsWriter(const std::string& path, const ResultsHeader& header);

@@ -19,7 +19,7 @@ struct RunPlan {
   /// How many rows there are, with that of the start.
   std::int64_t rows() const;
 };
-/// Steps to `end` (s). What is left of a step at the end is made as a shorter step, or, where it is less than
+/// Steps to `end` (s). The rest of a step at the end becomes a shorter step, or, where it is less than
 /// a thousandth, added to the last. Throws InputError when the step is longer than the run, or there are too
 /// many. A run to 0 has no steps.
 RunPlan plan_run(double end, double output_interval, double step);
@@ -44,7 +44,7 @@ double real_time_factor(const RunTotals& totals, double simulated);
 
 /// Steps on until `until` of them are made in all (`totals` counts them), or one fails, or an event stops the
 /// run (Simulation::stopped; that step counts when it is whole), or `stop` (where given, asked before each
-/// step) says so. The clock is read twice per call.
+/// step) returns true. The clock is read twice per call.
 StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t until, RunTotals& totals,
                    const std::function<bool()>& stop = {});
 

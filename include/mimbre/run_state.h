@@ -7,7 +7,7 @@
 /// What a run needs to go on from where it was, in one file (docs/states.md).
 namespace mimbre {
 
-/// How many rows a run has recorded, and a number that tells them from others.
+/// How many rows a run has recorded, and a number that identifies them.
 struct RecordedRows {
   std::int64_t count = 0;
   std::uint64_t hash = 0;

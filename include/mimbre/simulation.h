@@ -34,7 +34,7 @@ struct StepReport : Violations {
 struct Validity {
   struct Peak {
     double value = 0, time = 0;
-    bool watched = false;  ///< otherwise 0 says nothing
+    bool watched = false;  ///< otherwise 0 has no meaning
   };
   std::string body;
   Peak deflection;      ///< largest displacement by the modes over the body's length
@@ -47,7 +47,7 @@ struct Validity {
   Peak high_modes;  ///< largest energy of the highest third of the dynamic modes over the largest of all
 };
 
-/// Constraint equations that say again what others say, in the assembled position: of the reactions of the
+/// Constraint equations that repeat others, in the assembled position: of the reactions of the
 /// joints concerned rigid bodies determine only sums, and those given are the smallest ones.
 struct Redundancy {
   int equations = 0;                ///< so many could be left out
@@ -150,7 +150,7 @@ class Simulation {
   /// Goes on from the motion of a snapshot, which may be made by hand, and observes anew: energies and
   /// warnings count from there. Throws InputError when its sizes are not the model's.
   void restart(const Snapshot& snapshot);
-  /// Tells models and methods apart: the model's text, what it computes, and the method. Never 0.
+  /// Identifies model and method: the model's text, what it computes, and the method. Never 0.
   std::uint64_t fingerprint() const;
 
   /// Named channels: the model's outputs first (`output_count` of them), then the standard ones.

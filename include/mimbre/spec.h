@@ -19,7 +19,7 @@ struct ReducedBody;
 struct SurfaceMesh;
 }  // namespace mimbre
 
-/// What the user said, with templates placed, expressions evaluated and names resolved to indices: the input
+/// The user's model, with templates placed, expressions evaluated and names resolved to indices: the input
 /// of compile(). Everything of a body is in that body's own axes here; only Body::pose and ground frames are
 /// global.
 namespace mimbre::spec {
@@ -111,7 +111,7 @@ struct Signal {
 };
 
 /// What makes signals of others and of what it remembers: a controller, a filter, a delay. One of the types
-/// of src/spec/block_types.h, whose row there says what the fields mean.
+/// of src/spec/block_types.h, whose row there defines the fields.
 struct Block {
   std::string name;
   Mark mark;
@@ -236,7 +236,7 @@ struct Tyre {
   std::vector<double> numbers;                      ///< of the law, as the table describes them
 };
 
-/// What a law written by the user is given, and what it says (see Element::law "user").
+/// Arguments and results of a law written by the user (see Element::law "user").
 struct LawCall {
   double time = 0;
   double step = 0;                  ///< s, of the step that is made; 0 in a position at rest (statics, start)
@@ -262,7 +262,7 @@ struct UserLaw {
   std::function<void(LawCall&)> evaluate;
   bool sampled = false;        ///< called once a step, with what is measured at its start, and kept over it
   std::vector<double> states;  ///< that it has, at the start of a run
-  bool elastic = false;        ///< says `stored`: the gradient of it is not booked as work
+  bool elastic = false;        ///< has `stored`: the gradient of it is not booked as work
 };
 
 /// One branch of a bushing: a spring in row with a damper, in all six components.
@@ -309,7 +309,7 @@ struct Constraint {
   std::string name;
   Mark mark;
   /// As in model files: "coupling" of joints' coordinates, Σ factor · coordinate = numbers[0]; else between
-  /// two frames, as src/constraints says of each type.
+  /// two frames; src/constraints describes each type.
   std::string type = "coupling";
   /// A coupling's coordinates: angles count their turns.
   struct Term {
@@ -342,7 +342,7 @@ struct Surface {
     mesh         ///< closed, of triangles that are counterclockwise from outside
   } kind = Kind::half_space;
   int frame = -1;
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, as the kinds say
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, see the kinds
   /// heights(j, i) is that over x = i spacing[0], y = j spacing[1].
   Eigen::MatrixXd heights;
   Eigen::Vector2d spacing = Eigen::Vector2d::Zero();  ///< m
@@ -358,7 +358,7 @@ struct Spheres {
   double radius = 0;    ///< m
 };
 
-/// Spheres that press and rub against surfaces of other bodies, and where that is said against one another.
+/// Spheres that press and rub against surfaces of other bodies, and on request against one another.
 /// Normal force: f(d) (1 + c ḋ) of the depth d, as of a stop; tangential force: bristles that stick without
 /// creeping up to a limit in proportion to it.
 struct Contact {

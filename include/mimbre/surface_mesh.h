@@ -18,11 +18,11 @@ struct SurfaceMesh {
 const std::vector<std::string>& surface_mesh_endings();
 
 /// Reads all triangles of a file: STL (binary or text), OBJ, glTF (.gltf, .glb), PLY, Collada (.dae).
-/// Polygons are cut into triangles, the parts of a scene are placed as it says, vertices in the same place
-/// become one, triangles without area are left out. Colours, normals and textures are not read. Coordinates
-/// are taken as they are written: only Collada says a unit, which is turned into metres. Throws InputError,
-/// with the file's name, where there is no such file, the format is not known, the file is damaged, a
-/// coordinate is not finite or nothing has an area.
+/// Polygons are cut into triangles, the parts of a scene are placed as specified there, vertices in the same
+/// place become one, triangles without area are left out. Colours, normals and textures are not read.
+/// Coordinates are taken as they are written: only Collada specifies a unit, which is turned into metres.
+/// Throws InputError, with the file's name, where there is no such file, the format is not known, the file is
+/// damaged, a coordinate is not finite or nothing has an area.
 SurfaceMesh read_surface_mesh(const std::string& path);
 
 /// Why the surface does not enclose a body; empty where it does: each edge belongs to two triangles, which

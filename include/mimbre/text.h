@@ -9,7 +9,7 @@ namespace mimbre {
 std::size_t first_not_utf8(const std::string& text);
 
 /// The text as a terminal may show it: control characters but line breaks and tabs as \x1b, what is no UTF-8
-/// as U+FFFD. Names and paths from outside go through it, since an escape sequence could say anything.
+/// as U+FFFD. Names and paths from outside go through it, since an escape sequence could display anything.
 std::string printable(const std::string& text);
 
 }  // namespace mimbre

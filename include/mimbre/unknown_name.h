@@ -3,7 +3,7 @@
 
 namespace mimbre {
 
-/// Thrown where something is asked for by a name that is not there. The message says which name is near.
+/// Thrown where something is asked for by a name that is not there. The message contains the nearest name.
 class UnknownName : public InputError {
  public:
   using InputError::InputError;

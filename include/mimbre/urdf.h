@@ -18,7 +18,7 @@ struct UrdfOptions {
 /// A robot as a model file.
 struct ConvertedRobot {
   std::string text;                 ///< YAML
-  std::vector<Diagnostic> notes;    ///< what was left out or assumed
+  std::vector<Diagnostic> notes;    ///< parts left out or assumed
   std::vector<Diagnostic> repairs;  ///< what was, and what is
 };
 
@@ -26,7 +26,7 @@ struct ConvertedRobot {
 /// that in which all coordinates are 0; a body's frame is its link's, and coordinates of joints are URDF's.
 /// Limits become stops, damping a damper in the joint, friction dry friction; what is seen of the links
 /// becomes shapes. Packages that `options` does not name are sought beside the file and above it. Masses and
-/// inertias that no matter can have are repaired where `options` say so; else they are noted, and the model
+/// inertias that no matter can have are repaired if `options` ask for it; else they are noted, and the model
 /// is refused. Throws InputError where the file cannot be read, is no URDF, or its links are no tree.
 ConvertedRobot convert_urdf(const std::string& path, const UrdfOptions& options = {});
 

@@ -39,7 +39,7 @@ struct Apart {
 /// What differs is measured by the channel's own scale: its range; where its zero means something
 /// (velocities, forces, energies; not positions, angles and the potential energy) at least a tenth of its
 /// largest value, so that what is constant is not measured by its own error. What hardly moves beside others
-/// of its unit (a vehicle on a straight road, sideways; a joint that bears nothing) has round-off for a
+/// of its unit (a vehicle on a straight road, sideways; a joint without load) has round-off for a
 /// range: its scale is at least 1e-4 of the largest range of its unit, 1e-3 of the largest value where zero
 /// means something (what the iterations' tolerance leaves of forces and energies is a share of those at
 /// play), and 1e-6 of its own largest value. Where everything is at rest, lengths, angles, velocities and
@@ -77,7 +77,7 @@ struct Refined {
   bool undecided() const;
 };
 
-/// What is said of all channels.
+/// Results over all channels.
 struct Agreement {
   std::vector<Refined> channels;  ///< those that disagree first, the worst (at the finest step) of them first
   bool agree = true;
@@ -141,7 +141,7 @@ struct Verification {
   bool compared() const { return whole.ok(); }
   bool ran() const { return compared() && whole.runs[0].totals.steps > 0; }
   /// The numerics put in or took out more than a tenth of the energy at play, and hardly less with half the
-  /// step, so that no shorter step tells: a stiff spring's vibration that every step damps at once.
+  /// step, so that no shorter step shows it: a stiff spring's vibration that every step damps at once.
   bool energy_lost() const;
   /// Where nothing ran, nothing agrees.
   bool agree() const {
@@ -162,7 +162,7 @@ struct VerifyOptions {
   std::function<bool()> stop;  ///< asked before each step
 };
 
-/// Runs a model in both formulations and compares all channels. What goes wrong in a run is told by it, not
+/// Runs a model in both formulations and compares all channels. Failures of a run are reported in it, not
 /// thrown, but for a model that cannot start in relative coordinates (InputError).
 Verification verify(std::shared_ptr<const Model> model, const VerifyOptions& options = {});
 

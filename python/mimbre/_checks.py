@@ -106,7 +106,7 @@ Called = TypeVar("Called", bound="Callable[..., object] | None")
 
 
 def callback(progress: Called) -> Called:
-    """A function that is told how far long work is, or nothing."""
+    """A function that receives the progress of long work, or nothing."""
     if progress is not None and not callable(progress):
         raise InputError(f"progress: a function is needed, not {described(progress)}")
     return progress

@@ -1,4 +1,4 @@
-"""Says so where the processor lacks instructions that the package is compiled with, before one of them ends Python."""
+"""Reports processor instructions that the package needs and the processor lacks, before one of them ends Python."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -39,7 +39,7 @@ def check(built_for: str, flags: Collection[str]) -> None:
 
 
 def flags() -> list[str] | None:
-    """Those of the first core, or None where the system does not say."""
+    """Those of the first core, or None where the system does not report them."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as lines:
             for line in lines:

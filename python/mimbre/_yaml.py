@@ -1,4 +1,4 @@
-"""Python values as the text of a model file, and where in Python each line of it was said."""
+"""Python values as the text of a model file, and where in Python each line of it was given."""
 
 from __future__ import annotations
 

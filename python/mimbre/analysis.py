@@ -37,7 +37,7 @@ class Equilibrium:
     iterations: int
     """That finding it took."""
     residual: float
-    """What is left of the equations, relative."""
+    """Residual of the equations, relative."""
     stable: bool
     """No small disturbance grows."""
     warnings: list[str]
@@ -394,7 +394,7 @@ def convert(
 
     Args:
         source: a ReducedBody or a file of one.
-        target: the file to write; its ending says the format: .h5, .fem (MBDyn) or .sid.
+        target: the file to write; its ending selects the format: .h5, .fem (MBDyn) or .sid.
         stress: with its stress modes, where the format has them.
 
     Returns:

@@ -63,7 +63,7 @@ _lists = ("require", "outputs")
 class Part:
     """What a model and a subsystem can both have. A thing is added with its name and the keys that it has in a model
     file (docs/model-keys.md), as arguments: numbers (SI), texts with units or expressions, lists, arrays, dictionaries.
-    Things may name each other in any order; what is wrong with them is said when the model is compiled, all at
+    Things may name each other in any order; mistakes in them are reported when the model is compiled, all at
     once, with the line of Python that added the thing. A name that is used twice raises InputError at once."""
 
     def __init__(self) -> None:
@@ -154,7 +154,7 @@ class Part:
 
     def add_stop(self, name: str, /, **keys: Unpack[words.Stop]) -> None:
         """Stops at the ends of a joint's travel, or of the distance of two points: lower, upper (m or rad), stiffness
-        (N/m or N m/rad), restitution of a blow."""
+        (N/m or N m/rad), restitution of an impact."""
         self._add("stops", name, keys)
 
     def add_torsion_spring(self, name: str, /, **keys: Unpack[words.TorsionSpring]) -> None:
@@ -241,7 +241,7 @@ class Part:
             torque: the same of an angle, rad and rad/s → N m; one of the two.
             signals: names of signals, inputs and tunable parameters whose values are further arguments.
             states: start values of what it remembers: it is given their list last, and gives (force, states).
-            stores: of a compiled one: it says what energy it stores.
+            stores: of a compiled one: it returns the energy that it stores.
             **where: joint, or between, at, along, about.
 
         Raises:
@@ -281,7 +281,7 @@ class Part:
         self._add("signals", name, keys, "value", value)
 
     def add_event(self, name: str, /, **keys: Unpack[words.Event]) -> None:
-        """What happens `when` an expression crosses zero, or what `crosses` says, in a `direction`: it may `set` inputs
+        """What happens `when` an expression crosses zero, or as `crosses` has it, in a `direction`: it may `set` inputs
         and `stop` the run."""
         self._add("events", name, keys)
 
@@ -310,7 +310,7 @@ class Part:
         self._add("outputs", name, keys)
 
     def require(self, that: str, message: str) -> None:
-        """What parameters must fulfil, and what is said otherwise."""
+        """Conditions on parameters, with the message if one is not met."""
         self._add("require", str(len(self._things.get("require", {}))), {"that": that, "message": message})
 
     def _add(self, section: str, name: str, keys: Mapping[str, object], alone: str = "", value: object = None) -> None:
@@ -432,7 +432,7 @@ class Subsystem(Part):
 class ModelBuilder(Part):
     """Builds a model. A thing is added with its name and the keys that it has in a model file (docs/model-keys.md), as
     arguments: numbers (SI), texts with units or expressions, lists, arrays, dictionaries; a key that is a word of
-    Python has an underscore behind it (`as_`). Things may name each other in any order; what is wrong with them is said
+    Python has an underscore behind it (`as_`). Things may name each other in any order; mistakes in them are reported
     by `compile`, all at once, with the line of Python that added the thing. A name that is used twice raises InputError
     at once.
 
@@ -466,7 +466,7 @@ class ModelBuilder(Part):
         self._simulation: tuple[object, Place] | None = None
 
     def set_simulation(self, **keys: Unpack[words.Simulation]) -> None:
-        """Step (s), end (s) and method of runs that do not say them: the keys of `simulation` in the model file."""
+        """Step (s), end (s) and method of runs that do not set them: the keys of `simulation` in the model file."""
         self._simulation = (dict(keys), _caller())
 
     def add_road(self, name: str, /, **keys: Unpack[words.Road]) -> None:
@@ -493,7 +493,7 @@ class ModelBuilder(Part):
         return model
 
     def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The model file that says the same.
+        """The equivalent model file.
 
         Args:
             path: where it is written too, with the reduced bodies beside it.
@@ -502,7 +502,7 @@ class ModelBuilder(Part):
             The text.
 
         Raises:
-            InputError: the model has laws that are functions, which a file cannot say.
+            InputError: the model has laws that are functions, which a file cannot hold.
         """
         laws.refuse_in_file(self._laws())
         writer, bodies = self._written()

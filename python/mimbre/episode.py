@@ -67,7 +67,7 @@ class Task:
     live: Mapping[str, Bounds]  #: inputs and tunable parameters, which need no model of their own
 
     def drawn(self, random: np.random.Generator, given: Mapping[str, object]) -> dict[str, Value]:
-        """The values of an episode, `given` ones in place of those that are drawn. All are drawn, so that what is given
+        """The values of an episode, `given` ones in place of those that are drawn. All are drawn, so that a given value
         does not change the others."""
         if not isinstance(given, Mapping):
             raise InputError(f"options: names with values are needed, not {_checks.described(given)}")
@@ -174,7 +174,7 @@ def task(
     randomise: Mapping[str, Draw] | None,
     method: Method,
 ) -> Task:
-    """Checks what a user said."""
+    """Checks what a user gave."""
     if not isinstance(model, Model):
         raise InputError(f"model: a mimbre.Model or a model file is needed, not {_checks.described(model)}")
     simulation = model.simulation(**method)
@@ -235,7 +235,7 @@ def task(
 
 
 def _bounded(what: str, given: Any) -> dict[str, Bounds | None]:
-    """Names, with their bounds where these are said."""
+    """Names, with their bounds where these are given."""
     if isinstance(given, Mapping):
         result: dict[str, Bounds | None] = {}
         for name, bounds in given.items():

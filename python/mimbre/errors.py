@@ -60,7 +60,7 @@ class InputError(ValueError):
 
 
 class UnknownName(InputError, KeyError):
-    """There is nothing of that name. The message says which names there are, and which is near."""
+    """There is nothing of that name. The message lists the names there are, and the nearest."""
 
     __str__ = ValueError.__str__  # a KeyError would put quotes around it
 
@@ -87,7 +87,7 @@ class SweepInterrupted(KeyboardInterrupt):
     def __init__(self, message: str, data: xr.Dataset) -> None:
         super().__init__(message)
         self.data = data
-        """What was done until then; rows that were not run say so in `status`."""
+        """What was done until then; `status` marks rows that were not run."""
 
 
 def _input_error(diagnostics: Iterable[tuple[str, int, int, str]]) -> InputError:

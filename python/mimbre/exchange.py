@@ -51,7 +51,7 @@ class Outputs:
 
 
 class _Names:
-    """The names of both directions, as the simulation tells them."""
+    """The names of both directions, as the simulation reports them."""
 
     def __init__(self, text: str) -> None:
         lines = text.splitlines()
@@ -164,7 +164,7 @@ class UdpPeer(_Peer):
             self._socket.send(_head.pack(_magic, kind, count, self._layout, sequence, 0.0) + body)
 
     def close(self) -> None:
-        """Says that it wants no more outputs."""
+        """Reports that it wants no more outputs."""
         self._send(_bye, 0, b"", 0)
         self._socket.close()
 

@@ -55,12 +55,12 @@ def make(
 ) -> Env:
     """An environment of a model, or of a model file.
 
-    actions: inputs and tunable parameters, with the ranges that the model says or {"force": (-10, 10)} narrower ones.
+    actions: inputs and tunable parameters, with the ranges of the model or {"force": (-10, 10)} narrower ones.
     observations: channels; as {"angle": (-4, 4)} their space has bounds.
     reward: a function of a Moment (`now.observation`, `now.action`, `now.time`, `now["any.channel"]`), or the name of a
         channel, as "signal.reward" of a signal of the model, which costs no Python.
     terminate: likewise; an episode ends where it is not 0.
-    failure_reward: of an action whose steps cannot be computed. That ends the episode, and `info["failure"]` says why.
+    failure_reward: of an action whose steps cannot be computed. Ends the episode; `info["failure"]` has the reason.
     time_limit: s, after which an episode is truncated.
     skip: steps of the simulation for one action.
     randomise: parameters and inputs that are drawn as an episode begins: (low, high), one of a list, or a function of
@@ -173,7 +173,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Floats, Floats, npt.NDArray[Any]]):
         self, *, seed: int | np.integer[Any] | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Floats, dict[str, Any]]:
         """Begins episodes, with a seed for each, or one and those that follow it. `options`: as for one; with
-        "reset_mask" those that it says."""
+        "reset_mask" those that it selects."""
         alone = isinstance(seed, int | np.integer)
         seeds: Any = [int(seed) + k for k in range(self.num_envs)] if alone else seed  # type: ignore[arg-type]
         if seeds is not None and len(seeds) != self.num_envs:
@@ -195,7 +195,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Floats, Floats, npt.NDArray[Any]]):
         return self._observations.copy(), infos
 
     def step(self, actions: Floats) -> tuple[Floats, npt.NDArray[Any], Bools, Bools, dict[str, Any]]:
-        """Does one action in each; an episode that ended is begun again as the autoreset mode says."""
+        """Does one action in each; an episode that ended is begun again by the autoreset mode."""
         if self._over is None:
             raise gymnasium.error.ResetNeeded("the environments are stepped before they are reset")
         done = _actions(actions, self.action_space)

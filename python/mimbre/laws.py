@@ -95,7 +95,7 @@ def placed(laws: Sequence[Placed]) -> list[_core.PlacedLaw]:
 def refuse_in_file(laws: Sequence[Placed]) -> None:
     if laws:
         names = ", ".join(f"'{instance}{law.name}'" for instance, law in laws)
-        raise InputError(f"to_yaml: a model file cannot say a law that is a function: {names}")
+        raise InputError(f"to_yaml: a model file cannot hold a law that is a function: {names}")
 
 
 def law(

@@ -58,7 +58,7 @@ class Model:
         own: tempfile.TemporaryDirectory[str] | None = None,
         functions: Sequence[laws.Placed] = (),
     ) -> Model:
-        """The model that a text says; `name` stands for the file in messages, `functions` for laws."""
+        """The model of a text; `name` stands for the file in messages, `functions` for laws."""
         compiled = _core.parse(_checks.text("model", text), name, str(folder), parameters, laws.placed(functions))
         return cls._of(compiled, text, folder, own, functions)
 
@@ -125,7 +125,7 @@ class Model:
         packages: Mapping[str, str | os.PathLike[str]] | None = None,
         repair: bool = False,
     ) -> Model:
-        """A robot from a URDF file (docs/urdf.md); `to_yaml` gives the model file. What was left out, assumed or
+        """A robot from a URDF file (docs/urdf.md); `to_yaml` gives the model file. Parts that were left out, assumed or
         repaired is among its `warnings`.
 
         Args:
@@ -222,9 +222,9 @@ class Model:
         """The model in motion, to be stepped.
 
         Args:
-            inputs: what inputs and tunable parameters start with, by name, where the model is not to say it; its
+            inputs: what inputs and tunable parameters start with, by name, in place of the model's values; its
                 equilibrium is that with them.
-            **method: step and method where the model is not to say them, see `Method`.
+            **method: step and method in place of the model's, see `Method`.
 
         Returns:
             A simulation at its start: loops closed, initial values and, where the model wants it, equilibrium found.
@@ -251,7 +251,7 @@ class Model:
                 them (CSV), or a function of time that is called before each step; or one file with a table of several
                 inputs. They count from the start on, with its equilibrium.
             progress: is called now and then with the time, s.
-            **method: step and method where the model is not to say them, see `Method`.
+            **method: step and method in place of the model's, see `Method`.
 
         Returns:
             All channels at all instants, and a summary.
@@ -301,7 +301,7 @@ class Model:
 
         Args:
             until: the end, s; default: the model's.
-            refine: at half the step too, so that what is an error of the step can be told from a mistake.
+            refine: at half the step too, so that an error of the step can be distinguished from a mistake.
             progress: is called with the time, s, that the run at hand has reached; there are two to six runs.
             **method: step and method but `formulation`, see `Method`.
 
@@ -325,13 +325,13 @@ class Model:
             The text.
 
         Raises:
-            InputError: the model has laws that are functions or was read with other parameters: a file cannot say that.
+            InputError: the model has laws that are functions or was read with other parameters, which a file lacks.
         """
         laws.refuse_in_file(self._laws)
         if self.parameters:
             replaced = ", ".join(f"{name}={value}" for name, value in self.parameters.items())
             raise InputError(
-                f"to_yaml: the model was read with {replaced}, which its file does not say; "
+                f"to_yaml: the model was read with {replaced}, which its file does not contain; "
                 "give the file and these parameters to Model.from_file instead"
             )
         if path is not None:

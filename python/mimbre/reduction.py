@@ -27,7 +27,7 @@ _units = {"SI": (1.0, 1.0, 1.0), "mm": (1e-3, 1e3, 1.0), "in": (0.0254, 175.1268
 
 
 class Check(NamedTuple):
-    """A line of a certificate."""
+    """A line of a validation report."""
 
     name: str
     """What was checked."""
@@ -80,7 +80,7 @@ class ReducedBody:
         self._compiled.save(_checks.path("path", path))
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Writes a page with its certificate and its modes, animated."""
+        """Writes a page with its validation report and its modes, animated."""
         self._compiled.write_report(_checks.path("path", path))
 
     @property
@@ -151,12 +151,12 @@ class ReducedBody:
 
     @property
     def checks(self) -> list[Check]:
-        """The certificate of its reduction."""
+        """The validation report of its reduction."""
         return [Check(*check) for check in self._compiled.checks]
 
     @property
     def passed(self) -> bool:
-        """Whether all of the certificate's checks are passed."""
+        """Whether all checks of the validation report are passed."""
         return all(check.passed for check in self.checks)
 
     @property
@@ -226,7 +226,7 @@ def reduce(
     stress_nodes: str | os.PathLike[str] | Iterable[int] | None = None,
     progress: Callable[[str, float], object] | None = None,
 ) -> ReducedBody:
-    """Reduces a finite-element model to a body, with a certificate; as `mimbre reduce` (docs/finite-elements.md).
+    """Reduces a finite-element model to a body, with a validation report; as `mimbre reduce` (docs/finite-elements.md).
 
     The model is a file, a meshio mesh, or matrices of SciPy. Ctrl-C ends the reduction at the next stage.
 
@@ -252,7 +252,7 @@ def reduce(
         effective_mass: only those dynamic modes that reach this share of the body's mass, %.
         damping: β of C = β K, s.
         geometric_stiffness: tension and compression change the stiffness.
-        free_modes: how many free modes of full and reduced model the certificate compares.
+        free_modes: how many free modes of full and reduced model the validation report compares.
         loads: by name nodes and a force (3, N) that is spread on them: how it deflects the body becomes a mode.
         user_modes: dofs (rows × 2) and shapes (rows × modes).
         stress: of another program, stress by displacements, a SciPy matrix or an .npz file of one: rows xx yy zz xy yz
@@ -303,7 +303,7 @@ def reduce(
         options.user_shapes = np.asfortranarray(_checks.array("user_modes: shapes", shapes, 2))
     options.report = _checks.callback(progress)
     if stress is None and stress_nodes is not None:
-        raise InputError("stress_nodes: says which nodes the rows of `stress` belong to, which is not given")
+        raise InputError("stress_nodes: belongs to `stress`, which is not given")
     model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, units)
     if stress is not None:
         options.stress = _stress(model, stress, stress_nodes, _units[units])
@@ -346,7 +346,7 @@ def _model(
         per_node, rest = divmod(k.shape[0], len(points)) if len(points) else (0, 1)
         if rest or per_node not in (3, 6):
             raise InputError(
-                f"dofs: {k.shape[0]} rows are not 3 or 6 for each of {len(points)} nodes; say of which "
+                f"dofs: {k.shape[0]} rows are not 3 or 6 for each of {len(points)} nodes; specify of which "
                 "node and direction each is"
             )
         dofs = np.stack(np.divmod(np.arange(k.shape[0]), per_node), axis=1)

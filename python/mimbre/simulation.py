@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Method(TypedDict, total=False):
-    """How a model is computed, where the model is not to say it: further arguments of `run`, `simulation`, `static` and
+    """How a model is computed, in place of the model's settings: further arguments of `run`, `simulation`, `static` and
     others (docs/model-file.md, `simulation`)."""
 
     step: float
@@ -86,9 +86,9 @@ class Simulation(_core.Simulation):
 
     Args:
         model: what moves.
-        inputs: what inputs and tunable parameters start with, by name, where the model is not to say it; its
+        inputs: what inputs and tunable parameters start with, by name, in place of the model's values; its
             equilibrium is that with them.
-        **method: step and method where the model is not to say them, see `Method`.
+        **method: step and method in place of the model's, see `Method`.
 
     Raises:
         InputError: an option or an input that does not exist or does not fit, or no start was found.
@@ -136,8 +136,8 @@ class Simulation(_core.Simulation):
         token: str | None = None,
         record: str | os.PathLike[str] | None = None,
     ) -> RealTime:
-        """Makes steps that begin when the clock says so, for `duration` simulated seconds or until Ctrl-C, and tells
-        how each kept its time.
+        """Makes steps that begin at given times of the clock, for `duration` simulated seconds or until Ctrl-C, and
+        returns how each kept its time.
 
         Args:
             duration: s, simulated; None: until Ctrl-C.

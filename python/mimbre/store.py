@@ -30,7 +30,7 @@ class Store:
         self._file: Any = None
 
     def read(self, table: Table) -> bool:
-        """Takes the rows that are there, if the file is, and says whether it is. Refuses that of another study."""
+        """Takes the rows that are there, if the file is, and returns whether it is. Refuses that of another study."""
         import h5py
 
         if not self.path.exists():

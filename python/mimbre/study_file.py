@@ -94,7 +94,7 @@ class _Node:
 
 @dataclass
 class _Reader:
-    """Reads on after a mistake, so that all are told."""
+    """Reads on after a mistake, so that all are reported."""
 
     file: str
     errors: list[Diagnostic] = field(default_factory=list)
@@ -207,7 +207,7 @@ class _Reader:
             self.throw()
         given = self.fields(top, _keys)
         if "study" not in given:
-            self.add(top, "'study: 1' is missing; it says which version of the format this is")
+            self.add(top, "'study: 1' is missing, the version of the format")
         elif self.value(given["study"]) != VERSION:
             self.add(given["study"], f"version {given['study'].content} is not known; this program reads 1")
         parameters = self.parameters(top, given)
@@ -244,7 +244,7 @@ class _Reader:
         return StudyFile(model, parameters, {key: value for key, value in arguments.items() if value is not None})
 
     def known_parameters(self, model: Model) -> None:
-        """Whether the model has what the runs differ in: all of it at once, and one by one only to say where."""
+        """Whether the model has what the runs differ in: all of it at once, and one by one only to find where."""
         nodes = {name: node for name, node in self.named.items() if name not in model.inputs}
         if not nodes:
             return

@@ -33,7 +33,7 @@ Example:
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> Any:
         _say(f"error: {message}")
-        print("'mimbre sweep --help' says more", file=sys.stderr)
+        print("'mimbre sweep --help' prints more", file=sys.stderr)
         sys.exit(BAD_USAGE)
 
 

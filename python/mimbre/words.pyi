@@ -29,7 +29,7 @@ class ParameterKeys(TypedDict, total=False):
     max: Number
     # Whole numbers only.
     integer: bool
-    # What it is, for people.
+    # Description for people.
     about: str
     # May be set between steps; laws and signals alone may use it.
     tunable: Flag
@@ -41,7 +41,7 @@ Parameter: TypeAlias = float | str | bool | ParameterKeys
 class Requirement(TypedDict, total=False):
     # An expression of parameters that must not be 0.
     that: Required[Number]
-    # What is said otherwise.
+    # Message if the condition is not met.
     message: Required[str]
 
 class Material(TypedDict, total=False):
@@ -127,7 +127,7 @@ class StaticMode(TypedDict, total=False):
     about: Vector
     # All six of the node.
     all: Flag
-    # What the mode is called.
+    # Name of the mode.
     name: str
     # Left out where this is false (0).
     when: Flag
@@ -282,8 +282,8 @@ class Joint(TypedDict, total=False):
     type: Required[Literal["fixed", "bracket", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "floating", "pin_slot"]]
     # Two bodies, frames or nodes; coordinates are those of the second relative to the first.
     between: Required[Between]
-    # Its point, m, global; where frames are named they say it. Two: a point of each body, which are drawn
-    # apart and brought together.
+    # Its point, m, global; named frames determine it. Two: a point of each body, which are drawn apart
+    # and brought together.
     at: OneOrTwoVectors
     # The joint's z axis, global: of rotation, of translation, of a plane its normal; of a universal joint
     # the first; of a pin_slot joint the pin's.
@@ -295,7 +295,7 @@ class Joint(TypedDict, total=False):
     cut: Literal["automatic", "never", "always"]
     # Initial coordinates, m or rad; null: free to be found.
     position: InitialValues
-    # Near what the initial coordinates are where they are free to be found, m or rad; null: as drawn.
+    # Approximate initial coordinates, if the assembly may choose them, m or rad; null: as drawn.
     near: InitialValues
     # Initial rates, m/s or rad/s.
     velocity: InitialValues
@@ -313,7 +313,7 @@ class ConstraintTerms(TypedDict, total=False):
     factor: Required[Number]
 
 class Constraint(TypedDict, total=False):
-    # What it says of coordinates of joints (the first four), or of two bodies.
+    # Kind: of coordinates of joints (the first four), or of two bodies.
     type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation"]]
     # Of a gear the two, of a rack pinion and rack, of a differential cage, left and right.
     joints: Sequence[str]
@@ -329,7 +329,7 @@ class Constraint(TypedDict, total=False):
     radius: Number
     # Of a rack for each turn of the pinion, m, instead of the radius.
     travel: Number
-    # Of a coupling: the sum of the coordinates times their factors stays what `constant` says.
+    # Of a coupling: the sum of the coordinates times their factors stays equal to `constant`.
     terms: Sequence[ConstraintTerms]
     # Of couplings: what the sum is; default: 0.
     constant: Number
@@ -347,7 +347,7 @@ class Constraint(TypedDict, total=False):
     lead: Number
     # Of a curve on the first, m, global, in the assembled position.
     points: Sequence[Vector] | Array
-    # Whether the curve goes on from its last point to its first; otherwise straight on beyond its ends.
+    # Whether the curve is closed; otherwise it continues straight beyond its ends.
     closed: Flag
 
 class Spring(TypedDict, total=False):
@@ -491,7 +491,7 @@ class Output(TypedDict, total=False):
     joint_force: str
     # Of a flexible body: m, rad, or 1.
     modal_amplitude: str
-    # A body of `mimbre reduce`; its largest von Mises stress, or what component, node and at say.
+    # A body of `mimbre reduce`; its largest von Mises stress, or that of component, node and at.
     stress: str
     # Likewise; with `along` the elongation in a direction.
     strain: str
@@ -570,7 +570,7 @@ class Simulation(TypedDict, total=False):
     max_iterations: Number
     # Parts in which an inaccurate step is made again; 1: never.
     substeps: Number
-    # For real time: a step is made once, and taken as it is after max_iterations (6).
+    # For real time: a step is made once, and accepted after max_iterations (6).
     fixed_cost: Flag
 
 class Actuator(TypedDict, total=False):
@@ -685,7 +685,7 @@ class InputKeys(TypedDict, total=False):
     range: Sequence[Number] | Array
     # Between two settings: constant, or linear over the next step.
     hold: Literal["constant", "linear"]
-    # What it is, for people.
+    # Description for people.
     about: str
 
 Input: TypeAlias = Number | InputKeys
@@ -697,7 +697,7 @@ class SignalKeys(TypedDict, total=False):
     every: Number
     # For people.
     unit: str
-    # What it is, for people.
+    # Description for people.
     about: Any
     # Point on a body, m, global.
     at: Vector
@@ -733,7 +733,7 @@ class SignalKeys(TypedDict, total=False):
     joint_force: str
     # Of a flexible body: m, rad, or 1.
     modal_amplitude: str
-    # A body of `mimbre reduce`; its largest von Mises stress, or what component, node and at say.
+    # A body of `mimbre reduce`; its largest von Mises stress, or that of component, node and at.
     stress: str
     # Likewise; with `along` the elongation in a direction.
     strain: str
@@ -782,7 +782,7 @@ class SignalKeys(TypedDict, total=False):
     joint_quaternion: str
     # A PID controller: what it measures; the setpoint is in `setpoint`.
     pid: str | float
-    # What a PID controller aims at; default: 0.
+    # Setpoint of a PID controller; default: 0.
     setpoint: str | float
     # Proportional gain; default: 0.
     kp: Number
@@ -844,15 +844,15 @@ class SignalKeys(TypedDict, total=False):
     delay: str | float
     # Of a delay, s; with `every` a whole number of these.
     time: Number
-    # A relay: what it sees.
+    # A relay: its input.
     hysteresis: str | float
     # From which on a relay is high.
     rises_at: Number
     # Down to which it stays high.
     falls_at: Number
-    # What it gives when it is low; default: 0.
+    # Output when it is low; default: 0.
     low: Number
-    # What it gives when it is high; default: 1.
+    # Output when it is high; default: 1.
     high: Number
     # 1: at the start, between the thresholds, it is high; default: 0.
     starts_high: Number
@@ -916,15 +916,15 @@ class Friction(TypedDict, total=False):
     force: str | float
     # Likewise about an angle, N m.
     torque: str | float
-    # How far the surfaces give before they slide, m or rad; default: 1e-5.
+    # Elastic presliding displacement, m or rad; default: 1e-5.
     sticking: Number
     # The limit at rest over that in fast sliding; default: 1.
     static_ratio: Number
     # Speed over which the limit falls from the one to the other, m/s or rad/s; default: 0.01.
     stribeck: Number
-    # Damping beside, N s/m or N m s/rad; default: 0.
+    # Additional damping, N s/m or N m s/rad; default: 0.
     viscous: Number
-    # Time in which a vibration of what sticks dies away, s; default: 0.001.
+    # Time constant of the decay of vibrations while sticking, s; default: 0.001.
     settling: Number
 
 class Stop(TypedDict, total=False):
@@ -946,7 +946,7 @@ class Stop(TypedDict, total=False):
     exponent: Number
     # At which the stiffness is that, m or rad; default: 0.001.
     depth: Number
-    # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
+    # Coefficient of restitution: the ratio of rebound to impact speed, from 0.01 to 1; default: 1.
     restitution: Number
 
 class Surface(TypedDict, total=False):
@@ -1009,7 +1009,7 @@ class Contact(TypedDict, total=False):
     exponent: Number
     # At which the stiffness is that, m; default: 0.001.
     depth: Number
-    # Share of its speed that a blow leaves, from 0.01 to 1; default: 1.
+    # Coefficient of restitution: the ratio of rebound to impact speed, from 0.01 to 1; default: 1.
     restitution: Number
     # Limit of the tangential force, by the normal one; default: 0.
     friction: Number
@@ -1017,9 +1017,9 @@ class Contact(TypedDict, total=False):
     static_ratio: Number
     # Speed over which the limit falls to that in fast sliding, m/s; default: 0.01.
     stribeck: Number
-    # Stiffness of what sticks, by that in the normal direction; default: 0.7.
+    # Tangential presliding stiffness, relative to the normal stiffness; default: 0.7.
     tangential: Number
-    # Seconds in which a vibration of what sticks dies away; default: 0.001.
+    # Time constant of the decay of vibrations while sticking, s; default: 0.001.
     settling: Number
     # Arm of the normal force that resists rolling, m; default: 0.
     rolling: Number
@@ -1125,5 +1125,5 @@ class Event(TypedDict, total=False):
     set: Mapping[str, str | float]
     # Whether the run ends there; default: false.
     stop: Flag
-    # What it is, for people.
+    # Description for people.
     about: Any

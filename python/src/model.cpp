@@ -169,7 +169,7 @@ void bind_model(nb::module_& module) {
   module.def("parse", &parse, nb::arg("text"), nb::arg("name"), nb::arg("directory"), nb::arg("parameters"),
              nb::arg("laws") = std::vector<PlacedLaw>());
 
-  nb::class_<MethodChoice>(module, "Method", "How a run is computed, where the model is not to say it.");
+  nb::class_<MethodChoice>(module, "Method", "How a run is computed; replaces settings of the model.");
   module.def("method", &choice, nb::arg("formulation") = nb::none(), nb::arg("inertia") = nb::none(),
              nb::arg("formalism") = nb::none(), nb::arg("integrator") = nb::none(),
              nb::arg("rho") = nb::none(), nb::arg("xi") = nb::none(), nb::arg("tolerance") = nb::none(),

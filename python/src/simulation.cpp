@@ -298,7 +298,7 @@ void bind_simulation(nb::module_& module) {
       .def_prop_ro(
           "name", [](const InputHandle& i) { return i.information().name; }, "Its name in the model.")
       .def_prop_ro(
-          "unit", [](const InputHandle& i) { return i.information().unit; }, "As the model says.")
+          "unit", [](const InputHandle& i) { return i.information().unit; }, "The model's unit.")
       .def_prop_ro(
           "min", [](const InputHandle& i) { return i.information().min; }, "The least value.")
       .def_prop_ro(
@@ -368,7 +368,7 @@ void bind_simulation(nb::module_& module) {
       .def_prop_ro(
           "warnings", [](Stepper& s) { return Turn(s)->warnings(); }, "What was suspicious so far.")
       .def_prop_ro(
-          "fingerprint", [](Stepper& s) { return Turn(s)->fingerprint(); }, "Tells models and methods apart.")
+          "fingerprint", [](Stepper& s) { return Turn(s)->fingerprint(); }, "Identifies model and method.")
       .def(
           "input",
           [](Stepper& s, const std::string& name) {

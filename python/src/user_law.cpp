@@ -151,7 +151,7 @@ void put_laws(spec::Model& model, const std::vector<PlacedLaw>& laws) {
       element.numbers.clear();
       for (const std::string& signal : placed.law.signals)
         element.arguments.push_back(source(model, placed, signal, element.mark));
-      model.text += fmt::format("# The force of {} was a function, which is not said here.\n", name);
+      model.text += fmt::format("# The force of {} was a function, which a file cannot hold.\n", name);
     }
   }
 }

@@ -274,7 +274,7 @@ def test_a_model_with_laws_is_pickled_where_it_can_be(compiled):
     assert np.array_equal(pickle.loads(pickle.dumps(model)).run()["z"], model.run()["z"])
     with pytest.raises(mimbre.InputError, match=r"'s0': is compiled.*address"):
         pickle.dumps(with_laws(compiled.law))
-    with pytest.raises(mimbre.InputError, match=r"cannot say a law that is a function: 's0'"):
+    with pytest.raises(mimbre.InputError, match=r"cannot hold a law that is a function: 's0'"):
         model.to_yaml()
     assert "The force of s0 was a function" in model.run(until=0.01).model_text
 

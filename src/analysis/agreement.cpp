@@ -194,7 +194,7 @@ bool Refined::settled() const {
   for (std::size_t f = 0; f < step.size(); ++f) {
     if (!step[f] || mean(*step[f]) <= agreed) continue;
     if (!(mean(*step[f]) <= largest_error)) return false;
-    // Where a quarter of the step was not made, there was something worse to say.
+    // Where a quarter of the step was not made, there was a worse fault to report.
     if (!half_step[f]) continue;
     if (mean(*half_step[f]) > agreed && best_fall(*step[f], *half_step[f]) < least_step_fall) return false;
     if (mean(*step[f]) > large_error && mean(*step[f]) > most_step_fall * mean(*half_step[f])) return false;
@@ -271,10 +271,9 @@ std::string not_together(const Refined& channel, const char* step) {
                         percent(d.relative_difference), step, where(d));
   if (const auto ratio = channel.ratio())
     text += fmt::format(
-        "\nHalf the step makes this difference {}, where two methods of second order for the same "
-        "equations "
-        "would make it 4 times smaller: the step is far too long, or one formulation is wrong; a shorter "
-        "one (--step) tells which.",
+        "\nHalf the step makes this difference {}, where two methods of second order for the same equations "
+        "would make it 4 times smaller: the step is far too long, or one formulation is wrong; a shorter one "
+        "(--step) shows which.",
         *ratio >= 1 ? fmt::format("only {:.3g} times smaller", *ratio)
                     : fmt::format("{:.3g} times larger", 1 / *ratio));
   else if (!channel.half)
@@ -329,8 +328,8 @@ std::string verdict(const Agreement& agreement) {
   if (!halved) return text;
   if (!agreement.ratio)
     text +=
-        "\nWhat is left is round-off and the tolerance of the iterations, which no shorter step makes "
-        "smaller.";
+        "\nThe remaining difference is round-off and the tolerance of the iterations, which a shorter step "
+        "does not reduce.";
   else if (*agreement.ratio >= least_fall)
     text += fmt::format(
         "\nHalf the step makes the mean difference of all channels {:.3g} times smaller (second order: 4 "
@@ -340,8 +339,8 @@ std::string verdict(const Agreement& agreement) {
   else
     text += fmt::format(
         "\nHalf the step makes the mean difference of all channels {:.3g} times smaller, and not 4 times "
-        "(second "
-        "order): it is small, but not the step alone decides it (impacts, the tolerance of the iterations).",
+        "(second order): it is small, but the step is not its only cause (impacts, the tolerance of the "
+        "iterations).",
         *agreement.ratio);
   return text;
 }

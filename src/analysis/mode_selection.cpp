@@ -132,17 +132,17 @@ double selection_error(const ReducedBody& candidates, const AmplitudeHistory& al
 ModeSelection select_mechanism_modes(const spec::Model& model, int body,
                                      const ModeSelectionOptions& options) {
   const ReducedBody& candidates = candidates_of(model, body);
-  const auto tell = [&](const std::string& stage, double done) {
+  const auto notify = [&](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   ModeSelection s;
   s.candidates = candidates.modes;
-  tell("run with all modes", 0);
+  notify("run with all modes", 0);
   const AmplitudeHistory all = amplitudes_with(model, body, candidates, options);
   ++s.runs;
   MatrixXd seen = all.amplitudes;
   if (options.pre == ModeSelectionOptions::Pre::rigid) {
-    tell("run with the body rigid", 0);
+    notify("run with the body rigid", 0);
     seen = rigid_response(model, body, options).amplitudes;
     ++s.runs;
   }
@@ -158,7 +158,7 @@ ModeSelection select_mechanism_modes(const spec::Model& model, int body,
     ReducedBody body;
   };
   const auto trial = [&](int count) {
-    tell(fmt::format("run with {} modes", count), static_cast<double>(count) / most);
+    notify(fmt::format("run with {} modes", count), static_cast<double>(count) / most);
     ReducedBody b = body_of(
         candidates, kept_columns(candidates, ranking, combinations.T, options.keep, count), options.keep);
     ++s.runs;

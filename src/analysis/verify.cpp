@@ -24,7 +24,7 @@ struct Recorded {
   bool interrupted = false;
 };
 
-/// The steps of a run, sampled where `rows` says.
+/// The steps of a run, sampled at `rows`.
 Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& method, const RunPlan& plan,
                 const std::vector<std::int64_t>& rows, const VerifyOptions& options) {
   Recorded out;
@@ -129,7 +129,7 @@ class Study {
     return sum;
   }
 
-  void tell(Verification& v) {
+  void report_to(Verification& v) {
     v.whole = std::move(whole_.runs);
     v.half = half_ ? std::optional(std::move(half_->runs)) : std::nullopt;
     v.quarter = quarter_ ? std::optional(std::move(quarter_->runs)) : std::nullopt;
@@ -212,16 +212,15 @@ bool Verification::energy_lost() const {
 
 std::string verdict(const Verification& v) {
   if (!v.compared()) return {};
-  if (!v.ran()) return "No step was made: there is nothing that could agree.";
+  if (!v.ran()) return "No step was made: there is nothing to compare.";
   std::string text;
-  // What half or a quarter of the step failed in is told by the failures.
+  // What half or a quarter of the step failed in is reported with the failures.
   if (v.agreement.agree && !v.failures().empty())
     text = "The formulations agree at the step, but not all of the shorter steps went through.";
   else if (v.agreement.agree && v.energy_lost())
     text = fmt::format(
         "The formulations agree, but the numerics changed the energy by {:.3g} J, of {:.3g} J at play, and "
-        "by "
-        "hardly less with half the step: something vibrates that no such step resolves.",
+        "by almost as much with half the step: a vibration is too fast for these steps.",
         v.half->runs[0].energy_drift, v.energy_at_play);
   else
     text = verdict(v.agreement);
@@ -253,11 +252,11 @@ Verification verify(std::shared_ptr<const Model> model, const VerifyOptions& opt
     if (v.interrupted = !plain.make(); v.interrupted) return v;
     v.without_repeats = plain.ok();
     if (v.without_repeats) {
-      plain.tell(v);
+      plain.report_to(v);
       return v;
     }
   }
-  study.tell(v);
+  study.report_to(v);
   return v;
 }
 

@@ -30,7 +30,7 @@ std::map<std::string, std::string> overrides(const std::vector<std::string>& set
 void add_most_modes_option(Parser& command, int& most_modes) {
   command
       .add_option("--most-modes", most_modes,
-                  "Of each flexible body its lowest modes, so many at most; others are left\nout")
+                  "Keep at most this number of modes of each flexible body, the lowest\nones")
       .within(1, 100000)
       .type_name("N")
       .group("Method");
@@ -43,7 +43,7 @@ void add_set_option(Parser& command, std::vector<std::string>& settings) {
 }
 
 void add_strict_option(Parser& command, bool& strict) {
-  command.add_flag("--strict", strict, "Exit with 4 where there is any warning");
+  command.add_flag("--strict", strict, "Exit with 4 if there is a warning");
 }
 
 int done_with(bool warnings, bool strict) { return warnings && strict ? warned : done; }

@@ -21,7 +21,8 @@ enum Exit : int {
   bad_input = 1,  ///< the model or another input is bad
   bad_usage = 2,
   failed = 3,  ///< the simulation failed, or was interrupted
-  warned = 4   ///< done, but not without a warning, and --strict was given; a body's certificate has a NO
+  warned = 4   ///< done, but not without a warning, and --strict was given; a check of a body's validation
+               ///< report failed
 };
 
 /// A command of the program: its options, and what it does; `run` returns the exit code.
@@ -71,9 +72,9 @@ struct LoadedModel {
   std::vector<std::string> warnings;
   std::vector<std::string> other_files;  ///< that were read with the model file: no output may replace them
 };
-/// Reads and compiles a model file, and prints the loader's warnings to stderr; unless `quiet` it says on the
-/// terminal what takes long. Throws InputError, UsageError.
-/// `most_modes`: of each flexible body, its lowest ones; 0: all.
+/// Reads and compiles a model file, and prints the loader's warnings to stderr; unless `quiet` it reports on
+/// the terminal what takes long. Throws InputError, UsageError. `most_modes`: of each flexible body, its
+/// lowest ones; 0: all.
 LoadedModel load(const std::string& path, const std::vector<std::string>& settings, bool quiet = false,
                  int most_modes = 0);
 

@@ -12,7 +12,7 @@
 #include "mimbre/isolation.h"
 #include "mimbre/threads.h"
 
-/// The command line `mimbre`: finds the command, and tells what goes wrong in it.
+/// The command line `mimbre`: finds the command, and reports what goes wrong in it.
 namespace mimbre::app {
 namespace {
 
@@ -87,7 +87,7 @@ std::vector<std::string> names_of(const std::vector<Command>& commands) {
 /// `command`: as far as it is known.
 int usage_error(const std::string& message, const std::string& command, bool json) {
   print_error(one_line(message));
-  fmt::print(stderr, "'mimbre {}{}--help' says more\n", command, command.empty() ? "" : " ");
+  fmt::print(stderr, "'mimbre {}{}--help' prints more\n", command, command.empty() ? "" : " ");
   if (json) print_json({{Mark{}, one_line(message)}}, command);
   return bad_usage;
 }
@@ -100,13 +100,11 @@ int main_program(int argc, char** argv) {
   use_one_blas_thread();
   CommandLine program("mimbre", "Flexible multibody systems in real time", fmt::format("mimbre {}", version));
   program.footer(
-      "Messages go to the standard error, data to the standard output.\n"
-      "Exit codes: 0 done, 1 the model or another input is bad, 2 wrong use, 3 the simulation failed, 4 done "
-      "with warnings\n"
-      "where --strict was given.\n"
-      "'mimbre COMMAND --help' says more about a command.\n"
-      "Many runs of a model: `mimbre sweep`, which comes with the Python package.\n"
-      "Example:\n  mimbre run pendulum.yaml --output pendulum.h5 && mimbre report pendulum.h5");
+      "Messages go to the standard error, data to the standard output.\nExit codes: 0 done, 1 the model or "
+      "another input is bad, 2 wrong use, 3 the simulation failed, 4 done with warnings\nif --strict was "
+      "given.\n'mimbre COMMAND --help' prints more about a command.\nMany runs of a model: `mimbre sweep`, "
+      "which comes with the Python package.\nExample:\n  mimbre run pendulum.yaml --output pendulum.h5 && "
+      "mimbre report pendulum.h5");
   const std::vector<Command> commands{add_run(program),     add_live(program),   add_plan(program),
                                       add_check(program),   add_static(program), add_report(program),
                                       add_compare(program), add_bench(program),  add_verify(program),

@@ -108,32 +108,34 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       .group("Method");
   command
       .add_option("--tolerance", arguments.tolerance,
-                  "Of the iterations of a step, relative to the accelerations at play,\n"
-                  "instead of the model's (1e-5 where it has none)")
+                  "Tolerance of the iterations, relative to the accelerations at play,\ninstead of the "
+                  "model's (1e-5 if it has none)")
       .from(1e-15, 1)
       .type_name("X")
       .group("Method");
   command
-      .add_option("--max-iterations", arguments.max_iterations,
-                  "Of a step, or of each part of one, instead of the model's (30\nwhere it has none)")
+      .add_option(
+          "--max-iterations", arguments.max_iterations,
+          "Most iterations of a step, or of each part of one, instead of the\nmodel's (30 if it has none)")
       .within(1, 1000)
       .type_name("N")
       .group("Method");
   command
       .add_option("--substeps", arguments.substeps,
-                  "Parts in which a step is made again that an impact made inaccurate,\n"
-                  "instead of the model's; 1: never")
+                  "Parts in which a step is repeated that an impact made inaccurate,\ninstead of the "
+                  "model's; 1: never")
       .within(1, 100)
       .type_name("N")
       .group("Method");
-  const Option fixed = command
-                           .add_flag("--fixed-cost", arguments.fixed_cost,
-                                     "For real time: each step is made once, and taken as it is after\n"
-                                     "--max-iterations (6 where neither it nor the model says so)")
-                           .group("Method");
+  const Option fixed =
+      command
+          .add_flag("--fixed-cost", arguments.fixed_cost,
+                    "For real time: each step is made once, and accepted after\n--max-iterations (6 if "
+                    "neither the option nor the model sets them)")
+          .group("Method");
   command
       .add_flag("--no-fixed-cost", arguments.no_fixed_cost,
-                "Steps are made until they converge, though the model has fixed_cost")
+                "Iterate each step until it converges, even if the model has fixed_cost")
       .excludes(fixed)
       .group("Method");
 }

@@ -9,7 +9,7 @@
 /// The options that choose how a model is computed; the same in every command that computes.
 namespace mimbre::app {
 
-/// What the command line says; empty: as in the model file.
+/// What the command line sets; empty: as in the model file.
 struct MethodArguments {
   std::string formulation, inertia, formalism, integrator;
   std::optional<double> rho, xi, tolerance;
@@ -27,11 +27,11 @@ struct MethodChoice {
 /// --max-iterations, --substeps, --fixed-cost and --no-fixed-cost to a command.
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
-/// The arguments as options of a run of a model whose file says `given`. Throws UsageError where they do not
+/// The arguments as options of a run of a model whose file has `given`. Throws UsageError where they do not
 /// fit together.
 RunOptions run_options(const MethodArguments& arguments, const spec::Simulation& given);
 
-/// The steps of a run of a model whose file says `given`, with the --step and --until of the command line
+/// The steps of a run of a model whose file has `given`, with the --step and --until of the command line
 /// where given. Throws UsageError where one of these makes the step longer than the run, InputError where the
 /// file does.
 RunPlan planned(const spec::Simulation& given, const RunOptions& options, std::optional<double> step,

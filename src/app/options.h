@@ -26,7 +26,7 @@ struct UnexpectedArgument : UsageError {
   using UsageError::UsageError;
 };
 
-/// A handle of an option, for what else is to be said of it.
+/// A handle of an option, for its further properties.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -36,7 +36,7 @@ class Option {
   Option type_name(const std::string& name);
   /// The heading under which the help lists it.
   Option group(const std::string& title);
-  /// The help tells the value that the variable has now.
+  /// The help shows the value that the variable has now.
   Option show_default();
   /// Not together with the other.
   Option excludes(const Option& other);
@@ -70,7 +70,7 @@ struct GivenOption {
   std::vector<std::string> values;
 };
 
-/// A handle of a command, to say which options it has and to ask which were given. The variables of the
+/// A handle of a command, to define its options and to ask which were given. The variables of the
 /// options must live until the command line is parsed, and keep their values where nothing is given.
 class Parser {
  public:

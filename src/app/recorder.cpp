@@ -48,7 +48,7 @@ std::vector<ResultsRow> rows_of_results(const std::string& path, std::int64_t co
   return rows;
 }
 
-/// Numbers in a table have as many digits as tell them apart, so that they come back as they were.
+/// Numbers in a table have as many digits as distinguish them, so that they come back as they were.
 std::vector<ResultsRow> rows_of_csv(const std::string& path, std::int64_t count, int headings, int outputs) {
   std::ifstream file(path);
   std::string line;
@@ -140,7 +140,7 @@ void Recorder::describe(RunState& state) {
 void Recorder::remove_what_was_taken_over() {
   for (const std::string& path : taken_over_) {
     std::error_code ignored;
-    // Only what a killed run left beside an older file; results that bear the name they were given stay.
+    // Only what a killed run left beside an older file; results with the name they were given stay.
     if (fs::path(path).filename().string().find(".part-") != std::string::npos) fs::remove(path, ignored);
   }
   taken_over_.clear();

@@ -30,7 +30,7 @@ class Recorder {
 
   /// Writes what has been waiting for long.
   void flush_if_due();
-  /// Writes all rows, and says in the state how many there are and where.
+  /// Writes all rows, and notes their number and place in the state.
   void describe(RunState& state);
   /// Of rows that were taken over this run has its own by now: a file that was left beside another goes.
   void remove_what_was_taken_over();

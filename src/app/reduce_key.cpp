@@ -55,7 +55,7 @@ bool add_value(std::string_view value, ContentKey& key) {
   // Without an ending it may be the name of a set that a file happens to have too.
   if (format.empty()) key.add(file);
   key.add_file(path);
-  for (const std::string& beside : fe::files_beside(path.string())) key.add_file(beside);
+  for (const std::string& neighbour : fe::files_beside(path.string())) key.add_file(neighbour);
   return true;
 }
 

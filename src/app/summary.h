@@ -5,7 +5,7 @@
 #include "app/json.h"
 #include "mimbre/run.h"
 
-/// What is said about a run when it has ended.
+/// The summary of a run when it has ended.
 namespace mimbre::app {
 
 /// How a run ended.

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
   throw std::runtime_error(fmt::format("cannot write '{}': {}", path, why));
 }
 
-/// Permissions alone do not tell: a read-only disk or a folder of the system takes no file even of root.
+/// Permissions alone do not decide that: a read-only disk or a folder of the system takes no file even of
+/// root.
 void require_room_for_files(const std::string& path, const fs::path& folder) {
   std::string probe = (folder / "mimbre-probe-XXXXXX").string();
   const int made = mkostemp(probe.data(), O_CLOEXEC);

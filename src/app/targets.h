@@ -2,7 +2,7 @@
 #include <string>
 
 /// What is found out about outputs before a long computation. That one cannot be written is exit code 3, then
-/// as later: the library says so by std::runtime_error.
+/// as later: the library reports that by std::runtime_error.
 namespace mimbre::app {
 
 /// Throws std::runtime_error naming the file and the reason where no file can be written at `path`. Leaves

@@ -26,7 +26,7 @@ void seal_below(hid_t group);
 /// "dataset 'channels'"; empty where there is none. What has no checksum is not looked at.
 std::string first_damaged(hid_t file);
 
-/// What is said of it.
+/// Its description.
 std::string damage_message(const std::string& object);
 
 /// Takes all checksums from a file, as they would have to be from one that is changed on purpose. Throws

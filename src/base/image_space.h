@@ -35,7 +35,7 @@ class ImageSpace {
   std::size_t used() const { return used_; }
   bool plain() const { return plain_; }
 
-  /// Says that a pointer into the block lies here, in the block.
+  /// Records that a pointer into the block lies here, in the block.
   void note_pointer(const void* where) {
     pointers_.push_back(static_cast<std::size_t>(static_cast<const std::byte*>(where) - memory_));
   }

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int most_links = 40;
 constexpr int most_names = 1000;
-/// Of what still grows; whoever makes files for himself alone (umask 077) has others.
+/// Of what still grows; a user who makes private files (umask 077) has others.
 constexpr mode_t growing_mode = S_IRWXU;
 constexpr std::size_t longest_stem = 180;  ///< of 255 bytes that a name may have
 
@@ -44,7 +44,7 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// `run.h5` → `run.part-PID.h5`: the ending says what the file is.
+/// `run.h5` → `run.part-PID.h5`: the ending shows what the file is.
 fs::path part_name(const fs::path& target, int attempt) {
   const std::string again = attempt > 0 ? fmt::format("-{}", attempt) : std::string();
   return target.parent_path() / fmt::format("{}.part-{}{}{}", target.stem().string().substr(0, longest_stem),
@@ -115,7 +115,7 @@ class FolderLock {
   int descriptor_;
 };
 
-/// What a second writer is told.
+/// The message for a second writer.
 constexpr const char* busy = "another program is writing it";
 
 }  // namespace

@@ -34,10 +34,10 @@ constexpr double least_memory = 512e6, memory_per_byte = 64;
 constexpr double least_seconds = 3, seconds_per_byte = 1e-7;
 constexpr double patience = 10;  ///< seconds on the clock for each of the processor
 
-/// What the other process says first; without it, it is none that rehearses.
+/// The first message of the other process; without it, it is none that rehearses.
 constexpr char greeting[] = "mimbre rehearsal 1\n";
 constexpr std::size_t greeting_size = sizeof greeting - 1;
-/// What it says at its end; silence means that it did not come to one.
+/// Its last message; silence means that it did not come to one.
 enum Verdict : char { done = 'd', refused = 'r', too_large = 'm', other = 'o' };
 
 std::mutex program_mutex;
@@ -68,7 +68,7 @@ void put(std::string& message, const std::string& text) {
   message += '\0';
 }
 
-std::string said(const InputError& error) {
+std::string description(const InputError& error) {
   std::string message(1, refused);
   for (const Diagnostic& d : error.diagnostics()) {
     put(message, d.mark.file);
@@ -90,7 +90,7 @@ std::vector<Diagnostic> heard(const std::string& message) {
   return diagnostics;
 }
 
-void say(int pipe, const std::string& message) {
+void send_text(int pipe, const std::string& message) {
   for (std::size_t sent = 0; sent < message.size();) {
     const ssize_t count = write(pipe, message.data() + sent, message.size() - sent);
     if (count > 0) sent += static_cast<std::size_t>(count);
@@ -98,7 +98,7 @@ void say(int pipe, const std::string& message) {
   }
 }
 
-/// All that the other process says; `in_time`: it came to its end before `seconds` were over.
+/// All messages of the other process; `in_time`: it came to its end before `seconds` were over.
 std::string listen(int pipe, double seconds, bool& in_time) {
   using Clock = std::chrono::steady_clock;
   const auto end =
@@ -222,11 +222,11 @@ int play_rehearsal(const RehearsalBounds& bounds, const std::function<void()>& w
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // What a library prints is no part of what is said.
+  // What a library prints is no part of the messages.
   const int pipe = dup(STDOUT_FILENO), nowhere = open("/dev/null", O_WRONLY);
   if (pipe < 0 || nowhere < 0 || dup2(nowhere, STDOUT_FILENO) < 0) return EXIT_FAILURE;
   signal(SIGPIPE, SIG_IGN);
-  say(pipe, greeting);
+  send_text(pipe, greeting);
   bound(RLIMIT_CORE, 0);
   bound(RLIMIT_CPU, bounds.seconds);
   if (const double now = address_space(); now > 0) bound(RLIMIT_AS, now + bounds.memory);
@@ -234,13 +234,13 @@ int play_rehearsal(const RehearsalBounds& bounds, const std::function<void()>& w
   try {
     work();
   } catch (const InputError& error) {
-    message = said(error);
+    message = description(error);
   } catch (const std::bad_alloc&) {
     message = too_large;
   } catch (...) {
     message = other;  // it will be thrown once more where it is caught
   }
-  say(pipe, message);
+  send_text(pipe, message);
   std::_Exit(EXIT_SUCCESS);  // whatever state a damaged file has left libraries in
 }
 

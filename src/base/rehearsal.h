@@ -23,12 +23,12 @@ RehearsalBounds rehearsal_bounds(const std::string& path);
 /// Reads a file there. `reading`: one of the names in results/isolation.cpp. True when it came to its end:
 /// the caller may then do the same. False where no program is named, or it cannot be started, or is none that
 /// rehearses: the caller has to make all checks itself. Throws the InputError that was thrown there, or one
-/// that says that the file is damaged, or that the time was over.
+/// that reports that the file is damaged, or that the time was over.
 bool rehearse(const std::string& reading, const std::string& path, const RehearsalBounds& bounds);
 bool rehearse(const std::string& reading, const std::string& path);
 
-/// The side of the other process: does the work within the bounds, tells the first process how it ended, and
-/// returns the exit code.
+/// The side of the other process: does the work within the bounds, reports to the first process how it ended,
+/// and returns the exit code.
 int play_rehearsal(const RehearsalBounds& bounds, const std::function<void()>& work);
 
 }  // namespace mimbre

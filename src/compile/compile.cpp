@@ -22,7 +22,7 @@ void place_elements(Compiled& c) {
 /// Builds the flat arrays from the spec and its tree.
 std::unique_ptr<const Image> compiled_image(spec::Model& spec) {
   Compiled c;
-  c.beside = &spec;
+  c.source = &spec;
   c.gravity = spec.gravity;
   const Topology topology = find_topology(spec);
   compile_bodies(c, topology);

@@ -1,7 +1,7 @@
 #pragma once
 #include "compile/compiled.h"
 
-/// The part of compile() that makes blocks of what the spec says of them. The spec is checked.
+/// The part of compile() that makes the blocks of the spec. The spec is checked.
 namespace mimbre {
 
 /// Whether its outputs follow its inputs at the same instant, so that it closes no loop.

@@ -85,7 +85,7 @@ class Planner {
         see(*arguments, fmt::format("{} '{}'", e.law, e.name), e.mark);
     for (const SignalNode& node : order_.nodes)
       if (moves(node)) make(node, d_.moving, d_.moving_loops);
-    for (const MadeOf& made : made_) (*made.list)[made.at].law = within_a_step(*made.law);
+    for (const Pending& made : pending_) (*made.list)[made.at].law = within_a_step(*made.law);
     for (std::size_t k = 0; k < d_.sampled.size(); ++k)
       for (const spec::Law* law : sampled_laws_[k]) d_.sampled[k].inputs.push_back(seen_of(c_, *law));
     for (std::size_t k = 0; k < s_.blocks.size(); ++k)
@@ -186,7 +186,7 @@ class Planner {
            [&](const SignalNode& node) { return node.is_block && !is_smooth(s_.blocks[node.index]); });
   }
 
-  void make(const SignalNode& node, Array<SignalsData::Made>& list, bool& loops) {
+  void make(const SignalNode& node, Array<SignalsData::Computed>& list, bool& loops) {
     if (node.is_block) {
       SignalsData::Block& b = d_.blocks[node.index];
       b.slot = d_.slots;
@@ -199,7 +199,7 @@ class Planner {
     }
     d_.slot_of_signal[node.index] = d_.slots;
     list.push_back({d_.slots++, {}, -1});
-    made_.push_back({&list, list.size() - 1, &s_.signals[node.index].law});
+    pending_.push_back({&list, list.size() - 1, &s_.signals[node.index].law});
   }
 
   void sense(int sensor, const std::string& who, const Mark& mark) {
@@ -261,7 +261,7 @@ class Planner {
     const double start = k < joint.initial_position.size() ? joint.initial_position[k].value_or(0) : 0;
     const bool position = drive.of == spec::Drive::Of::position;
     if (drive.signal < 0)
-      // A run may be longer than the file says: what is prepared reaches over four times that.
+      // A run may be longer than in the file: what is prepared reaches over four times that.
       return of_time(position ? drive.law : drive.law.integral(start, 4 * s_.simulation.end));
     const int signal = fixed_signal(drive.signal, fmt::format("the drive of joint '{}'", joint.name), true);
     if (position) return signal;
@@ -276,12 +276,12 @@ class Planner {
   std::array<std::vector<char>, 2> moving_, rough_;  ///< by signal, by block
   std::vector<std::vector<const spec::Law*>> sampled_laws_;
   /// Formulas in lists, which get their slots when all have them.
-  struct MadeOf {
-    Array<SignalsData::Made>* list;
+  struct Pending {
+    Array<SignalsData::Computed>* list;
     std::size_t at;
     const spec::Law* law;
   };
-  std::vector<MadeOf> made_;
+  std::vector<Pending> pending_;
 
  public:
   std::vector<int> seen_;  ///< sensors of the spec

@@ -27,7 +27,7 @@ int add_formula(Compiled& c, const spec::Law& law);
 int add_argument(Compiled& c, int slot);
 
 /// After frames and elements. Coordinates and lengths that no element measures get one that only measures, by
-/// `add_element`, of what `on_coordinate` says of a joint's coordinate.
+/// `add_element`, of `on_coordinate` for a joint's coordinate.
 void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_element,
                    const std::function<ElementData(int joint, int coordinate)>& on_coordinate);
 

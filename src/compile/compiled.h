@@ -43,10 +43,11 @@ struct AncfElement {
 struct GeometricData {
   int modes = 0;
   Array<int> loads;
-  int inertial = 0;     ///< of these the first: loads of inertia and gravity
-  Rows stiffness;       ///< loads · modes × stride
-  Rows boundary_loads;  ///< count × stride: R
-  Rows boundary_give;  ///< count × stride: row l is K⁻¹ R_l, the amplitudes that one unit of the load causes
+  int inertial = 0;          ///< of these the first: loads of inertia and gravity
+  Rows stiffness;            ///< loads · modes × stride
+  Rows boundary_loads;       ///< count × stride: R
+  Rows boundary_compliance;  ///< count × stride: row l is K⁻¹ R_l, the amplitudes that one unit of the load
+                             ///< causes
   /// 6 × stride: acceleration of the origin and angular acceleration of the rigid motion that is nearest, by
   /// mass, to that of each mode, body axes.
   Rows mean_motion;
@@ -228,7 +229,7 @@ constexpr bool is_velocity(Measure m, int component) {
 constexpr bool on_road(Measure m) { return m == Measure::height || m == Measure::wheel; }
 
 /// What of the surroundings an element keeps from its measure for its law: the height of the road, or the
-/// tangents of a surface in its axes, or what forces/measure_wheel.h says.
+/// tangents of a surface in its axes, or as in forces/measure_wheel.h.
 constexpr int surroundings_size(Measure m) { return m == Measure::contact ? 6 : m == Measure::wheel ? 5 : 1; }
 
 /// One of the summands of Measure::sum: an element that only measures, and carries its share of the force.
@@ -259,7 +260,7 @@ struct ElementData {
   double radius = 0;       ///< contact: of the sphere; wheel
   double rolling = 0;      ///< wheel: share of its deflection by which it rolls as if it were smaller
   double footprint = 0;    ///< wheel: half the length along which it feels a profile, m
-  double struck_mass = 0;  ///< contact: of both bodies, as far as they move in a blow, kg
+  double struck_mass = 0;  ///< contact: of both bodies, as far as they move in an impact, kg
   /// axis: direction; wheel: its axis, in b; none: force and moment
   Vec3d direction = Vec3d::Zero(), second = Vec3d::Zero();
   bool about = false;                  ///< axis: turns
@@ -272,7 +273,7 @@ struct ElementData {
   int states = 0, state_count = 0;
   int feedback = -1;   ///< slot of a signal that its own motion may decide
   int own_states = 0;  ///< of these the first that is the law's, behind the turns
-  bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and what it says
+  bool user = false, sampled = false, elastic = false;  ///< a law that the user wrote, and its properties
   bool marked = false;                                  ///< a change of its tangent may ask for a new matrix
   int inertia = -1;     ///< among the model's numbers: of what is measured, kg or kg m²; -1: none
   Array<Leg> legs;      ///< of a sum; they come behind it
@@ -322,12 +323,12 @@ struct SignalsData {
   };
   /// What the host sets: at `held` the value and when it was last changed, or for a straight line value,
   /// time, next value, next time.
-  struct Held {
+  struct HeldInput {
     int slot, held;
     bool linear;
     int input;  ///< of the spec; -1: a sampled signal
   };
-  struct Made {
+  struct Computed {
     int slot;
     LawData law;
     int block = -1;  ///< instead of the law: makes its outputs, from the slot on
@@ -372,11 +373,11 @@ struct SignalsData {
   int slots = 1;
   int first_moving = 1;  ///< slot from which on they are of sensors and of what follows from them
   Array<OfTime> of_time;
-  Array<Held> held;
-  Array<Made> fixed;  ///< of time and inputs, in the order in which they need each other
+  Array<HeldInput> held;
+  Array<Computed> fixed;  ///< of time and inputs, in the order in which they need each other
   Array<Integral> integrals;
   Array<Sensor> sensors;
-  Array<Made> moving;                              ///< of sensors, in that order
+  Array<Computed> moving;                          ///< of sensors, in that order
   bool fixed_loops = false, moving_loops = false;  ///< some of them are blocks `ahead`
   Array<Block> blocks;
   Array<double> numbers;          ///< of blocks
@@ -451,9 +452,9 @@ struct MassPlace {
 };
 
 struct Compiled {
-  /// What people need stands beside it, of this process: names, marks and texts, and laws that users wrote.
-  const spec::Model* beside = nullptr;
-  const spec::Model& spec() const { return *beside; }
+  /// The model that this was compiled from, in this process: names, marks, texts and laws of the user.
+  const spec::Model* source = nullptr;
+  const spec::Model& spec() const { return *source; }
 
   int positions = 0, velocities = 0, equations = 0;
   Vec3d gravity = Vec3d::Zero();

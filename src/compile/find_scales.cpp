@@ -12,7 +12,7 @@
 namespace mimbre {
 namespace {
 
-/// A lever that is this many times as long as the body is wide says nothing about the size of the mechanism;
+/// A lever that is this many times as long as the body is wide has no meaning for the size of the mechanism;
 /// nor does a body that is this many times as large as half of the others.
 constexpr double longest_lever = 1e3, largest_body = 1e2;
 

@@ -8,7 +8,7 @@
 namespace mimbre {
 
 /// Finds the mechanism's mass and length scales, and what follows from them: scales of the penalties, masses
-/// that blows move.
+/// that impacts move.
 void find_scales(Compiled& model);
 
 /// What a body resists motion with, together with all that is fixed to it. A body without mass counts as the

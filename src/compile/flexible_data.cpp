@@ -66,7 +66,7 @@ GeometricData geometric_data(const ReducedBody& reduced, int stride) {
                                               [](int l) { return l < GeometricStiffness::boundary; }));
   g.boundary_loads = padded(body.boundary_loads, stride);
   if (body.boundary_loads.rows() > 0)
-    g.boundary_give =
+    g.boundary_compliance =
         padded(shortest_solution(reduced.stiffness, body.boundary_loads.transpose()).transpose(), stride);
   return g;
 }

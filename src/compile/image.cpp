@@ -64,10 +64,10 @@ Image::Image(const Compiled& grown) {
   pointers_ = space.take_pointers();
 }
 
-Image::Image(std::span<const std::byte> bytes, const spec::Model* beside) {
+Image::Image(std::span<const std::byte> bytes, const spec::Model* source) {
   Header header;
   if (bytes.size() < sizeof header)
-    throw InputError(Mark{}, "these bytes are not the image of a model: there are too few of them");
+    throw InputError(Mark{}, "these bytes are not the image of a model: they are too few");
   const Header expected;
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0)
@@ -90,7 +90,7 @@ Image::Image(std::span<const std::byte> bytes, const spec::Model* beside) {
     const std::byte* pointer = memory_.get() + distance;
     std::memcpy(memory_.get() + at, &pointer, sizeof pointer);
   }
-  reinterpret_cast<Compiled*>(memory_.get())->beside = beside;
+  reinterpret_cast<Compiled*>(memory_.get())->source = source;
 }
 
 std::vector<std::byte> Image::bytes() const {
@@ -98,7 +98,7 @@ std::vector<std::byte> Image::bytes() const {
   ImageSpace space(memory.get(), true);
   auto* root = new (space.take(sizeof(Compiled))) Compiled(model());
   clear_padding(*root);
-  root->beside = nullptr;
+  root->source = nullptr;
   for (const std::size_t at : space.take_pointers()) {
     const std::byte* pointer = nullptr;
     std::memcpy(&pointer, memory.get() + at, sizeof pointer);

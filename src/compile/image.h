@@ -16,13 +16,13 @@ class Image {
  public:
   /// A copy of what compile() has grown on the heap.
   explicit Image(const Compiled& grown);
-  /// A copy of the bytes of another image made by the same program, in this process or in another one. What
-  /// stands beside it is the given spec, which has to be that model's and to live as long. Throws InputError
+  /// A copy of the bytes of another image made by the same program, in this process or in another one. The
+  /// given spec has to be that model's and to live as long. Throws InputError
   /// when the bytes are not an image of this program, or are damaged.
-  Image(std::span<const std::byte> bytes, const spec::Model* beside);
+  Image(std::span<const std::byte> bytes, const spec::Model* source);
 
   const Compiled& model() const { return *reinterpret_cast<const Compiled*>(memory_.get()); }
-  /// Without what stands beside it. Equal models have equal bytes.
+  /// Without the spec. Equal models have equal bytes.
   std::vector<std::byte> bytes() const;
   /// Of what is in the block, whichever build of the program made it.
   std::uint64_t hash() const;

@@ -10,9 +10,9 @@
 namespace mimbre {
 namespace {
 
-template <class Things>
-auto& of(Things& things, int index) {
-  return things[static_cast<std::size_t>(index)];
+template <class Items>
+auto& of(Items& items, int index) {
+  return items[static_cast<std::size_t>(index)];
 }
 
 const std::string& name_of(const spec::Model& m, const SignalNode& n) {

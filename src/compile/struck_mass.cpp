@@ -9,7 +9,7 @@ namespace mimbre {
 namespace {
 
 /// Mean over the directions of the speed that an impulse there causes along itself, 1/kg. A mode that is
-/// stiffer there than the contact, `stiffness`, hardly moves in a blow.
+/// stiffer there than the contact, `stiffness`, hardly moves in an impact.
 double lightness(const Compiled& m, const FrameData& frame, double stiffness) {
   if (frame.body < 0) return 0;
   const BodyData& b = m.bodies[frame.body];

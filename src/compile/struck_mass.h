@@ -3,8 +3,8 @@
 
 namespace mimbre {
 
-/// The mass that a blow between the two frames of an element moves, kg: of both bodies as if free, with their
-/// turning and their modes, as a mean over the directions.
+/// The mass that an impact between the two frames of an element moves, kg: of both bodies as if free, with
+/// their turning and their modes, as a mean over the directions.
 double struck_mass(const Compiled& model, const ElementData& element);
 
 }  // namespace mimbre

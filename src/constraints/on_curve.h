@@ -24,8 +24,9 @@ struct OnCurve {
     for (std::size_t k = c.closed ? 0 : 1; k < count; ++k) {
       const std::size_t before = k > 0 ? k - 1 : count - 1;
       if (!((c.points[k] - c.points[before]).norm() > 1e-9 * extent))
-        faults.push_back(fmt::format("points {} and {} of the curve are at one place{}", before, k,
-                                     k == 0 ? "; a closed curve goes on to its first point by itself" : ""));
+        faults.push_back(
+            fmt::format("points {} and {} of the curve are at one place{}", before, k,
+                        k == 0 ? "; a closed curve returns to its first point automatically" : ""));
     }
   }
   static void compile(const spec::Constraint& s, ConstraintData& data) {

@@ -146,7 +146,7 @@ void add_tangent(const FlexibleData& f, const T* y, double stiffness, double dam
 }
 
 /// Per axial Gauss point, three numbers: force over length, which is geometric stiffness, and the direction
-/// in which the axis is stiff. They say whether a tangent is still good.
+/// in which the axis is stiff. They decide whether a tangent is still good.
 inline std::size_t marks(const FlexibleData& f) { return 9 * f.ancf.size(); }
 
 /// Of all bodies.

@@ -74,8 +74,8 @@ void strained(const GeometricData& g, const T* y, T* x) {
   for (int k = 0; k < s; ++k) x[k] = y[k];
   for (int l = g.inertial; l < static_cast<int>(g.loads.size()); ++l) {
     const T delta = second_order(g, matrix(g, l), y);
-    const double* give = boundary_row(g, g.boundary_give, l);
-    for (int k = 0; k < s; ++k) x[k] += delta * give[k];
+    const double* compliance = boundary_row(g, g.boundary_compliance, l);
+    for (int k = 0; k < s; ++k) x[k] += delta * compliance[k];
   }
 }
 
@@ -153,7 +153,7 @@ void stiffness(const GeometricData& g, const StressMotion<T>& m, const T* y, T* 
     for (int r = 0; r < g.modes; ++r)
       for (int k = 0; k < s; ++k) out[r * s + k] += load[r] * own[k];
     for (int n = g.inertial; n < loads; ++n)
-      outer(products + (n - g.inertial) * s, T(dot(load, boundary_row(g, g.boundary_give, n), s)));
+      outer(products + (n - g.inertial) * s, T(dot(load, boundary_row(g, g.boundary_compliance, n), s)));
   }
 }
 

@@ -48,6 +48,32 @@ double cell_poisson(const SolidMesh& mesh, const CellView& cell) {
   return mesh.materials[static_cast<std::size_t>(cell.group->material)].material.poisson;
 }
 
+/// The points at each node.
+std::unordered_multimap<int, Index> points_of_nodes(const SolidMesh& mesh,
+                                                    const std::vector<SurfacePoint>& points) {
+  std::unordered_multimap<int, Index> at_node;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (points[k].node < 0 || points[k].node >= mesh.nodes.cols())
+      throw std::invalid_argument(
+          fmt::format("point {} is at node {} of {}", k, points[k].node, mesh.nodes.cols()));
+    at_node.emplace(points[k].node, static_cast<Index>(k));
+  }
+  return at_node;
+}
+
+/// Displacements of a cell's dofs, one column per field. `rows`: of each node's directions, −1: none.
+MatrixXd displacements_of(const CellView& cell, const std::vector<std::array<int, 6>>& rows,
+                          const Eigen::Ref<const MatrixXd>& displacements) {
+  const int per_node = cell.node_dofs();
+  MatrixXd u = MatrixXd::Zero(cell.dofs(), displacements.cols());
+  for (int k = 0; k < cell.node_count; ++k)
+    for (int d = 0; d < per_node; ++d)
+      if (const int row = rows[static_cast<std::size_t>(cell.nodes[k])][static_cast<std::size_t>(d)];
+          row >= 0)
+        u.row(per_node * k + d) = displacements.row(row);
+  return u;
+}
+
 }  // namespace
 
 Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points, const std::vector<Dof>& dofs,
@@ -57,13 +83,7 @@ Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points,
         fmt::format("{} displacements given of {} dofs", displacements.rows(), dofs.size()));
   const auto rows = rows_of(mesh, dofs);
   const Index fields = displacements.cols();
-  std::unordered_multimap<int, Index> at_node;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (points[k].node < 0 || points[k].node >= mesh.nodes.cols())
-      throw std::invalid_argument(
-          fmt::format("point {} is at node {} of {}", k, points[k].node, mesh.nodes.cols()));
-    at_node.emplace(points[k].node, static_cast<Index>(k));
-  }
+  const auto at_node = points_of_nodes(mesh, points);
   Recovery out{MatrixXd::Zero(6 * static_cast<Index>(points.size()), fields),
                MatrixXd::Zero(6 * static_cast<Index>(points.size()), fields)};
   std::vector<int> parts(points.size(), 0);
@@ -76,13 +96,7 @@ Recovery recover(const SolidMesh& mesh, const std::vector<SurfacePoint>& points,
     for (int k = 0; k < cell.node_count; ++k) wanted = wanted || at_node.contains(cell.nodes[k]);
     if (!wanted) continue;
 
-    const int per_node = cell.node_dofs();
-    MatrixXd u = MatrixXd::Zero(cell.dofs(), fields);
-    for (int k = 0; k < cell.node_count; ++k)
-      for (int d = 0; d < per_node; ++d)
-        if (const int row = rows[static_cast<std::size_t>(cell.nodes[k])][static_cast<std::size_t>(d)];
-            row >= 0)
-          u.row(per_node * k + d) = displacements.row(row);
+    const MatrixXd u = displacements_of(cell, rows, displacements);
     const auto add = [&](Index point, const auto& stress, const auto& strain) {
       out.stress.middleRows<6>(6 * point) += stress;
       out.strain.middleRows<6>(6 * point) += strain;

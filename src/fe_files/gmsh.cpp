@@ -208,7 +208,7 @@ class GmshReader {
         for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) real(line, "bound of the entity");
         const std::int64_t physicals = count(line, "count of physical groups");
         std::vector<std::int64_t>& tags = physicals_of_entity_[{dimension, tag}];
-        // The sign only tells the orientation.
+        // The sign only gives the orientation.
         for (std::int64_t i = 0; i < physicals; ++i) {
           const std::int64_t physical = integer(line, "physical group");
           tags.push_back(magnitude(physical));

@@ -32,7 +32,7 @@ int NodeTable::find(std::int64_t label) const {
 int NodeTable::at(std::int64_t label, const TextFile& file, const char* user, std::int64_t user_label) const {
   const int index = find(label);
   if (index < 0)
-    file.fail(fmt::format("node {} of {} {} is not there (nodes must stand before what uses them)", label,
+    file.fail(fmt::format("node {} of {} {} is not there (nodes must come before their first use)", label,
                           user, user_label));
   return index;
 }

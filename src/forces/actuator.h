@@ -1,7 +1,7 @@
 #pragma once
 #include "forces/element.h"
 
-/// A force, or a torque, that a signal says: in the direction in which the measure grows.
+/// A force, or a torque, that a signal sets: in the direction in which the measure grows.
 namespace mimbre::forces {
 
 /// The tangents of a feedback of its own motion are added by what knows the signals (signals/sensors.h).

@@ -65,7 +65,7 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   wheel::set_stood(c.element, p[slow], s);
   carcass::Wheel<T> w;
   for (int k = 0; k < 2; ++k) {
-    w.firm[k] = carcass_stiffness(p, k);
+    w.spring[k] = carcass_stiffness(p, k);
     w.stiffness[k] = p[slip_stiffness + k] * (ratio + T(1e-6));
   }
   w.settling = p[settling];
@@ -75,9 +75,9 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   w.rate = s.v + wheel::forth;
   if (c.step <= 0) w.gone = wheel::gone(c.element, c.states, s);
   const carcass::Followed<T> footprint = carcass::follow(w, c.step);
-  const carcass::Held<T>& held = footprint.held;
+  const carcass::FootprintForce<T>& shear = footprint.shear;
   for (int k = 0; k < 2; ++k) {
-    s.force[wheel::forth + k] = held.force[k];
+    s.force[wheel::forth + k] = shear.force[k];
     s.states[bend + k] = footprint.bend[k];
   }
   carcass::put_tangents(footprint, wheel::forth, s);
@@ -87,9 +87,9 @@ void brush_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   const T lever = push.force * p[resistance] * p[radius];
   s.force[wheel::rolling] = lever * forwards;
   s.damping[wheel::rolling * (n + 1)] = lever * p[radius] * smooth::direction_slope(rolling, p[slow]);
-  const T left = T(1) - held.used, length = p[half_length] * sqrt(ratio + T(1e-12));
-  const T trail = length / T(3) * left * left * left / (left + held.used * held.used / T(3));
-  s.force[wheel::aligning] = T(-1) * trail * forwards * held.force[1];
+  const T left = T(1) - shear.used, length = p[half_length] * sqrt(ratio + T(1e-12));
+  const T trail = length / T(3) * left * left * left / (left + shear.used * shear.used / T(3));
+  s.force[wheel::aligning] = T(-1) * trail * forwards * shear.force[1];
 }
 
 /// The vertical spring and the carcass store; all that the forces along the road do beyond is lost.
@@ -99,9 +99,9 @@ inline void brush_tyre_energy(const LawContext<double>& c, const ElementState<do
   const double spring = vertical<double>(p[stiffness], 0, s.x[wheel::gap], 0).spring;
   e.stored = 0.5 * spring * spring / p[stiffness];
   for (int k = 0; k < 2; ++k) {
-    const double firm = carcass_stiffness(p, k), was = c.states[bend + k], is = s.states[bend + k];
-    e.stored += 0.5 * firm * is * is;
-    if (c.step > 0) e.lost -= 0.5 * firm * (is * is - was * was);
+    const double carcass_spring = carcass_stiffness(p, k), was = c.states[bend + k], is = s.states[bend + k];
+    e.stored += 0.5 * carcass_spring * is * is;
+    if (c.step > 0) e.lost -= 0.5 * carcass_spring * (is * is - was * was);
   }
   e.dissipating[wheel::gap] = s.force[wheel::gap] + spring;
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];

@@ -10,7 +10,7 @@
 namespace mimbre::forces {
 
 namespace cable {
-/// Among the law's numbers. `rest_number`: the length without tension, where no signal says it.
+/// Among the law's numbers. `rest_number`: the length without tension, where no signal sets it.
 constexpr int stiffness = 0, damping = 1, rest_number = 4;
 /// States: the length without tension, and the length, at the start of the step.
 constexpr int rest_before = 0, length_before = 1;
@@ -21,8 +21,8 @@ template <class T>
 T rest_now(const LawContext<T>& c) {
   const T* p = c.numbers();
   if (!c.has_arguments()) return p[rest_number];
-  const T said = c.argument(0), least = least_rest * p[rest_number];
-  return select(said > least, said, least);
+  const T requested = c.argument(0), least = least_rest * p[rest_number];
+  return select(requested > least, requested, least);
 }
 
 inline double stored(double ea, double length, double rest) {

@@ -6,9 +6,10 @@
 #include "math/elementary.h"
 
 /// The footprint of a tyre behind its carcass. The carcass is a spring with a damper along and across; the
-/// footprint slips behind it by a law of friction. In series they give all that a tyre does over time: on the
-/// roll the force follows the slip on a way of slip stiffness over carcass stiffness, the relaxation length;
-/// a wheel that stands or is locked hangs on its carcass, without creeping, until its friction is used up.
+/// footprint slips behind it by a law of friction. In series they give all that a tyre does over time:
+/// on the roll the force follows the slip on a way of slip stiffness over carcass stiffness, the relaxation
+/// length; a wheel that stands or is locked hangs on its carcass, without creeping, until its friction is
+/// used up.
 ///
 /// The law of friction is that of a brush with parabolic pressure (Pacejka, Tire and Vehicle Dynamics, 3rd
 /// ed., 2012, 3.2): the force grows with the slip as L (1 − (1 − p)³), where p is the force K s that it would
@@ -19,28 +20,28 @@ namespace mimbre::forces::carcass {
 /// What the two directions, along and across, are given.
 template <class T>
 struct Patch {
-  T pull[2];       ///< N, that the carcass would pull if the footprint stuck over the step
-  T give[2];       ///< N s/m, by which that falls with the velocity at which it slips
-  T stiffness[2];  ///< N: force over slip, at small slip
-  T rolled;        ///< m/s, at which the tread runs through the footprint
-  T limit;         ///< N
+  T pull[2];        ///< N, that the carcass would pull if the footprint stuck over the step
+  T resistance[2];  ///< N s/m, by which that falls with the velocity at which it slips
+  T stiffness[2];   ///< N: force over slip, at small slip
+  T rolled;         ///< m/s, at which the tread runs through the footprint
+  T limit;          ///< N
 };
 
 template <class T>
-struct Held {
+struct FootprintForce {
   T force[2];
   T tangent[3];  ///< ∂force/∂pull: along, mixed, across; symmetric
   T used;        ///< p, at most 1
 };
 
 template <class T>
-Held<T> hold(const Patch<T>& patch) {
+FootprintForce<T> footprint_force(const Patch<T>& patch) {
   using std::abs, mimbre::pow, std::sqrt;
   const auto some = [](const T& x) { return select(x > T(1e-300), x, T(1e-300)); };
   const auto length = [](const T& a, const T& b) { return T(sqrt(a * a + b * b + T(1e-300))); };
   const T limit = some(patch.limit);
   T ratio[2];
-  for (int k = 0; k < 2; ++k) ratio[k] = patch.give[k] * patch.rolled / some(patch.stiffness[k]);
+  for (int k = 0; k < 2; ++k) ratio[k] = patch.resistance[k] * patch.rolled / some(patch.stiffness[k]);
 
   // Part of it sticks: the force that the carcass pulls with, y q/(ratio + q), is that of the brush, where q
   // = 1 − p + p²/3 is its share of K s. Newton's method from below, where it does not overshoot.
@@ -70,17 +71,17 @@ Held<T> hold(const Patch<T>& patch) {
   T soft[2];  // 1 over: force over pull
   for (int k = 0; k < 2; ++k) soft[k] = T(1) + ratio[k] / q;
 
-  // All of it slides: pull = force (1 + 3 ratio + γ give), with the γ that keeps the limit.
+  // All of it slides: pull = force (1 + 3 ratio + γ resistance), with the γ that keeps the limit.
   // Newton's method for 1/|force|, which is nearly straight (Moré and Sorensen, SIAM J. Sci. Stat. Comput. 4,
   // 1983): from below it does not overshoot either.
   T gamma = T(0);
   for (int i = 0; i < 20; ++i) {
     T square = T(1e-300), change = T(0);
     for (int k = 0; k < 2; ++k) {
-      const T divided = T(1) / (T(1) + T(3) * ratio[k] + gamma * patch.give[k]);
+      const T divided = T(1) / (T(1) + T(3) * ratio[k] + gamma * patch.resistance[k]);
       const T f = patch.pull[k] * divided;
       square += f * f;
-      change += f * f * patch.give[k] * divided;
+      change += f * f * patch.resistance[k] * divided;
     }
     const T over = sqrt(square) / limit - T(1);
     const auto goes_on = slides && over > T(1e-14) && change > T(1e-300);
@@ -88,34 +89,34 @@ Held<T> hold(const Patch<T>& patch) {
     if (!any(goes_on)) break;
   }
   for (int k = 0; k < 2; ++k)
-    soft[k] = select(slides, T(T(1) + T(3) * ratio[k] + gamma * patch.give[k]), soft[k]);
+    soft[k] = select(slides, T(T(1) + T(3) * ratio[k] + gamma * patch.resistance[k]), soft[k]);
 
-  Held<T> held;
-  held.used = select(slides, T(1), p);
-  for (int k = 0; k < 2; ++k) held.force[k] = patch.pull[k] / soft[k];
-  const T size = length(held.force[0], held.force[1]);
+  FootprintForce<T> shear;
+  shear.used = select(slides, T(1), p);
+  for (int k = 0; k < 2; ++k) shear.force[k] = patch.pull[k] / soft[k];
+  const T size = length(shear.force[0], shear.force[1]);
   const T kept = select(size > limit, T(limit / size), T(1));
-  for (int k = 0; k < 2; ++k) held.force[k] *= kept;
+  for (int k = 0; k < 2; ++k) shear.force[k] *= kept;
 
-  // Along the force it grows by less than beside it: not at all where all slides.
-  const T left = T(1) - held.used, mean = T(0.5) * (ratio[0] + ratio[1]);
+  // Along the force it grows by less than across it: not at all where all slides.
+  const T left = T(1) - shear.used, mean = T(0.5) * (ratio[0] + ratio[1]);
   const T radial = left * left / some(T(left * left + mean)), secant = q / (q + mean);
   const T lost = select(slides, T(1), T(T(1) - radial / secant));
-  T beside[2], weight = T(1e-300);
+  T relaxed[2], weight = T(1e-300);
   for (int k = 0; k < 2; ++k) {
-    beside[k] = held.force[k] / soft[k];
-    weight += held.force[k] * beside[k];
+    relaxed[k] = shear.force[k] / soft[k];
+    weight += shear.force[k] * relaxed[k];
   }
-  held.tangent[0] = T(1) / soft[0] - lost * beside[0] * beside[0] / weight;
-  held.tangent[1] = T(-1) * lost * beside[0] * beside[1] / weight;
-  held.tangent[2] = T(1) / soft[1] - lost * beside[1] * beside[1] / weight;
-  return held;
+  shear.tangent[0] = T(1) / soft[0] - lost * relaxed[0] * relaxed[0] / weight;
+  shear.tangent[1] = T(-1) * lost * relaxed[0] * relaxed[1] / weight;
+  shear.tangent[2] = T(1) / soft[1] - lost * relaxed[1] * relaxed[1] / weight;
+  return shear;
 }
 
 /// A wheel over a step; arrays are along and across.
 template <class T>
 struct Wheel {
-  T firm[2];                      ///< stiffness of the carcass, N/m
+  T spring[2];                    ///< stiffness of the carcass, N/m
   T settling;                     ///< s: its damping over that, of a wheel that stands
   T stiffness[2], rolled, limit;  ///< as of Patch
   const T* bend;                  ///< at the step's start: by how much the wheel is ahead of its footprint, m
@@ -125,8 +126,8 @@ struct Wheel {
 
 template <class T>
 struct Followed {
-  Held<T> held;
-  T give[2];
+  FootprintForce<T> shear;
+  T resistance[2];
   T slip[2];  ///< m/s, of the footprint
   T bend[2];  ///< at the step's end
 };
@@ -147,7 +148,7 @@ Followed<T> follow(const Wheel<T>& w, double step) {
   if (step <= 0) {
     T square(1e-300), moved(0);
     for (int k = 0; k < 2; ++k) {
-      square += w.firm[k] * bend[k] * w.firm[k] * bend[k];
+      square += w.spring[k] * bend[k] * w.spring[k] * bend[k];
       moved += w.gone[k] * w.gone[k];
     }
     const auto slides = select(moved > T(0), square, T(0)) > w.limit * w.limit;
@@ -155,23 +156,23 @@ Followed<T> follow(const Wheel<T>& w, double step) {
     for (int k = 0; k < 2; ++k) bend[k] *= share;
   }
   for (int k = 0; k < 2; ++k) {
-    const T way = w.rolled * w.settling * w.firm[k] / (T(slow) * w.stiffness[k]);
-    viscous[k] = w.firm[k] * w.settling / (T(1) + way * way);
-    patch.pull[k] = w.firm[k] * (bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
-    patch.give[k] = T(step) * w.firm[k] + viscous[k];
+    const T way = w.rolled * w.settling * w.spring[k] / (T(slow) * w.stiffness[k]);
+    viscous[k] = w.spring[k] * w.settling / (T(1) + way * way);
+    patch.pull[k] = w.spring[k] * (bend[k] + T(step) * w.rate[k]) + viscous[k] * w.rate[k];
+    patch.resistance[k] = T(step) * w.spring[k] + viscous[k];
     patch.stiffness[k] = w.stiffness[k];
   }
   patch.rolled = w.rolled;
   patch.limit = w.limit;
   Followed<T> f;
-  f.held = hold(patch);
+  f.shear = footprint_force(patch);
   for (int k = 0; k < 2; ++k) {
-    f.give[k] = patch.give[k];
-    const auto gives = patch.give[k] > T(0);
-    const T inverse = T(1) / select(gives, patch.give[k], T(1));
-    const T bent = T(step) * f.held.force[k] + viscous[k] * bend[k];
-    f.bend[k] = select(gives, T(bent * inverse), bend[k]);
-    f.slip[k] = select(gives, T((patch.pull[k] - f.held.force[k]) * inverse), w.rate[k]);
+    f.resistance[k] = patch.resistance[k];
+    const auto resists = patch.resistance[k] > T(0);
+    const T inverse = T(1) / select(resists, patch.resistance[k], T(1));
+    const T bent = T(step) * f.shear.force[k] + viscous[k] * bend[k];
+    f.bend[k] = select(resists, T(bent * inverse), bend[k]);
+    f.slip[k] = select(resists, T((patch.pull[k] - f.shear.force[k]) * inverse), w.rate[k]);
   }
   return f;
 }
@@ -181,10 +182,10 @@ template <class T>
 void put_tangents(const Followed<T>& f, int first, ElementState<T>& s) {
   using std::sqrt;
   const int n = s.count, second = first + 1;
-  s.damping[first * (n + 1)] = f.held.tangent[0] * f.give[0];
-  s.damping[second * (n + 1)] = f.held.tangent[2] * f.give[1];
+  s.damping[first * (n + 1)] = f.shear.tangent[0] * f.resistance[0];
+  s.damping[second * (n + 1)] = f.shear.tangent[2] * f.resistance[1];
   s.damping[first * n + second] = s.damping[second * n + first] =
-      f.held.tangent[1] * sqrt(f.give[0] * f.give[1]);
+      f.shear.tangent[1] * sqrt(f.resistance[0] * f.resistance[1]);
 }
 
 }  // namespace mimbre::forces::carcass

@@ -2,20 +2,20 @@
 #include <cmath>
 
 #include "compile/slow_speeds.h"
-#include "forces/blow.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
+#include "forces/impact.h"
 #include "math/elementary.h"
 #include "math/restitution.h"
 
-/// A sphere on a surface. Normal force: that of a blow (forces/blow.h) at the depth −x₀. Tangential force:
-/// bristles, springs with dampers in two directions, hold the surfaces together until their force reaches the
-/// limit μ N; then they slide, and the bristles stay bent: the return to the limit of a perfectly plastic
-/// spring (Simo and Hughes, Computational Inelasticity, 1998, 2.3), so that nothing below the limit creeps.
-/// Their stiffness does not depend on the normal force: what they store could not be had back otherwise.
-/// Rolling and spinning are resisted likewise, by moments up to N times an arm. The tangents leave out what
-/// the limits owe to the normal force: that is not symmetric.
+/// A sphere on a surface. Normal force: that of an impact (forces/impact.h) at the depth −x₀. Tangential
+/// force: bristles, springs with dampers in two directions, hold the surfaces together until their force
+/// reaches the limit μ N; then they slide, and the bristles stay bent: the return to the limit of a perfectly
+/// plastic spring (Simo and Hughes, Computational Inelasticity, 1998, 2.3), so that nothing below the limit
+/// creeps. Their stiffness does not depend on the normal force: what they store could not be had back
+/// otherwise. Rolling and spinning are resisted likewise, by moments up to N times an arm. The tangents leave
+/// out what the limits owe to the normal force: that is not symmetric.
 namespace mimbre::forces {
 
 namespace contact {
@@ -29,28 +29,28 @@ constexpr int damping = 11, slow = 12;
 constexpr double still = 1e-7;
 
 template <class T, int n>
-struct Held {
+struct BristleForce {
   Eigen::Matrix<T, n, 1> bend, force;
   Eigen::Matrix<T, n, n> tangent;
 };
 
-/// Bristles that were bent by `bent` and pulled by `pulled`, and are moved on. `firm`, `viscosity`: theirs;
-/// step 0: their damper's part of the pull stays.
+/// Bristles that were bent by `bent` and pulled by `pulled`, and are moved on. `bristle_stiffness`,
+/// `viscosity`: theirs; step 0: their damper's part of the pull stays.
 template <class T, int n>
-Held<T, n> hold(const Eigen::Matrix<T, n, 1>& bent, const Eigen::Matrix<T, n, 1>& pulled,
-                const Eigen::Matrix<T, n, 1>& moved, const T& firm, const T& viscosity, double step,
-                const T& limit) {
+BristleForce<T, n> bend_bristles(const Eigen::Matrix<T, n, 1>& bent, const Eigen::Matrix<T, n, 1>& pulled,
+                                 const Eigen::Matrix<T, n, 1>& moved, const T& bristle_stiffness,
+                                 const T& viscosity, double step, const T& limit) {
   using std::sqrt;
   using Vector = Eigen::Matrix<T, n, 1>;
   const bool steps = step > 0;
-  const T damped = steps ? T(viscosity / step) : T(0), whole = firm + damped;
-  const Vector kept = steps ? Vector(firm * bent) : pulled, trial = kept + whole * moved;
+  const T damped = steps ? T(viscosity / step) : T(0), whole = bristle_stiffness + damped;
+  const Vector kept = steps ? Vector(bristle_stiffness * bent) : pulled, trial = kept + whole * moved;
   const T square = trial.squaredNorm();
   const auto sliding = square > limit * limit;
   const T size = sqrt(select(sliding, square, T(1))), share = select(sliding, T(limit / size), T(1));
-  Held<T, n> h;
+  BristleForce<T, n> h;
   h.force = share * trial;
-  // Sliding: firm z + damped (z − bent) = force.
+  // Sliding: bristle_stiffness z + damped (z − bent) = force.
   const T some = select(whole > T(0), whole, T(1));
   for (int k = 0; k < n; ++k)
     h.bend[k] = select(sliding, T((h.force[k] - kept[k] + whole * bent[k]) / some), T(bent[k] + moved[k]));
@@ -93,23 +93,23 @@ Eigen::Matrix<T, 2, 1> carried(const Mat3<T>& axes, const T* before) {
 /// What slides or turns as it starts has bent the bristles already. `rest`: rate below which it does neither.
 template <class T, int n>
 void begin(const LawContext<T>& c, const Eigen::Matrix<T, n, 1>& rate, const T& rest, const T& limit,
-           const T& firm, Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
+           const T& bristle_stiffness, Eigen::Matrix<T, n, 1>& bent, Eigen::Matrix<T, n, 1>& pulled) {
   using std::sqrt;
-  if (c.step > 0 || !any(firm > T(0))) return;
+  if (c.step > 0 || !any(bristle_stiffness > T(0))) return;
   const T square = rate.squaredNorm();
   const auto begins = select(c.states[contact_states::gap] < T(0), T(0), square) > rest * rest;
   const T size = sqrt(select(begins, square, T(1)));
   for (int k = 0; k < n; ++k) {
     pulled[k] = select(begins, T(limit * rate[k] / size), pulled[k]);
-    bent[k] = select(begins, T(pulled[k] / firm), bent[k]);
+    bent[k] = select(begins, T(pulled[k] / bristle_stiffness), bent[k]);
   }
 }
 
 template <class T>
-blow::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
+impact::Push<T> normal_push(const LawContext<T>& c, const ElementState<T>& s) {
   const T* p = c.numbers();
-  return blow::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
-                    blow::factor(p[damping], c.states[contact_states::blow], p[slow]));
+  return impact::push(p[stiffness], p[exponent], p[depth], T(-s.x[0]), T(-s.v[0]),
+                      impact::factor(p[damping], c.states[contact_states::impact], p[slow]));
 }
 }  // namespace contact
 
@@ -124,30 +124,32 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   for (int k = 0; k < n * n; ++k) s.stiffness[k] = s.damping[k] = T(0);
   for (int k = states::bend; k < law_states(c.element); ++k) s.states[k] = T(0);
   const auto touches = s.x[0] < T(0);
-  // The speed of the next blow, as long as there is none.
-  s.states[states::blow] = select(touches, c.states[states::blow], T(abs(s.v[0])));
+  // The speed of the next impact, as long as there is none.
+  s.states[states::impact] = select(touches, c.states[states::impact], T(abs(s.v[0])));
   if (!any(touches)) return;
   const T* p = c.numbers();
-  const blow::Push<T> push = normal_push(c, s);
+  const impact::Push<T> push = normal_push(c, s);
   s.force[0] = -push.force;
   s.stiffness[0] = push.along_depth;
   s.damping[0] = push.along_speed;
 
   const Mat3<T> axes = axes_of(s);
-  const T firm = p[tangential] * p[stiffness];
+  const T bristle_stiffness = p[tangential] * p[stiffness];
   const T square = s.v[1] * s.v[1] + s.v[2] * s.v[2];
   const T limit = push.force * p[friction] *
                   (T(1) + (p[static_ratio] - T(1)) * exp(T(-square / (p[stribeck] * p[stribeck]))));
   Vector2 bent = carried(axes, c.states + states::bend), pulled = carried(axes, c.states + states::pull);
   const T rest = T(still) * p[stribeck];
-  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), rest, limit, firm, bent, pulled);
-  const Held<T, 2> held =
-      hold<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), firm, T(firm * p[settling]), c.step, limit);
-  const Vec3<T> bend = axes.template leftCols<2>() * held.bend,
-                pull = axes.template leftCols<2>() * held.force;
+  begin<T, 2>(c, Vector2(s.v[1], s.v[2]), rest, limit, bristle_stiffness, bent, pulled);
+  const BristleForce<T, 2> bristles =
+      bend_bristles<T, 2>(bent, pulled, Vector2(s.x[1], s.x[2]), bristle_stiffness,
+                          T(bristle_stiffness * p[settling]), c.step, limit);
+  const Vec3<T> bend = axes.template leftCols<2>() * bristles.bend,
+                pull = axes.template leftCols<2>() * bristles.force;
   for (int i = 0; i < 2; ++i) {
-    s.force[1 + i] = select(touches, held.force[i], T(0));
-    for (int j = 0; j < 2; ++j) s.stiffness[(1 + i) * n + 1 + j] = select(touches, held.tangent(i, j), T(0));
+    s.force[1 + i] = select(touches, bristles.force[i], T(0));
+    for (int j = 0; j < 2; ++j)
+      s.stiffness[(1 + i) * n + 1 + j] = select(touches, bristles.tangent(i, j), T(0));
   }
   for (int k = 0; k < 3; ++k) {
     s.states[states::bend + k] = select(touches, bend[k], T(0));
@@ -159,17 +161,17 @@ void contact_law(const LawContext<T>& c, ElementState<T>& s) {
   const Vec3<T> twisted = axes.transpose() * vector_at<T>(c.states + states::twist),
                 turned = axes.transpose() * vector_at<T>(c.states + states::moment);
   const T radius(ends_of(c.model, c.element, c.states).radius),
-      lever = firm * radius, roll = lever * p[rolling], spin = lever * p[spinning];
+      lever = bristle_stiffness * radius, roll = lever * p[rolling], spin = lever * p[spinning];
   const T most_roll = push.force * p[rolling], most_spin = push.force * p[spinning];
   Vector2 rolled = twisted.template head<2>(), roll_moment = turned.template head<2>();
   Vector1 spun(twisted[2]), spin_moment(turned[2]);
   const T turning_rest = rest / radius;
   begin<T, 2>(c, Vector2(s.v[3], s.v[4]), turning_rest, most_roll, roll, rolled, roll_moment);
   begin<T, 1>(c, Vector1(s.v[5]), turning_rest, most_spin, spin, spun, spin_moment);
-  const Held<T, 2> rolls = hold<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
-                                      T(roll * p[settling]), c.step, most_roll);
-  const Held<T, 1> spins =
-      hold<T, 1>(spun, spin_moment, Vector1(s.x[5]), spin, T(spin * p[settling]), c.step, most_spin);
+  const BristleForce<T, 2> rolls = bend_bristles<T, 2>(rolled, roll_moment, Vector2(s.x[3], s.x[4]), roll,
+                                                       T(roll * p[settling]), c.step, most_roll);
+  const BristleForce<T, 1> spins =
+      bend_bristles<T, 1>(spun, spin_moment, Vector1(s.x[5]), spin, T(spin * p[settling]), c.step, most_spin);
   for (int i = 0; i < 2; ++i) {
     s.force[3 + i] = select(touches, rolls.force[i], T(0));
     for (int j = 0; j < 2; ++j) s.stiffness[(3 + i) * n + 3 + j] = select(touches, rolls.tangent(i, j), T(0));
@@ -194,16 +196,16 @@ inline Vec3d turn_since(const double* before, const double* now) {
 }
 }  // namespace contact
 
-/// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the blow's take.
+/// Depth and bristles store; what the surfaces slide and turn, the bristles' dampers and the impact's take.
 inline void contact_energy(const LawContext<double>& c, const ElementState<double>& s, ElementEnergy& e) {
   using namespace contact;
   namespace states = contact_states;
   const double* p = c.numbers();
-  const double firm = p[tangential] * p[stiffness],
-               lever = firm * ends_of(c.model, c.element, c.states).radius;
+  const double bristle_stiffness = p[tangential] * p[stiffness],
+               lever = bristle_stiffness * ends_of(c.model, c.element, c.states).radius;
   const bool turning = s.count > 3;
   const auto bristles = [&](const double* z, const Mat3d& axes) {
-    double stored = 0.5 * firm * vector_at<double>(z + states::bend).squaredNorm();
+    double stored = 0.5 * bristle_stiffness * vector_at<double>(z + states::bend).squaredNorm();
     if (!turning) return stored;
     const Vec3d twist = axes.transpose() * vector_at<double>(z + states::twist);
     return stored +
@@ -213,7 +215,7 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
   const Mat3d axes = touches ? axes_of<double>(s) : Mat3d(Mat3d::Identity());
   double now = 0;
   if (touches) {
-    const blow::Push<double> push = normal_push(c, s);
+    const impact::Push<double> push = normal_push(c, s);
     now = bristles(s.states, axes);
     e.stored = push.elastic * -s.x[0] / (p[exponent] + 1) + now;
     e.dissipating[0] = push.elastic - push.force;
@@ -243,7 +245,7 @@ struct Contact {
       {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
       {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
       {.key = "restitution",
-       .about = "share of the speed that a blow leaves",
+       .about = "coefficient of restitution: ratio of rebound to impact speed",
        .otherwise = 1,
        .least = 0.01,
        .most = 1},
@@ -261,12 +263,12 @@ struct Contact {
        .otherwise = 1e-2,
        .above = 0},
       {.key = "tangential",
-       .about = "stiffness of what sticks, by that in the normal direction",
+       .about = "tangential presliding stiffness, relative to the normal stiffness",
        .otherwise = 0.7,
        .above = 0},
       {.key = "settling",
        .unit = "s",
-       .about = "in which a vibration of what sticks dies away",
+       .about = "time constant of the decay of vibrations while sticking",
        .otherwise = 1e-3,
        .least = 0},
       {.key = "rolling",

@@ -96,7 +96,7 @@ struct Friction {
   static constexpr std::array<LawNumber, 5> numbers{{
       {.key = "sticking",
        .unit = "m|rad",
-       .about = "that the surfaces give before they slide",
+       .about = "elastic presliding displacement",
        .otherwise = 1e-5,
        .above = 0},
       {.key = "static_ratio",
@@ -111,7 +111,7 @@ struct Friction {
       {.key = "viscous", .unit = "N s/m|N m s/rad", .about = "damping beside", .otherwise = 0, .least = 0},
       {.key = "settling",
        .unit = "s",
-       .about = "in which a vibration of what sticks dies away",
+       .about = "time constant of the decay of vibrations while sticking",
        .otherwise = 1e-3,
        .least = 0},
   }};

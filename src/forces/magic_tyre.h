@@ -44,7 +44,7 @@ MagicVertical<T> vertical(const T* n, const ElementState<T>& s) {
   in.dpi = pressure(n);
   return magic_vertical(n, in);
 }
-/// What the formula says of small slip: the carcass's stiffness, slip stiffness and limit.
+/// The formula at small slip: the carcass's stiffness, slip stiffness and limit.
 template <class T>
 void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
   using namespace magic;
@@ -58,7 +58,7 @@ void small_slip(const T* n, const MagicInput<T>& in, carcass::Wheel<T>& w) {
   const T lengths[2] = {out.sigma_kappa, out.sigma_alpha};
   for (int k = 0; k < 2; ++k) {
     w.stiffness[k] = t.beyond * greatest(stiffness[k], T(T(softest) * n[fnomin]));
-    w.firm[k] = w.stiffness[k] / greatest(lengths[k], T(T(shortest) * n[unloaded_radius]));
+    w.spring[k] = w.stiffness[k] / greatest(lengths[k], T(T(shortest) * n[unloaded_radius]));
   }
   const T along = (n[pdx1] + n[pdx2] * t.dfz) * t.mu_x;
   w.limit = t.beyond * t.load * greatest(T(T(0.5) * (along + y.friction)), T(0));
@@ -109,15 +109,15 @@ void magic_tyre_law(const LawContext<T>& c, ElementState<T>& s) {
   in.alpha = atan2(footprint.slip[1], speed);
   const MagicOutput<T> out = magic_formula(n, in);
   const T moves = share_of_formula(n, forward, rolling);
-  s.force[wheel::forth] = (T(1) - moves) * footprint.held.force[0] - moves * out.Fx;
-  s.force[wheel::across] = (T(1) - moves) * footprint.held.force[1] - moves * out.Fy;
+  s.force[wheel::forth] = (T(1) - moves) * footprint.shear.force[0] - moves * out.Fx;
+  s.force[wheel::across] = (T(1) - moves) * footprint.shear.force[1] - moves * out.Fy;
   s.force[wheel::overturning] = T(-1) * moves * out.Mx;
   s.force[wheel::rolling] = T(-1) * moves * out.My;
   s.force[wheel::aligning] = T(-1) * moves * out.Mz;
   s.states[stored] = T(0);
   for (int k = 0; k < 2; ++k) {
     s.states[bend + k] = footprint.bend[k];
-    s.states[stored] += T(0.5) * w.firm[k] * footprint.bend[k] * footprint.bend[k];
+    s.states[stored] += T(0.5) * w.spring[k] * footprint.bend[k] * footprint.bend[k];
   }
 }
 

@@ -26,7 +26,7 @@ Mat3<T> inverse_left_jacobian(const Vec3<T>& theta) {
 
 /// Up to half a turn it is the rotation vector. That has no meaning at a full turn, where every axis is as
 /// good as any other, so that from half a turn on the axis n of then is kept, and turning τ about it and
-/// tilting away from it are told apart. With the unit quaternion p = (p₀, p⃗) of the rotation, pₙ = n · p⃗:
+/// tilting away from it are distinguished. With the unit quaternion p = (p₀, p⃗) of the rotation, pₙ = n · p⃗:
 ///
 ///     τ = 2 atan2(pₙ, p₀),   x = τ n + g(τ) (p⃗ − pₙ n).
 ///

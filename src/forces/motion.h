@@ -1,7 +1,7 @@
 #pragma once
 #include "math/rotation.h"
 
-/// What both formulations and the force elements say of motions and forces. All vectors are in global axes.
+/// What both formulations and the force elements share of motions and forces. All vectors are in global axes.
 namespace mimbre {
 
 /// Pose and motion of a body frame or a frame on a body.

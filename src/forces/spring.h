@@ -67,7 +67,7 @@ struct TorsionSpring {
   static void check(const spec::Element& e, std::vector<std::string>& faults) {
     if (e.functions.size() != 2 ||
         (e.functions[0].is_zero() && e.functions[1].is_zero() && e.general.formula.is_zero()))
-      faults.emplace_back("says no force; it has two functions: its elastic law, and its damper's");
+      faults.emplace_back("specifies no force; it has two functions: its elastic law, and its damper's");
   }
   static constexpr LawInfo info{.name = "torsion_spring",
                                 .section = "torsion_springs",

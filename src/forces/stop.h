@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "compile/slow_speeds.h"
-#include "forces/blow.h"
 #include "forces/element.h"
+#include "forces/impact.h"
 #include "math/restitution.h"
 
 /// Stops at the ends of a travel: of a joint's coordinate, or of the distance of two points (bump stops).
 /// Within its depth d a stop pushes back with f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl.
-/// Mech. 42, 1975), and never pulls. With c = a/v₀, v₀ the speed of the blow, a body alone leaves with
+/// Mech. 42, 1975), and never pulls. With c = a/v₀, v₀ the speed of the impact, a body alone leaves with
 /// exactly the share `restitution` of v₀ (math/restitution.h).
 namespace mimbre::forces {
 
@@ -20,14 +20,14 @@ constexpr int damping = 6, slow = 7;
 
 /// `d`: depth, `speed`: at which it grows, `factor`: c.
 template <class T>
-blow::Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
-  return blow::push(p[stiffness], p[exponent], p[depth], d, speed, factor);
+impact::Push<T> push(const T* p, const T& d, const T& speed, const T& factor) {
+  return impact::push(p[stiffness], p[exponent], p[depth], d, speed, factor);
 }
 
 template <class T>
 T factor_of(const LawContext<T>& c) {
   const T speed = c.states[c.element.own_states];
-  return blow::factor(c.numbers()[damping], speed, c.numbers()[slow]);
+  return impact::factor(c.numbers()[damping], speed, c.numbers()[slow]);
 }
 }  // namespace stop
 
@@ -36,11 +36,11 @@ void stop_law(const LawContext<T>& c, ElementState<T>& s) {
   using namespace stop;
   const T* p = c.numbers();
   const T x = s.x[0], v = s.v[0], below = p[lower] - x, above = x - p[upper], factor = factor_of(c);
-  const blow::Push<T> up = push(p, below, T(-v), factor), down = push(p, above, v, factor);
+  const impact::Push<T> up = push(p, below, T(-v), factor), down = push(p, above, v, factor);
   s.force[0] = down.force - up.force;
   s.stiffness[0] = down.along_depth + up.along_depth;
   s.damping[0] = down.along_speed + up.along_speed;
-  // The speed of the next blow, as long as there is none.
+  // The speed of the next impact, as long as there is none.
   using std::abs;
   const auto touches = select(below > above, below, above) > T(0);
   s.states[c.element.own_states] = select(touches, c.states[c.element.own_states], T(abs(v)));
@@ -53,7 +53,7 @@ inline void stop_energy(const LawContext<double>& c, const ElementState<double>&
   for (const double side : {-1.0, 1.0}) {
     const double d = side < 0 ? p[lower] - s.x[0] : s.x[0] - p[upper];
     if (d <= 0) continue;
-    const blow::Push<double> made = push(p, d, side * s.v[0], factor);
+    const impact::Push<double> made = push(p, d, side * s.v[0], factor);
     e.stored += made.elastic * d / (p[exponent] + 1);
     e.dissipating[0] += side * (made.force - made.elastic);
   }
@@ -75,7 +75,7 @@ struct Stop {
        .otherwise = 1e-3,
        .above = 0},
       {.key = "restitution",
-       .about = "share of the speed that a blow leaves",
+       .about = "coefficient of restitution: ratio of rebound to impact speed",
        .otherwise = 1,
        .least = 0.01,
        .most = 1},

@@ -4,24 +4,32 @@
 #include <cmath>
 #include <limits>
 
-#include "integrate/newton.h"
 #include "integrate/step_end.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
 namespace {
 
-// Of corrections that do not get smaller: round-off in directions that are hardly determined.
-constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
+// A prediction that violates the constraints by more than this share of its length separates the loops.
+constexpr double separating_prediction = 0.05;
+// After this many iterations the multipliers stay once the constraints are satisfied.
+constexpr int iterations_before_settling = 3;
+// Corrections stop at round-off where they have not halved for that many iterations; directions that the
+// constraints hardly determine multiply it.
 constexpr int most_idle = 4;
-// An iteration goes on to this share of its first correction.
+constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
+// Iterations continue down to this share of the first correction.
 constexpr double share_of_prediction = 3e-5;
-// Near singular positions: when the projection changes velocities by much more than they violate the
-// constraints, and by that share of themselves; then with a penalty that much larger down to that violation.
+// A step is accepted with violations of up to these multiples of the tolerances.
+constexpr double accepted_positions = 10, accepted_velocities = 100;
+// Projections of one vector with one matrix, and evaluations of the velocities with their projection.
+constexpr int most_projections = 6, most_velocity_rounds = 5;
+// Near singular positions the projection changes velocities by this multiple of their violation, and by this
+// share of themselves. The step is then repeated with a larger penalty down to a smaller violation.
 constexpr double singular_amplification = 100, singular_change = 1e-5;
-// Of a fixed cost: corrections by more than this part of the mechanism's size lead nowhere.
-constexpr double absurd_correction = 0.1;
 constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
+// With a fixed iteration budget: larger corrections, by the mechanism's size, do not approach a solution.
+constexpr double diverged_correction = 0.1;
 
 }  // namespace
 
@@ -56,7 +64,7 @@ void IndexThree::project(double* target, const double* violation, double toleran
   const int n = system_.velocities(), m = system_.equations();
   const double* alpha = system_.penalty();
   std::copy(violation, violation + m, g_.data());
-  for (int round = 0; round < 6 && scales_.of_equations(g_.data()) > tolerance; ++round) {
+  for (int round = 0; round < most_projections && scales_.of_equations(g_.data()) > tolerance; ++round) {
     for (int k = 0; k < m; ++k) impulse_[k] = alpha[k] * g_[k];
     r_.setZero();
     system_.add_jacobian_transposed(impulse_.data(), -weights_.penalty, r_.data());
@@ -71,203 +79,257 @@ void IndexThree::project(double* target, const double* violation, double toleran
 }
 
 StepStatus IndexThree::step(State& s) {
-  bool near_singular = false;
-  StepStatus status = attempt(s, false, near_singular);
+  const Attempt first = attempt(s, false);
   if (options_.fixed_cost || system_.equations() == 0 ||
-      (!near_singular && status.code != StepCode::not_converged))
-    return status;
-  // Where the constraints hardly determine a direction, what is left of them decides on it, and on the branch
-  // that the mechanism takes.
-  const StepStatus first = status;
-  status = attempt(s, true, near_singular);
-  status.iterations += first.iterations;
-  status.factorisations += first.factorisations;
+      (!first.near_singular && first.status.code != StepCode::not_converged))
+    return first.status;
+  // Where the constraints hardly determine a direction, their residual decides on the motion along it, and on
+  // the branch that the mechanism takes.
+  StepStatus status = attempt(s, true).status;
+  status.iterations += first.status.iterations;
+  status.factorisations += first.status.factorisations;
   return status;
 }
 
-StepStatus IndexThree::attempt(State& s, bool precise, bool& near_singular) {
-  const int n = system_.velocities(), m = system_.equations();
-  const double time = s.time + motion_.h;
-  const double penalty = options_.penalty * (precise ? precise_penalty : 1);
-  weights_.penalty = penalty;
-  const double scale = motion_.scale, penalty_factor = penalty / scale;
-  const double position_tolerance =
-      precise ? std::max(precise_violation, scales_.round_off) : options_.position_tolerance;
-  const double* alpha = system_.penalty();
-  Eigen::VectorXd &x = motion_.x, &v = motion_.v, &a = motion_.a;
-  const Eigen::VectorXd& q = motion_.q;
-  StepStatus status;
-
-  system_.begin_step(s.q.data());
-  lambda_ = s.multipliers;
-  const auto fail = [&](StepCode code) {
-    status.code = code;
-    return status;
-  };
-  if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
-  motion_.predict(s);
-
-  double violation = 0, reference = 0, predicted = 0, before = 0, enough_velocity = 0;
-  bool foreseen = false;
-  bool converged = false, settled = false;
-  NewtonProgress newton;
-  mixing_.reset();
-  nearest_.off = std::numeric_limits<double>::infinity();
+IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
+  Attempt t = begin(s, precise);
+  if (t.status.code != StepCode::ok) return t;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    motion_.from_increment(s);
-    system_.residual(time, q.data(), v.data(), a.data(), lambda_.data(), 0, r_.data());
-    ++status.iterations;
-    violation = scales_.of_equations(system_.phi());
-    reference = scales_.accelerations(a.data());
-    if (iteration == 0 && violation > 0.05 * scales_.of_coordinates(x.data())) {
-      // The prediction tears the loops: velocities ring. Start from where the step starts instead.
-      x.setZero();
-      continue;
-    }
-    if (iteration == 0 && options_.rule == IntegratorOptions::Rule::newmark &&
-        system_.tangent_changed(q.data(), weights_)) {
-      // Into an impact, or out of it: Newmark's accelerations ring there and, extrapolated, can lead to
-      // another, absurd solution of the step.
-      motion_.predict_velocities(s);
-      continue;
-    }
     const bool last = options_.fixed_cost && iteration + 1 == options_.max_iterations;
-    const bool fresh = precise || newton.refactor || system_.tangent_changed(q.data(), weights_);
-    if (fresh) {
-      mixing_.reset();
-      const linalg::FactorStatus f = system_.factor(q.data(), weights_);
-      ++status.factorisations;
-      if (!f.ok()) {
-        status.coordinate = f.unknown;
-        return fail(find_not_finite(r_.data(), n) >= 0 ? StepCode::not_finite : StepCode::singular);
-      }
-    }
-    // The penalty's force with the Jacobian of the factorised matrix, so that an old matrix still aims at Φ =
-    // 0: f δ = −βh² (M z̈ + Φzᵀ λ − Q + Φzᵀ α Φ).
-    for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * system_.phi()[k];
-    system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
-    for (int k = 0; k < n; ++k) r_[k] *= -scale;
-    system_.solve(r_.data());
-    // The multipliers that balance this correction: λ + α (Φ + Φz δ).
-    system_.jacobian_times(r_.data(), impulse_.data());
-    // Once the loops are closed the multipliers stay: near singular positions they would creep on for dozens
-    // of iterations along directions that hardly act, while the motion does not change any more.
-    settled = !precise && iteration > 2 && violation <= position_tolerance;
-    if (options_.fixed_cost) before_ = lambda_;
-    for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (system_.phi()[k] + impulse_[k]);
-    if (!settled) lambda_ += force_;
-    status.correction = scales_.of_coordinates(r_.data(), &status.coordinate);
-    // What a correction is measured from is known to be that far off; of what is absurd the prediction is
-    // kept.
-    if (options_.fixed_cost &&
-        (newton.corrections == 0 || status.correction < std::min(nearest_.off, absurd_correction))) {
-      nearest_.off = status.correction;
-      nearest_.x = x;
-      nearest_.lambda = before_;
-    }
-    if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
-      status.coordinate = bad;
-      return fail(StepCode::not_finite);
-    }
-    system_.compose(x.data(), r_.data());
-    if (newton.slow) mixing_.mix(x, lambda_, r_);
-
-    const double left = newton.add(status.correction, fresh);
-    if (newton.corrections == 1) predicted = status.correction;
-    // In a short step the tolerance alone would allow errors that add up to more than those of the rule: what
-    // the prediction is off by falls with the step as they do. And positions are known to round-off only, of
-    // which directions that the constraints hardly determine take a multiple: there corrections stop getting
-    // smaller.
-    const bool stagnant = newton.idle >= most_idle && violation <= scales_.round_off;
-    const double asked = options_.tolerance * scale * reference;
-    const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
-                                   : std::min(asked, share_of_prediction * predicted);
-    converged = left <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
-                violation * std::min(1.0, newton.rate) <= position_tolerance;
-    if (converged || last) {
-      // Where iterations went away from the solution, the iterate that was nearest to it.
-      const bool back = !converged && status.correction > std::min(nearest_.off, absurd_correction);
-      if (back) {
-        x = nearest_.x;
-        lambda_ = nearest_.lambda;
-        settled = false;
-      }
-      motion_.from_increment(s);
-      // Not the penalty's force of the violation that is left, which is round-off times a large number.
-      if (settled) lambda_ += force_;
-      enough_velocity = options_.velocity_tolerance * scales_.rate(v.data());
-      unprojected_ = v;
-      // What the last correction, which is small, makes of the rates is known before they are evaluated.
-      foreseen = m > 0 && !precise && !newton.slow && !back;
-      if (foreseen) {
-        for (int k = 0; k < m; ++k) rates_[k] = system_.phi_dot()[k] + motion_.rate * impulse_[k];
-        before = scales_.of_equations(rates_.data());
-        foreseen = before > enough_velocity;
-        if (foreseen) project(v.data(), rates_.data(), enough_velocity);
-      }
-      system_.kinematics(time, q.data(), v.data(), a.data());
-      scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
-      if (scales_.of_equations(system_.phi()) <= 10 * position_tolerance) break;
-      // The rate promised too much.
-      converged = false;
-      if (last) break;
-      newton.refactor = !newton.slow;
-    }
+    evaluate(s, t);
+    if (iteration == 0 && replace_prediction(s, t)) continue;
+    if (!find_correction(t)) return t;
+    update_multipliers(t, iteration);
+    if (options_.fixed_cost) keep_nearest(t);
+    if (!apply_correction(t)) return t;
+    if (!t.converged && !last) continue;
+    end_positions(s, t);
+    if (last || t.converged) break;
+    t.newton.refactor = !t.newton.slow;
   }
-  if (!converged && !options_.fixed_cost) return fail(StepCode::not_converged);
-  status.unconverged = !converged;
-  // What is taken as it is must still be a position of the mechanism.
-  if (!converged)
-    if (const StepCode code = check_end(system_, motion_, options_.drift_limit, status); code != StepCode::ok)
-      return fail(code);
-
-  // Velocities and accelerations onto the constraints.
-  if (m > 0) {
-    motion_.algorithmic -= a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
-    // The factorised matrix belongs to an earlier iterate, so that a projection leaves a little, which the
-    // next removes.
-    const double enough = enough_velocity;
-    if (!foreseen) before = scales_.of_equations(system_.phi_dot());
-    for (int round = 0; round < 5; ++round) {
-      if (scales_.of_equations(system_.phi_dot()) <= (round == 0 && !precise && !foreseen ? 1 : 1e2) * enough)
-        break;
-      project(v.data(), system_.phi_dot(), enough);
-      system_.kinematics(time, q.data(), v.data(), a.data());
-    }
-    unprojected_ -= v;
-
-    const double change = scales_.of_coordinates(unprojected_.data());
-    // Never accepted, but for a fixed cost: velocities that violate the constraints.
-    const bool held = scales_.of_equations(system_.phi_dot()) <= 1e2 * enough;
-    near_singular = !held || (change > singular_amplification * before &&
-                              change > singular_change * scales_.of_coordinates(v.data()));
-    if (options_.fixed_cost && near_singular) {
-      status.unconverged = true;
-      // A projection that goes astray is worse than none.
-      v += unprojected_;
-      system_.kinematics(time, q.data(), v.data(), a.data());
-    } else if (near_singular && !precise) {
-      return status;
-    } else if (!held) {
-      return fail(StepCode::not_converged);
-    }
-    scales_.of_kinds(system_.phi_dot(), status.velocity_violation, status.angular_velocity_violation);
-    // The multipliers follow the accelerations, so that they balance the projected ones: M δ + Φzᵀ Δλ = 0.
-    // Near singular positions this would amplify what is left of the velocities' error.
-    if (!precise && !near_singular) {
-      force_.setZero();
-      project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * reference);
-      lambda_ += force_;
-    }
-    motion_.algorithmic += a * ((1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m));
+  if (!accept_positions(t)) return t;
+  if (system_.equations() > 0) {
+    project_velocities(t);
+    const bool repeat = t.near_singular && !options_.fixed_cost && !precise;
+    if (repeat || t.status.code != StepCode::ok) return t;
+    project_accelerations(t);
   }
-  const int bad = find_not_finite(v.data(), n);
-  if (bad >= 0) {
-    status.coordinate = bad;
-    return fail(StepCode::not_finite);
+  if (const int bad = find_not_finite(motion_.v.data(), system_.velocities()); bad >= 0) {
+    t.status.coordinate = bad;
+    t.status.code = StepCode::not_finite;
+    return t;
   }
   motion_.accept(s, lambda_);
-  return status;
+  return t;
+}
+
+IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
+  Attempt t;
+  t.precise = precise;
+  t.time = s.time + motion_.h;
+  weights_.penalty = options_.penalty * (precise ? precise_penalty : 1);
+  t.position_tolerance =
+      precise ? std::max(precise_violation, scales_.round_off) : options_.position_tolerance;
+  system_.begin_step(s.q.data());
+  lambda_ = s.multipliers;
+  mixing_.reset();
+  nearest_.off = std::numeric_limits<double>::infinity();
+  t.status.code = motion_.begin(s, t.status);
+  if (t.status.code == StepCode::ok) motion_.predict(s);
+  return t;
+}
+
+/// The residual of the equations of motion, into r_, and the violation, at the iterate.
+void IndexThree::evaluate(const State& s, Attempt& t) {
+  motion_.from_increment(s);
+  system_.residual(t.time, motion_.q.data(), motion_.v.data(), motion_.a.data(), lambda_.data(), 0,
+                   r_.data());
+  ++t.status.iterations;
+  t.violation = scales_.of_equations(system_.phi());
+  t.accelerations = scales_.accelerations(motion_.a.data());
+}
+
+/// Whether the prediction was replaced by one that does not lead to another solution or excite velocities.
+bool IndexThree::replace_prediction(const State& s, const Attempt& t) {
+  if (t.violation > separating_prediction * scales_.of_coordinates(motion_.x.data())) {
+    // The velocities would oscillate. Begin at the start of the step instead.
+    motion_.x.setZero();
+    return true;
+  }
+  if (options_.rule == IntegratorOptions::Rule::newmark &&
+      system_.tangent_changed(motion_.q.data(), weights_)) {
+    // An impact begins or ends: Newmark's accelerations oscillate there and, extrapolated, can lead to
+    // another, wrong solution of the step.
+    motion_.predict_velocities(s);
+    return true;
+  }
+  return false;
+}
+
+/// δ, into r_: f δ = −βh² (M z̈ + Φzᵀ λ − Q + Φzᵀ α Φ). The penalty's force has the Jacobian of the factorised
+/// matrix, so that an old matrix still leads to Φ = 0. impulse_: Φz δ.
+bool IndexThree::find_correction(Attempt& t) {
+  const int n = system_.velocities(), m = system_.equations();
+  t.refactored = t.precise || t.newton.refactor || system_.tangent_changed(motion_.q.data(), weights_);
+  if (t.refactored) {
+    mixing_.reset();
+    const linalg::FactorStatus f = system_.factor(motion_.q.data(), weights_);
+    ++t.status.factorisations;
+    if (!f.ok()) {
+      t.status.coordinate = f.unknown;
+      t.status.code = find_not_finite(r_.data(), n) >= 0 ? StepCode::not_finite : StepCode::singular;
+      return false;
+    }
+  }
+  const double penalty_factor = weights_.penalty / motion_.scale;
+  const double *alpha = system_.penalty(), *phi = system_.phi();
+  for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * phi[k];
+  system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
+  for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
+  system_.solve(r_.data());
+  system_.jacobian_times(r_.data(), impulse_.data());
+  t.status.correction = scales_.of_coordinates(r_.data(), &t.status.coordinate);
+  return true;
+}
+
+/// The multipliers that balance the correction, λ + α (Φ + Φz δ); force_: their change. Once the constraints
+/// are satisfied the multipliers stay: near singular positions they would change for dozens of iterations
+/// along directions that hardly act, while the motion does not change any more.
+void IndexThree::update_multipliers(Attempt& t, int iteration) {
+  const double penalty_factor = weights_.penalty / motion_.scale;
+  const double *alpha = system_.penalty(), *phi = system_.phi();
+  const int m = system_.equations();
+  t.settled = !t.precise && iteration >= iterations_before_settling && t.violation <= t.position_tolerance;
+  if (options_.fixed_cost) before_ = lambda_;
+  for (int k = 0; k < m; ++k) force_[k] = penalty_factor * alpha[k] * (phi[k] + impulse_[k]);
+  if (!t.settled) lambda_ += force_;
+}
+
+/// Keeps the iterate with the least correction, which is its distance from the solution; the prediction if
+/// all corrections are too large.
+void IndexThree::keep_nearest(const Attempt& t) {
+  if (t.newton.corrections > 0 && !(t.status.correction < std::min(nearest_.off, diverged_correction)))
+    return;
+  nearest_.off = t.status.correction;
+  nearest_.x = motion_.x;
+  nearest_.lambda = before_;
+}
+
+/// Moves to the next iterate and decides whether it has converged.
+bool IndexThree::apply_correction(Attempt& t) {
+  if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0) {
+    t.status.coordinate = bad;
+    t.status.code = StepCode::not_finite;
+    return false;
+  }
+  system_.compose(motion_.x.data(), r_.data());
+  if (t.newton.slow) mixing_.mix(motion_.x, lambda_, r_);
+
+  const double error = t.newton.add(t.status.correction, t.refactored);
+  if (t.newton.corrections == 1) t.first_correction = t.status.correction;
+  // In a short step the tolerance alone would permit errors that add up to more than those of the rule, but
+  // the error of the prediction decreases with the step as they do. Positions are known to round-off only;
+  // where the constraints hardly determine a direction, corrections stop decreasing at a multiple of it.
+  const bool stagnant = t.newton.idle >= most_idle && t.violation <= scales_.round_off;
+  const double asked = options_.tolerance * motion_.scale * t.accelerations;
+  const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
+                                 : std::min(asked, share_of_prediction * t.first_correction);
+  t.converged = error <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
+                t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
+  return true;
+}
+
+/// Positions, velocities and multipliers of the last iterate, evaluated; not converged after all if the
+/// contraction rate was too optimistic.
+void IndexThree::end_positions(const State& s, Attempt& t) {
+  // If the iterations diverged: the iterate that was nearest to the solution.
+  const bool diverged = !t.converged && t.status.correction > std::min(nearest_.off, diverged_correction);
+  if (diverged) {
+    motion_.x = nearest_.x;
+    lambda_ = nearest_.lambda;
+    t.settled = false;
+  }
+  motion_.from_increment(s);
+  // Not the penalty's force of the remaining violation, which is round-off times a large number.
+  if (t.settled) lambda_ += force_;
+  t.velocity_tolerance = options_.velocity_tolerance * scales_.rate(motion_.v.data());
+  unprojected_ = motion_.v;
+  t.projected = false;
+  if (!t.precise && !t.newton.slow && !diverged) project_expected_velocities(t);
+  system_.kinematics(t.time, motion_.q.data(), motion_.v.data(), motion_.a.data());
+  scales_.of_kinds(system_.phi(), t.status.position_violation, t.status.angle_violation);
+  if (!(scales_.of_equations(system_.phi()) <= accepted_positions * t.position_tolerance))
+    t.converged = false;
+}
+
+/// Projects velocities before they are evaluated: the last correction is small, so that its effect on the
+/// rates of the constraints is known.
+void IndexThree::project_expected_velocities(Attempt& t) {
+  const int m = system_.equations();
+  if (m == 0) return;
+  const double* phi_dot = system_.phi_dot();
+  for (int k = 0; k < m; ++k) rates_[k] = phi_dot[k] + motion_.rate * impulse_[k];
+  t.rate_violation = scales_.of_equations(rates_.data());
+  t.projected = t.rate_violation > t.velocity_tolerance;
+  if (t.projected) project(motion_.v.data(), rates_.data(), t.velocity_tolerance);
+}
+
+/// Whether the iterations converged, or the fixed budget permits to continue with a position that is still
+/// one of the mechanism.
+bool IndexThree::accept_positions(Attempt& t) {
+  if (t.converged) return true;
+  if (!options_.fixed_cost) {
+    t.status.code = StepCode::not_converged;
+    return false;
+  }
+  t.status.unconverged = true;
+  t.status.code = check_end(system_, motion_, options_.drift_limit, t.status);
+  return t.status.code == StepCode::ok;
+}
+
+/// Velocities onto the constraints. The factorised matrix belongs to an earlier iterate, so that a projection
+/// leaves a small violation, which the next removes.
+void IndexThree::project_velocities(Attempt& t) {
+  Eigen::VectorXd& v = motion_.v;
+  const auto evaluate = [&] { system_.kinematics(t.time, motion_.q.data(), v.data(), motion_.a.data()); };
+  const double enough = t.velocity_tolerance, accepted = accepted_velocities * enough;
+  if (!t.projected) t.rate_violation = scales_.of_equations(system_.phi_dot());
+  for (int round = 0; round < most_velocity_rounds; ++round) {
+    const bool first = round == 0 && !t.precise && !t.projected;
+    if (scales_.of_equations(system_.phi_dot()) <= (first ? enough : accepted)) break;
+    project(v.data(), system_.phi_dot(), enough);
+    evaluate();
+  }
+  unprojected_ -= v;
+
+  const double change = scales_.of_coordinates(unprojected_.data());
+  const bool satisfied = scales_.of_equations(system_.phi_dot()) <= accepted;
+  t.near_singular = !satisfied || (change > singular_amplification * t.rate_violation &&
+                                   change > singular_change * scales_.of_coordinates(v.data()));
+  if (options_.fixed_cost && t.near_singular) {
+    // A projection that diverges is worse than none.
+    t.status.unconverged = true;
+    v += unprojected_;
+    evaluate();
+  } else if (!satisfied && t.precise) {
+    t.status.code = StepCode::not_converged;
+    return;
+  }
+  scales_.of_kinds(system_.phi_dot(), t.status.velocity_violation, t.status.angular_velocity_violation);
+}
+
+/// Accelerations onto the constraints; the multipliers follow, so that they balance the projected ones:
+/// M δ + Φzᵀ Δλ = 0. Near singular positions this would amplify the velocities' remaining error.
+void IndexThree::project_accelerations(const Attempt& t) {
+  Eigen::VectorXd& a = motion_.a;
+  const double share = (1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m);
+  motion_.algorithmic -= a * share;
+  if (!t.precise && !t.near_singular) {
+    force_.setZero();
+    project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * t.accelerations);
+    lambda_ += force_;
+  }
+  motion_.algorithmic += a * share;
 }
 
 }  // namespace mimbre

@@ -1,5 +1,6 @@
 #pragma once
 #include "integrate/anderson.h"
+#include "integrate/newton.h"
 #include "integrate/step_motion.h"
 
 namespace mimbre {
@@ -15,13 +16,45 @@ class IndexThree final : public Stepper {
   /// projection).
   StepStatus step(State& state) override;
   void begun(State& s) const override { motion_.begun(s); }
-  /// Near singular positions, which only constraints have, a step is made again.
+  /// Near singular positions, which only constraints have, a step is repeated.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
 
  private:
-  /// One step, or one near a singular position; on return whether it was near one.
-  StepStatus attempt(State& state, bool precise, bool& near_singular);
+  /// An attempt at a step, handed from phase to phase.
+  struct Attempt {
+    bool precise = false;  ///< with a larger penalty and a smaller tolerance, near singular positions
+    double time = 0;       ///< at the end of the step, s
+    double position_tolerance = 0;
+    // Of the iterate.
+    double violation = 0;      ///< |Φ|, in the mechanism's own units (Scales), as all violations here
+    double accelerations = 0;  ///< the largest, Scales::accelerations
+    bool refactored = false;   ///< the last correction is by a new matrix
+    bool settled = false;      ///< the multipliers do not change any more
+    bool converged = false;
+    NewtonProgress newton;
+    double first_correction = 0;
+    // Of the velocities at the end.
+    bool projected = false;  ///< before they were evaluated
+    double rate_violation = 0, velocity_tolerance = 0;
+    bool near_singular = false;
+    StepStatus status;
+  };
+  Attempt attempt(State& state, bool precise);
+
+  // The phases of an attempt, in order. Those that return bool fail with Attempt::status.
+  Attempt begin(State& state, bool precise);
+  void evaluate(const State& state, Attempt& t);
+  bool replace_prediction(const State& state, const Attempt& t);
+  bool find_correction(Attempt& t);
+  void update_multipliers(Attempt& t, int iteration);
+  void keep_nearest(const Attempt& t);
+  bool apply_correction(Attempt& t);
+  void end_positions(const State& state, Attempt& t);
+  void project_expected_velocities(Attempt& t);
+  bool accept_positions(Attempt& t);
+  void project_velocities(Attempt& t);
+  void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);
 
   System& system_;
@@ -30,13 +63,15 @@ class IndexThree final : public Stepper {
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_, unprojected_;
-  /// Of a fixed cost: the iterate from which the least correction was measured.
+  /// With a fixed iteration budget: the iterate with the least correction.
   struct {
     double off = 0;
     Eigen::VectorXd x, lambda;
   } nearest_;
-  Eigen::VectorXd before_;                       ///< multipliers before an iteration
-  Eigen::VectorXd g_, impulse_, force_, rates_;  // violation that is left; multipliers; rates foreseen
+  Eigen::VectorXd before_;           ///< multipliers before an iteration
+  Eigen::VectorXd g_;                ///< remaining violation of a projection
+  Eigen::VectorXd impulse_, force_;  ///< per equation: Φz δ or α Φ; change of the multipliers
+  Eigen::VectorXd rates_;            ///< of the constraints, expected after the last correction
 };
 
 }  // namespace mimbre

@@ -5,6 +5,10 @@ namespace mimbre {
 
 /// Judges the corrections of a Newton iteration whose matrix is kept as long as it contracts well.
 struct NewtonProgress {
+  // Contraction rates: where a new matrix would help; where a new one is missing terms; up to which the
+  // remaining error is that of a geometric series.
+  static constexpr double refactor_from = 0.1, slow_from = 0.2, geometric_below = 0.5;
+
   double previous = 0;
   double rate = 1;       ///< of contraction, at the last correction
   bool refactor = true;  ///< a new matrix would help
@@ -17,8 +21,8 @@ struct NewtonProgress {
   double add(double correction, bool fresh) {
     rate = corrections == 0 ? 1.0 : correction / std::max(previous, 1e-300);
     previous = correction;
-    slow = slow || (corrections > 1 && fresh && rate > 0.2);
-    refactor = !slow && corrections > 0 && rate > 0.1;
+    slow = slow || (corrections > 1 && fresh && rate > slow_from);
+    refactor = !slow && corrections > 0 && rate > refactor_from;
     if (corrections == 0 || correction < 0.5 * least) {
       least = correction;
       idle = 0;
@@ -26,7 +30,7 @@ struct NewtonProgress {
       ++idle;
     }
     ++corrections;
-    return correction * (rate < 0.5 ? rate / (1 - rate) : 1.0);
+    return correction * (rate < geometric_below ? rate / (1 - rate) : 1.0);
   }
 };
 

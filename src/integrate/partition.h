@@ -18,11 +18,11 @@ class Partition {
   /// weight become dependent. The first choice takes all pivots above 1e-7 of their equation; later ones take
   /// as many, so that equations that are redundant where the loops are closed stay so while they are a little
   /// open. False when that many do not exist, or more that are not small: the first choice was made, or this
-  /// one is, at a singular position. weakest() then says where.
+  /// one is, at a singular position. weakest() then returns where.
   bool choose(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& row_weight,
               const Eigen::VectorXd& column_weight);
   /// Factorises the Jacobian of another position with the same choice. False when a pivot has lost its sign
-  /// or nine tenths of its size: a singular position is near or was passed; weakest() says where.
+  /// or nine tenths of its size: a singular position is near or was passed; weakest() returns where.
   bool factor(const Eigen::MatrixXd& jacobian);
   int weakest() const { return weakest_; }  ///< equation
 

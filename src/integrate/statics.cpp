@@ -83,102 +83,146 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   x.cwiseAbs().maxCoeff(&status.growing);
 }
 
-/// By implicit steps of time τ without velocities, longer as forces get smaller. `careful`: shorter, too,
-/// where one leads too far; for friction that slides, which leaves directions without stiffness.
-StaticsStatus search(System& system, State& s, bool careful) {
-  const int n = system.velocities(), m = system.equations();
-  const Scales& scales = system.scales();
-  StaticsStatus status;
-  s.v.setZero(n);
-  s.a.setZero(n);
-  s.algorithmic.setZero(n);
-  if (s.multipliers.size() != m) s.multipliers.setZero(m);
-  const VectorXd zero = VectorXd::Zero(n);
-  const VectorXd scale = Eigen::Map<const VectorXd>(scales.coordinates.data(), n);
-  VectorXd q_try(system.positions()), unit = zero;
-  // The work that is not balanced, along the scales of the coordinates.
-  const auto forces = [&](const VectorXd& q, const VectorXd& a) {
-    VectorXd r(n);
-    system.residual(s.time, q.data(), zero.data(), a.data(), s.multipliers.data(), 0, r.data());
-    return VectorXd(scale.cwiseProduct(r));
-  };
-  const auto violation = [&] { return m == 0 ? 0.0 : scales.of_equations(system.phi()); };
+/// Implicit steps of time τ without velocities, longer as forces decrease. All vectors and matrices are along
+/// the scales of the coordinates.
+class EquilibriumSearch {
+ public:
+  EquilibriumSearch(System& system, State& s);
+  /// `careful`: shorter steps after one that was too long; for friction that slides, which leaves directions
+  /// without stiffness.
+  StaticsStatus run(bool careful);
 
-  system.begin_step(s.q.data());
-  VectorXd r = forces(s.q, zero);
-  MatrixXd mass(n, n);
-  for (int k = 0; k < n; ++k) {
-    unit[k] = scale[k];
-    mass.col(k) = forces(s.q, unit) - r;
+ private:
+  static constexpr int most_steps = 400, closing_rounds = 30;
+  static constexpr double most_growth = 10, most_shrinking = 0.5;  ///< of τ from step to step
+
+  /// The work that is not balanced by accelerations a, at q.
+  VectorXd forces(const VectorXd& q, const VectorXd& a);
+  MatrixXd mass_matrix(const VectorXd& without);
+  MatrixXd tangent();
+  /// N of the motions x = N z that the constraints permit: Φz N = 0.
+  MatrixXd permitted_motions();
+
+  System& system_;
+  State& s_;
+  const Scales& scales_;
+  const int n_, m_;
+  const VectorXd zero_, scale_;
+};
+
+EquilibriumSearch::EquilibriumSearch(System& system, State& s)
+    : system_(system),
+      s_(s),
+      scales_(system.scales()),
+      n_(system.velocities()),
+      m_(system.equations()),
+      zero_(VectorXd::Zero(n_)),
+      scale_(Eigen::Map<const VectorXd>(scales_.coordinates.data(), n_)) {
+  s.v.setZero(n_);
+  s.a.setZero(n_);
+  s.algorithmic.setZero(n_);
+  if (s.multipliers.size() != m_) s.multipliers.setZero(m_);
+}
+
+VectorXd EquilibriumSearch::forces(const VectorXd& q, const VectorXd& a) {
+  VectorXd r(n_);
+  system_.residual(s_.time, q.data(), zero_.data(), a.data(), s_.multipliers.data(), 0, r.data());
+  return scale_.cwiseProduct(r);
+}
+
+/// `without`: the forces without accelerations.
+MatrixXd EquilibriumSearch::mass_matrix(const VectorXd& without) {
+  MatrixXd mass(n_, n_);
+  VectorXd unit = zero_;
+  for (int k = 0; k < n_; ++k) {
+    unit[k] = scale_[k];
+    mass.col(k) = forces(s_.q, unit) - without;
     unit[k] = 0;
   }
-  const Units units = units_of(system, mass, r);
+  return mass;
+}
+
+MatrixXd EquilibriumSearch::tangent() {
+  MatrixXd result(n_, n_);
+  VectorXd q(system_.positions()), unit = zero_;
+  for (int k = 0; k < n_; ++k) {
+    unit[k] = difference * scale_[k];
+    system_.retract(s_.q.data(), unit.data(), q.data());
+    const VectorXd plus = forces(q, zero_);
+    unit[k] *= -1;
+    system_.retract(s_.q.data(), unit.data(), q.data());
+    result.col(k) = (plus - forces(q, zero_)) / (2 * difference);
+    unit[k] = 0;
+  }
+  return result;
+}
+
+MatrixXd EquilibriumSearch::permitted_motions() {
+  if (m_ > 0) {
+    const VectorXd rows = Eigen::Map<const VectorXd>(scales_.equations.data(), m_).cwiseInverse();
+    const MatrixXd jacobian =
+        rows.asDiagonal() * dense_jacobian(system_, s_.time, s_.q) * scale_.asDiagonal();
+    if (n_ > 0 && jacobian.cwiseAbs().maxCoeff() > negligible) return null_space(jacobian, 1e-9);
+  }
+  return MatrixXd::Identity(n_, n_);
+}
+
+StaticsStatus EquilibriumSearch::run(bool careful) {
+  StaticsStatus status;
+  system_.begin_step(s_.q.data());
+  VectorXd r = forces(s_.q, zero_);
+  const MatrixXd mass = mass_matrix(r);
+  const Units units = units_of(system_, mass, r);
   // Back onto the constraints with the least motion by mass.
-  const double heaviest = n > 0 ? mass.diagonal().maxCoeff() : 0;
-  VectorXd lightness = VectorXd::Ones(n);
+  const double heaviest = n_ > 0 ? mass.diagonal().maxCoeff() : 0;
+  VectorXd lightness = VectorXd::Ones(n_);
   if (heaviest > 0) lightness = (mass.diagonal() / heaviest).cwiseMax(light).cwiseSqrt().cwiseInverse();
-  const VectorXd readiness = lightness.cwiseProduct(scale);
+  const VectorXd readiness = lightness.cwiseProduct(scale_);
   const double negligible_work = balanced_share * units.energy;
-  const double closed = std::max(still, 10 * scales.round_off);
+  const double closed = std::max(still, 10 * scales_.round_off);
   double round_off = 0;  // of elastic forces
   double tau = first_time / units.pace, previous = r.norm();
   const double least = least_time / units.pace, most = longest_time / units.pace;
   bool too_far = false;
-  for (status.iterations = 0; status.iterations < 400; ++status.iterations) {
-    // Onto the constraints, and the multipliers that balance the forces best: whatever equations are
-    // redundant, both are determined.
-    if (m > 0) {
-      close_positions(system, s.time, readiness, s.q, 30, negligible);
-      find_multipliers(system, s, negligible);
+  for (status.iterations = 0; status.iterations < most_steps; ++status.iterations) {
+    // Onto the constraints, and the multipliers that balance the forces best: both are determined, even where
+    // equations are redundant.
+    if (m_ > 0) {
+      close_positions(system_, s_.time, readiness, s_.q, closing_rounds, negligible);
+      find_multipliers(system_, s_, negligible);
     }
-    r = forces(s.q, zero);
-    const double off = violation();
-    if (m > 0) scales.of_kinds(system.phi(), status.position_violation, status.angle_violation);
+    r = forces(s_.q, zero_);
+    const double off = m_ == 0 ? 0.0 : scales_.of_equations(system_.phi());
+    if (m_ > 0) scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
     const double norm = r.norm();
-    const double unbalanced = n == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
-    if (n > 0) status.residual = unbalanced / scale[status.coordinate];
+    const double unbalanced = n_ == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
+    if (n_ > 0) status.residual = unbalanced / scale_[status.coordinate];
     if (!std::isfinite(norm)) return status;
     const bool balanced = unbalanced <= std::max(negligible_work, round_off);
     if (careful && too_far)
       tau = std::max(furthest_step * tau, least);
     else if (status.iterations > 0)
-      tau = std::clamp(tau * (balanced || norm == 0 ? 10.0 : std::clamp(previous / norm, 0.5, 10.0)), least,
-                       most);
+      tau =
+          std::clamp(tau * (balanced || norm == 0 ? most_growth
+                                                  : std::clamp(previous / norm, most_shrinking, most_growth)),
+                     least, most);
     previous = norm;
 
-    MatrixXd tangent(n, n);
-    for (int k = 0; k < n; ++k) {
-      unit[k] = difference * scale[k];
-      system.retract(s.q.data(), unit.data(), q_try.data());
-      const VectorXd plus = forces(q_try, zero);
-      unit[k] *= -1;
-      system.retract(s.q.data(), unit.data(), q_try.data());
-      tangent.col(k) = (plus - forces(q_try, zero)) / (2 * difference);
-      unit[k] = 0;
-    }
-    round_off = n == 0 ? 0 : round_off_share * tangent.cwiseAbs().maxCoeff();
-    // Along the motions that the constraints leave: x = N z, Φz N = 0.
-    MatrixXd motions = MatrixXd::Identity(n, n);
-    if (m > 0) {
-      const VectorXd rows = Eigen::Map<const VectorXd>(scales.equations.data(), m).cwiseInverse();
-      const MatrixXd jacobian = rows.asDiagonal() * dense_jacobian(system, s.time, s.q) * scale.asDiagonal();
-      if (n > 0 && jacobian.cwiseAbs().maxCoeff() > negligible) motions = null_space(jacobian, 1e-9);
-    }
-    VectorXd step = zero;
-    if (motions.cols() > 0)
-      step = -motions *
-             solve(motions.transpose() * (tangent + mass / (tau * tau)) * motions, motions.transpose() * r);
+    const MatrixXd K = tangent(), N = permitted_motions();
+    round_off = n_ == 0 ? 0 : round_off_share * K.cwiseAbs().maxCoeff();
+    VectorXd step = zero_;
+    if (N.cols() > 0) step = -N * solve(N.transpose() * (K + mass / (tau * tau)) * N, N.transpose() * r);
     if (!step.allFinite()) return status;
-    const double largest = n == 0 ? 0 : step.cwiseAbs().maxCoeff();
+    const double largest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
     if (tau * units.pace >= newton_time && balanced && largest < still && off < closed) {
       status.converged = true;
-      judge_stability(tangent, mass, motions, units, status);
+      judge_stability(K, mass, N, units, status);
       break;
     }
     too_far = largest > furthest_step;
     if (too_far) step *= furthest_step / largest;
-    step = step.cwiseProduct(scale).eval();
-    system.retract(s.q.data(), step.data(), s.q.data());
+    step = step.cwiseProduct(scale_).eval();
+    system_.retract(s_.q.data(), step.data(), s_.q.data());
   }
   return status;
 }
@@ -187,10 +231,10 @@ StaticsStatus search(System& system, State& s, bool careful) {
 
 StaticsStatus find_equilibrium(System& system, State& s) {
   const State start = s;
-  const StaticsStatus status = search(system, s, false);
+  const StaticsStatus status = EquilibriumSearch(system, s).run(false);
   if (status.converged) return status;
   State other = start;
-  StaticsStatus next = search(system, other, true);
+  StaticsStatus next = EquilibriumSearch(system, other).run(true);
   if (!next.converged) return status;
   next.iterations += status.iterations;
   s = std::move(other);

@@ -14,7 +14,7 @@ struct StepMotion {
   void set_step(double step);
 
   /// Takes over the accelerations at the start; the first step makes its own. Where these are not determined
-  /// `status` says which coordinate is the culprit, and the step cannot be made.
+  /// `status` names the coordinate that is the cause, and the step cannot be made.
   StepCode begin(const State& s, StepStatus& status);
   /// x for constant true accelerations, without what should not be extrapolated.
   void predict(const State& s);

@@ -31,7 +31,7 @@ struct IntegratorOptions {
   /// index3 alone.
   bool fixed_cost = false;
   // Formalisms that impose Φ̈ + 2ζω Φ̇ + ω² Φ = 0 instead of Φ = 0 (Lugrís 2008, 2.159). The usual ω of
-  // 10 rad/s is what explicit integrators bear; the rules here take any, and a larger one holds the loops
+  // 10 rad/s is what explicit integrators tolerate; the rules here take any, and a larger one holds the loops
   // better.
   double constraint_frequency = 20;  ///< ω by the mechanism's own pace (Scales::rate)
   double constraint_damping = 1;     ///< ζ: critical damping

@@ -10,7 +10,7 @@
 #include "math/choice.h"
 #include "math/multiply_add.h"
 
-/// The factorisation over any scalar, for whoever instantiates it: block_factor.cpp does for double.
+/// The factorisation over any scalar, for the unit that instantiates it: block_factor.cpp does for double.
 namespace mimbre::linalg {
 namespace block_factor {
 /// `n` scalars side by side. A scalar that is itself a pack needs no further vectors.

@@ -129,111 +129,149 @@ std::vector<Supernode> amalgamate(std::vector<Supernode> nodes, const std::vecto
   return nodes;
 }
 
-}  // namespace
+/// The pattern's couplings, i >= j, diagonals included, sorted; and each block's neighbours among blocks that
+/// are not empty, ascending.
+struct Couplings {
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<std::vector<int>> neighbours;
+};
 
-BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
+template <class T>
+void sort_uniquely(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+Couplings couplings_of(const BlockPattern& pattern) {
   const int count = static_cast<int>(pattern.sizes.size());
-  for (int size : pattern.sizes) {
-    if (size < 0) throw std::invalid_argument("a block has the negative size " + std::to_string(size));
-    start_.push_back(start_.back() + size);
-  }
-  std::vector<std::vector<int>> neighbours(count);
-  for (int i = 0; i < count; ++i) couplings_.emplace_back(i, i);
+  Couplings result;
+  result.neighbours.resize(pattern.sizes.size());
+  for (int i = 0; i < count; ++i) result.pairs.emplace_back(i, i);
   for (const auto& [i, j] : pattern.couplings) {
     if (std::min(i, j) < 0 || std::max(i, j) >= count)
       throw std::invalid_argument("coupling of blocks " + std::to_string(i) + " and " + std::to_string(j) +
                                   " among " + std::to_string(count) + " blocks");
-    couplings_.emplace_back(std::max(i, j), std::min(i, j));
+    result.pairs.emplace_back(std::max(i, j), std::min(i, j));
     if (i == j || pattern.sizes[i] == 0 || pattern.sizes[j] == 0) continue;
-    neighbours[i].push_back(j);
-    neighbours[j].push_back(i);
+    result.neighbours[i].push_back(j);
+    result.neighbours[j].push_back(i);
   }
-  for (std::vector<int>& its : neighbours) {
-    std::sort(its.begin(), its.end());
-    its.erase(std::unique(its.begin(), its.end()), its.end());
-  }
-  std::sort(couplings_.begin(), couplings_.end());
-  couplings_.truncate(std::unique(couplings_.begin(), couplings_.end()));
+  for (std::vector<int>& its : result.neighbours) sort_uniquely(its);
+  sort_uniquely(result.pairs);
+  return result;
+}
 
-  const std::vector<Supernode> nodes =
-      amalgamate(eliminate(pattern.sizes, std::move(neighbours)), pattern.sizes);
+/// Where blocks are among the panels and in them.
+struct Layout {
+  std::vector<int> position, panel_of;     ///< of a block: first column in the elimination order; panel
+  std::vector<std::vector<int>> below;     ///< of a panel: blocks of the other rows, in that order
+  std::vector<std::map<int, int>> row_of;  ///< of a panel: block → panel row
+};
 
-  // Columns: where each block stands in the elimination order, and in which panel.
-  std::vector<int> position(count, -1), panel_of(count, -1);
-  for (const Supernode& node : nodes) {
+Layout layout_of(const std::vector<Supernode>& nodes, const std::vector<int>& sizes) {
+  Layout l{std::vector<int>(sizes.size(), -1), std::vector<int>(sizes.size(), -1), {}, {}};
+  int next = 0;
+  for (const Supernode& node : nodes)
     for (int block : node.blocks) {
-      panel_of[block] = static_cast<int>(&node - nodes.data());
-      position[block] = static_cast<int>(unknowns_.size());
-      for (int k = start_[block]; k < start_[block + 1]; ++k) unknowns_.push_back(k);
+      l.panel_of[block] = static_cast<int>(&node - nodes.data());
+      l.position[block] = next;
+      next += sizes[block];
+    }
+  for (const Supernode& node : nodes) {
+    l.below.emplace_back(node.below.begin(), node.below.end());
+    std::sort(l.below.back().begin(), l.below.back().end(),
+              [&](int a, int b) { return l.position[a] < l.position[b]; });
+  }
+  l.row_of.resize(nodes.size());
+  return l;
+}
+
+/// Adds the updates by panel `s`: for every panel that owns some of its rows, the product in rectangles that
+/// are contiguous there.
+void add_updates(const Array<Panel>& panels, const Layout& l, const std::vector<int>& sizes, std::size_t s,
+                 Array<PanelUpdate>& updates) {
+  struct Run {
+    int row, target_row, size;  // rows of the panel and of the target panel
+  };
+  const std::vector<int>& below = l.below[s];
+  for (std::size_t first = 0, last = 0; first < below.size(); first = last) {
+    const int t = l.panel_of[below[first]];
+    while (last < below.size() && l.panel_of[below[last]] == t) ++last;
+    std::vector<Run> runs;
+    // All rows from there on: a panel has the later rows of the panels that update it.
+    for (std::size_t b = first; b < below.size(); ++b) {
+      const int block = below[b], target_row = l.row_of[t].at(block);
+      if (!runs.empty() && runs.back().target_row + runs.back().size == target_row)
+        runs.back().size += sizes[block];
+      else
+        runs.push_back({l.row_of[s].at(block), target_row, sizes[block]});
+    }
+    const Panel& target = panels[t];
+    for (std::size_t c = 0; c < runs.size() && runs[c].target_row < target.columns; ++c) {
+      const int columns = std::min(runs[c].size, target.columns - runs[c].target_row);
+      for (std::size_t r = c; r < runs.size(); ++r)
+        updates.push_back({target.offset + runs[r].target_row +
+                               static_cast<std::ptrdiff_t>(target.stride) * runs[c].target_row,
+                           target.stride, runs[r].row, runs[c].row, runs[r].size, columns});
     }
   }
+}
 
-  // Rows: the panels' layout.
-  std::vector<std::vector<int>> below(nodes.size());     // blocks of the other rows, in elimination order
-  std::vector<std::map<int, int>> row_of(nodes.size());  // block → panel row
+}  // namespace
+
+BlockSymbolic::BlockSymbolic(const BlockPattern& pattern) {
+  for (int size : pattern.sizes) {
+    if (size < 0) throw std::invalid_argument("a block has the negative size " + std::to_string(size));
+    start_.push_back(start_.back() + size);
+  }
+  Couplings couplings = couplings_of(pattern);
+  couplings_ = couplings.pairs;
+  const std::vector<Supernode> nodes =
+      amalgamate(eliminate(pattern.sizes, std::move(couplings.neighbours)), pattern.sizes);
+  Layout l = layout_of(nodes, pattern.sizes);
+  const auto append_unknowns = [&](int block, Array<int>& to) {
+    for (int k = start_[block]; k < start_[block + 1]; ++k) to.push_back(k);
+  };
+  for (const Supernode& node : nodes)
+    for (int block : node.blocks) append_unknowns(block, unknowns_);
+
   for (std::size_t s = 0; s < nodes.size(); ++s) {
     const Supernode& node = nodes[s];
     Panel panel;
     panel.offset = value_count_;
     panel.columns = node.columns;
-    panel.first = position[node.blocks.front()];
+    panel.first = l.position[node.blocks.front()];
     panel.first_row = static_cast<int>(rows_.size());
     panel.below = rounded_up(node.columns, 4);
     panel.stride = rounded_up(panel.below + node.rows_below);
     // Where that costs no storage, the other rows start with a whole vector.
     const int aligned = rounded_up(panel.below);
     if (aligned + node.rows_below <= panel.stride) panel.below = aligned;
-    for (int block : node.blocks) row_of[s][block] = position[block] - panel.first;
-    below[s].assign(node.below.begin(), node.below.end());
-    std::sort(below[s].begin(), below[s].end(), [&](int a, int b) { return position[a] < position[b]; });
+    for (int block : node.blocks) l.row_of[s][block] = l.position[block] - panel.first;
     int row = panel.below;
-    for (int block : below[s]) {
-      row_of[s][block] = row;
+    for (int block : l.below[s]) {
+      l.row_of[s][block] = row;
       row += pattern.sizes[block];
-      for (int k = start_[block]; k < start_[block + 1]; ++k) rows_.push_back(k);
+      append_unknowns(block, rows_);
     }
     rows_.resize(rows_.size() + panel.stride - row, unknowns_[panel.first]);
     value_count_ += static_cast<std::ptrdiff_t>(panel.stride) * panel.columns;
     panels_.push_back(panel);
   }
-
-  // Updates: for every panel that owns some of the rows, the product in rectangles that are contiguous there.
   for (std::size_t s = 0; s < nodes.size(); ++s) {
-    struct Run {
-      int row, target_row, size;  // rows of the panel and of the target panel
-    };
     panels_[s].first_update = static_cast<int>(updates_.size());
-    for (std::size_t first = 0, last = 0; first < below[s].size(); first = last) {
-      const int t = panel_of[below[s][first]];
-      while (last < below[s].size() && panel_of[below[s][last]] == t) ++last;
-      std::vector<Run> runs;
-      for (std::size_t b = first; b < below[s].size(); ++b) {
-        const int block = below[s][b], target_row = row_of[t].at(block);
-        if (!runs.empty() && runs.back().target_row + runs.back().size == target_row)
-          runs.back().size += pattern.sizes[block];
-        else
-          runs.push_back({row_of[s][block], target_row, pattern.sizes[block]});
-      }
-      const Panel& target = panels_[t];
-      for (std::size_t c = 0; c < runs.size() && runs[c].target_row < target.columns; ++c) {
-        const int columns = std::min(runs[c].size, target.columns - runs[c].target_row);
-        for (std::size_t r = c; r < runs.size(); ++r)
-          updates_.push_back({target.offset + runs[r].target_row +
-                                  static_cast<std::ptrdiff_t>(target.stride) * runs[c].target_row,
-                              target.stride, runs[r].row, runs[c].row, runs[r].size, columns});
-      }
-    }
+    add_updates(panels_, l, pattern.sizes, s, updates_);
     panels_[s].last_update = static_cast<int>(updates_.size());
   }
 
   for (const auto& [i, j] : couplings_) {
     BlockPlace place;
     if (pattern.sizes[i] > 0 && pattern.sizes[j] > 0) {
-      const bool transposed = position[i] < position[j];
+      const bool transposed = l.position[i] < l.position[j];
       const int row = transposed ? j : i, column = transposed ? i : j;
-      const int s = panel_of[column];
-      place = {panels_[s].offset + row_of[s].at(row) +
-                   static_cast<std::ptrdiff_t>(panels_[s].stride) * row_of[s].at(column),
+      const int s = l.panel_of[column];
+      place = {panels_[s].offset + l.row_of[s].at(row) +
+                   static_cast<std::ptrdiff_t>(panels_[s].stride) * l.row_of[s].at(column),
                1, panels_[s].stride};
       if (transposed) std::swap(place.row_stride, place.col_stride);
     }

@@ -24,7 +24,7 @@ struct InputChange {
   double value = 0;
 };
 
-/// Inputs that another thread sets, or that are played from tables; what they were, it can be told.
+/// Inputs that another thread sets, or that are played from tables; what they were is available to it.
 class InputBoard : public RealTimePart {
  public:
   explicit InputBoard(const Simulation& simulation);
@@ -41,7 +41,7 @@ class InputBoard : public RealTimePart {
   /// for before playing().
   std::uint32_t played() const { return begun_.load(std::memory_order_acquire); }
   bool playing() const { return playing_.load(std::memory_order_relaxed); }
-  /// The oldest change that it has not been told yet; null where there is none. Then pop_change().
+  /// The oldest change that it has not received yet; null where there is none. Then pop_change().
   const InputChange* change() { return changes_.front(); }
   void pop_change() { changes_.pop(); }
   /// Deletes what was played.

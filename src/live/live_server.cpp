@@ -74,19 +74,19 @@ std::string_view query(std::string_view target, std::string_view name) {
 std::string_view as_view(beast::string_view text) { return {text.data(), text.size()}; }
 
 /// What viewers and the server have in common; of the server's thread alone.
-struct Hall;
+struct Session;
 class Connection;
 
 /// One viewer. Texts wait for each other; a picture that cannot be sent at once is left out.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  Viewer(beast::tcp_stream&& stream, Hall& hall, int number);
+  Viewer(beast::tcp_stream&& stream, Session& session, int number);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
   void accept(const http::request<http::empty_body>& request);
-  void say(std::string text);
+  void enqueue(std::string text);
   void show(const live::Picture& picture, live::PictureMarks marks);
   void control(bool has);
   void close();
@@ -100,7 +100,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   void leave();
 
   websocket::stream<beast::tcp_stream> socket_;
-  Hall& hall_;
+  Session& session_;
   const int number_;
   beast::flat_buffer heard_;
   std::deque<std::string> texts_;  ///< the first is being sent, when sending_ a text
@@ -111,8 +111,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   int errors_ = 0;
 };
 
-struct Hall {
-  Hall(Simulation& simulation, RealTimeLoop& of, RealTimeRecorder* recording)
+struct Session {
+  Session(Simulation& simulation, RealTimeLoop& of, RealTimeRecorder* recording)
       : loop(of),
         recorder(recording),
         inputs(simulation.inputs()),
@@ -125,10 +125,10 @@ struct Hall {
 
   void enter(const std::shared_ptr<Viewer>& viewer) {
     viewers.push_back(viewer);
-    viewer->say(live::hello_text(viewer->number(), controller == viewer.get(), viewer->channels()));
-    viewer->say(live::control_text(controller == viewer.get(), controller != nullptr));
-    viewer->say(live::snapshots_text(snapshots));
-    viewer->say(live::status_text(loop, recorder, viewers.size(), true));
+    viewer->enqueue(live::hello_text(viewer->number(), controller == viewer.get(), viewer->channels()));
+    viewer->enqueue(live::control_text(controller == viewer.get(), controller != nullptr));
+    viewer->enqueue(live::snapshots_text(snapshots));
+    viewer->enqueue(live::status_text(loop, recorder, viewers.size(), true));
     choose();
   }
 
@@ -143,20 +143,20 @@ struct Hall {
 
   void take_control(Viewer& viewer, bool take) {
     if (take && controller && controller != &viewer) {
-      controller->say(live::asked_text(viewer.number()));
-      throw InputError(Mark{}, "another viewer has control; it has to give it back first");
+      controller->enqueue(live::asked_text(viewer.number()));
+      throw InputError(Mark{}, "another viewer has control; it has to release it first");
     }
-    if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to give back");
+    if (!take && controller != &viewer) throw InputError(Mark{}, "this viewer has no control to release");
     controller = take ? &viewer : nullptr;
     tell_control();
   }
 
-  // A viewer that cannot be told leaves: they are gone through in a copy.
+  // A viewer that cannot be reached leaves: they are gone through in a copy.
   void tell_control() {
     const auto all = viewers;
     for (const auto& one : all) {
       one->control(one.get() == controller);
-      one->say(live::control_text(one.get() == controller, controller != nullptr));
+      one->enqueue(live::control_text(one.get() == controller, controller != nullptr));
     }
   }
 
@@ -174,13 +174,13 @@ struct Hall {
 
   void tell_all(const std::string& text) {
     const auto all = viewers;
-    for (const auto& viewer : all) viewer->say(text);
+    for (const auto& viewer : all) viewer->enqueue(text);
   }
 
   /// What the viewer in control asks for.
   void act(live::Asked& asked) {
     const auto request = [&](RealTimeRequest::Kind kind, int place = 0) {
-      if (!loop.request({kind, place})) throw InputError(Mark{}, "too much is asked for at once");
+      if (!loop.request({kind, place})) throw InputError(Mark{}, "too many requests at once");
     };
     using Kind = RealTimeRequest::Kind;
     const std::string& what = asked.what;
@@ -210,7 +210,7 @@ struct Hall {
       tell_all(live::recording_text(recorder->recording(), recorder->path()));
     } else if (what == "play") {
       if (!board.play(asked.tracks ? std::make_unique<live::InputTracks>(std::move(*asked.tracks)) : nullptr))
-        throw InputError(Mark{}, "too much is asked for at once");
+        throw InputError(Mark{}, "too many requests at once");
     }
   }
 
@@ -298,14 +298,14 @@ struct Hall {
   std::size_t seats = 0;               ///< viewers, and those who are about to be
 };
 
-Viewer::Viewer(beast::tcp_stream&& stream, Hall& hall, int number)
-    : socket_(std::move(stream)), hall_(hall), number_(number) {
-  ++hall_.seats;
+Viewer::Viewer(beast::tcp_stream&& stream, Session& session, int number)
+    : socket_(std::move(stream)), session_(session), number_(number) {
+  ++session_.seats;
 }
-Viewer::~Viewer() { --hall_.seats; }
+Viewer::~Viewer() { --session_.seats; }
 
 void Viewer::accept(const http::request<http::empty_body>& request) {
-  channels_ = hall_.shown;
+  channels_ = session_.shown;
   beast::get_lowest_layer(socket_).expires_never();
   websocket::stream_base::timeout timeout =
       websocket::stream_base::timeout::suggested(beast::role_type::server);
@@ -320,7 +320,7 @@ void Viewer::accept(const http::request<http::empty_body>& request) {
   socket_.async_accept(request, [self = shared_from_this()](error_code error) {
     if (error) return self->leave();
     self->here_ = true;
-    self->hall_.enter(self);
+    self->session_.enter(self);
     self->read();
   });
 }
@@ -341,24 +341,24 @@ void Viewer::read() {
 
 void Viewer::hear(const std::string& text) {
   try {
-    live::Asked asked = live::understood(text, hall_.inputs, hall_.channel_count);
+    live::Asked asked = live::understood(text, session_.inputs, session_.channel_count);
     if (asked.what == "channels") {
       channels_ = asked.channels;
       ++choice_;
-      hall_.choose();
-      return say(live::channels_text(channels_, choice_));
+      session_.choose();
+      return enqueue(live::channels_text(channels_, choice_));
     }
-    if (asked.what == "control") return hall_.take_control(*this, asked.on);
-    if (hall_.controller != this)
+    if (asked.what == "control") return session_.take_control(*this, asked.on);
+    if (session_.controller != this)
       throw InputError(Mark{}, fmt::format("'{}' is for the viewer in control", asked.what));
-    hall_.act(asked);
+    session_.act(asked);
   } catch (const std::exception& error) {
-    say(live::error_text(error.what()));
+    enqueue(live::error_text(error.what()));
     if (++errors_ >= most_errors) close();
   }
 }
 
-void Viewer::say(std::string text) {
+void Viewer::enqueue(std::string text) {
   if (!here_) return;
   if (texts_.size() >= most_waiting_texts) return close();
   texts_.push_back(std::move(text));
@@ -400,7 +400,7 @@ void Viewer::close() {
 void Viewer::leave() {
   if (!here_) return;
   here_ = false;
-  hall_.leave(this);
+  session_.leave(this);
 }
 
 /// Who may ask for what.
@@ -417,7 +417,7 @@ struct Guard {
       if (host == name + number || (port == 80 && host == name)) return true;
     return false;
   }
-  /// Pages of other places may not; what is no page says nothing of its origin.
+  /// Pages of other places may not; other programs send no origin.
   static bool allows_origin(std::string_view origin, std::string_view host) {
     return origin.empty() || origin == "http://" + std::string(host) ||
            origin == "https://" + std::string(host);
@@ -430,10 +430,10 @@ struct Guard {
 /// A connection, until it is a viewer's or has its answers.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(tcp::socket&& socket, Hall& hall, const Guard& guard)
-      : stream_(std::move(socket)), hall_(hall), guard_(guard) {
-    hall_.connections.push_back(this);
-    place_ = std::prev(hall_.connections.end());
+  Connection(tcp::socket&& socket, Session& session, const Guard& guard)
+      : stream_(std::move(socket)), session_(session), guard_(guard) {
+    session_.connections.push_back(this);
+    place_ = std::prev(session_.connections.end());
   }
   ~Connection() { leave(); }
   Connection(const Connection&) = delete;
@@ -456,17 +456,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
         return self->refuse(http::status::payload_too_large, "the request is too long");
       if (error && error.category() == make_error_code(http::error::bad_method).category() &&
           error != http::error::end_of_stream && error != http::error::partial_message)
-        return self->refuse(http::status::bad_request, "this is no request");
+        return self->refuse(http::status::bad_request, "the request is malformed");
       if (!error) self->answer();
     });
   }
 
  private:
   void leave() {
-    if (std::exchange(listed_, false)) hall_.connections.erase(place_);
+    if (std::exchange(listed_, false)) session_.connections.erase(place_);
   }
   void begin_wait() {
-    if (listed_) hall_.connections.splice(hall_.connections.end(), hall_.connections, place_);
+    if (listed_) session_.connections.splice(session_.connections.end(), session_.connections, place_);
   }
 
   void answer() {
@@ -476,14 +476,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     keep_alive_ = request.keep_alive();
     if (!guard_.allows_host(host)) return refuse(http::status::forbidden, "the host is not this server's");
     if (!guard_.allows_origin(as_view(request[http::field::origin]), host))
-      return refuse(http::status::forbidden, "pages of other origins may not");
+      return refuse(http::status::forbidden, "pages of other origins are refused");
     if (!guard_.allows_token(target)) return refuse(http::status::forbidden, "the token is wrong or missing");
     if (websocket::is_upgrade(request)) {
       if (path != "/ws") return refuse(http::status::not_found, "the WebSocket is at /ws");
-      if (hall_.seats >= most_viewers)
+      if (session_.seats >= most_viewers)
         return refuse(http::status::service_unavailable, "there are too many viewers");
       stream_.expires_never();
-      std::make_shared<Viewer>(std::move(stream_), hall_, hall_.next_viewer++)->accept(request);
+      std::make_shared<Viewer>(std::move(stream_), session_, session_.next_viewer++)->accept(request);
       return;
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head)
@@ -494,14 +494,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
       if (page.empty()) return refuse(http::status::not_found, "this mimbre was built without its live page");
       return send(http::status::ok, "text/html; charset=utf-8", std::make_shared<std::string>(page));
     }
-    if (path == "/scene") return send(http::status::ok, "application/json", hall_.scene);
+    if (path == "/scene") return send(http::status::ok, "application/json", session_.scene);
     if (path == "/status")
       return send(http::status::ok, "application/json",
                   std::make_shared<std::string>(
-                      live::status_text(hall_.loop, hall_.recorder, hall_.viewers.size(), false)));
+                      live::status_text(session_.loop, session_.recorder, session_.viewers.size(), false)));
     if (path == "/inputs")
       return send(http::status::ok, "application/json",
-                  std::make_shared<std::string>(live::inputs_text(hall_.inputs, hall_.histories)));
+                  std::make_shared<std::string>(live::inputs_text(session_.inputs, session_.histories)));
     refuse(http::status::not_found, "there is no such page here");
   }
 
@@ -546,7 +546,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   beast::tcp_stream stream_;
-  Hall& hall_;
+  Session& session_;
   const Guard& guard_;
   beast::flat_buffer buffer_{header_bytes + 1024};
   std::optional<http::request_parser<http::empty_body>> parser_;
@@ -559,7 +559,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 struct LiveServer::Impl {
   Impl(Simulation& simulation, RealTimeLoop& loop, const LiveServerOptions& options)
-      : hall(simulation, loop, options.recorder), acceptor(context), pictures(context), statuses(context) {
+      : session(simulation, loop, options.recorder), acceptor(context), pictures(context), statuses(context) {
     error_code error;
     const asio::ip::address address = asio::ip::make_address(options.address, error);
     if (error)
@@ -586,11 +586,11 @@ struct LiveServer::Impl {
     guard.token = options.token.empty() && !guard.loopback ? random_token() : options.token;
     host = address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
     guard.own = host;
-    loop.add(hall.board);
-    loop.add(hall.pictures);
+    loop.add(session.board);
+    loop.add(session.pictures);
     accept();
     show();
-    tell();
+    report_status();
     thread = std::thread([this] { serve(); });
   }
 
@@ -602,7 +602,7 @@ struct LiveServer::Impl {
       pictures.cancel();
       statuses.cancel();
       // They end their reading and go.
-      const auto viewers = hall.viewers;
+      const auto viewers = session.viewers;
       for (const auto& viewer : viewers) viewer->close();
       context.stop();
     });
@@ -627,11 +627,11 @@ struct LiveServer::Impl {
         error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);
         // Who connects and does not ask keeps nobody out.
-        if (hall.connections.size() >= most_connections) hall.connections.front()->evict();
-        std::make_shared<Connection>(std::move(socket), hall, guard)->read();
+        if (session.connections.size() >= most_connections) session.connections.front()->evict();
+        std::make_shared<Connection>(std::move(socket), session, guard)->read();
         return accept();
       }
-      // Out of files, say: it may pass.
+      // Out of files, for example: it may pass.
       auto later = std::make_shared<asio::steady_timer>(context, retry_period);
       later->async_wait([this, later](error_code) {
         if (!ending) accept();
@@ -643,23 +643,23 @@ struct LiveServer::Impl {
     pictures.expires_after(picture_period);
     pictures.async_wait([this](error_code error) {
       if (error || ending) return;
-      hall.note_inputs();
-      hall.show();
+      session.note_inputs();
+      session.show();
       show();
     });
   }
 
-  void tell() {
+  void report_status() {
     statuses.expires_after(status_period);
     statuses.async_wait([this](error_code error) {
       if (error || ending) return;
-      if (!hall.viewers.empty())
-        hall.tell_all(live::status_text(hall.loop, hall.recorder, hall.viewers.size(), true));
-      tell();
+      if (!session.viewers.empty())
+        session.tell_all(live::status_text(session.loop, session.recorder, session.viewers.size(), true));
+      report_status();
     });
   }
 
-  Hall hall;
+  Session session;
   Guard guard;
   asio::io_context context{1};
   tcp::acceptor acceptor;

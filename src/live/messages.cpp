@@ -148,14 +148,14 @@ std::string scene_text(Simulation& simulation, const RealTimeLoop& loop, const R
     channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"meaning", channel.meaning}});
   for (std::size_t k = 0; k < simulation.inputs().size(); ++k) {
     const spec::Input& input = simulation.inputs()[k];
-    Json told{{"name", input.name},
-              {"unit", input.unit},
-              {"start", input.start},
-              {"value", simulation.input_value(static_cast<int>(k))},
-              {"tunable", input.tunable}};
-    if (std::isfinite(input.min)) told["min"] = input.min;
-    if (std::isfinite(input.max)) told["max"] = input.max;
-    inputs.push_back(std::move(told));
+    Json entry{{"name", input.name},
+               {"unit", input.unit},
+               {"start", input.start},
+               {"value", simulation.input_value(static_cast<int>(k))},
+               {"tunable", input.tunable}};
+    if (std::isfinite(input.min)) entry["min"] = input.min;
+    if (std::isfinite(input.max)) entry["max"] = input.max;
+    inputs.push_back(std::move(entry));
   }
   Json scene{{"format", "mimbre-live-1"},
              {"title", start.header.title},
@@ -260,7 +260,7 @@ Asked understood(const std::string& text, const std::vector<spec::Input>& inputs
   } else if (is("play")) {
     if (message.contains("tracks")) asked.tracks = tracks_of(message["tracks"], inputs);
   } else if (!is("pause") && !is("resume") && !is("step") && !is("reset")) {
-    wrong(fmt::format("'{}' is nothing that can be done here", asked.what.substr(0, 100)));
+    wrong(fmt::format("there is no action '{}'", asked.what.substr(0, 100)));
   }
   return asked;
 }

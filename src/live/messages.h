@@ -36,10 +36,10 @@ struct Asked {
   std::string name;                            ///< of snapshots
   std::optional<InputTracks> tracks;           ///< of play
 };
-/// Throws InputError that says what is wrong with it.
+/// Throws InputError that names the mistake.
 Asked understood(const std::string& text, const std::vector<spec::Input>& inputs, int channels);
 
-// What a viewer is told.
+// Messages to a viewer.
 std::string hello_text(int viewer, bool control, const std::vector<int>& channels);
 std::string control_text(bool yours, bool taken);
 std::string asked_text(int viewer);

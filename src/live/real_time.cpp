@@ -66,7 +66,7 @@ OverrunCause cause_of(const StepTiming& t, double usual, double usual_iterations
   return OverrunCause::computation;
 }
 
-/// Waits for a step that is due then, and says how it begins; `done`: when the one before was.
+/// Waits for a step that is due then, and returns how it begins; `done`: when the one before was.
 StepTiming begun(std::int64_t step, std::int64_t due, std::int64_t done, double spin) {
   wait_until(due, spin);
   StepTiming timing;
@@ -196,8 +196,8 @@ struct RealTimeLoop::Impl {
   /// Of what failed or ended.
   std::string why() const {
     const State s = state;
-    const auto told = message.load();
-    return told && (s == State::failed || s == State::ended) ? *told : std::string();
+    const auto stored = message.load();
+    return stored && (s == State::failed || s == State::ended) ? *stored : std::string();
   }
 
   /// What the first steps need is fetched before they count.
@@ -271,8 +271,8 @@ struct RealTimeLoop::Impl {
       increase(monitor.lag, nano * static_cast<double>(by));
     } else if (options.overrun == Overrun::stop) {
       end(State::failed,
-          fmt::format("the step to t = {:.6g} s was not ready in time: {:.3g} ms of {:.3g} ms "
-                      "that there are, begun {:.3g} ms late",
+          fmt::format("the step to t = {:.6g} s was not ready in time: it took {:.3g} ms of {:.3g} ms and "
+                      "began {:.3g} ms late",
                       simulation.time(), 1e3 * timing.computation, 1e3 * period, 1e3 * timing.latency));
     }
   }

@@ -186,7 +186,7 @@ void check(const RealTimePlanOptions& o) {
           fmt::format("the deadline is {} s; it must be 1e-5 to 10 s", o.deadline));
   require(o.load > 0 && o.load <= 1,
           fmt::format("the load is {}; it must be above 0, and at most 1", o.load));
-  require(o.watch > 0, fmt::format("it is to be watched for {} s; it must be longer", o.watch));
+  require(o.watch > 0, fmt::format("the time against the clock is {} s; it must be positive", o.watch));
 }
 
 /// In the order of what is to be tried: the model as it is first, then with fewer modes.
@@ -235,21 +235,70 @@ spec::Model with_lowest_modes(spec::Model model, int most) {
   return model;
 }
 
+namespace {
+
+/// The candidate's model: with fewer modes, or as it is.
+std::shared_ptr<const Model> model_with(const spec::Model& model,
+                                        const std::shared_ptr<const Model>& compiled,
+                                        const RealTimeCandidate& c) {
+  return c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
+}
+
+/// Runs a candidate without a clock: its error, times and iterations, and whether it is out of the question.
+void measure(const std::shared_ptr<const Model>& model, const RealTimePlanOptions& o, double end,
+             const History& exact, const std::vector<double>& ranges, RealTimeCandidate& c) {
+  Simulation simulation(model, options_of(o, c));
+  c.coordinates = simulation.coordinates();
+  Timings timings;
+  const History history = history_of(simulation, o, end, &timings, &c.most_iterations);
+  judge(exact, ranges, history, c);
+  c.median = timings.quantile(0.5);
+  c.p9999 = timings.quantile(0.9999);
+  c.worst = timings.worst();
+  c.max_iterations = c.most_iterations + spare_iterations;
+  // A situation that the manoeuvre does not contain must neither end a drive nor take longer.
+  c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
+                 simulation.method().formalism == spec::Simulation::Formalism::index3;
+  if (c.p9999 > o.load * c.step / o.loop.speed)
+    c.failure = "too slow";
+  else if (!std::isfinite(c.error))
+    c.failure = "no finite outputs, or an end at another time";
+}
+
+/// Candidates that did not fail. First those that have time left if the machine is `late` by as much as when
+/// it was idle; of them the most accurate, and of equally accurate ones the cheapest. If none has time left,
+/// first those that lack the least.
+std::vector<int> ranked(const std::vector<RealTimeCandidate>& candidates, const RealTimePlanOptions& o,
+                        double late) {
+  std::vector<int> order;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    if (candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
+  const auto rank = [&](int k) {
+    const RealTimeCandidate& c = candidates[static_cast<std::size_t>(k)];
+    const double excess = (c.p9999 + late) * o.loop.speed / (o.load * c.step);
+    return std::make_tuple(std::round(4 * std::log10(std::max(excess, 1.0))),
+                           std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
+  };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  return order;
+}
+
+}  // namespace
+
 RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions& o) {
   check(o);
-  const auto tell = [&](const std::string& stage, double done) {
+  const auto notify = [&](const std::string& stage, double done) {
     if (o.progress) o.progress(stage, done);
   };
   const double end = o.end > 0 ? o.end : resolve_method(model.simulation, o.run).end;
   RealTimePlan plan;
   plan.deadline = o.deadline;
   plan.reference_step = o.deadline * o.loop.speed / fine;
-  tell("idle machine", 0);
+  notify("idle machine", 0);
   plan.idle = std::make_shared<RealTimeMonitor>();
   idle_loop(o.deadline, std::min(longest_idle, o.watch), o.loop, *plan.idle);
-  const double late = plan.idle->latency.quantile(0.9999);
 
-  tell("fine run", 0);
+  notify("fine run", 0);
   const auto compiled = Model::compile(model);
   RealTimeCandidate exact;
   exact.step = plan.reference_step;
@@ -269,51 +318,23 @@ RealTimePlan plan_real_time(const spec::Model& model, const RealTimePlanOptions&
   plan.candidates = candidates_of(model, o);
   for (std::size_t k = 0; k < plan.candidates.size(); ++k) {
     RealTimeCandidate& c = plan.candidates[k];
-    tell(fmt::format("{}, {:.4g} ms{}", name_of(c.formulation), 1e3 * c.step,
-                     c.most_modes > 0 ? fmt::format(", {} modes", c.most_modes) : std::string()),
-         static_cast<double>(k) / static_cast<double>(plan.candidates.size()));
+    notify(fmt::format("{}, {:.4g} ms{}", name_of(c.formulation), 1e3 * c.step,
+                       c.most_modes > 0 ? fmt::format(", {} modes", c.most_modes) : std::string()),
+           static_cast<double>(k) / static_cast<double>(plan.candidates.size()));
     try {
-      const auto with = c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
-      Simulation simulation(with, options_of(o, c));
-      c.coordinates = simulation.coordinates();
-      Timings timings;
-      const History history = history_of(simulation, o, end, &timings, &c.most_iterations);
-      judge(right, ranges, history, c);
-      c.median = timings.quantile(0.5);
-      c.p9999 = timings.quantile(0.9999);
-      c.worst = timings.worst();
-      c.max_iterations = c.most_iterations + spare_iterations;
-      // What the manoeuvre did not show is not to end a drive, nor to take longer.
-      c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
-                     simulation.method().formalism == spec::Simulation::Formalism::index3;
-      if (c.p9999 > o.load * c.step / o.loop.speed)
-        c.failure = "too slow";
-      else if (!std::isfinite(c.error))
-        c.failure = "no finite outputs, or an end at another time";
+      measure(model_with(model, compiled, c), o, end, right, ranges, c);
     } catch (const std::exception& error) {
       c.failure = error.what();
     }
   }
 
-  // Those first that have time left when the machine is as late as it was idle; of them the most accurate,
-  // and of those alike the cheapest. Where it leaves time to none, those that it leaves the most.
-  std::vector<int> order;
-  for (std::size_t k = 0; k < plan.candidates.size(); ++k)
-    if (plan.candidates[k].failure.empty()) order.push_back(static_cast<int>(k));
-  const auto rank = [&](int k) {
-    const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    const double excess = (c.p9999 + late) * o.loop.speed / (o.load * c.step);
-    return std::make_tuple(std::round(4 * std::log10(std::max(excess, 1.0))),
-                           std::round(4 * std::log10(std::max(c.error, 1e-12))), c.p9999);
-  };
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  const std::vector<int> order = ranked(plan.candidates, o, plan.idle->latency.quantile(0.9999));
   for (const int k : order) {
     RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(k)];
-    tell("against the clock",
-         static_cast<double>(plan.watched_candidates) / static_cast<double>(order.size()));
-    const auto with = c.most_modes > 0 ? Model::compile(with_lowest_modes(model, c.most_modes)) : compiled;
+    notify("against the clock",
+           static_cast<double>(plan.watched_candidates) / static_cast<double>(order.size()));
     std::string failure;
-    const auto monitor = watch(with, o, c, end, failure);
+    const auto monitor = watch(model_with(model, compiled, c), o, c, end, failure);
     ++plan.watched_candidates;
     const double period = c.step / o.loop.speed, load = load_of(*monitor, period);
     if (!failure.empty()) {

@@ -24,7 +24,7 @@ struct Waiting {
 };
 
 constexpr std::size_t waiting_rows = 256, waiting_timings = 1 << 15;
-/// Single steps are kept up to here; of what comes after, the attributes tell.
+/// Single steps are kept up to here; of what comes after, see the attributes.
 constexpr std::size_t most_timings = 10'000'000;
 constexpr auto look_again = std::chrono::milliseconds(10);
 
@@ -59,7 +59,7 @@ struct RealTimeRecorder::Impl {
     do ++files;
     while (files > 1 && std::filesystem::exists(numbered(path, files), none));
     writer = std::make_unique<ResultsWriter>(numbered(path, files), header);
-    const std::lock_guard<std::mutex> lock(told);
+    const std::lock_guard<std::mutex> lock(message_mutex);
     current = numbered(path, files);
   }
 
@@ -80,7 +80,7 @@ struct RealTimeRecorder::Impl {
       try {
         drain();
       } catch (const std::exception& error) {
-        const std::lock_guard<std::mutex> lock(told);
+        const std::lock_guard<std::mutex> lock(message_mutex);
         failure = error.what();
         failed = true;
         return;
@@ -126,7 +126,7 @@ struct RealTimeRecorder::Impl {
   std::atomic<bool> on{true}, stopping{false}, failed{false};
   std::atomic<std::int64_t> lost{0};
 
-  mutable std::mutex told;  ///< of the loop's thread never
+  mutable std::mutex message_mutex;  ///< of the loop's thread never
   std::string failure, current;
   std::thread thread;
 };
@@ -157,11 +157,11 @@ void RealTimeRecorder::record(bool on) { impl_->on = on; }
 bool RealTimeRecorder::recording() const { return impl_->on && !impl_->failed; }
 std::int64_t RealTimeRecorder::lost_rows() const { return impl_->lost; }
 std::string RealTimeRecorder::failure() const {
-  const std::lock_guard<std::mutex> lock(impl_->told);
+  const std::lock_guard<std::mutex> lock(impl_->message_mutex);
   return impl_->failure;
 }
 std::string RealTimeRecorder::path() const {
-  const std::lock_guard<std::mutex> lock(impl_->told);
+  const std::lock_guard<std::mutex> lock(impl_->message_mutex);
   return impl_->current;
 }
 
@@ -172,15 +172,15 @@ void RealTimeRecorder::finish(const RealTimeLoop& loop, const std::string& summa
   const RealTimeMonitor& m = loop.monitor();
   ResultsWriter::Group group;
   group.name = "realtime";
-  const auto tell = [&](const std::string& of, const Timings& timings) {
+  const auto write_timings = [&](const std::string& of, const Timings& timings) {
     group.attributes.emplace_back(of + "_median", timings.quantile(0.5));
     group.attributes.emplace_back(of + "_p99", timings.quantile(0.99));
     group.attributes.emplace_back(of + "_p9999", timings.quantile(0.9999));
     group.attributes.emplace_back(of + "_worst", timings.worst());
   };
-  tell("computation", m.computation);
-  tell("cpu", m.cpu);
-  tell("latency", m.latency);
+  write_timings("computation", m.computation);
+  write_timings("cpu", m.cpu);
+  write_timings("latency", m.latency);
   group.attributes.emplace_back("step", loop.step());
   group.attributes.emplace_back("speed", loop.options().speed);
   group.attributes.emplace_back("steps", static_cast<double>(m.steps));

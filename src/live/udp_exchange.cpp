@@ -52,7 +52,7 @@ struct Arrival {
   std::int64_t time = 0;
 };
 
-/// Of a longer packet only so much is copied as the place holds, though its size is told.
+/// Of a longer packet only so much is copied as the place holds, though its size is reported.
 Arrival receive(int socket, std::span<char> packet, Address& from) {
   iovec place{packet.data(), packet.size()};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
@@ -68,10 +68,10 @@ Arrival receive(int socket, std::span<char> packet, Address& from) {
   if (arrival.size < 0) return arrival;
   arrival.from_size = message.msg_namelen;
   arrival.time = stamp_now();
-  for (cmsghdr* told = CMSG_FIRSTHDR(&message); told; told = CMSG_NXTHDR(&message, told)) {
-    if (told->cmsg_level != SOL_SOCKET || told->cmsg_type != SCM_TIMESTAMPNS) continue;
+  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header; header = CMSG_NXTHDR(&message, header)) {
+    if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) continue;
     timespec t{};
-    std::memcpy(&t, CMSG_DATA(told), sizeof t);
+    std::memcpy(&t, CMSG_DATA(header), sizeof t);
     arrival.time = 1'000'000'000 * static_cast<std::int64_t>(t.tv_sec) + t.tv_nsec;
   }
   return arrival;
@@ -186,7 +186,7 @@ struct UdpExchange::Impl {
   void take_all(Simulation& simulation) {
     for (int k = 0; k < most_packets && take(); ++k) {
     }
-    // However many have said hello, the last is the peer.
+    // However many have sent a hello, the last is the peer.
     if (!std::exchange(greeted, false)) return;
     const std::string& names = exchanged.names();
     send(MIMBRE_EXCHANGE_NAMES, static_cast<std::uint16_t>(names.size()), 0, simulation.time(), names.data(),

@@ -14,7 +14,7 @@ namespace mimbre {
 class Expression {
  public:
   Expression() = default;  ///< zero
-  /// Throws std::invalid_argument, which says why, when the text is not a formula in these variables, has
+  /// Throws std::invalid_argument, with the reason, when the text is not a formula in these variables, has
   /// more than 10 000 characters or 100 nested levels.
   Expression(const std::string& text, const std::vector<std::string>& variables);
 

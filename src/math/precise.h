@@ -6,7 +6,7 @@
 /// elementary functions.
 namespace mimbre {
 
-/// head + tail, where |tail| is at most half the last place of head, unless a function says otherwise.
+/// head + tail, where |tail| is at most half the last place of head, unless a function states otherwise.
 struct Precise {
   double head, tail;
 };

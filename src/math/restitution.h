@@ -6,7 +6,7 @@
 
 namespace mimbre {
 
-/// The damping of a blow: a force f(d) (1 + c ḋ) at the depth d with c = a/v₀, v₀ the speed of the blow,
+/// The damping of an impact: a force f(d) (1 + c ḋ) at the depth d with c = a/v₀, v₀ the speed of the impact,
 /// throws a body back with the share r (0 < r ≤ 1) of v₀ whatever its mass and f are. v dv/(1 + c v) = −f
 /// dd/m, integrated from v₀ to −r v₀ over the same depths, gives a (1 + r) = log((1 + a)/(1 − a r)). Returns
 /// a.

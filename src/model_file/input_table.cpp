@@ -151,7 +151,7 @@ void require_unit(const TextFile& file, const spec::Input& input, const std::str
     file.fail(fmt::format("the column of '{}' is in '{}', and the input is in '{}'", input.name, shown(unit),
                           input.unit));
   }
-  // The model does not say which it is: then it is an SI unit.
+  // The model does not specify it: then it is an SI unit.
   const auto written = unit_of(unit);
   if (is_pure(unit) || (written && written->numerator == written->denominator)) return;
   file.fail(fmt::format(
@@ -224,7 +224,7 @@ class Table {
     if (name_.empty())
       file_.fail("has no header with the names of inputs; name the one input of a table without: NAME=FILE");
     if (cells_.size() != 2)
-      file_.fail(fmt::format("has {} columns, and no header says which they are", cells_.size()));
+      file_.fail(fmt::format("has {} columns, and no header that names them", cells_.size()));
     width_ = 2;
     add_column(*find(name_), 1);
   }

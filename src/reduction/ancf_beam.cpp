@@ -104,6 +104,40 @@ Eigen::Matrix<double, 8, 8> tangent(const AncfBeam::Element& e) {
   return k;
 }
 
+/// The amplitude of a component (displacement along and across, stretch, slope) at the node in this position.
+/// The first node stays and its slope keeps its direction; it may stretch. −1: none.
+int amplitude_at(int position, int component) {
+  if (position == 0) return component == 2 ? 0 : -1;
+  return 4 * position - 3 + component;
+}
+
+/// Adds an element's mass, from `start` along directions[0], at the points of Gauss's rule.
+void add_mass(const AncfBeam::Element& e, const Eigen::Vector3d& start,
+              const std::array<Eigen::Vector3d, 2>& directions, double mass, ReducedBody& body) {
+  for (const GaussPoint& point : gauss4) {
+    const double x = point.xi;
+    const std::array<double, 4> hermite{1 - 3 * x * x + 2 * x * x * x, e.length * (x - 2 * x * x + x * x * x),
+                                        3 * x * x - 2 * x * x * x, e.length * (x * x * x - x * x)};
+    Eigen::Matrix3Xd X = Eigen::Matrix3Xd::Zero(3, body.modes);
+    for (std::size_t c = 0; c < 8; ++c)
+      if (e.amplitudes[c] >= 0) X.col(e.amplitudes[c]) = hermite[c / 2] * directions[c % 2];
+    add_mass_point(body, point.weight * mass, start + x * e.length * directions[0], X);
+  }
+}
+
+/// `slopes`: rotations of the nodes by the amplitudes.
+void add_frames(const Mesh& mesh, const std::vector<NodeFrame>& frames, const Eigen::MatrixXd& slopes,
+                ReducedBody& body) {
+  for (const NodeFrame& frame : frames) {
+    if (frame.node < 0 || frame.node >= mesh.nodes.cols())
+      throw std::invalid_argument(fmt::format("frame '{}': node {} does not exist, the mesh has {} nodes",
+                                              frame.name, frame.node, mesh.nodes.cols()));
+    body.frames.push_back({frame.name, mesh.nodes.col(frame.node), frame.rotation,
+                           body.node_shapes.middleRows<3>(3 * frame.node),
+                           slopes.middleRows<3>(3 * frame.node)});
+  }
+}
+
 }  // namespace
 
 ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames) {
@@ -121,12 +155,7 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
 
   ReducedBody body;
   const int nodes = static_cast<int>(line.nodes.size());
-  // The first node stays and its slope keeps its direction; it may stretch.
   body.modes = 4 * nodes - 3;
-  const auto amplitude = [](int position, int component) {
-    if (position == 0) return component == 2 ? 0 : -1;
-    return 4 * position - 3 + component;
-  };
   body.mode_names.assign(1, "stretch at the first node");
   for (int k = 1; k < nodes; ++k)
     for (const char* what : {"displacement along", "displacement across", "stretch", "slope"})
@@ -144,19 +173,10 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
     e.length = element_geometry(mesh, index).length;
     e.axial = element.material.young * element.section.area;
     e.bending = bending_stiffness(mesh, index, beam.normal);
-    for (int c = 0; c < 8; ++c) e.amplitudes[static_cast<std::size_t>(c)] = amplitude(k + c / 4, c % 4);
+    for (int c = 0; c < 8; ++c) e.amplitudes[static_cast<std::size_t>(c)] = amplitude_at(k + c / 4, c % 4);
     const double mass = element.material.density * element.section.area * e.length;
+    add_mass(e, start, directions, mass, body);
     const Eigen::Matrix<double, 8, 8> stiffness = tangent(e);
-    for (const GaussPoint& point : gauss4) {
-      const double x = point.xi;
-      const std::array<double, 4> hermite{1 - 3 * x * x + 2 * x * x * x,
-                                          e.length * (x - 2 * x * x + x * x * x), 3 * x * x - 2 * x * x * x,
-                                          e.length * (x * x * x - x * x)};
-      Eigen::Matrix3Xd X = Eigen::Matrix3Xd::Zero(3, body.modes);
-      for (std::size_t c = 0; c < 8; ++c)
-        if (e.amplitudes[c] >= 0) X.col(e.amplitudes[c]) = hermite[c / 2] * directions[c % 2];
-      add_mass_point(body, point.weight * mass, start + x * e.length * beam.along, X);
-    }
     for (int r = 0; r < 8; ++r)
       for (int c = 0; c < 8; ++c)
         if (e.amplitudes[static_cast<std::size_t>(r)] >= 0 && e.amplitudes[static_cast<std::size_t>(c)] >= 0)
@@ -180,17 +200,10 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
   Eigen::MatrixXd slopes = body.node_shapes;
   for (int k = 0; k < nodes; ++k)
     for (int c = 0; c < 4; ++c)
-      if (const int at = amplitude(k, c); at >= 0 && k > 0)  // stretching turns nothing
+      if (const int at = amplitude_at(k, c); at >= 0 && k > 0)  // stretching turns nothing
         (c < 2 ? body.node_shapes : slopes).block<3, 1>(3 * line.nodes[static_cast<std::size_t>(k)], at) =
             directions[static_cast<std::size_t>(c % 2)];
-  for (const NodeFrame& frame : frames) {
-    if (frame.node < 0 || frame.node >= mesh.nodes.cols())
-      throw std::invalid_argument(fmt::format("frame '{}': node {} does not exist, the mesh has {} nodes",
-                                              frame.name, frame.node, mesh.nodes.cols()));
-    body.frames.push_back({frame.name, mesh.nodes.col(frame.node), frame.rotation,
-                           body.node_shapes.middleRows<3>(3 * frame.node),
-                           slopes.middleRows<3>(3 * frame.node)});
-  }
+  add_frames(mesh, frames, slopes, body);
   body.ancf = std::move(beam);
   return body;
 }

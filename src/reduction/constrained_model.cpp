@@ -188,7 +188,7 @@ class Elimination {
                                              : rows_[static_cast<std::size_t>(equation.terms[0].node)]
                                                     [static_cast<std::size_t>(equation.terms[0].direction)];
     substitute(sum);
-    // What was solved for before is gone; an equation that says nothing new vanishes.
+    // What was solved for before is gone; a dependent equation vanishes.
     int pivot = -1;
     double best = 0;
     for (const auto& [row, factor] : sum) {

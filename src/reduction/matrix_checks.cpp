@@ -63,10 +63,10 @@ double point_mass(const SolidMesh& mesh) {
   return mass;
 }
 
-/// Mass over the volume of the box around the model tells units that do not fit: real parts fill between a
+/// Mass over the volume of the box around the model shows units that do not fit: real parts fill between a
 /// hundredth and all of it, at 100 to 25 000 kg/m³. Where the material is in SI but the mesh in millimetres
-/// that is in order, and only the size tells: nobody moves parts of a thousand tonnes. Shells and beams fill
-/// as little of their box as they are thin: of their elements the volume is known.
+/// that is in order, and only the size shows it: nobody moves parts of a thousand tonnes. Shells and beams
+/// fill as little of their box as they are thin: of their elements the volume is known.
 Check units_check(const SolidMesh& mesh, const FeMatrices& matrices, double mass) {
   Vector3d low = Vector3d::Constant(INFINITY), high = -low;
   for (const Dof& dof : matrices.dofs) {

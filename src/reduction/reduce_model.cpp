@@ -347,7 +347,7 @@ std::string freed_and_held(const std::vector<Interface>& interfaces) {
 Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
                 const TiedModel& tied, const MatrixXd& R, double& scale, ReductionResult& result) {
   using Basis = ModelReduction::Basis;
-  const auto tell = [&](const char* stage, double done) {
+  const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   const auto square = [](double hertz) { return std::pow(hertz / kHertz, 2); };
@@ -356,8 +356,8 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     if (options.frame == ModelReduction::Frame::centre_of_mass)
       to_centre_of_mass(matrices, options.interfaces, R, shapes);
   };
-  tell("dynamic modes", 0);
-  const auto progress = [&](double done) { tell("dynamic modes", done); };
+  report("dynamic modes", 0);
+  const auto progress = [&](double done) { report("dynamic modes", done); };
   Shapes shapes;
   if (options.basis == Basis::free_interface) {
     VectorXd eigenvalues;
@@ -391,7 +391,7 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
     result.fixed_frequencies = held.eigenvalues.cwiseMax(0).cwiseSqrt() * kHertz;
     x = std::move(held.vectors);
   }
-  tell("static modes", 0);
+  report("static modes", 0);
   shapes = static_shapes(tied, matrices, options.interfaces, tangent ? 1 : 0);
   const bool krylov = options.basis == Basis::krylov;
   const Shapes held = held_shapes(tied, options.interfaces, x, krylov ? "krylov" : "dynamic");
@@ -433,6 +433,43 @@ bool all_rigid(const FeMatrices& all, const FeMatrices& left) {
   return largest(left.stiffness) <= rounding * largest(all.stiffness);
 }
 
+/// Throws where a check of the matrices failed without which there is no body. `rigid`: nothing can deform.
+void require_sound(const std::vector<Check>& checks, bool rigid) {
+  for (const Check& check : checks)
+    if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
+                          check.name == "positive diagonals" || check.name == "rigid motions"))
+      throw std::invalid_argument(rigid
+                                      ? "rigid elements and equations tie all of the model together, so that "
+                                        "it cannot deform: in the model file it is a rigid body"
+                                      : fmt::format("{}: {}", check.name, check.detail));
+}
+
+Check loose_rotations_check(const SolidMesh& mesh, const std::vector<Dof>& loose) {
+  return {"loose rotations", true,
+          fmt::format("{} rotations that nothing resists are left out, the first of node {} about {}",
+                      loose.size(), label_of(mesh, loose.front().node), "xyz"[loose.front().direction - 3])};
+}
+
+void add_frames(const std::vector<Interface>& interfaces, const Shapes& shapes, ReducedBody& body) {
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    const Interface& interface = interfaces[i];
+    const auto rows = shapes.points.middleRows<6>(static_cast<Index>(6 * i));
+    body.frames.push_back(
+        {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
+  }
+}
+
+void add_final_checks(const MatrixXd& mass, ReducedBody& body) {
+  const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -
+                          MatrixXd::Identity(body.modes, body.modes))
+                             .cwiseAbs()
+                             .maxCoeff();
+  body.checks.push_back({"orthogonal modes", overlap < 1e-8, fmt::format("to {:.1g}", overlap)});
+  std::string unsound;
+  for (const std::string& message : check(body)) unsound += (unsound.empty() ? "" : "; ") + message;
+  body.checks.push_back({"reduced body", unsound.empty(), unsound.empty() ? "sound" : unsound});
+}
+
 }  // namespace
 
 Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
@@ -445,11 +482,11 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   const bool constrained = has_constraints(mesh) || has_loose_rotations(all);
   ModelReduction options = wanted;
   if (constrained) options.interfaces = at_references(mesh, options.interfaces);
-  const auto tell = [&](const char* stage, double done) {
+  const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   require(options);
-  tell("checks", 0);
+  report("checks", 0);
   std::vector<Dof> loose;
   const FeMatrices left = constrained ? constrain(mesh, all, options.interfaces, &loose) : FeMatrices{};
   const FeMatrices& matrices = constrained ? left : all;
@@ -458,22 +495,10 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   };
   ReductionResult result;
   result.body.checks = check_matrices(mesh, matrices, options.interfaces);
-  for (const Check& check : result.body.checks)
-    if (!check.passed && (check.name == "sizes" || check.name == "finite numbers" ||
-                          check.name == "positive diagonals" || check.name == "rigid motions"))
-      throw std::invalid_argument(constrained && all_rigid(all, left)
-                                      ? "rigid elements and equations tie all of the model together, so that "
-                                        "it cannot deform: in the model file it is a rigid body"
-                                      : fmt::format("{}: {}", check.name, check.detail));
-
+  require_sound(result.body.checks, constrained && all_rigid(all, left));
   result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
   if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);
-
-  if (!loose.empty())
-    result.body.checks.push_back(
-        {"loose rotations", true,
-         fmt::format("{} rotations that nothing resists are left out, the first of node {} about {}",
-                     loose.size(), label_of(mesh, loose.front().node), "xyz"[loose.front().direction - 3])});
+  if (!loose.empty()) result.body.checks.push_back(loose_rotations_check(mesh, loose));
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
   if (!options.stress.nodes.empty()) {
@@ -481,14 +506,14 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
     result.body.checks.push_back(check_rigid(options.stress, expanded(R)));
   }
   double scale = 0;  // a typical ω²
-  tell("factorisation", 0);
+  report("factorisation", 0);
   std::optional<TiedModel> held(std::in_place, mesh, matrices, options.interfaces);
   const Shapes shapes = basis_of(mesh, matrices, options, *held, R, scale, result);
   if (scale == 0)
     scale = shapes.dofs.cwiseProduct(symmetric_times(matrices.stiffness, shapes.dofs)).sum() /
             shapes.dofs.cwiseProduct(symmetric_times(matrices.mass, shapes.dofs)).sum();
 
-  tell("integrals", 0);
+  report("integrals", 0);
   ReducedBody& body = result.body;
   body.modes = static_cast<int>(shapes.dofs.cols());
   body.mode_names = shapes.names;
@@ -503,16 +528,11 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   body.mass_matrix = 0.5 * (mass + mass.transpose());
   body.stiffness = 0.5 * (stiffness + stiffness.transpose());
   body.damping = options.stiffness_damping * body.stiffness;
-  for (std::size_t i = 0; i < options.interfaces.size(); ++i) {
-    const Interface& interface = options.interfaces[i];
-    const auto rows = shapes.points.middleRows<6>(static_cast<Index>(6 * i));
-    body.frames.push_back(
-        {interface.name, interface.point, interface.axes, rows.topRows<3>(), rows.bottomRows<3>()});
-  }
-  tell("stress", 0);
+  add_frames(options.interfaces, shapes, body);
+  report("stress", 0);
   add_surface(mesh, all, all_shapes, displacements, options.stress, body);
   if (options.geometric_stiffness) {
-    tell("geometric stiffness", 0);
+    report("geometric stiffness", 0);
     MatrixXd forces = unit_inertia_forces(mesh, all);
     if (constrained) forces = (left.expansion.transpose() * forces).eval();
     const MatrixXd x = held->solve(held->restrict(forces));
@@ -520,21 +540,14 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
     body.geometric = solid_stiffening(mesh, responses, all_shapes, body.stiffness,
                                       static_cast<Index>(retained_motions(options.interfaces, 1).size()));
   }
-  tell("stretching", 0);
+  report("stretching", 0);
   body.stretching = stretching_of_mesh(mesh, all, matrices, options.interfaces, *held, shapes, body);
   held.reset();  // the free model's factors take its place in memory
   make_orthogonal(body);
 
-  const double overlap = (body.user_from_modal.transpose() * mass * body.user_from_modal -
-                          MatrixXd::Identity(body.modes, body.modes))
-                             .cwiseAbs()
-                             .maxCoeff();
-  body.checks.push_back({"orthogonal modes", overlap < 1e-8, fmt::format("to {:.1g}", overlap)});
-  std::string unsound;
-  for (const std::string& message : check(body)) unsound += (unsound.empty() ? "" : "; ") + message;
-  body.checks.push_back({"reduced body", unsound.empty(), unsound.empty() ? "sound" : unsound});
+  add_final_checks(mass, body);
   add_free_modes(matrices, options, R, shapes.dofs, scale, result);
-  tell("done", 1);
+  report("done", 1);
   return result;
 }
 

@@ -42,22 +42,23 @@ Row6 rigid_motion(const Interface& interface, const Vector3d& arm, int direction
   return row;
 }
 
-}  // namespace
+/// The stiffness rows of each node.
+std::vector<std::vector<Index>> rows_of_nodes(const SolidMesh& mesh, const FeMatrices& matrices) {
+  std::vector<std::vector<Index>> rows(static_cast<std::size_t>(mesh.nodes.cols()));
+  for (Index r = 0; r < matrices.stiffness.rows(); ++r)
+    rows[static_cast<std::size_t>(matrices.dofs[static_cast<std::size_t>(r)].node)].push_back(r);
+  return rows;
+}
 
-TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
-                     const std::vector<Interface>& interfaces, Definiteness stiffness)
-    : matrices_(matrices), interfaces_(interfaces.size()) {
-  const Index rows = matrices.stiffness.rows();
-  std::vector<std::vector<Index>> rows_of_node(static_cast<std::size_t>(mesh.nodes.cols()));
-  for (Index r = 0; r < rows; ++r)
-    rows_of_node[static_cast<std::size_t>(matrices.dofs[static_cast<std::size_t>(r)].node)].push_back(r);
+/// For each interface its nodes, each once; a node belongs to one interface at most.
+std::vector<std::vector<int>> distinct_nodes(const SolidMesh& mesh,
+                                             const std::vector<Interface>& interfaces) {
+  std::vector<std::vector<int>> result(interfaces.size());
   std::vector<int> owner(static_cast<std::size_t>(mesh.nodes.cols()), -1);
-  std::vector<Index> place(static_cast<std::size_t>(rows), 0);  // of a row among x; −1: not there
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     const Interface& interface = interfaces[i];
     if (interface.nodes.empty())
       throw std::invalid_argument(fmt::format("interface '{}' has no nodes", interface.name));
-    std::vector<Index> own;
     for (const int node : interface.nodes) {
       if (node < 0 || node >= mesh.nodes.cols())
         throw std::invalid_argument(
@@ -69,96 +70,134 @@ TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
             interfaces[static_cast<std::size_t>(taken)].name, interface.name));
       if (taken >= 0) continue;
       taken = static_cast<int>(i);
-      for (const Index r : rows_of_node[static_cast<std::size_t>(node)]) own.push_back(r);
+      result[i].push_back(node);
     }
+  }
+  return result;
+}
+
+/// The largest arm of rotations in the rigid motions of an interface.
+double arm_of(const MatrixXd& motions) {
+  return motions.rows() == 0 ? 0 : motions.rightCols(3).cwiseAbs().maxCoeff();
+}
+
+void require_six_directions(const Interface& interface, const MatrixXd& motions) {
+  MatrixXd scaled = motions;
+  if (const double length = arm_of(motions); length > 0) scaled.rightCols(3) /= length;
+  if (motions.rows() > 0 && order_columns(scaled, 1e-6).rank == 6) return;
+  throw std::invalid_argument(
+      fmt::format("interface '{}' has no hold in all six directions: its {} node{} must not lie on one "
+                  "line{} and must belong to the model",
+                  interface.name, interface.nodes.size(), interface.nodes.size() == 1 ? "" : "s",
+                  interface.tie == Interface::Tie::rigid ? " (or must have rotations)" : ""));
+}
+
+}  // namespace
+
+TiedModel::TiedModel(const SolidMesh& mesh, const FeMatrices& matrices,
+                     const std::vector<Interface>& interfaces, Definiteness stiffness)
+    : matrices_(matrices), interfaces_(interfaces.size()) {
+  const auto rows_of = rows_of_nodes(mesh, matrices);
+  const auto nodes = distinct_nodes(mesh, interfaces);
+  Places places(static_cast<std::size_t>(matrices.stiffness.rows()), 0);
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    const Interface& interface = interfaces[i];
     const bool rigid = interface.tie == Interface::Tie::rigid;
-    if (!rigid)  // the mean is one of displacements
-      std::erase_if(own, [&](Index r) { return matrices.dofs[static_cast<std::size_t>(r)].direction >= 3; });
-    // The motions of these dofs per coordinate: what hold the interface has.
+    std::vector<Index> own;  // rows of the interface
+    for (const int node : nodes[i])
+      for (const Index r : rows_of[static_cast<std::size_t>(node)])
+        if (rigid || matrices.dofs[static_cast<std::size_t>(r)].direction < 3)  // a mean is of translations
+          own.push_back(r);
     MatrixXd motions(own.size(), 6);
     for (std::size_t k = 0; k < own.size(); ++k) {
       const Dof& dof = matrices.dofs[static_cast<std::size_t>(own[k])];
       motions.row(static_cast<Index>(k)) =
           rigid_motion(interface, mesh.nodes.col(dof.node) - interface.point, dof.direction);
     }
-    const double length = own.empty() ? 0 : motions.rightCols(3).cwiseAbs().maxCoeff();
-    MatrixXd scaled = motions;
-    if (length > 0) scaled.rightCols(3) /= length;
-    if (own.empty() || order_columns(scaled, 1e-6).rank < 6)
-      throw std::invalid_argument(
-          fmt::format("interface '{}' has no hold in all six directions: its {} node{} must not lie on one "
-                      "line{} and must belong to the model",
-                      interface.name, interface.nodes.size(), interface.nodes.size() == 1 ? "" : "s",
-                      rigid ? " (or must have rotations)" : ""));
-    if (rigid) {
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        tied_.push_back({own[k], static_cast<int>(i), motions.row(static_cast<Index>(k))});
-        place[static_cast<std::size_t>(own[k])] = -1;
-      }
-      continue;
-    }
-    // z is the rigid motion nearest to that of the nodes' translations: z = W u, W = (RᵀR)⁻¹ Rᵀ.
-    const std::vector<Index>& translations = own;
-    const MatrixXd& R = motions;
-    const MatrixXd W = PivotedCholesky(R.transpose() * R).solve(R.transpose());
-    MatrixXd weighted = W;
-    if (length > 0) weighted.bottomRows(3) *= length;
-    const std::vector<int> best = order_columns(weighted).order;  // columns that hold best first
-    Mean mean;
-    mean.interface = static_cast<int>(i);
-    Matrix6 at_pins;
-    std::vector<char> pinned(translations.size(), 0);
-    for (int p = 0; p < 6; ++p) {
-      const auto column = static_cast<std::size_t>(best[static_cast<std::size_t>(p)]);
-      mean.pins[static_cast<std::size_t>(p)] = translations[column];
-      at_pins.col(p) = W.col(static_cast<Index>(column));
-      pinned[column] = 1;
-      place[static_cast<std::size_t>(translations[column])] = -1;
-    }
-    mean.from_z = inverse(at_pins);
-    mean.from_x.resize(6, static_cast<Index>(translations.size()) - 6);
-    Index next = 0;
-    for (std::size_t k = 0; k < translations.size(); ++k)
-      if (!pinned[k]) {
-        mean.others.push_back(translations[k]);
-        mean.from_x.col(next++) = -mean.from_z * W.col(static_cast<Index>(k));
-      }
-    means_.push_back(std::move(mean));
+    require_six_directions(interface, motions);
+    if (rigid)
+      tie_rigidly(static_cast<int>(i), own, motions, places);
+    else
+      tie_mean(static_cast<int>(i), own, motions, places);
   }
+  number_internals(places);
+  factor(places, stiffness);
+  if (!internal_.empty() && !means_.empty()) prepare_means();
+  free_motions(interfaces);
+}
 
-  for (Index r = 0; r < rows; ++r)
-    if (Index& p = place[static_cast<std::size_t>(r)]; p >= 0) {
-      p = static_cast<Index>(internal_.size());
-      internal_.push_back(r);
+void TiedModel::tie_rigidly(int interface, const std::vector<Index>& own, const MatrixXd& motions,
+                            Places& places) {
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    tied_.push_back({own[k], interface, motions.row(static_cast<Index>(k))});
+    places[static_cast<std::size_t>(own[k])] = -1;
+  }
+}
+
+/// z is the rigid motion nearest to the translations u of the nodes: z = W u, W = (RᵀR)⁻¹ Rᵀ, R the rigid
+/// motions. Pins are the six translations that determine z best.
+void TiedModel::tie_mean(int interface, const std::vector<Index>& translations, const MatrixXd& R,
+                         Places& places) {
+  const MatrixXd W = PivotedCholesky(R.transpose() * R).solve(R.transpose());
+  MatrixXd weighted = W;
+  if (const double length = arm_of(R); length > 0) weighted.bottomRows(3) *= length;
+  const std::vector<int> best = order_columns(weighted).order;
+  Mean mean;
+  mean.interface = interface;
+  Matrix6 at_pins;
+  std::vector<char> pinned(translations.size(), 0);
+  for (int p = 0; p < 6; ++p) {
+    const auto column = static_cast<std::size_t>(best[static_cast<std::size_t>(p)]);
+    mean.pins[static_cast<std::size_t>(p)] = translations[column];
+    at_pins.col(p) = W.col(static_cast<Index>(column));
+    pinned[column] = 1;
+    places[static_cast<std::size_t>(translations[column])] = -1;
+  }
+  mean.from_z = inverse(at_pins);
+  mean.from_x.resize(6, static_cast<Index>(translations.size()) - 6);
+  Index next = 0;
+  for (std::size_t k = 0; k < translations.size(); ++k)
+    if (!pinned[k]) {
+      mean.others.push_back(translations[k]);
+      mean.from_x.col(next++) = -mean.from_z * W.col(static_cast<Index>(k));
+    }
+  means_.push_back(std::move(mean));
+}
+
+void TiedModel::number_internals(Places& places) {
+  for (std::size_t r = 0; r < places.size(); ++r)
+    if (places[r] >= 0) {
+      places[r] = static_cast<Index>(internal_.size());
+      internal_.push_back(static_cast<Index>(r));
     }
   for (Mean& mean : means_)
-    for (Index& r : mean.others) r = place[static_cast<std::size_t>(r)];
+    for (Index& r : mean.others) r = places[static_cast<std::size_t>(r)];
+}
 
+/// Factorises the stiffness of the internal dofs with the interfaces held.
+void TiedModel::factor(const Places& places, Definiteness stiffness) {
   const Index n = internals();
-  if (n > 0) {
-    SparseMatrix<double> Koo(n, n);
-    const auto visit = [&](Index column, const auto& see) {
-      for (SparseMatrix<double>::InnerIterator it(matrices.stiffness,
-                                                  internal_[static_cast<std::size_t>(column)]);
-           it; ++it)
-        if (const Index r = place[static_cast<std::size_t>(it.row())]; r >= 0) see(r, it.value());
-    };
-    Index entries = 0;
-    for (Index c = 0; c < n; ++c) visit(c, [&](Index, double) { ++entries; });
-    Koo.reserve(entries);
-    for (Index c = 0; c < n; ++c) {
-      Koo.startVec(c);
-      visit(c, [&](Index r, double value) { Koo.insertBack(r, c) = value; });
-    }
-    Koo.finalize();
-    factor_ = std::make_unique<LargeFactor>(
-        Koo,
-        "the stiffness is not positive definite where the interfaces hold the body: a part of the model is "
-        "not connected to the rest, or the matrices are not those of an elastic body",
-        stiffness);
+  if (n == 0) return;
+  SparseMatrix<double> Koo(n, n);
+  const auto visit = [&](Index column, const auto& see) {
+    for (SparseMatrix<double>::InnerIterator it(matrices_.stiffness,
+                                                internal_[static_cast<std::size_t>(column)]);
+         it; ++it)
+      if (const Index r = places[static_cast<std::size_t>(it.row())]; r >= 0) see(r, it.value());
+  };
+  Index entries = 0;
+  for (Index c = 0; c < n; ++c) visit(c, [&](Index, double) { ++entries; });
+  Koo.reserve(entries);
+  for (Index c = 0; c < n; ++c) {
+    Koo.startVec(c);
+    visit(c, [&](Index r, double value) { Koo.insertBack(r, c) = value; });
   }
-  if (n > 0 && !means_.empty()) prepare_means();
-  free_motions(interfaces);
+  Koo.finalize();
+  factor_ = std::make_unique<LargeFactor>(
+      Koo,
+      "the stiffness is not positive definite where the interfaces hold the body: a part of the model is "
+      "not connected to the rest, or the matrices are not those of an elastic body",
+      stiffness);
 }
 
 void TiedModel::prepare_means() {

@@ -10,10 +10,10 @@
 
 namespace mimbre::fe {
 
-/// A model whose interfaces move as their six coordinates z say: displacements u = Tx x + Tz z, x the dofs
-/// that are left. Nodes of rigid interfaces follow z; of each mean interface six dofs ("pins") are eliminated
-/// by its six equations. Motions of the interfaces that are free count among x, as what the body does when
-/// they alone are moved.
+/// A model whose interfaces move by their six coordinates z: displacements u = Tx x + Tz z, x the remaining
+/// dofs. Nodes of rigid interfaces follow z; of each mean interface six dofs ("pins") are eliminated by its
+/// six equations. Free motions of the interfaces belong to x, each with the shape of the body when it alone
+/// is imposed.
 class TiedModel {
  public:
   TiedModel(const SolidMesh& mesh, const FeMatrices& matrices, const std::vector<Interface>& interfaces,
@@ -46,6 +46,15 @@ class TiedModel {
     Eigen::Matrix<double, 6, Eigen::Dynamic> from_x;
   };
 
+  /// Of each row its number among x; −1: eliminated.
+  using Places = std::vector<Eigen::Index>;
+
+  void tie_rigidly(int interface, const std::vector<Eigen::Index>& own, const Eigen::MatrixXd& motions,
+                   Places& places);
+  void tie_mean(int interface, const std::vector<Eigen::Index>& translations, const Eigen::MatrixXd& R,
+                Places& places);
+  void number_internals(Places& places);
+  void factor(const Places& places, Definiteness stiffness);
   void prepare_means();
   void free_motions(const std::vector<Interface>& interfaces);
 

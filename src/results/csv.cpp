@@ -115,7 +115,7 @@ CsvWriter::~CsvWriter() {
   try {
     if (impl_->file) keep();
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; what there was room for is kept.
+    // A destructor cannot report; what there was room for is kept.
   }
 }
 

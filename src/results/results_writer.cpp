@@ -516,7 +516,7 @@ struct ResultsWriter::Impl {
     return fmt::format("cannot write results file '{}': {}", path, why);
   }
 
-  /// Does one piece of work; when it fails, closes the file and says so, now and for every later call.
+  /// Does one piece of work; when it fails, closes the file and reports it, now and for every later call.
   template <class Work>
   void guarded(Work&& work) {
     if (!failure.empty()) throw std::runtime_error(failure);
@@ -572,7 +572,7 @@ ResultsWriter::~ResultsWriter() {
     impl_->end([] {});
     impl_->place.keep();
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; what was flushed before stays readable.
+    // A destructor cannot report; what was flushed before stays readable.
   }
 }
 

@@ -45,7 +45,7 @@ Facts facts_method(const Json& options, const Json& summary, double step) {
   return facts;
 }
 
-/// Whether some run says otherwise than another; with `absence`, also whether one says nothing.
+/// Whether some runs differ; with `absence`, also whether one has no value.
 bool differs(const std::vector<Facts>& runs, const std::string& key, bool absence) {
   const std::string* first = nullptr;
   bool missing = false;

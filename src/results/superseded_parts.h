@@ -3,7 +3,7 @@
 
 /// Killed runs leave the files that they were growing beside their targets. Once a later run to the same
 /// target is whole those go of which nothing is lost; what is the end of a failed or interrupted run, of
-/// which the user was told, stays.
+/// which was reported to the user, stays.
 namespace mimbre::results {
 
 /// Tables with which the whole one begins. Never throws.

@@ -137,7 +137,7 @@ std::string escaped(const std::string& text) {
 /// What an export makes, and a later one replaces.
 bool is_exported(const std::string& name) { return name == "run.pvd" || name.ends_with(".vtp"); }
 
-/// Says what went wrong with `path`.
+/// Reports what went wrong with `path`.
 template <class Work>
 auto guarded(const fs::path& path, Work&& work) {
   try {

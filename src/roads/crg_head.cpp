@@ -126,7 +126,7 @@ CrgColumn column_of(const Lines& lines, std::string_view definition) {
     const auto number = fe::to_real(text);
     if (!number || std::abs(*number) > largest_number)
       lines.fail(
-          fmt::format("'{}' says neither the section's number nor 'at v = ' and its place", shown(name)));
+          fmt::format("'{}' has neither the section's number nor 'at v = ' and its place", shown(name)));
     return {at ? CrgColumn::section_at : CrgColumn::section_numbered, *number};
   }
   const std::map<std::string, std::pair<CrgColumn::Kind, const char*>> lines_of{

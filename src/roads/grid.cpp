@@ -78,8 +78,8 @@ OnSegment spot(const GridArrays& g, double x, double y) {
   int next = at.segment + (before ? -1 : 1);
   if (g.closed) next = (next + segments) % segments;
   if (next < 0 || next >= segments) return at;
-  const OnSegment beside = on_segment(g, next, x, y);
-  return (before ? beside.f < 1 : beside.f > 0) ? beside : at;
+  const OnSegment neighbour = on_segment(g, next, x, y);
+  return (before ? neighbour.f < 1 : neighbour.f > 0) ? neighbour : at;
 }
 
 namespace {

@@ -9,7 +9,7 @@ LawContext<T> law_context(const Compiled& m, const ElementData& e, const SignalV
   return {m, e, s.time, s.value.data(), s.states + e.states, s.step, s.numbers};
 }
 
-/// Force and tangents of an element where it measures what its state says, with those of a feedback of its
+/// Force and tangents of an element where it measures what its state has, with those of a feedback of its
 /// own motion and the force of its inertia. A sum's force is shared among its legs, which have no law.
 /// `storage`: of all elements' states.
 template <class T>

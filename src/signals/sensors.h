@@ -69,7 +69,7 @@ void sense(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const M
            const Amplitudes& amplitudes, SignalValues<T>& s) {
   for (const SignalsData::Sensor& sensor : m.signals.sensors)
     s.value[sensor.slot] = sensor_value(m.sensors[sensor.sensor], origin, frame, measured, amplitudes);
-  make_signals(m.signals, m.signals.moving, m.signals.moving_loops, s, [&](const SignalsData::Made& f) {
+  make_signals(m.signals, m.signals.moving, m.signals.moving_loops, s, [&](const SignalsData::Computed& f) {
     if (f.block < 0) {
       s.value[f.slot] = signal_value(f.law, s);
     } else {
@@ -131,10 +131,10 @@ std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, Sig
   };
   // What a block makes in a loop that it closes counts as given: it is of the order of the step.
   if (m.signals.moving_loops)
-    for (const SignalsData::Made& f : m.signals.moving)
+    for (const SignalsData::Computed& f : m.signals.moving)
       for (int k = 0; f.block >= 0 && k < m.signals.blocks[f.block].outputs; ++k)
         s.gradients[f.slot + k] = {s.value[f.slot + k], T(0), T(0)};
-  for (const SignalsData::Made& f : m.signals.moving) {
+  for (const SignalsData::Computed& f : m.signals.moving) {
     if (f.block < 0)
       s.gradients[f.slot] = gradient_of(f.law);
     else

@@ -58,13 +58,13 @@ struct SignalValues {
 
 /// A held input at a time: constant, or on a straight line to where it is set to be.
 template <class T>
-JetOf<T> held_input(const SignalsData::Held& h, const T* held, double time) {
+JetOf<T> held_input(const SignalsData::HeldInput& h, const T* held, double time) {
   const T* at = held + h.held;
   if (!h.linear) return {at[0], T(0), T(0)};
   if constexpr (is_pack<T>) {
     // Each lane has instants of its own.
     JetOf<T> out;
-    SignalsData::Held one = h;
+    SignalsData::HeldInput one = h;
     one.held = 0;
     for (int i = 0; i < T::lanes; ++i) {
       const double lane[] = {at[0][i], at[1][i], at[2][i], at[3][i]};
@@ -161,12 +161,12 @@ void make_block_jets(const SignalsData& d, const SignalsData::Block& b, SignalVa
 /// changes any more: of a loop that is faster than the step can resolve it is not a number, and the step
 /// fails.
 template <class T, class MakeOne>
-void make_signals(const SignalsData& d, const Array<SignalsData::Made>& list, bool loops, SignalValues<T>& s,
-                  const MakeOne& make_one) {
+void make_signals(const SignalsData& d, const Array<SignalsData::Computed>& list, bool loops,
+                  SignalValues<T>& s, const MakeOne& make_one) {
   constexpr int most_rounds = 60;
   constexpr double round_off = 1e-15, unsettled = 1e-9;
   if (loops)
-    for (const SignalsData::Made& made : list)
+    for (const SignalsData::Computed& made : list)
       if (made.block >= 0 && d.blocks[made.block].ahead) {
         const SignalsData::Block& b = d.blocks[made.block];
         make_block(d, b, s.held + b.held + 1, s);
@@ -174,7 +174,7 @@ void make_signals(const SignalsData& d, const Array<SignalsData::Made>& list, bo
       }
   for (int round = 0; round < (loops ? most_rounds : 1); ++round) {
     bool settled = true;
-    for (const SignalsData::Made& made : list) {
+    for (const SignalsData::Computed& made : list) {
       if (made.block < 0 || !d.blocks[made.block].ahead) {
         make_one(made);
         continue;
@@ -220,10 +220,10 @@ void fix_signals(const SignalsData& d, double time, SignalValues<T>& s) {
   if (s.time == time) return;
   s.time = time;
   s.put(0, Jet{time, 1, 0});
-  for (const SignalsData::Held& h : d.held) s.put(h.slot, held_input(h, s.held, time));
+  for (const SignalsData::HeldInput& h : d.held) s.put(h.slot, held_input(h, s.held, time));
   for (const SignalsData::OfTime& f : d.of_time) s.put(f.slot, f.function.jet(time));
   enter_blocks(d, s);
-  make_signals(d, d.fixed, d.fixed_loops, s, [&](const SignalsData::Made& f) {
+  make_signals(d, d.fixed, d.fixed_loops, s, [&](const SignalsData::Computed& f) {
     if (f.block < 0)
       s.put(f.slot, signal_jet(f.law, s));
     else

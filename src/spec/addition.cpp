@@ -15,15 +15,15 @@ std::string to_text(const Eigen::Vector3d& v) {
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
 }
 
-std::vector<std::string> names_of(const NamedThings& things) {
+std::vector<std::string> names_of(const NamedItems& items) {
   std::vector<std::string> names;
-  for (const auto& [name, number] : things.index) names.push_back(name);
+  for (const auto& [name, number] : items.index) names.push_back(name);
   return names;
 }
 
-int number_of(const NamedThings& things, const std::string& name) {
-  const auto found = things.index.find(name);
-  return found == things.index.end() ? -1 : found->second;
+int number_of(const NamedItems& items, const std::string& name) {
+  const auto found = items.index.find(name);
+  return found == items.index.end() ? -1 : found->second;
 }
 
 }  // namespace
@@ -35,7 +35,7 @@ std::string listed(const std::vector<std::string>& names) {
                      names.size() > most ? fmt::format(", … ({} in all)", names.size()) : "");
 }
 
-Addition::Addition(ModelBuilder::Impl& builder, const NamedThings& kind, const std::string& name)
+Addition::Addition(ModelBuilder::Impl& builder, const NamedItems& kind, const std::string& name)
     : builder_(builder), name_(name), called_(fmt::format("{} '{}'", kind.kind, name)) {
   if (&kind == &builder.outputs) {  // the check knows what a column may be called
     if (kind.index.contains(name)) refuse("there is an output of this name; rename one");
@@ -86,17 +86,17 @@ spec::Pose Addition::pose(const Eigen::Vector3d& at, const build::Axes& axes) co
   if (axes.x) given.emplace_back(0, direction("x", *axes.x));
   if (axes.y) given.emplace_back(1, direction("y", *axes.y));
   if (axes.z) given.emplace_back(2, direction("z", *axes.z));
-  if (given.size() > 2) refuse("two of the axes x, y, z say all; leave one out");
+  if (given.size() > 2) refuse("two of the axes x, y, z determine all; leave one out");
   if (given.size() == 2 && !perpendicular(given[0].second, given[1].second))
     refuse(fmt::format("the axes {} and {} are not perpendicular: they have the cosine {:.4g}",
                        "xyz"[given[0].first], "xyz"[given[1].first], given[0].second.dot(given[1].second)));
   return {point("at", at), given.empty() ? base_.rotation : axes_with(given)};
 }
 
-int Addition::find(const NamedThings& things, const char* what, const std::string& name) const {
-  if (const int number = number_of(things, name); number >= 0) return number;
-  const auto known = names_of(things);
-  refuse(fmt::format("{}: there is no {} '{}'{}{}", what, things.kind, name, did_you_mean(name, known),
+int Addition::find(const NamedItems& items, const char* what, const std::string& name) const {
+  if (const int number = number_of(items, name); number >= 0) return number;
+  const auto known = names_of(items);
+  refuse(fmt::format("{}: there is no {} '{}'{}{}", what, items.kind, name, did_you_mean(name, known),
                      known.empty() ? "" : "; there are: " + listed(known)));
 }
 
@@ -215,7 +215,7 @@ int Addition::own_frame(int body) const {
   return builder_.frames.index.at(builder_.model.bodies[static_cast<std::size_t>(body)].name);
 }
 
-void Addition::commit(NamedThings& kind, std::size_t number) {
+void Addition::commit(NamedItems& kind, std::size_t number) {
   for (spec::Frame& made : made_) builder_.model.frames.push_back(std::move(made));
   for (auto& [name, frame] : made_names_) builder_.frames.index.emplace(std::move(name), frame);
   for (auto& [name, frame] : made_nodes_) builder_.node_frames.emplace(std::move(name), frame);

@@ -6,7 +6,7 @@
 #include "mimbre/spec.h"
 #include "spec/force_law.h"
 
-/// What there is to say of the types of blocks besides their equations, which are in src/signals/blocks: the
+/// The properties of the types of blocks besides their equations, which are in src/signals/blocks: the
 /// table here and that in signals/blocks/rows.h have the same rows.
 namespace mimbre {
 
@@ -21,7 +21,7 @@ struct BlockInfo {
   std::string_view name;                    ///< in spec::Block::type
   std::string_view key;                     ///< in the model file: of its input, or of what it is
   std::span<const LawNumber> numbers = {};  ///< spec::Block::numbers
-  int inputs = 1;                           ///< −1: as many as its matrices say
+  int inputs = 1;                           ///< −1: as many as its matrices have
   /// spec::Block::matrices, by their keys.
   std::span<const std::string_view> matrices = {};
   bool continuous = true;  ///< it may be; sampled all of them may

@@ -7,7 +7,7 @@
 #include "spec/coupling_uses.h"
 #include "spec/model_builder_parts.h"
 
-/// Constraints by names: what a model file's `constraints` say (src/model_file/sections/constraints.cpp).
+/// Constraints by names: what a model file's `constraints` contain (src/model_file/sections/constraints.cpp).
 namespace mimbre {
 namespace {
 

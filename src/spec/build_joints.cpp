@@ -3,7 +3,7 @@
 #include "math/turn.h"
 #include "spec/model_builder_parts.h"
 
-/// Joints by names: what a model file's `joints` say (src/model_file/sections/joints.cpp).
+/// Joints by names: what a model file's `joints` contain (src/model_file/sections/joints.cpp).
 namespace mimbre {
 namespace {
 

@@ -7,7 +7,7 @@
 #include "spec/model_builder_parts.h"
 #include "spec/output_kinds.h"
 
-/// Channels by names: what a model file's `outputs` say (src/model_file/sections/outputs.cpp).
+/// Channels by names: what a model file's `outputs` contain (src/model_file/sections/outputs.cpp).
 namespace mimbre {
 namespace {
 

@@ -3,88 +3,88 @@
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
 #include "reduction/file/check_arrays.h"
-#include "spec/checked_thing.h"
+#include "spec/checked_item.h"
 #include "spec/rigid_inertia.h"
 
 /// Bodies and the frames on them.
 namespace mimbre::checks {
 namespace {
 
-void check_rigid(const Thing& thing, const spec::Model& model, std::size_t number) {
+void check_rigid(const CheckedItem& item, const spec::Model& model, std::size_t number) {
   const spec::Body& body = model.bodies[number];
-  thing.finite("com", body.com);
+  item.finite("com", body.com);
   const Eigen::Matrix3d& J = body.inertia;
-  if (!thing.not_negative("mass", body.mass) || !thing.finite("inertia", J)) return;
+  if (!item.not_negative("mass", body.mass) || !item.finite("inertia", J)) return;
   constexpr double rounding = 1e-6;
   if ((J - J.transpose()).cwiseAbs().maxCoeff() > rounding * J.cwiseAbs().maxCoeff())
-    return thing.error("inertia is not symmetric; Ixy must be Iyx, and so on");
+    return item.error("inertia is not symmetric; Ixy must be Iyx, and so on");
   const auto fault = inertia_fault(model, number);
-  if (fault && fault->harmless.empty()) thing.error((body.mass > 0 ? "inertia " : "") + fault->what);
+  if (fault && fault->harmless.empty()) item.error((body.mass > 0 ? "inertia " : "") + fault->what);
 }
 
-void check_ancf(const Thing& thing, const ReducedBody& body) {
+void check_ancf(const CheckedItem& item, const ReducedBody& body) {
   const AncfBeam& beam = *body.ancf;
-  thing.not_negative("reduced body: beam: stiffness_damping", beam.stiffness_damping);
+  item.not_negative("reduced body: beam: stiffness_damping", beam.stiffness_damping);
   const auto unit = [](const Eigen::Vector3d& v) { return std::abs(v.norm() - 1) < 1e-6; };
   if (!unit(beam.along) || !unit(beam.normal) || !(std::abs(beam.along.dot(beam.normal)) < 1e-6))
-    thing.error("reduced body: beam: along and normal must be unit vectors at right angles");
+    item.error("reduced body: beam: along and normal must be unit vectors at right angles");
   for (std::size_t k = 0; k < beam.elements.size(); ++k) {
     const AncfBeam::Element& e = beam.elements[k];
     const auto what = [&](const char* name) {
       return fmt::format("reduced body: beam: element {}: {}", k, name);
     };
-    thing.positive(what("length"), e.length);
-    thing.not_negative(what("axial"), e.axial);
-    thing.not_negative(what("bending"), e.bending);
-    for (const int amplitude : e.amplitudes) thing.between(what("amplitude"), amplitude, -1, body.modes - 1);
+    item.positive(what("length"), e.length);
+    item.not_negative(what("axial"), e.axial);
+    item.not_negative(what("bending"), e.bending);
+    for (const int amplitude : e.amplitudes) item.between(what("amplitude"), amplitude, -1, body.modes - 1);
   }
 }
 
 /// True when the arrays fit each other, so that frames and outputs may look into them.
-bool check_flexible(const Thing& thing, const ReducedBody& body) {
+bool check_flexible(const CheckedItem& item, const ReducedBody& body) {
   const auto messages = check_arrays(body);
-  for (const std::string& message : messages) thing.error("reduced body: " + message);
-  const bool turns = thing.enumerator("reduced body: boundary_rotation", body.boundary_rotation, 3);
+  for (const std::string& message : messages) item.error("reduced body: " + message);
+  const bool turns = item.enumerator("reduced body: boundary_rotation", body.boundary_rotation, 3);
   if (!messages.empty() || !turns) return false;
-  if (body.ancf) check_ancf(thing, body);
+  if (body.ancf) check_ancf(item, body);
   return true;
 }
 
-void check_mesh(const Thing& thing, const spec::Shape& shape) {
-  if (thing.finite("size of a shape", shape.size) && (shape.size.array() == 0).any())
-    thing.error("size of a shape is 0; the factors on a mesh's coordinates can be anything else");
-  if (!shape.mesh) return thing.error("a shape is a mesh, but has none");
-  thing.finite("mesh of a shape", shape.mesh->vertices);
+void check_mesh(const CheckedItem& item, const spec::Shape& shape) {
+  if (item.finite("size of a shape", shape.size) && (shape.size.array() == 0).any())
+    item.error("size of a shape is 0; the factors on a mesh's coordinates can be anything else");
+  if (!shape.mesh) return item.error("a shape is a mesh, but has none");
+  item.finite("mesh of a shape", shape.mesh->vertices);
   for (const auto& triangle : shape.mesh->triangles)
     for (const int corner : triangle)
       if (corner < 0 || corner >= shape.mesh->vertices.cols())
-        return thing.error(fmt::format("a triangle of a shape's mesh ends at vertex {}, but it has {}",
-                                       corner, shape.mesh->vertices.cols()));
+        return item.error(fmt::format("a triangle of a shape's mesh ends at vertex {}, but it has {}", corner,
+                                      shape.mesh->vertices.cols()));
 }
 
-void check_drawing(const Thing& thing, const spec::Body& body) {
+void check_drawing(const CheckedItem& item, const spec::Body& body) {
   for (const spec::Shape& shape : body.shapes) {
-    thing.pose(shape.pose);
-    if (!thing.enumerator("kind of a shape", shape.kind, 4)) continue;
+    item.pose(shape.pose);
+    if (!item.enumerator("kind of a shape", shape.kind, 4)) continue;
     if (shape.kind == spec::Shape::Kind::mesh) {
-      check_mesh(thing, shape);
+      check_mesh(item, shape);
       continue;
     }
     const int sizes = shape.kind == spec::Shape::Kind::box        ? 3
                       : shape.kind == spec::Shape::Kind::cylinder ? 2
                                                                   : 1;
-    for (int k = 0; k < sizes; ++k) thing.positive("size of a shape", shape.size[k]);
+    for (int k = 0; k < sizes; ++k) item.positive("size of a shape", shape.size[k]);
   }
   for (const auto& line : body.lines)
-    for (const Eigen::Vector3d& end : line) thing.finite("end of a line", end);
+    for (const Eigen::Vector3d& end : line) item.finite("end of a line", end);
 }
 
 /// The node whose modes move a frame lies where the frame does.
-void check_node(const Thing& thing, const spec::Frame& frame, const spec::Body& body) {
+void check_node(const CheckedItem& item, const spec::Frame& frame, const spec::Body& body) {
   const auto& nodes = body.flexible->frames;
   if (frame.flexible_frame >= static_cast<int>(nodes.size()))
-    return thing.error(fmt::format("flexible_frame is {}, but body '{}' has {} frames that its modes move",
-                                   frame.flexible_frame, body.name, nodes.size()));
+    return item.error(fmt::format("flexible_frame is {}, but body '{}' has {} frames that its modes move",
+                                  frame.flexible_frame, body.name, nodes.size()));
   const BodyFrame& node = nodes[static_cast<std::size_t>(frame.flexible_frame)];
   double size = node.position.norm();
   for (const BodyFrame& other : nodes) size = std::max(size, (other.position - node.position).norm());
@@ -92,7 +92,7 @@ void check_node(const Thing& thing, const spec::Frame& frame, const spec::Body& 
     size = std::max(size, (body.flexible->nodes.colwise() - node.position).colwise().norm().maxCoeff());
   const double distance = (node.position - frame.pose.position).norm();
   if (distance > 1e-4 * size)  // rounded figures, as of drawings
-    thing.error(
+    item.error(
         fmt::format("lies {:.3g} m away from '{}' of body '{}', whose modes move it (flexible_frame {}); "
                     "it must lie there",
                     distance, node.name, body.name, frame.flexible_frame));
@@ -104,39 +104,39 @@ void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors) {
   std::set<const ReducedBody*> known;
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     const spec::Body& body = model.bodies[k];
-    const Thing thing(errors, "body", body.name, body.mark, k);
-    thing.pose(body.pose);
-    check_drawing(thing, body);
+    const CheckedItem item(errors, "body", body.name, body.mark, k);
+    item.pose(body.pose);
+    check_drawing(item, body);
     if (!body.flexible)
-      check_rigid(thing, model, k);
+      check_rigid(item, model, k);
     else if (known.insert(body.flexible.get()).second)
-      check_flexible(thing, *body.flexible);
+      check_flexible(item, *body.flexible);
   }
 }
 
 void check_frames(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.frames.size(); ++k) {
     const spec::Frame& frame = model.frames[k];
-    const Thing thing(errors, "frame", frame.name, frame.mark, k);
-    thing.pose(frame.pose);
-    if (!thing.index("body", frame.body, model.bodies.size(), "bodies", spec::ground)) continue;
+    const CheckedItem item(errors, "frame", frame.name, frame.mark, k);
+    item.pose(frame.pose);
+    if (!item.index("body", frame.body, model.bodies.size(), "bodies", spec::ground)) continue;
     if (frame.flexible_frame < -1)
-      thing.error(fmt::format("flexible_frame is {}; -1 means that no modes move it", frame.flexible_frame));
+      item.error(fmt::format("flexible_frame is {}; -1 means that no modes move it", frame.flexible_frame));
     if (frame.node != -1) {
       const auto& flexible =
           frame.body < 0 ? nullptr : model.bodies[static_cast<std::size_t>(frame.body)].flexible;
       if (!flexible)
-        thing.error(fmt::format("node is {}, but it is on no flexible body; -1 means none", frame.node));
+        item.error(fmt::format("node is {}, but it is on no flexible body; -1 means none", frame.node));
       else
-        thing.index("node", frame.node, static_cast<std::size_t>(flexible->nodes.cols()), "nodes");
+        item.index("node", frame.node, static_cast<std::size_t>(flexible->nodes.cols()), "nodes");
     }
     if (frame.flexible_frame < 0 || frame.body == spec::ground) continue;
     const spec::Body& body = model.bodies[static_cast<std::size_t>(frame.body)];
     if (!body.flexible)
-      thing.error(fmt::format("flexible_frame is {}, but body '{}' is rigid; -1 means that no modes move it",
-                              frame.flexible_frame, body.name));
+      item.error(fmt::format("flexible_frame is {}, but body '{}' is rigid; -1 means that no modes move it",
+                             frame.flexible_frame, body.name));
     else if (frame.pose.position.allFinite())
-      check_node(thing, frame, body);
+      check_node(item, frame, body);
   }
 }
 

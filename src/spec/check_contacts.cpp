@@ -1,5 +1,5 @@
 #include "mimbre/reduced_body.h"
-#include "spec/checked_thing.h"
+#include "spec/checked_item.h"
 #include "spec/closed_surface.h"
 #include "spec/contact_pairs.h"
 #include "spec/force_law.h"
@@ -14,35 +14,34 @@ constexpr std::size_t most_pairs = 20000;
 /// Of a swarm: with surfaces, and places for those that are near each other.
 constexpr std::size_t most_of_swarm = 100000;
 
-void check_grid(const Thing& thing, const spec::Surface& s) {
-  thing.positive("spacing along x", s.spacing[0]);
-  thing.positive("spacing along y", s.spacing[1]);
+void check_grid(const CheckedItem& item, const spec::Surface& s) {
+  item.positive("spacing along x", s.spacing[0]);
+  item.positive("spacing along y", s.spacing[1]);
   if (s.heights.rows() < 2 || s.heights.cols() < 2)
-    thing.error(fmt::format("has a grid of {} x {} heights; at least 2 x 2 are needed", s.heights.rows(),
-                            s.heights.cols()));
+    item.error(fmt::format("has a grid of {} x {} heights; at least 2 x 2 are needed", s.heights.rows(),
+                           s.heights.cols()));
   else
-    thing.finite("heights", s.heights);
+    item.finite("heights", s.heights);
 }
 
-void check_mesh(const Thing& thing, const spec::Surface& s) {
+void check_mesh(const CheckedItem& item, const spec::Surface& s) {
   for (const Eigen::Vector3d& vertex : s.vertices)
-    if (!thing.finite("one of its vertices", vertex)) return;
-  if (const std::string why = why_not_closed(s.vertices, s.triangles); !why.empty()) thing.error(why);
+    if (!item.finite("one of its vertices", vertex)) return;
+  if (const std::string why = why_not_closed(s.vertices, s.triangles); !why.empty()) item.error(why);
 }
 
-void check_spheres(const spec::Model& model, const Thing& thing, const spec::Spheres& spheres) {
-  thing.positive("radius of its spheres", spheres.radius);
+void check_spheres(const spec::Model& model, const CheckedItem& item, const spec::Spheres& spheres) {
+  item.positive("radius of its spheres", spheres.radius);
   for (const int frame : spheres.frames)
-    if (!thing.index("frame of a sphere", frame, model.frames.size(), "frames")) return;
+    if (!item.index("frame of a sphere", frame, model.frames.size(), "frames")) return;
   if (spheres.surface_of < 0) {
-    if (spheres.frames.empty()) thing.error("has a set of spheres without any; give frames");
+    if (spheres.frames.empty()) item.error("has a set of spheres without any; give frames");
     return;
   }
-  if (!thing.index("surface_of", spheres.surface_of, model.bodies.size(), "bodies")) return;
+  if (!item.index("surface_of", spheres.surface_of, model.bodies.size(), "bodies")) return;
   const spec::Body& body = model.bodies[static_cast<std::size_t>(spheres.surface_of)];
   if (!body.flexible || body.flexible->triangles.empty())
-    thing.error(
-        fmt::format("surface_of: body '{}' has no mesh with a surface; give points of it", body.name));
+    item.error(fmt::format("surface_of: body '{}' has no mesh with a surface; give points of it", body.name));
 }
 
 std::size_t count(const spec::Model& model, const spec::Contact& contact) {
@@ -60,16 +59,16 @@ std::size_t count(const spec::Model& model, const spec::Contact& contact) {
 void check_surfaces(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
     const spec::Surface& s = model.surfaces[k];
-    const Thing thing(errors, "surface", s.name, s.mark, k);
-    if (!thing.enumerator("kind", s.kind, static_cast<int>(surface_kinds.size()))) continue;
-    thing.index("frame", s.frame, model.frames.size(), "frames");
+    const CheckedItem item(errors, "surface", s.name, s.mark, k);
+    if (!item.enumerator("kind", s.kind, static_cast<int>(surface_kinds.size()))) continue;
+    item.index("frame", s.frame, model.frames.size(), "frames");
     const SurfaceKind& kind = surface_kinds[static_cast<std::size_t>(s.kind)];
     for (std::size_t i = 0; i < kind.sizes.size() && !kind.sizes[i].empty(); ++i)
       for (int c = kind.sizes[i] == "size" ? 0 : static_cast<int>(i);
            c < (kind.sizes[i] == "size" ? 3 : static_cast<int>(i) + 1); ++c)
-        thing.positive(std::string(kind.sizes[i]), s.size[c]);
-    if (kind.grid) check_grid(thing, s);
-    if (kind.triangles) check_mesh(thing, s);
+        item.positive(std::string(kind.sizes[i]), s.size[c]);
+    if (kind.grid) check_grid(item, s);
+    if (kind.triangles) check_mesh(item, s);
   }
 }
 
@@ -77,24 +76,24 @@ void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors) {
   const LawInfo& law = law_info(find_law("contact"));
   for (std::size_t k = 0; k < model.contacts.size(); ++k) {
     const spec::Contact& contact = model.contacts[k];
-    const Thing thing(errors, "contact", contact.name, contact.mark, k);
+    const CheckedItem item(errors, "contact", contact.name, contact.mark, k);
     const std::size_t before = errors.size();
-    for (const spec::Spheres& spheres : contact.spheres) check_spheres(model, thing, spheres);
-    if (contact.spheres.empty()) thing.error("has no spheres");
+    for (const spec::Spheres& spheres : contact.spheres) check_spheres(model, item, spheres);
+    if (contact.spheres.empty()) item.error("has no spheres");
     for (const int surface : contact.surfaces)
-      thing.index("surface", surface, model.surfaces.size(), "surfaces");
+      item.index("surface", surface, model.surfaces.size(), "surfaces");
     if (contact.swarm && !contact.among)
-      thing.error("is a swarm whose spheres do not touch one another; set 'among', too");
+      item.error("is a swarm whose spheres do not touch one another; set 'among', too");
     if (contact.surfaces.empty() && !contact.among)
-      thing.error("touches nothing: give surfaces, or let the spheres touch one another");
+      item.error("touches nothing: give surfaces, or let the spheres touch one another");
     if (contact.numbers.size() != law.numbers.size()) {
-      thing.error(fmt::format("law '{}' has {} numbers, {} are given", law.name, law.numbers.size(),
-                              contact.numbers.size()));
+      item.error(fmt::format("law '{}' has {} numbers, {} are given", law.name, law.numbers.size(),
+                             contact.numbers.size()));
       continue;
     }
     for (std::size_t i = 0; i < law.numbers.size(); ++i)
       if (!law.numbers[i].allows(contact.numbers[i]))
-        thing.error(
+        item.error(
             fmt::format("{} {}", law.numbers[i].key, wrong_number(law.numbers[i], contact.numbers[i])));
     if (errors.size() > before) continue;
     const std::size_t spheres = count(model, contact), pairs = spheres * contact.surfaces.size() +
@@ -102,7 +101,7 @@ void check_contacts(const spec::Model& model, std::vector<Diagnostic>& errors) {
                                                                 : contact.among ? spheres * (spheres - 1) / 2
                                                                                 : 0);
     if (pairs > (contact.swarm ? most_of_swarm : most_pairs))
-      thing.error(
+      item.error(
           contact.swarm
               ? fmt::format("its {} spheres on {} surfaces take {} places for pairs; at most {} can be: give "
                             "fewer spheres or surfaces",

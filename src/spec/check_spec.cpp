@@ -2,27 +2,27 @@
 
 #include <unordered_set>
 
-#include "spec/checked_thing.h"
+#include "spec/checked_item.h"
 
 namespace mimbre {
 namespace checks {
 namespace {
 
-template <class Things>
-void check_names_of(const char* kind, const Things& things, std::vector<Diagnostic>& errors) {
+template <class Items>
+void check_names_of(const char* kind, const Items& items, std::vector<Diagnostic>& errors) {
   std::unordered_set<std::string> taken;
-  for (std::size_t k = 0; k < things.size(); ++k) {
-    const Thing thing(errors, kind, things[k].name, things[k].mark, k);
-    if (things[k].name.empty())
-      thing.error("has no name; messages, channels and pictures need one");
-    else if (!taken.insert(things[k].name).second)
-      thing.error(fmt::format("another {} has this name; rename one", kind));
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const CheckedItem item(errors, kind, items[k].name, items[k].mark, k);
+    if (items[k].name.empty())
+      item.error("has no name; messages, channels and pictures need one");
+    else if (!taken.insert(items[k].name).second)
+      item.error(fmt::format("another {} has this name; rename one", kind));
   }
 }
 
 }  // namespace
 
-void Thing::pose(const spec::Pose& pose) const {
+void CheckedItem::pose(const spec::Pose& pose) const {
   finite("position", pose.position);
   if (!finite("rotation", pose.rotation)) return;
   const Eigen::Matrix3d& R = pose.rotation;

@@ -9,15 +9,15 @@
 /// What the parts of the builder share.
 namespace mimbre {
 
-/// Things of one kind: their numbers by name.
-struct NamedThings {
+/// Items of one kind: their numbers by name.
+struct NamedItems {
   const char* kind;
   std::map<std::string, int> index;
 };
 
 struct ModelBuilder::Impl {
   spec::Model model;
-  NamedThings bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
+  NamedItems bodies{"body", {}}, frames{"frame", {}}, joints{"joint", {}}, springs{"spring", {}},
       loads{"load", {}}, roads{"road", {}}, tyres{"tyre", {}}, outputs{"output", {}}, inputs{"input", {}},
       signals{"signal", {}}, events{"event", {}}, elements{"element", {}}, surfaces{"surface", {}},
       contacts{"contact", {}}, constraints{"constraint", {}};
@@ -35,8 +35,8 @@ struct Attachment {
 /// that it makes, which are kept apart until nothing can go wrong any more.
 class Addition {
  public:
-  /// Refuses names that are none or taken among the things of the kind.
-  Addition(ModelBuilder::Impl& builder, const NamedThings& kind, const std::string& name);
+  /// Refuses names that are none or taken among the items of the kind.
+  Addition(ModelBuilder::Impl& builder, const NamedItems& kind, const std::string& name);
 
   [[noreturn]] void refuse(const std::string& message) const;
 
@@ -48,8 +48,8 @@ class Addition {
   Eigen::Vector3d direction(const char* what, const Eigen::Vector3d& given) const;
   spec::Pose pose(const Eigen::Vector3d& at, const build::Axes& axes) const;
 
-  /// The number of a thing of the kind; refuses, with names that could be meant, when there is none.
-  int find(const NamedThings& things, const char* what, const std::string& name) const;
+  /// The number of an item of the kind; refuses, with names that could be meant, when there is none.
+  int find(const NamedItems& items, const char* what, const std::string& name) const;
   /// Formulas of the time, inputs, signals and outputs of these names; outputs become sensors. Refuses what
   /// is none.
   std::vector<spec::Law> formulas(const char* what, const std::vector<std::string>& texts,
@@ -68,8 +68,8 @@ class Addition {
   spec::Pose frame_pose(int frame) const;
   int own_frame(int body) const;
 
-  /// Keeps the frames that were made, and the name as that of the thing of this number.
-  void commit(NamedThings& kind, std::size_t number);
+  /// Keeps the frames that were made, and the name as that of the item of this number.
+  void commit(NamedItems& kind, std::size_t number);
 
  private:
   int add(spec::Frame frame);

@@ -56,7 +56,7 @@ inline constexpr std::array contact_components{"x", "y", "z", "normal", "tangent
 inline constexpr std::array tyre_force_components{"vertical", "longitudinal", "lateral"};
 inline constexpr std::array tyre_moment_components{"overturning", "rolling", "aligning"};
 
-/// Whether what it is of has components, of which one must be said, but of a tyre's force.
+/// Whether what it is of has components, of which one must be given, but of a tyre's force.
 inline bool has_component(const OutputKind& kind) {
   using Kind = spec::Output::Kind;
   using Of = OutputKind::Of;

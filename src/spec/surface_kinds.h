@@ -2,7 +2,7 @@
 #include <array>
 #include <string_view>
 
-/// What there is to say of the kinds of surfaces besides where their points are, which is in
+/// The properties of the kinds of surfaces besides where their points are, which is in
 /// src/forces/surfaces: the rows are those of spec::Surface::Kind and of the table there.
 namespace mimbre {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-/// Stanford's polygon format: a header that says what follows, how often and of which types, then the
+/// Stanford's polygon format: a header that lists what follows, how often and of which types, then the
 /// numbers, as text or as bytes (G. Turk, The PLY polygon file format, 1994).
 namespace mimbre {
 namespace {
@@ -175,11 +175,11 @@ std::string fault_in(const Header& header, Numbers numbers) {
       for (const Property& property : element.properties) {
         double count = 1;
         if (!property.count.empty()) {
-          const auto said = numbers.next(property.count, fault);
-          if (!said) return ends();
-          if (!(*said >= 0))
-            return fmt::format("is damaged: a list of '{}' has {} entries", element.name, *said);
-          count = *said;
+          const auto listed = numbers.next(property.count, fault);
+          if (!listed) return ends();
+          if (!(*listed >= 0))
+            return fmt::format("is damaged: a list of '{}' has {} entries", element.name, *listed);
+          count = *listed;
         }
         if (!numbers.skip(count, property.type, fault)) return ends();
       }

@@ -3,7 +3,7 @@
 
 namespace mimbre {
 
-/// Why a .ply file does not hold what its header says, so that no reader is sent into it; empty: it does, or
+/// Why a .ply file does not match its header, so that no reader is sent into it; empty: it does, or
 /// its header is one that this does not know.
 std::string why_not_ply(const std::string& path);
 

@@ -219,7 +219,7 @@ enum class Unit { none, length, force, speed, pressure, stiffness, damping };
 
 struct Row {
   std::string_view key;  ///< in a property file, upper case
-  double neutral = 0;    ///< where the file says nothing
+  double neutral = 0;    ///< where the file has none
   Unit unit = Unit::none;
   bool needed = false;
 };

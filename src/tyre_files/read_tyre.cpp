@@ -62,14 +62,14 @@ bool is_left_out(const std::string& key) {
   return keys.contains(key);
 }
 
-/// Keys that say what the file is, or in which range it was measured; they change no force.
+/// Keys that describe the file, or in which range it was measured; they change no force.
 bool says_no_number(const Property& property) {
   static const std::set<std::string> sections{"UNITS", "MDI_HEADER"};
   static const std::set<std::string> keys{"PROPERTY_FILE_FORMAT", "TYRESIDE", "FITTYP"};
   return sections.contains(property.section) || keys.contains(property.key);
 }
 
-/// 52, 61 or 62; 0 where the file does not say it.
+/// 52, 61 or 62; 0 where the file does not specify it.
 int version_said_by(const Property& property, std::vector<Diagnostic>& errors) {
   static const std::map<std::string, int> versions{{"5", 52},  {"6", 52},  {"21", 52}, {"51", 52},
                                                    {"52", 52}, {"60", 61}, {"61", 61}, {"62", 62}};
@@ -116,21 +116,21 @@ class Reading {
   void refuse(const Mark& mark, std::string message) { errors_.push_back({mark, std::move(message)}); }
 
   void read_version() {
-    std::map<std::string, std::pair<int, int>> said;  // by key: version and line
+    std::map<std::string, std::pair<int, int>> stated;  // by key: version and line
     for (const Property& property : properties_) {
       if (property.key == "TYRESIDE") tyre_.side = fe::lower(property.value);
       const int version = version_said_by(property, errors_);
       if (!version) continue;
-      const auto [before, first] = said.emplace(property.key, std::pair(version, property.mark.line));
+      const auto [before, first] = stated.emplace(property.key, std::pair(version, property.mark.line));
       if (!first && before->second.first != version)
         refuse(property.mark, fmt::format("{} is given a second time, and otherwise; the first is in line {}",
                                           property.key, before->second.second));
     }
     // FITTYP is the more exact of the two.
     for (const char* const key : {"PROPERTY_FILE_FORMAT", "FITTYP"})
-      if (const auto found = said.find(key); found != said.end()) tyre_.version = found->second.first;
+      if (const auto found = stated.find(key); found != stated.end()) tyre_.version = found->second.first;
     if (tyre_.version == 0 && errors_.empty())
-      refuse(end_, "says nowhere which Magic Formula it is: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
+      refuse(end_, "does not specify its Magic Formula: FITTYP = 6 (5.2), 61 or 62 is needed in [MODEL]");
     at(version) = tyre_.version;
   }
 
@@ -201,7 +201,7 @@ class Reading {
                          "further to the side to which it slips",
                          at(pky1)));
   }
-  /// The force over the deflection x = ρ/R is q x + Q_FZ2 x², of which file or stiffness say q.
+  /// The force over the deflection x = ρ/R is q x + Q_FZ2 x², of which file or stiffness determine q.
   void check_vertical_stiffness() {
     const double slope = at(vertical_stiffness) * at(unloaded_radius) / at(fnomin);
     if (at(q_fz2) == 0) return;
@@ -275,7 +275,7 @@ class Reading {
     // Rolling resistance of 5.2 and PAC2002 is Fz {…} (Fz/Fz₀)^QSY7, that since 6.1 Fz₀ {…} (Fz/Fz₀)^QSY7,
     // which is evaluated.
     if (tyre_.version < 60 && given_.contains(qsy7)) at(qsy7) += 1;
-    // A file that says none, as those of version 5.2 do, has the nominal one, whatever that is.
+    // A file that has none, as those of version 5.2 do, has the nominal one, whatever that is.
     if (!given_.contains(nompres) && !given_.contains(inflpres)) at(nompres) = at(inflpres) = 1;
   }
 

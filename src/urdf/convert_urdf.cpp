@@ -26,13 +26,13 @@ namespace {
 using namespace urdf;
 namespace fs = std::filesystem;
 
-// What URDF does not say of a stop: how long a blow takes, in default steps, and that it takes most of the
-// blow's energy. Nor of friction: how far what sticks gives; half a period of that takes a step at least.
-constexpr double steps_of_blow = 5, steps_of_sticking = 1;
+// What URDF lacks of a stop: how long an impact takes, in default steps, and that it takes most of the
+// impact's energy. Nor of friction: the presliding displacement; half a period of that takes a step at least.
+constexpr double steps_of_impact = 5, steps_of_sticking = 1;
 constexpr double restitution = 0.1;
 const double default_sticking = law_info(find_law("friction")).numbers.front().otherwise;
 
-/// The square of 1/ω of what swings to and fro once in twice as many default steps, s²: displacement under a
+/// The square of 1/ω of what oscillates once in twice as many default steps, s²: displacement under a
 /// load by the acceleration that the load gives what is free.
 double softness(double steps) {
   const double time = steps * spec::Simulation().step / EIGEN_PI;
@@ -343,18 +343,18 @@ class Writer {
       const double moved = inertia_of(joint);
       return fmt::format("  {}: {{joint: {}, lower: {}, upper: {}, stiffness: {:.3g}, restitution: {}}}{}\n",
                          yaml_word(elements_.make(name + "_stop")), yaml_word(name), number(*joint.lower),
-                         number(*joint.upper), (moved > 0 ? moved : 1) / softness(steps_of_blow),
+                         number(*joint.upper), (moved > 0 ? moved : 1) / softness(steps_of_impact),
                          number(restitution), inertia_comment(joint));
     });
     if (any)
       note({},
            fmt::format("stiffness and restitution of the stops are assumed: with the least inertia that "
-                       "the joint moves within the limits (behind each stop) a blow takes {} s, {} "
-                       "default steps. They are soft: a blow at 1 rad/s or m/s goes up to {:.2g} rad or m "
+                       "the joint moves within the limits (behind each stop) an impact takes {} s, {} "
+                       "default steps. They are soft: an impact at 1 rad/s or m/s goes up to {:.2g} rad or m "
                        "deep, a load by {:.2g} s² times the acceleration of the free joint. With steps n "
                        "times as short they may be n² times as stiff",
-                       steps_of_blow * spec::Simulation().step, steps_of_blow,
-                       std::sqrt(softness(steps_of_blow)), softness(steps_of_blow)));
+                       steps_of_impact * spec::Simulation().step, steps_of_impact,
+                       std::sqrt(softness(steps_of_impact)), softness(steps_of_impact)));
     return text;
   }
 
@@ -392,7 +392,8 @@ class Writer {
                                    example);
       note({}, what + (package.empty()
                            ? ""
-                           : fmt::format("; say where the package '{0}' is: --package {0}=FOLDER", package)));
+                           : fmt::format("; specify the folder of the package '{0}': --package {0}=FOLDER",
+                                         package)));
     }
     std::string what;
     for (const auto& [tag, count] : robot_.left_out)

@@ -19,7 +19,7 @@ Eigen::Matrix3d possible_inertia(const Eigen::Matrix3d& inertia);
 bool is_possible(const Eigen::Matrix3d& inertia);
 
 /// Gives bodies what they need to move, and lists what was and what is:
-/// - inertia as possible_inertia says;
+/// - inertia by possible_inertia;
 /// - mass and inertia of its shapes to a body that moves and has no mass, if it has shapes, or if it could
 /// not
 ///   move otherwise; likewise inertia to a mass that a joint turns about itself.

@@ -8,7 +8,7 @@
 
 #include "mimbre/diagnostics.h"
 
-/// A robot as its file says it. Links and joints are named by URDF's words and each in its own axes.
+/// A robot as in its file. Links and joints are named by URDF's words and each in its own axes.
 namespace mimbre::urdf {
 
 struct Pose {
@@ -53,7 +53,7 @@ struct Joint {
   Pose pose;                    ///< of the child in the parent where all coordinates are 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< in the child
   std::optional<double> lower, upper;               ///< rad or m
-  double effort = 0, damping = 0, friction = 0;     ///< N m or N; per speed; 0: none is said
+  double effort = 0, damping = 0, friction = 0;     ///< N m or N; per speed; 0: none is given
   std::optional<Mimic> mimic;
 
   bool turns() const { return type == Type::revolute || type == Type::continuous; }

@@ -64,7 +64,7 @@ class Interruption : public ProgramTest {
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(outcome.err, HasSubstr("interrupted at t = "));
     const auto rows = read_results((folder / "out.h5").string()).time.size();
-    EXPECT_THAT(outcome.err, HasSubstr("is kept: " + std::to_string(rows) + " rows in 'out.h5', " +
+    EXPECT_THAT(outcome.err, HasSubstr("are kept: " + std::to_string(rows) + " rows in 'out.h5', " +
                                        std::to_string(rows) + " rows in 'out.csv' ("));
     const auto json = outcome.json();
     EXPECT_EQ(json.at("status"), "interrupted");

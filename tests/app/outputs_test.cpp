@@ -80,7 +80,7 @@ TEST_F(Outputs, AnOlderTableIsNotTakenForThatOfNewerResults) {
   EXPECT_EQ(outcome.code, 3);
   const std::string rows = std::to_string(read_results(at("out.h5")).time.size());
   EXPECT_THAT(outcome.err,
-              HasSubstr("is kept: " + rows + " rows in 'out.h5', " + rows + " rows in 'out.part-"));
+              HasSubstr("are kept: " + rows + " rows in 'out.h5', " + rows + " rows in 'out.part-"));
   EXPECT_EQ(read_file(folder / "out.csv"), "older");
 }
 

@@ -135,7 +135,7 @@ Given<double> given(const Compiled& m, Random& random, double size) {
   g.multipliers = values(m.equations, 5);
   g.held.assign(m.signals.start.begin(), m.signals.start.end());
   for (double& u : g.held) u += random.number(-0.2, 0.2);
-  for (const SignalsData::Held& h : m.signals.held)
+  for (const SignalsData::HeldInput& h : m.signals.held)
     if (h.linear) {
       // From one instant to another around now.
       g.held[static_cast<std::size_t>(h.held) + 1] = now - random.number(0.001, 0.01);
@@ -221,7 +221,7 @@ void expect_derivatives(const Compiled& m, unsigned seed, double size, By by,
   along.numbers = direction(at.numbers.size(), by == By::number, 1);
   for (std::size_t k = 0; k < along.numbers.size(); ++k) along.numbers[k] *= 0.1 * at.numbers[k];
   // What inputs are held from and to is in fractions of a step.
-  for (const SignalsData::Held& h : m.signals.held)
+  for (const SignalsData::HeldInput& h : m.signals.held)
     if (h.linear)
       along.held[static_cast<std::size_t>(h.held) + 1] = along.held[static_cast<std::size_t>(h.held) + 3] = 0;
   for (const auto& [place, value] : times_of_blocks(m)) along.held[place] = 0;

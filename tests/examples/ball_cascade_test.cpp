@@ -3,15 +3,15 @@
 
 #include "examples/example.h"
 
-/// examples/ball-cascade against the blows of balls, one after the other: momentum and restitution.
+/// examples/ball-cascade against the impacts of balls, one after the other: momentum and restitution.
 namespace mimbre::examples_test::ball_cascade_test {
 namespace {
 
 class BallCascade : public ExampleTest, public testing::WithParamInterface<std::pair<double, double>> {};
 
-/// Of a blow on a ball at rest, of `ratio` times the mass, the shares of the speed that it takes and that are
-/// left. Where it takes more than there was, no ball comes after one that it has hit: there are nine blows
-/// and no more.
+/// Of an impact on a ball at rest, of `ratio` times the mass, the shares of the speed that it takes and that
+/// are left. Where it takes more than there was, no ball comes after one that it has hit: there are nine
+/// impacts and no more.
 TEST_P(BallCascade, PassesOnWhatMomentumAndRestitutionSay) {
   const auto [ratio, bounce] = GetParam();
   const Table run = run_example("ball-cascade", {"--set", "ratio=" + std::to_string(ratio), "--set",

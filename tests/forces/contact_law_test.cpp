@@ -131,21 +131,21 @@ TEST(ContactLaw, TheGradientOfTheElasticEnergyIsTheForce) {
     for (int round = 0; round < 50; ++round) {
       const bool turning = round % 2 == 0;
       Touching t = touching(random, kind, 50, round % 3 == 0 ? 1 : 1.5, turning);
-      // The damping of the blow aside.
+      // The damping of the impact aside.
       t.model.numbers[11] = 0;
       ElementState<double> s = t.at(0, 0);
       t.law(s, 0);
       if (!(s.x[0] < 0)) continue;
       std::copy(s.states, s.states + t.element.state_count, t.before.begin());
-      const double firm = 0.7 * 4e3;
+      const double bristle_stiffness = 0.7 * 4e3;
       const Mat3d axes = forces::contact::axes_of<double>(s);
       const Vec3d bend = axes.leftCols<2>() * random.values(2, 1e-3);
       Vec3d::Map(t.before.data() + contact_states::bend) = bend;
-      Vec3d::Map(t.before.data() + contact_states::pull) = firm * bend;
+      Vec3d::Map(t.before.data() + contact_states::pull) = bristle_stiffness * bend;
       if (turning) {
         const Vec3d twist = random.vector(1e-3);
         Vec3d::Map(t.before.data() + contact_states::twist) = twist;
-        Vec3d::Map(t.before.data() + contact_states::moment) = firm * 0.2 * 0.02 * twist;
+        Vec3d::Map(t.before.data() + contact_states::moment) = bristle_stiffness * 0.2 * 0.02 * twist;
       }
       const double h = 1e-6;
       const auto stored = [&](double at) {

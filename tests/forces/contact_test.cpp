@@ -9,7 +9,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-/// Spheres on surfaces: blows, sticking, sliding, rolling, spinning, edges.
+/// Spheres on surfaces: impacts, sticking, sliding, rolling, spinning, edges.
 namespace mimbre::test::contact_test {
 namespace {
 
@@ -37,8 +37,8 @@ simulation: {{step: 0.001, end: 1}}
 
 class Contact : public testing::TestWithParam<Formulation> {};
 
-/// Five speeds, two exponents, at a step that is longer than the blow itself.
-TEST_P(Contact, ABlowGivesBackTheShareThatIsAskedFor) {
+/// Five speeds, two exponents, at a step that is longer than the impact itself.
+TEST_P(Contact, AnImpactGivesBackTheShareThatIsAskedFor) {
   for (const double restitution : {0.05, 0.3, 0.7, 1.0})
     for (const double speed : {0.1, 0.5, 2.0, 8.0, 30.0})
       for (const double exponent : {1.0, 1.5}) {

@@ -7,7 +7,7 @@
 #include "support/models.h"
 #include "support/simulate.h"
 
-/// Stops at the ends of a travel: blows, rest, depth.
+/// Stops at the ends of a travel: impacts, rest, depth.
 namespace mimbre::stop_test {
 namespace {
 
@@ -37,7 +37,7 @@ TEST_P(Stop, ThrowsBackTheShareThatIsAskedFor) {
                                "restitution: {}",
                                exponent, restitution),
                    speed);
-        // A blow takes about π √(m/k); the step is a small part of it, and of the time to get there.
+        // An impact takes about π √(m/k); the step is a small part of it, and of the time to get there.
         Simulation simulation = simulation_of(text, GetParam(), 1e-5);
         double v = speed;
         while (v * speed > 0 || std::abs(channel(simulation, "z")) > 0.01) {

@@ -139,18 +139,18 @@ TEST_P(Swarm, ItsMatrixIsThatOfAllPairs) {
 }
 
 /// π √(0.01 kg/(2 · 2e4 N/m)) = 1.571 ms.
-TEST_P(Swarm, IsWarnedOfStepsThatItsBlowsAreTooShortFor) {
+TEST_P(Swarm, IsWarnedOfStepsThatItsImpactsAreTooShortFor) {
   const auto said = [](const Options& o) {
     const Simulation s = with_energies(balls(o), GetParam());
     const std::vector<std::string> all = s.warnings();
     return all.empty() ? std::string() : all.front();
   };
   EXPECT_THAT(said({.step = 5e-4}),
-              AllOf(HasSubstr("contact 'balls': a blow of its lightest spheres takes 0.00157 s"),
+              AllOf(HasSubstr("contact 'balls': an impact of its lightest spheres takes 0.00157 s"),
                     HasSubstr("the step 0.0005 s"), HasSubstr("take steps of 0.00016 s")));
   EXPECT_EQ(said({.step = 3.9e-4}), "");
   EXPECT_EQ(said({.swarm = false, .step = 5e-4}), "");
-  EXPECT_EQ(said({.step = 5e-4, .more = "    exponent: 1.5"}), "");  // its blows depend on their speed
+  EXPECT_EQ(said({.step = 5e-4, .more = "    exponent: 1.5"}), "");  // its impacts depend on their speed
 }
 
 TEST_P(Swarm, MovesAsAllPairsDo) {
@@ -161,7 +161,7 @@ TEST_P(Swarm, MovesAsAllPairsDo) {
   for (const double end : {0.02, 0.04, 0.06, 0.3}) {
     run_to(swarm, end);
     run_to(pairs, end);
-    // Later blows take small differences apart.
+    // Later impacts take small differences apart.
     const double tolerance = end < 0.1 ? 1e-6 : 1e-3;
     EXPECT_NEAR(channel(swarm, "height"), channel(pairs, "height"), tolerance * 0.03) << end;
     EXPECT_NEAR(swarm.energy().total(), pairs.energy().total(), tolerance * 0.05) << end;

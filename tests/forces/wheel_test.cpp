@@ -15,7 +15,7 @@
 namespace mimbre::test::wheel_test {
 namespace {
 
-using forces::carcass::Held;
+using forces::carcass::FootprintForce;
 using forces::carcass::Patch;
 
 RoadData slope(double along) {
@@ -312,52 +312,52 @@ TEST(WheelMeasure, AWheelThatLiesFlatIsPushedSmoothly) {
 }
 
 /// Slips until the carcass no longer changes.
-Held<double> steady(const double slip[2], double rolled, const double stiffness[2], double limit,
-                    const double firm[2], double step = 1e-3) {
+FootprintForce<double> steady(const double slip[2], double rolled, const double stiffness[2], double limit,
+                              const double spring[2], double step = 1e-3) {
   double bend[2] = {0, 0};
-  Held<double> held{};
+  FootprintForce<double> shear{};
   for (int k = 0; k < 200000; ++k) {
     Patch<double> patch;
     double change = 0;
     for (int i = 0; i < 2; ++i) {
-      patch.pull[i] = firm[i] * (bend[i] + step * slip[i]);
-      patch.give[i] = firm[i] * step;
+      patch.pull[i] = spring[i] * (bend[i] + step * slip[i]);
+      patch.resistance[i] = spring[i] * step;
       patch.stiffness[i] = stiffness[i];
     }
     patch.rolled = rolled;
     patch.limit = limit;
-    held = forces::carcass::hold(patch);
+    shear = forces::carcass::footprint_force(patch);
     for (int i = 0; i < 2; ++i) {
-      change += std::abs(held.force[i] / firm[i] - bend[i]);
-      bend[i] = held.force[i] / firm[i];
+      change += std::abs(shear.force[i] / spring[i] - bend[i]);
+      bend[i] = shear.force[i] / spring[i];
     }
     if (change < 1e-13) break;
   }
-  return held;
+  return shear;
 }
 
 /// On a steady roll it is the brush, whatever the carcass.
 TEST(Carcass, OnASteadyRollItIsABrush) {
-  const double stiffness[2] = {60e3, 60e3}, firm[2] = {2e5, 1e5}, limit = 3600;
+  const double stiffness[2] = {60e3, 60e3}, spring[2] = {2e5, 1e5}, limit = 3600;
   for (const double size : {0.001, 0.02, 0.1, 0.17, 0.181, 0.3, 1.0})
     for (const double angle : {0.0, 0.7, 1.5708}) {
       const double rolled = 10, slip[2] = {rolled * size * std::cos(angle), rolled * size * std::sin(angle)};
-      const Held<double> held = steady(slip, rolled, stiffness, limit, firm);
+      const FootprintForce<double> shear = steady(slip, rolled, stiffness, limit, spring);
       const double p = std::min(1.0, 60e3 * size / (3 * limit)), force = limit * (1 - std::pow(1 - p, 3));
-      EXPECT_NEAR(held.force[0], force * std::cos(angle), 1e-6 * limit) << size << " " << angle;
-      EXPECT_NEAR(held.force[1], force * std::sin(angle), 1e-6 * limit) << size << " " << angle;
+      EXPECT_NEAR(shear.force[0], force * std::cos(angle), 1e-6 * limit) << size << " " << angle;
+      EXPECT_NEAR(shear.force[1], force * std::sin(angle), 1e-6 * limit) << size << " " << angle;
     }
 }
 
 /// A locked wheel is held by its carcass up to the limit, then slides straight against the force.
 TEST(Carcass, ALockedWheelSlidesStraightAgainstTheForce) {
-  const double stiffness[2] = {80e3, 30e3}, firm[2] = {2e5, 1e5}, limit = 3000;
+  const double stiffness[2] = {80e3, 30e3}, spring[2] = {2e5, 1e5}, limit = 3000;
   const double slip[2] = {0.3, 0.4};
-  const Held<double> held = steady(slip, 0, stiffness, limit, firm);
-  EXPECT_NEAR(held.force[0], 0.6 * limit, 1e-6 * limit);
-  EXPECT_NEAR(held.force[1], 0.8 * limit, 1e-6 * limit);
+  const FootprintForce<double> shear = steady(slip, 0, stiffness, limit, spring);
+  EXPECT_NEAR(shear.force[0], 0.6 * limit, 1e-6 * limit);
+  EXPECT_NEAR(shear.force[1], 0.8 * limit, 1e-6 * limit);
   Patch<double> patch{{500, -1000}, {200, 100}, {80e3, 30e3}, 0, limit};
-  const Held<double> stuck = forces::carcass::hold(patch);
+  const FootprintForce<double> stuck = forces::carcass::footprint_force(patch);
   EXPECT_EQ(stuck.force[0], 500);
   EXPECT_EQ(stuck.force[1], -1000);
 }
@@ -371,26 +371,26 @@ TEST(Carcass, KeepsItsLawForAnyNumbers) {
     Patch<double> patch;
     for (int k = 0; k < 2; ++k) {
       patch.pull[k] = random.number(-1, 1) * std::pow(10, random.number(-2, 5));
-      patch.give[k] = std::pow(10, random.number(0, 4));
+      patch.resistance[k] = std::pow(10, random.number(0, 4));
       patch.stiffness[k] = std::pow(10, random.number(2, 5));
     }
     patch.rolled = round % 5 == 0 ? 0 : std::pow(10, random.number(-6, 2));
     patch.limit = std::pow(10, random.number(0, 4));
-    const Held<double> held = forces::carcass::hold(patch);
-    const double size = std::hypot(held.force[0], held.force[1]), L = patch.limit;
+    const FootprintForce<double> shear = forces::carcass::footprint_force(patch);
+    const double size = std::hypot(shear.force[0], shear.force[1]), L = patch.limit;
     EXPECT_LE(size, L * (1 + 1e-9));
     double slip[2], power = 0;
     for (int k = 0; k < 2; ++k) {
-      slip[k] = (patch.pull[k] - held.force[k]) / patch.give[k];
-      power += slip[k] * held.force[k];
+      slip[k] = (patch.pull[k] - shear.force[k]) / patch.resistance[k];
+      power += slip[k] * shear.force[k];
     }
     EXPECT_GE(power, -1e-9 * L);
-    if (held.used < 1) {
+    if (shear.used < 1) {
       ++sticking;
-      const double p = held.used, q = 1 - p + p * p / 3;
+      const double p = shear.used, q = 1 - p + p * p / 3;
       EXPECT_NEAR(size, L * (1 - std::pow(1 - p, 3)), 1e-6 * L) << round;
       for (int k = 0; k < 2; ++k)
-        EXPECT_NEAR(held.force[k] * patch.rolled, q * patch.stiffness[k] * slip[k],
+        EXPECT_NEAR(shear.force[k] * patch.rolled, q * patch.stiffness[k] * slip[k],
                     1e-5 * std::max(L * patch.rolled, std::abs(patch.stiffness[k] * slip[k])))
             << round;
     } else {
@@ -398,9 +398,10 @@ TEST(Carcass, KeepsItsLawForAnyNumbers) {
       EXPECT_NEAR(size, L, 1e-9 * L) << round;
       // Beyond where all of it began to slide, straight against the force.
       double beyond[2];
-      for (int k = 0; k < 2; ++k) beyond[k] = slip[k] - 3 * held.force[k] * patch.rolled / patch.stiffness[k];
-      const double across = beyond[0] * held.force[1] - beyond[1] * held.force[0],
-                   along = beyond[0] * held.force[0] + beyond[1] * held.force[1];
+      for (int k = 0; k < 2; ++k)
+        beyond[k] = slip[k] - 3 * shear.force[k] * patch.rolled / patch.stiffness[k];
+      const double across = beyond[0] * shear.force[1] - beyond[1] * shear.force[0],
+                   along = beyond[0] * shear.force[0] + beyond[1] * shear.force[1];
       EXPECT_GE(along, -1e-9 * std::hypot(slip[0], slip[1]) * L);
       EXPECT_LE(std::abs(across), 1e-4 * std::hypot(slip[0], slip[1]) * L) << round;
     }
@@ -418,38 +419,39 @@ TEST(Carcass, TheTangentIsThatOfTheForce) {
     const double give = random.number(50, 500), stiffness = random.number(2e4, 1e5);
     for (int k = 0; k < 2; ++k) {
       patch.pull[k] = random.number(-6e3, 6e3);
-      patch.give[k] = give;
+      patch.resistance[k] = give;
       patch.stiffness[k] = stiffness;
     }
     patch.rolled = random.number(0, 30);
     patch.limit = 3000;
-    const Held<double> held = forces::carcass::hold(patch);
+    const FootprintForce<double> shear = forces::carcass::footprint_force(patch);
     for (int c = 0; c < 2; ++c) {
       Patch<double> up = patch, down = patch;
       up.pull[c] += 1e-3;
       down.pull[c] -= 1e-3;
-      const Held<double> above = forces::carcass::hold(up), below = forces::carcass::hold(down);
+      const FootprintForce<double> above = forces::carcass::footprint_force(up),
+                                   below = forces::carcass::footprint_force(down);
       for (int r = 0; r < 2; ++r)
-        EXPECT_NEAR(held.tangent[r + c], (above.force[r] - below.force[r]) / 2e-3, 1e-5) << round;
+        EXPECT_NEAR(shear.tangent[r + c], (above.force[r] - below.force[r]) / 2e-3, 1e-5) << round;
     }
   }
 }
 
 /// The force across follows a step of the slip angle on a way of the relaxation length.
 TEST(Carcass, FollowsOnTheRelaxationLength) {
-  const double stiffness = 50e3, relaxation = 0.5, firm = stiffness / relaxation, speed = 10, angle = 0.002,
+  const double stiffness = 50e3, relaxation = 0.5, spring = stiffness / relaxation, speed = 10, angle = 0.002,
                step = 1e-4;
   double bend = 0, way = 0, last = 0;
   const double settled = 1 - std::exp(-1.0);
   const double most = 4000 * (1 - std::pow(1 - stiffness * angle / 12000, 3));
   while (way < 2) {
-    Patch<double> patch{{0, firm * (bend + step * speed * angle)},
-                        {firm * step, firm * step},
+    Patch<double> patch{{0, spring * (bend + step * speed * angle)},
+                        {spring * step, spring * step},
                         {stiffness, stiffness},
                         speed,
                         4000};
-    const double force = forces::carcass::hold(patch).force[1];
-    bend = force / firm;
+    const double force = forces::carcass::footprint_force(patch).force[1];
+    bend = force / spring;
     way += speed * step;
     if (force >= settled * most && last < settled * most) {
       EXPECT_NEAR(way, relaxation, 0.02 * relaxation);

@@ -253,7 +253,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"FlexibleMissing", 3, {"no 'flexible'"}, body("{as: flexible, mass: 0, com: [0, 0, 0]}")},
         Mistake{"Undecided",
                 6,
-                {"say which"},
+                {"choose one"},
                 bar(two_nodes, one_bar, modes + "    mass: 1\n    com: [0, 0, 0]\n    inertia: [1, 1, 1]\n")},
         Mistake{"ShapeSize", 3, {"not positive"}, body("{mass: 0, com: [0, 0, 0], shapes: [{sphere: -1}]}")},
         Mistake{
@@ -550,7 +550,7 @@ INSTANTIATE_TEST_SUITE_P(
                 8,
                 {"length zero"},
                 spring("{between: [arm, leg], at: [[0, 0, 0], [0, 0, 0]], damping: 1}")},
-        Mistake{"NoForce", 8, {"says no force"}, spring("{between: [arm, leg]}")},
+        Mistake{"NoForce", 8, {"specifies no force"}, spring("{between: [arm, leg]}")},
         Mistake{
             "AmbiguousNumber", 8, {"a stiffness or a force"}, spring("{between: [arm, leg], elastic: 100}")},
         Mistake{
@@ -619,7 +619,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{
             "RoadPatch",
             7,
-            {"does not say where"},
+            {"has no place"},
             sound + "roads: {track: {over: distance, points: [[0, 0], [5, 1]], patches: [{friction: 1}]}}\n"},
         Mistake{"RoadRepeat",
                 7,
@@ -630,12 +630,12 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Rest, BadModelFile,
     testing::Values(
-        Mistake{"OutputNothing", 8, {"says nothing of what it is"}, output("{name: z}")},
+        Mistake{"OutputNothing", 8, {"specifies nothing to measure"}, output("{name: z}")},
         Mistake{"OutputUnknownJoint", 8, {"no joint 'hing'"}, output("{name: q, joint: hing}")},
         Mistake{"OutputComponent", 8, {"'w'", "x, y, z"}, output("{name: q, position: arm, component: w}")},
         Mistake{"OutputsNoList",
                 8,
-                {"a list is needed, this is a map of keys; each of its things begins with '- '"},
+                {"a list is needed, this is a map of keys; each of its items begins with '- '"},
                 sound + "outputs:\n  q: {roll: arm}\n"},
         Mistake{"OutputOfTheWorld",
                 8,

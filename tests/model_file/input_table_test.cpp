@@ -75,7 +75,7 @@ TEST_F(InputTable, IsReadByItsHeader) {
 TEST_F(InputTable, WithoutAHeaderHasTimeAndValue) {
   EXPECT_THAT(numbers("0,3\n0.5,-2\n"), ElementsAre(0, 0.5, 3, -2));
   EXPECT_THAT(numbers("\xEF\xBB\xBF-1;0,25\r\n0,5;1e-3\r\n"), ElementsAre(-1, 0.5, 0.25, 1e-3));
-  EXPECT_THAT(refusal("0,3,1\n"), HasSubstr("1: has 3 columns, and no header says which they are"));
+  EXPECT_THAT(refusal("0,3,1\n"), HasSubstr("1: has 3 columns, and no header that names them"));
   EXPECT_THAT(refusal("0\n"), HasSubstr("1: has 1 columns"));
   EXPECT_THAT(refusal("0,3\n", ""), HasSubstr("1: has no header with the names of inputs"));
 }

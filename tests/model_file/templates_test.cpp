@@ -388,7 +388,7 @@ TEST(NameParameters, SayWhatIsWrong) {
   EXPECT_THAT(mistake("mimbre: 1\nparameters: {p: {name: b, value: 3}}\n" + rest),
               HasSubstr("a name has no 'value'"));
   EXPECT_THAT(mistake("mimbre: 1\nparameters: {p: {name: a b}}\n" + rest),
-              HasSubstr("'a b' is no name of a thing"));
+              HasSubstr("'a b' is no name of an item"));
   EXPECT_THAT(mistake("mimbre: 1\nparameters: {p: {name: none}}\n" + rest +
                       "joints: {j: {type: fixed, between: [ground, $p]}}\n"),
               HasSubstr("there is no body, frame or node 'none'"));

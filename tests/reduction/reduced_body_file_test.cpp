@@ -293,7 +293,7 @@ TEST_F(ReducedBodyFile, NamesChangedMatrices) {
   body.checks = {{"mass", true, fmt::format("{:.6g} kg, the same in all directions to 1e-12", sound.mass)}};
   EXPECT_EQ(saving(body), "no error");
   body.mass *= 1.1;
-  EXPECT_THAT(saving(body), HasSubstr("but the certificate says"));
+  EXPECT_THAT(saving(body), HasSubstr("but the validation report has"));
 }
 
 TEST_F(ReducedBodyFile, MayHaveNoMeshInertiaOrNoNodalMass) {

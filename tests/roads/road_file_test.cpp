@@ -131,7 +131,7 @@ TEST(RoadFile, SaysWhatIsWrong) {
   EXPECT_THAT(complaint("$KD_Definition\n#:LRFI\nD:long section 1,mm\n"),
               HasSubstr("'long section 1' is in 'mm'; m is needed"));
   EXPECT_THAT(complaint("$KD_Definition\n#:LRFI\nD:long section one,m\n"),
-              HasSubstr("says neither the section's number"));
+              HasSubstr("has neither the section's number"));
   EXPECT_THAT(complaint("$ROAD_CRG_FILE\nother.crg\n"), HasSubstr("stand in another file"));
   EXPECT_THAT(complaint(straight("")), HasSubstr("need LONG_SECTION_V_INCREMENT above 0"));
   EXPECT_THAT(complaint(straight("LONG_SECTION_V_INCREMENT = wide\n")),

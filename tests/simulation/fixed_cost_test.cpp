@@ -34,7 +34,7 @@ joints:
 surfaces:
   anvil: {type: half_space, at: [0, 0, 0]}
 contacts:
-  blows:
+  impacts:
     spheres: [{on: a, at: [[1, 0, 0]], radius: 0.05}, {on: b, at: [[1.3, 0, 0]], radius: 0.05}]
     surfaces: anvil
     stiffness: 1e5
@@ -60,7 +60,7 @@ TEST(FixedCost, NeverTakesMoreIterationsThanAllowed) {
       if (most == 2) {
         EXPECT_GT(unconverged, 0) << most;
       }
-      // They have come to rest on it, whatever the blows were.
+      // They have come to rest on it, whatever the impacts were.
       EXPECT_LT(simulation.energy().kinetic, 1e-3) << most;
       EXPECT_LT(simulation.energy().numerical, 1) << most;
     }

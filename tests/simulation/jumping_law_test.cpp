@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(BothFormulations, JumpingLaw,
                          testing::Values(Formulation::relative, Formulation::natural));
 
 TEST_P(JumpingLaw, IsNamedWhereItStopsTheIteration) {
-  const std::string both = "go to and fro between both";
+  const std::string both = "alternate between both";
   EXPECT_THAT(
       failure_of(block("actuators: {brake: {joint: slide, force: \"-100*sign(rate)\"}}\n"), GetParam()),
       AllOf(HasSubstr("did not converge"), HasSubstr("the expression of 'brake' jumps with the motion"),

@@ -11,7 +11,7 @@
 namespace mimbre::test::most_attempts_test {
 namespace {
 
-/// Balls that fall on a plate and on each other, each at another time, without damping: blows in nearly
+/// Balls that fall on a plate and on each other, each at another time, without damping: impacts in nearly
 /// every step.
 std::shared_ptr<const Model> rain(int balls) {
   std::mt19937 random(7);
@@ -31,7 +31,7 @@ bodies:
 {}surfaces:
   plate: {{type: half_space, at: [0, 0, 0]}}
 contacts:
-  blows: {{spheres: [{}], surfaces: plate, stiffness: 1e7, restitution: 0.9}}
+  impacts: {{spheres: [{}], surfaces: plate, stiffness: 1e7, restitution: 0.9}}
 )",
                               bodies, joints, spheres));
 }

@@ -140,15 +140,15 @@ struct Mistake {
 
 void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.name; }
 
-template <class Things>
-auto* any(Things& things, Random& random) {
-  return &things[static_cast<std::size_t>(random.index(static_cast<int>(things.size())))];
+template <class Items>
+auto* any(Items& items, Random& random) {
+  return &items[static_cast<std::size_t>(random.index(static_cast<int>(items.size())))];
 }
-template <class Things, class Which>
-auto* any(Things& things, Random& random, Which&& which) {
-  std::vector<decltype(&things[0])> fitting;
-  for (auto& thing : things)
-    if (which(thing)) fitting.push_back(&thing);
+template <class Items, class Which>
+auto* any(Items& items, Random& random, Which&& which) {
+  std::vector<decltype(&items[0])> fitting;
+  for (auto& item : items)
+    if (which(item)) fitting.push_back(&item);
   return fitting.empty() ? nullptr : *any(fitting, random);
 }
 
@@ -159,26 +159,26 @@ std::string called(const char* kind, const std::string& name) {
 bool rigid(const spec::Body& b) { return !b.flexible; }
 bool flexible(const spec::Body& b) { return b.flexible != nullptr; }
 
-/// A mistake in any thing of a list.
-template <class Things, class Spoil>
-Mistake in(const char* name, const char* kind, Things spec::Model::*list, const char* says, Spoil spoil) {
+/// A mistake in any item of a list.
+template <class Items, class Spoil>
+Mistake in(const char* name, const char* kind, Items spec::Model::*list, const char* says, Spoil spoil) {
   return {name,
           [=](spec::Model& m, Random& random) -> Called {
-            auto* thing = any(m.*list, random);
-            spoil(*thing, m, random);
-            return called(kind, thing->name);
+            auto* item = any(m.*list, random);
+            spoil(*item, m, random);
+            return called(kind, item->name);
           },
           says};
 }
-template <class Things, class Which, class Spoil>
-Mistake in(const char* name, const char* kind, Things spec::Model::*list, Which which, const char* says,
+template <class Items, class Which, class Spoil>
+Mistake in(const char* name, const char* kind, Items spec::Model::*list, Which which, const char* says,
            Spoil spoil) {
   return {name,
           [=](spec::Model& m, Random& random) -> Called {
-            auto* thing = any(m.*list, random, which);
-            if (!thing) return {};
-            spoil(*thing, m, random);
-            return called(kind, thing->name);
+            auto* item = any(m.*list, random, which);
+            if (!item) return {};
+            spoil(*item, m, random);
+            return called(kind, item->name);
           },
           says};
 }
@@ -408,7 +408,7 @@ const std::vector<Mistake>& mistakes() {
          [](spec::Element& e, M&, Random&) { e.general.arguments.clear(); }),
       in("signal of a torsion spring", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "argument",
          [](spec::Element& e, M&, Random& r) { e.general.arguments[0].index = bad_index(r); }),
-      in("torsion spring without a force", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "says no force",
+      in("torsion spring without a force", "element", &M::elements, [](const spec::Element& e) { return !e.terms.empty(); }, "specifies no force",
          [](spec::Element& e, M&, Random&) { e.general = {}; e.functions[0] = {}; }),
       in("formula of another law", "element", &M::elements, [](const spec::Element& e) { return e.law == "actuator"; }, "has no formula 'general'",
          [](spec::Element& e, M&, Random&) { e.general = {Formula::expression("x", {"x", "v"}), {}}; }),

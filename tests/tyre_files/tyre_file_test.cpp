@@ -128,7 +128,7 @@ TEST(TyreFile, WrittenInManyWays) {
 }
 
 TEST(TyreFile, SaysWhatIsWrong) {
-  EXPECT_THAT(complaint(""), HasSubstr("some.tir: says nowhere which Magic Formula it is"));
+  EXPECT_THAT(complaint(""), HasSubstr("some.tir: does not specify its Magic Formula"));
   EXPECT_THAT(complaint(""), HasSubstr("has no PKY2, which a tyre"));
   EXPECT_THAT(complaint(least("", "61")),
               HasSubstr("has no LATERAL_STIFFNESS, which a tyre of version 6.1 needs"));

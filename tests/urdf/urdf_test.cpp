@@ -424,7 +424,7 @@ TEST_F(UrdfFile, StopsAreAsSoftAsTheirNoteSays) {
               joint("hinge", "revolute", "base", "arm",
                     "<axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"0\" effort=\"1\" velocity=\"1\"/>"));
   const std::string note =
-      "They are soft: a blow at 1 rad/s or m/s goes up to 0.016 rad or m deep, a load by 0.00025 s² times "
+      "They are soft: an impact at 1 rad/s or m/s goes up to 0.016 rad or m deep, a load by 0.00025 s² times "
       "the "
       "acceleration of the free joint";
   EXPECT_THAT(robot.text, HasSubstr(note));
@@ -439,13 +439,13 @@ TEST_F(UrdfFile, StopsAreAsSoftAsTheirNoteSays) {
   spec::Model thrown = resting;
   thrown.gravity.setZero();
   thrown.joints.at(1).initial_velocity = {1.0};
-  Simulation blow = test::simulation_of(Model::compile(thrown), formulation, 1e-3);
+  Simulation impact = test::simulation_of(Model::compile(thrown), formulation, 1e-3);
   double depth = 0;
   for (int k = 0; k < 100; ++k) {
-    ASSERT_TRUE(blow.step().ok());
-    depth = std::max(depth, test::channel(blow, "hinge"));
+    ASSERT_TRUE(impact.step().ok());
+    depth = std::max(depth, test::channel(impact, "hinge"));
   }
-  // Without what the blow's damper takes it would go as deep as the note says.
+  // Without what the impact's damper takes it would go as deep as the note says.
   EXPECT_LT(depth, std::sqrt(softness));
   EXPECT_GT(depth, 0.3 * std::sqrt(softness));
 }

@@ -17,7 +17,7 @@ interface Vector {
   /** Of the bodies on each other, not from outside. */
   reaction: boolean;
   at: (time: number) => THREE.Vector3 | null;
-  /** Larger than at nine of ten instants: blows would make all else invisibly small. Live: it follows what is seen. */
+  /** The 90th percentile of its size: impacts would make all other arrows invisibly small. Live: follows the sizes seen so far. */
   usual: number;
 }
 
@@ -36,7 +36,7 @@ function vector(signals: Signals, names: string[]): Pick<Vector, "names" | "at" 
   return { names: names.filter((name, k) => name !== "" && found[k]), at, usual: most > 0 ? most : largest };
 }
 
-/** `silent`: also those that are nought all the time. */
+/** `silent`: also those that are zero all the time. */
 export function vectorsOf(scene: Scene, silent = false): Vector[] {
   const { signals } = scene;
   if (!signals) return [];
@@ -172,7 +172,7 @@ export class Arrows {
     return reaction ? this.shown === "all" && this.chosen.has(element) : this.shown !== "none";
   }
 
-  /** What is larger than usual for long becomes usual: a blow does not last. */
+  /** Follows sizes that stay large, hardly the short peaks of impacts. */
   private learn(vector: Vector, size: number): void {
     if (!(size > vector.usual)) return;
     vector.usual += (vector.usual > 0 ? 0.03 : 1) * (size - vector.usual);

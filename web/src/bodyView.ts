@@ -61,6 +61,7 @@ export class BodyView {
   readonly bare: boolean;
   private tubes?: THREE.InstancedMesh;
   private balls?: THREE.InstancedMesh;
+  readonly solidMeshes: THREE.Mesh[] = [];
   private solids: THREE.MeshStandardMaterial[] = [];
   private surface?: SurfaceView;
   private edges = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
@@ -140,6 +141,13 @@ export class BodyView {
     const place = this.group.worldToLocal(point.clone());
     const distance = (k: number) => new THREE.Vector3().fromArray(this.points, 3 * k).distanceTo(place);
     return near.reduce((best, k) => (best < 0 || distance(k) < distance(best) ? k : best), -1);
+  }
+
+  /** At most so many of the points that are drawn, where they are now. */
+  someOfThePoints(most: number): THREE.Vector3[] {
+    const drawn = [...new Set([...this.used, ...this.body.triangles])];
+    const every = Math.max(1, Math.ceil(drawn.length / most));
+    return drawn.filter((_, k) => k % every === 0).map((point) => this.group.localToWorld(new THREE.Vector3().fromArray(this.points, 3 * point)));
   }
 
   /** Rays are checked against the shape as it is, not as it was. */
@@ -239,6 +247,7 @@ export class BodyView {
     mesh.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = true;
+    this.solidMeshes.push(mesh);
     if (solid.kind !== "sphere") mesh.add(new THREE.LineSegments(edgesOf(geometry, Math.max(...solid.size)), this.edges));
     geometry.computeBoundingBox();
     this.bounds.union(geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));

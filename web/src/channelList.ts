@@ -51,7 +51,7 @@ export class ChannelList {
     const groups = grouped(this.channels, this.grouping.value as Grouping, this.search.value);
     const open = this.search.value.trim() !== "" || groups.size === 1;
     this.list.replaceChildren(...[...groups].map(([name, members]) => this.group(name, members, open)));
-    if (groups.size === 0) this.list.append(element("p", { class: "hint" }, this.channels.length > 0 ? "No channel has all these words." : "The results hold no channels."));
+    if (groups.size === 0) this.list.append(element("p", { class: "hint" }, this.channels.length > 0 ? "No channel matches all these words." : "The results contain no channels."));
     this.refresh();
   }
 

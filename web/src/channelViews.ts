@@ -31,7 +31,7 @@ export interface CardOptions {
   /** The curves are thinned: the page does not hold all instants. */
   thinned: boolean;
   overTime: (remove: (channel: number) => void) => TimeView;
-  /** Adds a channel; throws an Error that says what is wrong with the formula. */
+  /** Adds a channel; throws an Error that describes the mistake in the formula. */
   addFormula: (text: string) => number;
   /** Above the views, beside the buttons. */
   extras?: HTMLElement[];
@@ -69,20 +69,20 @@ export function channelCard(options: CardOptions): HTMLElement {
     made.addEventListener("click", pressed);
     return made;
   };
-  const table = button("Save CSV", "The chosen channels over the time that is shown, all instants that the page holds", () => {
+  const table = button("Save CSV", "The selected channels over the visible interval, with every instant in this page", () => {
     const { min, max } = time.visible;
     save(fileName("channels", "csv"), new Blob([csv(curves.traces(sorted()), min, max)], { type: "text/csv" }));
   });
-  const picture = button("Save plots", "The charts as a picture (PNG)", () => {
+  const picture = button("Save plots", "Save the charts as PNG", () => {
     const canvas = pictureOf(shown().root);
     if (canvas) saveCanvas(canvas, "plots");
   });
-  const reset = button("Reset zoom", "Show the whole time and all of the x–y plots (or double-click a plot)", () => {
+  const reset = button("Reset zoom", "Show the whole run in all plots (or double-click a plot)", () => {
     time.resetZoom();
     across.resetZoom();
   });
 
-  chosen.panels[0].prepend(element("p", { class: "hint" }, "Drag across a plot to zoom, double-click to see all, click to set the animation's time."));
+  chosen.panels[0].prepend(element("p", { class: "hint" }, "Drag across a plot to zoom, double-click to show all, click to move the animation there."));
   const card = element(
     "section",
     { class: "card charts" },
@@ -101,13 +101,13 @@ export function channelCard(options: CardOptions): HTMLElement {
   return card;
 }
 
-/** A line to type a formula in; what is wrong with it is said below. */
+/** A line for a formula; its mistake is printed below. */
 function formulaBox(add: (text: string) => number, added: (channel: number) => void): HTMLElement {
   const input = element("input", { type: "text", class: "formula", placeholder: "Formula, such as tip.z - 2*arm.z", "aria-label": "Formula over channels", spellcheck: "false", autocomplete: "off" });
   const draw = element("button", { type: "submit" }, "Draw");
   const wrong = element("p", { class: "wrong", role: "alert" });
   const hint =
-    "Names of channels (in ` ` where they hold other signs than letters, digits and dots), t, pi, + − * / ^, and abs sqrt exp ln log10 sin cos tan asin acos atan atan2 min max hypot, ddt(…) the derivative and int(…) the integral over time; radians, metres, newtons";
+    "Channel names (in backquotes if they contain characters other than letters, digits and dots), t, pi, + − * / ^, and abs sqrt exp ln log10 sin cos tan asin acos atan atan2 min max hypot, ddt(…) for the time derivative and int(…) for the time integral; in radians, metres, newtons";
   input.title = hint;
   const form = element("form", { class: "row formulas" }, input, draw);
   form.addEventListener("submit", (event) => {

@@ -126,7 +126,7 @@ export class Chart {
     uplot.over.addEventListener("mousedown", (event) => (pressed = event.clientX));
     uplot.over.addEventListener("click", (event) => {
       const left = event.clientX - uplot.over.getBoundingClientRect().left;
-      if (Math.abs(event.clientX - pressed) < 5) clock.set(uplot.posToVal(left, "x"));
+      if (Math.abs(event.clientX - pressed) < 5) clock.stopAt(uplot.posToVal(left, "x"));
     });
   }
 

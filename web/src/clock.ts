@@ -15,13 +15,15 @@ export class Clock {
   time: number;
   playing = false;
   speed = 1;
+  /** At the end it begins again. */
+  repeats = false;
   private listeners: (() => void)[] = [];
   private last = 0;
   private frame = 0; // what requestAnimationFrame returned
 
   private words: (time: number) => string;
 
-  /** `instants`: of the animation, which the time's text tells apart. */
+  /** `instants`: number of instants of the animation, which the text of the time distinguishes. */
   constructor(
     readonly start: number,
     readonly end: number,
@@ -31,7 +33,7 @@ export class Clock {
     this.words = timeText(start, end, instants);
   }
 
-  /** The time as it is read. */
+  /** The time with its unit. */
   text(): string {
     return this.words(this.time);
   }
@@ -43,6 +45,12 @@ export class Clock {
   set(time: number): void {
     this.time = Math.min(Math.max(time, this.start), this.end);
     this.changed();
+  }
+
+  /** Stops at a time. */
+  stopAt(time: number): void {
+    if (this.playing) this.toggle();
+    this.set(time);
   }
 
   toggle(): void {
@@ -60,9 +68,10 @@ export class Clock {
     this.last = now;
     this.time += elapsed * this.speed;
     if (this.time >= this.end) {
-      this.time = this.end;
-      this.playing = false;
-    } else this.frame = requestAnimationFrame(this.tick);
+      this.time = this.repeats ? this.start : this.end;
+      this.playing = this.repeats;
+    }
+    if (this.playing) this.frame = requestAnimationFrame(this.tick);
     this.changed();
   };
 

@@ -16,5 +16,5 @@ export function turboGradient(direction: string): string {
   return `linear-gradient(${direction}, ${stops.join(", ")})`;
 }
 
-/** Line colours of the plots, told apart on light and dark alike. */
+/** Line colours of the plots, distinguishable on light and dark backgrounds. */
 export const lineColors = ["#3b82f6", "#f97316", "#10b981", "#e11d48", "#8b5cf6", "#ca8a04", "#06b6d4", "#db2777", "#65a30d", "#78716c"];

@@ -24,7 +24,7 @@ export class ColorBar {
   constructor() {
     const bar = element("div", { class: "bar" });
     bar.style.background = turboGradient("to right");
-    const title = "Displacement of the flexible bodies' points against their undeformed shape, or stress there (not exaggerated)";
+    const title = "Displacement of the points of flexible bodies from their undeformed shape, or stress there; true values, not exaggerated";
     this.root = element("div", { class: "colorbar", title }, this.caption, bar, element("div", { class: "ends" }, ...this.ends), this.remark);
   }
 
@@ -33,15 +33,15 @@ export class ColorBar {
   }
 
   /** A scale from 0 to `largest`; `note` follows the unit. */
-  show(quantity: Quantity, largest: number, note: string, remark = ""): void {
+  show(quantity: Quantity, largest: number, remark = "", note = ""): void {
     const { unit, size } = scaleFor(quantity === "stress" ? "Pa" : "m", largest);
     const name = quantityNames[quantity];
     this.fill(`${name}, ${unit}${note}`, [0, largest / 2, largest].map((value) => formatNumber(value / size, 3)), remark);
   }
 
   /** A scale of each body's own. */
-  showRelative(quantity: Quantity, note: string): void {
-    this.fill(`${quantityNames[quantity]}, of each body's largest${note}`, ["0", "50 %", "100 %"], "");
+  showRelative(quantity: Quantity): void {
+    this.fill(`${quantityNames[quantity]}, relative to each body's largest`, ["0", "50 %", "100 %"], "");
   }
 
   private fill(caption: string, ends: string[], remark: string): void {
@@ -52,8 +52,14 @@ export class ColorBar {
   }
 }
 
+/** Sizes in the view: of the grid, and by how much deformations are exaggerated. */
+export function viewNote(cell: number, exaggeration: number): string {
+  const { unit, size } = scaleFor("m", 10 * cell); // 0.5 m rather than 500 mm
+  return `Grid ${formatNumber(cell / size)} ${unit}${exaggeration > 1 ? ` · Deformations drawn ${formatNumber(exaggeration)} times larger` : ""}`;
+}
+
 /** Where the largest is: body, node, time, as far as they are known. */
 export function peakText(bodies: Body[], peak: Peak & { body: number }, quantity: Quantity): string {
   const body = bodies[peak.body];
-  return body ? `${quantityText(peak.value, quantity)}: ${body.name}${atNode(body, peak.point)}, ${instant(peak.time)}` : "";
+  return body ? `Largest: ${quantityText(peak.value, quantity)} in ${body.name}${atNode(body, peak.point)} at ${instant(peak.time)}` : "";
 }

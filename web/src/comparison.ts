@@ -37,7 +37,7 @@ function header(comparison: Comparison): HTMLElement {
     made.append(element("p", warning ? { class: "warning", role: "alert" } : { class: "note" }, text));
   made.append(...warningList(runs.flatMap((run) => (isSound(run) ? warningsOf(run.summary).map((text) => `${run.label}: ${text}`) : []))));
   if (runs.some((run) => run.time.length < run.instants))
-    made.append(element("p", { class: "note" }, "The plots show the smallest and largest values of short stretches; the deviations are of all instants."));
+    made.append(element("p", { class: "note" }, "The plots show minima and maxima over short intervals; the deviations use every instant."));
   return made;
 }
 
@@ -84,7 +84,7 @@ function tables(comparison: Comparison): HTMLElement {
     element("h2", {}, "Runs"),
     runsTable(comparison.runs),
     element("h2", { class: "next" }, `Mean / largest deviation from ${comparison.runs[0].label}`),
-    element("p", { class: "hint" }, "Absolute, over the time that both runs have, on the instants of the coarser one."),
+    element("p", { class: "hint" }, "Absolute values over the time common to both runs, at the instants of the coarser run."),
     deviationsTable(comparison),
   );
 }
@@ -148,7 +148,7 @@ export function buildComparison(page: HTMLElement, comparison: Comparison): Cloc
   const clock = new Clock(Math.min(...ends.map((time) => time[0]), Infinity), Math.max(...ends.map((time) => time[time.length - 1]), -Infinity), Math.max(...ends.map(({ length }) => length), 0));
   const sound = Number.isFinite(clock.start) ? clock : new Clock(0, 0);
   const player = new Player(comparison, sound, { ghosts: ghosts.map((scene, r) => ({ scene, color: runColor(r + 1) })) });
-  if (player.view && ghosts.length > 0) player.root.append(element("p", { class: "hint" }, `Solid: ${runs[0].label}. Seen through, in the colours of their curves: the others.`));
+  if (player.view && ghosts.length > 0) player.root.append(element("p", { class: "hint" }, `Solid: ${runs[0].label}. See-through, in the colours of their curves: the other runs.`));
 
   const hidden = new Set<number>();
   const traces = (selection: number[]): Trace[] =>

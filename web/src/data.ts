@@ -164,7 +164,7 @@ export interface Report extends Scene {
   shown: number[];
 }
 
-/** Throws when the array does not hold what it says. */
+/** Throws where the data do not have the stated size. */
 export function decodeArray(packed: PackedArray): Float32Array | Float64Array | Uint32Array {
   const text = atob(packed.data);
   const bytes = new Uint8Array(text.length);

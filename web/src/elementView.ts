@@ -12,7 +12,7 @@ const up = new THREE.Vector3(0, 1, 0);
 function coil(turns: number, length: number, radius: number, wire: number): THREE.BufferGeometry {
   const points = Array.from({ length: 16 * turns + 1 }, (_, i) => {
     const t = i / (16 * turns);
-    // Straight ends lead to the eyes.
+    // Straight ends, as of a coil spring with hooks.
     const s = Math.min(Math.max((t - 0.08) / 0.84, 0), 1);
     const r = radius * Math.min(1, 20 * s, 20 * (1 - s));
     const angle = 2 * Math.PI * turns * s;

@@ -1,4 +1,5 @@
 // The unit in which people read a quantity of some size: kN rather than 1e3 N, mm rather than 0.001 m, ° rather than rad.
+import { formatNumber } from "./format";
 
 export interface Scale {
   unit: string;
@@ -12,7 +13,7 @@ const prefixes: [name: string, size: number][] = [["p", 1e-12], ["n", 1e-9], ["�
 const usual: Record<string, string[]> = {
   m: ["n", "µ", "m", "", "k"],
   s: ["n", "µ", "m", ""],
-  "m/s": ["µ", "m", ""],
+  "m/s": ["n", "µ", "m", ""],
   "m/s²": ["m", ""],
   N: ["n", "µ", "m", "", "k", "M"],
   "N m": ["n", "µ", "m", "", "k", "M"],
@@ -35,7 +36,7 @@ export function scaleFor(unit: string, value: number): Scale {
   if (!names || !(Math.abs(value) > 0) || !Number.isFinite(value)) return { unit, size: 1 };
   const known = prefixes.filter(([name]) => names.includes(name));
   const fitting = known.filter(([name, size]) => Math.abs(value) >= 0.9999 * size * least(unit, name));
-  // Round-off of a nought needs no millionths.
+  // Round-off of a zero keeps the unit without prefix.
   const small = Math.abs(value) >= 1e-3 * known[0][1] ? known[0] : (["", 1] as const);
   const [name, size] = fitting[fitting.length - 1] ?? small;
   return { unit: name + unit, size };
@@ -46,7 +47,7 @@ export function axisScale(unit: string, value: number): Scale {
   return scaleFor(unit, value * (unit === "s" ? 20 : unit === "Hz" ? 0.1 : 1));
 }
 
-/** Says times between `start` and `end` so that `instants` of them, equally far apart, are told apart. */
+/** Formats times between `start` and `end` with the decimals that distinguish `instants` of them at equal distances. */
 export function timeText(start: number, end: number, instants: number): (time: number) => string {
   const { unit, size } = axisScale("s", Math.max(Math.abs(start), Math.abs(end)));
   const gap = (end - start) / Math.max(instants - 1, 1) / size;
@@ -58,7 +59,7 @@ export function timeText(start: number, end: number, instants: number): (time: n
 export function tickLabels(values: number[]): string[] {
   const gap = values.length > 1 ? Math.abs(values[1] - values[0]) : Math.abs(values[0] ?? 0);
   const largest = Math.max(...values.map(Math.abs), 0);
-  if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => (value === 0 ? "0" : value.toExponential(2).replace("e+", "e").replace(/^-/, "−")));
+  if (largest >= 1e7 || (largest > 0 && largest < 1e-4)) return values.map((value) => formatNumber(value, 3));
   let decimals = gap > 0 ? Math.min(Math.max(0, -Math.floor(Math.log10(gap) + 1e-6)), 10) : 0;
   // Steps of 0.25 need one more than steps of 0.2.
   const rest = (gap * 10 ** decimals) % 1;

@@ -26,10 +26,10 @@ export async function bestWay(width: number, height: number): Promise<Way> {
       const known = await VideoEncoder.isConfigSupported(config).catch(() => null);
       if (known?.supported) return { kind: "pictures", config, codec: id };
     }
-  if (typeof MediaRecorder === "undefined") return { kind: "none", reason: "This browser makes no video: it has neither WebCodecs nor MediaRecorder" };
+  if (typeof MediaRecorder === "undefined") return { kind: "none", reason: "This browser cannot make a film: it has neither WebCodecs nor MediaRecorder" };
   if (!("captureStream" in HTMLCanvasElement.prototype)) return { kind: "none", reason: "This browser cannot record a canvas" };
   const type = recorded.find((kind) => MediaRecorder.isTypeSupported(kind));
-  return type ? { kind: "recording", type } : { kind: "none", reason: "This browser writes no kind of video" };
+  return type ? { kind: "recording", type } : { kind: "none", reason: "This browser supports no video format" };
 }
 
 /** Instants of the pictures of a film: equal steps of `speed` per picture, the end included. */
@@ -61,7 +61,7 @@ export class Stage {
   }
 }
 
-/** Encodes `count` pictures; `draw` draws the k-th and says where, or null: no more. Throws what the encoder complains of. */
+/** Encodes `count` pictures; `draw` draws the k-th and returns its canvas, or null to end. Throws the encoder's error. */
 export async function encoded(way: Way & { kind: "pictures" }, count: number, draw: (k: number) => HTMLCanvasElement | null): Promise<Blob> {
   const pictures: Picture[] = [];
   let wrong: unknown = null;

@@ -22,7 +22,7 @@ export class FilmButton {
   }
 
   private way(): Promise<Way> {
-    if (!(this.clock.end > this.clock.start)) return Promise.resolve({ kind: "none", reason: "There is only one instant" });
+    if (!(this.clock.end > this.clock.start)) return Promise.resolve({ kind: "none", reason: "The results contain one instant only" });
     const { width, height } = this.view.canvas;
     return bestWay(even(width), even(height));
   }
@@ -30,8 +30,8 @@ export class FilmButton {
   private async offer(): Promise<void> {
     const way = await this.way();
     const how = {
-      pictures: `The whole time at this speed as a film of ${picturesPerSecond} pictures a second (WebM)`,
-      recording: "Play from the beginning at this speed and record it as a film: this browser has no encoder that takes picture by picture",
+      pictures: `Save the whole animation at this speed as a film of ${picturesPerSecond} frames per second (WebM)`,
+      recording: "Play from the start at this speed and record a film (this browser cannot encode frame by frame)",
       none: way.kind === "none" ? way.reason : "",
     };
     this.button.disabled = way.kind === "none";
@@ -68,9 +68,12 @@ export class FilmButton {
   private record(way: Way & { kind: "recording" }): void {
     const { clock } = this;
     const stage = new Stage(this.view.canvas);
+    const { repeats } = clock;
+    clock.repeats = false; // its end is the film's
     const recording = new Recording(way, stage.canvas, (film) => {
       forget();
       if (clock.playing) clock.toggle();
+      clock.repeats = repeats;
       save(fileName("film", way.type.startsWith("video/mp4") ? "mp4" : "webm"), film);
       this.over();
     });

@@ -18,14 +18,14 @@ export class ForcePanel {
 
   constructor(
     private view: View3D,
-    /** What is ticked has changed. */
+    /** Other reactions are ticked. */
     private changed: () => void,
   ) {
     const { arrows } = view;
     if (!arrows.hasLoads && !arrows.hasReactions) return;
-    // As long as things of this size are told in.
+    // In the unit in which lengths of this size are read.
     const length = scaleFor("m", 10 * view.size);
-    const slider = factorSlider(`1 ${length.unit} is`, 0.01, 100, 1, (by) => this.draw((this.factor = by)), (by) => {
+    const slider = factorSlider(`Arrow of 1 ${length.unit}`, 0.01, 100, 1, (by) => this.draw((this.factor = by)), (by) => {
       const { force, moment } = arrows.perMetre;
       const shown = by * length.size;
       return [force > 0 ? quantity(shown * force, "N") : "", moment > 0 ? `${quantity(shown * moment, "N m")} (two heads)` : ""].filter((text) => text !== "").join(", ");
@@ -43,9 +43,9 @@ export class ForcePanel {
       slider.hidden = value === "none";
       this.list.hidden = value !== "all";
       this.draw();
-      this.tellScale();
+      this.refreshScale();
     });
-    chosen.title = "Red: loads, and drag. Blue: what joints exert on their second bodies, and tyres on wheels. Violet, two heads: moments.";
+    chosen.title = "Red: loads and drag. Blue: forces of joints on their second body and of tyres on wheels. Violet with two heads: moments.";
     this.parts = [chosen, slider, this.list];
   }
 
@@ -83,14 +83,14 @@ export class ForcePanel {
       return element("label", { title: one.kind }, box, element("span", {}, one.name));
     });
     const title = element("summary");
-    this.refreshers.push(() => (title.textContent = `Reactions of ${chosen.size} of ${reacting.length}`));
-    title.title = "Tick those whose arrows are drawn, here or by a click on a joint in the picture; at first those with the largest forces";
+    this.refreshers.push(() => (title.textContent = `${chosen.size} of ${reacting.length} reactions`));
+    title.title = "Tick the reactions to draw, here or after a click on a joint in the picture. At first the largest are ticked";
     this.list.append(title, element("div", { class: "row" }, button("All", true), button("None", false)), element("div", { class: "ticks" }, ...boxes));
     this.refresh();
   }
 
   /** What the arrows stand for may have changed. */
-  tellScale(): void {
+  refreshScale(): void {
     this.slider?.querySelector("input")!.dispatchEvent(new Event("input"));
   }
 

@@ -63,7 +63,7 @@ export function integral(time: ArrayLike<number>, values: Values): Values {
 
 const most = 1000; // characters of a formula, and so of its depth
 
-/** Throws an Error that says what is wrong with the formula, and where. */
+/** Throws an Error that describes the mistake in the formula, with its place. */
 export function evaluate(text: string, source: Source): { values: Values; unit: string } {
   if (text.length > most) throw new Error(`a formula has at most ${most} characters`);
   return new Parser(text, source).all();

@@ -13,8 +13,8 @@ export function curveOf(values: Values): Curve {
   return { values, range: Math.max(high - low, 0) };
 }
 
-/** The formula as a channel; throws an Error that says what is wrong with it. */
+/** The formula as a channel; throws an Error that describes its mistake. */
 export function formulaChannel(text: string, source: Source): Channel {
   const { values, unit } = evaluate(text, source);
-  return { name: text, unit, meaning: "a formula, drawn by this page only", ...curveOf(values) };
+  return { name: text, unit, meaning: "formula, evaluated by this page", ...curveOf(values) };
 }

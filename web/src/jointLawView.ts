@@ -1,4 +1,4 @@
-// Force elements on a joint's coordinate: a motor's case, a ring of friction, a stop's block, beside the joint.
+// Force elements on a joint's coordinate: a motor's case, a ring of friction, a stop's block, next to the joint.
 import * as THREE from "three";
 
 const pattern = /^(motor|friction|stop) (about|along) ([xyz])$/;
@@ -8,7 +8,7 @@ export const isJointLaw = (kind: string) => pattern.test(kind);
 /** "friction of the joint" */
 export const jointLawText = (kind: string) => kind.replace(pattern, "$1 of the joint");
 
-/** In the axes of the joint's first frame; `radius` of the joint that it is beside. */
+/** In the axes of the joint's first frame; `radius`: of the joint that it is next to. */
 export function jointLawMesh(kind: string, radius: number, materials: { actuator: THREE.Material; damper: THREE.Material; rod: THREE.Material }): THREE.Mesh {
   const [, law, way, axis] = pattern.exec(kind)!;
   const r = radius;

@@ -8,7 +8,7 @@ import { decodeLiveScene, type PackedLiveScene } from "./liveProtocol";
 
 const page = document.getElementById("page")!;
 
-/** The server asks for the token of the page's address, where it has one. */
+/** With the token of the page's address, which the server requires where it has one. */
 function addressOf(path: string): URL {
   const url = new URL(path, location.href);
   const token = new URLSearchParams(location.search).get("token");
@@ -18,8 +18,8 @@ function addressOf(path: string): URL {
 
 async function ask(path: string): Promise<Response> {
   const answer = await fetch(addressOf(path));
-  if (answer.status === 403) throw new Error("the server refuses this address; open the one that it printed when it began, with all that follows the “?”");
-  if (!answer.ok) throw new Error(`the server answers ${answer.status} ${answer.statusText}`);
+  if (answer.status === 403) throw new Error("the server rejected this address; open the address that it printed at its start, with everything after the “?”");
+  if (!answer.ok) throw new Error(`the server responded with ${answer.status} ${answer.statusText}`);
   return answer;
 }
 

@@ -30,12 +30,12 @@ export class Inputs {
   private hint = element("p", { class: "hint" });
   private sources: HTMLSelectElement[] = [];
   private offered = ""; // sources that are in the lists
-  private tellers: (() => void)[] = []; // say each input's keys
+  private keyLabels: (() => void)[] = []; // write each input's keys
 
   constructor(
     private inputs: Input[],
     private driver: Driver,
-    /** For control, or no longer. */
+    /** Requests control, or releases it. */
     ask: (take: boolean) => void,
     private set: (name: string, value: number) => void,
   ) {
@@ -45,7 +45,7 @@ export class Inputs {
     fold.hidden = !inputs.some(({ tunable }) => tunable);
     this.driving.hidden = !inputs.some(({ tunable }) => !tunable);
     this.root = element("section", { class: "card driving" }, element("div", { class: "row heading" }, element("h2", {}, "Control"), this.take), this.words, this.driving, this.hint, fold);
-    this.tell();
+    this.writeHint();
   }
 
   /** What the server has; not where this viewer is just setting something else. */
@@ -64,7 +64,7 @@ export class Inputs {
     this.situation = situation;
     const { connection, control, taken, asked } = situation;
     this.words.textContent = controlWords(situation);
-    this.take.textContent = control ? "Give control back" : asked ? "Do not ask any more" : taken ? "Ask for control" : "Take control";
+    this.take.textContent = control ? "Release control" : asked ? "Cancel request" : taken ? "Request control" : "Take control";
     this.take.classList.toggle("primary", !control && !asked);
     this.take.disabled = connection !== "open";
     this.driving.disabled = this.tuning.disabled = !mayDrive(situation) || situation.played;
@@ -124,11 +124,11 @@ export class Inputs {
   /** What drives it, behind a fold. */
   private keys(lever: Lever, slider: HTMLInputElement): HTMLElement {
     const title = element("summary", { "aria-label": `Keys of ${lever.name}` });
-    const tell = () => {
+    const writeKeys = () => {
       const names = (codes: string[]) => (codes.length > 0 ? codes.map(keyName).join(" ") : "");
       title.replaceChildren(...[names(lever.plus), names(lever.minus)].filter((text) => text !== "").map((text) => element("kbd", {}, text)));
       if (lever.plus.length + lever.minus.length === 0) title.textContent = "keys";
-      this.tell();
+      this.writeHint();
     };
     const bind = (text: string, side: "plus" | "minus") => {
       const button = element("button", { type: "button" }, text);
@@ -149,16 +149,16 @@ export class Inputs {
           other.minus = other.minus.filter((code) => code !== event.code);
         }
         lever[side] = [event.code];
-        for (const one of this.tellers) one();
+        for (const write of this.keyLabels) write();
       });
       return button;
     };
     const none = element("button", { type: "button" }, "No keys");
     none.addEventListener("click", () => {
       [lever.plus, lever.minus] = [[], []];
-      tell();
+      writeKeys();
     });
-    const source = element("select", { "aria-label": `Gamepad's part that drives ${lever.name}` });
+    const source = element("select", { "aria-label": `Gamepad control for ${lever.name}` });
     source.append(element("option", { value: lever.source }, lever.source || "none"));
     source.addEventListener("change", () => (lever.source = source.value));
     this.sources.push(source);
@@ -171,22 +171,22 @@ export class Inputs {
       slider.dir = slider.dir === "rtl" ? "ltr" : "rtl";
       lever.source = lever.source.endsWith(" reversed") ? lever.source.slice(0, -9) : lever.source.startsWith("axis") ? `${lever.source} reversed` : lever.source;
       this.offered = "-"; // the lists follow
-      tell();
+      writeKeys();
     });
-    this.tellers.push(tell);
-    tell();
+    this.keyLabels.push(writeKeys);
+    writeKeys();
     const box = (input: HTMLInputElement, text: string) => element("label", {}, input, element("span", {}, text));
     return element(
       "details",
       { class: "keys" },
       title,
-      element("div", { class: "settings" }, bind("Key for more", "plus"), bind("Key for less", "minus"), none, element("label", {}, element("span", {}, "Gamepad"), source), box(back, "goes back by itself"), ...(lever.role === "steering" ? [box(turned, "the other way round")] : [])),
+      element("div", { class: "settings" }, bind("Key to increase", "plus"), bind("Key to decrease", "minus"), none, element("label", {}, element("span", {}, "Gamepad"), source), box(back, "returns to its start"), ...(lever.role === "steering" ? [box(turned, "reversed")] : [])),
     );
   }
 
-  private tell(): void {
+  private writeHint(): void {
     const driven = this.driver.levers.some(({ plus }) => plus.length > 0);
-    const how = this.driver.levers.length === 0 ? "" : driven ? "Drive with the keys above or a gamepad · " : "Keys and gamepads can be given to the inputs above · ";
+    const how = this.driver.levers.length === 0 ? "" : driven ? "Drive with the keys above or a gamepad · " : "Keys and gamepads can be assigned to the inputs above · ";
     this.hint.replaceChildren(how, element("kbd", {}, "P"), " pause · ", element("kbd", {}, "R"), " reset");
   }
 }

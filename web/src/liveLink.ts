@@ -1,4 +1,4 @@
-// The connection to the server, which comes back by itself.
+// The connection to the server, which reconnects automatically.
 import type { Order, Said } from "./liveProtocol";
 
 /** What of a WebSocket is used. */
@@ -17,7 +17,7 @@ export interface LinkOptions {
   connected: () => void;
   /** `ended`: the server went away, or nobody is there; `retry`: s until the next attempt. */
   lost: (ended: boolean, retry: number) => void;
-  /** Before an attempt after the first: false where this page cannot go on. */
+  /** Before another attempt: false where this page cannot continue with the server. */
   again: () => Promise<boolean>;
   /** To be replaced in tests. */
   after?: (seconds: number, call: () => void) => unknown;

@@ -1,4 +1,4 @@
-// Whether the steps are in time: the last one against its deadline, the spread of all, what delayed those that were late.
+// Whether the steps meet their deadlines: the last step, the distribution of all, and the causes of late steps.
 import { element } from "./dom";
 import { formatNumber } from "./format";
 import type { Spread, Status } from "./liveProtocol";
@@ -13,10 +13,10 @@ const columns: [keyof Spread, string][] = [
 
 const causes: [string, string][] = [
   ["computation", "computation of the step"],
-  ["latency", "woken too late"],
-  ["preemption", "taken from the processor"],
-  ["page_faults", "memory not there"],
-  ["parts", "step made in parts"],
+  ["latency", "late wake-up"],
+  ["preemption", "preempted by other work"],
+  ["page_faults", "page faults"],
+  ["parts", "step split into parts"],
   ["iterations", "many iterations"],
 ];
 
@@ -42,7 +42,7 @@ export class Monitor {
   readonly root: HTMLElement;
   private load = element("div", { class: "load-fill" });
   private peak = element("div", { class: "load-peak" });
-  private meter = element("div", { class: "load", role: "meter", "aria-label": "Computation of the last step, of its length", "aria-valuemin": 0, "aria-valuemax": 100 }, this.load, this.peak);
+  private meter = element("div", { class: "load", role: "meter", "aria-label": "Computing time of the last step as a share of its length", "aria-valuemin": 0, "aria-valuemax": 100 }, this.load, this.peak);
   private share = element("span", { class: "share" });
   private cells = new Map<string, HTMLElement>();
   private overruns = element("p", { class: "overruns" });
@@ -51,14 +51,14 @@ export class Monitor {
   private axis = element("div", { class: "histogram-axis" });
   private facts = element("dl", { class: "facts" });
   private most = 0; // of the shares in the last seconds
-  private spoken = 0;
+  private sinceUpdate = 0; // s
 
   constructor() {
     const rows = (["computation", "cpu", "latency"] as const).map((key) =>
       element(
         "tr",
         {},
-        element("th", { scope: "row" }, { computation: "Computation", cpu: "of it on the processor", latency: "Begun late by" }[key]),
+        element("th", { scope: "row" }, { computation: "Computation", cpu: "of which CPU time", latency: "Late start" }[key]),
         ...columns.map(([column]) => {
           const cell = element("td", {}, "–");
           this.cells.set(`${key}.${column}`, cell);
@@ -76,8 +76,8 @@ export class Monitor {
       this.overruns,
       this.causes,
       element("div", { class: "scroll-x" }, table),
-      element("figure", {}, element("figcaption", {}, element("div", { class: "legend" }, swatch("computing", "computation"), swatch("late", "latency"), swatch("limit", "the step"), element("small", { class: "muted" }, "number of steps, logarithmic"))), this.histogram, this.axis),
-      element("details", { class: "all" }, element("summary", {}, "How it is computed"), this.facts),
+      element("figure", {}, element("figcaption", {}, element("div", { class: "legend" }, swatch("computing", "computation"), swatch("late", "latency"), swatch("limit", "deadline"), element("small", { class: "muted" }, "number of steps, logarithmic scale"))), this.histogram, this.axis),
+      element("details", { class: "all" }, element("summary", {}, "Details"), this.facts),
     );
   }
 
@@ -88,9 +88,9 @@ export class Monitor {
     this.load.style.width = part(share);
     this.peak.style.left = part(this.most);
     this.meter.classList.toggle("over", this.most > 1);
-    this.spoken += dt;
-    if (this.spoken < 0.25) return; // to be read, and not to keep a screen reader busy
-    this.spoken = 0;
+    this.sinceUpdate += dt;
+    if (this.sinceUpdate < 0.25) return; // readable, and not too often for a screen reader
+    this.sinceUpdate = 0;
     this.share.textContent = `${formatNumber(100 * share, 2)} %`;
     this.meter.setAttribute("aria-valuenow", String(Math.min(Math.round(100 * share), 100)));
     this.meter.setAttribute("aria-valuetext", `${Math.round(100 * share)} % of the step`);
@@ -105,7 +105,7 @@ export class Monitor {
         cell.classList.toggle("bad", key === "computation" && value * status.speed > status.step);
       }
     const { count = 0, skipped_outputs: skipped = 0, lag = 0 } = status.overruns;
-    this.overruns.textContent = `${count === 0 ? "No step was late" : `${formatNumber(count)} of ${formatNumber(status.steps)} steps ${count === 1 ? "was" : "were"} late`}${skipped > 0 ? `; ${formatNumber(skipped)} outputs were skipped` : ""}${lag > status.step ? `; it is ${quantity(lag, "s")} behind the clock` : ""}.`;
+    this.overruns.textContent = `${count === 0 ? "No step was late" : `${formatNumber(count)} of ${formatNumber(status.steps)} steps ${count === 1 ? "was" : "were"} late`}${skipped > 0 ? `; ${formatNumber(skipped)} ${skipped === 1 ? "output was" : "outputs were"} skipped` : ""}${lag > status.step ? `; ${quantity(lag, "s")} behind the clock` : ""}.`;
     this.overruns.classList.toggle("bad", count > 0);
     const known = causes.filter(([key]) => (status.overruns[key] ?? 0) > 0);
     this.causes.replaceChildren(...known.map(([key, text]) => element("li", {}, `${formatNumber(status.overruns[key])} × ${text}`)));
@@ -134,7 +134,7 @@ export class Monitor {
     };
     const limit = 400 * alongEdges(shown, step / speed);
     this.histogram.replaceChildren(...bars(latency, "late"), ...bars(computation, "computing"), shape("line", { x1: 0, x2: 400, y1: 92, y2: 92, class: "ground" }), shape("line", { x1: limit, x2: limit, y1: 0, y2: 92, class: "limit" }));
-    this.histogram.setAttribute("aria-label", "Histogram of computation and latency against the length of the step");
+    this.histogram.setAttribute("aria-label", "Histogram of computation and latency, with the deadline");
     const marks: number[] = [];
     for (let power = Math.ceil(Math.log10(shown[0]) - 1e-9); power <= Math.log10(shown[shown.length - 1]) + 1e-9; ++power) marks.push(10 ** power);
     this.axis.replaceChildren(

@@ -1,4 +1,4 @@
-// The parts of the live page put together: what the server says goes to those that show it, what they want to the server.
+// Assembles the live page: messages of the server go to the cards that show them, orders of the cards to the server.
 import { element } from "./dom";
 import { formatNumber } from "./format";
 import { firstSelection } from "./groups";
@@ -13,7 +13,7 @@ import { InputSender } from "./liveSender";
 import { announcement, atFirst, mayDrive, seenIn, stateWord, type Situation } from "./liveSituation";
 import { StripRecord } from "./liveStrip";
 import { Strips } from "./liveStrips";
-import { Tapes } from "./liveTapes";
+import { RecordedInputs } from "./liveRecordedInputs";
 import { Transport } from "./liveTransport";
 import { LiveView } from "./liveView";
 
@@ -23,7 +23,7 @@ const chartsEvery = 0.045; // s: every third picture of a screen, all of a machi
 const errorsStay = 8; // s
 const patience = 5; // s, with what is to be done before something else
 
-/** Where typing, choosing or pressing means something already. */
+/** Whether a key already has a meaning where it is pressed: typing, choosing, pressing a button. */
 function hasMeaning(target: Element, code: string): boolean {
   if (target.closest("select, textarea, input:not([type=range], [type=checkbox])")) return true;
   if (target.closest("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(code);
@@ -44,7 +44,7 @@ export class LivePage {
   private inputs: Inputs;
   private strips: Strips;
   private monitor = new Monitor();
-  private tapes: Tapes;
+  private recordedInputs: RecordedInputs;
   private pads: HTMLElement | null;
   private places: Map<string, number>; // of channels, by name
   private begin: number; // of the simulation's time, s
@@ -74,15 +74,15 @@ export class LivePage {
     this.driver = new Driver(live.inputs);
     this.view = new LiveView(live, () => this.ask());
     this.transport = new Transport(order, live.record);
-    this.inputs = new Inputs(live.inputs, this.driver, (take) => this.want(take), (name, value) => this.sender.set(name, value));
+    this.inputs = new Inputs(live.inputs, this.driver, (take) => this.requestControl(take), (name, value) => this.sender.set(name, value));
     this.strips = new Strips(live.channels, live.shown.length > 0 ? live.shown : firstSelection(live.channels), this.record, () => this.ask());
-    this.tapes = new Tapes(live.inputs, order, driven, () => this.toStart());
+    this.recordedInputs = new RecordedInputs(live.inputs, order, driven, () => this.toStart());
     this.pads = touchPads(this.driver);
     this.view.holder.after(this.transport.root);
     const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
     const header = element("header", {}, element("h1", {}, live.title || "Untitled model"), element("div", { class: "row states" }, this.state, this.facts), this.banner, this.wrong, this.asking, this.spoken);
     const left = element("div", { class: "column" }, this.view.root, this.inputs.root);
-    const right = element("div", { class: "column" }, this.strips.root, this.monitor.root, this.tapes.root, model);
+    const right = element("div", { class: "column" }, this.strips.root, this.monitor.root, this.recordedInputs.root, model);
     this.parts = [header, element("main", {}, left, right), ...(this.pads ? [this.pads] : [])];
     this.listen();
 
@@ -114,18 +114,18 @@ export class LivePage {
     this.show();
     this.link.connect();
     this.draw();
-    setInterval(() => this.tell(seconds()), 250);
+    setInterval(() => this.showFacts(seconds()), 250);
   }
 
   private order(one: Order): void {
     this.link.send(one);
   }
 
-  /** Control; where another viewer has it, as soon as it is free. */
-  private want(take: boolean): void {
+  /** Takes or releases control; where another viewer has it, it is taken as soon as it is free. */
+  private requestControl(take: boolean): void {
     const { control, taken } = this.situation;
     if (!control && taken) this.become({ ...this.situation, asked: take });
-    if (control || take) this.order({ do: "control", take }); // who has it is told that it is asked for
+    if (control || take) this.order({ do: "control", take }); // the server informs the viewer in control of the request
   }
 
   private hear(said: Said): void {
@@ -150,7 +150,7 @@ export class LivePage {
       this.transport.show(this.situation);
     } else if (said.say === "recording") this.become({ ...this.situation, recording: said.on });
     else if (said.say === "played") this.become({ ...this.situation, played: said.on });
-    else if (said.say === "error" && !this.situation.asked) this.complain(said.message); // asking, another may have been quicker
+    else if (said.say === "error" && !this.situation.asked) this.showError(said.message); // while control is requested, another viewer may get it first
   }
 
   private add(picture: Picture, { inputs }: LiveScene): void {
@@ -167,7 +167,7 @@ export class LivePage {
     this.become({ ...this.situation, ...seenIn(picture) });
   }
 
-  /** Paused where it begins: what is played from there is played from its first step on. */
+  /** Resets and pauses, so that playback begins with the first step. */
   private async toStart(): Promise<void> {
     this.order({ do: "pause" });
     this.order({ do: "reset" });
@@ -177,7 +177,7 @@ export class LivePage {
       return newest !== undefined && newest.paused && newest.time <= this.begin;
     };
     while (!there()) {
-      if (seconds() > end) throw new Error("the server does not begin anew");
+      if (seconds() > end) throw new Error("the server does not reset");
       await new Promise((done) => setTimeout(done, 20));
     }
   }
@@ -208,13 +208,13 @@ export class LivePage {
     const [word, kind] = stateWord(situation);
     this.state.textContent = word;
     this.state.className = `pill ${kind}`;
-    for (const part of [this.transport, this.inputs, this.tapes]) part.show(situation);
+    for (const part of [this.transport, this.inputs, this.recordedInputs]) part.show(situation);
     if (this.pads) this.pads.hidden = !mayDrive(situation) || situation.played;
     document.body.classList.toggle("with-pads", this.pads !== null && !this.pads.hidden);
     this.warn();
   }
 
-  /** What stands above everything, with what can be done about it. */
+  /** Banners above everything, with their remedies. */
   private warn(): void {
     const { connection, failed, message, asker } = this.situation;
     const button = (text: string, pressed: () => void) => {
@@ -224,15 +224,15 @@ export class LivePage {
     };
     const away = connection === "lost" || connection === "ended";
     this.banner.hidden = !away && !failed && message === "";
-    if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended, or cannot be reached. The page goes on when it is there again. " : "The connection is lost. The page tries again by itself. ", button("Try now", () => void this.link.retry()));
-    else if (failed) this.banner.replaceChildren(`The simulation failed${message ? `: ${message}` : "."} `, ...(mayDrive(this.situation) ? [button("Reset", () => this.order({ do: "reset" }))] : ["Who is in control can reset it."]));
+    if (away) this.banner.replaceChildren(connection === "ended" ? "The server has ended or cannot be reached. The page reconnects automatically. " : "The connection is lost. The page reconnects automatically. ", button("Try now", () => void this.link.retry()));
+    else if (failed) this.banner.replaceChildren(`The simulation failed${message ? `: ${message}` : "."} `, ...(mayDrive(this.situation) ? [button("Reset", () => this.order({ do: "reset" }))] : ["The viewer in control can reset it."]));
     else this.banner.replaceChildren(message);
     this.asking.hidden = asker === 0;
-    this.asking.replaceChildren(`Viewer ${asker} asks for control. `, button("Hand over", () => this.want(false)), button("Not now", () => this.become({ ...this.situation, asker: 0 })));
+    this.asking.replaceChildren(`Viewer ${asker} requests control. `, button("Hand over", () => this.requestControl(false)), button("Not now", () => this.become({ ...this.situation, asker: 0 })));
   }
 
-  private complain(message: string): void {
-    this.wrong.textContent = `The server says: ${message}`;
+  private showError(message: string): void {
+    this.wrong.textContent = `Server: ${message}`;
     this.wrong.hidden = false;
     clearTimeout(this.hiding);
     this.hiding = window.setTimeout(() => (this.wrong.hidden = true), 1000 * errorsStay);
@@ -297,7 +297,7 @@ export class LivePage {
     }
   };
 
-  /** What is read rather than watched. */
+  /** Texts and charts, less often than the picture. */
   private write(now: number, time: number, deadline: number): void {
     this.strips.draw(now, time);
     this.monitor.tick(deadline, Math.min(now - this.written, 1));
@@ -310,16 +310,16 @@ export class LivePage {
     return place < 0 ? null : picture.channels[place];
   }
 
-  private tell(now: number): void {
+  private showFacts(now: number): void {
     const { connection } = this.situation;
     const [first, last] = [this.paces[0], this.paces[this.paces.length - 1]];
     const pace = last && last.clock - first.clock > 0.3 ? (last.time - first.time) / (last.clock - first.clock) : NaN;
     const words =
       connection === "open"
-        ? [Number.isFinite(pace) ? `${formatNumber(Math.round(100 * pace) / 100)}× real time` : "", this.viewers > 1 ? `${this.viewers} viewers` : "one viewer"]
+        ? [Number.isFinite(pace) ? `${formatNumber(Math.round(100 * pace) / 100)}× real time` : "", this.viewers > 1 ? `${this.viewers} viewers` : "1 viewer"]
         : connection === "first"
           ? []
-          : [this.retryAt > now ? `next attempt in ${Math.ceil(this.retryAt - now)} s` : "trying"];
+          : [this.retryAt > now ? `next attempt in ${Math.ceil(this.retryAt - now)} s` : "connecting"];
     const text = words.filter((word) => word !== "").join(" · ");
     if (this.facts.textContent !== text) this.facts.textContent = text;
   }

@@ -1,9 +1,9 @@
-// Pictures that come when the network brings them, shown when the screen asks: a little later than they were taken, so
-// that there is always one before and one after.
+// A buffer of pictures, which arrive irregularly. The screen shows the mechanism with a small delay, so that there is
+// always a picture before and one after to interpolate between.
 import type { Animation } from "./data";
 import type { Picture } from "./liveProtocol";
 
-const window = 5; // s, in which the quickest picture tells how the clocks are apart
+const window = 5; // s; the quickest picture in it measures the difference of the clocks
 const kept = 1; // s of pictures
 const behind = 2; // pictures that the screen is late
 const [leastDelay, mostDelay] = [0.02, 0.5]; // s
@@ -80,7 +80,7 @@ export function liveAnimation({ bodies, amplitudes, time, positions, rotations, 
   };
 }
 
-/** The animation between two pictures: interpolated by who draws it. */
+/** Copies two pictures into the animation; the view interpolates between them. */
 export function fill(animation: Animation, { earlier, later }: Between): void {
   const { time, positions, rotations, modes } = animation;
   time[0] = earlier.time;

@@ -1,4 +1,4 @@
-// What the live server says and is told (docs/live-protocol.md), and as the page uses it.
+// Messages to and from the live server (docs/live-protocol.md), and their form in the page.
 import { decodeScene, type ChannelName, type PackedScene, type Scene } from "./data";
 
 export const protocol = "mimbre-live-1";
@@ -37,7 +37,7 @@ export interface LiveScene extends Omit<PackedLiveScene, keyof PackedScene> {
 }
 
 export function decodeLiveScene(packed: PackedLiveScene): LiveScene {
-  if (packed.format !== protocol) throw new Error(`the server speaks ${packed.format}, this page ${protocol}`);
+  if (packed.format !== protocol) throw new Error(`the server uses protocol ${packed.format}, this page ${protocol}`);
   const { bodies, roads, frames, elements, animation, ...rest } = packed;
   return { ...rest, scene: decodeScene({ bodies, roads, frames, elements, animation }) };
 }
@@ -131,7 +131,7 @@ export interface Picture {
 
 const headLength = 40; // bytes
 
-/** Throws where the message does not have the length that it says. */
+/** Throws where the message does not have the stated length. */
 export function decodePicture(message: ArrayBuffer, bodies: number, amplitudes: number): Picture {
   if (message.byteLength < headLength) throw new Error(`a picture of ${message.byteLength} bytes`);
   const head = new DataView(message);

@@ -1,11 +1,11 @@
-// Inputs on their way to the server: only what has changed, and no more often than it can be seen.
+// Sends inputs to the server: only changed values, at most once per frame of the screen.
 
 export class InputSender {
   private wanted = new Map<string, number>();
   private sent = new Map<string, number>();
   private last = -Infinity; // when, s
 
-  /** `send` is false where nobody listens; `every`: s between two messages at least. */
+  /** `send` returns false without a connection; `every`: s between two messages at least. */
   constructor(
     private send: (values: Record<string, number>) => boolean,
     private every = 1 / 60,
@@ -15,12 +15,12 @@ export class InputSender {
     if (Number.isFinite(value)) this.wanted.set(name, value);
   }
 
-  /** What this viewer wants an input to be, until the server has been told. */
+  /** The value of an input that is not yet sent. */
   pending(name: string): number | undefined {
     return this.wanted.get(name);
   }
 
-  /** Others may have changed the inputs: nothing is known of what the server has. */
+  /** Others may have changed the inputs: the server's values are unknown. */
   forget(): void {
     this.wanted.clear();
     this.sent.clear();

@@ -1,13 +1,13 @@
-// How things stand between this viewer and the simulation, in words.
+// The state of the connection, of control and of the simulation, and its texts.
 import type { Picture } from "./liveProtocol";
 
 export interface Situation {
   connection: "first" | "open" | "lost" | "ended";
-  /** This viewer has control; somebody has; this viewer has asked for it. */
+  /** This viewer has control; some viewer has; this viewer has requested it. */
   control: boolean;
   taken: boolean;
   asked: boolean;
-  /** The viewer that asks this one for control; 0: none does. */
+  /** The viewer that requests control from this one; 0: none. */
   asker: number;
   paused: boolean;
   recording: boolean;
@@ -20,14 +20,14 @@ export interface Situation {
 
 export const atFirst: Situation = { connection: "first", control: false, taken: false, asked: false, asker: 0, paused: false, recording: false, failed: false, ended: false, played: false, message: "" };
 
-/** This viewer's orders would be heard. */
+/** The server accepts this viewer's orders. */
 export const mayDrive = ({ connection, control }: Situation) => connection === "open" && control;
 
 export function seenIn({ control, paused, recording, failed, ended, played }: Picture): Partial<Situation> {
   return { control, paused, recording, failed, ended, played, ...(control ? { taken: true, asked: false } : { asker: 0 }) };
 }
 
-/** In a word or two, and how alarming it is. */
+/** The state in a word or two, and its severity. */
 export function stateWord({ connection, failed, ended, paused }: Situation): [word: string, kind: "good" | "rest" | "bad"] {
   if (connection === "first") return ["Connecting", "rest"];
   if (connection === "ended") return ["Server ended", "bad"];
@@ -37,23 +37,23 @@ export function stateWord({ connection, failed, ended, paused }: Situation): [wo
   return paused ? ["Paused", "rest"] : ["Running", "good"];
 }
 
-/** Who drives, and what can be done about it. */
+/** Who is in control, and what this viewer can do. */
 export function controlWords({ connection, control, taken, asked }: Situation): string {
-  if (connection !== "open") return "Without the server nothing can be driven.";
+  if (connection !== "open") return "Not connected: the simulation cannot be driven.";
   if (control) return "You are in control.";
-  if (asked) return "You have asked for control, and get it as soon as the other viewer gives it back.";
-  return taken ? "Another viewer is in control: you see everything, and can ask for it." : "Nobody is in control: take it to drive.";
+  if (asked) return "You have requested control. You get it when the other viewer releases it.";
+  return taken ? "Another viewer is in control. You can watch, or request control." : "Nobody is in control. Take control to drive.";
 }
 
-/** What a listener has to hear of a change; "": nothing. */
+/** The announcement of a change to a screen reader; "": none. */
 export function announcement(before: Situation, now: Situation): string {
-  const said: string[] = [];
+  const parts: string[] = [];
   const [word, kind] = stateWord(now);
-  if (word !== stateWord(before)[0]) said.push(kind === "bad" && now.failed && now.message ? `${word}: ${now.message}` : word);
-  if (now.connection === "open" && now.control !== before.control) said.push(now.control ? "You are in control" : "You are no longer in control");
-  else if (now.asked && !before.asked) said.push("Asked for control");
-  else if (now.asker !== 0 && now.asker !== before.asker) said.push(`Viewer ${now.asker} asks for control`);
-  if (now.recording !== before.recording) said.push(now.recording ? "Recording" : "Recording has ended");
-  if (now.played !== before.played) said.push(now.played ? "Inputs are played back" : "Playback has ended");
-  return said.join(". ");
+  if (word !== stateWord(before)[0]) parts.push(kind === "bad" && now.failed && now.message ? `${word}: ${now.message}` : word);
+  if (now.connection === "open" && now.control !== before.control) parts.push(now.control ? "You are in control" : "You are no longer in control");
+  else if (now.asked && !before.asked) parts.push("Control requested");
+  else if (now.asker !== 0 && now.asker !== before.asker) parts.push(`Viewer ${now.asker} requests control`);
+  if (now.recording !== before.recording) parts.push(now.recording ? "Recording" : "Recording has ended");
+  if (now.played !== before.played) parts.push(now.played ? "Playing back inputs" : "Playback has ended");
+  return parts.join(". ");
 }

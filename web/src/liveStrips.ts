@@ -32,7 +32,7 @@ export class Strips {
   private list: ChannelList;
   private plots: Plot[] = [];
   private gutters = { left: 0, right: 0 };
-  private held = false;
+  private frozen = false;
   private drawn = -Infinity; // when, s of this machine
   private measured = -Infinity; // when the scales were last looked after
   private every: number; // s between two drawings at least
@@ -52,18 +52,18 @@ export class Strips {
       this.build();
     };
     this.list = new ChannelList(channels, this.selected, changed);
-    const hold = element("button", { "aria-pressed": "false", title: "Keep the charts as they are, to look at them: drag across to zoom" }, "Hold");
-    hold.addEventListener("click", () => {
-      this.held = !this.held;
-      hold.setAttribute("aria-pressed", String(this.held));
+    const freeze = element("button", { "aria-pressed": "false", title: "Freeze the charts; drag across to zoom" }, "Freeze");
+    freeze.addEventListener("click", () => {
+      this.frozen = !this.frozen;
+      freeze.setAttribute("aria-pressed", String(this.frozen));
     });
     const span = choice("Last", lengths.map((length) => ({ value: String(length), text: `${length} s` })), String(record.length), (length) => (this.record.length = Number(length)));
     this.root = element(
       "section",
       { class: "card strips" },
-      element("div", { class: "row heading" }, element("h2", {}, "Channels"), span, hold),
+      element("div", { class: "row heading" }, element("h2", {}, "Channels"), span, freeze),
       this.holder,
-      element("details", { class: "all" }, element("summary", {}, `Choose among ${channels.length} channels`), this.list.root),
+      element("details", { class: "all" }, element("summary", {}, `Select from ${channels.length} channels`), this.list.root),
     );
     onThemeChange(() => this.build());
     new ResizeObserver(() => this.resize()).observe(this.holder);
@@ -72,7 +72,7 @@ export class Strips {
 
   /** `now`: s of this machine; `time`: of the simulation, at the right end. */
   draw(now: number, time: number): void {
-    if (this.held || now - this.drawn < this.every) return;
+    if (this.frozen || now - this.drawn < this.every) return;
     this.drawn = now;
     if (now - this.measured > 1) {
       this.measured = now;
@@ -121,7 +121,7 @@ export class Strips {
       const { name, unit, meaning } = this.channels[channel];
       return { name, unit, meaning, channel, run: 0, label: name, color: lineColors[k % lineColors.length], time: [], values: [], range: 0 };
     });
-    if (traces.length === 0) this.holder.append(element("p", { class: "hint" }, "No channel is chosen: tick some in the list below."));
+    if (traces.length === 0) this.holder.append(element("p", { class: "hint" }, "No channel is selected. Tick some in the list below."));
     this.gutters = { left: 0, right: 0 };
     this.plots = [...byUnit(traces)].map(([unit, of]) => this.plot(unit, of));
     this.drawn = -Infinity;

@@ -1,4 +1,4 @@
-// Inputs as they were driven: in files, and to be played again. An input keeps each value until the next.
+// Recorded inputs, in files and for playback. An input keeps each value until the next.
 import { field } from "./csv";
 import type { Input, Track } from "./liveProtocol";
 
@@ -50,14 +50,14 @@ function ofCsv(text: string): Tracks {
   return tracks;
 }
 
-/** Of what is set twice at a time the last counts, and what stays as it is needs no point. */
+/** Keeps the last of several values at one time, and drops points that change nothing. */
 function tidy({ times, values }: Track): Track {
   const last = times.flatMap((time, k) => (time === times[k + 1] ? [] : [k]));
   const kept = last.filter((k, i) => i === 0 || i === last.length - 1 || values[k] !== values[last[i - 1]]);
   return { times: kept.map((k) => times[k]), values: kept.map((k) => values[k]) };
 }
 
-/** Of a file, JSON or CSV. Throws an Error that says what is wrong. */
+/** Of a file, JSON or CSV. Throws an Error that describes its mistake. */
 export function readTracks(text: string, inputs: Pick<Input, "name">[]): Tracks {
   let tracks: Tracks;
   if (text.trimStart().startsWith("{")) {

@@ -8,12 +8,12 @@ export class Transport {
   readonly time = element("span", { class: "time", role: "timer", "aria-label": "Time of the simulation" });
   private play = element("button", { class: "play" });
   private step = element("button", { title: "One step" }, "Step");
-  private reset = element("button", { title: "Begin anew (R)" }, "Reset");
+  private reset = element("button", { title: "Start again (R)" }, "Reset");
   private record = element("button", { class: "record", "aria-pressed": "false" }, "Record");
   private name = element("input", { type: "text", maxlength: 40, placeholder: "Name", "aria-label": "Name of the snapshot", autocomplete: "off", spellcheck: "false" });
-  private save = element("button", { type: "submit", title: "Keep the present state" }, "Snapshot");
+  private save = element("button", { type: "submit", title: "Save the present state" }, "Snapshot");
   private list = element("select", { "aria-label": "Snapshot to restore" });
-  private restore = element("button", { title: "Go back to the chosen snapshot" }, "Restore");
+  private restore = element("button", { title: "Restore the selected snapshot" }, "Restore");
   private file = element("small", { class: "muted" });
   private counted = 0;
   private paused = false;
@@ -35,7 +35,7 @@ export class Transport {
     });
     this.restore.type = "button";
     this.record.hidden = records === undefined;
-    if (records !== undefined) this.record.title = `Write the channels to ${records}, where the server runs`;
+    if (records !== undefined) this.record.title = `Record the channels to ${records} on the server's machine`;
     this.root = element("div", { class: "transport" }, element("div", { class: "row" }, this.play, this.step, this.reset, this.record, this.file, this.time), snapshots);
     this.offer([]);
   }

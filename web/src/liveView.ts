@@ -1,7 +1,7 @@
 // The card with the 3D view of what happens now.
 import * as THREE from "three";
 import { Clock } from "./clock";
-import { ColorBar, quantityNames, quantityText } from "./colorBar";
+import { ColorBar, quantityNames, viewNote } from "./colorBar";
 import { has, type Quantity } from "./coloring";
 import type { Scene, Signals } from "./data";
 import { element } from "./dom";
@@ -11,7 +11,6 @@ import { niceAbove } from "./arrows";
 import { fill, liveAnimation, type Between } from "./livePictures";
 import type { LiveScene, Picture } from "./liveProtocol";
 import { checkbox, choice, factorSlider } from "./slider";
-import { quantity } from "./summaryLines";
 import { View3D } from "./view3d";
 
 const largestFactor = 500; // of the deformation scale
@@ -56,6 +55,7 @@ export class LiveView {
   private bar = new ColorBar();
   private quantity: Quantity = "none";
   private exaggeration = 1;
+  private note = element("small", { class: "cell" });
   private ends: number[]; // the largest of each body so far
   private looked = 0; // when the ends were last looked after, s of this machine
   private forces?: ForcePanel;
@@ -92,7 +92,7 @@ export class LiveView {
   show(between: Between, value: (name: string, picture: Picture) => number | null, now: number): void {
     const { view } = this;
     const still = between.time === this.clock.time;
-    // While it is paused only now and then, which says nothing of how fast the machine draws.
+    // A paused simulation is drawn only now and then: that does not measure the speed of drawing.
     if (still) this.watched = { since: now, drawn: 0 };
     if (!view || (still && now - this.looked < scaleEvery)) return;
     fill(this.scene.animation, between);
@@ -104,13 +104,13 @@ export class LiveView {
     }
     if (this.camera === "chase") this.chase(view, between, now);
     this.shown = now;
-    this.spare(now);
+    this.saveWork(now);
     this.clock.set(between.time);
     view.flush(); // waiting for the next picture of the screen would leave out every other
     if (now - this.looked < scaleEvery) return;
     this.looked = now;
     this.rescale(view);
-    this.forces?.tellScale();
+    this.forces?.refreshScale();
   }
 
   private signals(): Signals {
@@ -125,19 +125,19 @@ export class LiveView {
 
   private made(): View3D | null {
     if (this.scene.bodies.length === 0) {
-      this.holder.append(element("p", { class: "hint" }, "The model has no bodies to draw."));
+      this.holder.append(element("p", { class: "hint" }, "The model contains no bodies to draw."));
       return null;
     }
     try {
       const view = new View3D(this.scene, this.clock, this.holder, { live: true, from: () => this.behind() });
-      view.canvas.setAttribute("aria-label", "The mechanism as it moves now; arrow keys turn the picture, + and − come nearer or go away");
+      view.canvas.setAttribute("aria-label", "The mechanism as it moves now; arrow keys rotate the view, + and − zoom");
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) this.holder.append(this.bar.root);
-      this.holder.append(element("small", { class: "cell" }, `Grid ${quantity(view.cell, "m")}`));
+      this.holder.append(this.note);
       return view;
     } catch (error) {
       console.warn(error);
-      this.holder.append(element("p", { class: "hint" }, "This browser has no WebGL: the mechanism cannot be drawn. The charts and controls work."));
+      this.holder.append(element("p", { class: "hint" }, "This browser has no WebGL, so the mechanism cannot be drawn. The charts and controls work."));
       return null;
     }
   }
@@ -145,9 +145,9 @@ export class LiveView {
   private settings(view: View3D): HTMLElement {
     const row = element("div", { class: "settings" });
     const cameras: { value: Camera; text: string }[] = [
-      { value: "chase", text: "chases from behind" },
-      { value: "follow", text: "goes along" },
-      { value: "still", text: "stands still" },
+      { value: "chase", text: "chases" },
+      { value: "follow", text: "follows" },
+      { value: "still", text: "fixed" },
     ];
     const floats = this.scene.elements.some(({ kind }) => kind === "floating");
     row.append(choice("Camera", cameras, !floats ? "still" : matchMedia("(prefers-reduced-motion: reduce)").matches ? "follow" : "chase", (camera) => this.look(view, camera)));
@@ -163,29 +163,29 @@ export class LiveView {
       const exaggerate = (factor: number) => {
         this.exaggeration = factor;
         view.exaggerate(factor);
-        this.tellColors();
+        this.showScale();
       };
-      row.append(factorSlider("Deformation", 1, largestFactor, 1, exaggerate));
+      row.append(factorSlider("Exaggeration", 1, largestFactor, 1, exaggerate));
       const options = view.quantities.map((value) => ({ value, text: quantityNames[value] }));
       const asked = new URLSearchParams(location.hash.slice(1)).get("color") as Quantity;
-      row.append(choice("Colour", options, view.quantities.includes(asked) ? asked : "none", (quantity) => this.colorBy(view, quantity)));
-      const again = element("button", { title: "Let the colours' scale begin anew" }, "New scale");
+      row.append(choice("Colour", options, view.quantities.includes(asked) ? asked : "displacement", (quantity) => this.colorBy(view, quantity)));
+      const again = element("button", { title: "Restart the colour scale" }, "New scale");
       again.addEventListener("click", () => this.colorBy(view, this.quantity));
       row.append(again);
-    }
-    if (this.scene.bodies.some((body) => body.shapes.length > 0)) row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
+    } else this.showScale();
+    if (this.scene.bodies.some((body) => body.shapes.length > 0)) row.append(checkbox("See through solids", view.hidesFlexible(), (on) => view.seeThrough(on)));
     if (this.scene.elements.some(({ kind }) => kind !== "load" && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
-    const fine = checkbox("Shadows and full sharpness", true, (on) => view.refine(on));
-    fine.title = "Turned off by itself where the machine draws too slowly";
+    const fine = checkbox("Shadows and full resolution", true, (on) => view.refine(on));
+    fine.title = "Turned off automatically where drawing is slow";
     this.fine = fine.querySelector("input");
     row.append(fine);
     this.forces = new ForcePanel(view, () => this.needed());
     row.append(...this.forces.parts);
     this.forces.parts[0]?.addEventListener("change", () => this.needed());
-    const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
+    const fit = element("button", { title: "Show all bodies" }, "Fit view");
     fit.addEventListener("click", () => this.look(view, this.camera));
-    const picture = element("button", { title: "Save this picture (PNG)" }, "Save picture");
+    const picture = element("button", { title: "Save the picture as PNG" }, "Save picture");
     picture.addEventListener("click", () => {
       view.redraw();
       saveCanvas(view.canvas, `t${this.clock.text().replace(" ", "")}`);
@@ -194,8 +194,8 @@ export class LiveView {
     return element("details", { class: "viewing" }, element("summary", {}, "View"), row);
   }
 
-  /** A machine that draws too slowly is given less to draw. */
-  private spare(now: number): void {
+  /** Turns shadows off and the resolution down where drawing is too slow. */
+  private saveWork(now: number): void {
     const { watched, fine } = this;
     ++watched.drawn;
     const passed = now - watched.since;
@@ -244,13 +244,13 @@ export class LiveView {
       this.ends = this.ends.map(() => end);
     } else if (!anew) return;
     view.colorUpTo(this.quantity, this.ends);
-    this.tellColors();
+    this.showScale();
   }
 
-  private tellColors(): void {
+  private showScale(): void {
+    this.note.textContent = viewNote(this.view?.cell ?? 1, this.exaggeration);
     if (this.quantity === "none") return this.bar.hide();
     const end = this.ends[0] ?? 0;
-    const note = this.exaggeration > 1 ? ` (drawn ${this.exaggeration}×)` : "";
-    this.bar.show(this.quantity, end, note, end > 0 ? `up to ${quantityText(end, this.quantity)} so far` : "");
+    this.bar.show(this.quantity, end, end > 0 ? "The scale covers the largest so far" : "");
   }
 }

@@ -62,7 +62,7 @@ function build(page: HTMLElement): void {
   // report.html#t=4.3 opens at that time: a link can point at what is worth seeing.
   performance.mark("mimbre: built");
   const start = Number(new URLSearchParams(location.hash.slice(1)).get("t") ?? NaN);
-  if (Number.isFinite(start)) clock.set(start);
+  if (Number.isFinite(start)) clock.stopAt(start);
 }
 
 const page = document.getElementById("page")!;

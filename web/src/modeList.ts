@@ -22,7 +22,7 @@ export class ModeList {
       element("h2", {}, "Modes"),
       element("div", { class: "settings" }),
       this.holder,
-      element("p", { class: "hint" }, "Eigenmodes are those of the reduced matrices with the body frame held, other modes have the frequency of their Rayleigh quotient; for free frequencies see the certificate. ", element("kbd", {}, "↑"), " ", element("kbd", {}, "↓"), " choose, ", element("kbd", {}, "Space"), " plays."),
+      element("p", { class: "hint" }, "Eigenmodes belong to the reduced matrices with the body frame fixed; other modes have the frequency of their Rayleigh quotient. The validation report has the frequencies of the free body. ", element("kbd", {}, "↑"), " ", element("kbd", {}, "↓"), " select, ", element("kbd", {}, "Space"), " plays."),
     );
     document.addEventListener("keydown", (event) => this.key(event));
   }

@@ -35,7 +35,7 @@ export class ModePlayer {
   private speed = 1;
   private last = 0;
   private play = element("button", { class: "play" });
-  private slider = element("input", { type: "range", class: "timeline", min: -1, max: 1, step: "any", "aria-label": "Point of the swing" });
+  private slider = element("input", { type: "range", class: "timeline", min: -1, max: 1, step: "any", "aria-label": "Phase of the oscillation" });
   private bar = new ColorBar();
   private title = element("output", { class: "picked" });
   private numbers = element("p", { class: "note", "aria-live": "polite" });
@@ -59,7 +59,7 @@ export class ModePlayer {
     this.root.append(element("h2", { class: "unseen" }, "Mode shape"), holder, element("div", { class: "row transport" }, this.play, this.slider));
     this.view = this.makeView(holder);
     if (this.view) this.root.append(this.settings(this.view));
-    this.root.append(this.numbers, element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom"), element("p", { class: "hint fingers" }, "One finger scrolls the page or turns the picture sideways, two move and zoom it. After a tap one finger turns it every way until you touch something else"));
+    this.root.append(this.numbers, element("p", { class: "hint mouse" }, "Drag to rotate, right-drag to pan, scroll to zoom"), element("p", { class: "hint fingers" }, "One finger scrolls the page or rotates the picture sideways; two fingers pan and zoom. After a tap on the picture one finger rotates freely until you tap outside it"));
     this.clock.onChange(() => this.changed());
     document.addEventListener("keydown", (event) => this.key(event));
     this.clock.set(1);
@@ -81,7 +81,7 @@ export class ModePlayer {
   private makeView(holder: HTMLElement): View3D | null {
     const { body, frames } = this.report;
     if (body.lines.length === 0 && body.triangles.length === 0) {
-      holder.append(element("p", { class: "hint" }, "The body's file holds nothing to draw."));
+      holder.append(element("p", { class: "hint" }, "The body's file contains nothing to draw."));
       return null;
     }
     try {
@@ -94,7 +94,7 @@ export class ModePlayer {
       return view;
     } catch (error) {
       console.warn(error);
-      holder.append(element("p", { class: "hint" }, "This browser has no WebGL: the modes cannot be drawn."));
+      holder.append(element("p", { class: "hint" }, "This browser has no WebGL, so the modes cannot be drawn."));
       return null;
     }
   }
@@ -108,7 +108,7 @@ export class ModePlayer {
       this.share = share;
       this.scaleUp();
     };
-    const fit = element("button", { title: "Look at the whole body again" }, "Fit view");
+    const fit = element("button", { title: "Show the whole body" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
     const row = element(
       "div",
@@ -148,10 +148,10 @@ export class ModePlayer {
     const { value } = this.view.peak(this.quantity);
     this.view.color(this.quantity);
     if (this.quantity === "none" || value === 0) this.bar.hide();
-    else this.bar.show(this.quantity, value, " at amplitude 1");
+    else this.bar.show(this.quantity, value, "", " at amplitude 1");
   }
 
-  /** The largest values of the mode, and what they say of each other. */
+  /** The largest values of the mode, and their ratio. */
   private extremes(): string {
     const { body } = this.report;
     const moved = this.view!.peak("displacement");
@@ -159,7 +159,7 @@ export class ModePlayer {
     if (body.stress.length === 0) return `${text}.`;
     const stressed = this.view!.peak("stress");
     text += `, von Mises stress up to ${quantityText(stressed.value, "stress", 4)}${atNode(body, stressed.point)}`;
-    if (moved.value > 0) text += `, that is ${quantityText(stressed.value / moved.value / 1000, "stress", 4)} per mm of the largest deformation`;
+    if (moved.value > 0) text += `: ${quantityText(stressed.value / moved.value / 1000, "stress", 4)} per mm of deformation`;
     return `${text}.`;
   }
 

@@ -1,4 +1,4 @@
-// The page of a reduced body: its modes and its certificate.
+// The page of a reduced body: its modes and its validation report.
 import type { Clock } from "./clock";
 import { element } from "./dom";
 import { formatNumber } from "./format";
@@ -30,7 +30,7 @@ function header(report: ModesReport): HTMLElement {
   );
 }
 
-function certificate(checks: Check[]): HTMLElement {
+function validationReport(checks: Check[]): HTMLElement {
   const rows = ordered(checks).map((check) =>
     element(
       "tr",
@@ -43,9 +43,9 @@ function certificate(checks: Check[]): HTMLElement {
   const heads = ["Result", "Check", "Detail"].map((title) => element("th", { scope: "col" }, title));
   const body =
     rows.length > 0
-      ? element("table", { class: "certificate" }, element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...rows))
-      : element("p", { class: "hint" }, "A body gets its checks when `mimbre reduce` makes it; this one has none.");
-  return element("section", { class: "card summary" }, element("h2", {}, "Certificate"), body);
+      ? element("table", { class: "validation" }, element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...rows))
+      : element("p", { class: "hint" }, "`mimbre reduce` adds checks to a body; this body has none.");
+  return element("section", { class: "card summary" }, element("h2", {}, "Validation report"), body);
 }
 
 function facts(report: ModesReport): HTMLElement {
@@ -68,7 +68,7 @@ function facts(report: ModesReport): HTMLElement {
 export function buildModes(page: HTMLElement, report: ModesReport): Clock {
   const player = new ModePlayer(report);
   const list = new ModeList(report, (family, mode) => player.show(family, mode));
-  page.append(header(report), element("main", { class: "modes" }, player.root, list.root, certificate(report.checks), facts(report)));
+  page.append(header(report), element("main", { class: "modes" }, player.root, list.root, validationReport(report.checks), facts(report)));
   // modes.html#family=2&mode=3 opens with that one.
   const asked = new URLSearchParams(location.hash.slice(1));
   list.select(Number(asked.get("family") ?? 1) - 1, Number(asked.get("mode") ?? 1) - 1);

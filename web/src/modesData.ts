@@ -98,11 +98,11 @@ export function swing(amplitudes: Float32Array): Float32Array {
   return Float32Array.from([...amplitudes.map((value) => -value), ...amplitudes]);
 }
 
-/** Whether to trust the body, in one sentence. */
+/** The result of the checks in one sentence. */
 export function verdict(checks: Check[]): { text: string; passed: boolean } {
-  if (checks.length === 0) return { text: "Not certified: the body's file holds no checks.", passed: false };
+  if (checks.length === 0) return { text: "Not validated: the body's file contains no checks.", passed: false };
   const failed = checks.filter((check) => !check.passed);
-  if (failed.length === 0) return { text: `All ${checks.length} checks of the reduction are passed.`, passed: true };
+  if (failed.length === 0) return { text: `All ${checks.length} checks of the reduction passed.`, passed: true };
   const names = failed.map(({ name }) => name).join(", ");
   return { text: `${failed.length} of ${checks.length} checks of the reduction failed: ${names}.`, passed: false };
 }

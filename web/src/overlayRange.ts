@@ -25,7 +25,7 @@ function hull(extents: [number, number][]): [number, number] | null {
 export function overlayRange(sound: [number, number][], others: [number, number][]): [number, number] | null {
   const inner = hull(sound);
   const outer = hull([...sound, ...others]);
-  // Curves that lie flat give no measure.
+  // Constant curves have no range to compare with.
   if (!inner || !outer || !(inner[1] > inner[0])) return outer;
   const spare = (inner[1] - inner[0]) / 2;
   return [Math.max(outer[0], inner[0] - spare), Math.min(outer[1], inner[1] + spare)];

@@ -61,7 +61,7 @@ export class Overlays implements View {
     for (const { chart } of this.plots) chart.uplot.destroy();
     this.root.replaceChildren();
     this.plots = [];
-    if (selection.length === 0) this.root.append(element("p", { class: "hint" }, "No channel is chosen: tick some in the list."));
+    if (selection.length === 0) this.root.append(element("p", { class: "hint" }, "No channel is selected. Tick some in the list."));
     this.gutters = { left: 0, right: 0 };
     for (const index of selection) this.add(index);
     if (this.plots.length > 1) for (const { chart } of this.plots) chart.align();
@@ -102,10 +102,10 @@ export class Overlays implements View {
     const title = element("b", { title: channel.meaning }, channel.name);
     this.plot(channel, channel.curves, (run) => runs[run].time, valuesHeight, [title, close], "Plot over time");
     if (!this.differences) return;
-    const caption = element("span", { class: "versus" }, `less ${runs[0].label}`);
+    const caption = element("span", { class: "versus" }, `minus ${runs[0].label}`);
     const most = (curves: (Curve | null)[]) => Math.max(0, ...curves.map((curve) => (curve ? largest(curve.values) : 0)));
     if (channel.differences.some((curve) => curve) && most(channel.differences) <= 1e-12 * most(channel.curves)) {
-      this.root.append(element("p", { class: "hint" }, `Equal to round-off, less ${runs[0].label}.`));
+      this.root.append(element("p", { class: "hint" }, `Equal to ${runs[0].label} within round-off.`));
       return;
     }
     this.plot(channel, channel.differences, (run) => runs[run].commonTime, differencesHeight, [caption], `Differences to ${runs[0].label}`);

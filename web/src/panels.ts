@@ -7,7 +7,7 @@ import { summaryLines, warningsOf, type Line } from "./summaryLines";
 
 const fewWarnings = 3; // shown at once; the rest are folded
 
-/** What must be read first, above everything else. */
+/** Above everything else on the page. */
 export function warningList(warnings: string[]): HTMLElement[] {
   const item = (text: string) => element("li", {}, text);
   if (warnings.length === 0) return [];
@@ -22,7 +22,7 @@ export function header(report: Report): HTMLElement {
   const warnings = report.summary === null ? ["This run was cut short: the results end early and have no summary."] : warningsOf(report.summary);
   made.append(...warningList(warnings));
   if (report.time.length < report.instants)
-    made.append(element("p", { class: "note" }, "The plots show the smallest and largest values of short stretches, the results file all instants."));
+    made.append(element("p", { class: "note" }, "The plots show minima and maxima over short intervals. The results file contains every instant."));
   return made;
 }
 
@@ -34,7 +34,7 @@ export function table(lines: (SummaryLine | Line)[]): HTMLElement {
   return element("table", {}, element("tbody", {}, ...rows));
 }
 
-/** A dozen lines, and behind a fold everything that the run said of itself. */
+/** A dozen lines; every figure of the run is in a fold. */
 export function summary(report: Report): HTMLElement {
   const { time } = report.animation;
   const facts = {

@@ -1,6 +1,6 @@
 // The card with the 3D view and everything that steers it.
 import { speeds, type Clock } from "./clock";
-import { ColorBar, peakText, quantityNames, quantityText } from "./colorBar";
+import { ColorBar, peakText, quantityNames, quantityText, viewNote } from "./colorBar";
 import { atNode, has, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { element } from "./dom";
@@ -11,6 +11,7 @@ import { formatNumber } from "./format";
 import { nearest, valueAt } from "./interpolate";
 import { checkbox, choice, factorSlider } from "./slider";
 import { isJoint } from "./placement";
+import { playFrom } from "./firstPicture";
 import { quantity } from "./summaryLines";
 import { isCoupling } from "./couplingView";
 import { isJointLaw, jointLawText } from "./jointLawView";
@@ -20,8 +21,8 @@ import { View3D, type Picked, type ViewOptions } from "./view3d";
 
 const largestFactor = 500; // of the exaggeration
 
-/** A joint's own spring. */
 const isConstraint = (kind: string) => kind === "distance" || kind === "constant_velocity" || kind === "screw" || kind.startsWith("on_");
+/** A joint's own spring or damper. */
 const isOfJoint = (element: Pick<Element, "kind">) => isTorsional(element) || slideOf(element) !== null;
 
 export class Player {
@@ -33,11 +34,12 @@ export class Player {
   private quantity: Quantity = "none";
   private perBody = false;
   private exaggeration = 1;
-  /** Said to who cannot see, when the animation rests. */
+  private note = element("small", { class: "cell" });
+  /** For screen readers: the time at which the animation rests. */
   private spoken = element("p", { class: "unseen", "aria-live": "polite" });
   private speaking = 0;
   private forces?: ForcePanel;
-  /** What was clicked is described anew. */
+  /** Describes again what was clicked. */
   private pickedChanged = (): void => {};
   view: View3D | null = null;
 
@@ -49,16 +51,17 @@ export class Player {
     const holder = element("div", { class: "view" });
     const { time } = report.animation;
     this.slider = element("input", { type: "range", class: "timeline", min: clock.start, max: clock.end, step: "any", "aria-label": "Time" });
-    this.slider.addEventListener("input", () => clock.set(Number(this.slider.value)));
+    this.slider.addEventListener("input", () => clock.stopAt(Number(this.slider.value)));
     this.play.addEventListener("click", () => clock.toggle());
     this.root.append(element("h2", { class: "unseen" }, "Animation"), holder, element("div", { class: "row transport" }, this.play, this.slider, this.shown));
     this.view = this.made(holder);
+    if (this.view) this.start(this.view);
     this.root.append(this.spoken, this.settings(this.view));
     if (this.view) this.root.append(this.exports(this.view));
     const key = (name: string) => element("kbd", {}, name);
     this.root.append(
-      element("p", { class: "hint mouse" }, "Drag to turn, right-drag to move, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step; in the picture the arrows turn it"),
-      element("p", { class: "hint fingers" }, "One finger scrolls the page or turns the picture sideways, two move and zoom it. A tap says what is there, and one finger then turns it every way until you touch something else"),
+      element("p", { class: "hint mouse" }, "Drag to rotate, right-drag to pan, scroll to zoom · ", key("Space"), " play · ", key("←"), " ", key("→"), " step. With the picture focused, the arrow keys rotate it"),
+      element("p", { class: "hint fingers" }, "One finger scrolls the page or rotates the picture sideways; two fingers pan and zoom. Tap a part to read its values; one finger then rotates freely until you tap outside the picture"),
     );
     clock.onChange(() => this.changed());
     this.changed();
@@ -66,21 +69,41 @@ export class Player {
     if (time.length > 0) document.addEventListener("keydown", (event) => this.key(event));
   }
 
+  /** Plays from a moment before the instant at which most happens; with reduced motion, rests at it. */
+  private start(view: View3D): void {
+    const { clock } = this;
+    const instant = view.tellingInstant();
+    const resting = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const from = resting ? instant : playFrom(instant, clock.start, speeds(clock.end - clock.start)[2]);
+    clock.set(from);
+    view.fit();
+    if (resting) return;
+    const forget = view.onDrawn(() => {
+      forget();
+      // Unless another time was asked for before the first picture.
+      if (!clock.playing && clock.time === from) clock.toggle();
+    });
+  }
+
   private made(holder: HTMLElement): View3D | null {
     if (this.report.bodies.length === 0 || this.report.animation.time.length === 0) {
-      holder.append(element("p", { class: "hint" }, "The results hold nothing to animate."));
+      holder.append(element("p", { class: "hint" }, "The results contain nothing to animate."));
       return null;
     }
     try {
       const view = new View3D(this.report, this.clock, holder, this.options);
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       if (view.quantities.length > 1) holder.append(this.bar.root);
-      holder.append(element("small", { class: "cell" }, `Grid ${quantity(view.cell, "m")}`));
+      const forget = view.onDrawn(() => {
+        forget();
+        this.bar.root.classList.toggle("left", view.emptierLeft());
+      });
+      holder.append(this.note);
       this.nameClicked(view, holder);
       return view;
     } catch (error) {
       console.warn(error);
-      holder.append(element("p", { class: "hint" }, "This browser has no WebGL: the animation cannot be drawn. The plots work."));
+      holder.append(element("p", { class: "hint" }, "This browser has no WebGL, so the animation cannot be drawn. The plots work."));
       return null;
     }
   }
@@ -138,8 +161,8 @@ export class Player {
     const sizes = (of: string, what: string) => Math.hypot(...["x", "y", "z"].map((axis) => now(`${of}.${name}.${what}.${axis}`) ?? NaN));
     if (isConstraint(kind)) {
       const [force, moment] = [sizes("constraint", "force"), sizes("constraint", "moment")];
-      const borne = [Number.isFinite(force) ? quantity(force, "N") : "", Number.isFinite(moment) ? quantity(moment, "N m") : ""].filter((text) => text);
-      return `${name}, ${kind.replace(/_/g, " ")}${borne.length > 0 ? `: ${borne.join(", ")}` : ""}`;
+      const carried = [Number.isFinite(force) ? quantity(force, "N") : "", Number.isFinite(moment) ? quantity(moment, "N m") : ""].filter((text) => text);
+      return `${name}, ${kind.replace(/_/g, " ")}${carried.length > 0 ? `: ${carried.join(", ")}` : ""}`;
     }
     const [force, moment] = [sizes("joint", "force"), sizes("joint", "moment")];
     const note = kind === "bracket" ? " (fixed, with static modes of its flexible bodies)" : "";
@@ -150,10 +173,10 @@ export class Player {
     if (element >= 0) return this.describeElement(element);
     const drawn = this.report.bodies[body];
     if (drawn.pointShapes.length === 0) return drawn.name;
-    let text = `${drawn.name}: deformed by up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
+    let text = `${drawn.name}: deformation up to ${quantityText(view.largestNow(body, "displacement").value, "displacement")}`;
     if (!has(drawn, "stress")) return text;
     const largest = view.largestNow(body, "stress");
-    text += `, stressed by up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
+    text += `, von Mises stress up to ${quantityText(largest.value, "stress")}${atNode(drawn, largest.point)}`;
     if (point >= 0) text += `; here ${quantityText(view.valuesNow(body, "stress")[point], "stress")}${atNode(drawn, point)}`;
     return text;
   }
@@ -164,12 +187,12 @@ export class Player {
   }
 
   private showScale(view: View3D): void {
-    const note = this.exaggeration > 1 ? ` (drawn ${this.exaggeration}×)` : "";
+    this.note.textContent = viewNote(view.cell, this.exaggeration);
     if (this.quantity === "none") this.bar.hide();
-    else if (this.perBody) this.bar.showRelative(this.quantity, note);
+    else if (this.perBody) this.bar.showRelative(this.quantity);
     else {
       const peak = view.peak(this.quantity);
-      this.bar.show(this.quantity, peak.value, note, peakText(this.report.bodies, peak, this.quantity));
+      this.bar.show(this.quantity, peak.value, peakText(this.report.bodies, peak, this.quantity));
     }
   }
 
@@ -177,6 +200,7 @@ export class Player {
     const row = element("div", { class: "settings" });
     const [slowest, fastest, start] = speeds(this.clock.end - this.clock.start);
     row.append(factorSlider("Speed", slowest, fastest, start, (factor) => (this.clock.speed = factor), (factor) => `${formatNumber(factor)}×`));
+    row.append(checkbox("Repeat", true, (on) => (this.clock.repeats = on)));
     if (!view) return row;
     const exaggerate = (factor: number) => {
       this.exaggeration = factor;
@@ -184,7 +208,8 @@ export class Player {
       this.showScale(view);
     };
     if (view.largest > 0)
-      row.append(factorSlider("Exaggerate", 1, largestFactor, 1, exaggerate));
+      row.append(factorSlider("Exaggeration", 1, largestFactor, view.firstExaggeration(largestFactor), exaggerate));
+    else this.showScale(view);
     if (view.quantities.length > 1) row.append(...this.colors(view));
     const follow = element("select", { "aria-label": "Follow" }, element("option", { value: -1 }, "nothing"));
     this.report.bodies.forEach((body, k) => follow.append(element("option", { value: k }, body.name)));
@@ -192,7 +217,7 @@ export class Player {
     follow.addEventListener("change", () => view.follow(Number(follow.value)));
     row.append(element("label", {}, element("span", {}, "Follow"), follow));
     if (this.report.bodies.some((body) => body.shapes.length > 0)) {
-      row.append(checkbox("See through solids", false, (on) => view.seeThrough(on)));
+      row.append(checkbox("See through solids", view.hidesFlexible(), (on) => view.seeThrough(on)));
     }
     if (this.report.elements.some(({ kind }) => !["load", "drag"].includes(kind) && !kind.startsWith("tyre")))
       row.append(checkbox("Joints and springs", true, (on) => view.showElements(on)));
@@ -203,9 +228,9 @@ export class Player {
 
   /** The picture and the film as files, and the view as it was. */
   private exports(view: View3D): HTMLElement {
-    const fit = element("button", { title: "Look at all bodies again" }, "Fit view");
+    const fit = element("button", { title: "Show all bodies" }, "Fit view");
     fit.addEventListener("click", () => view.fit());
-    const picture = element("button", { title: "Save this picture (PNG)" }, "Save picture");
+    const picture = element("button", { title: "Save the picture as PNG" }, "Save picture");
     picture.addEventListener("click", () => {
       view.redraw();
       saveCanvas(view.canvas, `t${this.clock.text().replace(" ", "")}`);
@@ -259,6 +284,6 @@ export class Player {
   private step(count: number): void {
     const { time } = this.report.animation;
     const index = Math.min(Math.max(nearest(time, this.clock.time) + count, 0), time.length - 1);
-    this.clock.set(time[index]);
+    this.clock.stopAt(time[index]);
   }
 }

@@ -50,7 +50,7 @@ export class Plots implements View {
     this.root.replaceChildren();
     const traces = this.curves.traces(selection).filter(({ time }) => time.length > 0);
     if (traces.length === 0) {
-      const why = selection.length > 0 ? "The results hold no instants." : "No channel is chosen: tick some in the list.";
+      const why = selection.length > 0 ? "The results contain no instants." : "No channel is selected. Tick some in the list.";
       this.root.append(element("p", { class: "hint" }, why));
     }
     this.gutters = { left: 0, right: 0 };
@@ -114,7 +114,9 @@ export class Plots implements View {
     plot.traces.forEach(({ time, values, range }, k) => {
       const value = valueAt(time, values, t);
       const { size, unit } = plot.scales[k];
-      plot.values[k].textContent = value === null ? "–" : `${formatWithin(range / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
+      // Round-off beside curves that change much is shown as zero.
+      const widest = Math.max(...plot.traces.filter((_, other) => plot.scales[other] === plot.scales[k]).map((other) => other.range));
+      plot.values[k].textContent = value === null ? "–" : `${formatWithin(Math.max(range, 1e-4 * widest) / size, value / size)} ${unit === "1" ? "" : unit}`.trim();
     });
   }
 

@@ -1,4 +1,4 @@
-// What a comparison says about one run, from its summary.
+// The facts of each run of a comparison, from its summary.
 import type { Run } from "./comparisonData";
 import { formatNumber } from "./format";
 import { instant, quantity } from "./summaryLines";
@@ -25,12 +25,12 @@ export interface Remark {
   warning: boolean;
 }
 
-/** What went wrong with runs, or ended before others, a sentence each. */
+/** A sentence for each run that failed or ended before others. */
 export function remarks(runs: Run[]): Remark[] {
   const latest = Math.max(...runs.map(endOf).filter(Number.isFinite));
   return runs.flatMap((run): Remark[] => {
     const end = endOf(run);
-    if (!Number.isFinite(end)) return [{ text: `${run.label} holds no instant.`, warning: true }];
+    if (!Number.isFinite(end)) return [{ text: `${run.label} contains no instants.`, warning: true }];
     const upTo = `drawn up to ${instant(end, 5)}`;
     const summary = asSummary(run);
     if (!isSound(run)) {

@@ -25,7 +25,7 @@ export class SkylineMatrix {
     }
   }
 
-  /** By Cholesky factors; what no equation determines stays as it is. The matrix is used up. */
+  /** By Cholesky factors; unknowns without an equation stay zero. Overwrites the matrix. */
   solve(): Float64Array {
     const { rows, first } = this;
     const size = rows.length;

@@ -1,6 +1,6 @@
 import { element } from "./dom";
 
-/** A labelled slider over a factor from `low` to `high`, logarithmic; `text` says the factor. */
+/** A labelled slider over a factor from `low` to `high`, logarithmic; `text` formats the factor. */
 export function factorSlider(
   label: string,
   low: number,

@@ -29,8 +29,8 @@ export class SpectrumPlots implements View {
   ) {
     const again = () => this.selection.length > 0 && this.show(this.selection);
     const windows = [
-      { value: "hann" as const, text: "Hann: separates lines" },
-      { value: "flat top" as const, text: "flat top: reads heights" },
+      { value: "hann" as const, text: "Hann: separates peaks" },
+      { value: "flat top" as const, text: "flat top: exact heights" },
       { value: "none" as const, text: "none" },
     ];
     const settings = element(
@@ -39,7 +39,7 @@ export class SpectrumPlots implements View {
       choice("Window", windows, "hann", (window) => ((this.window = window), again())),
       checkbox("Logarithmic", false, (on) => ((this.logarithmic = on), again())),
     );
-    this.root.append(settings, element("p", { class: "hint" }, "Amplitudes of the part of the time that the plots show; the mean is taken off. Drag to zoom, double-click to see all."), this.holder);
+    this.root.append(settings, element("p", { class: "hint" }, "Amplitudes over the interval that the plots show, mean removed. Drag to zoom, double-click to show all."), this.holder);
     onThemeChange(again);
     new ResizeObserver(() => this.resize()).observe(this.root);
   }
@@ -53,7 +53,7 @@ export class SpectrumPlots implements View {
     const made = this.curves.traces(selection).map((trace): [Trace, Spectrum] => [trace, spectrum(trace.time, trace.values, this.window, min, max)]);
     const sound = made.filter(([, { frequency }]) => frequency.length > 0);
     if (sound.length < made.length || made.length === 0)
-      this.holder.append(element("p", { class: "hint" }, made.length === 0 ? "No channel is chosen: tick some in the list." : "A spectrum needs eight instants without a gap."));
+      this.holder.append(element("p", { class: "hint" }, made.length === 0 ? "No channel is selected. Tick some in the list." : "A spectrum needs at least eight instants without a gap."));
     const spectra = new Map(sound);
     // On a logarithmic axis everything is worth seeing.
     const end = Math.max(...sound.map(([, one]) => (this.logarithmic ? one.frequency[one.frequency.length - 1] : telling(one))));
@@ -67,7 +67,7 @@ export class SpectrumPlots implements View {
     // The highest line, where one looks first.
     all.forEach(({ frequency, amplitude }, k) => {
       const peak = amplitude.reduce((best, value, m) => (value > amplitude[best] ? m : best), 0);
-      values[k].textContent = `highest ${formatNumber(amplitude[peak] / size, 3)}${shown === "1" ? "" : ` ${shown}`} at ${formatNumber(frequency[peak], 4)} Hz`;
+      values[k].textContent = `peak ${formatNumber(amplitude[peak] / size, 3)}${shown === "1" ? "" : ` ${shown}`} at ${formatNumber(frequency[peak], 4)} Hz`;
     });
     this.holder.append(root);
     const columns = all.map(({ amplitude }) => amplitude.map((value) => (this.logarithmic && !(value > 0) ? null : value / size)));

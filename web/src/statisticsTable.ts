@@ -33,8 +33,8 @@ export class StatisticsTable implements View {
       const name = element("th", { scope: "row" }, swatch, trace.label, element("small", { class: "meaning" }, trace.meaning));
       return element("tr", {}, name, element("td", {}, unitLabel(unit)), ...cells);
     });
-    const note = `From ${instant(min, 5)} to ${instant(max, 5)}, as the plots show.${this.thinned ? " Mean and RMS are of the thinned record that the page holds." : ""}`;
+    const note = `From ${instant(min, 5)} to ${instant(max, 5)}, the interval that the plots show.${this.thinned ? " Mean and RMS are those of the thinned record in this page." : ""}`;
     const table = element("div", { class: "scroll" }, element("table", { class: "wide statistics" }, element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...rows)));
-    this.root.replaceChildren(element("p", { class: "hint" }, rows.length > 0 ? note : "No channel is chosen: tick some in the list."), ...(rows.length > 0 ? [table] : []));
+    this.root.replaceChildren(element("p", { class: "hint" }, rows.length > 0 ? note : "No channel is selected. Tick some in the list."), ...(rows.length > 0 ? [table] : []));
   }
 }

@@ -27,12 +27,12 @@ const words = (value: unknown) => (typeof value === "string" ? value.replace(/_/
 
 const asSummary = (summary: unknown): Summary => (typeof summary === "object" && summary !== null ? (summary as Summary) : {});
 
-/** What a reader must know before anything else: a run that failed, and warnings. */
+/** What stands above everything else: that a run failed, and its warnings. */
 export function warningsOf(summary: unknown): string[] {
   const { status, message, warnings } = asSummary(summary);
   const failed = status !== undefined && status !== "ok" ? [`${words(status)}${message ? `: ${message}` : ""}`] : [];
-  const said = Array.isArray(warnings) ? warnings.map(String) : [];
-  return [...failed.map((text) => `The run ${text.startsWith("failed") ? text : `ended as ${text}`}`), ...said];
+  const listed = Array.isArray(warnings) ? warnings.map(String) : [];
+  return [...failed.map((text) => `The run ${text.startsWith("failed") ? text : `ended as ${text}`}`), ...listed];
 }
 
 const neglected = [
@@ -40,7 +40,7 @@ const neglected = [
   ["foreshortening", "shortening"],
   ["compression", "compression"],
   ["tension", "tension"],
-  ["held", "stretching between held ends"],
+  ["held", "stretching between fixed ends"],
   ["high_modes", "highest modes"],
 ];
 
@@ -61,13 +61,21 @@ function worstValidity(bodies: unknown): string {
 function energyLine(energy: unknown): string {
   const terms = asSummary(energy);
   const known = (key: string, name: string) => (isNumber(terms[key]) ? `${name} ${quantity(terms[key], "J")}` : "");
-  return [known("kinetic", "kinetic"), known("elastic", "strain"), known("numerical", "fed in by the numerics")].filter((text) => text !== "").join(" · ");
+  return [known("kinetic", "kinetic"), known("elastic", "strain"), known("numerical", "numerical gain")].filter((text) => text !== "").join(" · ");
 }
 
-/** Lengths and angles apart; what an older file does not know is left out. */
-function atMost(...values: [unknown, string][]): string {
-  const known = values.filter(([value]) => isNumber(value)).map(([value, unit]) => quantity(value as number, unit, 2));
-  return known.length > 0 ? `at most ${known.join(" and ")}` : "";
+/** What is smaller is printed as "below" it: 1 nm, 1 nm/s, a millionth of a degree. */
+const least: Record<string, [value: number, text: string]> = {
+  m: [1e-9, "1 nm"],
+  "m/s": [1e-9, "1 nm/s"],
+  rad: [Math.PI / 180e6, "10⁻⁶ °"],
+  "rad/s": [Math.PI / 180e6, "10⁻⁶ °/s"],
+};
+
+/** The largest violations, as far as the file has them. */
+function violations(...values: [unknown, string][]): string {
+  const known = values.filter((one): one is [number, string] => isNumber(one[0]));
+  return known.map(([value, unit]) => (Math.abs(value) < least[unit][0] ? `below ${least[unit][1]}` : quantity(value, unit, 2))).join(", ");
 }
 
 /** At most twelve; what is not known is left out. */
@@ -75,20 +83,20 @@ export function summaryLines(summary: unknown, facts: { end: number; step: numbe
   const s = asSummary(summary);
   const count = (value: unknown, one: string, many = `${one}s`) => (isNumber(value) ? `${formatNumber(value)} ${value === 1 ? one : many}` : "");
   const join = (...parts: string[]) => parts.filter((part) => part !== "").join(" · ");
-  const ended = s.status === undefined ? "" : s.status === "ok" ? "to its end" : words(s.status);
+  const ended = s.status === undefined ? "" : s.status === "ok" ? "completed" : words(s.status);
   const some = (value: unknown, what: string) => (isNumber(value) && value > 0 ? `${formatNumber(value)} ${what}` : "");
   const lines: [string, string][] = [
-    ["Ran", join(ended, Number.isFinite(facts.end) ? `${instant(facts.end, 5)} simulated` : "")],
-    ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, some(s.repeated_steps, "repeated in parts"), some(s.unconverged_steps, "taken unconverged"))],
+    ["Simulated", join(Number.isFinite(facts.end) ? instant(facts.end, 5) : "", ended)],
+    ["Steps", join(`${isNumber(s.steps) ? `${formatNumber(s.steps)} ` : ""}of ${quantity(facts.step, "s")}`, some(s.repeated_steps, "repeated in smaller parts"), some(s.unconverged_steps, "accepted without convergence"))],
     ["Recorded", count(facts.instants, "instant")],
     ["Mechanism", join(count(facts.bodies, "body", "bodies"), facts.joints > 0 ? count(facts.joints, "joint") : "", count(s.coordinates, "coordinate"))],
     ["Method", join(words(s.formulation), words(s.formalism), words(s.integrator), isNumber(s.rho) ? `ρ∞ ${formatNumber(s.rho)}` : "")],
     ["Iterations", isNumber(s.iterations_per_step) ? `${formatNumber(s.iterations_per_step, 3)} per step` : ""],
-    ["Computed in", isNumber(s.cpu_seconds) ? join(`${quantity(s.cpu_seconds, "s")} of processor`, isNumber(s.real_time_factor) ? `${formatNumber(s.real_time_factor, 3)}× real time` : "") : ""],
-    ["Joints open by", atMost([s.max_position_violation, "m"], [s.max_angle_violation, "rad"])],
-    ["Joints drift by", atMost([s.max_velocity_violation, "m/s"], [s.max_angular_velocity_violation, "rad/s"])],
+    ["CPU time", isNumber(s.cpu_seconds) ? join(quantity(s.cpu_seconds, "s"), isNumber(s.real_time_factor) ? `${formatNumber(s.real_time_factor, 3)}× real time` : "") : ""],
+    ["Position error of joints", violations([s.max_position_violation, "m"], [s.max_angle_violation, "rad"])],
+    ["Velocity error of joints", violations([s.max_velocity_violation, "m/s"], [s.max_angular_velocity_violation, "rad/s"])],
     ["Energy at the end", energyLine(s.energy)],
-    ["Against linear theory", worstValidity(s.validity)],
+    ["Neglected by linear theory", worstValidity(s.validity)],
     ["Warnings", Array.isArray(s.warnings) ? (s.warnings.length === 0 ? "none" : `${s.warnings.length}, above`) : ""],
   ];
   return lines.filter(([, value]) => value !== "").map(([label, value]) => ({ label, value }));

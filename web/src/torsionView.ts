@@ -46,14 +46,14 @@ export class TorsionView {
     if (this.axis === "x") this.turned.setFromAxisAngle(new THREE.Vector3(0, 1, 0), Math.PI / 2);
     if (this.axis === "y") this.turned.setFromAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2);
     this.start = turnAbout(this.axis, a.rotation, b.rotation);
-    const beside = 1.75 * radius; // the joint's pin ends before
+    const offset = 1.75 * radius; // past the end of the joint's pin
     if (/\bdamper\b/.test(kind)) {
-      const drum = new THREE.CylinderGeometry(1.4 * radius, 1.4 * radius, 0.7 * radius, 24).rotateX(Math.PI / 2).translate(0, 0, -beside);
+      const drum = new THREE.CylinderGeometry(1.4 * radius, 1.4 * radius, 0.7 * radius, 24).rotateX(Math.PI / 2).translate(0, 0, -offset);
       group.add(new THREE.Mesh(drum, materials.damper));
     }
     if (!/\bspring\b/.test(kind)) return;
     const { geometry, inward } = spiral(0.6 * radius, 2.6 * radius, 0.2 * radius);
-    geometry.translate(0, 0, beside);
+    geometry.translate(0, 0, offset);
     const mesh = new THREE.Mesh(geometry, materials.spring);
     group.add(mesh);
     this.spring = { mesh, inward, rest: Float32Array.from(geometry.getAttribute("position").array) };

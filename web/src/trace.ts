@@ -4,7 +4,7 @@ import type { ChannelName, Curve } from "./data";
 export interface Trace extends ChannelName, Curve {
   channel: number;
   run: number;
-  /** What the legend says: the channel, and of several runs the run. */
+  /** In the legend: the channel, and of several runs the run. */
   label: string;
   color: string;
   time: number[];

@@ -8,6 +8,8 @@ import type { Clock } from "./clock";
 import { has, peaks, type Peak, type Quantity } from "./coloring";
 import type { Element, Scene } from "./data";
 import { onThemeChange, themeColor } from "./dom";
+import { firstExaggeration, tellingInstant } from "./firstPicture";
+import { framing } from "./framing";
 import { drape } from "./drape";
 import { elementMaterials, ElementView } from "./elementView";
 import { amplitudesAt, poseAt, valueAt } from "./interpolate";
@@ -21,7 +23,7 @@ const bodyColors = ["#7c93b2", "#d08c60", "#7fa883", "#b07aa1", "#c9a94f", "#6fa
 
 const gridCells = 120;
 
-const farthest = 1e6; // sizes: nothing that is sound travels so far
+const farthest = 1e6; // sizes; a run that travels farther has diverged
 
 /** Links of one kind ("front_left.arm", "rear_right.arm") share a colour. */
 function colorKey(name: string): string {
@@ -37,20 +39,6 @@ function viewDirection(box: THREE.Box3): THREE.Vector3 {
   return new THREE.Vector3(0.62, -1, 0.42).normalize();
 }
 
-/** From how far an eye in this direction sees all of the box, with a margin; `tangent` of half the angle of view. */
-export function fittingDistance(box: THREE.Box3, direction: THREE.Vector3, tangent: number, aspect: number, filled = 0.82): number {
-  const right = new THREE.Vector3(-direction.y, direction.x, 0).normalize();
-  const upwards = direction.clone().cross(right);
-  const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
-  let distance = 0;
-  for (let corner = 0; corner < 8; ++corner) {
-    const place = new THREE.Vector3(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
-    const aside = Math.max(Math.abs(place.dot(right)) / aspect, Math.abs(place.dot(upwards)));
-    distance = Math.max(distance, place.dot(direction) + aside / (tangent * filled));
-  }
-  return distance;
-}
-
 const extent = (box: THREE.Box3) => box.getSize(new THREE.Vector3()).length();
 
 export interface ViewOptions {
@@ -58,7 +46,7 @@ export interface ViewOptions {
   steadyColors?: boolean;
   /** A grid on the ground; default: there is one. */
   grid?: boolean;
-  /** The animation is filled while it is watched: what it holds at first says nothing of what comes. */
+  /** The animation is filled while it is shown: its first content does not show what comes. */
   live?: boolean;
   /** From the centre to the eye when the view is fitted; without, and where it is null, from where most is seen. */
   from?: () => THREE.Vector3 | null;
@@ -151,7 +139,7 @@ export class View3D {
     this.renderer.debug.checkShaderErrors = false; // asking for them waits for the compiler
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "Animation of the mechanism; arrow keys turn it, + and − come nearer or go away");
+    this.canvas.setAttribute("aria-label", "Animation of the mechanism; arrow keys rotate the view, + and − zoom");
     this.canvas.tabIndex = 0;
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.renderer.shadowMap.enabled = true;
@@ -184,12 +172,11 @@ export class View3D {
     });
     this.scene.add(...[...this.bodies, ...this.ghosts.flatMap(({ views }) => views)].map((body) => body.group));
     this.addSurroundings();
-    for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0018 * this.size);
+    for (const view of [...this.bodies, ...this.ghosts.flatMap(({ views }) => views)]) view.thicken(0.0025 * this.size);
     this.arrows = new Arrows(report, this.size, options.live);
     this.elements = this.addElements();
     this.followed = this.defaultFollowed();
     this.update();
-    this.place.copy(this.followedPlace());
     this.fit();
     this.theme();
     const ready = () => {
@@ -277,6 +264,41 @@ export class View3D {
     this.request();
   }
 
+  /** Where most happens. */
+  tellingInstant(): number {
+    const radii = this.bodies.map(({ bounds }) => 0.5 * extent(bounds));
+    return tellingInstant(this.report.animation, this.peaks("displacement"), radii, this.followed);
+  }
+
+  /** By which deformations are seen. */
+  firstExaggeration(largest: number): number {
+    const peaks = this.peaks("displacement");
+    const deflections = this.bodies.flatMap(({ bounds, flexible }, k) => (flexible ? [{ value: peaks[k].value, length: extent(bounds) }] : []));
+    return firstExaggeration(deflections, this.size, largest);
+  }
+
+  /** Whether solids cover a good part of the flexible bodies, seen from where the camera is now. */
+  hidesFlexible(): boolean {
+    const solids = this.bodies.flatMap(({ solidMeshes }) => solidMeshes);
+    if (solids.length === 0) return false;
+    this.update();
+    this.scene.updateMatrixWorld(true);
+    const eye = this.camera.position;
+    const points = this.bodies.filter(({ flexible }) => flexible).flatMap((body) => body.someOfThePoints(40));
+    const covered = points.filter((point) => {
+      const along = point.clone().sub(eye);
+      return new THREE.Raycaster(eye, along.clone().normalize(), 0, 0.999 * along.length()).intersectObjects(solids, false).length > 0;
+    });
+    return covered.length > 0.1 * points.length;
+  }
+
+  /** Whether less of the mechanism is in the upper left corner of the picture than in the upper right one. */
+  emptierLeft(): boolean {
+    const corners = this.cornersAt(this.clock.time).concat(this.bodies.filter(({ flexible }) => flexible).flatMap((body) => body.someOfThePoints(40)));
+    const seen = corners.map((point) => point.project(this.camera)).filter(({ y }) => y > 0.5);
+    return seen.filter(({ x }) => x < -0.25).length < seen.filter(({ x }) => x > 0.25).length;
+  }
+
   exaggerate(factor: number): void {
     this.exaggeration = factor;
     this.request();
@@ -289,21 +311,25 @@ export class View3D {
 
   follow(body: number): void {
     this.followed = body;
-    this.place.copy(this.followedPlace());
     this.fit();
   }
 
   /** Looks at all bodies: as they are now when one is followed, else over the whole time. */
   fit(): void {
-    const box = this.followed >= 0 ? this.boundsAt(this.clock.time) : this.boundsOverTime();
-    const center = box.getCenter(new THREE.Vector3());
-    const radius = Math.max(0.5 * extent(box), 0.15 * this.size);
+    const points = this.followed >= 0 ? this.cornersAt(this.clock.time) : this.cornersOverTime();
+    const box = new THREE.Box3().setFromPoints(points);
     const direction = this.options.from?.() ?? viewDirection(box);
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const { center, distance } = framing(points, direction, Math.tan((this.camera.fov * Math.PI) / 360), this.camera.aspect, this.lone ? 0.4 : undefined);
+    this.place.copy(this.followedPlace());
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(direction, Math.max(fittingDistance(box, direction, tangent, this.camera.aspect), radius));
+    this.camera.position.copy(center).addScaledVector(direction, Math.max(distance, 0.5 * extent(box), 0.15 * this.size));
     this.controls.update();
     this.request();
+  }
+
+  /** One body on a ground: seen with what is around it. */
+  private get lone(): boolean {
+    return this.wide >= 0 && this.bodies.length === 2 && this.followed >= 0;
   }
 
   showElements(on: boolean): void {
@@ -335,7 +361,7 @@ export class View3D {
     return () => (this.drawn = this.drawn.filter((one) => one !== listener));
   }
 
-  /** Draws what waits for the screen's next picture; for who is called for that picture already. */
+  /** Draws now what waits for the next animation frame; for callers that are in an animation frame. */
   flush(): void {
     if (this.waiting === 0) return;
     cancelAnimationFrame(this.waiting);
@@ -478,7 +504,7 @@ export class View3D {
     return extent(this.boundsOverTime()) > 4 * this.size ? 0 : -1;
   }
 
-  /** The ground where it is far wider than what moves on it: a track says nothing of how large things are. */
+  /** The ground where it is far wider than what moves on it: then it does not count for the size of the mechanism. */
   private wideGround(): number {
     const ground = this.report.bodies.findIndex(({ name }) => name === "ground");
     if (ground < 0) return -1;
@@ -487,27 +513,39 @@ export class View3D {
   }
 
   private boundsAt(time: number): THREE.Box3 {
-    const box = new THREE.Box3();
-    this.bodies.forEach((body, k) => {
-      if (k === this.wide) return;
-      const matrix = this.poseMatrix(time, k);
-      if (matrix) box.union(body.bounds.clone().applyMatrix4(matrix));
-    });
-    for (const point of this.anchors) if (!box.isEmpty()) box.expandByPoint(point);
-    return box.isEmpty() ? box.setFromCenterAndSize(new THREE.Vector3(), new THREE.Vector3(1, 1, 1)) : box;
+    return new THREE.Box3().setFromPoints(this.cornersAt(time));
   }
 
   private boundsOverTime(): THREE.Box3 {
+    return new THREE.Box3().setFromPoints(this.cornersOverTime());
+  }
+
+  /** Of the boxes around the bodies, and the points on the ground. */
+  private cornersAt(time: number): THREE.Vector3[] {
+    const corners = this.bodies.flatMap(({ bounds: { min, max } }, k) => {
+      const matrix = k === this.wide ? null : this.poseMatrix(time, k);
+      if (!matrix) return [];
+      return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => new THREE.Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z).applyMatrix4(matrix));
+    });
+    if (corners.length === 0) return [-0.5, 0.5].map((half) => new THREE.Vector3(half, half, half));
+    return [...corners, ...this.anchors.map((point) => point.clone())];
+  }
+
+  private cornersOverTime(): THREE.Vector3[] {
     const { time } = this.report.animation;
-    const box = new THREE.Box3();
     const every = Math.max(1, Math.floor(time.length / 60));
-    const first = this.boundsAt(time[0] ?? 0);
-    for (let i = 0; i < time.length; i += every) {
-      const now = this.boundsAt(time[i]);
+    const all = this.cornersAt(time[0] ?? 0);
+    const box = new THREE.Box3().setFromPoints(all);
+    const first = extent(box) || 10;
+    for (let i = every; i < time.length; i += every) {
+      const now = this.cornersAt(time[i]);
+      const wider = box.clone().union(new THREE.Box3().setFromPoints(now));
       // A run that diverged would make the rest invisibly small.
-      if (i === 0 || extent(box.clone().union(now)) < farthest * (extent(first) || 10)) box.union(now);
+      if (!(extent(wider) < farthest * first)) continue;
+      box.copy(wider);
+      all.push(...now);
     }
-    return box;
+    return all;
   }
 
   /** In the scene; null where the results hold no finite pose. */

@@ -63,8 +63,8 @@ export class XyPlot implements View {
       this.zooms.clear();
       if (this.plots.length > 0) again();
     });
-    equal.title = "Of both axes, where they have the same unit";
-    this.root.append(element("div", { class: "settings" }, element("label", {}, element("span", {}, "Over"), this.across), equal), element("p", { class: "hint" }, "Draw a rectangle in a plot to zoom, double-click to see all."), this.holder);
+    equal.title = "One scale for both axes where they have the same unit";
+    this.root.append(element("div", { class: "settings" }, element("label", {}, element("span", {}, "Over"), this.across), equal), element("p", { class: "hint" }, "Drag a rectangle in a plot to zoom, double-click to show all."), this.holder);
     clock.onChange(() => this.follow());
     onThemeChange(again);
     new ResizeObserver(() => this.plots.length > 0 && this.plots[0].chart.width !== this.width && again()).observe(this.root);
@@ -84,7 +84,7 @@ export class XyPlot implements View {
     const x = Number(this.across.value);
     const over = this.curves.traces([x]);
     const traces = this.curves.traces(selection.filter((channel) => channel !== x)).filter(({ run }) => over.some((one) => one.run === run));
-    if (traces.length === 0) this.holder.append(element("p", { class: "hint" }, "Tick the channels to draw over this one in the list."));
+    if (traces.length === 0) this.holder.append(element("p", { class: "hint" }, "Tick the channels to plot over this one in the list."));
     for (const [unit, of] of byUnit(traces)) this.plot(unit, of, over);
     this.follow();
   }

@@ -75,7 +75,7 @@ test("early ends are told", () => {
     { text: "shorter ends earlier, drawn up to 10 s.", warning: false },
     { text: "linear failed, drawn up to 12.62 s: the step to t = 12.63 s did not converge", warning: true },
     { text: "killed was cut short, drawn up to 3 s", warning: true },
-    { text: "empty holds no instant.", warning: true },
+    { text: "empty contains no instants.", warning: true },
   ]);
 });
 

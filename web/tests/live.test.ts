@@ -335,11 +335,11 @@ test("words for how things stand", () => {
   assert.equal(announcement(open, { ...open, failed: true, message: "singular" }), "Failed: singular");
   assert.equal(announcement({ ...open, control: true }, { ...open, connection: "lost" }), "Connection lost");
   const driving = { ...open, control: true, taken: true };
-  assert.equal(announcement(driving, { ...driving, asker: 3 }), "Viewer 3 asks for control");
+  assert.equal(announcement(driving, { ...driving, asker: 3 }), "Viewer 3 requests control");
   assert.equal(announcement({ ...driving, asker: 3 }, driving), "");
   assert.equal(announcement(open, open), "");
   assert.match(controlWords({ ...open, taken: true }), /Another viewer/);
-  assert.match(controlWords({ ...open, taken: true, asked: true }), /asked/);
+  assert.match(controlWords({ ...open, taken: true, asked: true }), /requested/);
   assert.deepEqual(seenIn({ ...picture(0, 0), control: true }), { ...blank, control: true, taken: true, asked: false });
   assert.deepEqual(seenIn(picture(0, 0)), { ...blank, asker: 0 });
 });

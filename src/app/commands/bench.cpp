@@ -30,7 +30,7 @@ double median(std::vector<double> values) {
   return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-/// What one model took: everything that the table and the JSON say.
+/// What one model took: the contents of the table and the JSON.
 struct Measurement {
   std::string model;
   Json method;  ///< in force

@@ -78,7 +78,7 @@ std::vector<ContactLine> contact_lines(const spec::Model& model) {
   return lines;
 }
 
-/// Everything that is said, gathered once for both forms.
+/// All results, gathered once for both forms.
 struct Description {
   std::vector<BodyLine> bodies;
   std::vector<Model::JointLine> joints;
@@ -96,7 +96,7 @@ struct Description {
 
 Description describe(const LoadedModel& loaded, const RunOptions& options) {
   const Model& model = *loaded.model;
-  // Sets the model up for its start, so that loops that do not close are told here and not by the run.
+  // Sets the model up for its start, so that loops that do not close are reported here and not by the run.
   const std::unique_ptr<Simulation> made = [&] {
     const Busy busy("assembling the mechanism");
     return std::make_unique<Simulation>(loaded.model, options);
@@ -202,9 +202,9 @@ std::string redundancy_note(const Redundancy& r) {
   all.insert(all.end(), r.constraints.begin(), r.constraints.end());
   const std::vector<std::string> some(all.begin(), all.begin() + std::min(all.size(), named));
   return fmt::format(
-      "\nIn this position {} of the equations {} what others say. That does not change the motion, but rigid "
-      "bodies do not\ndetermine how these {} share their loads; of all reactions the smallest are "
-      "given: {}{}\n",
+      "\nIn this position {} of the constraint equations {} others. That does not change the motion, but "
+      "rigid bodies do not\ndetermine how these {} share their loads; the results contain the smallest "
+      "reactions: {}{}\n",
       r.equations, r.equations == 1 ? "repeats" : "repeat",
       r.constraints.empty() ? "joints" : "joints and constraints", fmt::join(some, ", "),
       all.size() > named ? fmt::format(" and {} more", all.size() - named) : "");
@@ -300,7 +300,7 @@ int run_check(const CheckArguments& arguments) {
 }  // namespace
 
 Command add_check(CommandLine& program) {
-  Parser parser = program.add_command("check", "Say what a model is, or everything that is wrong with it");
+  Parser parser = program.add_command("check", "Print what a model contains, or all mistakes in it");
   const auto arguments = std::make_shared<CheckArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);

@@ -117,7 +117,7 @@ int run_compare(const CompareArguments& arguments) {
 }  // namespace
 
 Command add_compare(CommandLine& program) {
-  Parser parser = program.add_command("compare", "Give the differences of two results, channel by channel");
+  Parser parser = program.add_command("compare", "Print the differences of two results, channel by channel");
   const auto arguments = std::make_shared<CompareArguments>();
   parser.add_option("results", arguments->files, "Two results files (HDF5); the first is the reference")
       .type_name("A.h5 B.h5");

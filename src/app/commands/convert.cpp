@@ -104,12 +104,14 @@ Command add_convert(CommandLine& program) {
       .required()
       .type_name("FILE");
   parser.add_option("--to", a->to, "Format to write; of a robot yaml").choice({"sid", "fem", "h5", "yaml"});
-  parser.add_flag("--floating", a->floating, "The robot's root moves freely; else the ground holds it");
-  parser.add_flag("--keep-fixed", a->keep_fixed,
-                  "Links on fixed joints stay bodies; else they become part of what carries them");
+  parser.add_flag("--floating", a->floating,
+                  "The robot's root moves freely instead of being fixed to the ground");
+  parser.add_flag(
+      "--keep-fixed", a->keep_fixed,
+      "Keep links on fixed joints as bodies instead of merging them with the links that carry them");
   parser.add_flag("--repair", a->repair,
-                  "The robot's masses and inertias that no matter can have become the nearest that it can, "
-                  "and what cannot be read as it is written is read as it must be meant; each is listed");
+                  "Replace impossible masses and inertias of the robot by the nearest possible ones, and "
+                  "read faulty entries as they are probably meant; each change is listed");
   parser.add_option("--package", a->packages, "Folder of package://NAME, where meshes are")
       .type_name("NAME=FOLDER")
       .repeated();
@@ -119,9 +121,8 @@ Command add_convert(CommandLine& program) {
       .type_name("FILE");
   parser.add_flag("--json", a->json, "The file's name as JSON");
   parser.footer(
-      "Prints the file's name. What a format has no place for is said in docs/reduced-body-format.md.\n"
-      "Example:\n  mimbre convert arm.h5 --to fem\n"
-      "  mimbre convert robot.urdf -o robot.yaml && mimbre check robot.yaml");
+      "Prints the file's name. docs/reduced-body-format.md lists what each format omits.\nExample:\n  mimbre "
+      "convert arm.h5 --to fem\n  mimbre convert robot.urdf -o robot.yaml && mimbre check robot.yaml");
   return {parser, [a] { return run_convert(*a); }};
 }
 

@@ -33,7 +33,7 @@ std::vector<std::string> words(const std::string& text) {
   return list;
 }
 
-/// Three or six numbers; `example` says how they are written.
+/// Three or six numbers; `example` shows how they are written.
 std::vector<double> numbers(const std::string& option, const std::string& text, std::size_t most,
                             const char* example) {
   std::vector<double> values;

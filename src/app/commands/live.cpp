@@ -61,7 +61,7 @@ RealTimeOptions loop_options(const LiveArguments& a) {
   return o;
 }
 
-/// Ends the loop when the process is told to end, and plays inputs from tables.
+/// Ends the loop when the process is asked to end, and plays inputs from tables.
 class Ends : public RealTimePart {
  public:
   Ends(RealTimeLoop& loop, RecordedInputs& inputs) : loop_(loop), inputs_(inputs) {}
@@ -117,16 +117,87 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
   return text;
 }
 
+void check_record(const LiveArguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+  if (arguments.record.empty()) return;
+  require_different(arguments.model, arguments.record);
+  for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
+  for (const std::string& input : inputs.files()) require_different(input, arguments.record);
+  require_no_body(arguments.record);
+  require_writable(arguments.record);
+}
+
+/// Measures how late the idle machine is, if asked for.
+std::unique_ptr<RealTimeMonitor> watch_idle_machine(const LiveArguments& arguments, double step,
+                                                    const RealTimeOptions& options) {
+  if (!arguments.idle) return nullptr;
+  const Busy busy("watching the idle machine", !arguments.quiet);
+  auto idle = std::make_unique<RealTimeMonitor>();
+  idle_loop(step / arguments.clock.speed, *arguments.idle, options, *idle);
+  return idle;
+}
+
+/// The exchanges with other programs that are asked for, as parts of the loop.
+struct Exchanges {
+  std::unique_ptr<UdpExchange> udp;
+  std::unique_ptr<SharedMemoryExchange> shared;
+};
+
+Exchanges add_exchanges(const LiveArguments& arguments, Simulation& simulation, RealTimeLoop& loop) {
+  Exchanges result;
+  const ExchangeOptions exchanged{arguments.sent, arguments.taken};
+  if (arguments.udp >= 0) {
+    result.udp = std::make_unique<UdpExchange>(
+        simulation, UdpOptions{exchanged, arguments.udp_address, arguments.udp, arguments.udp_wait});
+    loop.add(*result.udp);
+    if (!arguments.quiet)
+      fmt::print(stderr, "mimbre: note: UDP packets are taken at {} port {}\n", arguments.udp_address,
+                 result.udp->port());
+  }
+  if (!arguments.shared_memory.empty()) {
+    result.shared = std::make_unique<SharedMemoryExchange>(simulation, arguments.shared_memory, exchanged);
+    loop.add(*result.shared);
+  }
+  return result;
+}
+
+/// Runs the loop while the page is served; the message with which it ended.
+std::string serve(const LiveArguments& arguments, Simulation& simulation, RealTimeLoop& loop,
+                  RealTimeRecorder* recorder) {
+  LiveServer server(simulation, loop, {arguments.address, arguments.port, arguments.token, recorder});
+  if (recorder) loop.add(*recorder);
+  print_data(server.url() + '\n');
+  if (!LiveServer::has_page()) print_warning("this mimbre was built without its live page");
+  if (arguments.open || (!arguments.no_open && has_desktop() && isatty(STDOUT_FILENO)))
+    if (!open_in_browser(server.url())) print_warning("no program was found that opens the page");
+  catch_interrupts();
+  return loop.run();
+}
+
+Json live_summary(const Simulation& simulation, const RealTimeLoop& loop, const std::string& end,
+                  const RealTimeMonitor* idle, const UdpExchange* udp) {
+  Json summary = answer("live", loop.state() == RealTimeLoop::State::failed ? "failed" : "ok");
+  if (!end.empty()) summary["message"] = end;
+  summary["time"] = simulation.time();
+  summary["monitor"] = monitor_json(loop.monitor());
+  if (idle) summary["idle"] = monitor_json(*idle);
+  if (udp)
+    summary["udp"] = {{"answers", udp->round_trips().count()},
+                      {"round_trip", timings_json(udp->round_trips())},
+                      {"refused", udp->refused()},
+                      {"missed", udp->missed()}};
+  summary["resolved"] = resolved_json(simulation.method());
+  const RealTimeGrants granted = loop.granted();
+  summary["granted"] = {
+      {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
+  summary["worst_case"] = loop.worst_case();
+  summary["warnings"] = simulation.warnings();
+  return summary;
+}
+
 int live(const LiveArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
-  if (!arguments.record.empty()) {
-    require_different(arguments.model, arguments.record);
-    for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
-    for (const std::string& input : inputs.files()) require_different(input, arguments.record);
-    require_no_body(arguments.record);
-    require_writable(arguments.record);
-  }
+  check_record(arguments, loaded, inputs);
   RunOptions options = run_options(arguments.method, loaded.model->spec().simulation);
   options.step = arguments.step.value_or(0);
   options.inputs = inputs.start();
@@ -138,12 +209,8 @@ int live(const LiveArguments& arguments) {
   if (!arguments.quiet) print_advice(*simulation);
 
   const RealTimeOptions wanted = loop_options(arguments);
-  std::unique_ptr<RealTimeMonitor> idle;
-  if (arguments.idle) {
-    const Busy busy("watching the idle machine", !arguments.quiet);
-    idle = std::make_unique<RealTimeMonitor>();
-    idle_loop(simulation->step_size() / arguments.clock.speed, *arguments.idle, wanted, *idle);
-  }
+  const std::unique_ptr<RealTimeMonitor> idle =
+      watch_idle_machine(arguments, simulation->step_size(), wanted);
   RealTimeLoop loop(*simulation, wanted);
   std::unique_ptr<RealTimeRecorder> recorder;
   if (!arguments.record.empty())
@@ -152,51 +219,11 @@ int live(const LiveArguments& arguments) {
   if (arguments.paused) loop.request({RealTimeRequest::Kind::pause});
   Ends ends(loop, inputs);
   loop.add(ends);
-  const ExchangeOptions exchanged{arguments.sent, arguments.taken};
-  std::unique_ptr<UdpExchange> udp;
-  std::unique_ptr<SharedMemoryExchange> shared;
-  if (arguments.udp >= 0) {
-    udp = std::make_unique<UdpExchange>(
-        *simulation, UdpOptions{exchanged, arguments.udp_address, arguments.udp, arguments.udp_wait});
-    loop.add(*udp);
-    if (!arguments.quiet)
-      fmt::print(stderr, "mimbre: note: UDP packets are taken at {} port {}\n", arguments.udp_address,
-                 udp->port());
-  }
-  if (!arguments.shared_memory.empty()) {
-    shared = std::make_unique<SharedMemoryExchange>(*simulation, arguments.shared_memory, exchanged);
-    loop.add(*shared);
-  }
-  std::string end;
-  {
-    LiveServer server(*simulation, loop,
-                      {arguments.address, arguments.port, arguments.token, recorder.get()});
-    if (recorder) loop.add(*recorder);
-    print_data(server.url() + '\n');
-    if (!LiveServer::has_page()) print_warning("this mimbre was built without its live page");
-    if (arguments.open || (!arguments.no_open && has_desktop() && isatty(STDOUT_FILENO)))
-      if (!open_in_browser(server.url())) print_warning("no program was found that opens the page");
-    catch_interrupts();
-    end = loop.run();
-  }
-  const bool failed = loop.state() == RealTimeLoop::State::failed;
-  Json summary = answer("live", failed ? "failed" : "ok");
-  if (!end.empty()) summary["message"] = end;
-  summary["time"] = simulation->time();
-  summary["monitor"] = monitor_json(loop.monitor());
-  if (idle) summary["idle"] = monitor_json(*idle);
-  if (udp)
-    summary["udp"] = {{"answers", udp->round_trips().count()},
-                      {"round_trip", timings_json(udp->round_trips())},
-                      {"refused", udp->refused()},
-                      {"missed", udp->missed()}};
-  summary["resolved"] = resolved_json(simulation->method());
-  const RealTimeGrants granted = loop.granted();
-  summary["granted"] = {
-      {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
-  summary["worst_case"] = loop.worst_case();
+  const Exchanges exchanges = add_exchanges(arguments, *simulation, loop);
+  const UdpExchange* udp = exchanges.udp.get();
+  const std::string end = serve(arguments, *simulation, loop, recorder.get());
+  Json summary = live_summary(*simulation, loop, end, idle.get(), udp);
   for (const std::string& warning : simulation->warnings()) print_warning(warning);
-  summary["warnings"] = simulation->warnings();
   if (recorder) {
     recorder->finish(loop, to_text(summary));
     summary["record"] = recorder->path();
@@ -204,9 +231,88 @@ int live(const LiveArguments& arguments) {
   if (arguments.json)
     print_data(to_text(summary) + '\n');
   else if (!arguments.quiet)
-    print_data(monitor_table(loop, idle.get(), udp.get()));
+    print_data(monitor_table(loop, idle.get(), udp));
+  const bool failed = loop.state() == RealTimeLoop::State::failed;
   if (failed) print_error(end);
   return failed ? Exit::failed : done;
+}
+
+void add_page_options(Parser& parser, LiveArguments& a) {
+  parser.add_option("--port", a.port, "Port of the page; 0: a free one")
+      .within(0, 65535)
+      .type_name("N")
+      .group("Page");
+  parser
+      .add_option("--address", a.address,
+                  "Address that it is served at; other than the loopback interface's,\nothers can reach it, "
+                  "and need the token")
+      .type_name("A")
+      .group("Page");
+  parser
+      .add_option("--token", a.token,
+                  "Secret that viewers need; default: a new one if others can reach the page")
+      .type_name("T")
+      .group("Page");
+  const Option open =
+      parser.add_flag("--open", a.open, "Open the page in the browser, in any case").group("Page");
+  parser.add_flag("--no-open", a.no_open, "Do not open it").excludes(open).group("Page");
+  parser.add_flag("--paused", a.paused, "Begin with a pause").group("Page");
+}
+
+void add_loop_options(Parser& parser, LiveArguments& a) {
+  add_clock_options(parser, a.clock);
+  parser
+      .add_option("--overrun", a.policy,
+                  "When a step was not ready in time:\n"
+                  "catch_up: the next ones begin at once\n"
+                  "skip_output: the same, without pictures and rows\n"
+                  "slow_down: the clock is set back\n"
+                  "stop: it ends")
+      .one_of(policies)
+      .type_name("NAME")
+      .group("Clock");
+  parser.add_option("--spin", a.clock.spin, "Seconds of busy waiting before a step")
+      .from(0, 0.1)
+      .type_name("S")
+      .group("Clock");
+  parser.add_flag("--no-lock", a.no_lock, "Do not lock the memory").group("Clock");
+  parser.add_option("--idle", a.idle, "Watch the idle machine for so many seconds first, to compare with")
+      .above(0)
+      .type_name("S")
+      .group("Clock");
+}
+
+void add_exchange_options(Parser& parser, LiveArguments& a) {
+  parser
+      .add_option("--udp", a.udp, "Exchange signals with another program by UDP at this port; 0: a free one")
+      .within(0, 65535)
+      .type_name("PORT")
+      .group("Exchange");
+  parser.add_option("--udp-address", a.udp_address, "Address at which packets are taken")
+      .type_name("A")
+      .group("Exchange");
+  parser
+      .add_option(
+          "--udp-wait", a.udp_wait,
+          "Most seconds that a step waits for the answer to the last\noutputs; 0: it uses the latest answer")
+      .from(0, 10)
+      .type_name("S")
+      .group("Exchange");
+  parser
+      .add_option("--shared-memory", a.shared_memory,
+                  "Exchange signals with another program in shared memory of this name")
+      .type_name("NAME")
+      .group("Exchange");
+  parser
+      .add_option("--send", a.sent,
+                  "Channel that is sent to the other program; may be repeated; default: the\nmodel's outputs")
+      .repeated()
+      .type_name("CHANNEL")
+      .group("Exchange");
+  parser.add_option("--take", a.taken, "Input that the other program sets; may be repeated; default: all")
+      .repeated()
+      .type_name("INPUT")
+      .group("Exchange");
 }
 
 }  // namespace
@@ -220,80 +326,14 @@ Command add_live(CommandLine& program) {
   parser.add_option("--step", a->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser
       .add_option("--duration", a->duration,
-                  "Simulated seconds after which it ends; without, it runs until it is interrupted")
+                  "Simulated seconds after which the run ends; default: until it is interrupted")
       .above(0)
       .type_name("S");
-  parser
-      .add_option("--record", a->record,
-                  "Results file (HDF5) that it is recorded to, with the times of its steps")
+  parser.add_option("--record", a->record, "Results file (HDF5) of the run, with the times of its steps")
       .type_name("FILE.h5");
-  parser.add_option("--port", a->port, "Port of the page; 0: a free one")
-      .within(0, 65535)
-      .type_name("N")
-      .group("Page");
-  parser
-      .add_option("--address", a->address,
-                  "Address that it is served at; other than the loopback interface's,\nothers can reach it, "
-                  "and need the token")
-      .type_name("A")
-      .group("Page");
-  parser.add_option("--token", a->token, "What a viewer has to know; without, one is made where it is needed")
-      .type_name("T")
-      .group("Page");
-  const Option open =
-      parser.add_flag("--open", a->open, "Open the page in the browser, in any case").group("Page");
-  parser.add_flag("--no-open", a->no_open, "Do not open it").excludes(open).group("Page");
-  parser.add_flag("--paused", a->paused, "Begin with a pause").group("Page");
-  add_clock_options(parser, a->clock);
-  parser
-      .add_option("--overrun", a->policy,
-                  "When a step was not ready in time:\n"
-                  "catch_up: the next ones begin at once\n"
-                  "skip_output: the same, without pictures and rows\n"
-                  "slow_down: the clock is set back\n"
-                  "stop: it ends")
-      .one_of(policies)
-      .type_name("NAME")
-      .group("Clock");
-  parser.add_option("--spin", a->clock.spin, "Seconds before a step in which it waits without sleeping")
-      .from(0, 0.1)
-      .type_name("S")
-      .group("Clock");
-  parser.add_flag("--no-lock", a->no_lock, "Do not keep the memory in place").group("Clock");
-  parser.add_option("--idle", a->idle, "Watch the idle machine for so many seconds first, to compare with")
-      .above(0)
-      .type_name("S")
-      .group("Clock");
-  parser
-      .add_option("--udp", a->udp, "Exchange signals with another program by UDP at this port; 0: a free one")
-      .within(0, 65535)
-      .type_name("PORT")
-      .group("Exchange");
-  parser.add_option("--udp-address", a->udp_address, "Address at which packets are taken")
-      .type_name("A")
-      .group("Exchange");
-  parser
-      .add_option(
-          "--udp-wait", a->udp_wait,
-          "Seconds that a step waits at most for the answer to the last\noutputs; 0: it takes what has come")
-      .from(0, 10)
-      .type_name("S")
-      .group("Exchange");
-  parser
-      .add_option("--shared-memory", a->shared_memory,
-                  "Exchange signals with another program in shared memory of this name")
-      .type_name("NAME")
-      .group("Exchange");
-  parser
-      .add_option("--send", a->sent,
-                  "Channel that the other program is given; several; without, the model's\noutputs")
-      .repeated()
-      .type_name("CHANNEL")
-      .group("Exchange");
-  parser.add_option("--take", a->taken, "Input that the other program sets; several; without, all")
-      .repeated()
-      .type_name("INPUT")
-      .group("Exchange");
+  add_page_options(parser, *a);
+  add_loop_options(parser, *a);
+  add_exchange_options(parser, *a);
   parser.add_flag("--json", a->json, "The summary as JSON, behind the line with the page's address");
   parser.add_flag("-q,--quiet", a->quiet, "No summary");
   add_method_options(parser, a->method);
@@ -305,8 +345,7 @@ Command add_live(CommandLine& program) {
       "Example:\n  mimbre live examples/iltis/vehicle.yaml --open");
   return {parser, [a, parser] {
             if (parser.has("--token") && a->token.empty())
-              throw UsageError(
-                  "--token: the token is empty; leave the option out where nobody is to be asked for one");
+              throw UsageError("--token: the token is empty; leave the option out if viewers need none");
             return live(*a);
           }};
 }

@@ -30,7 +30,7 @@ struct PlanArguments {
   bool json = false;
 };
 
-/// What `mimbre live` and `mimbre run` are to be told.
+/// Options for `mimbre live` and `mimbre run`.
 std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArguments& a) {
   std::vector<std::string> words{"--formulation",    name_of(c.formulation),
                                  "--step",           fmt::format("{}", c.step),
@@ -54,7 +54,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArgume
   return words;
 }
 
-/// What `mimbre live` alone is to be told.
+/// Options for `mimbre live` alone.
 std::string clocked_options(const PlanArguments& a) {
   std::string words;
   if (a.clock.speed != 1) words += fmt::format(" --speed {}", a.clock.speed);
@@ -117,30 +117,27 @@ std::string plan_table(const RealTimePlan& plan, const PlanArguments& a) {
                static_cast<int>(k) == plan.chosen ? "taken" : c.failure});
   }
   std::string text = table.text();
-  text += fmt::format("\nthe machine by itself, 99.99 % and worst: late by {:.3f} and {:.3f} ms\n",
+  text += fmt::format("\nlatency of the idle machine: {:.3f} ms in 99.99 %, {:.3f} ms at worst\n",
                       1e3 * plan.idle->latency.quantile(0.9999), 1e3 * plan.idle->latency.worst());
   if (plan.chosen < 0)
     return text +
-           fmt::format("nothing keeps a deadline of {} ms with {} % of it; {} were tried against the clock\n",
-                       1e3 * plan.deadline, a.load, plan.watched_candidates);
+           fmt::format(
+               "no candidate meets a deadline of {} ms within {} % of it; {} were run against the clock\n",
+               1e3 * plan.deadline, a.load, plan.watched_candidates);
   const RealTimeCandidate& c = plan.candidates[static_cast<std::size_t>(plan.chosen)];
   const RealTimeMonitor& m = *plan.watched;
   text += fmt::format(
       "against the clock, {} steps: computation {:.3f} ms in the median, {:.3f} ms in 99.99 %, {:.3f} ms at "
-      "worst; "
-      "late by {:.3f} ms in 99.99 %; {} overruns\n"
-      "expected error {:.2g} % ({}); of each step's time {:.0f} % is taken in 99.99 %, {:.0f} % is to "
-      "spare\n\n"
-      "  mimbre live {}{} {}\n",
+      "worst; latency {:.3f} ms in 99.99 %; {} overruns\nexpected error {:.2g} % ({}); {:.0f} % of each "
+      "step's time is used in 99.99 %, {:.0f} % remains\n\n  mimbre live {}{} {}\n",
       m.steps.load(), 1e3 * m.computation.quantile(0.5), 1e3 * m.computation.quantile(0.9999),
       1e3 * m.computation.worst(), 1e3 * m.latency.quantile(0.9999), m.overrun_count(), 100 * c.error,
       c.worst_output, 100 * plan.load, 100 * (1 - plan.load), a.model, clocked_options(a),
       fmt::join(options_of(c, a), " "));
   if (plan.machine_late)
     text +=
-        "\nThe machine itself is late: what is taken beyond the load asked for is not the computation. "
-        "--priority and --cpu\nhelp where the system permits them; virtual machines and shared ones may stay "
-        "late.\n";
+        "\nThe machine itself is late: the computation alone keeps within the requested load. --priority and "
+        "--cpu\nhelp if the system permits them; virtual and shared machines may stay late.\n";
   return text;
 }
 
@@ -172,7 +169,7 @@ int plan(const PlanArguments& a) {
 
 Command add_plan(CommandLine& program) {
   Parser parser =
-      program.add_command("plan", "Measure which method, step and modes this machine can hold in real time");
+      program.add_command("plan", "Measure which method, step and modes run in real time on this machine");
   const auto a = std::make_shared<PlanArguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
@@ -185,7 +182,7 @@ Command add_plan(CommandLine& program) {
   parser.add_option("--until", a->until, "End of the manoeuvre in s, instead of the model's")
       .above(0)
       .type_name("T");
-  parser.add_option("--load", a->load, "Per cent of a step's time that all but one of ten thousand may take")
+  parser.add_option("--load", a->load, "Percentage of a step's time that 99.99 % of the steps may use")
       .within(1., 100.)
       .show_default()
       .type_name("P");
@@ -197,11 +194,10 @@ Command add_plan(CommandLine& program) {
   parser.add_flag("--json", a->json, "The plan as JSON");
   add_method_options(parser, a->method);
   parser.footer(
-      "Every candidate runs the manoeuvre as fast as it goes; errors are against a run with all modes and a "
-      "sixteenth of the\ndeadline as its step. The most accurate candidate that should keep the deadline is "
-      "run "
-      "against the clock, and the next\nwhere it does not. The last line is what to run.\n"
-      "Example:\n  mimbre plan examples/iltis/vehicle.yaml --deadline 1ms");
+      "Every candidate first runs the manoeuvre without a clock; errors are relative to a run with all modes "
+      "and a sixteenth\nof the deadline as its step. The most accurate candidate that should meet the "
+      "deadline is then run against the clock,\nand the next one if it does not meet it. The last line is "
+      "the command to run.\nExample:\n  mimbre plan examples/iltis/vehicle.yaml --deadline 1ms");
   return {parser, [a] { return plan(*a); }};
 }
 

@@ -191,7 +191,7 @@ Json reduce_anew(const ReduceArguments& a) {
     options.stress = fe::read_stress_matrix(a.stress, a.stress_nodes, input.mesh, input.matrices,
                                             input.file_dofs, units_of(a.units));
   else if (!a.stress_nodes.empty())
-    throw UsageError("--stress-nodes says which nodes the rows of --stress FILE belong to");
+    throw UsageError("--stress-nodes belongs to --stress FILE: it lists the nodes of its rows");
   options.dynamic_modes = a.modes;
   options.free_modes = a.free_modes;
   options.basis = basis_of(a.basis);
@@ -280,7 +280,7 @@ std::vector<std::string> inputs_of(const ReduceArguments& a) {
   for (const std::string& interface : a.interfaces.interfaces)
     if (const auto file = interface.find("=nodes:"); file != std::string::npos)
       inputs.push_back(interface.substr(file + std::string_view("=nodes:").size()));
-  for (const std::string& beside : fe::files_beside(a.input)) inputs.push_back(beside);
+  for (const std::string& neighbour : fe::files_beside(a.input)) inputs.push_back(neighbour);
   return inputs;
 }
 
@@ -315,15 +315,54 @@ int run_reduce(const ReduceArguments& a, const Parser& command) {
     print_data(summary_text(summary));
   }
   if (summary.at("passed").get<bool>()) return done;
-  print_warning("not all checks are passed: the certificate says what to look at before you trust this body");
+  print_warning("some checks failed: read the validation report before you use this body");
   return warned;
+}
+
+/// Properties that the file lacks, and the files of a model that is given by its matrices.
+void add_file_options(Parser& parser, ReduceArguments& a) {
+  parser
+      .add_option("--material", a.materials, "E,nu,rho in SI, of all elements without material or of a group")
+      .repeated()
+      .type_name("[GROUP=]E,NU,RHO");
+  parser
+      .add_option("--density", a.densities,
+                  "kg/m³, of all materials of the file without a density or of one by its name")
+      .repeated()
+      .type_name("[MATERIAL=]RHO");
+  parser
+      .add_option("--thickness", a.thicknesses,
+                  "m, of all shells of the file without a thickness or of a group")
+      .repeated()
+      .type_name("[GROUP=]T");
+  parser.add_option("--damping", a.damping, "Damping proportional to stiffness, s; default 0")
+      .not_negative()
+      .type_name("S");
+  parser.add_flag("--geometric-stiffness", a.stiffening,
+                  "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
+  parser.add_option("--units", a.units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
+      .choice({"SI", "mm", "in"});
+  parser.add_option("--mass", a.mass, "Mass matrix").type_name("FILE");
+  parser.add_option("--nodes", a.nodes, "Nodes: CSV label,x,y,z, or a mesh").type_name("FILE");
+  parser.add_option("--dofs", a.dofs, "Dofs of the rows: CSV row,node,direction").type_name("FILE");
+  parser
+      .add_option(
+          "--stress", a.stress,
+          "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
+          "stiffness matrix")
+      .type_name("FILE");
+  parser
+      .add_option("--stress-nodes", a.stress_nodes,
+                  "Nodes of its rows: CSV, labels in the first column; default: all, in order")
+      .type_name("FILE");
 }
 
 }  // namespace
 
 Command add_reduce(CommandLine& program) {
   Parser parser = program.add_command(
-      "reduce", "Make a body of a finite-element model: interface and dynamic modes, with a certificate");
+      "reduce",
+      "Reduce a finite-element model to a body: interface and dynamic modes, with a validation report");
   const auto a = std::make_shared<ReduceArguments>();
   parser.add_option("input", a->input, "The model; formats: below").required().type_name("INPUT");
   add_interface_options(parser, a->interfaces);
@@ -362,45 +401,11 @@ Command add_reduce(CommandLine& program) {
       .type_name("N");
   parser.add_option("--frame", a->frame, "Reference frame; default tangent")
       .choice({"tangent", "centre_of_mass", "mean_axis"});
-  parser
-      .add_option("--material", a->materials,
-                  "E,nu,rho in SI, of all elements without material or of a group")
-      .repeated()
-      .type_name("[GROUP=]E,NU,RHO");
-  parser
-      .add_option("--density", a->densities,
-                  "kg/m³, of all materials of the file without a density or of one by its name")
-      .repeated()
-      .type_name("[MATERIAL=]RHO");
-  parser
-      .add_option("--thickness", a->thicknesses,
-                  "m, of all shells of the file without a thickness or of a group")
-      .repeated()
-      .type_name("[GROUP=]T");
-  parser.add_option("--damping", a->damping, "Damping proportional to stiffness, s; default 0")
-      .not_negative()
-      .type_name("S");
-  parser.add_flag("--geometric-stiffness", a->stiffening,
-                  "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
-  parser.add_option("--units", a->units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
-      .choice({"SI", "mm", "in"});
-  parser.add_option("--mass", a->mass, "Mass matrix").type_name("FILE");
-  parser.add_option("--nodes", a->nodes, "Nodes: CSV label,x,y,z, or a mesh").type_name("FILE");
-  parser.add_option("--dofs", a->dofs, "Dofs of the rows: CSV row,node,direction").type_name("FILE");
-  parser
-      .add_option(
-          "--stress", a->stress,
-          "Stress by displacements: .npz of SciPy; rows xx yy zz xy yz zx of each node, columns as the "
-          "stiffness matrix")
-      .type_name("FILE");
-  parser
-      .add_option("--stress-nodes", a->stress_nodes,
-                  "Nodes of its rows: CSV, labels in the first column; default: all, in order")
-      .type_name("FILE");
+  add_file_options(parser, *a);
   parser.add_option("-o,--output", a->output, "The body").required().type_name("BODY.h5");
   parser
       .add_option("--report", a->report,
-                  "A page of the body's modes and certificate, as `mimbre report` makes")
+                  "A page of the body's modes and validation report, as `mimbre report` writes")
       .type_name("FILE.html");
   parser.add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
   parser.add_flag("--json", a->json, "Print a summary for machines");

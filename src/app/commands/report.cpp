@@ -59,7 +59,7 @@ std::string measured_summary(const std::string& path, const Results& results) {
   return text;
 }
 
-/// The page of a reduced body: its certificate and its modes.
+/// The page of a reduced body: its validation report and its modes.
 int run_modes(const ReportArguments& arguments) {
   if (arguments.results.size() > 1)
     throw UsageError("a body's page has no room for other files; give the body alone");

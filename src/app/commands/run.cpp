@@ -77,7 +77,7 @@ struct Saving {
   }
 };
 
-/// The stepping loop with its output, from where the totals are. What goes wrong in it is told by the ending,
+/// The stepping loop with its output, from where the totals are. The ending reports what goes wrong in it,
 /// so that the results so far are kept.
 Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inputs, Recorder& recorder,
                 Progress& progress, Saving& saving, RunTotals& totals, const std::function<void()>& begin) {
@@ -118,7 +118,7 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inp
         return stopped(
             {"interrupted",
              fmt::format("interrupted at t = {:.6g} s of {:.6g} s{}", simulation.time(), plan.end,
-                         saving.wanted() ? fmt::format("; --resume {} goes on from there", saving.path)
+                         saving.wanted() ? fmt::format("; --resume {} continues from there", saving.path)
                                          : std::string())});
     }
   } catch (const std::exception& error) {
@@ -135,10 +135,10 @@ void require_same_options(const RunArguments& arguments, const RunState& saved) 
   if (now == then) return;
   const Json change = Json::diff(then, now);
   const std::string where = change.empty() ? std::string() : change[0].value("path", "");
-  throw UsageError(fmt::format(
-      "the saved run was made with other options: it had {}, and here there are {} (they differ in '{}'); "
-      "only --until may be another",
-      then.dump(), now.dump(), where.empty() ? where : where.substr(1)));
+  throw UsageError(
+      fmt::format("the saved run was made with other options: it had {}, and here there are {} (they differ "
+                  "in '{}'); only --until may differ",
+                  then.dump(), now.dump(), where.empty() ? where : where.substr(1)));
 }
 
 /// Puts a simulation to where a saved run was.
@@ -148,37 +148,55 @@ void resume(const RunArguments& arguments, const RunState& saved, const RunPlan&
     throw UsageError(fmt::format("the saved run is at t = {:.6g} s already, the end asked for is {:.6g} s",
                                  saved.snapshot.time, plan.end));
   if (saved.snapshot.model != simulation.fingerprint())
-    throw InputError(
-        Mark{arguments.model, 0, 0},
-        fmt::format("the state in '{}' was saved of another model, or the model (or a file that it "
-                    "names) has been changed since; only the same one goes on",
-                    arguments.resume));
+    throw InputError(Mark{arguments.model, 0, 0},
+                     fmt::format("the state in '{}' was saved of another model, or the model (or a file that "
+                                 "it names) has been changed since; a run continues with the same model only",
+                                 arguments.resume));
   if (saved.program != this_program())
     print_warning(
-        fmt::format("the state in '{}' was saved by another program ({}; this is {}): what follows is "
-                    "as good, but not the same bits",
+        fmt::format("the state in '{}' was saved by another program ({}; this is {}): the run continues "
+                    "correctly, but not bit for bit",
                     arguments.resume, saved.program, this_program()));
   const auto same_files = [&](const char* option, const std::string& now, const std::string& then) {
     if (now.empty() == then.empty()) return;
     throw UsageError(
         then.empty()
-            ? fmt::format("the saved run had no {}, so that its first rows are missing; "
-                          "go on without",
+            ? fmt::format("the saved run had no {}, so that its first rows are missing; continue without",
                           option)
-            : fmt::format("the saved run had {}; give it here, too (its rows are in '{}')", option, then));
+            : fmt::format("the saved run had {}; give it here as well (its rows are in '{}')", option, then));
   };
   same_files("--output", arguments.output, saved.results);
   same_files("--csv", arguments.csv, saved.csv);
   simulation.restore(saved.snapshot);
 }
 
-int run_model(const RunArguments& given_arguments) {
-  RunArguments arguments = given_arguments;
+/// Options that need others; the file of the saved run is that of the resumed one, if none is named.
+RunArguments completed(RunArguments arguments) {
   if (arguments.every && arguments.state.empty()) {
     if (arguments.resume.empty()) throw UsageError("--every belongs to --save-state FILE");
     arguments.state = arguments.resume;
   }
   if (arguments.csv_units && arguments.csv.empty()) throw UsageError("--csv-units belongs to --csv FILE.csv");
+  return arguments;
+}
+
+std::unique_ptr<Simulation> assembled(const LoadedModel& loaded, const RunOptions& options, bool quiet) {
+  const Busy busy("assembling the mechanism", !quiet);
+  return std::make_unique<Simulation>(loaded.model, options);
+}
+
+/// Warnings of loading and of the run; the latter are printed.
+std::vector<std::string> print_warnings(const LoadedModel& loaded, const Simulation& simulation) {
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : simulation.warnings()) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
+  return warnings;
+}
+
+int run_model(const RunArguments& given_arguments) {
+  const RunArguments arguments = completed(given_arguments);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
   RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
   check_targets(arguments, loaded, inputs);
@@ -193,17 +211,14 @@ int run_model(const RunArguments& given_arguments) {
   options.end = arguments.until.value_or(-1);
   options.inputs = inputs.start();
   const RunPlan plan = planned(given, options, arguments.step, arguments.until);
-  const std::unique_ptr<Simulation> made = [&] {
-    const Busy busy("assembling the mechanism", !arguments.quiet);
-    return std::make_unique<Simulation>(loaded.model, options);
-  }();
-  Simulation& simulation = *made;
+  const std::unique_ptr<Simulation> owner = assembled(loaded, options, arguments.quiet);
+  Simulation& simulation = *owner;
   inputs.attach(simulation);
   if (!arguments.quiet) {
     if (simulation.method().default_end)
       fmt::print(stderr,
-                 "mimbre: note: the model does not say when a run ends: {} s are taken (--until, or `end` in "
-                 "its section `simulation`, says it)\n",
+                 "mimbre: note: the model has no end: the run ends at {} s (set it by --until, or by `end` "
+                 "in its section `simulation`)\n",
                  plan.end);
     print_advice(simulation);
   }
@@ -234,11 +249,7 @@ int run_model(const RunArguments& given_arguments) {
   });
   progress.clear();
 
-  std::vector<std::string> warnings = loaded.warnings;
-  for (const std::string& warning : simulation.warnings()) {
-    print_warning(warning);
-    warnings.push_back(warning);
-  }
+  const std::vector<std::string> warnings = print_warnings(loaded, simulation);
   std::vector<std::string> kept;
   try {
     kept =
@@ -250,7 +261,7 @@ int run_model(const RunArguments& given_arguments) {
   if (!ending.message.empty()) {
     print_error(ending.message);
     if (!kept.empty())
-      fmt::print(stderr, "mimbre: what was computed until then is kept: {} ({} steps of {})\n",
+      fmt::print(stderr, "mimbre: the results until then are kept: {} ({} steps of {})\n",
                  fmt::join(kept, ", "), totals.steps, plan.steps);
   }
   if (arguments.json) {
@@ -280,16 +291,16 @@ Command add_run(CommandLine& program) {
   parser.add_option("--csv", arguments->csv, "Table of the model's outputs (CSV)").type_name("FILE.csv");
   parser
       .add_option("--save-state", arguments->state,
-                  "File that the state goes to, every --every seconds, at the end, and when\n"
-                  "the run is interrupted: --resume goes on from it")
+                  "File for the state, written every --every seconds, at the end, and when\nthe run is "
+                  "interrupted: --resume continues from it")
       .type_name("FILE");
   parser.add_option("--every", arguments->every, "Simulated seconds from one saved state to the next")
       .above(0)
       .type_name("S");
   parser
       .add_option("--resume", arguments->resume,
-                  "Goes on from a saved state, with the same model and options, to the same\n"
-                  "results as without the break")
+                  "Continue from a saved state, with the same model and options, to the same\nresults as "
+                  "without the interruption")
       .type_name("FILE");
   parser.add_flag("--csv-units", arguments->csv_units, "A second line in the table: the columns' units");
   parser.add_flag("--json", arguments->json, "The summary as JSON");

@@ -157,7 +157,7 @@ Command add_select(CommandLine& program) {
       .choice({"combinations", "modes"});
   parser
       .add_option("--pre", a->pre,
-                  "What the modes are ranked by: a run with all candidates (default), or the response to the "
+                  "How the modes are ranked: by a run with all candidates (default), or the response to the "
                   "forces on the rigid body")
       .choice({"candidates", "rigid"});
   parser.add_option("--end", a->end, "End of the runs in s, instead of the model's").above(0).type_name("T");

@@ -74,7 +74,7 @@ int run_static(const StaticArguments& arguments) {
 }  // namespace
 
 Command add_static(CommandLine& program) {
-  Parser parser = program.add_command("static", "Find the static equilibrium and give the outputs there");
+  Parser parser = program.add_command("static", "Find the static equilibrium and print the outputs there");
   const auto arguments = std::make_shared<StaticArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);

@@ -169,13 +169,13 @@ int run_stress(const StressArguments& a) {
     if (std::find(names.begin(), names.end(), body.name) == names.end()) continue;
     if (!a.bodies.empty() && std::find(a.bodies.begin(), a.bodies.end(), body.name) == a.bodies.end())
       continue;
-    Json told{{"name", body.name}};
+    Json entry{{"name", body.name}};
     if (body.stress.size() > 0)
-      told["hot_spots"] =
+      entry["hot_spots"] =
           hot_spots_of(body, results.time, results.modes.middleCols(mine, body.modes), a, text);
     if (Json sections = envelopes_of(results, index, text); !sections.empty())
-      told["sections"] = std::move(sections);
-    json["bodies"].push_back(std::move(told));
+      entry["sections"] = std::move(sections);
+    json["bodies"].push_back(std::move(entry));
   }
   print_data(a.json ? to_text(json) + '\n' : text);
   return done;
@@ -185,8 +185,7 @@ int run_stress(const StressArguments& a) {
 
 Command add_stress(CommandLine& program) {
   Parser parser = program.add_command(
-      "stress",
-      "Tell where and when the bodies of a run were stressed most, and the loads in sections of bars");
+      "stress", "Print the largest stresses of a run, where and when, and the loads in sections of bars");
   const auto a = std::make_shared<StressArguments>();
   parser.add_option("results", a->results, "Results file (HDF5)").required().type_name("RESULTS.h5");
   parser.add_option("--body", a->bodies, "Only this body; several times for several")

@@ -220,21 +220,14 @@ Command add_verify(CommandLine& program) {
   add_strict_option(parser, arguments->strict);
   add_method_options(parser, arguments->method, {.formulation = false, .motion = true});
   parser.footer(
-      "The two formulations are programmed apart and integrate different coordinates, so that their results "
-      "differ by\n"
-      "an error that falls with the square of the step: with half the step it is about 4 times smaller. A "
-      "difference\n"
-      "that does not fall is a mistake in one of them, or a step that is far too long. Each is also compared "
-      "with itself\n"
-      "at half the step, and a quarter where that decides: what a shorter step changes by much is not agreed "
-      "upon.\n"
-      "Exit codes: 0 both ran (\"agree\" says whether they agree: to 1 % of the range of every channel, or "
-      "nearer with\n"
-      "every halving), 1 the model is bad, 2 wrong use, 3 one of them failed, 4 they disagree or a run "
-      "warned, "
-      "where\n"
-      "--strict was given.\n"
-      "Example:\n  mimbre verify pendulum.yaml --until 2");
+      "The two formulations are implemented separately and integrate different coordinates; their results "
+      "differ by an\nerror of second order: with half the step it is about 4 times smaller. A difference "
+      "that does not decrease is a\nmistake in one of them, or the step is far too long. Each is also "
+      "compared with itself at half the step, and at\na quarter if that decides: a channel that a shorter "
+      "step changes by much does not count as agreement.\nExit codes: 0 both ran (\"agree\": whether they "
+      "agree to 1 % of the range of every channel, or better with every\nhalving), 1 the model is bad, 2 "
+      "wrong use, 3 one of them failed, 4 they disagree or a run warned, if --strict\nwas given.\nExample:\n "
+      " mimbre verify pendulum.yaml --until 2");
   return {parser, [arguments] { return run_verify(*arguments); }};
 }
 

@@ -32,7 +32,7 @@ std::vector<const PublishedTable*> selected(const std::vector<std::string>& name
   for (const PublishedTable& table : published_tables()) known.push_back(table.name);
   for (const std::string& name : names)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw UsageError(fmt::format("--table: there is no table '{}'{}; --list says which there are", name,
+      throw UsageError(fmt::format("--table: there is no table '{}'{}; --list prints them", name,
                                    did_you_mean(name, known)));
   for (const PublishedTable& table : published_tables())
     if (names.empty() || std::find(names.begin(), names.end(), table.name) != names.end())

@@ -11,7 +11,7 @@ const std::string in_plane = "spin-up-beam/beam-2d.yaml", in_space = "spin-up-be
 struct DeflectionColumn {
   std::string name;
   Settings settings;
-  bool damped = false;  ///< by the default integrator: the trapezoidal rule fails, as the note says
+  bool damped = false;  ///< by the default integrator: the trapezoidal rule fails, see the note
 };
 
 DeflectionColumn substructures(int count, const std::string& name, const std::string& rotation) {
@@ -56,8 +56,8 @@ struct Measured {
 PublishedTable spin_up(const std::string& name, const std::string& title, const std::string& file,
                        const std::vector<DeflectionColumn>& columns, const Measured& natural,
                        const Measured& relative) {
-  const auto make = [=](Lab& lab, const Tell& tell) {
-    Rows rows(tell);
+  const auto make = [=](Lab& lab, const Report& report) {
+    Rows rows(report);
     const auto published = [](const Numbers& numbers, std::size_t k) {
       return k < numbers.size() ? numbers[k] : std::nullopt;
     };

@@ -18,7 +18,7 @@ constexpr double reference_step = 1e-4;
 constexpr double compared_seconds = 3;
 constexpr double tip_reference_step = 1e-3, tip_interval = 0.01;
 constexpr int longest_milliseconds = 50, shortest_milliseconds = 10;
-/// Times are the least of as many runs as it takes to trust them, and no more than it takes to bear them.
+/// Times are the least of as many runs as it takes to trust them, and no more than is bearable.
 constexpr int least_runs = 3, most_runs = 20;
 constexpr double enough_seconds = 0.1, too_many_seconds = 3;
 

@@ -33,7 +33,7 @@ struct LongestStep {
 };
 
 /// Runs cases and measures them. Models and references are kept, so that tables share them. What fails throws
-/// std::runtime_error that says why, an interrupt Failure.
+/// std::runtime_error with the reason, an interrupt Failure.
 class Lab {
  public:
   Counts counts(const Case& c);

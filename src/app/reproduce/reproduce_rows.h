@@ -9,7 +9,7 @@
 namespace mimbre::app {
 
 using Formulation = spec::Simulation::Formulation;
-using Tell = std::function<void(const ReproducedRow&)>;
+using Report = std::function<void(const ReproducedRow&)>;
 using Numbers = std::vector<std::optional<double>>;
 
 inline constexpr std::array formulations{Formulation::natural, Formulation::relative};
@@ -21,11 +21,11 @@ inline std::string formulation_name(Formulation formulation) {
 /// Collects rows; a measurement that fails leaves its message.
 class Rows {
  public:
-  explicit Rows(const Tell& tell) : tell_(tell) {}
+  explicit Rows(const Report& report) : report_(report) {}
 
   template <class Measure>
   void add(ReproducedRow row, Measure&& measure) {
-    tell_(row);
+    report_(row);
     try {
       row.ours = measure(row);
     } catch (const Failure&) {
@@ -56,7 +56,7 @@ class Rows {
   std::vector<ReproducedRow> take() { return std::move(rows_); }
 
  private:
-  const Tell& tell_;
+  const Report& report_;
   std::vector<ReproducedRow> rows_;
 };
 

@@ -90,8 +90,8 @@ struct Published {
 
 PublishedTable coordinates(const std::string& name, const std::string& title,
                            const std::vector<Variant>& variants, const Published& published) {
-  return {"coordinates-" + name, title, [=](Lab& lab, const Tell& tell) {
-            Rows rows(tell);
+  return {"coordinates-" + name, title, [=](Lab& lab, const Report& report) {
+            Rows rows(report);
             for (const Formulation formulation : formulations)
               for (std::size_t k = 0; k < variants.size(); ++k)
                 rows.add({formulation_name(formulation),
@@ -109,8 +109,8 @@ PublishedTable coordinates(const std::string& name, const std::string& title,
 
 PublishedTable cpu(const std::string& name, const std::string& title, const std::vector<Variant>& variants,
                    const Published& published, const std::string& unit, double per_second) {
-  return {"cpu-" + name, title, [=](Lab& lab, const Tell& tell) {
-            Rows rows(tell);
+  return {"cpu-" + name, title, [=](Lab& lab, const Report& report) {
+            Rows rows(report);
             for (const Formulation formulation : formulations)
               for (std::size_t k = 0; k < variants.size(); ++k)
                 rows.add({formulation_name(formulation),
@@ -128,12 +128,12 @@ PublishedTable cpu(const std::string& name, const std::string& title, const std:
 }
 
 /// Table 3.1.
-std::vector<ReproducedRow> cpu_inertia(Lab& lab, const Tell& tell) {
+std::vector<ReproducedRow> cpu_inertia(Lab& lab, const Report& report) {
   const std::array columns{"5", "10", "50", "100"};
   const std::array<std::array<Numbers, 2>, 2> published{
       {{Numbers{4.19, 4.48, 7.58, 12.59}, Numbers{3.85, 3.85, 3.85, 3.85}},
        {Numbers{1.11, 1.48, 4.32, 8.21}, Numbers{0.79, 0.79, 0.79, 0.79}}}};
-  Rows rows(tell);
+  Rows rows(report);
   for (std::size_t f = 0; f < formulations.size(); ++f)
     for (const bool integrals : {false, true})
       for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -175,9 +175,9 @@ std::vector<Column> accuracy_columns() {
 constexpr double centimetres = 100, milliseconds = 1000;
 
 /// Errors and longest steps; with the default inertia, which does not change them.
-std::vector<ReproducedRow> accuracy(Lab& lab, const Tell& tell) {
+std::vector<ReproducedRow> accuracy(Lab& lab, const Report& report) {
   const std::vector<Column> columns = accuracy_columns();
-  Rows rows(tell);
+  Rows rows(report);
   const auto series = [&](const std::string& name, const std::string& unit, const Numbers& published,
                           auto&& measure) {
     for (std::size_t k = 0; k < columns.size(); ++k)
@@ -211,9 +211,9 @@ std::vector<ReproducedRow> accuracy(Lab& lab, const Tell& tell) {
 }
 
 /// The real-time ratios of Table 2.7: simulated time over CPU time.
-std::vector<ReproducedRow> real_time(Lab& lab, const Tell& tell) {
+std::vector<ReproducedRow> real_time(Lab& lab, const Report& report) {
   const std::vector<Column> columns = accuracy_columns();
-  Rows rows(tell);
+  Rows rows(report);
   const auto ratio = [&](const Case& c) { return 8 / lab.cpu_seconds(c); };
   const auto at_longest = [&](ReproducedRow& row, const Case& c, bool projection) {
     const double step = lab.longest_step(c).step;
@@ -243,8 +243,8 @@ std::vector<ReproducedRow> real_time(Lab& lab, const Tell& tell) {
   return rows.take();
 }
 
-std::vector<ReproducedRow> energy(Lab& lab, const Tell& tell) {
-  Rows rows(tell);
+std::vector<ReproducedRow> energy(Lab& lab, const Report& report) {
+  Rows rows(report);
   const auto series = [&](const std::string& name, const std::vector<Variant>& variants,
                           const Numbers& published, auto&& measure) {
     std::size_t k = 0;

@@ -11,7 +11,7 @@ namespace mimbre::app {
 /// One number of a published table beside ours. A series and a column name it: "relative" and "A+L".
 struct ReproducedRow {
   std::string series, column, unit;
-  std::optional<double> published, ours;  ///< nothing: not published, or the run failed as the note says
+  std::optional<double> published, ours;  ///< nothing: not published, or the run failed see the note
   std::string note;
   std::optional<double> ratio() const {
     return published && ours ? std::optional(*ours / *published) : std::nullopt;
@@ -21,8 +21,8 @@ struct ReproducedRow {
 /// A published table, and the runs that make ours.
 struct PublishedTable {
   std::string name, title;
-  /// `tell` is called with the name of each row before it is measured.
-  std::function<std::vector<ReproducedRow>(Lab& lab, const std::function<void(const ReproducedRow&)>& tell)>
+  /// `report` is called with the name of each row before it is measured.
+  std::function<std::vector<ReproducedRow>(Lab& lab, const std::function<void(const ReproducedRow&)>& report)>
       make;
 };
 const std::vector<PublishedTable>& published_tables();

@@ -6,8 +6,8 @@
 
 namespace mimbre::app {
 
-/// Says on the terminal what is being done once that has taken a second, and for how long. Where stderr is no
-/// terminal, a line each after half a minute, one, two, four, … For work that cannot say how far it is.
+/// Reports on the terminal what is being done once that has taken a second, and for how long. Where stderr is
+/// no terminal, a line each after half a minute, one, two, four, … For work whose progress is not known.
 class Busy {
  public:
   explicit Busy(std::string what, bool wanted = true);

@@ -4,7 +4,7 @@
 
 namespace mimbre::app {
 
-/// A line on the terminal that says how far a run has come; nothing where stderr is not a terminal.
+/// A line on the terminal with the progress of a run; nothing where stderr is not a terminal.
 class Progress {
  public:
   explicit Progress(bool wanted);

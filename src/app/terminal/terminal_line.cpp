@@ -14,7 +14,7 @@
 namespace mimbre::app {
 namespace {
 
-/// In characters; none is known of a terminal that does not say.
+/// In characters; none is known of a terminal that does not report it.
 std::size_t columns() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : std::string::npos;

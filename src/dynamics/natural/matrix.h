@@ -61,24 +61,14 @@ inline PairLinks links_of(const Layout& l, const ElementData& e, const ElementEn
   return {&spheres[ends.first], &spheres[ends.second]};
 }
 
-/// Mass, elastic and damping matrix of a body into the lower triangle of its (cleared) dense matrix.
+/// Mass of a flexible body's base vectors, and its coupling with the amplitudes, into the lower triangle of
+/// the body's dense matrix. Returns the constant modal mass.
 template <class T>
-void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index, double damping,
-                 double stiffness, T* matrix) {
+const Rows& add_coupled_mass(const Compiled& m, const Layout& l, Workspace<T>& w, int index, T* matrix) {
   const Body& b = l.bodies[index];
   const BodyData& data = m.bodies[index];
-  const int stride = b.stencil.stride;
-  const auto add_masses = [&](const auto& masses) {
-    for (int k = 0; k < b.unknown; ++k)
-      for (int j = 0; j <= k; ++j)
-        for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += T(masses(k, j));
-  };
-  if (data.modes == 0) {
-    add_masses(b.variable_mass);
-    return;
-  }
   const FlexibleData& f = m.flexible[data.flexible];
-  const int s = f.stride, n = 3 * b.unknown;
+  const int stride = b.stencil.stride, s = f.stride, n = 3 * b.unknown;
   const T* y = w.y.data() + b.amplitudes;
   const Mat3<T> A = w.bodies[index].position.template rightCols<3>();
   // (S, S'^1, S'^2, S'^3): coupling of the base vectors with the amplitudes, body axes.
@@ -124,24 +114,37 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
         matrix[(n + i) * stride + 3 * k + c] +=
             A(c, 0) * rows[i] + A(c, 1) * rows[s + i] + A(c, 2) * rows[2 * s + i];
   }
-  const auto add_modal = [&](const Rows& modal, double weight) {
-    const T* values = modal.data();
-    if (!f.products.empty()) {
-      fold(f, y, modal, w.folded.data());
-      values = w.folded.data();
-    }
-    for (int i = 0; i < data.modes; ++i)
-      for (int j = 0; j <= i; ++j) matrix[(n + i) * stride + n + j] += weight * values[i * s + j];
-  };
-  add_modal(*modal_mass, 1);
-  if (!f.ancf.empty()) {
-    ancf::add_tangent(f, y, stiffness, damping, [&](int r, int c, const T& x) {
-      if (c <= r) matrix[(n + r) * stride + n + c] += x;
-    });
-    return;
+  return *modal_mass;
+}
+
+/// weight · a matrix over the amplitudes; of second order in them where the body is.
+template <class T>
+void add_modal(const Compiled& m, const Layout& l, Workspace<T>& w, int index, const Rows& modal,
+               double weight, T* matrix) {
+  const Body& b = l.bodies[index];
+  const BodyData& data = m.bodies[index];
+  const FlexibleData& f = m.flexible[data.flexible];
+  const int stride = b.stencil.stride, s = f.stride, n = 3 * b.unknown;
+  const T* y = w.y.data() + b.amplitudes;
+  const T* values = modal.data();
+  if (!f.products.empty()) {
+    fold(f, y, modal, w.folded.data());
+    values = w.folded.data();
   }
-  add_modal(f.damping, damping);
-  add_modal(f.stiffness, stiffness);
+  for (int i = 0; i < data.modes; ++i)
+    for (int j = 0; j <= i; ++j) matrix[(n + i) * stride + n + j] += weight * values[i * s + j];
+}
+
+/// The tangents that depend on the deformation: stretching and bending coupled, and the stiffness of stress
+/// by inertia forces.
+template <class T>
+void add_deformed_stiffness(const Compiled& m, const Layout& l, Workspace<T>& w, int index, double stiffness,
+                            T* matrix) {
+  const Body& b = l.bodies[index];
+  const BodyData& data = m.bodies[index];
+  const FlexibleData& f = m.flexible[data.flexible];
+  const int stride = b.stencil.stride, s = f.stride, n = 3 * b.unknown;
+  const T* y = w.y.data() + b.amplitudes;
   if (f.nonlinear_stiffness) {
     T* curvature = w.folded.data();
     std::fill(curvature, curvature + static_cast<std::ptrdiff_t>(s) * s, T(0));
@@ -161,10 +164,39 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
       matrix[(n + i) * stride + n + j] += stiffness * geometric_stiffness[i * s + j];
 }
 
-/// Rows of Φq over the stencils, and of what elements measure.
+/// Mass, elastic and damping matrix of a body into the lower triangle of its (cleared) dense matrix.
 template <class T>
-void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
-  T* storage = w.jacobian.data();
+void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index, double damping,
+                 double stiffness, T* matrix) {
+  const Body& b = l.bodies[index];
+  const BodyData& data = m.bodies[index];
+  const int stride = b.stencil.stride;
+  const auto add_masses = [&](const auto& masses) {
+    for (int k = 0; k < b.unknown; ++k)
+      for (int j = 0; j <= k; ++j)
+        for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += T(masses(k, j));
+  };
+  if (data.modes == 0) {
+    add_masses(b.variable_mass);
+    return;
+  }
+  const FlexibleData& f = m.flexible[data.flexible];
+  add_modal(m, l, w, index, add_coupled_mass(m, l, w, index, matrix), 1, matrix);
+  if (!f.ancf.empty()) {
+    const int n = 3 * b.unknown;
+    ancf::add_tangent(f, w.y.data() + b.amplitudes, stiffness, damping, [&](int r, int c, const T& x) {
+      if (c <= r) matrix[(n + r) * stride + n + c] += x;
+    });
+    return;
+  }
+  add_modal(m, l, w, index, f.damping, damping, matrix);
+  add_modal(m, l, w, index, f.stiffness, stiffness, matrix);
+  add_deformed_stiffness(m, l, w, index, stiffness, matrix);
+}
+
+/// The rows of Φq: of the rigidity of the base vectors.
+template <class T>
+void rigidity_rows(const Layout& l, Workspace<T>& w, T* storage) {
   for (std::size_t i = 0; i < l.bodies.size(); ++i) {
     const Body& b = l.bodies[i];
     T* row = storage + b.jacobian;
@@ -179,28 +211,11 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
       row += b.stencil.stride;
     }
   }
-  for (const Joint& j : l.joints) {
-    T* row = storage + j.link.jacobian;
-    for (const JointEquation& e : j.equations)
-      for (int c = 0; c < e.count(); ++c) {
-        fill_row(
-            m, l, w, j.link,
-            [&](const Covector<T>& a, const Covector<T>& b) { act_by_joint<T>(m, w, j, e, c, T(1), a, b); },
-            row);
-        row += j.link.stencil.stride;
-      }
-  }
-  const auto coordinate = [&](const Link& link, int body, int local) {
-    const JointCoordinate& c = l.joint_coordinates[body];
-    fill_row(
-        m, l, w, link,
-        [&](const Covector<T>& a, const Covector<T>& b) {
-          act_on_coordinate<T>(m, c, w.frames[c.frame_a], w.frames[c.frame_b], q + c.q, local, T(1), a, b);
-        },
-        storage + link.jacobian);
-  };
-  for (std::size_t k = 0; k < m.drives.size(); ++k)
-    coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
+}
+
+/// The rows of Φq: of constraints.
+template <class T>
+void constraint_rows(const Compiled& m, const Layout& l, Workspace<T>& w, T* storage) {
   for (std::size_t i = 0; i < m.constraints.size(); ++i) {
     const ConstraintData& c = m.constraints[i];
     const ConstraintLink& link = l.constraints[i];
@@ -219,6 +234,11 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
       }
     }
   }
+}
+
+/// The rows of what elements measure; those of sums follow from their legs'.
+template <class T>
+void element_rows(const Compiled& m, const Layout& l, Workspace<T>& w, T* storage) {
   for (std::size_t i = 0; i < m.elements.size(); ++i) {
     const ElementData& e = m.elements[i];
     if (e.measure == Measure::none || e.measure == Measure::sum) continue;
@@ -255,6 +275,37 @@ void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
       for (std::size_t c = 0; c < sum.legs[i].size(); ++c) row[sum.legs[i][c]] += leg.factor * of[c];
     }
   }
+}
+
+/// Rows of Φq over the stencils, and of what elements measure.
+template <class T>
+void jacobian(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
+  T* storage = w.jacobian.data();
+  rigidity_rows(l, w, storage);
+  for (const Joint& j : l.joints) {
+    T* row = storage + j.link.jacobian;
+    for (const JointEquation& e : j.equations)
+      for (int c = 0; c < e.count(); ++c) {
+        fill_row(
+            m, l, w, j.link,
+            [&](const Covector<T>& a, const Covector<T>& b) { act_by_joint<T>(m, w, j, e, c, T(1), a, b); },
+            row);
+        row += j.link.stencil.stride;
+      }
+  }
+  const auto coordinate = [&](const Link& link, int body, int local) {
+    const JointCoordinate& c = l.joint_coordinates[body];
+    fill_row(
+        m, l, w, link,
+        [&](const Covector<T>& a, const Covector<T>& b) {
+          act_on_coordinate<T>(m, c, w.frames[c.frame_a], w.frames[c.frame_b], q + c.q, local, T(1), a, b);
+        },
+        storage + link.jacobian);
+  };
+  for (std::size_t k = 0; k < m.drives.size(); ++k)
+    coordinate(l.drives[k], m.drives[k].body, m.drives[k].local);
+  constraint_rows(m, l, w, storage);
+  element_rows(m, l, w, storage);
 }
 
 }  // namespace mimbre::natural

@@ -160,6 +160,105 @@ void composite_times(const typename Workspace<T>::Composite& c, const T* columns
   }
 }
 
+/// Own inertia of a body in its axes, about its origin.
+template <class T>
+struct OwnInertia {
+  T mass;
+  Vec3<T> first;   ///< ∫ r dm
+  Mat3<T> second;  ///< ∫ r rᵀ dm
+};
+
+/// The deformed inertia of a flexible body, and its coupling with the modes (6 × s at `elastic`, modes from
+/// column joint_velocities on).
+template <class T>
+[[gnu::always_inline]] inline void add_flexible_inertia(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                        const T* q, OwnInertia<T>& own, T* elastic) {
+  const BodyData& b = m.bodies[i];
+  const Mat3<T>& A = w.bodies[i].rotation;
+  const int s = m.subspaces[b.subspace].stride;
+  const FlexibleData& f = m.flexible[b.flexible];
+  const int fs = f.stride;
+  T* y = w.scratch.data();
+  copy_modes(b, q + b.q + b.joint_positions, fs, y);
+  extend(f, y);
+  T* integrals = w.integrals.data() + w.integral_offset[i];
+  const ConstantInertia constant = constant_inertia(m, w, b);
+  if (w.projections.empty()) {
+    own.first += times(f.S, y);
+    own.second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  } else if constexpr (std::is_same_v<T, double>) {
+    own.mass = constant.mass;
+    projection::rigid_mass(w.projections[b.flexible], w.projection, y, own.first, own.second, integrals);
+  }
+  T *linear = y + fs, *crossed = linear + 3 * fs, *angular = crossed + 3 * fs;
+  rotate_rows<T>(A, constant.S.data(), fs, linear);
+  for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
+    const T *plus = integrals + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
+            *minus = integrals + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
+    for (int k = 0; k < fs; ++k) crossed[r * fs + k] = plus[k] - minus[k];
+  }
+  rotate_rows<T>(A, crossed, fs, angular);
+  add_cross_rows<T>(w.bodies[i].position, linear, fs, angular);
+  for (int r = 0; r < 3; ++r) {
+    fold(f, y, linear + r * fs);
+    fold(f, y, angular + r * fs);
+  }
+  if (!f.products.empty()) fold(f, y, constant.modal_mass, w.folded.data());
+  T* out = elastic + b.joint_velocities;
+  for (int r = 0; r < 3; ++r)
+    for (int k = 0; k < b.modes; ++k) {
+      out[r * s + k] += linear[r * fs + k];
+      out[(3 + r) * s + k] += angular[r * fs + k];
+    }
+}
+
+/// Adds to a flexible body's diagonal block what its modes contribute; `own`: its motion subspace, `force`:
+/// the composite inertia times it, to which the coupling is added.
+template <class T>
+[[gnu::always_inline]] inline void add_modal_mass(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                  const T* own, const T* elastic, T* force, T* values) {
+  const BodyData& b = m.bodies[i];
+  const linalg::BlockPlace& diagonal = m.diagonal[i];
+  const int s = m.subspaces[b.subspace].stride, n = b.size();
+  // Diagonal block: bᵀ(Mc b + H) + (H part of elastic columns)ᵀ b + elastic–elastic.
+  add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
+  for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
+  const FlexibleData& f = m.flexible[b.flexible];
+  const auto add = [&](const auto* modal_mass) {
+    for (int c = 0; c < b.modes; ++c)
+      for (int r = 0; r < b.modes; ++r)
+        values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
+               (b.joint_velocities + c) * diagonal.col_stride] += modal_mass[r * f.stride + c];
+  };
+  if (f.products.empty())
+    add(constant_inertia(m, w, b).modal_mass.data());
+  else
+    add(w.folded.data());
+}
+
+/// The share of a parent's modes in the inertia of the subtree at a body, where they move the joint's frame.
+template <class T>
+[[gnu::always_inline]] inline void add_modes_of_parent(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                       T* values) {
+  const BodyData& b = m.bodies[i];
+  const FrameData& frame = m.frames[b.inboard_frame];
+  if (frame.flexible < 0) return;
+  const BodyData& parent = m.bodies[b.parent];
+  const MotionSubspace& set = m.subspaces[frame.subspace];
+  const MotionSubspace& parent_set = m.subspaces[parent.subspace];
+  const int ps = set.stride;
+  // φ: what the modes add at the frame to the motion of the body frame.
+  T* phi = w.scratch.data();
+  T* phi_force = phi + 6 * ps;
+  const T* at_frame = w.subspaces.data() + set.offset;
+  const T* at_body = w.subspaces.data() + parent_set.offset;
+  for (int k = 0; k < 6 * ps; ++k) phi[k] = at_frame[k] - at_body[k];
+  composite_times<T>(w.composites[i], phi, ps, phi_force);
+  T* parent_elastic = w.elastic_forces.data() + w.elastic_offset[b.parent];
+  for (int k = 0; k < 6 * ps; ++k) parent_elastic[k] += phi_force[k];
+  add_product<T>(phi, ps, parent.size(), phi_force, ps, parent.size(), 6, values, m.diagonal[b.parent]);
+}
+
 /// Adds the mass matrix (composite sums from the leaves, Lugrís 2008, 2.132–2.156) to the sparse values,
 /// after motion_subspaces(). By shape integrals it needs w.integrals at the same amplitudes (residual writes
 /// them).
@@ -180,54 +279,16 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     auto& composite = w.composites[i];
 
     // Own inertia about the common point: r = p + A r̄.
-    T body_mass = T(b.mass);
-    Vec3<T> first = b.first_moment.template cast<T>();
-    Mat3<T> second = b.second_moment.template cast<T>();
-    T* elastic =
-        w.elastic_forces.data() + w.elastic_offset[i];  // 6 × s, modes from column joint_velocities on
-    if (b.modes > 0) {
-      const FlexibleData& f = m.flexible[b.flexible];
-      const int fs = f.stride;
-      T* y = w.scratch.data();
-      copy_modes(b, q + b.q + b.joint_positions, fs, y);
-      extend(f, y);
-      T* integrals = w.integrals.data() + w.integral_offset[i];
-      const ConstantInertia constant = constant_inertia(m, w, b);
-      if (w.projections.empty()) {
-        first += times(f.S, y);
-        second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
-      } else if constexpr (std::is_same_v<T, double>) {
-        body_mass = constant.mass;
-        projection::rigid_mass(w.projections[b.flexible], w.projection, y, first, second, integrals);
-      }
-      T *linear = y + fs, *crossed = linear + 3 * fs, *angular = crossed + 3 * fs;
-      rotate_rows<T>(A, constant.S.data(), fs, linear);
-      for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
-        const T *plus = integrals + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
-                *minus = integrals + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
-        for (int k = 0; k < fs; ++k) crossed[r * fs + k] = plus[k] - minus[k];
-      }
-      rotate_rows<T>(A, crossed, fs, angular);
-      add_cross_rows<T>(motion.position, linear, fs, angular);
-      for (int r = 0; r < 3; ++r) {
-        fold(f, y, linear + r * fs);
-        fold(f, y, angular + r * fs);
-      }
-      if (!f.products.empty()) fold(f, y, constant.modal_mass, w.folded.data());
-      T* out = elastic + b.joint_velocities;
-      for (int r = 0; r < 3; ++r)
-        for (int k = 0; k < b.modes; ++k) {
-          out[r * s + k] += linear[r * fs + k];
-          out[(3 + r) * s + k] += angular[r * fs + k];
-        }
-    }
+    OwnInertia<T> inertia{T(b.mass), b.first_moment.template cast<T>(), b.second_moment.template cast<T>()};
+    T* elastic = w.elastic_forces.data() + w.elastic_offset[i];
+    if (b.modes > 0) add_flexible_inertia(m, w, i, q, inertia, elastic);
     const Vec3<T>& p = motion.position;
-    const Vec3<T> first_global = A * first;
-    composite.mass += body_mass;
-    composite.moment += body_mass * p + first_global;
+    const Vec3<T> first_global = A * inertia.first;
+    composite.mass += inertia.mass;
+    composite.moment += inertia.mass * p + first_global;
     const Mat3<T> mixed = p * first_global.transpose();
     composite.second +=
-        body_mass * p * p.transpose() + mixed + mixed.transpose() + A * second * A.transpose();
+        inertia.mass * p * p.transpose() + mixed + mixed.transpose() + A * inertia.second * A.transpose();
 
     // Force of each coordinate: composite inertia times the body's column, plus the elastic coupling.
     const T* own = w.subspaces.data() + body_set.offset;
@@ -235,22 +296,7 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     composite_times<T>(composite, own, s, force);
     const linalg::BlockPlace& diagonal = m.diagonal[i];
     const int n = b.size();
-    if (b.modes > 0) {
-      // Diagonal block: bᵀ(Mc b + H) + (H part of elastic columns)ᵀ b + elastic–elastic.
-      add_product<T>(elastic, s, n, own, s, n, 6, values, diagonal);
-      for (int k = 0; k < 6 * s; ++k) force[k] += elastic[k];
-      const FlexibleData& f = m.flexible[b.flexible];
-      const auto add = [&](const auto* modal_mass) {
-        for (int c = 0; c < b.modes; ++c)
-          for (int r = 0; r < b.modes; ++r)
-            values[diagonal.offset + (b.joint_velocities + r) * diagonal.row_stride +
-                   (b.joint_velocities + c) * diagonal.col_stride] += modal_mass[r * f.stride + c];
-      };
-      if (f.products.empty())
-        add(constant_inertia(m, w, b).modal_mass.data());
-      else
-        add(w.folded.data());
-    }
+    if (b.modes > 0) add_modal_mass<T>(m, w, i, own, elastic, force, values);
     add_product<T>(own, s, n, force, s, n, 6, values, diagonal);
     for (const MassPlace& place : m.mass_places[i]) {
       const MotionSubspace& set = m.subspaces[place.subspace];
@@ -259,28 +305,11 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
     }
     if (b.parent < 0) continue;
 
-    // To the parent: composite inertia; and, where its modes move the joint's frame, their share of the
-    // subtree.
     auto& up = w.composites[b.parent];
     up.mass += composite.mass;
     up.moment += composite.moment;
     up.second += composite.second;
-    const FrameData& frame = m.frames[b.inboard_frame];
-    if (frame.flexible < 0) continue;
-    const BodyData& parent = m.bodies[b.parent];
-    const MotionSubspace& set = m.subspaces[frame.subspace];
-    const MotionSubspace& parent_set = m.subspaces[parent.subspace];
-    const int ps = set.stride;
-    // φ: what the modes add at the frame to the motion of the body frame.
-    T* phi = w.scratch.data();
-    T* phi_force = phi + 6 * ps;
-    const T* at_frame = w.subspaces.data() + set.offset;
-    const T* at_body = w.subspaces.data() + parent_set.offset;
-    for (int k = 0; k < 6 * ps; ++k) phi[k] = at_frame[k] - at_body[k];
-    composite_times<T>(composite, phi, ps, phi_force);
-    T* parent_elastic = w.elastic_forces.data() + w.elastic_offset[b.parent];
-    for (int k = 0; k < 6 * ps; ++k) parent_elastic[k] += phi_force[k];
-    add_product<T>(phi, ps, parent.size(), phi_force, ps, parent.size(), 6, values, m.diagonal[b.parent]);
+    add_modes_of_parent(m, w, i, values);
   }
 }
 

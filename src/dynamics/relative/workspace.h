@@ -7,8 +7,8 @@
 #include "dynamics/stress_motion.h"
 #include "signals/values.h"
 
-/// Scratch of the relative formulation, sized once. Every array says who writes it. All vectors are in global
-/// axes, all points relative to the common point `origin`, unless a comment says otherwise.
+/// Scratch of the relative formulation, sized once. Every array names its writer. All vectors are in global
+/// axes, all points relative to the common point `origin`, unless a comment states otherwise.
 namespace mimbre::relative {
 
 template <class T>

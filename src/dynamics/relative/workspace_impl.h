@@ -5,7 +5,7 @@
 #include "dynamics/geometric.h"
 #include "dynamics/relative/workspace.h"
 
-/// The workspace over any scalar, for whoever instantiates it: system.cpp does for double.
+/// The workspace over any scalar, for the unit that instantiates it: system.cpp does for double.
 namespace mimbre::relative {
 
 template <class T>

@@ -33,7 +33,7 @@ Positions positions(const SolidMesh& mesh, const CellView& cell) {
   return nodes;
 }
 
-/// Says which element is meant when `compute` finds it unsound.
+/// Names the element when `compute` finds it unsound.
 template <class Compute>
 void naming(const CellView& cell, const Compute& compute) {
   try {

@@ -14,7 +14,7 @@ BodyFormat body_format(const std::string& path) {
   if (ending == ".fem") return BodyFormat::fem;
   if (ending == ".sid" || ending == ".sid_fem") return BodyFormat::sid;
   throw std::invalid_argument(
-      fmt::format("'{}': the ending says no format of reduced bodies: .h5, .fem, .sid", path));
+      fmt::format("'{}': its ending is none of reduced bodies: .h5, .fem, .sid", path));
 }
 
 ImportedBody read_body(const std::string& path) {

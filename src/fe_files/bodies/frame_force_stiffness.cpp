@@ -103,7 +103,7 @@ FrameForceStiffness by_frame_forces(const ReducedBody& body) {
   const MatrixXd z = K.solve(g.boundary_loads.transpose());
   const MatrixXd from_inertia = inertia_forces(body).transpose() * z, from_frames = frame_motions(body) * z;
   for (Index i = 0; i < from_frames.rows(); ++i)
-    // Those of a frame that moves are there even where they are zero: they say which frames count.
+    // Those of a frame that moves are there even where they are zero: they show which frames count.
     if (!from_frames.middleRows<6>(6 * (i / 6)).isZero(0))
       out.forces[static_cast<std::size_t>(i)] = MatrixXd::Zero(body.modes, body.modes);
   for (std::size_t l = 0; l < g.loads.size(); ++l) {
@@ -134,8 +134,7 @@ std::string take_frame_forces(const FrameForceStiffness& given, ReducedBody& bod
   if (!rows.empty() && !K.ok()) {
     left_out =
         "the stiffening by forces at nodes is left out: the stiffness is not positive definite, so "
-        "amplitudes "
-        "do not say the forces";
+        "amplitudes do not determine the forces";
   } else if (!rows.empty()) {
     // F with P K⁻¹ Pᵀ F = P y and, where frames depend on each other, the least forces that do it, measured
     // by what each deflects: with K = L Lᵀ and rows of length 1 in A = S P L⁻ᵀ it is S A⁺ᵀ Lᵀ y.

@@ -141,7 +141,7 @@ void check_groups(const Fem& fem) {
   for (const int group : {2, 5, 6, 7, 8, 9, 10})
     if (!fem.has(group)) fem.file.fail(fmt::format("ends without record group {}", group));
   if (static_cast<std::int64_t>(fem.labels.size()) != fem.nodes)
-    throw InputError(fem.groups.at(2).mark, fmt::format("record group 2 has {} nodes, the head says {}",
+    throw InputError(fem.groups.at(2).mark, fmt::format("record group 2 has {} nodes, the head has {}",
                                                         fem.labels.size(), fem.nodes));
   if (fem.has(19)) check_stiffening(fem);
   for (const auto& [group, size] : sizes)
@@ -217,7 +217,7 @@ void read_rigid(const Fem& fem, ReducedBody& body) {
   body.second_moment = second_moment_of(central) + body.mass * centre * centre.transpose();
 }
 
-/// I5_jk without I9: what its antisymmetric part says.
+/// I5_jk without I9: what its antisymmetric part determines.
 Eigen::Matrix3d from_cross(const Eigen::Vector3d& cross) {
   Eigen::Matrix3d result;
   result << 0, cross.z(), -cross.y(), -cross.z(), 0, cross.x(), cross.y(), -cross.x(), 0;
@@ -266,9 +266,8 @@ void read_invariants(const Fem& fem, ReducedBody& body, std::vector<Diagnostic>&
     const Eigen::MatrixXd I5 = matrix(fem, 17, 3, n * n);
     set_mode_integrals(
         n, [&](int j, int k) { return from_cross(I5.col(j * n + k)); }, body);
-    warnings.push_back(
-        {{fem.file.name(), 0, 0},
-         "has no record group 18: the inertia tensor knows nothing of products of amplitudes"});
+    warnings.push_back({{fem.file.name(), 0, 0},
+                        "has no record group 18: the inertia tensor has no products of amplitudes"});
   }
 }
 

@@ -139,11 +139,10 @@ class Meaning {
           std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(n_), Eigen::MatrixXd::Zero(n_, 6)),
           constant_part(*Ge));
       result_.warnings.push_back(
-          {mark_, "has no linear part of Gr or Oe: inertia knows nothing of products of amplitudes"});
+          {mark_, "has no linear part of Gr or Oe: inertia has no products of amplitudes"});
     } else {
       result_.warnings.push_back(
-          {mark_,
-           "has none of the blocks Gr (order 1), Ge: inertia knows nothing of products of amplitudes"});
+          {mark_, "has none of the blocks Gr (order 1), Ge: inertia has no products of amplitudes"});
     }
     // What the linear parts have beyond the inertia is geometric stiffness; Oe only where S_modes come from
     // Gr.

@@ -48,7 +48,7 @@ class SidReader {
     if (!modal_) file_.fail("has no 'new modal'");
     if (!ended) file_.fail("ends without 'end part'");
     if (static_cast<std::int64_t>(sid_.nodes.size()) != *nodes)
-      file_.fail(fmt::format("has {} nodes, its head says {}", sid_.nodes.size(), *nodes));
+      file_.fail(fmt::format("has {} nodes, its head has {}", sid_.nodes.size(), *nodes));
     find_index_order();
     return std::move(sid_);
   }
@@ -86,7 +86,7 @@ class SidReader {
       if (word == "end") return;
       if (word == "mass") sid_.mass = real(value_of(line));
       if (word == "nelastq" && integer(value_of(line), "number of modes", kMostModes) != sid_.modes)
-        file_.fail(fmt::format("nelastq is {}, the head says {} modes", value_of(line), sid_.modes));
+        file_.fail(fmt::format("nelastq is {}, the head has {} modes", value_of(line), sid_.modes));
       if (word.starts_with("ielastq")) {
         const std::size_t open = line.find('('), close = line.find(')');
         if (open == std::string_view::npos || close == std::string_view::npos || close < open)

@@ -71,7 +71,7 @@ SymmetricEntries parse_calculix_matrix(TextFile& file, const std::vector<Dof>& r
 }
 
 ImportedMatrices read_calculix_matrices(const std::string& inp_path, const FileUnits& units) {
-  const auto beside = [&](const char* ending) {
+  const auto neighbour = [&](const char* ending) {
     const std::string path = std::filesystem::path(inp_path).replace_extension(ending).string();
     if (!std::filesystem::exists(path))
       throw InputError({path, 0, 0},
@@ -80,11 +80,11 @@ ImportedMatrices read_calculix_matrices(const std::string& inp_path, const FileU
   };
   if (lower(std::filesystem::path(inp_path).extension().string()) != ".inp")
     throw InputError({inp_path, 0, 0},
-                     "the input file (.inp) is needed; .sti, .mas and .dof must stand beside it");
+                     "the input file (.inp) is needed; .sti, .mas and .dof must be in the same folder");
   ImportedMesh mesh = read_inp(inp_path, units);
-  TextFile dof_file(beside(".dof"));
-  TextFile stiffness(beside(".sti"));
-  TextFile mass(beside(".mas"));
+  TextFile dof_file(neighbour(".dof"));
+  TextFile stiffness(neighbour(".sti"));
+  TextFile mass(neighbour(".mas"));
   const std::vector<Dof> rows = parse_calculix_dofs(dof_file, mesh.mesh);
   MatrixEntries entries;
   entries.stiffness = parse_calculix_matrix(stiffness, rows);

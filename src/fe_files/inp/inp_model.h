@@ -82,7 +82,7 @@ struct InpSurface {
 
 struct InpTie {
   std::string slave, master;  ///< surfaces
-  double tolerance = -1;      ///< −1: none said
+  double tolerance = -1;      ///< −1: none given
   Mark mark;
 };
 

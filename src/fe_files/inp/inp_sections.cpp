@@ -136,7 +136,7 @@ void read_beam_section(InpModel& model, const InpKeyword& keyword, InpSection& s
     }
     ++direction;
   }
-  section.first_axis = -Eigen::Vector3d::UnitZ();  // Abaqus, CalculiX: when no direction is said
+  section.first_axis = -Eigen::Vector3d::UnitZ();  // Abaqus, CalculiX: when no direction is given
   if (!model.lines.next_data(line)) return;
   for (double& x : section.first_axis) {
     const std::string_view field = next_field(line);
@@ -278,10 +278,9 @@ void check_beam(const InpModel& model, const InpElement& element, const InpSecti
                                                shown(section.element_set)));
   const double along = axis.cross(section.first_axis).norm() / (axis.norm() * section.first_axis.norm());
   if (along < 1e-8)
-    throw InputError(section.mark,
-                     fmt::format("element {} of the set {} lies along the direction 1 of its section; say "
-                                 "another one in the last line of the section",
-                                 element.label, shown(section.element_set)));
+    throw InputError(section.mark, fmt::format("element {} of the set {} lies along the direction 1 of its "
+                                               "section; give another one in the last line of the section",
+                                               element.label, shown(section.element_set)));
 }
 
 /// One beam between neighbours of its nodes: a quadratic beam is two that bend as cubics, exact in statics
@@ -357,6 +356,52 @@ void offset_beams(const std::vector<Eigen::Vector2d>& offsets, SolidMesh& mesh) 
   }
 }
 
+/// A sheet's group of elements without elements.
+ElementGroup group_of(const InpType& type, const Sheet& sheet, const std::string& name) {
+  ElementGroup group;
+  group.type = type.type;
+  group.name = name;
+  group.material = sheet.material;
+  group.thickness = sheet.thickness;
+  group.offset = sheet.offset;
+  group.reduced_integration = type.reduced;
+  return group;
+}
+
+/// Warns of elements without a section, and of materials without elasticity or density.
+void warn_of_missing(InpModel& model, const std::vector<std::vector<Sheet>>& sheets,
+                     const std::vector<char>& in_use, std::int64_t without, const Mark& end) {
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    for (const Sheet& sheet : sheets[k]) {
+      const NamedMaterial& named = model.materials[static_cast<std::size_t>(sheet.material)];
+      if (in_use[k] && named.material.young <= 0 && !named.elastic)
+        model.warn("elastic " + named.name, model.sections[k].mark,
+                   fmt::format("material '{}' {}", shown(named.name), no_elasticity));
+    }
+  if (without > 0 && !model.sections.empty())
+    model.warn("without section", end,
+               fmt::format("{} elements have no section and so no material", without));
+  for (const NamedMaterial& named : model.materials)
+    for (const auto& [value, keyword] :
+         {std::pair(named.material.young, "*ELASTIC"), std::pair(named.material.density, "*DENSITY")})
+      if (value <= 0)
+        model.warn("material " + named.name, end,
+                   fmt::format("material {} has no {}", shown(named.name), keyword));
+}
+
+/// Names of element sets also stand for the nodes of their elements.
+void add_node_sets_of_elements(InpModel& model) {
+  for (const InpElementSet& elements : model.element_sets) {
+    if (model.node_sets.find(elements.name)) continue;
+    std::vector<int>& nodes = model.node_sets[elements.name];
+    for (const int index : elements.elements) {
+      const InpElement& element = model.elements[static_cast<std::size_t>(index)];
+      const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
+      nodes.insert(nodes.end(), first, first + model.types[static_cast<std::size_t>(element.type)].nodes);
+    }
+  }
+}
+
 }  // namespace
 
 ImportedMesh finish_inp(InpModel& model) {
@@ -394,18 +439,11 @@ ImportedMesh finish_inp(InpModel& model) {
     const int home = section ? -1 : element.home;
     const auto [place, is_new] = groups.emplace(std::tuple(type.type, type.reduced, element.section, home),
                                                 static_cast<int>(mesh.groups.size()));
-    for (std::size_t k = 0; is_new && k < own.size(); ++k) {
-      ElementGroup group;
-      group.type = type.type;
-      group.name = section    ? section->element_set
-                   : home < 0 ? std::string()
-                              : model.element_sets[static_cast<std::size_t>(home)].name;
-      group.material = own[k].material;
-      group.thickness = own[k].thickness;
-      group.offset = own[k].offset;
-      group.reduced_integration = type.reduced;
-      mesh.groups.push_back(std::move(group));
-    }
+    const std::string name = section    ? section->element_set
+                             : home < 0 ? std::string()
+                                        : model.element_sets[static_cast<std::size_t>(home)].name;
+    for (std::size_t k = 0; is_new && k < own.size(); ++k)
+      mesh.groups.push_back(group_of(type, own[k], name));
     const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
     for (std::size_t k = 0; k < own.size(); ++k) {
       ElementGroup& group = mesh.groups[static_cast<std::size_t>(place->second) + k];
@@ -414,31 +452,8 @@ ImportedMesh finish_inp(InpModel& model) {
       if (own[k].orientation >= 0) group.orientations.push_back(own[k].orientation);
     }
   }
-  for (std::size_t k = 0; k < sheets.size(); ++k)
-    for (const Sheet& sheet : sheets[k]) {
-      const NamedMaterial& named = model.materials[static_cast<std::size_t>(sheet.material)];
-      if (in_use[k] && named.material.young <= 0 && !named.elastic)
-        model.warn("elastic " + named.name, model.sections[k].mark,
-                   fmt::format("material '{}' {}", shown(named.name), no_elasticity));
-    }
-  if (without > 0 && !model.sections.empty())
-    model.warn("without section", end,
-               fmt::format("{} elements have no section and so no material", without));
-  for (const NamedMaterial& named : model.materials)
-    for (const auto& [value, keyword] :
-         {std::pair(named.material.young, "*ELASTIC"), std::pair(named.material.density, "*DENSITY")})
-      if (value <= 0)
-        model.warn("material " + named.name, end,
-                   fmt::format("material {} has no {}", shown(named.name), keyword));
-  for (const InpElementSet& elements : model.element_sets) {
-    if (model.node_sets.find(elements.name)) continue;
-    std::vector<int>& nodes = model.node_sets[elements.name];
-    for (const int index : elements.elements) {
-      const InpElement& element = model.elements[static_cast<std::size_t>(index)];
-      const auto first = model.element_nodes.begin() + static_cast<std::ptrdiff_t>(element.first);
-      nodes.insert(nodes.end(), first, first + model.types[static_cast<std::size_t>(element.type)].nodes);
-    }
-  }
+  warn_of_missing(model, sheets, in_use, without, end);
+  add_node_sets_of_elements(model);
   model.node_sets.move_into(mesh);
   model.nodes.move_into(mesh);
   for (const InpOrientation& named : model.orientations) mesh.orientations.push_back(named.orientation);

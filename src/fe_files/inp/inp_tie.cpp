@@ -169,7 +169,7 @@ void finish_inp_ties(InpModel& model, SolidMesh& mesh) {
         if (p.distance < best.distance) best = std::move(p), nearest = f;
       }
       if (own) continue;  // of both surfaces: it is tied already
-      // CalculiX: 2.5 % of a typical size of the elements, where nothing is said.
+      // CalculiX: 2.5 % of a typical size of the elements, where nothing is given.
       const double tolerance = tie.tolerance >= 0 ? tie.tolerance : 0.05 * balls[nearest].radius;
       if (!(best.distance <= tolerance)) {
         ++apart;

@@ -45,9 +45,8 @@ std::string choose_matrix(const std::vector<std::string>& names, const std::stri
     if (name.starts_with(letter)) fitting.push_back(name);
   if (fitting.size() != 1)
     throw InputError(
-        mark,
-        fmt::format("has {} DMIG matrices whose names begin with {}; the name must be said. There are: {}",
-                    fitting.size(), letter, shown(all)));
+        mark, fmt::format("has {} DMIG matrices whose names begin with {}; specify the name. There are: {}",
+                          fitting.size(), letter, shown(all)));
   return fitting.front();
 }
 
@@ -119,7 +118,7 @@ std::vector<NastranMatrix> parse_dmig(NastranLines& lines, const std::vector<std
 
 namespace {
 
-/// What the reader of one file after another has; the first one's control tells which constraints count.
+/// What the reader of one file after another has; the first one's control selects the constraints that count.
 struct Deck {
   NastranModel model;
   std::vector<std::string> included;

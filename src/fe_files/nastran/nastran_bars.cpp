@@ -42,7 +42,7 @@ Vector3d across(const Vector3d& x) {
   return Vector3d::Unit(least);
 }
 
-/// What its card leaves blank BAROR or BEAMOR say.
+/// BAROR or BEAMOR give what its card leaves blank.
 void complete(NastranBar& bar, const NastranBar& defaults) {
   if (bar.property == 0) bar.property = defaults.property > 0 && !bar.rod ? defaults.property : bar.label;
   if (bar.rod) return;
@@ -243,7 +243,7 @@ void add_nastran_bars(NastranBuild& build) {
       if (!(section.area >= 0 && section.I1 >= 0 && section.I2 >= 0 && section.J >= 0))
         throw std::invalid_argument("its section's area and moments of area must not be negative");
       Placed place = placed(build, bar, name);
-      if (!(place.length > 0)) return;  // said already
+      if (!(place.length > 0)) return;  // reported already
       if (bar.rod) {
         section.I1 = section.I2 = section.I12 = 0;
       } else {

@@ -211,7 +211,7 @@ bool NastranCards::next(NastranCard& card) {
         break;
       }
       const bool more_free = is_free(more);
-      // In free field the mark alone tells nothing of the width: it goes on as the card began.
+      // In free field the mark alone does not determine the width: it goes on as the card began.
       const bool more_large = more[0] == '*' || (more_free && large);
       if (const std::string behind = name_behind(more); !ahead.empty() && !behind.empty() && ahead != behind)
         throw InputError(

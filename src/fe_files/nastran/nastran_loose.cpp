@@ -22,11 +22,11 @@ using Eigen::Vector3d;
 struct Holds {
   explicit Holds(const SolidMesh& mesh) {
     const auto count = static_cast<std::size_t>(mesh.nodes.cols());
-    firm.assign(count, 0);
+    supported.assign(count, 0);
     stiffness.assign(count, Matrix3d::Zero());
     tied.assign(count, Matrix3d::Zero());
     neighbours.resize(count);
-    const auto hold = [&](int node) { firm[static_cast<std::size_t>(node)] = 1; };
+    const auto hold = [&](int node) { supported[static_cast<std::size_t>(node)] = 1; };
     for (const ElementGroup& group : mesh.groups)
       for (const int node : group.nodes) hold(node);
     for (const BeamElement& beam : mesh.beams)
@@ -61,7 +61,7 @@ struct Holds {
     return directions;
   }
 
-  std::vector<char> firm;           ///< by elements
+  std::vector<char> supported;      ///< by elements
   std::vector<Matrix3d> stiffness;  ///< against displacement, by springs
   std::vector<Matrix3d> tied;       ///< squares of the factors of displacements in equations
   std::vector<std::vector<int>> neighbours;
@@ -84,10 +84,10 @@ struct Holds {
 /// For each node the nearest one along springs that elements hold and turn, −1: none. One search from all
 /// of these at once.
 std::vector<int> nearest_turning(const NastranBuild& build, const Holds& holds) {
-  std::vector<int> root(holds.firm.size(), -1);
+  std::vector<int> root(holds.supported.size(), -1);
   std::queue<int> next;
   for (std::size_t k = 0; k < root.size(); ++k)
-    if (holds.firm[k] && build.rotates[k]) {
+    if (holds.supported[k] && build.rotates[k]) {
       root[k] = static_cast<int>(k);
       next.push(root[k]);
     }
@@ -131,7 +131,7 @@ void settle_nastran_loose_nodes(NastranBuild& build) {
   const Holds holds(mesh);
   const auto alone = [&](int node) {
     const auto k = static_cast<std::size_t>(node);
-    return !holds.firm[k] && holds.neighbours[k].empty();
+    return !holds.supported[k] && holds.neighbours[k].empty();
   };
   double lost = 0;
   std::int64_t first = 0;
@@ -149,9 +149,9 @@ void settle_nastran_loose_nodes(NastranBuild& build) {
   }
   const std::vector<int> nearest = nearest_turning(build, holds);
   std::size_t settled = 0;
-  for (int node = 0; node < static_cast<int>(holds.firm.size()); ++node) {
+  for (int node = 0; node < static_cast<int>(holds.supported.size()); ++node) {
     const auto k = static_cast<std::size_t>(node);
-    if (holds.firm[k] || holds.neighbours[k].empty()) continue;
+    if (holds.supported[k] || holds.neighbours[k].empty()) continue;
     const std::vector<Vector3d> loose = holds.loose(node);
     const int root = loose.empty() ? -1 : nearest[k];
     if (root < 0) continue;

@@ -11,7 +11,8 @@
 #include "fe_files/nastran/nastran_systems.h"
 #include "mimbre/fe_import.h"
 
-/// A Nastran deck as it is read: what its cards say, by their numbers, in the deck's units and systems.
+/// A Nastran deck as it is read: the contents of its cards, by their numbers, in the deck's units and
+/// systems.
 namespace mimbre::fe {
 
 /// A file's line; files are few, places are many.

@@ -142,7 +142,7 @@ void read_laminate(NastranModel& model, const NastranCard& card, std::size_t siz
     bool any = false;
     for (std::size_t k = 0; k < size; ++k) any = any || !card.blank(i + k);
     if (!any) continue;
-    // Of a blank material and thickness the ply before says.
+    // Of a blank material and thickness the ply before decides.
     ply.material = card.whole(i + at, "material", ply.material);
     ply.thickness = card.real(i + at + 1, "thickness", ply.thickness);
     ply.angle = card.real(i + at + 2, "angle", 0);

@@ -260,7 +260,7 @@ Orientation orientation_of(const NastranBuild& build, const NastranShell& shell,
     for (std::size_t i = 0; i < (triangle ? 3u : 4u); ++i) centre += build.at(nodes[i]) / (triangle ? 3 : 4);
     const Matrix3d axes =
         build.model.systems.at(*shell.system, build.model.mark(shell.place)).directions(centre);
-    // Where x is across the shell its projection says nothing.
+    // Where x is across the shell its projection has no meaning.
     first = std::abs(axes.col(0).dot(normal)) < 0.9999 ? axes.col(0) : axes.col(1);
   } else {
     first = build.at(nodes[1]) - build.at(nodes[0]);
@@ -314,7 +314,7 @@ void add_nastran_shells(NastranBuild& build) {
       const auto [place, is_new] = groups.try_emplace(Key(shell.type, shell.property, thickness, offset));
       if (is_new) place->second = new_group(build, shell, thickness, offset);
       const ShellGroup& group = place->second;
-      if (group.indices.empty()) return;  // said already
+      if (group.indices.empty()) return;  // reported already
       int orientation = -1;
       if (group.directed) {
         orientation = static_cast<int>(build.mesh.orientations.size());

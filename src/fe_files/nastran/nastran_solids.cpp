@@ -140,7 +140,7 @@ void add_nastran_solids(NastranBuild& build) {
       const auto [place, is_new] = groups.try_emplace({solid.type, solid.property});
       if (is_new) place->second = new_group(build, solid);
       const SolidGroup& group = place->second;
-      if (group.index < 0) return;  // said already
+      if (group.index < 0) return;  // reported already
       if (is_mirrored(solid.type, build.mesh, nodes.data()))
         for (const auto& [a, b] : mirrored(solid.type))
           std::swap(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)]);

@@ -163,7 +163,7 @@ void NastranSystems::resolve(const FindGrid& find) {
     try {
       resolved(label, card.mark, find, 0);
     } catch (const InputError& error) {
-      // What refers to one that is wrong says the same again.
+      // What refers to a wrong one would report the same again.
       for (const Diagnostic& one : error.diagnostics()) {
         bool is_new = true;
         for (const Diagnostic& other : wrong) is_new = is_new && to_string(other) != to_string(one);

@@ -42,7 +42,7 @@ Touch<T> ball(const Vec3<T>& from, const T& radius) {
       });
 }
 
-/// The larger of two or three distances along directions at right angles to each other tells inside from
+/// The larger of two or three distances along directions at right angles to each other separates inside from
 /// outside; outside of several, their hypotenuse is the distance. `out(k)`: distance beyond face k,
 /// `normal(k)`.
 template <int count, class T>

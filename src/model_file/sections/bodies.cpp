@@ -187,7 +187,7 @@ std::optional<int> chosen_description(const Fields& fields) {
     }
   }
   if (!as && flexible && reduced) {
-    fields.error("has both 'flexible' and 'reduced'; say which: 'as: flexible' or 'as: reduced'");
+    fields.error("has both 'flexible' and 'reduced'; choose one: 'as: flexible' or 'as: reduced'");
     return {};
   }
   if (fields.has("rigid") && (fields.has("mass") || fields.has("com") || fields.has("inertia"))) {
@@ -196,7 +196,7 @@ std::optional<int> chosen_description(const Fields& fields) {
   }
   if (as) return *as == 1 && !flexible ? 2 : *as;
   if (int(rigid) + int(flexible) + int(reduced) == 1) return rigid ? 0 : flexible ? 1 : 2;
-  fields.error(rigid ? "has a rigid and a flexible description; say which: 'as: rigid' or 'as: flexible'"
+  fields.error(rigid ? "has a rigid and a flexible description; choose one: 'as: rigid' or 'as: flexible'"
                      : "has no mass; give mass, com and inertia, or 'flexible', or 'reduced'");
   return {};
 }
@@ -275,7 +275,7 @@ spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector
     if (const auto axis = fields.get(names[k]))
       if (const auto direction = axis->direction()) given.emplace_back(k, *direction);
   if (given.size() > 2) {
-    fields.error("two of x, y, z say all; leave one out");
+    fields.error("two of x, y, z determine all; leave one out");
     given.clear();
   } else if (given.size() == 2 && !perpendicular(given[0].second, given[1].second)) {
     const auto& [i, a] = given[0];
@@ -317,7 +317,7 @@ void check_inertias(Builder& builder) {
       inertia->error(fault->what);
     else
       builder.warnings.push_back(
-          {inertia->mark(), fmt::format("body '{}': inertia: {}; it is taken all the same, since {}",
+          {inertia->mark(), fmt::format("body '{}': inertia: {}; it is accepted, since {}",
                                         builder.model.bodies[k].name, fault->what, fault->harmless)});
   }
 }

@@ -160,7 +160,7 @@ void read_spheres(Builder& builder, const Part& part, const Value& value, spec::
   contact.spheres.push_back(std::move(spheres));
 }
 
-/// What is said once or in a list of several.
+/// What is reported once or in a list of several.
 std::vector<Value> one_or_more(const Value& value) {
   return value.is_list() ? value.list() : std::vector{value};
 }

@@ -66,7 +66,7 @@ std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part&
     return {};
   }
   if (coordinate) return std::pair(number, coordinate->integer(0, count - 1).value_or(0));
-  if (count > 1) joint.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  if (count > 1) joint.error(fmt::format("the joint has {} coordinates; choose one: coordinate: 0", count));
   return std::pair(number, 0);
 }
 
@@ -134,9 +134,9 @@ void read_actuator(Builder& builder, const Part& part, const Value& value, spec:
   }
   if (force && turns) force->error("is a torque here, about an angle: write 'torque'");
   if (torque && !turns) torque->error("is a force here, along a length: write 'force'");
-  const auto& said = force ? force : torque;
-  if (!said) return;
-  const int signal = anonymous_signal(builder, part, *said, fmt::format("{}.command", e.name),
+  const auto& command_value = force ? force : torque;
+  if (!command_value) return;
+  const int signal = anonymous_signal(builder, part, *command_value, fmt::format("{}.command", e.name),
                                       turns ? quantity::moment : quantity::force);
   if (signal >= 0) e.arguments = {{spec::Source::Kind::signal, signal}};
 }
@@ -229,7 +229,7 @@ void read_bushing(Builder& builder, const Part& part, const Value& value, spec::
       if (m && time) e.branches.push_back({*m, *time});
     }
   if (!fields.has("stiffness") && !fields.has("damping") && !laws && !fields.has("maxwell"))
-    value.error("says no force; for example stiffness: [1e6, 1e6, 1e6, 500, 500, 500]");
+    value.error("specifies no force; for example stiffness: [1e6, 1e6, 1e6, 500, 500, 500]");
 }
 
 /// A unit of the table as a quantity; any where that is no unit. `turns`: on an angle.

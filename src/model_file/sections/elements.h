@@ -7,7 +7,7 @@
 /// What the sections of force elements have in common.
 namespace mimbre::model_file {
 
-/// Calls `one(name, entry, value)` for every named thing of a section and counts it in `names`.
+/// Calls `one(name, entry, value)` for every named item of a section and counts it in `names`.
 template <class Read>
 void for_each(Builder& builder, Part& part, const std::string& key, Names& names, std::size_t& count,
               Read&& one) {
@@ -22,35 +22,35 @@ void for_each(Builder& builder, Part& part, const std::string& key, Names& names
   }
 }
 
-/// Things of a section that have nothing but a name, a place and what `read` finds.
-template <class Thing, class Read>
-void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Thing>& things,
+/// Items of a section that have nothing but a name, a place and what `read` finds.
+template <class Item, class Read>
+void read_each(Builder& builder, Part& part, const std::string& key, Names& names, std::vector<Item>& items,
                Read&& read) {
-  std::size_t count = things.size();
+  std::size_t count = items.size();
   for_each(builder, part, key, names, count,
            [&](const std::string& name, const Mark& mark, const Value& value) {
-             Thing thing;
-             thing.name = name;
-             thing.mark = mark;
-             read(builder, part, value, thing);
-             things.push_back(std::move(thing));
+             Item item;
+             item.name = name;
+             item.mark = mark;
+             read(builder, part, value, item);
+             items.push_back(std::move(item));
            });
 }
 
 /// The two frames of `between`, at the places `at` (two), or at one place that both have; -1 where that is
-/// wrong, and said.
+/// wrong, which is reported.
 std::pair<int, int> read_ends(Builder& builder, const Part& part, const Fields& fields,
                               const std::string& name, bool one_place);
 
 /// The joint that is named and its velocity coordinate, a plain number: the one of `coordinate`, which joints
-/// with several need; nothing where that is wrong, and said.
+/// with several need; nothing where that is wrong, which is reported.
 std::optional<std::pair<int, int>> read_coordinate(Builder& builder, const Part& part, const Value& joint,
                                                    const std::optional<Value>& coordinate);
 /// A frame at another's place with these global axes, on the same body.
 int turned_frame(Builder& builder, int frame, const std::string& name, const Eigen::Matrix3d& axes,
                  const Value& value);
 
-/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, and said.
+/// The `joint` and its `coordinate`, with the factor 1; nothing where that is wrong, which is reported.
 std::optional<spec::Element::Term> read_coordinate(Builder& builder, const Part& part, const Fields& fields);
 /// Likewise as what the element acts on; false where that is wrong.
 bool read_coordinate_of(Builder& builder, const Part& part, const Fields& fields, spec::Element& e);

@@ -81,7 +81,7 @@ struct Reader {
       const double x = evaluate(fraction.tree().text, *value.reading().scope);
       return x == 0 || x == 1;
     } catch (const ExpressionError&) {
-      return false;  // said where it is read
+      return false;  // reported where it is read
     }
   }
 
@@ -134,7 +134,7 @@ struct Reader {
     for (const auto& [name, node] : ends) read_bar_end(name, node);
     if (positions.empty()) fail(nodes, "there is no node");
   }
-  std::vector<int> unplaced;  ///< nodes that lie where their bar says
+  std::vector<int> unplaced;  ///< nodes that are placed by their bar
 
   void read_on_bar(const Value& on) {
     if (!on.is_list() || on.tree().items.size() != 2)
@@ -206,50 +206,32 @@ struct Reader {
     if (names.empty()) fail(bars, "there is no bar");
   }
 
-  void read_bar(const std::string& name, const Value& value_of_bar, const Fields& body) {
-    const Fields bar(value_of_bar, {"from", "to", "elements", "section", "material", "beam_theory", "y"});
-    const auto from = bar.need("from", "pivot"), to = bar.need("to", "tip");
-    const int a = from ? find_node(*from) : fail_quietly(), b = to ? find_node(*to) : fail_quietly();
+  /// Material, section and axes of a bar's elements.
+  fe::BeamElement element_of(const std::string& name, const Fields& bar, const Fields& body) {
     fe::BeamElement element;
     element.bar = name;
     if (const auto* material = find_named(part.materials, "material", bar, body, "material"))
       element.material = *material;
     if (const auto* section = find_named(part.sections, "section", bar, body, "section"))
       set_section(element, *section, bar, body);
-    int elements = 10;
-    if (const auto count = bar.get("elements")) {
-      const auto n = count->integer(1, builder.limits.elements);
-      good = good && n;
-      elements = n.value_or(1);
-    }
     if (const auto y = bar.get("y")) {
       const auto direction = y->direction();
       good = good && direction;
       if (direction) element.y_direction = local_vector(part.place.vector(*direction));
     }
-    if (a < 0 || b < 0) return;
-    bar_ends.emplace_back(a, b);
-    for (OnBar& end : other_names)
-      if (end.bar == name) end.node = end.fraction == 0 ? a : b;
-    for (const int node : {a, b})
-      if (std::find(unplaced.begin(), unplaced.end(), node) != unplaced.end())
-        return fail(value_of_bar,
-                    fmt::format("node '{}' lies on a bar that comes further down; put that bar first",
-                                info.node_names[static_cast<std::size_t>(node)]));
-    used[static_cast<std::size_t>(a)] = used[static_cast<std::size_t>(b)] = true;
+    return element;
+  }
+
+  /// A node on a bar; the ends are at 0 and 1.
+  struct Stop {
+    double fraction;
+    int node;
+  };
+
+  /// The nodes on a bar, its ends included, in order; places those that it carries. Empty where two coincide.
+  std::vector<Stop> stops_on(const std::string& name, int a, int b) {
     const Eigen::Vector3d start = positions[static_cast<std::size_t>(a)],
                           end = positions[static_cast<std::size_t>(b)];
-    const double length = (end - start).norm();
-    if (a == b) return fail(value_of_bar, "begins and ends at the same node");
-    if (at_one_place(start, end))
-      return fail(value_of_bar, "has no length; its two nodes are at the same place");
-    if (element.y_direction.cross(end - start).norm() < 1e-6 * length && !element.y_direction.isZero(0))
-      return fail(*bar.get("y"), "is along the bar; give a direction across it");
-
-    struct Stop {
-      double fraction;
-      int node;
-    };
     std::vector<Stop> stops{{0, a}, {1, b}};
     for (const OnBar& on : on_bars)
       if (on.bar == name) {
@@ -261,15 +243,19 @@ struct Reader {
     std::sort(stops.begin(), stops.end(),
               [](const Stop& s, const Stop& t) { return s.fraction < t.fraction; });
     for (std::size_t k = 0; k + 1 < stops.size(); ++k)
-      if (stops[k + 1].fraction - stops[k].fraction < 1e-6)
-        return fail(value_of_bar, "two nodes hang at the same point of it; put one of them on its own bar");
+      if (stops[k + 1].fraction - stops[k].fraction < 1e-6) return {};
 
-    // Elements as equal as the stops allow.
+    return stops;
+  }
+
+  /// Elements from stop to stop, as equal as these permit; false beyond the limit of their number.
+  bool add_elements(fe::BeamElement element, const std::vector<Stop>& stops, int elements) {
+    const Eigen::Vector3d start = positions[static_cast<std::size_t>(stops.front().node)],
+                          end = positions[static_cast<std::size_t>(stops.back().node)];
     for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
       const Stop &s = stops[k], &t = stops[k + 1];
       const int n = std::max(1, static_cast<int>(std::lround(elements * (t.fraction - s.fraction))));
-      if (static_cast<int>(result.mesh.elements.size()) + n > builder.limits.elements)
-        return fail(value_of_bar, fmt::format("the body has more than {} elements", builder.limits.elements));
+      if (static_cast<int>(result.mesh.elements.size()) + n > builder.limits.elements) return false;
       int last = s.node;
       for (int i = 1; i <= n; ++i) {
         const auto point_at = [&](int j) -> Eigen::Vector3d {
@@ -291,6 +277,43 @@ struct Reader {
         last = next;
       }
     }
+    return true;
+  }
+
+  void read_bar(const std::string& name, const Value& value_of_bar, const Fields& body) {
+    const Fields bar(value_of_bar, {"from", "to", "elements", "section", "material", "beam_theory", "y"});
+    const auto from = bar.need("from", "pivot"), to = bar.need("to", "tip");
+    const int a = from ? find_node(*from) : fail_quietly(), b = to ? find_node(*to) : fail_quietly();
+    const fe::BeamElement element = element_of(name, bar, body);
+    int elements = 10;
+    if (const auto count = bar.get("elements")) {
+      const auto n = count->integer(1, builder.limits.elements);
+      good = good && n;
+      elements = n.value_or(1);
+    }
+    if (a < 0 || b < 0) return;
+    bar_ends.emplace_back(a, b);
+    for (OnBar& end : other_names)
+      if (end.bar == name) end.node = end.fraction == 0 ? a : b;
+    for (const int node : {a, b})
+      if (std::find(unplaced.begin(), unplaced.end(), node) != unplaced.end())
+        return fail(value_of_bar,
+                    fmt::format("node '{}' lies on a bar that comes further down; put that bar first",
+                                info.node_names[static_cast<std::size_t>(node)]));
+    used[static_cast<std::size_t>(a)] = used[static_cast<std::size_t>(b)] = true;
+    const Eigen::Vector3d start = positions[static_cast<std::size_t>(a)],
+                          end = positions[static_cast<std::size_t>(b)];
+    const double length = (end - start).norm();
+    if (a == b) return fail(value_of_bar, "begins and ends at the same node");
+    if (at_one_place(start, end))
+      return fail(value_of_bar, "has no length; its two nodes are at the same place");
+    if (element.y_direction.cross(end - start).norm() < 1e-6 * length && !element.y_direction.isZero(0))
+      return fail(*bar.get("y"), "is along the bar; give a direction across it");
+    const std::vector<Stop> stops = stops_on(name, a, b);
+    if (stops.empty())
+      return fail(value_of_bar, "two nodes are at the same point of it; put one of them on its own bar");
+    if (!add_elements(element, stops, elements))
+      return fail(value_of_bar, fmt::format("the body has more than {} elements", builder.limits.elements));
     result.line_radius = std::max(result.line_radius, drawn_radius(element.section));
   }
 

@@ -29,7 +29,7 @@ void read_spring(Builder& builder, const Part& part, const Value& value, spec::S
   read_spring_ends(builder, part, fields, spring);
   const auto elastic = fields.get("elastic"), damping = fields.get("damping"), force = fields.get("force");
   if (!elastic && !damping && !force)
-    value.error("says no force; for example elastic: {stiffness: 1000, zero: 0.5}");
+    value.error("specifies no force; for example elastic: {stiffness: 1000, zero: 0.5}");
   std::vector<FormulaTerm> terms;
   if (elastic && !add_term_with_signals(builder, part, *elastic, LawOf::coordinate, "l", terms))
     spring.elastic = read_elastic_law(*elastic, units_of_length.elastic()).value_or(Function{});
@@ -74,12 +74,12 @@ void read_load(Builder& builder, const Part& part, const Value& value, spec::Loa
   }
 }
 
-template <class Thing>
-Thing named(const std::string& name, const Mark& mark) {
-  Thing thing;
-  thing.name = name;
-  thing.mark = mark;
-  return thing;
+template <class Item>
+Item named(const std::string& name, const Mark& mark) {
+  Item item;
+  item.name = name;
+  item.mark = mark;
+  return item;
 }
 
 }  // namespace

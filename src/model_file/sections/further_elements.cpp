@@ -66,12 +66,12 @@ void read_torsion_spring(Builder& builder, const Part& part, const Value& value,
     e.functions[0] = Function::linear(k, moves ? 0 : fields.number("rest", 0, units.position));
     // k (x − rest): its own part k x stores energy, and −k rest works as a load does.
     if (moves) terms.push_back({*rest, variables_of(LawOf::time), -k, units.position});
-    if (elastic) elastic->error("and 'stiffness' say the same; keep one");
+    if (elastic) elastic->error("and 'stiffness' mean the same; keep one");
   } else if (elastic && !add_term_with_signals(builder, part, *elastic, LawOf::coordinate, "x", terms)) {
     e.functions[0] = read_elastic_law(*elastic, units.elastic()).value_or(Function{});
   }
   if (!stiffness && rest) rest->error("belongs to 'stiffness'");
-  if (!stiffness && !elastic && !damping) value.error("says no force; for example stiffness: 1200");
+  if (!stiffness && !elastic && !damping) value.error("specifies no force; for example stiffness: 1200");
   if (terms.empty()) return;
   if (auto general = read_formula(builder, part, terms, {"x", "v", "t"}, units.force)) {
     general->arguments.insert(general->arguments.begin(), spec::Source{});  // t
@@ -109,7 +109,7 @@ void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Va
   }
   const auto length = fields.get("length");
   const bool winch = length && !is_plain_number(*length);
-  // What the numbers say of a length that a signal gives is not asked for.
+  // The number of a length that a signal sets is not needed.
   e.numbers.clear();
   for (const LawNumber& number : law.numbers) {
     const std::string key(number.key);
@@ -122,7 +122,7 @@ void read_cable(Builder& builder, const Part& part, const LawInfo& law, const Va
     e.numbers.push_back(read_numbers(one, fields, value, false).front());
   }
   if (winch) {
-    if (fields.has("preload")) fields.get("preload")->error("and 'length' say the same; keep one");
+    if (fields.has("preload")) fields.get("preload")->error("and 'length' mean the same; keep one");
     add_argument(builder, part, *length, "length", quantity::length, e);
   } else if (const std::string_view fault = law.fault(e.numbers); !fault.empty()) {
     value.error(std::string(fault));

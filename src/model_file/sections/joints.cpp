@@ -235,7 +235,7 @@ std::optional<int> read_coordinate(const Fields& fields, JointType type) {
     return {};
   }
   if (const auto coordinate = fields.get("coordinate")) return coordinate->integer(0, count - 1);
-  if (count > 1) fields.error(fmt::format("the joint has {} coordinates; say which: coordinate: 0", count));
+  if (count > 1) fields.error(fmt::format("the joint has {} coordinates; choose one: coordinate: 0", count));
   return 0;
 }
 
@@ -307,7 +307,7 @@ void read_joint_springs(Builder& builder, const Part& part, const Value& value, 
     const auto stiffness = fields.get("stiffness"), elastic = fields.get("elastic"),
                damping = fields.get("damping");
     if (!stiffness && !elastic && !damping)
-      item.error("says no force; for example {stiffness: 100, damping: 1, zero: 0}");
+      item.error("specifies no force; for example {stiffness: 100, damping: 1, zero: 0}");
     if (stiffness && elastic) item.error("has both 'stiffness' and 'elastic'; keep one");
     if (!stiffness && fields.has("zero")) item.error("'zero' belongs to 'stiffness', which is missing");
     if (stiffness)

@@ -69,7 +69,7 @@ std::optional<Function> pieces_law(const Value& value, const LawUnits& units) {
       break;
     }
     if (!until) {
-      list[k].error("'until' is missing; every piece but the last says where it ends");
+      list[k].error("'until' is missing; every piece but the last needs its end");
       good = false;
       continue;
     }
@@ -183,8 +183,8 @@ std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& 
     if (fields.has(key)) given.push_back(key);
   if (given.size() != 1) {
     value.error(given.empty()
-                    ? "says no law; one of stiffness, coefficient, constant, polynomial, pieces, table"
-                    : fmt::format("says several laws at once: {}", joined(given)));
+                    ? "specifies no law; one of stiffness, coefficient, constant, polynomial, pieces, table"
+                    : fmt::format("specifies several laws at once: {}", joined(given)));
     return {};
   }
   const Value description = *fields.get(given[0]);

@@ -21,26 +21,25 @@ bool answers(const FlexibleDescription& d, int node) {
 }  // namespace
 
 void warn_of_loaded_nodes(Builder& builder) {
-  std::set<std::pair<int, int>> told;  // bodies and nodes
+  std::set<std::pair<int, int>> reported;  // bodies and nodes
   const auto look = [&](std::string_view kind, const std::string& name, const Mark& mark, int frame) {
     if (frame < 0) return;
     const spec::Frame& f = builder.model.frames[static_cast<std::size_t>(frame)];
     if (f.body < 0 || f.flexible_frame < 0) return;
     const BodyInfo& body = builder.bodies[static_cast<std::size_t>(f.body)];
     if (!body.description || body.description->kind != BeamKind::reduced || body.description->in_pieces() ||
-        answers(*body.description, f.flexible_frame) || !told.emplace(f.body, f.flexible_frame).second)
+        answers(*body.description, f.flexible_frame) || !reported.emplace(f.body, f.flexible_frame).second)
       return;
     const std::string& node = body.node_names[static_cast<std::size_t>(f.flexible_frame)];
     builder.warnings.push_back(
-        {mark,
-         fmt::format("{} '{}' acts on node '{}' of body '{}', which has no static mode: dynamic modes alone "
-                     "show badly how a force there bends the body; add {{node: {}, along: [..]}} or "
-                     "{{node: {}, all: true}} to its static_modes",
-                     kind, name, node, builder.model.bodies[static_cast<std::size_t>(f.body)].name, node,
-                     node)});
+        {mark, fmt::format("{} '{}' acts on node '{}' of body '{}', which has no static mode: dynamic modes "
+                           "alone represent its deflection by a force there poorly; add {{node: {}, along: "
+                           "[..]}} or {{node: {}, all: true}} to its static_modes",
+                           kind, name, node, builder.model.bodies[static_cast<std::size_t>(f.body)].name,
+                           node, node)});
   };
   for (const spec::Joint& joint : builder.model.joints)
-    if (joint.type != spec::JointType::floating)  // which bears no force
+    if (joint.type != spec::JointType::floating)  // which carries no force
       for (const int frame : {joint.frame_a, joint.frame_b}) look("joint", joint.name, joint.mark, frame);
   for (const spec::Constraint& constraint : builder.model.constraints)
     for (const int frame : {constraint.frame_a, constraint.frame_b})

@@ -62,7 +62,7 @@ void read_joint_component(const Builder& builder, const Fields& fields, spec::Ou
   if (const auto component = fields.get("component"))
     output.component = component->integer(0, count - 1).value_or(0);
   else if (count > 1)
-    fields.error(fmt::format("the joint has {} coordinates; say which: component: 0", count));
+    fields.error(fmt::format("the joint has {} coordinates; choose one: component: 0", count));
   const bool angle = info.quaternion >= 0 || is_angle(info.type, output.component);
   if (!velocity) output.offset = fields.number("offset", 0, angle ? quantity::angle : quantity::length);
 }
@@ -143,7 +143,7 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
   read_surface_node(builder, part, fields, *body, output);
 }
 
-/// Bodies made of bars, with modes, in one piece have section forces; their reduction is told to keep them.
+/// Bodies made of bars, with modes, in one piece have section forces; their reduction has to keep them.
 bool ask_for_sections(Builder& builder, const Value& named, int body) {
   BodyInfo& info = builder.bodies[static_cast<std::size_t>(body)];
   if (info.failed) return false;
@@ -362,8 +362,8 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   if (given.size() != 1) {
     std::vector<std::string> words;
     for (const OutputKind& row : output_kinds) words.emplace_back(row.key);
-    value.error(fmt::format("says {} of what it is; exactly one of {}",
-                            given.empty() ? "nothing" : "several things", joined(words)));
+    value.error(fmt::format("specifies {} to measure; exactly one of {}",
+                            given.empty() ? "nothing" : "several items", joined(words)));
     return;
   }
   const OutputKind& row = *given.front();
@@ -406,9 +406,9 @@ bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::O
     if (fields.has(kind.key)) row = &kind, ++given;
   if (given != 1) {
     value.error(given == 0
-                    ? "says nothing of what it is: 'value' with an expression, or what an output would be, "
+                    ? "specifies nothing to measure: 'value' with an expression, or what an output would be, "
                       "for example joint: hinge"
-                    : "says several things of what it is; keep one");
+                    : "specifies several items to measure; keep one");
     return false;
   }
   output.kind = row->kind;

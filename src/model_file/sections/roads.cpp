@@ -34,8 +34,7 @@ void read_patch(const Value& value, spec::Road& road) {
   };
   interval("x", 0);
   interval("y", 1);
-  if (!fields.has("x") && !fields.has("y"))
-    value.error("does not say where it is; for example x: [0, 10], y: [-2, 2]");
+  if (!fields.has("x") && !fields.has("y")) value.error("has no place; for example x: [0, 10], y: [-2, 2]");
   if (const auto friction = fields.need("friction", "0.3"))
     patch.friction = friction->not_negative().value_or(1);
   road.patches.push_back(patch);
@@ -116,7 +115,7 @@ const std::vector<TyreModel>& tyre_models() {
   return models;
 }
 
-/// The model that is said, and an error for each key that belongs to others.
+/// The model that is chosen, and an error for each key that belongs to others.
 const TyreModel& read_tyre_model(const Fields& fields) {
   const std::vector<TyreModel>& models = tyre_models();
   std::vector<std::string> names;
@@ -131,10 +130,10 @@ const TyreModel& read_tyre_model(const Fields& fields) {
         chosen = static_cast<std::size_t>(found - names.begin());
     }
   const auto& own = models[chosen].keys;
-  std::set<std::string> said;
+  std::set<std::string> reported;
   for (const TyreModel& model : models)
     for (const std::string& key : model.keys)
-      if (std::find(own.begin(), own.end(), key) == own.end() && said.insert(key).second)
+      if (std::find(own.begin(), own.end(), key) == own.end() && reported.insert(key).second)
         if (const auto given = fields.get(key))
           given->error(fmt::format("belongs to 'model: {}'; one of 'model: {}' has {}", model.name,
                                    models[chosen].name, joined(own)));

@@ -61,10 +61,11 @@ fe::Material read_material(const Value& value) {
 void warn_of_oddity(Builder& builder, const Value& value, const fe::Material& material) {
   const std::string odd = fe::oddity(material);
   const Mark& at = value.mark();
-  const bool told = std::any_of(builder.warnings.begin(), builder.warnings.end(), [&](const Diagnostic& d) {
-    return d.mark.file == at.file && d.mark.line == at.line && d.mark.column == at.column;
-  });
-  if (!odd.empty() && !told)
+  const bool reported =
+      std::any_of(builder.warnings.begin(), builder.warnings.end(), [&](const Diagnostic& d) {
+        return d.mark.file == at.file && d.mark.line == at.line && d.mark.column == at.column;
+      });
+  if (!odd.empty() && !reported)
     builder.warnings.push_back(
         {at, fmt::format("{}: {}; numbers without a unit are in Pa and kg/m³", value.what(), odd)});
 }

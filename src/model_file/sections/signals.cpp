@@ -345,7 +345,7 @@ void read_signals(Builder& builder, Part& part) {
 void resolve_sensors(Builder& builder) {
   for (const auto& [name, sensor] : builder.sensor_of_output) {
     const auto found = builder.output_names.index.find(name);
-    if (found == builder.output_names.index.end()) continue;  // its description is wrong, and said so
+    if (found == builder.output_names.index.end()) continue;  // its description is wrong, which is reported
     builder.model.sensors[static_cast<std::size_t>(sensor)] =
         builder.model.outputs[static_cast<std::size_t>(found->second)];
   }

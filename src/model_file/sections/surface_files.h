@@ -7,7 +7,8 @@
 
 namespace mimbre::model_file {
 
-/// The surface of the file that is named, read once for a model; nothing where that is wrong, and said.
+/// The surface of the file that is named, read once for a model; nothing where that is wrong, which is
+/// reported.
 std::shared_ptr<const SurfaceMesh> read_surface_file(Builder& builder, const Value& name);
 
 /// Likewise of a surface that is only drawn: where the file is there and cannot be read, that is a warning,

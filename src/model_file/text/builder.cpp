@@ -97,29 +97,28 @@ bool Builder::claim(Names& names, const Part& part, const std::string& full_name
   }
   if (!check_name(part.reading, full_name, mark, names.kind)) return false;
   if (names.index.emplace(full_name, index).second) return true;
-  errors.add(
-      mark,
-      fmt::format("there are two things called '{}' (bodies and frames share their names); rename the {}",
-                  full_name, names.kind));
+  errors.add(mark, fmt::format(
+                       "there are two items called '{}' (bodies and frames share their names); rename the {}",
+                       full_name, names.kind));
   return false;
 }
 
-void Builder::claim_end(const Names& things, const Part& part, const std::string& thing, char end,
+void Builder::claim_end(const Names& items, const Part& part, const std::string& item, char end,
                         const Mark& mark, int frame) {
-  const std::string name = fmt::format("{}.{}", thing, end);
+  const std::string name = fmt::format("{}.{}", item, end);
   if (!frame_names.index.contains(name)) {
     claim(frame_names, part, name, mark, frame);
     return;
   }
-  const std::string what = fmt::format("{} '{}'", things.kind, thing);
+  const std::string what = fmt::format("{} '{}'", items.kind, item);
   if (!clashing_ends.insert(what).second) return;
   std::string other =
       fmt::format("{} '{}' is there already", body_names.index.contains(name) ? "body" : "frame", name);
   for (const Names* of : {&joint_names, &constraint_names})
-    if (of != &things && of->index.contains(thing))
-      other = fmt::format("those of {} '{}' are called so, too", of->kind, thing);
+    if (of != &items && of->index.contains(item))
+      other = fmt::format("those of {} '{}' are called so, too", of->kind, item);
   errors.add(mark, fmt::format("{}: its ends are the frames '{}.a' and '{}.b', but {}; rename one of them",
-                               what, thing, thing, other));
+                               what, item, item, other));
 }
 
 int Builder::known(const Names& names, const Part& part, const std::string& name) const {

@@ -41,7 +41,7 @@ struct Part {
   const Part* outer = nullptr;          ///< in which it stands; null for the model itself
   const Part* home = nullptr;           ///< in which its template is written
   std::shared_ptr<const Tree> written;  ///< as it is in the file
-  std::shared_ptr<const Tree> tree;     ///< with repeated things written out
+  std::shared_ptr<const Tree> tree;     ///< with repeated items written out
   std::map<std::string, Template> templates;
   Scope scope;
   Placement place;
@@ -52,7 +52,7 @@ struct Part {
   std::string full_name(const std::string& name) const {
     return instance.empty() ? name : instance + "." + name;
   }
-  /// What `name` may mean: a thing of this part first, then of those in which it stands, of the model last.
+  /// What `name` may mean: an item of this part first, then of those in which it stands, of the model last.
   std::vector<std::string> meanings(const std::string& name) const;
   /// Section `key` of this part; nothing when absent.
   std::optional<Value> section(const std::string& key) const;
@@ -99,7 +99,7 @@ struct BodyInfo {
   std::optional<Value> inertia;  ///< of a rigid body with a sound mass, to be checked with the joints
 };
 
-/// Names of one kind of things: index by full name.
+/// Names of one kind of items: index by full name.
 struct Names {
   std::string kind;
   std::unordered_map<std::string, int> index;
@@ -126,10 +126,10 @@ struct Builder {
       surface_names{"surface", {}}, contact_names{"contact", {}}, output_names{"output", {}},
       input_names{"input", {}}, signal_names{"signal", {}}, event_names{"event", {}},
       constraint_names{"constraint", {}};
-  std::map<std::string, Names> element_names;        ///< by section
-  std::set<std::string> outputs_ahead;               ///< names of outputs, before they are read
-  std::map<std::string, int> sensor_of_output;       ///< those that laws and signals use
-  std::set<std::string> clashing_ends;               ///< of which joints and constraints that has been said
+  std::map<std::string, Names> element_names;   ///< by section
+  std::set<std::string> outputs_ahead;          ///< names of outputs, before they are read
+  std::map<std::string, int> sensor_of_output;  ///< those that laws and signals use
+  std::set<std::string> clashing_ends;          ///< joints and constraints for which that has been reported
   std::unordered_map<std::string, int> node_frames;  ///< frames of named nodes, made when first used
   /// Bodies of files, by path and by which axes are mirrored.
   std::map<std::string, std::map<std::array<bool, 3>, std::shared_ptr<const ReducedBody>>> reduced_files;
@@ -138,9 +138,9 @@ struct Builder {
   /// Records an error for a name that is taken or no name; false then.
   bool claim(Names& names, const Part& part, const std::string& full_name, const Mark& mark, int index);
   /// Likewise for the frame THING.a or THING.b (`end`) of a joint or constraint, at its first or second body.
-  void claim_end(const Names& things, const Part& part, const std::string& thing, char end, const Mark& mark,
+  void claim_end(const Names& items, const Part& part, const std::string& item, char end, const Mark& mark,
                  int frame);
-  /// The thing called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
+  /// The item called `name` in `part` (Part::meanings). -1, and an error at `value`, when there is none.
   int resolve(const Names& names, const Part& part, const std::string& name, const Value& value);
   /// The same without an error.
   int known(const Names& names, const Part& part, const std::string& name) const;
@@ -200,7 +200,7 @@ spec::Pose read_pose(const Part& part, const Fields& fields, const Eigen::Vector
 /// Whether a text is a number, or an expression of numbers and parameters alone.
 bool is_plain_number(const Value& value);
 
-/// A law (docs/model-file.md) of what `law` says, whose numbers may have the units.
+/// A law (docs/model-file.md) of `law`, whose numbers may have the units.
 std::optional<Function> read_law(const Value& value, LawOf law, const LawUnits& units);
 /// The same for springs, where a plain number could mean a stiffness or a force and is refused.
 std::optional<Function> read_elastic_law(const Value& value, const LawUnits& units);

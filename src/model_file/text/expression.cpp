@@ -45,9 +45,8 @@ std::string value_of_name(const std::string& name, const Scope& scope,
                           const std::vector<Variable>& variables) {
   if (scope.is_tunable(name))
     throw ExpressionError(
-        fmt::format("parameter '{}' is tunable, and what stands here cannot change during a run; "
-                    "expressions of laws, loads, actuators and signals can use it, for example "
-                    "elastic: \"{}*x\"",
+        fmt::format("parameter '{}' is tunable, and a value here cannot change during a run; expressions of "
+                    "laws, loads, actuators and signals can use it, for example elastic: \"{}*x\"",
                     name, name));
   if (const ParameterValue* value = scope.find(name)) {
     if (const double* number = std::get_if<double>(value)) return fmt::format("({:.17g})", *number);

@@ -77,11 +77,11 @@ struct Inclusion {
       }
       auto both = std::make_shared<Tree>(first);
       if (first.kind == Tree::Kind::map && second.kind == Tree::Kind::map)
-        for (const Tree::Entry& thing : second.entries)
-          if (const Tree::Entry* known = first.find(thing.key))
-            twice(thing.key, thing.mark, known->mark);
+        for (const Tree::Entry& item : second.entries)
+          if (const Tree::Entry* known = first.find(item.key))
+            twice(item.key, item.mark, known->mark);
           else
-            both->entries.push_back(thing);
+            both->entries.push_back(item);
       else if (first.kind == Tree::Kind::list && second.kind == Tree::Kind::list)
         both->items.insert(both->items.end(), second.items.begin(), second.items.end());
       else

@@ -14,7 +14,7 @@ struct Declaration {
   std::string what;
   const Tree* value = nullptr;
   std::vector<std::string> choices;
-  bool name = false;  ///< of a thing
+  bool name = false;  ///< of an item
   double min = -INFINITY;
   double max = INFINITY;
   bool integer = false;
@@ -63,7 +63,7 @@ std::optional<Declaration> read_declaration(const Value& value) {
     result.name = name->is_scalar();
     result.value = &name->tree();
     if (result.name) return result;
-    name->error("the name of a thing is needed, such as ground");
+    name->error("the name of an item is needed, such as ground");
     return {};
   }
   const auto given = fields.need("value", "1.5");
@@ -108,8 +108,8 @@ std::string range_text(const Declaration& d) {
 ParameterValue value_from_text(const Declaration& d, const std::string& text, const Scope& scope) {
   if (d.name) {
     const std::string word = evaluate_word(text, scope);
-    if (word.empty() || word.size() > 200 || !std::all_of(word.begin(), word.end(), in_a_thing_name))
-      throw ExpressionError(fmt::format("'{}' is no name of a thing", word.substr(0, 100)));
+    if (word.empty() || word.size() > 200 || !std::all_of(word.begin(), word.end(), in_an_item_name))
+      throw ExpressionError(fmt::format("'{}' is no name of an item", word.substr(0, 100)));
     return word;
   }
   if (!d.choices.empty()) {

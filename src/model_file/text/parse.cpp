@@ -18,7 +18,7 @@ namespace {
 
 void check_version(const Fields& fields) {
   const auto version = fields.get("mimbre");
-  if (!version) return fields.error("'mimbre: 1' is missing; it says which version of the format this is");
+  if (!version) return fields.error("'mimbre: 1' is missing, the version of the format");
   const auto number = version->number();
   if (number && *number != 1)
     version->error(
@@ -30,9 +30,9 @@ void warn_unused(Builder& builder) {
   const auto warn = [&](const std::string& section, const std::string& kind,
                         const std::set<std::string>& used) {
     if (const Tree::Entry* entry = model.tree->find(section))
-      for (const auto& thing : entry->value->entries)
-        if (!used.contains(thing.key))
-          builder.warnings.push_back({thing.mark, fmt::format("{} '{}' is not used", kind, thing.key)});
+      for (const auto& item : entry->value->entries)
+        if (!used.contains(item.key))
+          builder.warnings.push_back({item.mark, fmt::format("{} '{}' is not used", kind, item.key)});
   };
   std::set<std::string> roads, templates;
   for (const auto& [name, content] : model.templates)

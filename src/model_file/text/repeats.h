@@ -13,7 +13,7 @@ namespace mimbre::model_file {
 /// part. Parameters, requirements and templates are left as they are. Where nothing is repeated it is the
 /// same tree.
 ///
-/// `instance`: of the part, empty for the model. What is wrong in what is repeated is said once (Errors).
+/// `instance`: of the part, empty for the model. What is wrong in what is repeated is reported once (Errors).
 /// Throws InputError where the tree becomes larger than the limits.
 std::shared_ptr<const Tree> written_out(const std::shared_ptr<const Tree>& tree, const Reading& reading,
                                         const std::string& instance);

@@ -18,7 +18,7 @@ std::size_t number_end(const std::string& text, std::size_t i);
 const Variable* find_variable(const std::string& name, const std::vector<Variable>& variables);
 
 /// The unit behind the number that ends at `i`, blanks between. Throws ExpressionError where a name stands
-/// there that is no unit, and says what would be right for a number that is `wanted`.
+/// there that is no unit, and reports what would be right for a number that is `wanted`.
 std::optional<WrittenUnit> unit_behind(const std::string& text, std::size_t i, const Scope& scope,
                                        const std::vector<Variable>& variables, const Quantity& wanted);
 

@@ -28,7 +28,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     auto tree = make(Tree::Kind::null, mark);
-    // yaml-cpp places what is not there at the next thing; people look at the key.
+    // yaml-cpp places what is not there at the next item; people look at the key.
     if (!levels_.empty() && levels_.back().have_key) tree->mark = levels_.back().key_mark;
     add(tree, anchor, mark);
   }

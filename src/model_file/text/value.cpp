@@ -53,10 +53,10 @@ std::string misplaced(const std::string& key, const std::vector<std::string>& kn
 
 }  // namespace
 
-/// The message with names of instances left out and those of repeated things as they are written; `where`:
+/// The message with names of instances left out and those of repeated items as they are written; `where`:
 /// the first such name.
 std::string Errors::in_common(const std::string& message, std::string& where) const {
-  // Lists of what there is name the other instances' things.
+  // Lists of what there is name the other instances' items.
   std::string words = message.substr(0, message.find("; there are: "));
   const auto replace = [&](std::size_t at, std::size_t length) {
     const std::string name = words.substr(at, length);
@@ -101,11 +101,11 @@ bool Errors::merged(const Mark& mark, const std::string& message) {
 }
 
 void Errors::add(const Mark& mark, const std::string& message) {
-  const auto said = [&](const Diagnostic& d) {
+  const auto known_already = [&](const Diagnostic& d) {
     return d.message == message && d.mark.line == mark.line && d.mark.column == mark.column &&
            d.mark.file == mark.file && mark.line > 0;
   };
-  if (merged(mark, message) || std::any_of(list.begin(), list.end(), said)) return;
+  if (merged(mark, message) || std::any_of(list.begin(), list.end(), known_already)) return;
   list.push_back({mark, message});
   if (list.size() >= limits_.errors) {
     list.push_back({Mark{}, "too many errors; the rest is not shown"});
@@ -254,7 +254,7 @@ std::vector<Value> Value::list() const {
   std::vector<Value> result;
   if (!is_list()) {
     error(fmt::format("a list is needed, this is {}{}", kind_name(tree_->kind),
-                      is_map() ? "; each of its things begins with '- '" : "; write [..]"));
+                      is_map() ? "; each of its items begins with '- '" : "; write [..]"));
     return result;
   }
   result.reserve(tree_->items.size());
@@ -298,13 +298,13 @@ double Fields::number(const std::string& key, double fallback, const Quantity& o
   return value ? value->number(of).value_or(fallback) : fallback;
 }
 
-bool in_a_thing_name(char c) {
+bool in_an_item_name(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || (c & 0x80);
 }
 
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind) {
   if (!name.empty() && name.size() <= 100 && name[0] != '.' && name[0] != '-' &&
-      std::all_of(name.begin(), name.end(), in_a_thing_name))
+      std::all_of(name.begin(), name.end(), in_an_item_name))
     return true;
   reading.errors->add(
       mark, fmt::format("'{}' is no name for a {}; names have 1 to 100 letters, digits, '_', '-' or '.'",

@@ -15,7 +15,7 @@
 namespace mimbre::model_file {
 
 /// Collects mistakes while reading goes on. Throws InputError with all of them once there are
-/// `limits.errors`. What is wrong in a template, or in what is repeated, is said once, with where it is.
+/// `limits.errors`. What is wrong in a template, or in what is repeated, is reported once, with where it is.
 class Errors {
  public:
   explicit Errors(const Limits& limits) : limits_(limits) {}
@@ -23,7 +23,7 @@ class Errors {
   void throw_if_any() const;
   /// `name`, of an instance: messages that differ by it alone, at one place, are one.
   void instance(const std::string& name) { common_[name] = ""; }
-  /// `name`, of one of many things that are written once as `pattern`, in `instance` (empty: the model).
+  /// `name`, of one of many items that are written once as `pattern`, in `instance` (empty: the model).
   void stands_for(const std::string& name, const std::string& pattern, const std::string& instance) {
     common_[name] = instance.empty() ? pattern : pattern.substr(instance.size() + 1);
   }
@@ -43,7 +43,7 @@ class Errors {
 
   const Limits& limits_;
   std::map<std::string, std::string>
-      common_;  ///< what names of instances and of repeated things have in common
+      common_;  ///< what names of instances and of repeated items have in common
   std::vector<Several> several_;
 };
 
@@ -69,7 +69,7 @@ class Value {
   bool is_list() const { return tree_->kind == Tree::Kind::list; }
   bool is_scalar() const { return tree_->kind == Tree::Kind::scalar; }
   bool is_null() const { return tree_->kind == Tree::Kind::null; }
-  /// Fields can be read from it: nothing at all counts as no fields, so that what is missing is said.
+  /// Fields can be read from it: nothing at all counts as no fields, so that missing ones are reported.
   bool has_fields() const { return is_map() || is_null(); }
 
   void error(const std::string& message) const;
@@ -107,7 +107,7 @@ class Fields {
 
   /// Nothing where the key is absent or its value empty.
   std::optional<Value> get(const std::string& key) const;
-  /// Records an error where it is absent; `example` says what would be right.
+  /// Records an error where it is absent; `example` shows what would be right.
   std::optional<Value> need(const std::string& key, const std::string& example) const;
   bool has(const std::string& key) const { return get(key).has_value(); }
   const Value& value() const { return value_; }
@@ -119,9 +119,9 @@ class Fields {
   Value value_;
 };
 
-/// Whether names of things may have it: letters, digits, '_', '-', '.', what is beyond ASCII.
-bool in_a_thing_name(char c);
-/// True for names that things may have; records an error otherwise.
+/// Whether names of items may have it: letters, digits, '_', '-', '.', what is beyond ASCII.
+bool in_an_item_name(char c);
+/// True for names that items may have; records an error otherwise.
 bool check_name(const Reading& reading, const std::string& name, const Mark& mark, const std::string& kind);
 
 std::string joined(const std::vector<std::string>& words);

@@ -71,9 +71,8 @@ ExpandedModes expand_user_modes(const SolidMesh& mesh, const FeMatrices& matrice
   stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
   if (symmetric_eigenvalues(stiffness)[0] < least)
     throw std::invalid_argument(
-        "the user's modes say too little: displacements of at least three nodes that do not lie in a line "
-        "are "
-        "needed, in directions that no rigid motion leaves out");
+        "the user's modes are not sufficient: displacements of at least three nodes that do not lie in a "
+        "line are needed, in directions that no rigid motion leaves out");
   ExpandedModes expanded;
   expanded.z = unit.asDiagonal() *
                PivotedCholesky(stiffness).solve(unit.asDiagonal() * (statics.transpose() * forces));

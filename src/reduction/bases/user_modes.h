@@ -15,7 +15,7 @@ struct ExpandedModes {
 /// given displacements (static expansion: Guyan 1965; Levine-West, Milman, Kissil 1996), which are held by
 /// springs a million times as stiff as the model at their dofs: where given displacements contradict the
 /// ties, the nearest shape is found. Throws std::invalid_argument for rows that do not fit the model, shapes
-/// that are zero, not finite, or say too little: a rigid motion would be left undetermined.
+/// that are zero, not finite, or are too few: a rigid motion would be left undetermined.
 ExpandedModes expand_user_modes(const SolidMesh& mesh, const FeMatrices& matrices,
                                 const std::vector<Interface>& interfaces, const UserModes& modes);
 

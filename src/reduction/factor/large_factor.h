@@ -12,7 +12,7 @@ enum class Definiteness {
 };
 
 /// Sparse factorisation of a large symmetric matrix (lower triangle), Cholesky's where it is positive
-/// definite. MIMBRE_SPARSE_SOLVER of the build says which of large_factor_*.cpp is this class.
+/// definite. MIMBRE_SPARSE_SOLVER of the build selects which of large_factor_*.cpp is this class.
 class LargeFactor {
  public:
   /// Throws std::invalid_argument with `what` when there are no factors.

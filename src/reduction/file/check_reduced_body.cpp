@@ -231,7 +231,7 @@ Eigen::MatrixXd whole_mass_matrix(const ReducedBody& body) {
   return M.selfadjointView<Eigen::Upper>();
 }
 
-/// Every mode has a stiffness, and the frequencies that the file tells are those of its matrices.
+/// Every mode has a stiffness, and the frequencies in the file are those of its matrices.
 void check_frequencies(const ReducedBody& body, Report& report) {
   report.require((body.stiffness.diagonal().array() > 0).all(),
                  "stiffness must hold every mode: a diagonal entry is 0");
@@ -239,8 +239,8 @@ void check_frequencies(const ReducedBody& body, Report& report) {
   const Eigen::VectorXd squares = symmetric_eigen(body.stiffness, body.mass_matrix).values;
   const double top = squares[squares.size() - 1];
   for (Eigen::Index k = 0; k < squares.size(); ++k) {
-    const double told = body.eigenfrequencies[k] * body.eigenfrequencies[k];
-    if (std::abs(squares[k] - told) <= 1e-4 * told + kRelative * top) continue;
+    const double stated = body.eigenfrequencies[k] * body.eigenfrequencies[k];
+    if (std::abs(squares[k] - stated) <= 1e-4 * stated + kRelative * top) continue;
     report.require(false, fmt::format("eigenfrequency {} is {:g} rad/s, but stiffness and mass_matrix give "
                                       "{:g}: one of them was changed",
                                       k + 1, body.eigenfrequencies[k], std::sqrt(std::max(0.0, squares[k]))));
@@ -314,17 +314,17 @@ void check_sizes_and_mass(const ReducedBody& body, Report& report) {
   if (report.sound()) report.require(body.mass > 0, fmt::format("mass must be positive, is {}", body.mass));
 }
 
-/// The certificate begins its line of the mass with it: six digits.
+/// The validation report begins its line of the mass with it: six digits.
 void check_certified_mass(const ReducedBody& body, Report& report) {
   for (const Check& line : body.checks) {
     if (line.name != "mass") continue;
-    double told = 0;
+    double stated = 0;
     const auto [end, error] =
-        std::from_chars(line.detail.data(), line.detail.data() + line.detail.size(), told);
+        std::from_chars(line.detail.data(), line.detail.data() + line.detail.size(), stated);
     if (error != std::errc{} || !std::string_view(end).starts_with(" kg")) continue;
-    report.require(
-        std::abs(body.mass - told) <= 1e-5 * std::abs(told),
-        fmt::format("mass is {:.6g} kg, but the certificate says {:.6g}: it was changed", body.mass, told));
+    report.require(std::abs(body.mass - stated) <= 1e-5 * std::abs(stated),
+                   fmt::format("mass is {:.6g} kg, but the validation report has {:.6g}: it was changed",
+                               body.mass, stated));
   }
 }
 

@@ -12,8 +12,8 @@ Eigen::MatrixXd unit_inertia_forces(const Mesh& mesh);
 
 /// Geometric stiffness in the coordinates of a basis whose `responses` are those to
 /// unit_inertia_forces(mesh). Its stress has two parts that add up to that of the body: of each unit load of
-/// inertia with the boundary held, and of a unit force at each boundary dof, which the static modes bear. The
-/// load of a boundary dof is the force that the static modes put up against its displacement. Loads that
+/// inertia with the boundary held, and of a unit force at each boundary dof, which the static modes carry.
+/// The load of a boundary dof is the force that the static modes put up against its displacement. Loads that
 /// stress no bar are left out.
 GeometricStiffness geometric_stiffness(const Mesh& mesh, const ReductionOptions& options, const Basis& basis);
 

@@ -9,7 +9,7 @@
 namespace mimbre::blocks::delay {
 
 constexpr int time = 0;  ///< numbers: τ, s
-// States, as delay_states() says.
+// States, see delay_states().
 constexpr int count = 0, newest = 1, first_point = delay_states(0);
 
 inline int room(int states) { return (states - first_point) / 2; }
@@ -74,7 +74,7 @@ inline bool keep(const BlockCall<double>& c, double* states) {
   int points = c.begun ? static_cast<int>(states[count]) : 0,
       last = points > 0 ? static_cast<int>(states[newest]) : 0;
   const auto at = [&](int back) { return states + first_point + 2 * ((last - back + n) % n); };
-  // Nothing but a jump is told twice of one moment.
+  // Nothing but a jump is passed on twice for one moment.
   if (points > 0 && at(0)[0] == c.time && at(0)[1] == c.in[0]) return false;
   const bool jumps = points > 0 && at(0)[0] == c.time;
   const bool close = points > 1 && !jumps && c.time - at(1)[0] < 3 * c.numbers[time] / n;

@@ -161,9 +161,8 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
     case StepReport::Code::not_converged:
       if (!jump.empty())
         return fmt::format(
-            "the step to t = {:.6g} s did not converge in {} iterations: {}, and the iterations go to and "
-            "fro "
-            "between both; give it a slope (tanh(v/0.01) for sign(v)), take `frictions` for what resists "
+            "the step to t = {:.6g} s did not converge in {} iterations: {}, and the iterations alternate "
+            "between both; give it a slope (tanh(v/0.01) for sign(v)), use `frictions` for resistance to "
             "motion, or evaluate a signal at instants (`every`)",
             t, r.iterations, jump);
       return fmt::format(
@@ -176,19 +175,18 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
     case StepReport::Code::drifted:
       if (r.unconverged)
         return fmt::format(
-            "the {} iterations that the fixed cost allows for the step to t = {:.6g} s led nowhere: {} is "
-            "off by {}; allow more of them (max_iterations), take a smaller step, or no fixed cost",
+            "the {} iterations that the fixed cost allows for the step to t = {:.6g} s did not converge: {} "
+            "is off by {}; allow more of them (max_iterations), take a smaller step, or no fixed cost",
             r.iterations, t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
       return fmt::format(
-          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {}; this formalism "
-          "does not hold them, take `index3`, a stabilised one or a smaller step",
+          "the constraints have come apart in the step to t = {:.6g} s: {} is off by {}; this formalism does "
+          "not keep them closed; use `index3`, a stabilised one or a smaller step",
           t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
     case StepReport::Code::singular:
       if (r.equation >= 0)
         return fmt::format(
             "the constraints are dependent in the step to t = {:.6g} s, at {}: a singular position, or a "
-            "joint "
-            "too many; take a formalism that bears it (`index3`, `penalty`, `index1_augmented`)",
+            "redundant joint; use a formalism that tolerates one (`index3`, `penalty`, `index1_augmented`)",
             t, equation_name(model, natural, r.equation));
       return fmt::format(
           "the matrix of the step to t = {:.6g} s is singular at {}: is there a body without mass that "
@@ -248,8 +246,8 @@ std::string explain_near_redundancy(const Redundancy& r) {
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {
   return fmt::format(
       "at t = {:.6g} s the mechanism goes through a singular position (a change point), where reactions grow "
-      "beyond all bounds and no step resolves them: joint '{}' would bear {:.3g} N and {:.3g} Nm; there and "
-      "wherever it happens again the reactions that are left without them are given",
+      "beyond all bounds and no step resolves them: joint '{}' would carry {:.3g} N and {:.3g} Nm; there, "
+      "and whenever it happens again, the results contain the remaining reactions only",
       r.time, model.spec().joints[static_cast<std::size_t>(r.joint)].name, r.force, r.moment);
 }
 

@@ -70,7 +70,7 @@ class Channels {
   /// One output's value, likewise; `mass_of`: bodies_of() it.
   double value(const spec::Output& output, const std::vector<int>& mass_of, relative::RelativeSystem& system,
                const State& state) const;
-  /// Says in the meaning of reactions which rigid bodies do not determine.
+  /// Notes in the meaning of reactions which rigid bodies do not determine.
   void mark_undetermined(const Redundancy& redundancy);
 
   std::vector<RoadDrawing> roads() const;

@@ -5,7 +5,7 @@
 #include "dynamics/state.h"
 #include "mimbre/channels.h"
 
-/// What constraints bear.
+/// What constraints carry.
 namespace mimbre {
 
 /// Force and moment that a constraint exerts on its second side, the moment about the origin of the frame
@@ -14,7 +14,7 @@ Wrench<double> constraint_wrench(const ConstraintData& constraint, const relativ
                                  const State& state);
 
 /// The standard channels of a constraint: of a coupling the force or torque on each of its coordinates, of
-/// others what its kind bears of constraint_wrench().
+/// others what its kind carries of constraint_wrench().
 void add_constraint_info(const Compiled& model, const ConstraintData& constraint,
                          std::vector<ChannelInfo>& channels);
 /// Their values, in the same order.

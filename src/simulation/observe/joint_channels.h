@@ -34,7 +34,7 @@ class JointObserver {
   /// Likewise, after a residual with the state's accelerations and multipliers.
   JointReaction reaction(int joint, const relative::RelativeSystem& system, const State& state) const;
 
-  /// What says the same as a coordinate's value.
+  /// Which other values mean the same as a coordinate's.
   ChannelInfo::Alike alike(int joint, int position) const;
 
   /// The standard channels of a joint: of its motion, and of what it transmits.

@@ -44,7 +44,7 @@ bool Reactions::factor(relative::RelativeSystem& system, const State& s) {
 }
 
 /// Augmented Lagrangian: (M + α ΦqᵀΦq) x = −(r + Φqᵀ λ), λ ← λ + α Φq x. What remains of r is what the
-/// constraints cannot bear: the error of the accelerations.
+/// constraints cannot carry: the error of the accelerations.
 void Reactions::solve(relative::RelativeSystem& system, State& s) {
   double largest = 0, correction = 0;
   for (int round = 0; round < rounds; ++round) {

@@ -5,9 +5,9 @@ namespace mimbre {
 ShownReactions::ShownReactions(const Mechanism& mechanism, const Method& method, bool redundant)
     : step_(method.step),
       reactions_(mechanism.observer),
-      eyes_(!mechanism.natural && mechanism.model.equations > 0
-                ? std::make_unique<relative::RelativeSystem>(mechanism.model, method.inertia)
-                : nullptr),
+      reader_(!mechanism.natural && mechanism.model.equations > 0
+                  ? std::make_unique<relative::RelativeSystem>(mechanism.model, method.inertia)
+                  : nullptr),
       state_(mechanism.view()),
       residual_(mechanism.model.velocities) {
   if (mechanism.model.equations > 0) reactions_.choose_smallest(mechanism.model, redundant);
@@ -24,18 +24,18 @@ relative::RelativeSystem& ShownReactions::find(Mechanism& mechanism) {
     reactions_.limit(mechanism.observer, state_, step_);
     return mechanism.observer;
   }
-  if (!eyes_) {
+  if (!reader_) {
     evaluate(mechanism.observer);
     return mechanism.observer;
   }
-  eyes_->enter(mechanism.state.u.data(), mechanism.state.z.data(), 0);
-  eyes_->begin_step(state_.q.data());
-  if (!reactions_.find(*eyes_, state_) || reactions_.determined()) {
+  reader_->enter(mechanism.state.u.data(), mechanism.state.z.data(), 0);
+  reader_->begin_step(state_.q.data());
+  if (!reactions_.find(*reader_, state_) || reactions_.determined()) {
     state_.multipliers = mechanism.state.multipliers;
-    evaluate(*eyes_);
+    evaluate(*reader_);
   }
-  reactions_.limit(*eyes_, state_, step_);
-  return *eyes_;
+  reactions_.limit(*reader_, state_, step_);
+  return *reader_;
 }
 
 }  // namespace mimbre

@@ -31,7 +31,7 @@ class ShownReactions {
  private:
   const double step_;
   Reactions reactions_;
-  std::unique_ptr<relative::RelativeSystem> eyes_;  ///< of loops in relative coordinates
+  std::unique_ptr<relative::RelativeSystem> reader_;  ///< of loops in relative coordinates
   State state_;
   Eigen::VectorXd residual_;
 };

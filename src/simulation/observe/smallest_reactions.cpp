@@ -291,7 +291,7 @@ std::optional<UnresolvedReaction> SmallestReactions::limit(const relative::Relat
                                                            const State& s, double strain,
                                                            Eigen::VectorXd& multipliers) {
   set_given(system, s, multipliers);
-  // Joints that are not near a singular position bear about what they do to the bodies.
+  // Joints that are not near a singular position carry about what they do to the bodies.
   if (!(given_.norm() > least_excess * left_.norm())) return {};
   const double least = std::min({strain, most_strain, least_strain / static_cast<double>(joints_.size())});
   if (!(least * least > regularisation) || !factor(least * least)) return {};
@@ -328,7 +328,7 @@ void SmallestReactions::set_multipliers(const relative::RelativeSystem& system,
       }
       continue;
     }
-    // A drive bears what the joint's wrench does along its coordinate.
+    // A drive carries what the joint's wrench does along its coordinate.
     const BodyData& body = model_.bodies[t.tree];
     for (int j = body.v; j < body.v + body.joint_velocities; ++j) {
       if (drive_[j] < 0) continue;

@@ -12,13 +12,13 @@ namespace mimbre {
 /// Reactions that grow beyond all bounds on the way through a singular position.
 struct UnresolvedReaction {
   double time = 0;               ///< s
-  int joint = -1;                ///< that bears most, in the model as it was given
+  int joint = -1;                ///< that carries most, in the model as it was given
   double force = 0, moment = 0;  ///< N, N m
 };
 
 /// Of all reactions that balance the bodies, the smallest ones: Σ |f|² + |n|² / L² over all joints, tree or
 /// cut, f and n on the second frame, L the model's length scale. They are what joints that are all alike and
-/// a little elastic would bear, and do not depend on which joints are cut. Where constraints are not
+/// a little elastic would carry, and do not depend on which joints are cut. Where constraints are not
 /// redundant there is nothing to choose.
 ///
 /// Per body the wrenches x of its joints have a given sum, A x = b. The smallest are x = Aᵀ y, A Aᵀ y = b,
@@ -30,10 +30,10 @@ class SmallestReactions {
   /// Replaces the multipliers, after the system's residual with them at s. Neither allocates nor throws;
   /// false, and nothing is changed, when the forces cannot be balanced so.
   bool find(const relative::RelativeSystem& system, const State& s, Eigen::VectorXd& multipliers);
-  /// Where nearly all that the joints bear is held by motions that strain them by less than `strain` (a small
-  /// one: what a step moves, by L), as where a parallelogram goes through its change point: puts the wrenches
-  /// that such motions do not concern in the place of the multipliers, and returns what was there. Else
-  /// nothing is changed. Call as find().
+  /// Where nearly all that the joints carry is held by motions that strain them by less than `strain` (a
+  /// small one: what a step moves, by L), as where a parallelogram goes through its change point: puts the
+  /// wrenches that such motions do not concern in the place of the multipliers, and returns what was there.
+  /// Else nothing is changed. Call as find().
   std::optional<UnresolvedReaction> limit(const relative::RelativeSystem& system, const State& s,
                                           double strain, Eigen::VectorXd& multipliers);
 

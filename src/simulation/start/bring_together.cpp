@@ -25,7 +25,7 @@ constexpr int most_coordinates = 200;     ///< of a model in which ways are sear
 constexpr std::size_t most_ways = 32;
 
 /// Numbers in [−1, 1), the same ones everywhere (splitmix64).
-class Draws {
+class RandomNumbers {
  public:
   double next() {
     state_ += 0x9e3779b97f4a7c15u;
@@ -40,8 +40,8 @@ class Draws {
 };
 
 /// A mechanism whose loops are to be closed.
-struct Puzzle {
-  explicit Puzzle(const Model& model)
+struct LoopAssembly {
+  explicit LoopAssembly(const Model& model)
       : m(model.compiled()), system(m), state(given_state(m, system, {}, weight, velocity_weight)) {
     // Flexible bodies are put together undeformed.
     for (const BodyData& b : m.bodies) weight.segment(b.v + b.joint_velocities, b.modes).setZero();
@@ -97,12 +97,12 @@ struct Puzzle {
   }
 
   /// q with the joint coordinates of these weights anywhere.
-  VectorXd scattered(const VectorXd& q, const VectorXd& weights, Draws& draws) const {
+  VectorXd scattered(const VectorXd& q, const VectorXd& weights, RandomNumbers& random) const {
     VectorXd x = VectorXd::Zero(m.velocities), out(m.positions);
     for (const BodyData& b : m.bodies)
       for (int k = 0; k < b.joint_velocities; ++k)
         if (weights[b.v + k] > 0)
-          x[b.v + k] = draws.next() * (is_angle(b.joint, k) ? std::numbers::pi : size);
+          x[b.v + k] = random.next() * (is_angle(b.joint, k) ? std::numbers::pi : size);
     system.retract(q.data(), x.data(), out.data());
     return out;
   }
@@ -134,8 +134,8 @@ struct Group {
   VectorXd weight;  ///< 1: a coordinate that may close them
 };
 
-std::vector<Group> groups_of(const Puzzle& puzzle) {
-  const Compiled& m = puzzle.m;
+std::vector<Group> groups_of(const LoopAssembly& assembly) {
+  const Compiled& m = assembly.m;
   std::vector<std::size_t> root(m.bodies.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto find = [&](std::size_t k) {
@@ -144,7 +144,7 @@ std::vector<Group> groups_of(const Puzzle& puzzle) {
   };
   const auto moves = [&](const PathEntry& e) {
     const BodyData& b = m.bodies[e.body];
-    return (puzzle.weight.segment(b.v, b.joint_velocities).array() > 0).any();
+    return (assembly.weight.segment(b.v, b.joint_velocities).array() > 0).any();
   };
   for (const LoopData& l : m.loops) {
     std::optional<std::size_t> first;
@@ -169,7 +169,7 @@ std::vector<Group> groups_of(const Puzzle& puzzle) {
       group = known;
       const BodyData& b = m.bodies[e.body];
       groups[static_cast<std::size_t>(group)].weight.segment(b.v, b.joint_velocities) =
-          puzzle.weight.segment(b.v, b.joint_velocities);
+          assembly.weight.segment(b.v, b.joint_velocities);
     }
     if (group >= 0) groups[static_cast<std::size_t>(group)].loops.push_back(static_cast<int>(k));
   }
@@ -178,16 +178,16 @@ std::vector<Group> groups_of(const Puzzle& puzzle) {
 
 int tries_for(const VectorXd& weight) { return 40 + 20 * static_cast<int>((weight.array() > 0).count()); }
 
-/// How far q is from what the joints of a group are said to be near to, or where none says anything from
+/// How far q is from what the joints of a group are given as `near`, or without any from
 /// where they were drawn.
 class Distance {
  public:
-  Distance(Puzzle& puzzle, const Group& group, const VectorXd& q)
-      : puzzle_(puzzle), start_(puzzle.places(q)) {
-    for (const BodyData& b : puzzle.m.bodies) {
+  Distance(LoopAssembly& assembly, const Group& group, const VectorXd& q)
+      : assembly_(assembly), start_(assembly.places(q)) {
+    for (const BodyData& b : assembly.m.bodies) {
       const auto number = static_cast<std::size_t>(b.joint_spec);
-      if (b.joint_spec < 0 || number >= puzzle.m.spec().joints.size()) continue;
-      const auto& near = puzzle.m.spec().joints[number].near;
+      if (b.joint_spec < 0 || number >= assembly.m.spec().joints.size()) continue;
+      const auto& near = assembly.m.spec().joints[number].near;
       for (int k = 0; k < static_cast<int>(near.size()); ++k)
         if (near[static_cast<std::size_t>(k)] && group.weight[b.v + k] > 0)
           wishes_.push_back({&b, k, *near[static_cast<std::size_t>(k)]});
@@ -197,11 +197,11 @@ class Distance {
   bool wished() const { return !wishes_.empty(); }
 
   double of(const VectorXd& q) const {
-    if (wishes_.empty()) return (puzzle_.places(q) - start_).norm();
+    if (wishes_.empty()) return (assembly_.places(q) - start_).norm();
     double sum = 0;
     for (const Wish& w : wishes_) {
       const double off = value_of(*w.body, q, w.coordinate) - w.value;
-      sum += std::abs(is_angle(w.body->joint, w.coordinate) ? within_a_turn(off) : off / puzzle_.size);
+      sum += std::abs(is_angle(w.body->joint, w.coordinate) ? within_a_turn(off) : off / assembly_.size);
     }
     return sum;
   }
@@ -212,23 +212,23 @@ class Distance {
     int coordinate;
     double value;
   };
-  Puzzle& puzzle_;
+  LoopAssembly& assembly_;
   VectorXd start_;
   std::vector<Wish> wishes_;
 };
 
 /// Of the positions that close all loops the one nearest to what is wished, or one near q. Groups are closed
 /// one by one, so that each search has few coordinates.
-bool find_closed(Puzzle& puzzle, VectorXd& q) {
-  Draws draws;
-  for (const Group& group : groups_of(puzzle)) {
-    const Distance distance(puzzle, group, q);
+bool find_closed(LoopAssembly& assembly, VectorXd& q) {
+  RandomNumbers random;
+  for (const Group& group : groups_of(assembly)) {
+    const Distance distance(assembly, group, q);
     double nearest = std::numeric_limits<double>::infinity();
     VectorXd found = q;
-    const int tries = puzzle.m.velocities > most_coordinates ? 1 : tries_for(group.weight);
+    const int tries = assembly.m.velocities > most_coordinates ? 1 : tries_for(group.weight);
     for (int k = 0; k < tries; ++k) {
-      VectorXd tried = k == 0 ? q : puzzle.scattered(q, group.weight, draws);
-      if (!puzzle.close(group.loops, group.weight, tried)) continue;
+      VectorXd tried = k == 0 ? q : assembly.scattered(q, group.weight, random);
+      if (!assembly.close(group.loops, group.weight, tried)) continue;
       const double way = distance.of(tried);
       if (way < nearest) {
         nearest = way;
@@ -239,14 +239,14 @@ bool find_closed(Puzzle& puzzle, VectorXd& q) {
     if (!std::isfinite(nearest)) return false;
     q = found;
   }
-  return puzzle.close(puzzle.loops, puzzle.weight, q);
+  return assembly.close(assembly.loops, assembly.weight, q);
 }
 
 /// Weights of the coordinates that the others of the group decide: those near the ground stay.
-VectorXd dependent(Puzzle& puzzle, const Group& group, const VectorXd& q) {
+VectorXd dependent(LoopAssembly& assembly, const Group& group, const VectorXd& q) {
   // By the scales of coordinates and equations, so that lengths and angles compare.
-  const Scales& scales = puzzle.system.scales();
-  Eigen::MatrixXd jacobian = dense_jacobian(puzzle.system, 0, q);
+  const Scales& scales = assembly.system.scales();
+  Eigen::MatrixXd jacobian = dense_jacobian(assembly.system, 0, q);
   for (Eigen::Index k = 0; k < jacobian.cols(); ++k)
     for (Eigen::Index r = 0; r < jacobian.rows(); ++r)
       jacobian(r, k) *=
@@ -292,19 +292,19 @@ spec::Model brought_together(spec::Model model) {
   if (std::none_of(model.joints.begin(), model.joints.end(), [](const auto& j) { return j.apart; }))
     return model;
   const std::shared_ptr<const Model> compiled = Model::compile(model);
-  Puzzle puzzle(*compiled);
-  VectorXd q = puzzle.state.q;
-  if (!find_closed(puzzle, q)) return model;
+  LoopAssembly assembly(*compiled);
+  VectorXd q = assembly.state.q;
+  if (!find_closed(assembly, q)) return model;
   const auto shift_offsets = [&](double sign) {
     for (auto* outputs : {&model.outputs, &model.sensors})
       for (spec::Output& o : *outputs)
         if (o.kind == spec::Output::Kind::displacement) o.offset += sign * assembled_place(model, o);
   };
   shift_offsets(1);
-  puzzle.place(q);
-  const auto& workspace = puzzle.system.workspace();
-  for (std::size_t k = 0; k < puzzle.m.bodies.size(); ++k) {
-    const BodyData& b = puzzle.m.bodies[k];
+  assembly.place(q);
+  const auto& workspace = assembly.system.workspace();
+  for (std::size_t k = 0; k < assembly.m.bodies.size(); ++k) {
+    const BodyData& b = assembly.m.bodies[k];
     const Motion<double>& motion = workspace.bodies[k];
     model.bodies[static_cast<std::size_t>(b.spec)].pose = {motion.position + workspace.origin,
                                                            motion.rotation};
@@ -321,19 +321,20 @@ std::vector<AssemblyChoice> assembly_choices(const Model& model) {
   const std::vector<spec::Joint>& joints = model.spec().joints;
   std::vector<AssemblyChoice> choices;
   if (std::none_of(joints.begin(), joints.end(), [](const auto& j) { return j.apart; })) return choices;
-  Puzzle puzzle(model);
-  VectorXd q = puzzle.state.q;
-  if (puzzle.m.velocities > most_coordinates || !puzzle.close(puzzle.loops, puzzle.weight, q)) return choices;
-  Draws draws;
-  for (const Group& group : groups_of(puzzle)) {
-    const VectorXd weight = dependent(puzzle, group, q);
-    std::vector<VectorXd> ways{q}, places{puzzle.places(q)};
+  LoopAssembly assembly(model);
+  VectorXd q = assembly.state.q;
+  if (assembly.m.velocities > most_coordinates || !assembly.close(assembly.loops, assembly.weight, q))
+    return choices;
+  RandomNumbers random;
+  for (const Group& group : groups_of(assembly)) {
+    const VectorXd weight = dependent(assembly, group, q);
+    std::vector<VectorXd> ways{q}, places{assembly.places(q)};
     for (int k = 0; k < tries_for(weight) && ways.size() < most_ways; ++k) {
-      VectorXd tried = puzzle.scattered(q, weight, draws);
-      if (!puzzle.close(puzzle.loops, weight, tried)) continue;
-      const VectorXd there = puzzle.places(tried);
+      VectorXd tried = assembly.scattered(q, weight, random);
+      if (!assembly.close(assembly.loops, weight, tried)) continue;
+      const VectorXd there = assembly.places(tried);
       if (std::any_of(places.begin(), places.end(), [&](const VectorXd& known) {
-            return (known - there).lpNorm<Eigen::Infinity>() < same_place * puzzle.size;
+            return (known - there).lpNorm<Eigen::Infinity>() < same_place * assembly.size;
           }))
         continue;
       ways.push_back(std::move(tried));
@@ -342,10 +343,10 @@ std::vector<AssemblyChoice> assembly_choices(const Model& model) {
     if (ways.size() == 1) continue;
     AssemblyChoice choice;
     for (const int l : group.loops)
-      if (puzzle.m.loops[l].joint_spec >= 0)
-        choice.loops.push_back(joints[static_cast<std::size_t>(puzzle.m.loops[l].joint_spec)].name);
+      if (assembly.m.loops[l].joint_spec >= 0)
+        choice.loops.push_back(joints[static_cast<std::size_t>(assembly.m.loops[l].joint_spec)].name);
     choice.ways.resize(ways.size());
-    for (const BodyData& b : puzzle.m.bodies)
+    for (const BodyData& b : assembly.m.bodies)
       for (int k = 0; k < b.joint_velocities; ++k) {
         if (!(weight[b.v + k] > 0)) continue;
         choice.coordinates.push_back(

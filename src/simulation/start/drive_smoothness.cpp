@@ -94,10 +94,10 @@ std::vector<std::string> drive_warnings(const Compiled& m, double end) {
     if (worst.kind == Break::Kind::none) continue;
     const bool jump = worst.kind == Break::Kind::jump;
     all.push_back(fmt::format(
-        "the drive of joint '{}' {} by {:.3g} at t = {:.4g} s: that takes {}, of which joint forces in the "
-        "results show nothing or what the step makes of it; {}",
+        "the drive of joint '{}' {} by {:.3g} at t = {:.4g} s: that takes {}, which joint forces in the "
+        "results do not show, or show as the step resolves it; {}",
         m.spec().joints[d.joint_spec].name, jump ? "jumps" : "changes its speed at once", worst.size,
-        worst.at, jump ? "an infinite force" : "a blow, a force without bound for no time",
+        worst.at, jump ? "an infinite force" : "an impact, an unbounded force in an instant",
         "use `interpolation: cubic` or an expression with continuous speed"));
   }
   return all;

@@ -22,7 +22,7 @@ Break largest_break(const Function& law, double end);
 Break largest_break(const std::function<double(double)>& law, double end);
 
 /// A warning for each driven coordinate with one: velocities or positions cannot change at once without a
-/// blow, which no row of the results shows.
+/// impact, which no row of the results shows.
 std::vector<std::string> drive_warnings(const Compiled& model, double end);
 
 }  // namespace mimbre

@@ -12,10 +12,10 @@ namespace mimbre {
 namespace {
 
 /// Where on the line from the start (0) to the last iteration (1) a law is looked at: an iteration that goes
-/// to and fro has been on either side.
+/// back and forth has been on either side.
 constexpr double line_from = -2, line_to = 4;
 constexpr int law_samples = 96, bisections = 44;
-constexpr double beside = 1e-9;
+constexpr double step_aside = 1e-9;
 /// Of the law's range on the line: less is round-off of a steep slope.
 constexpr double share_of_range = 0.01;
 
@@ -42,8 +42,8 @@ std::optional<Jump> find_jump(const F& f) {
     (first ? at_b : at_a) = at_middle;
   }
   // On either side of the one place where sign() is 0.
-  at_a = f(a - beside);
-  at_b = f(b + beside);
+  at_a = f(a - step_aside);
+  at_b = f(b + step_aside);
   if (!(std::abs(at_b - at_a) > share_of_range * (*most - *least))) return {};
   return Jump{at_a, at_b};
 }
@@ -66,21 +66,21 @@ std::string jumping_law(const Compiled& m, const SeenByLaws& start, const SeenBy
     for (const int k : law.slots) x[own++] = slot(k, s);
     return law.formula.value(x.data());
   };
-  const auto told = [](const std::string& who, const Jump& jump) {
+  const auto description_of = [](const std::string& who, const Jump& jump) {
     return fmt::format("{} jumps with the motion, from {:.4g} to {:.4g}", who, jump.from, jump.to);
   };
-  for (const SignalsData::Made& made : m.signals.moving) {
+  for (const SignalsData::Computed& made : m.signals.moving) {
     if (made.block >= 0) continue;
     const auto jump = find_jump([&](double s) { return value(made.law, 0, s); });
     if (!jump) continue;
     for (std::size_t k = 0; k < m.signals.slot_of_signal.size(); ++k)
       if (m.signals.slot_of_signal[k] == made.slot) {
         const spec::Signal& signal = m.spec().signals[k];
-        // "brake.command" is what actuator 'brake' says of its force.
-        return told(signal.named ? fmt::format("signal '{}'", signal.name)
-                                 : fmt::format("the expression of '{}'",
-                                               signal.name.substr(0, signal.name.rfind('.'))),
-                    *jump);
+        // "brake.command" is the expression for the force of actuator 'brake'.
+        return description_of(signal.named ? fmt::format("signal '{}'", signal.name)
+                                           : fmt::format("the expression of '{}'",
+                                                         signal.name.substr(0, signal.name.rfind('.'))),
+                              *jump);
       }
   }
   for (const ElementData& e : m.elements) {
@@ -94,7 +94,7 @@ std::string jumping_law(const Compiled& m, const SeenByLaws& start, const SeenBy
              m.functions[e.functions + forces::spring::damping].value(x[1]) +
              (e.formula < 0 ? 0 : value(m.formulas[e.formula], 2, s));
     });
-    if (jump) return told(element_name(m, e), *jump);
+    if (jump) return description_of(element_name(m, e), *jump);
   }
   return {};
 }

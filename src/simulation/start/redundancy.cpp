@@ -47,7 +47,7 @@ ScaledJacobian scaled_jacobian(relative::RelativeSystem& system, const State& s)
   return out;
 }
 
-/// How large a wrench each joint of the model bears, or its drive, moments over L at the joint; behind them
+/// How large a wrench each joint of the model carries, or its drive, moments over L at the joint; behind them
 /// how large one of each constraint's.
 std::vector<double> borne(relative::RelativeSystem& system, const State& s,
                           const Eigen::VectorXd& multipliers) {
@@ -84,7 +84,7 @@ std::vector<double> borne(relative::RelativeSystem& system, const State& s,
   return size;
 }
 
-/// Joints, then constraints, that bear more than `negligible` of the largest wrench where forces go round
+/// Joints, then constraints, that carry more than `negligible` of the largest wrench where forces go round
 /// that no load asks for.
 std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
                             const linalg::SparseQr& qr, double negligible) {

@@ -44,7 +44,7 @@ std::string explain_branches(relative::RelativeSystem& system, const State& s) {
   if (left.equation < 0 || !(left.value > unsolved * asked) || !(asked > round_off * rate * rate)) return {};
   return fmt::format(
       "at the start the mechanism can go several ways (a singular position), and its initial velocities are "
-      "those of none: the first step is a blow at {}; give the velocity of one joint more, as the "
+      "those of none: the first step is an impact at {}; give the velocity of one joint more, as the "
       "motion has it, or start beside this position",
       equation_name(m, nullptr, left.equation));
 }

@@ -7,7 +7,7 @@
 
 namespace mimbre {
 
-/// A number that tells models and methods apart: a hash of the model's text, its channels, its image (every
+/// A number that identifies model and method: a hash of the model's text, its channels, its image (every
 /// number that a step uses) and the method. Never 0. Equal models have equal fingerprints in every process
 /// and on every machine.
 std::uint64_t fingerprint(const Model& model, const Method& method, const std::vector<ChannelInfo>& channels);

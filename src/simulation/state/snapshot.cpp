@@ -58,7 +58,8 @@ std::vector<std::byte> Simulation::Snapshot::bytes() const {
 }
 
 Simulation::Snapshot Simulation::Snapshot::from_bytes(std::span<const std::byte> bytes) {
-  if (!text(bytes).starts_with(snapshot_kind)) refuse_snapshot("is none: its first bytes are others");
+  if (!text(bytes).starts_with(snapshot_kind))
+    refuse_snapshot("is no saved state: it begins with other bytes");
   if (!text(bytes).starts_with(snapshot_mark))
     refuse_snapshot(fmt::format("has another layout ('{}') than this version of mimbre reads ('{}')",
                                 text(bytes).substr(0, snapshot_mark.size()), snapshot_mark));

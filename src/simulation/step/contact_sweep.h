@@ -20,7 +20,7 @@ struct SpherePath {
 
 enum class Passage {
   none,      ///< what happened shows at the ends
-  possible,  ///< the way is not known well enough to tell
+  possible,  ///< the way is not known well enough to decide
   certain    ///< in between it was in the surface, or deeper in it than at both ends
 };
 

@@ -14,24 +14,24 @@ namespace {
 
 namespace states = contact_states;
 
-/// A blow moves its body, in a step, by at most this share of the depth that it reaches; where it begins or
-/// ends, whose instants are not known better than to a step, by the smaller one.
+/// An impact moves its body, in a step, by at most this share of the depth that it reaches; where it begins
+/// or ends, whose instants are not known better than to a step, by the smaller one.
 constexpr double share_of_depth = 0.1, share_at_ends = 0.02;
 
-/// How deep a blow of that speed goes: ∫ k e/n (d/e)ⁿ dd = ½ m v².
+/// How deep an impact of that speed goes: ∫ k e/n (d/e)ⁿ dd = ½ m v².
 double reach(const double* p, double mass, double speed) {
   namespace law = forces::contact;
   const double k = p[law::stiffness], n = p[law::exponent], e = p[law::depth];
   return e * mimbre::pow(0.5 * n * (n + 1) * mass * speed * speed / (k * e * e), 1 / (n + 1));
 }
 
-bool shows_blow(const double* p, double mass, const double* start, const ElementState<const double>& s,
-                double h, double quiet) {
+bool shows_impact(const double* p, double mass, const double* start, const ElementState<const double>& s,
+                  double h, double quiet) {
   const bool touched = start[states::gap] < 0, touches = s.x[0] < 0;
   if (!touched && !touches) return true;
   const double fastest = std::max(std::abs(start[states::speed]), std::abs(s.v[0]));
   if (fastest <= quiet) return true;
-  const double speed = touched ? std::max(fastest, start[states::blow]) : std::abs(start[states::speed]);
+  const double speed = touched ? std::max(fastest, start[states::impact]) : std::abs(start[states::speed]);
   const double share = touched == touches ? share_of_depth : share_at_ends;
   return speed * h <= share * reach(p, mass, speed);
 }
@@ -173,7 +173,7 @@ bool ContactWatch::followed(const relative::Workspace<double>& w, double h, doub
     if (passes(k, start, s, w, h, quiet, seen))
       all = false;
     else if (all && model_.swarms[c].spheres.empty())
-      all = shows_blow(model_.numbers.data() + e.numbers, e.struck_mass, start, s, h, quiet);
+      all = shows_impact(model_.numbers.data() + e.numbers, e.struck_mass, start, s, h, quiet);
   });
   look_under_wheels(w);
   return all;

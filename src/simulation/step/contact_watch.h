@@ -7,7 +7,7 @@
 
 namespace mimbre {
 
-/// Slower blows are not followed, m/s: what falls freely reaches as much in half a step of `whole` seconds.
+/// Slower impacts are not followed, m/s: what falls freely reaches as much in half a step of `whole` seconds.
 double quiet_speed(const Compiled& model, double whole);
 
 /// Looks whether a step shows what contacts did in it, and for what is pressed in too deep. Allocates only
@@ -22,9 +22,9 @@ class ContactWatch {
   /// Before a step: of the states of force elements at its start. `keep`: they will have changed when the
   /// step is looked at.
   void begin(const double* states, bool keep);
-  /// After a step of h seconds: whether no sphere went through a solid unseen, and blows took many of such
-  /// steps. Blows of swarms, of which there are some in every step, do not count. `work`: of the forces at
-  /// its end; `quiet`: speed of the blows that do not count.
+  /// After a step of h seconds: whether no sphere went through a solid unseen, and impacts took many of such
+  /// steps. Impacts of swarms, of which there are some in every step, do not count. `work`: of the forces at
+  /// its end; `quiet`: speed of the impacts that do not count.
   bool followed(const relative::Workspace<double>& work, double h, double quiet);
   /// Adds what was seen in that step, which ends at `time` and is not made again, s.
   void note(double time, ContactLog& log) const;

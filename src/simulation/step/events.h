@@ -10,10 +10,10 @@ namespace mimbre {
 
 /// The events of a mechanism in motion: on which side of zero the value of each is, and what follows when it
 /// is on the other side. A value of exactly zero is on neither, and leaving it is no crossing. Continuous
-/// relays are events too, of which nobody is told: they switch themselves where a step ends.
+/// relays are events too, which nobody receives: they switch themselves where a step ends.
 class Events {
  public:
-  /// `ranges` is told what events set, and outlives them.
+  /// `ranges` receives what events set, and outlives them.
   Events(const Compiled& model, RangeWatch& ranges);
   bool none() const { return events_.empty() && relays_.empty(); }
   /// What has to be evaluated for them.
@@ -29,7 +29,7 @@ class Events {
   enum class End { before, beyond };
   void keep(End end);
   /// Which share of that interval lies before the first crossing, on straight lines between the values there,
-  /// each of which counts as much as its weight says.
+  /// each of which counts by its weight.
   double first_share(double before_weight, double beyond_weight) const;
 
   /// Whether what has crossed in the last look() sets anything, switches, or stops the run.

@@ -13,7 +13,7 @@ namespace mimbre {
 namespace {
 
 /// Within this angle of steady rotation about a principal axis energy is stationary: round-off in it would
-/// tell more than the error of a step.
+/// show more than the error of a step.
 constexpr double steady = 1e-4;
 
 /// The turn that brings the energy of rotation back to `energy`.

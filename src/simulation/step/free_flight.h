@@ -32,7 +32,7 @@ std::vector<FloatingSet> floating_sets(const Compiled& model);
 /// flies freely are constant but for gravity, and the centre of mass is on its parabola; of what is rigid
 /// also the energy of its rotation is constant. After a step the group is moved as one rigid body to where
 /// they hold, by as much as the step was wrong. Where loads act, nothing is done. Knows of the last step only
-/// what the state at its start says. Allocates only when made.
+/// what the state at its start determines. Allocates only when made.
 class FreeFlight {
  public:
   explicit FreeFlight(const Compiled& model);

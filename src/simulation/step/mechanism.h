@@ -29,7 +29,7 @@ struct Mechanism {
   /// After a step, and at the start: takes over what force elements and signals remember. `known`: the
   /// observer's last forces are of the state.
   void commit(bool known);
-  /// Where signals have jumped: the laws of force elements remember what these say now. `known`: as of
+  /// Where signals have jumped: the laws of force elements remember their present values. `known`: as of
   /// commit(), of an evaluation with a step of 0 s.
   void commit_jump(bool known);
 

@@ -11,9 +11,10 @@ namespace mimbre {
 
 namespace {
 
-const SignalsData::Held& held(const Compiled& m, int input) {
+const SignalsData::HeldInput& held(const Compiled& m, int input) {
   const auto& all = m.signals.held;
-  return *std::find_if(all.begin(), all.end(), [&](const SignalsData::Held& h) { return h.input == input; });
+  return *std::find_if(all.begin(), all.end(),
+                       [&](const SignalsData::HeldInput& h) { return h.input == input; });
 }
 
 double within_range(const Compiled& m, int input, double value) {
@@ -60,7 +61,7 @@ void start_signals(const Compiled& m, const std::map<std::string, double>& input
     const int input = find_input(m, name);
     if (!std::isfinite(value))
       throw InputError(Mark{}, fmt::format("input '{}': is {}; a finite number is needed", name, value));
-    const SignalsData::Held& h = held(m, input);
+    const SignalsData::HeldInput& h = held(m, input);
     state.u[h.held] = within_range(m, input, value);
     if (h.linear) state.u[h.held + 2] = state.u[h.held];
   }
@@ -115,7 +116,7 @@ bool inputs_jumped(const Compiled& m, const State& state) {
 }
 
 void set_held_input(const Compiled& m, int input, double value, double step, State& state) {
-  const SignalsData::Held& h = held(m, input);
+  const SignalsData::HeldInput& h = held(m, input);
   value = within_range(m, input, value);
   double* at = state.u.data() + h.held;
   if (!h.linear) {

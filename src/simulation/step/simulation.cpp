@@ -279,7 +279,7 @@ struct Simulation::Impl {
   Eigen::VectorXd scratch = Eigen::VectorXd(compiled.velocities);
   double step_seconds = 0;
   std::optional<std::string> jump;  ///< why the last step did not converge, found when first asked for
-  std::vector<std::string> drives;  ///< what was said of them, found when first asked for
+  std::vector<std::string> drives;  ///< their warnings, found when first asked for
   double drives_until = 0;
   std::uint64_t fingerprint = 0;  ///< found when first asked for
 };

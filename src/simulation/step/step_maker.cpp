@@ -27,8 +27,8 @@ constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_
 constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 
 /// How often a part that does not converge is divided again, and one in which contacts cannot be followed:
-/// the latter down to a part in so many. A blow takes its depth by its speed, and a hundredth of that has to
-/// show at its ends: that is 10⁻⁶ of a step in which the sphere goes 10⁴ times its radius.
+/// the latter down to a part in so many. An impact takes its depth by its speed, and a hundredth of that has
+/// to show at its ends: that is 10⁻⁶ of a step in which the sphere goes 10⁴ times its radius.
 constexpr int levels_of_convergence = 6;
 constexpr int most_parts = 1 << 22;
 
@@ -40,8 +40,8 @@ int levels(const Compiled& model, const Method& method) {
   return levels;
 }
 
-/// How often in a step a part is divided at most, a level: a blow takes two to four divisions a level down to
-/// its own. Beyond, parts are taken as they are, so that what a step may cost is known beforehand.
+/// How often in a step a part is divided at most, a level: an impact takes two to four divisions a level down
+/// to its own. Beyond, parts are taken as they are, so that what a step may cost is known beforehand.
 constexpr int divisions_a_level = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -71,7 +71,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   const double extent = m.length_scale, speed = extent / (slow_steps * method.step);
   lifting_energy_ = mass * m.gravity.norm() * extent;
   resting_energy_ = round_off_energy * std::max(lifting_energy_, mass * speed * speed);
-  if (begins_.size() > 1) {  // of blows that are not followed
+  if (begins_.size() > 1) {  // of impacts that are not followed
     const double quiet = quiet_speed(m, method.step);
     resting_energy_ = std::max(resting_energy_, 0.5 * mass * quiet * quiet);
   }
@@ -101,7 +101,7 @@ double StepMaker::step_tolerance() const {
                              : substep_without_gravity * play;
 }
 
-/// Where a step begins with accelerations of its own, what signals say may have jumped: forces, what elements
+/// Where a step begins with accelerations of its own, signals may have jumped: forces, what elements
 /// store, and what their laws remember of it.
 void StepMaker::begin_anew() {
   Mechanism& m = mechanism_;

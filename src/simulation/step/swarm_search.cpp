@@ -25,9 +25,9 @@ constexpr std::size_t collected_per_place = 2;
 
 std::size_t places(const SwarmData& swarm) { return static_cast<std::size_t>(swarm.last - swarm.first); }
 
-/// Of a blow, π √(m/2k) of two equal masses: with longer steps energies are off, and steps are repeated in
+/// Of an impact, π √(m/2k) of two equal masses: with longer steps energies are off, and steps are repeated in
 /// parts over and over.
-constexpr double most_of_blow = 0.25, advised_of_blow = 0.1;
+constexpr double most_of_impact = 0.25, advised_of_impact = 0.1;
 
 }  // namespace
 
@@ -42,12 +42,12 @@ std::vector<std::string> swarm_warnings(const Compiled& m, double h) {
     for (const SwarmSphere& sphere : swarm.spheres)
       if (const int body = m.frames[sphere.frame].body; body >= 0 && m.bodies[body].mass > 0)
         mass = std::min(mass, m.bodies[body].mass);
-    const double blow = std::numbers::pi * std::sqrt(0.5 * mass / numbers[law::stiffness]);
-    if (numbers[law::exponent] != 1 || !(h > most_of_blow * blow)) continue;
+    const double impact = std::numbers::pi * std::sqrt(0.5 * mass / numbers[law::stiffness]);
+    if (numbers[law::exponent] != 1 || !(h > most_of_impact * impact)) continue;
     warnings.push_back(fmt::format(
-        "contact '{}': a blow of its lightest spheres takes {:.3g} s (π √(m/2k)), the step {:.3g} s; "
-        "a swarm's blows are not followed one by one: take steps of {:.2g} s",
-        m.spec().contacts[k].name, blow, h, advised_of_blow * blow));
+        "contact '{}': an impact of its lightest spheres takes {:.3g} s (π √(m/2k)), the step {:.3g} s; "
+        "a swarm's impacts are not followed one by one: take steps of {:.2g} s",
+        m.spec().contacts[k].name, impact, h, advised_of_impact * impact));
   }
   return warnings;
 }
@@ -155,7 +155,7 @@ void SwarmSearch::place(const SwarmData& swarm, const relative::Workspace<double
     Vec3d::Map(own + states::place) = on.rotation.transpose() * (by.position - on.position);
     own[states::gap] = std::max(p.gap, 0.0);
     own[states::speed] = p.rate;
-    own[states::blow] = std::abs(p.rate);
+    own[states::impact] = std::abs(p.rate);
   }
 }
 

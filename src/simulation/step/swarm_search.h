@@ -9,7 +9,7 @@
 namespace mimbre {
 
 /// A warning for each swarm whose lightest spheres strike one another in less than four steps of h seconds,
-/// of those whose blows take the same time at any speed (exponent 1).
+/// of those whose impacts take the same time at any speed (exponent 1).
 std::vector<std::string> swarm_warnings(const Compiled& model, double h);
 
 /// Finds the spheres of swarms that can meet within a step, by a grid of cells as wide as the largest of them

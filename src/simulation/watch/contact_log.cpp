@@ -22,8 +22,8 @@ std::string touched(const Compiled& m, const ContactTrouble::Where& where) {
 
 std::string passing(const Compiled& m, const ContactTrouble& t, int substeps) {
   return fmt::format(
-      "{}: the sphere of {} went through {} within {} (first at t = {:.6g} s{}), and felt nothing or not all "
-      "of it; take a smaller step{}",
+      "{}: the sphere of {} went through {} within {} (first at t = {:.6g} s{}), and was not pushed, or not "
+      "fully; take a smaller step{}",
       element_name(m, m.elements[t.passed_where.element]), body_of(m, t.passed_where.frame_b),
       touched(m, t.passed_where), substeps > 1 ? "the smallest part of a step" : "a step", t.passed,
       t.passes > 1 ? fmt::format(", {} times in all", t.passes) : "",

@@ -55,7 +55,7 @@ struct EnergyMonitor {
 
   double at_play() const { return highest - lowest_potential + drive_turnover; }
 
-  /// What is to be said of it; empty when it is in order. Less than `nothing`, J, is round-off.
+  /// Its warning; empty when it is in order. Less than `nothing`, J, is round-off.
   std::string warning(const Compiled& model, const EnergyMeter& meter, double nothing) const;
 };
 

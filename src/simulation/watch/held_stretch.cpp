@@ -27,7 +27,7 @@ constexpr double largest_deflection = 0.2, least_ratio = 0.01;
 constexpr double negligible_form = 1e-3;
 /// Weight of frames' turns, by the distance between them, against their displacements.
 constexpr double turn_weight = 0.03;
-/// Stiffness by the largest of the places: what has less gives way.
+/// Share of the largest stiffness of the places below which a place does not resist.
 constexpr double loose = 1e-9;
 /// Square of what a unit motion of the mechanism moves of places that are held: round-off.
 constexpr double no_motion = 1e-18;
@@ -235,7 +235,7 @@ void forget_recovery(spec::Model& model) {
 }  // namespace
 
 /// The mechanism with bodies of places.
-struct HeldStretch::Held {
+struct HeldStretch::Ends {
   std::shared_ptr<const Model> model;
   std::unique_ptr<relative::RelativeSystem> system;
   struct Copied {
@@ -339,7 +339,7 @@ bool HeldStretch::add(const Compiled& m, int number, std::vector<MatrixXd>& plac
     b.turn = padded<most_states>(by_products(turned, coordinates));
     b.press = padded<most_states>(body.stretching->places(chosen, Eigen::all) * place_motions(body));
   }
-  b.gives.setZero(most_coordinates, count);
+  b.compliance.setZero(most_coordinates, count);
   states_ += b.states;
   strength_.conservativeResize(states_);
   strength_.tail(b.states) = Eigen::Map<const VectorXd>(strength.data(), b.states);
@@ -361,7 +361,7 @@ void HeldStretch::find_held(const Compiled& m, const std::vector<MatrixXd>& plac
   }
   if (!any) return;
   forget_recovery(changed);
-  auto held = std::make_unique<Held>();
+  auto held = std::make_unique<Ends>();
   held->model = Model::compile(std::move(changed));
   const Compiled& h = held->model->compiled();
   bool alike = h.bodies.size() == m.bodies.size() && h.velocities <= most_velocities;
@@ -406,7 +406,7 @@ void HeldStretch::find_held(const Compiled& m, const std::vector<MatrixXd>& plac
 void HeldStretch::start(const State& state, const State& inputs) {
   coupling_.setIdentity(states_, states_);
   for (Body& b : bodies_)
-    b.gives = padded<most_coordinates>(MatrixXd::Identity(b.coordinates, b.coordinates));
+    b.compliance = padded<most_coordinates>(MatrixXd::Identity(b.coordinates, b.coordinates));
   if (held_) find_coupling(state, inputs);
   slack_ = (coupling_.diagonal().array() * strength_.array() <= least_ratio).all();
 }
@@ -442,9 +442,10 @@ void HeldStretch::find_coupling(const State& state, const State& inputs) {
   find_compliance(motions, felt);
   const EigenPairs pairs = symmetric_eigen(motions.transpose() * stiffness(felt, felt) * motions);
   if (!pairs.ok) return;
-  const VectorXd give = pairs.values.cwiseMax(loose * held_->stiffness).cwiseInverse();
+  const VectorXd compliance = pairs.values.cwiseMax(loose * held_->stiffness).cwiseInverse();
   const MatrixXd work = pairs.vectors.transpose() * (motions.transpose() * loads);
-  const EigenPairs left = symmetric_eigen(coupling_ - MatrixXd(work.transpose() * give.asDiagonal() * work));
+  const EigenPairs left =
+      symmetric_eigen(coupling_ - MatrixXd(work.transpose() * compliance.asDiagonal() * work));
   if (!left.ok) return;
   coupling_ = left.vectors * left.values.cwiseMax(0).cwiseMin(1).asDiagonal() * left.vectors.transpose();
 }
@@ -452,7 +453,7 @@ void HeldStretch::find_coupling(const State& state, const State& inputs) {
 void HeldStretch::find_compliance(const MatrixXd& motions, const std::vector<Index>& felt) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& b = bodies_[k];
-    const Held::Places& places = held_->places[k];
+    const Ends::Places& places = held_->places[k];
     const Index rows = places.motions.rows();
     if (b.turn.size() == 0 || rows == 0) continue;
     std::vector<Index> own, at;  // rows that are felt, and where among those
@@ -471,14 +472,14 @@ void HeldStretch::find_compliance(const MatrixXd& motions, const std::vector<Ind
     if (fixed == 0) continue;
     const MatrixXd free = null_space(pairs.vectors.leftCols(fixed).transpose() * places.motions, 1e-9),
                    seen = b.axes.transpose() * free;
-    b.gives = padded<most_coordinates>(seen * seen.transpose());
+    b.compliance = padded<most_coordinates>(seen * seen.transpose());
   }
 }
 
 void HeldStretch::transfer(StateTransfer& transfer) {
   for (Index k = 0; k < coupling_.size(); ++k) transfer(coupling_.data()[k]);
   for (Body& b : bodies_)
-    for (Index k = 0; k < b.gives.size(); ++k) transfer(b.gives.data()[k]);
+    for (Index k = 0; k < b.compliance.size(); ++k) transfer(b.compliance.data()[k]);
   transfer(slack_);
 }
 
@@ -513,7 +514,7 @@ void HeldStretch::release(Body& b, Ratios& ratios) {
       at(pressing, i) += weight * at(b.c, j);
       at(pressing, j) += weight * at(b.c, i);
     }
-  for (int i = 0; i < b.coordinates; ++i) add_multiple(b.gives, i, at(pressing, i), released);
+  for (int i = 0; i < b.coordinates; ++i) add_multiple(b.compliance, i, at(pressing, i), released);
   double along = 0, square = 0;
   for (int i = 0; i < b.coordinates; ++i) {
     along += at(b.c, i) * at(released, i);

@@ -25,7 +25,7 @@ namespace mimbre {
 /// Linear modes that turn the body's held frames against its own axes, as where these turn at a hinge, by θ
 /// say, have them ½ θ² L too far apart. Between ends that are held this presses the body back by a stretch l
 /// of its own, which is measured and counts as far as it is of that kind: of the size l_q = ½ yᵀ T y that the
-/// nearest rotation of the frames says, as far as A leaves it. Without the force of that press the linear
+/// nearest rotation of the frames has it, as far as A leaves it. Without the force of that press the linear
 /// body would bend by y₀ = y + C Σ_s (A l)_s T_s y, C its compliance between what holds it, and in truth it
 /// is stretched by e + l: so y₀, with e + l of y₀, stands for y above. Deflections are too large by the share
 /// σ/α − 1, σ the deflection by y over that by y₀, both along the loads K y₀.
@@ -59,16 +59,16 @@ class HeldStretch {
   using Rows = Eigen::Matrix<double, rows, Eigen::Dynamic>;  ///< the last ones 0 where there are fewer
   struct Body {
     int first_amplitude = 0, modes = 0, first_state = 0, states = 0, coordinates = 0;
-    Rows<most_coordinates> bending;  ///< coordinates of its bending, energy ½ |c|², by amplitudes
-    Rows<most_states> stretch;       ///< e by products c_i c_j, j ≤ i, in the order 00, 10, 11, 20 …
-    Rows<most_states> turn;          ///< l_q likewise; empty where it does not turn
-    Rows<most_states> press;         ///< l by amplitudes
-    Rows<most_coordinates> gives;    ///< C, in these coordinates
+    Rows<most_coordinates> bending;     ///< coordinates of its bending, energy ½ |c|², by amplitudes
+    Rows<most_states> stretch;          ///< e by products c_i c_j, j ≤ i, in the order 00, 10, 11, 20 …
+    Rows<most_states> turn;             ///< l_q likewise; empty where it does not turn
+    Rows<most_states> press;            ///< l by amplitudes
+    Rows<most_coordinates> compliance;  ///< C, in these coordinates
     Eigen::MatrixXd unit, axes;  ///< amplitudes by coordinates of unit energy, and those by c: for the start
     std::array<double, most_coordinates> c{};  ///< of y, then of y₀
     double share = 0;                          ///< of l_q that is in l
   };
-  struct Held;
+  struct Ends;
   /// Whether any of the body's states of stress may count; the work of those on the places' motions.
   bool add(const Compiled& model, int number, std::vector<Eigen::MatrixXd>& places);
   void find_held(const Compiled& model, const std::vector<Eigen::MatrixXd>& places);
@@ -83,7 +83,7 @@ class HeldStretch {
 
   std::vector<int> numbers_;
   std::vector<Body> bodies_;
-  std::unique_ptr<Held> held_;  ///< with places that can move; none: places do not matter
+  std::unique_ptr<Ends> held_;  ///< with places that can move; none: places do not matter
   int states_ = 0;
   bool slack_ = false;        ///< A is so small that nothing would ever come of it
   Eigen::VectorXd strength_;  ///< the ratio of each state alone at the largest deflection, with A = 1

@@ -6,8 +6,8 @@ LoadWatch::LoadWatch(const Mechanism& mechanism, const Method& method, bool redu
     : step_(method.step),
       natural_(mechanism.natural != nullptr),
       redundant_(redundant),
-      eyes_(mechanism.model, method.inertia),
-      reactions_(eyes_),
+      reader_(mechanism.model, method.inertia),
+      reactions_(reader_),
       state_(mechanism.view()),
       multipliers_(state_.multipliers) {
   state_.z = mechanism.state.z;
@@ -20,7 +20,7 @@ void LoadWatch::take(const Mechanism& mechanism) {
   state_.z = mechanism.state.z;
   state_.u = mechanism.state.u;
   multipliers_ = state_.multipliers;
-  next_ = 0;
+  stage_ = Stage::begin;
   pending_ = true;
 }
 
@@ -32,8 +32,8 @@ void LoadWatch::start(const Mechanism& mechanism, ValidityMonitor& validity) {
 }
 
 void LoadWatch::watch(const Mechanism& mechanism, ValidityMonitor& validity) {
-  if (pending_ && !piece(next_++)) {
-    validity.watch_loads(eyes_.workspace(), state_.time);
+  if (pending_ && !advance()) {
+    validity.watch_loads(reader_.workspace(), state_.time);
     pending_ = false;
   }
   steps_ = (steps_ + 1) % interval;
@@ -42,49 +42,60 @@ void LoadWatch::watch(const Mechanism& mechanism, ValidityMonitor& validity) {
 
 void LoadWatch::finish(ValidityMonitor& validity) {
   if (!pending_) return;
-  while (piece(next_++)) {
+  while (advance()) {
   }
-  validity.watch_loads(eyes_.workspace(), state_.time);
+  validity.watch_loads(reader_.workspace(), state_.time);
   pending_ = false;
 }
 
-/// Whether there are more of them. In relative coordinates the integrator's own multipliers will do.
-bool LoadWatch::piece(int number) {
-  const bool constrained = eyes_.equations() > 0;
-  if (number == 0) {
-    eyes_.enter(state_.u.data(), state_.z.data(), 0);
-    eyes_.begin_step(state_.q.data());
-    if (natural_) {
-      reactions_.begin(eyes_, state_);
-    } else {
-      state_.multipliers = multipliers_;
-      reactions_.evaluate(eyes_, state_);
-    }
-    return constrained;
+/// Performs the stage and moves on to the next; false after the last one. In relative coordinates the
+/// integrator's own multipliers are used.
+bool LoadWatch::advance() {
+  switch (stage_) {
+    case Stage::begin:
+      reader_.enter(state_.u.data(), state_.z.data(), 0);
+      reader_.begin_step(state_.q.data());
+      if (natural_) {
+        reactions_.begin(reader_, state_);
+        stage_ = Stage::factor;
+      } else {
+        state_.multipliers = multipliers_;
+        reactions_.evaluate(reader_, state_);
+        stage_ = Stage::reduce;
+      }
+      return reader_.equations() > 0;
+    case Stage::factor:
+      stage_ = Stage::solve;
+      return reactions_.factor(reader_, state_);
+    case Stage::solve:
+      reactions_.solve(reader_, state_);
+      stage_ = Stage::evaluate;
+      return true;
+    case Stage::evaluate:
+      reactions_.evaluate(reader_, state_);
+      stage_ = Stage::reduce;
+      return true;
+    case Stage::reduce:
+      if (natural_ ? !reactions_.determined() : redundant_) reactions_.reduce(reader_, state_);
+      stage_ = Stage::limit;
+      return true;
+    case Stage::limit:
+      reactions_.limit(reader_, state_, step_);
+      return false;
   }
-  if (natural_ && number < 4) {
-    if (number == 1) return reactions_.factor(eyes_, state_);
-    if (number == 2) reactions_.solve(eyes_, state_);
-    if (number == 3) reactions_.evaluate(eyes_, state_);
-    return true;
-  }
-  const int last = natural_ ? 5 : 2;
-  if (number < last) {
-    if (natural_ ? !reactions_.determined() : redundant_) reactions_.reduce(eyes_, state_);
-    return true;
-  }
-  reactions_.limit(eyes_, state_, step_);
   return false;
 }
 
 void LoadWatch::transfer(StateTransfer& transfer) {
   reactions_.transfer(transfer);
-  transfer(steps_, next_, pending_, state_.time, state_.q, state_.v, state_.a, state_.z, state_.u,
+  int stage = static_cast<int>(stage_);
+  transfer(steps_, stage, pending_, state_.time, state_.q, state_.v, state_.a, state_.z, state_.u,
            multipliers_);
   if (!transfer.restoring() || !pending_) return;
-  // What was seen so far follows from the state.
-  const int seen = next_;
-  for (int k = 0; k < seen; ++k) piece(k);
+  // The results of earlier stages follow from the state.
+  stage_ = Stage::begin;
+  while (static_cast<int>(stage_) < stage && advance()) {
+  }
 }
 
 }  // namespace mimbre

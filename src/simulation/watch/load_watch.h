@@ -7,18 +7,18 @@
 
 namespace mimbre {
 
-/// Shows the forces in every 16th state of a run to the monitor of linear theory. They cost as much as a step
-/// does, so that the state is kept and looked at piece by piece after the next few steps: no step pays for
-/// more than one piece. What is found does not depend on that. Allocates only when made.
+/// Passes the forces in every 16th state of a run to the monitor of linear theory. They cost as much as a
+/// step, so that the state is kept and evaluated in stages after the next few steps, one stage per step. The
+/// result does not depend on that. Allocates only in its constructor.
 class LoadWatch {
  public:
   LoadWatch(const Mechanism& mechanism, const Method& method, bool redundant);
 
-  /// From the state of now on, which is looked at at once.
+  /// Begins with the current state, which is evaluated at once.
   void start(const Mechanism& mechanism, ValidityMonitor& validity);
   /// After every accepted step.
   void watch(const Mechanism& mechanism, ValidityMonitor& validity);
-  /// Does the pieces that are left: before anyone asks for what was found.
+  /// Performs the remaining stages; call before reading results.
   void finish(ValidityMonitor& validity);
   void transfer(StateTransfer& transfer);
 
@@ -26,18 +26,21 @@ class LoadWatch {
   const std::optional<UnresolvedReaction>& unresolved() const { return reactions_.unresolved(); }
 
  private:
-  static constexpr int interval = 16;  ///< steps; more than there are pieces
+  static constexpr int interval = 16;  ///< steps; more than there are stages
+  /// The next part of the evaluation, in this order. Relative coordinates need no `factor`, `solve` and
+  /// `evaluate`; without constraints `begin` is all.
+  enum class Stage { begin, factor, solve, evaluate, reduce, limit };
   void take(const Mechanism& mechanism);
-  bool piece(int number);
+  bool advance();
 
   const double step_;
   const bool natural_, redundant_;
-  relative::RelativeSystem eyes_;
+  relative::RelativeSystem reader_;
   Reactions reactions_;
-  State state_;                  ///< that is looked at
-  Eigen::VectorXd multipliers_;  ///< the integrator's own of it
-  int steps_ = 0;
-  int next_ = 0;  ///< piece
+  State state_;                  ///< that is evaluated
+  Eigen::VectorXd multipliers_;  ///< the integrator's own, at that state
+  int steps_ = 0;                ///< since it was taken
+  Stage stage_ = Stage::begin;
   bool pending_ = false;
 };
 

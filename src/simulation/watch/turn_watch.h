@@ -9,7 +9,7 @@ namespace mimbre {
 
 /// Watches for turning that a law of force was not made for. A law by three angles between two frames, as a
 /// bushing's, and one by an angle about an axis go on through any number of turns; but where the frames
-/// tilt far away from that axis, what is said of one axis acts about another. Nothing of the motion depends
+/// tilt far away from that axis, an angle about one axis acts about another. Nothing of the motion depends
 /// on it. Allocates only when made, and when asked.
 class TurnWatch {
  public:

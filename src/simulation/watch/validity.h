@@ -44,8 +44,8 @@ constexpr double load = 0.15;
 constexpr double held = 0.1;
 /// Largest elastic energy of the highest third of the dynamic modes over the largest of all: what the missing
 /// modes would hold is then no longer small. Under loads that change slowly the energies of a series fall as
-/// the square of the frequency at least; a tenth in the last mode says that they do not. Not judged for the
-/// substructures of a beam: vibrations pass from one to the next, so that the share of one says nothing.
+/// the square of the frequency at least; a tenth in the last mode shows that they do not. Not judged for the
+/// substructures of a beam: vibrations pass from one to the next, so that the share of one has no meaning.
 constexpr double high_modes = 0.1;
 }  // namespace validity_limit
 
@@ -90,7 +90,8 @@ class BodyValidity {
   void add_lines(const ReducedBody& body);
   void add_energies(const ReducedBody& body);
   void add_loads(const Compiled& model, const ReducedBody& body);
-  /// Geometric stiffness knows of stress by inertia and gravity, and of forces where static modes bear them.
+  /// Geometric stiffness knows of stress by inertia and gravity, and of forces where static modes represent
+  /// them.
   void leave_out_known_loads(const GeometricStiffness& known);
   Range add_rows(const Eigen::MatrixXd& rows);
   Range add_form(const Eigen::MatrixXd& form);

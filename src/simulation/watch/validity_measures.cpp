@@ -194,7 +194,7 @@ Eigenmodes eigenmodes(const ReducedBody& body) {
 
 namespace {
 
-/// Modes that stand for a series, by increasing frequency: the dynamic ones where the names tell (static
+/// Modes that stand for a series, by increasing frequency: the dynamic ones by their names (static
 /// modes hold what loads at the boundary need, however stiff they are), otherwise those of the reduced
 /// matrices.
 struct Series {

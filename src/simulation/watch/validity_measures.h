@@ -5,7 +5,7 @@
 #include "compile/compiled.h"
 #include "mimbre/reduced_body.h"
 
-/// What a reduced body tells of its shape and modes, for judging what its linear description neglects. All is
+/// Properties of a reduced body's shape and modes, for judging what its linear description neglects. All is
 /// found once, before the first step.
 namespace mimbre::validity {
 
@@ -23,10 +23,10 @@ struct Points {
 
 Points points_of(const ReducedBody& body);
 
-/// The points whose displacements are watched: all where there are few. Otherwise those that tell most (each
-/// next one moves most for its elastic energy where the ones before it are held, so that a joint that holds
-/// the body's end does not hide how its middle bends), and more between them: what is largest elsewhere is a
-/// few per cent larger at most.
+/// The points whose displacements are watched: all where there are few. Otherwise those with most information
+/// (each next one moves most for its elastic energy where the ones before it are held, so that a joint that
+/// holds the body's end does not hide how its middle bends), and more between them: what is largest elsewhere
+/// is a few per cent larger at most.
 std::vector<Eigen::Index> telling_points(const Points& points, const MatrixXd& stiffness);
 
 /// Distance between two points that are far apart: the largest one for anything slender.
@@ -59,7 +59,7 @@ struct Tree {
 
 Tree tree_of(const ReducedBody& body, const std::vector<Bar>& bars);
 
-/// Modes of the reduced matrices with unit modal mass, ascending; those that bear no load are left out.
+/// Modes of the reduced matrices with unit modal mass, ascending; those that carry no load are left out.
 struct Eigenmodes {
   MatrixXd shapes;   ///< modes × count, amplitudes
   VectorXd squares;  ///< ω²

@@ -73,6 +73,9 @@ export class Reports {
   }
 }
 
+/** Of a report that does not play by itself: what is read from it does not change meanwhile. */
+export const resting = { reducedMotion: "reduce" };
+
 /** Opens a page; whatever its script complains of is kept in `complaints`. `listen` gets the page before it is loaded. */
 export async function open(browser, url, options = {}, before = undefined, listen = undefined) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, acceptDownloads: true, ...options });

@@ -2,7 +2,7 @@
 // node drive.mjs MIMBRE [WORDS OF AN ITEM]. Exits with 77 where there is no browser.
 import assert from "node:assert/strict";
 import { drawn, launch, noBrowser, open } from "./browser.mjs";
-import { alone, driving, handsOff, inControl, pause, resume, say, serveModel, state, take, until } from "./liveServer.mjs";
+import { alone, driving, handsOff, inControl, pause, resume, serveModel, state, take, textOf, until } from "./liveServer.mjs";
 
 const skipped = 77;
 const reason = await noBrowser();
@@ -201,7 +201,7 @@ test("a gamepad drives: triggers are pedals, the stick's left is left", quick, a
 test("two viewers: one drives, the other sees it, asks, and drives then", quick, async ({ page, motion, browser, url }) => {
   await toStart(page, motion);
   const other = await looking(browser, url);
-  await until("who looks on is told so", async () => /Another viewer is in control/.test(await say(other.page, ".control-words")));
+  await until("who looks on is told so", async () => /Another viewer is in control/.test(await textOf(other.page, ".control-words")));
   await driving(other.page, true, "s"); // without effect
   await driving(page, true, "w");
   await until("all of the throttle", async () => (await value(page, "throttle")) === 1);
@@ -225,14 +225,14 @@ test("two viewers: one drives, the other sees it, asks, and drives then", quick,
   await driving(page, false, "w");
   assert.deepEqual(other.complaints.filter((text) => !/WebGL/.test(text)), []);
   await other.page.close();
-  await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
+  await until("free again", async () => /Nobody/.test(await textOf(page, ".control-words")));
 });
 
 test("a phone: fingers on the pads drive, steer and brake", quick, async ({ page, motion, browser, url }) => {
   await toStart(page, motion);
   await resume(page);
   await take(page).click();
-  await until("free", async () => /Nobody/.test(await say(page, ".control-words")));
+  await until("free", async () => /Nobody/.test(await textOf(page, ".control-words")));
   const phone = await looking(browser, url, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   await take(phone.page).tap();
   await until("pads", async () => phone.page.locator(".pads").isVisible());

@@ -5,7 +5,7 @@ import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
-import { alone, driving, handsOff, inControl, lastingPort, pause, rate, resume, say, serveModel, state, take, until } from "./liveServer.mjs";
+import { alone, driving, handsOff, inControl, lastingPort, pause, rate, resume, serveModel, state, take, textOf, until } from "./liveServer.mjs";
 import { mockLive } from "./mockLive.mjs";
 
 const skipped = 77;
@@ -25,7 +25,7 @@ const test = (name, run) => cases.push([name, run]);
 
 const number = (page, name) => page.getByLabel(`${name}, as a number`);
 const value = async (page, name) => Number(await number(page, name).inputValue());
-const time = async (page) => Number.parseFloat(await say(page, ".time"));
+const time = async (page) => Number.parseFloat(await textOf(page, ".time"));
 /** What the server has, whatever the page shows already or still. */
 const ask = async (page, path) => (await fetch(new URL(path, page.url()))).json();
 const status = (page) => ask(page, "/status");
@@ -34,14 +34,24 @@ const atServer = async (page, name) => (await tracks(page))[name].values.at(-1);
 /** What the page has told the server of an input, value by value. */
 const told = (sent, name) => sent.map(({ values }) => values?.[name]).filter((one) => one !== undefined);
 
-/** Keeps what the page announces to a listener from now on: one announcement may follow another at once. */
-const listenToAnnouncements = (page) =>
-  page.evaluate(() => {
-    const region = document.querySelector("header [role=status]");
-    window.mimbreAnnounced = [region.textContent];
-    new MutationObserver(() => window.mimbreAnnounced.push(region.textContent)).observe(region, { childList: true, characterData: true, subtree: true });
+/** Keeps every text that an element shows from now on: one may follow another at once, or be gone before it is looked for. */
+const collect = (page, selector) =>
+  page.evaluate((wanted) => {
+    const region = document.querySelector(wanted);
+    const texts = ((window.collectedTexts ??= {})[wanted] = []);
+    const keep = () => region.hidden || texts.push(region.textContent);
+    keep();
+    new MutationObserver(keep).observe(region, { attributes: true, childList: true, characterData: true, subtree: true });
+  }, selector);
+const collected = (page, selector) => page.evaluate((wanted) => window.collectedTexts[wanted], selector);
+const announcements = "header [role=status]";
+
+/** The server's status once it says that it is paused: its steps do not change any more. */
+const pausedStatus = (page) =>
+  until("the server is paused", async () => {
+    const now = await status(page);
+    return now.state === "paused" && now;
   });
-const announced = (page) => page.evaluate(() => window.mimbreAnnounced);
 
 /** Everything as at the start, running; nobody touches anything. */
 async function afresh(page) {
@@ -57,26 +67,26 @@ async function afresh(page) {
 
 test("who looks on sees everything, and is told why nothing can be driven", async ({ page }) => {
   await state(page, "Running");
-  assert.match(await say(page, ".control-words"), /Nobody is in control/);
+  assert.match(await textOf(page, ".control-words"), /Nobody is in control/);
   assert.ok(await number(page, "throttle").isDisabled());
   assert.ok(await page.getByRole("button", { name: "Reset" }).isDisabled());
   const before = await time(page);
   await until("the time goes on", async () => (await time(page)) > before + 0.3);
   // Of the last second: at times that of a machine that has other work.
-  await until("its pace", async () => /(^|\s)(0\.[89]\d?|1(\.[01]\d?)?)× real time/.test(await say(page, ".states")));
-  await until("values in the legends", async () => /\d/.test(await say(page, ".strips .entry .value")));
+  await until("its pace", async () => /(^|\s)(0\.[89]\d?|1(\.[01]\d?)?)× real time/.test(await textOf(page, ".states")));
+  await until("values in the legends", async () => /\d/.test(await textOf(page, ".strips .entry .value")));
   assert.ok((await page.locator(".strips canvas").count()) > 0);
 });
 
 test("the deadlines are told: the last step, the spread, the histogram", async ({ page }) => {
-  await until("the table", async () => /^[\d.]+ [µm]?s$/.test(await say(page, ".spread td:last-child")));
+  await until("the table", async () => /^[\d.]+ [µm]?s$/.test(await textOf(page, ".spread td:last-child")));
   const cells = await page.locator(".spread tbody td").allInnerTexts();
   assert.equal(cells.length, 12);
   const inSeconds = (text) => Number.parseFloat(text) * { s: 1, ms: 1e-3, µs: 1e-6, ns: 1e-9 }[text.split(" ")[1]];
   const [median, , , worst] = cells.map(inSeconds);
   assert.ok(median > 1e-7 && median <= worst, cells.join());
   assert.ok((await page.locator(".histogram rect.computing").count()) > 0);
-  assert.match(await say(page, ".overruns"), /late/);
+  assert.match(await textOf(page, ".overruns"), /late/);
   const meter = page.getByRole("meter");
   await until("the meter", async () => Number(await meter.getAttribute("aria-valuenow")) >= 0);
 });
@@ -123,11 +133,11 @@ test("what is typed drives nothing; P pauses, steps are single, R begins anew", 
   assert.equal(await page.getByLabel("Name of the snapshot").inputValue(), "wasp r");
   await drawn(page);
   assert.deepEqual(sent, []);
-  assert.equal(await say(page, ".pill"), "Running");
+  assert.equal(await textOf(page, ".pill"), "Running");
   await page.getByLabel("Name of the snapshot").fill("");
   await page.evaluate(() => document.activeElement.blur());
   await pause(page);
-  const rested = await status(page);
+  const rested = await pausedStatus(page);
   await page.waitForTimeout(300);
   assert.equal((await status(page)).steps, rested.steps);
   await until("the time of the pause", async () => Math.abs((await time(page)) - rested.time) < 0.0051);
@@ -165,7 +175,7 @@ test("a key and a gamepad's part can be given to any input", async ({ page, sent
   const row = page.locator(".input").nth(3);
   const name = (await row.locator("input[type=number]").getAttribute("aria-label")).replace(", as a number", "");
   await row.locator("summary").click();
-  const more = row.getByRole("button", { name: "Key for more" });
+  const more = row.getByRole("button", { name: "Key to increase" });
   await more.click();
   await page.keyboard.press("u");
   assert.equal(await row.locator("summary").innerText(), "U");
@@ -194,6 +204,7 @@ test("a gamepad: the stick's left is left, triggers are pedals, and it rests whe
     );
   await pad([0.03, 0, 0, 0], {});
   await drawn(page); // it is seen at rest first
+  await until("the steering is back from what was driven before", async () => (await value(page, "steering")) === 0);
   await page.waitForTimeout(200);
   assert.equal(await value(page, "steering"), 0);
   await pad([1, 0, 0, 0], { 7: 0.5 });
@@ -202,10 +213,10 @@ test("a gamepad: the stick's left is left, triggers are pedals, and it rests whe
   await until("braking", async () => Math.abs(await value(page, "steering")) < 1e-9 && (await value(page, "throttle")) === 0 && (await value(page, "brake")) === 1);
   const row = page.locator(".input").first();
   await row.locator("summary").click();
-  await row.getByLabel(/^Gamepad's part/).selectOption("axis 2");
+  await row.getByLabel(/^Gamepad control/).selectOption("axis 2");
   await pad([0, 0, -0.6, 0], {});
   await until("the other stick", async () => (await value(page, "steering")) < -0.4);
-  await row.getByLabel(/^Gamepad's part/).selectOption("axis 0 reversed");
+  await row.getByLabel(/^Gamepad control/).selectOption("axis 0 reversed");
   await row.locator("summary").click();
   await afresh(page);
 });
@@ -213,7 +224,7 @@ test("a gamepad: the stick's left is left, triggers are pedals, and it rests whe
 test("snapshots are kept, listed and gone back to", async ({ page }) => {
   await afresh(page);
   await pause(page);
-  const kept = (await status(page)).time;
+  const kept = (await pausedStatus(page)).time;
   await page.getByLabel("Name of the snapshot").fill("at the <i>start</i>");
   await page.keyboard.press("Enter");
   const list = page.getByLabel("Snapshot to restore");
@@ -249,7 +260,7 @@ test("what was driven is saved, and gives the same when it is driven again", asy
   // Played and over: it may not last as long as it takes to look.
   heard.length = 0;
   const played = () => heard.filter(({ say }) => say === "played").map(({ on }) => on);
-  await page.getByRole("button", { name: "Drive it again" }).click();
+  await page.getByRole("button", { name: "Play back" }).click();
   await until("playback, and its end", () => played().length >= 2);
   assert.deepEqual(played(), [true, false]);
   await until("its end is shown", async () => !(await page.getByRole("button", { name: "Stop playback" }).isVisible()));
@@ -259,16 +270,16 @@ test("what was driven is saved, and gives the same when it is driven again", asy
   // One that lasts until it is ended.
   const long = join(folder, "long.json");
   await writeFile(long, JSON.stringify({ ...saved, tracks: { throttle: { times: [0, 0.1, 1e4], values: [0, 1, 0] } } }));
-  await page.locator(".tapes input[type=file]").setInputFiles(long);
+  await page.locator(".recorded-inputs input[type=file]").setInputFiles(long);
   await until("the file is played", async () => page.getByRole("button", { name: "Stop playback" }).isVisible());
-  await until("it is told", async () => /played back/.test(await say(page, ".tapes [role=status]")));
+  await until("it is told", async () => /Playing back/.test(await textOf(page, ".recorded-inputs [role=status]")));
   await until("full throttle", async () => (await value(page, "throttle")) === 1);
   await page.getByRole("button", { name: "Stop playback" }).click();
   await until("it is ended", async () => !(await page.getByRole("button", { name: "Stop playback" }).isVisible()));
   const other = join(folder, "other.csv");
   await writeFile(other, "t,gear\n0,1\n");
-  await page.locator(".tapes input[type=file]").setInputFiles(other);
-  await until("what is wrong", async () => /no input “gear”/.test(await say(page, ".tapes .wrong")));
+  await page.locator(".recorded-inputs input[type=file]").setInputFiles(other);
+  await until("what is wrong", async () => /no input “gear”/.test(await textOf(page, ".recorded-inputs .wrong")));
 });
 
 test("results are recorded where the server runs", async ({ page }) => {
@@ -283,7 +294,7 @@ test("results are recorded where the server runs", async ({ page }) => {
 
 test("channels are chosen from the list, taken away, and held still", async ({ page }) => {
   const search = page.getByLabel("Search channels");
-  await page.getByText(/^Choose among \d+ channels$/).click();
+  await page.getByText(/^Select from \d+ channels$/).click();
   const before = await page.locator(".strips .entry").count();
   await search.fill("energy.kinetic");
   await page.locator(".channel-groups input[type=checkbox]").first().check();
@@ -292,45 +303,45 @@ test("channels are chosen from the list, taken away, and held still", async ({ p
   await page.locator(".strips .entry", { hasText: "energy.kinetic" }).getByRole("button").click();
   assert.equal(await page.locator(".strips .entry").count(), before);
   await search.fill("");
-  await page.getByText(/^Choose among \d+ channels$/).click();
-  await page.getByRole("button", { name: "Hold" }).click();
-  const still = await say(page, ".strips .entry .value");
+  await page.getByText(/^Select from \d+ channels$/).click();
+  await page.getByRole("button", { name: "Freeze" }).click();
+  const still = await textOf(page, ".strips .entry .value");
   await page.waitForTimeout(400);
-  assert.equal(await say(page, ".strips .entry .value"), still);
-  await page.getByRole("button", { name: "Hold" }).click();
+  assert.equal(await textOf(page, ".strips .entry .value"), still);
+  await page.getByRole("button", { name: "Freeze" }).click();
 });
 
 test("two viewers: the second looks on, asks, and gets control when the first hands it over", async ({ page, browser, server }) => {
   await afresh(page);
-  await listenToAnnouncements(page);
+  await collect(page, announcements);
   const { page: second, complaints } = await open(browser, server.url);
-  await listenToAnnouncements(second);
+  await collect(second, announcements);
   await state(second, "Running");
-  await until("another has control", async () => /Another viewer/.test(await say(second, ".control-words")));
-  await until("two viewers", async () => /2 viewers/.test(await say(page, ".states")));
+  await until("another has control", async () => /Another viewer/.test(await textOf(second, ".control-words")));
+  await until("two viewers", async () => /2 viewers/.test(await textOf(page, ".states")));
   await driving(page, true, "w");
   await until("the other's throttle is seen", async () => (await value(second, "throttle")) > 0.5);
   await driving(page, false, "w");
   assert.ok(await number(second, "throttle").isDisabled());
   await second.keyboard.press("p"); // without effect
   await take(second).click();
-  await until("asked", async () => /asked/.test(await say(second, ".control-words")));
-  assert.equal(await say(page, ".pill"), "Running");
+  await until("asked", async () => /have requested/.test(await textOf(second, ".control-words")));
+  assert.equal(await textOf(page, ".pill"), "Running");
   const asking = page.locator(".asking");
-  await until("the first is told", async () => /^Viewer \d+ asks for control/.test(await say(page, ".asking")));
-  await until("it is announced", async () => (await announced(page)).some((words) => /^Viewer \d+ asks for control$/.test(words)));
+  await until("the first is told", async () => /^Viewer \d+ requests control/.test(await textOf(page, ".asking")));
+  await until("it is announced", async () => (await collected(page, announcements)).some((words) => /^Viewer \d+ requests control$/.test(words)));
   await asking.getByRole("button", { name: "Not now" }).click();
   assert.ok(!(await asking.isVisible()));
-  for (const words of ["Another viewer", "You have asked"]) {
+  for (const words of ["Another viewer", "You have requested"]) {
     await take(second).click(); // not any more, and again
-    await until(words, async () => (await say(second, ".control-words")).includes(words));
+    await until(words, async () => (await textOf(second, ".control-words")).includes(words));
   }
   await asking.getByRole("button", { name: "Hand over" }).click();
-  await until("handed over", async () => (await say(second, ".take")) === "Give control back");
+  await until("handed over", async () => (await textOf(second, ".take")) === "Release control");
   await until("the first drives no more", async () => page.getByRole("button", { name: "Reset" }).isDisabled());
-  await until("that is announced", async () => (await announced(second)).some((words) => /You are in control/.test(words)));
+  await until("that is announced", async () => (await collected(second, announcements)).some((words) => /You are in control/.test(words)));
   await second.close();
-  await until("free again", async () => /Nobody/.test(await say(page, ".control-words")));
+  await until("free again", async () => /Nobody/.test(await textOf(page, ".control-words")));
   assert.deepEqual(complaints.filter((text) => !/WebGL/.test(text)), []);
 });
 
@@ -351,8 +362,8 @@ test("the keyboard alone: everything is reached in order, seen, and left again",
   }
   const names = seen.map(({ name }) => name);
   assert.ok(seen.length > 20 && seen.length < 80, `${seen.length}: ${names.join(" | ")}`);
-  for (const name of ["Pause", "Reset", "Give control back", "Snapshot", "throttle, as a number", "Hold", "Save JSON"]) assert.ok(names.includes(name), name);
-  assert.ok(names.indexOf("Pause") < names.indexOf("Give control back") && names.indexOf("Give control back") < names.indexOf("Hold"));
+  for (const name of ["Pause", "Reset", "Release control", "Snapshot", "throttle, as a number", "Freeze", "Save JSON"]) assert.ok(names.includes(name), name);
+  assert.ok(names.indexOf("Pause") < names.indexOf("Release control") && names.indexOf("Release control") < names.indexOf("Freeze"));
   assert.deepEqual(seen.filter(({ marked }) => !marked), []);
 });
 
@@ -369,7 +380,7 @@ test("names are text, nothing is loaded from elsewhere, and every control has a 
 test("a phone: nothing is cut, fingers steer and give way", async ({ browser, server, page }) => {
   await inControl(page);
   await take(page).click();
-  await until("free", async () => (await say(page, ".take")) === "Take control");
+  await until("free", async () => (await textOf(page, ".take")) === "Take control");
   const { page: phone, complaints } = await open(browser, server.url, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: "dark" });
   await state(phone, "Running");
   assert.ok(!(await phone.locator(".pads").isVisible()));
@@ -397,7 +408,7 @@ test("the server ends and comes back: the page says so, and goes on by itself", 
   const { port } = context.server;
   await context.server.stop();
   await state(page, "Server ended");
-  assert.match(await say(page, ".banner"), /has ended, or cannot be reached/);
+  assert.match(await textOf(page, ".banner"), /has ended or cannot be reached/);
   assert.ok(await number(page, "throttle").isDisabled());
   await page.evaluate(() => (window.sameDocument = true));
   context.server = await serve(port);
@@ -417,7 +428,7 @@ mockTest("a failure is said with its reason, and a reset is offered", async ({ p
   await inControl(page);
   Object.assign(mock.state, { failed: true, message: "the step at 1.2 s did not converge <b>" });
   await state(page, "Failed");
-  await until("the reason", async () => /did not converge <b>/.test(await say(page, ".banner")));
+  await until("the reason", async () => /did not converge <b>/.test(await textOf(page, ".banner")));
   await page.locator(".banner").getByRole("button", { name: "Reset" }).click();
   await state(page, "Running");
   await until("the banner goes", async () => !(await page.locator(".banner").first().isVisible()));
@@ -425,13 +436,15 @@ mockTest("a failure is said with its reason, and a reset is offered", async ({ p
 
 mockTest("overruns are told with their causes", async ({ page }) => {
   await until("causes", async () => (await page.locator(".causes li").count()) === 2);
-  assert.match(await say(page, ".overruns"), /^3 of [\d\u202f]+ steps were late/);
-  assert.deepEqual(await page.locator(".causes li").allInnerTexts(), ["1 × woken too late", "2 × taken from the processor"]);
+  assert.match(await textOf(page, ".overruns"), /^3 of [\d\u202f]+ steps were late/);
+  assert.deepEqual(await page.locator(".causes li").allInnerTexts(), ["1 × late wake-up", "2 × preempted by other work"]);
 });
 
 mockTest("an order that the server refuses is shown", async ({ page, mock }) => {
-  mock.say({ say: "error", message: "too much is asked for at once" });
-  await until("it is shown", async () => page.getByText("The server says: too much is asked for at once").isVisible());
+  const banner = "header .banner:nth-of-type(2)"; // hidden again after some seconds
+  await collect(page, banner);
+  mock.say({ say: "error", message: "too many requests at once" });
+  await until("it is shown", async () => (await collected(page, banner)).includes("Server: too many requests at once"));
 });
 
 mockTest("the vehicle is drawn where the server has it, and the eye stays behind it", async ({ page, mock }) => {
@@ -466,11 +479,11 @@ mockTest("forces are asked for when they are drawn, and stand on their scale", a
   const asked = () => mock.heard.filter((order) => order.do === "channels").at(-1)?.indices ?? [];
   await until("channels of tyres", async () => asked().some((k) => /^tyre\..*\.vertical$/.test(mock.channels[k].name)));
   await until("arrows", async () => page.evaluate(() => window.mimbreView.arrows.arrows.some(({ group }) => group.visible)));
-  await until("the scale", async () => /k?N/.test(await say(page, ".factor.wide output")));
+  await until("the scale", async () => /k?N/.test(await textOf(page, ".factor.wide output")));
   await page.getByLabel("Forces", { exact: true }).selectOption("none");
   await until("no more", async () => !asked().some((k) => /\.vertical$/.test(mock.channels[k].name)));
   await page.getByLabel("Colour", { exact: true }).selectOption("displacement");
-  await until("the colours' scale", async () => /so far/.test(await say(page, ".colorbar")));
+  await until("the colours' scale", async () => /so far/.test(await textOf(page, ".colorbar")));
   await page.locator(".viewing > summary").click();
 });
 

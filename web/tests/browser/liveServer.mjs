@@ -42,7 +42,7 @@ export async function lastingPort() {
   }
 }
 
-export const say = (page, selector) => page.locator(selector).first().innerText();
+export const textOf = (page, selector) => page.locator(selector).first().innerText();
 
 /** Until it is so; polled, for a page that draws slowly does not tell every change at once. */
 export async function until(what, condition, seconds = patience) {
@@ -55,14 +55,14 @@ export async function until(what, condition, seconds = patience) {
   }
 }
 
-export const state = (page, word) => until(word, async () => (await say(page, ".pill")) === word);
+export const state = (page, word) => until(word, async () => (await textOf(page, ".pill")) === word);
 
 export const take = (page) => page.locator(".take");
 
 export async function inControl(page) {
-  const words = await until("who had it has left", async () => /^(Take|Give).*/.exec(await say(page, ".take"))?.[0]);
+  const words = await until("who had it has left", async () => /^(Take|Release).*/.exec(await textOf(page, ".take"))?.[0]);
   if (words === "Take control") await take(page).click();
-  await until("control", async () => (await say(page, ".take")) === "Give control back");
+  await until("control", async () => (await textOf(page, ".take")) === "Release control");
 }
 
 const held = new WeakMap(); // keys that are down, by page
@@ -89,7 +89,7 @@ export async function alone(page, browser) {
 }
 
 export async function pause(page) {
-  if ((await say(page, ".pill")) === "Running") await page.keyboard.press("p");
+  if ((await textOf(page, ".pill")) === "Running") await page.keyboard.press("p");
   await state(page, "Paused");
 }
 

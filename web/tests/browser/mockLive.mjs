@@ -173,7 +173,7 @@ export async function mockLive(report, port = 0) {
       viewer.peer.text({ say: "channels", indices: viewer.channels, choice: viewer.choice });
     },
     control: ({ take }, viewer) => {
-      if (take && holder !== 0 && holder !== viewer.number) return viewer.peer.text({ say: "error", message: "another viewer has control; it has to give it back first" });
+      if (take && holder !== 0 && holder !== viewer.number) return viewer.peer.text({ say: "error", message: "another viewer has control; it has to release it first" });
       holder = take ? viewer.number : 0;
       tellControl();
     },

@@ -3,7 +3,7 @@
 import { mkdtemp, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports, resting } from "./browser.mjs";
 
 const [program, model = "examples/iltis/vehicle.yaml"] = process.argv.slice(2);
 const times = 7;
@@ -28,7 +28,7 @@ const stages = [
 ];
 const all = [];
 for (let k = 0; k < times; ++k) {
-  const { page } = await open(browser, url, { viewport: { width: 1400, height: 900 } });
+  const { page } = await open(browser, url, { ...resting, viewport: { width: 1400, height: 900 } });
   await ready(page);
   await drawn(page);
   all.push(

@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports, resting } from "./browser.mjs";
+import { textOf, until } from "./liveServer.mjs";
 
 const skipped = 77;
 const reason = await noBrowser();
@@ -36,7 +37,6 @@ const [rig, resonator, compared, constraints, elements] = await Promise.all([
 
 const cases = [];
 const test = (name, run) => cases.push([name, run]);
-const say = (page, selector) => page.locator(selector).first().innerText();
 
 /** Where an object of the scene is, and whether it is seen; by the name of its group. */
 const placeOf = (page, name) =>
@@ -82,11 +82,60 @@ async function slideToEnd(page, label) {
   await drawn(page);
 }
 
-test("true scale at first; exaggerated, what hangs on a beam follows its tip", async ({ page }) => {
+const exaggeration = (page) => page.evaluate(() => window.mimbreView.exaggeration);
+
+test("the first picture: playing about the largest deformation, see-through, drawn larger by a factor that is stated", async () => {
+  // Every time at which the page plays, from its very first picture on.
+  const watch = () => {
+    window.playedTimes = [];
+    const look = () => {
+      requestAnimationFrame(look);
+      if (window.mimbreView?.clock.playing) window.playedTimes.push(window.mimbreView.clock.time);
+    };
+    look();
+  };
+  const { page, complaints } = await open(browser, rig, {}, watch);
+  const [instant, from] = await page.evaluate(() => {
+    const { clock } = window.mimbreView;
+    return [window.mimbreView.peak("displacement").time, clock.start];
+  });
+  assert.ok(instant > from);
+  // From a moment before it over the end and round again.
+  await page.waitForFunction(() => window.playedTimes.some((time, k) => time < window.playedTimes[k - 1]));
+  const first = await page.evaluate(() => window.playedTimes[0]);
+  assert.ok(first >= instant - 0.2501, `${first} s, the largest deformation is at ${instant} s`);
+  const factor = await exaggeration(page);
+  assert.ok(factor > 1, `${factor}`);
+  assert.equal(await textOf(page, ".cell"), `Grid 0.2 m · Deformations drawn ${factor} times larger`);
+  assert.ok(await page.getByLabel("See through solids").isChecked());
+  assert.match(await textOf(page, ".colorbar small"), /^Largest: [\d.]+ mm in arm at [\d.]+ s$/);
+  // It stops where a time is asked for, and without repeating at its end.
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.evaluate(() => window.mimbreView.clock.playing), false);
+  await page.getByLabel("Repeat").uncheck();
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(() => !window.mimbreView.clock.playing && window.mimbreView.clock.time === window.mimbreView.clock.end);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test("a page opened at a time rests there", async () => {
+  const { page } = await open(browser, `${rig}#t=0.42`);
+  await ready(page);
+  await drawn(page);
+  assert.deepEqual(await page.evaluate(() => [window.mimbreView.clock.time, window.mimbreView.clock.playing]), [0.42, false]);
+  await page.close();
+});
+
+test("true scale when it is asked for; exaggerated, what hangs on a beam follows its tip", async ({ page }) => {
   await goTo(page, 0.3);
-  assert.equal(await page.evaluate(() => window.mimbreView.exaggeration), 1);
+  await page.getByLabel("Exaggeration", { exact: true }).focus();
+  await page.keyboard.press("Home");
+  await drawn(page);
+  assert.equal(await exaggeration(page), 1);
+  assert.equal(await textOf(page, ".cell"), "Grid 0.2 m");
   const [before] = await placeOf(page, "bob");
-  await slideToEnd(page, "Exaggerate");
+  await slideToEnd(page, "Exaggeration");
   const [after] = await placeOf(page, "bob");
   const [pin] = await placeOf(page, "pin");
   assert.ok(Math.abs(after.at[2] - before.at[2]) > 0.05, `${before.at} ${after.at}`);
@@ -100,7 +149,7 @@ test("true scale at first; exaggerated, what hangs on a beam follows its tip", a
   });
   assert.ok(gap < 1e-9, `the pin is open by ${gap} m`);
   assert.ok(pin.visible);
-  await page.getByLabel("Exaggerate", { exact: true }).focus();
+  await page.getByLabel("Exaggeration", { exact: true }).focus();
   await page.keyboard.press("Home");
 });
 
@@ -127,7 +176,7 @@ test("springs stretch between their ends; loads and reactions are arrows with a 
   await page.getByLabel("Forces", { exact: true }).selectOption("all");
   await drawn(page);
   assert.ok((await arrows()).includes("column") && (await arrows()).includes("wheel"));
-  assert.match(await say(page, ".factor.wide output"), /^[\d.]+ k?N$/);
+  assert.match(await textOf(page, ".factor.wide output"), /^[\d.]+ k?N$/);
   await page.locator(".reactions summary").click();
   await page.locator(".reactions").getByLabel("column").uncheck();
   await drawn(page);
@@ -135,7 +184,7 @@ test("springs stretch between their ends; loads and reactions are arrows with a 
   await page.locator(".reactions").getByRole("button", { name: "None" }).click();
   await drawn(page);
   assert.deepEqual(await arrows(), ["push"]);
-  assert.match(await say(page, ".reactions summary"), /^Reactions of 0 of \d$/);
+  assert.match(await textOf(page, ".reactions summary"), /^0 of \d reactions$/);
   await clickOn(page, "pin");
   await page.locator(".picked").getByLabel("arrow").check();
   await drawn(page);
@@ -182,7 +231,7 @@ test("bars are coloured by the stress of their deflection: at the root that of t
   assert.ok(Math.abs(point) < 1e-6, "the root");
   await page.getByLabel("Colour", { exact: true }).selectOption("stress");
   await drawn(page);
-  assert.match(await say(page, ".colorbar span"), /stress, [kM]?Pa/);
+  assert.match(await textOf(page, ".colorbar span"), /stress, [kM]?Pa/);
   await page.getByLabel("Colour", { exact: true }).selectOption("none");
 });
 
@@ -199,7 +248,7 @@ const drawnElements = (page) =>
 const apart = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
 
 test("constraints of every kind are drawn where they act", async () => {
-  const { page, complaints } = await open(browser, constraints);
+  const { page, complaints } = await open(browser, constraints, resting);
   await goTo(page, 0.15);
   const all = await drawnElements(page);
   for (const name of ["mesh", "rail", "rod", "groove", "table", "wire", "upright", "square", "half_shaft", "thread"])
@@ -221,7 +270,7 @@ test("constraints of every kind are drawn where they act", async () => {
 });
 
 test("force elements of every kind are drawn, drag as an arrow against the motion", async () => {
-  const { page, complaints } = await open(browser, elements);
+  const { page, complaints } = await open(browser, elements, resting);
   await goTo(page, 0.05);
   const all = await drawnElements(page);
   for (const name of ["strut", "rail", "flap", "bar", "mount", "hoist", "wheel"])
@@ -286,8 +335,8 @@ const slackOf = (page, channel) =>
   }, channel);
 
 for (const { name, of, moments, length, force, axis, time, channel } of [
-  { name: "a millimetre", of: "phone", moments: [0, 1.13e-3], length: "1 mm is", force: /^50 µN$/, axis: ["figcaption b", /^µm/], time: "1.13 ms", channel: "joint.rail.position" },
-  { name: "a hundred metres", of: "compared", moments: [0, 3.2], length: "1 m is", force: /^[\d.]+ kN$/, axis: ["figcaption .value", / m$/], time: "3.200 s", channel: "joint.rail.position" },
+  { name: "a millimetre", of: "phone", moments: [0, 1.13e-3], length: "Arrow of 1 mm", force: /^50 µN$/, axis: ["figcaption b", /^µm/], time: "1.13 ms", channel: "joint.rail.position" },
+  { name: "a hundred metres", of: "compared", moments: [0, 3.2], length: "Arrow of 1 m", force: /^[\d.]+ kN$/, axis: ["figcaption .value", / m$/], time: "3.200 s", channel: "joint.rail.position" },
 ])
   test(`a thing of ${name} is seen whole, with its grid, edges, arrows, springs and units`, async (pages) => {
     const { page, complaints } = pages[of];
@@ -304,15 +353,18 @@ for (const { name, of, moments, length, force, axis, time, channel } of [
     assert.ok(edges.length > 1 && edges.every((count) => count === 24), `${edges}`); // of a box
     assert.ok(arrows.length > 0 && arrows.every((part) => part > 0.005 && part < 1), `${arrows}`);
     assert.ok(contrast > 30, `${contrast}`);
-    assert.equal(await say(page, "output.time"), time);
-    assert.equal(await say(page, ".factor.wide span"), length);
-    assert.match(await say(page, ".factor.wide output"), force);
-    assert.match(await say(page, axis[0]), axis[1]);
+    assert.equal(await textOf(page, "output.time"), time);
+    assert.equal(await textOf(page, ".factor.wide span"), length);
+    assert.match(await textOf(page, ".factor.wide output"), force);
+    assert.match(await textOf(page, axis[0]), axis[1]);
     assert.deepEqual(complaints, []);
   });
 
-test("solids are opaque, and wheels have marks that turn", async ({ page }) => {
-  const solids = await page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
+test("solids that hide the flexible arm are seen through until it is unticked, and wheels have marks that turn", async ({ page }) => {
+  const drawnSolids = () => page.evaluate(() => window.mimbreView.bodies.flatMap(({ solids }) => solids.map(({ transparent, vertexColors }) => ({ transparent, vertexColors }))));
+  assert.ok((await drawnSolids()).every(({ transparent }) => transparent));
+  await page.getByLabel("See through solids").uncheck();
+  const solids = await drawnSolids();
   assert.ok(solids.every(({ transparent }) => !transparent));
   assert.equal(solids.filter(({ vertexColors }) => vertexColors).length, 1); // the wheel
 });
@@ -361,7 +413,7 @@ test("a film has the pictures of equal steps of simulated time, and lasts as lon
 test("the summary is a dozen lines, details are folded, no card covers another", async ({ page }) => {
   const rows = await page.locator(".summary > table tr").count();
   assert.ok(rows >= 8 && rows <= 12, `${rows} rows`);
-  assert.match(await say(page, ".summary > table"), /500 of 2 ms/);
+  assert.match(await textOf(page, ".summary > table"), /500 of 2 ms/);
   assert.equal(await page.locator(".summary details").getAttribute("open"), null);
   await page.locator(".model > summary").click();
   await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
@@ -370,7 +422,7 @@ test("the summary is a dozen lines, details are folded, no card covers another",
 });
 
 test("axes: engineering units, whole labels, meanings as tooltips", async ({ page }) => {
-  assert.match(await say(page, "figcaption b"), /^(m|mm)/);
+  assert.match(await textOf(page, "figcaption b"), /^(m|mm)/);
   await page.getByLabel("Search channels").fill("pin force_joint");
   await page.getByText("joint.pin.force_joint.x").click();
   const title = await page.locator(".entry", { hasText: "joint.pin.force_joint.x" }).getAttribute("title");
@@ -393,17 +445,16 @@ test("x–y plots, spectra and a table of statistics", async ({ page }) => {
   await page.mouse.down();
   await page.mouse.move(x + corner[0] + size[0], y + corner[1] + size[1], { steps: 3 });
   await page.mouse.up();
-  await drawn(page);
-  const [zoomedLeft, zoomedTop] = await dotAt();
-  assert.ok(Math.abs(zoomedLeft - ((left - corner[0]) / size[0]) * width) < 3, `${left} → ${zoomedLeft} of ${width}`);
-  assert.ok(Math.abs(zoomedTop - ((top - corner[1]) / size[1]) * height) < 3, `${top} → ${zoomedTop} of ${height}`);
+  // The chart is built anew a moment later.
+  await until(`the dot goes from ${left}, ${top} to its place in the rectangle`, async () => {
+    const [zoomedLeft, zoomedTop] = await dotAt();
+    return Math.abs(zoomedLeft - ((left - corner[0]) / size[0]) * width) < 3 && Math.abs(zoomedTop - ((top - corner[1]) / size[1]) * height) < 3;
+  });
   await plot.dblclick({ position: { x: 20, y: 20 } });
-  await drawn(page);
-  const [again] = await dotAt();
-  assert.ok(Math.abs(again - left) < 1);
+  await until("the dot is back", async () => Math.abs((await dotAt())[0] - left) < 1);
   panel = await tab(page, "Spectrum");
   // The load's 20 rad/s is 3.18 Hz, the bob turns at about 9 rad/s: tip.z moves at a few hertz.
-  assert.match(await panel.innerText(), /tip\.z.*highest [\d.]+ .*m at [\d.]+ Hz/s);
+  assert.match(await panel.innerText(), /tip\.z.*peak [\d.]+ .*m at [\d.]+ Hz/s);
   await panel.getByLabel("Window").selectOption("flat top");
   await panel.getByLabel("Logarithmic").check();
   panel = await tab(page, "Table");
@@ -418,10 +469,10 @@ test("formulas are drawn, and what is wrong with them is said", async ({ page })
   const box = page.getByLabel("Formula over channels");
   await box.fill("tip.z - 2*nothing");
   await box.press("Enter");
-  assert.match(await say(page, ".wrong"), /no channel 'nothing'/);
+  assert.match(await textOf(page, ".wrong"), /no channel 'nothing'/);
   await box.fill("tip.z - carriage.z");
   await box.press("Enter");
-  assert.equal(await say(page, ".wrong"), "");
+  assert.equal(await textOf(page, ".wrong"), "");
   assert.equal(await page.locator(".entry", { hasText: "tip.z - carriage.z" }).count(), 1);
 });
 
@@ -442,14 +493,14 @@ test("the keyboard reaches all, and time is said", async ({ page }) => {
   await goTo(page, 0);
   await page.evaluate(() => document.activeElement.blur());
   await page.keyboard.press("ArrowRight");
-  assert.match(await say(page, "output.time"), /0\.002 s/);
+  assert.match(await textOf(page, "output.time"), /0\.002 s/);
   await page.waitForFunction(() => document.querySelector("[aria-live=polite]").textContent === "Time 0.002 s");
   const before = await page.evaluate(() => window.mimbreView.camera.position.toArray());
   await page.locator(".view canvas").focus();
   await page.keyboard.press("ArrowRight");
   const after = await page.evaluate(() => window.mimbreView.camera.position.toArray());
   assert.notDeepEqual(after, before);
-  assert.match(await say(page, "output.time"), /0\.002 s/); // in the picture the arrows turn it
+  assert.match(await textOf(page, "output.time"), /0\.002 s/); // in the picture the arrows turn it
   await page.getByRole("tab", { name: "Over time" }).click();
   await page.keyboard.press("ArrowRight");
   assert.equal(await page.getByRole("tab", { name: "x–y" }).getAttribute("aria-selected"), "true");
@@ -535,9 +586,9 @@ test("the page is one file that asks for nothing", async () => {
 const browser = await browserSoon;
 const wanted = process.argv[3] ?? "";
 const [shared, comparedPage, phone] = await Promise.all([
-  open(browser, rig),
-  open(browser, compared, {}, () => delete window.VideoEncoder),
-  open(browser, resonator, { viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, () => (delete window.VideoEncoder, delete window.MediaRecorder)),
+  open(browser, rig, resting),
+  open(browser, compared, resting, () => delete window.VideoEncoder),
+  open(browser, resonator, { ...resting, viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, () => (delete window.VideoEncoder, delete window.MediaRecorder)),
 ]);
 console.log(`the pages are open (${((performance.now() - started) / 1000).toFixed(1)} s)`);
 const pages = { ...shared, compared: comparedPage, phone };

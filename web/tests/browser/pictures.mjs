@@ -3,10 +3,10 @@
 import { mkdtemp, rm, stat } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { drawn, launch, noBrowser, open, ready, Reports } from "./browser.mjs";
+import { drawn, launch, noBrowser, open, ready, Reports, resting } from "./browser.mjs";
 
 const [program, target] = process.argv.slice(2);
-const most = 200_000; // bytes of a picture
+const most = 240_000; // bytes of a picture
 const reason = await noBrowser();
 if (reason !== "") {
   console.error(`pictures: ${reason}`);
@@ -25,7 +25,7 @@ const arm = "examples/solid-arm/arm.h5";
  * animation, not the page around it.
  */
 const pictures = [
-  { name: "report", model: "examples/iltis/vehicle.yaml", time: 5.2, forces: "all" },
+  { name: "report", model: "examples/iltis/vehicle.yaml" },
   { name: "suspension", model: "examples/iltis/suspension.yaml", time: 2.2, forces: "all", exaggerate: 20, through: true, tab: "Spectrum" },
   { name: "four-bar", model: "examples/tutorial/four-bar.yaml", time: 1.69, forces: "all", tab: "Table" },
   { name: "slider-crank", model: "examples/slider-crank/slider-crank.yaml", label: "flexible", others: [["rigid", "--set", "rod=rigid"]], time: 0.181 },
@@ -46,8 +46,8 @@ const pictures = [
   { name: "robot", model: "examples/robot/model.yaml", scene: true, time: 1, forces: "all", exaggerate: 20 },
   { name: "solar-array", model: "examples/solar-array/model.yaml", scene: true, time: 8 },
   { name: "ball-cascade", model: "examples/ball-cascade/model.yaml", scene: true, time: 0.012 },
-  { name: "force-elements", model: "web/tests/browser/force-elements.yaml", scene: true, time: 0.1, forces: "loads", through: true, turned: [-0.4, 0, 0.8] },
-  { name: "constraints", model: "web/tests/browser/constraints.yaml", scene: true, time: 0.15, through: true, turned: [-0.4, 0, 0.8] },
+  { name: "force-elements", model: "web/tests/browser/force-elements.yaml", scene: true, time: 0.1, forces: "loads", through: true, turned: [-0.4, 0, 1.15] },
+  { name: "constraints", model: "web/tests/browser/constraints.yaml", scene: true, time: 0.15, through: true, turned: [-0.4, 0, 1.15] },
   { name: "spin-up", model: "examples/spin-up-beam/beam-2d.yaml", time: 8, tab: "x–y" },
   {
     name: "spin-up-comparison",
@@ -83,7 +83,7 @@ async function set(page, { time, exaggerate, forces, through, tab, nearer, turne
   if (time !== undefined) await page.evaluate((t) => window.mimbreView.clock.set(t), time);
   // Through the slider, so that what it shows is what is drawn; its ends are 1 and 500.
   if (exaggerate)
-    await page.getByLabel("Exaggerate", { exact: true }).evaluate((slider, factor) => {
+    await page.getByLabel("Exaggeration", { exact: true }).evaluate((slider, factor) => {
       slider.value = String(Math.log(factor) / Math.log(500));
       slider.dispatchEvent(new Event("input"));
     }, exaggerate);
@@ -105,7 +105,7 @@ const wanted = process.argv[4] ?? "";
 const browser = await launch();
 for (const picture of pictures.filter(({ name }) => name.includes(wanted))) {
   const { name, size, scene } = picture;
-  const { page, complaints } = await open(browser, await address(picture), { viewport: size ?? { width, height: 800 } });
+  const { page, complaints } = await open(browser, await address(picture), { ...resting, viewport: size ?? { width, height: 800 } });
   await set(page, picture);
   // As high as the card of the animation.
   const card = await page.locator(".player").boundingBox();

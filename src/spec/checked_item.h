@@ -8,28 +8,28 @@
 
 #include "mimbre/spec.h"
 
-/// The parts of check_spec, one for each kind of things, and what they share.
+/// The parts of check_spec, one for each kind of items, and what they share.
 namespace mimbre::checks {
 
 /// Something of the spec that is being checked: how messages call it, and where they go.
-class Thing {
+class CheckedItem {
  public:
   /// `number`: its place in the list of its kind, for what has no name.
-  Thing(std::vector<Diagnostic>& errors, const char* kind, const std::string& name, const Mark& mark,
-        std::size_t number)
+  CheckedItem(std::vector<Diagnostic>& errors, const char* kind, const std::string& name, const Mark& mark,
+              std::size_t number)
       : errors_(errors),
         mark_(mark),
         called_(name.empty() ? fmt::format("{} {} (without a name)", kind, number)
                              : fmt::format("{} '{}'", kind, name)) {}
   /// The model itself.
-  Thing(std::vector<Diagnostic>& errors, const char* called, const Mark& mark)
+  CheckedItem(std::vector<Diagnostic>& errors, const char* called, const Mark& mark)
       : errors_(errors), mark_(mark), called_(called) {}
 
   void error(const std::string& message) const {
     errors_.push_back({mark_, fmt::format("{}: {}", called_, message)});
   }
 
-  // Each says whether all is well, and records an error otherwise.
+  // Each returns whether all is well, and records an error otherwise.
   bool finite(const std::string& what, double value) const {
     if (std::isfinite(value)) return true;
     error(fmt::format("{} is {}; it must be a finite number", what, value));
@@ -53,7 +53,7 @@ class Thing {
     error(fmt::format("{} is {}; it must be 0 or more", what, value));
     return false;
   }
-  /// The number of one of `count` things called `kind` (in the plural); `least` -1 where there may be none.
+  /// The number of one of `count` items called `kind` (in the plural); `least` -1 where there may be none.
   bool index(const std::string& what, int value, std::size_t count, const char* kind, int least = 0) const {
     if (value >= least && value < static_cast<long long>(count)) return true;
     error(fmt::format("{} is {}, but the model has {} {}{}", what, value, count, kind,
@@ -90,7 +90,7 @@ inline Eigen::Vector3d assembled_place(const spec::Model& model, const spec::Fra
   return body.position + body.rotation * frame.pose.position;
 }
 
-/// Whether the frame exists and its body does: nothing more can be said of what is wrong there already.
+/// Whether the frame exists and its body does: what is wrong there is reported elsewhere.
 inline bool sound_frame(const spec::Model& model, int frame) {
   if (frame < 0 || frame >= static_cast<int>(model.frames.size())) return false;
   const int body = model.frames[static_cast<std::size_t>(frame)].body;
@@ -98,12 +98,12 @@ inline bool sound_frame(const spec::Model& model, int frame) {
 }
 
 /// Of a formula and its arguments; `own`: variables of the law itself, which come first.
-void check_law(const spec::Model& model, const Thing& thing, const spec::Law& law, std::size_t own);
+void check_law(const spec::Model& model, const CheckedItem& item, const spec::Law& law, std::size_t own);
 /// Whether a joint of the type has the coordinate, and as a plain number that drives, springs and couplings
 /// may act on; records an error, led by `what`, otherwise.
-bool check_coordinate(const Thing& thing, const char* what, spec::JointType type, int coordinate);
+bool check_coordinate(const CheckedItem& item, const char* what, spec::JointType type, int coordinate);
 
-// One for each kind of things.
+// One for each kind of items.
 void check_names(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors);
 void check_frames(const spec::Model& model, std::vector<Diagnostic>& errors);

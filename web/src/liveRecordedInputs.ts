@@ -1,4 +1,4 @@
-// The card that keeps what was driven and drives it again.
+// The card with the recorded inputs: saved to files, played back.
 import { element } from "./dom";
 import { fileName, save } from "./download";
 import { longestOrder, type Input, type Order } from "./liveProtocol";
@@ -6,9 +6,9 @@ import { mayDrive, type Situation } from "./liveSituation";
 import { duration, fromNow, readTracks, toCsv, type Tracks } from "./liveTracks";
 import { instant } from "./summaryLines";
 
-export class Tapes {
+export class RecordedInputs {
   readonly root: HTMLElement;
-  private again = element("button", { title: "Reset, and drive once more what was driven since the last reset" }, "Drive it again");
+  private again = element("button", { title: "Reset, then play back the inputs recorded since the last reset" }, "Play back");
   private open = element("button", {}, "Play a file…");
   private end = element("button", {}, "Stop playback");
   private fresh = element("input", { type: "checkbox" });
@@ -19,13 +19,13 @@ export class Tapes {
   constructor(
     private inputs: Input[],
     private order: (order: Order) => void,
-    /** What was driven since the last reset, as the server has kept it. */
+    /** The inputs since the last reset, as the server recorded them. */
     private driven: () => Promise<string>,
     /** Resets the simulation, and leaves it paused. */
     private reset: () => Promise<void>,
   ) {
     const json = element("button", { title: "For this page" }, "Save JSON");
-    const csv = element("button", { title: "Of all inputs or of one, for this page, spreadsheets and mimbre run --input" }, "Save CSV");
+    const csv = element("button", { title: "All inputs or one of them; for this page, spreadsheets and mimbre run --input" }, "Save CSV");
     const which = element("select", { "aria-label": "Inputs in the CSV file" }, element("option", { value: "" }, "all inputs"), ...inputs.map(({ name }) => element("option", { value: name }, name)));
     json.addEventListener("click", () => this.attempt(async () => save(fileName("inputs", "json"), new Blob([await driven()], { type: "application/json" }))));
     csv.addEventListener("click", () => this.attempt(async () => this.saveCsv(which.value)));
@@ -40,11 +40,11 @@ export class Tapes {
     this.fresh.checked = true;
     this.root = element(
       "section",
-      { class: "card tapes" },
-      element("h2", {}, "What was driven"),
-      element("p", { class: "hint" }, "The server keeps what every input did since the last reset; played again, it gives the same motion."),
+      { class: "card recorded-inputs" },
+      element("h2", {}, "Recorded inputs"),
+      element("p", { class: "hint" }, "The server records all inputs since the last reset. Playing them back reproduces the motion."),
       element("div", { class: "row" }, json, csv, which),
-      element("div", { class: "row" }, this.again, this.open, this.end, this.file, element("label", {}, this.fresh, element("span", {}, " from a reset"))),
+      element("div", { class: "row" }, this.again, this.open, this.end, this.file, element("label", {}, this.fresh, element("span", {}, " reset first"))),
       this.words,
       this.wrong,
     );
@@ -58,7 +58,7 @@ export class Tapes {
     this.end.hidden = !played;
     this.end.disabled = !free;
     if (!played) this.words.textContent = "";
-    else if (this.words.textContent === "") this.words.textContent = "Inputs are being played back.";
+    else if (this.words.textContent === "") this.words.textContent = "Playing back inputs.";
   }
 
   private async saveCsv(name: string): Promise<void> {
@@ -72,11 +72,11 @@ export class Tapes {
     const read = readTracks(text, this.inputs);
     const tracks: Tracks = reset ? read : fromNow(read);
     const order: Order = { do: "play", tracks };
-    if (JSON.stringify(order).length > longestOrder) throw new Error("it is too long for the server");
+    if (JSON.stringify(order).length > longestOrder) throw new Error("the recording is too long for the server");
     if (reset) await this.reset();
     this.order(order);
     if (reset) this.order({ do: "resume" });
-    this.words.textContent = `${instant(duration(tracks))} of inputs are being played back.`;
+    this.words.textContent = `Playing back ${instant(duration(tracks))} of inputs.`;
   }
 
   private async attempt(action: () => Promise<void>): Promise<void> {

@@ -4,10 +4,10 @@
 #include "math/choice.h"
 #include "math/elementary.h"
 
-/// The force of a blow at the depth d: f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl. Mech.
-/// 42, 1975), which never pulls. With c = a/v₀, v₀ the speed of the blow, a body alone leaves with exactly
+/// The force of an impact at the depth d: f(d) (1 + c ḋ), f = k e/n (d/e)ⁿ (Hunt and Crossley, J. Appl. Mech.
+/// 42, 1975), which never pulls. With c = a/v₀, v₀ the speed of the impact, a body alone leaves with exactly
 /// the share of v₀ that a belongs to (math/restitution.h).
-namespace mimbre::forces::blow {
+namespace mimbre::forces::impact {
 
 template <class T>
 struct Push {
@@ -28,10 +28,10 @@ Push<T> push(const T& k, const T& n, const T& e, const T& d, const T& speed, con
           select(pushes, T(slope * damped), none), select(pushes, T(elastic * factor), none)};
 }
 
-/// c of a blow of that speed. Slower than `slow` none counts: what rests is damped.
+/// c of an impact of that speed. Slower than `slow` none counts: what rests is damped.
 template <class T>
 T factor(const T& a, const T& speed, const T& slow) {
   return a / select(speed > slow, speed, slow);
 }
 
-}  // namespace mimbre::forces::blow
+}  // namespace mimbre::forces::impact
