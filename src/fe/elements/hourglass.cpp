@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "fe/elements/congruence.h"
 #include "fe/elements/orthonormal.h"
 
 namespace mimbre::fe {
@@ -56,7 +57,7 @@ void add_hourglass_stiffness(const SolidGeometry& geometry, const ElementMateria
     for (int k = 0; k < 3; ++k) {
       Eigen::Matrix<double, kNodes, 1> component;
       for (int n = 0; n < kNodes; ++n) component[n] = modes(3 * n + k, m);
-      component -= (basis * (basis.transpose() * component)).eval();
+      component -= projected(basis, component);
       for (int n = 0; n < kNodes; ++n) tests(3 * n + k, m) = component[n];
     }
   for (int m = 0; m < kModes; ++m) tests.col(m) /= modes.col(m).squaredNorm();
@@ -71,9 +72,9 @@ void add_hourglass_stiffness(const SolidGeometry& geometry, const ElementMateria
       const Eigen::Matrix3d g = Nodal::Map(modes.col(m).data()) * gradients.transpose();
       strain.col(m) << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(2, 0) + g(0, 2);
     }
-    energy += dV * strain.transpose() * material.at(geometry.nodes.lazyProduct(sample.values)) * strain;
+    add_congruent(energy, dV, strain, material.at(geometry.nodes.lazyProduct(sample.values)));
   }
-  stiffness += kHourglassShare * tests * energy * tests.transpose();
+  add_congruent(stiffness, kHourglassShare, tests.transpose(), energy);
 }
 
 }  // namespace mimbre::fe

@@ -7,6 +7,7 @@
 
 #include "fe/elements/beam_element.h"
 #include "fe/elements/cell_elements.h"
+#include "fe/elements/congruence.h"
 #include "math/cross_matrix.h"
 #include "math/gauss.h"
 #include "math/once/decompositions.h"
@@ -167,7 +168,7 @@ std::vector<Eigen::Matrix<double, 6, 6>> point_mass_matrices(const SolidMesh& me
   for (const PointMass& point : mesh.point_masses) {
     Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
     rigid_points(mesh, point, extent, [&](const Vector3d&, double mass, const Motion& motion) {
-      matrix += mass * motion.transpose() * motion;
+      add_square(matrix, mass, motion);
     });
     matrices.push_back(0.5 * (matrix + matrix.transpose()));
   }

@@ -20,4 +20,19 @@ Eigen::Matrix<double, Rows, Columns> orthonormal(Eigen::Matrix<double, Rows, Col
   return a;
 }
 
+/// What the span of orthonormal columns has of `field`. In loops: as an expression, a compiler takes a second
+/// for each size.
+template <int Rows, int Columns, int Fields>
+Eigen::Matrix<double, Rows, Fields> projected(const Eigen::Matrix<double, Rows, Columns>& basis,
+                                              const Eigen::Matrix<double, Rows, Fields>& field) {
+  Eigen::Matrix<double, Rows, Fields> out = Eigen::Matrix<double, Rows, Fields>::Zero();
+  for (int f = 0; f < Fields; ++f)
+    for (int c = 0; c < Columns; ++c) {
+      double share = 0;
+      for (int r = 0; r < Rows; ++r) share += basis(r, c) * field(r, f);
+      for (int r = 0; r < Rows; ++r) out(r, f) += share * basis(r, c);
+    }
+  return out;
+}
+
 }  // namespace mimbre::fe

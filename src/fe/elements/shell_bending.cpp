@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "fe/elements/congruence.h"
 #include "fe/elements/quadrature.h"
 
 namespace mimbre::fe {
@@ -136,8 +137,8 @@ MembraneMatrix plate_stiffness(const PlaneNodes& nodes, const SheetElasticity& e
         curvature_operator(sides, to_plane * shapes.nodes, to_plane * shapes.parabolas);
     Operator<2> strain = Operator<2>::Zero(2, 3 * count);
     for (int k = 0; k < count; ++k) strain += sides[k].length * s.col(k) * sides[k].shear;
-    stiffness += dA * curvature.transpose() * bending * curvature;
-    stiffness += dA * strain.transpose() * shear * strain;
+    add_congruent(stiffness, dA, curvature, bending);
+    add_congruent(stiffness, dA, strain, shear);
   }
   return 0.5 * (stiffness + stiffness.transpose());
 }

@@ -1,5 +1,6 @@
 #include "fe/elements/shell_element.h"
 
+#include "fe/elements/congruence.h"
 #include "fe/elements/shell_curved.h"
 #include "fe/elements/shell_flat.h"
 #include "math/cross_matrix.h"
@@ -37,25 +38,28 @@ ShellMatrices shell_matrices(const ShellGeometry& shell, const ElementMaterial& 
   if (has_arms(shell)) {
     const ShellMatrices moved = shell_matrices(at_arms(shell), material);
     const ShellMatrix arms = arms_of(shell);
-    return {symmetric(arms.transpose() * moved.stiffness * arms),
-            symmetric(arms.transpose() * moved.mass * arms)};
+    ShellMatrices matrices{ShellMatrix::Zero(arms.rows(), arms.rows()),
+                           ShellMatrix::Zero(arms.rows(), arms.rows())};
+    add_congruent(matrices.stiffness, 1, arms, moved.stiffness);
+    add_congruent(matrices.mass, 1, arms, moved.mass);
+    return {symmetric(matrices.stiffness), symmetric(matrices.mass)};
   }
   const ShellMatrix stiffness =
       flat(shell) ? flat_stiffness(shell, material) : curved_stiffness(shell, material);
   const double density = material.density();
   ShellMatrix mass = flat(shell) ? flat_drilling_mass(shell, density) : curved_drilling_mass(shell, density);
   for_each_mass_point(shell, density, [&](const Eigen::Vector3d&, double dm, const ShellField& motion) {
-    mass += dm * motion.transpose() * motion;
+    add_square(mass, dm, motion);
   });
   return {symmetric(stiffness), symmetric(mass)};
 }
 
 void for_each_mass_point(const ShellGeometry& shell, double density, const VisitMass& visit) {
   if (has_arms(shell)) {
-    const ShellMatrix arms = arms_of(shell);
+    const Eigen::MatrixXd arms = arms_of(shell);
     return for_each_mass_point(at_arms(shell), density,
                                [&](const Eigen::Vector3d& place, double dm, const ShellField& motion) {
-                                 visit(place, dm, motion * arms);
+                                 visit(place, dm, Eigen::MatrixXd(Eigen::MatrixXd(motion) * arms));
                                });
   }
   flat(shell) ? for_each_flat_mass_point(shell, density, visit)
@@ -65,7 +69,7 @@ void for_each_mass_point(const ShellGeometry& shell, double density, const Visit
 ShellStrains shell_strains(const ShellGeometry& shell, const ElementMaterial& material) {
   if (has_arms(shell)) {
     ShellStrains strains = shell_strains(at_arms(shell), material);
-    const ShellMatrix arms = arms_of(shell);
+    const Eigen::MatrixXd arms = arms_of(shell);
     strains.membrane = (strains.membrane * arms).eval();
     strains.curvature = (strains.curvature * arms).eval();
     return strains;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fe/elements/congruence.h"
 #include "fe/elements/quadrature.h"
 #include "fe/elements/shell_bending.h"
 #include "fe/elements/shell_membrane.h"
@@ -119,7 +120,9 @@ ShellMatrix flat_stiffness(const ShellGeometry& geometry, const ElementMaterial&
       stiffness(6 * (i / 3) + kMembraneDofs[i % 3], 6 * (j / 3) + kMembraneDofs[j % 3]) = membrane(i, j);
       stiffness(6 * (i / 3) + kPlateDofs[i % 3], 6 * (j / 3) + kPlateDofs[j % 3]) = plate(i, j);
     }
-  return shell.from_nodes.transpose() * stiffness * shell.from_nodes;
+  ShellMatrix of_nodes = ShellMatrix::Zero(6 * count, 6 * count);
+  add_congruent(of_nodes, 1, shell.from_nodes, stiffness);
+  return of_nodes;
 }
 
 ShellMatrix flat_drilling_mass(const ShellGeometry& geometry, double density) {
@@ -143,7 +146,7 @@ ShellMatrix flat_drilling_mass(const ShellGeometry& geometry, double density) {
   for (Eigen::Index a = 0; a < count; ++a) {
     Eigen::RowVectorXd drilling = -rotation;
     drilling.segment<3>(6 * a + 3) += axes.col(2).transpose();
-    mass += inertia * drilling.transpose() * drilling;
+    add_square(mass, inertia, drilling);
   }
   return mass;
 }
