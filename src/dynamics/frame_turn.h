@@ -61,6 +61,16 @@ Mat3<T> turn_jacobian(const FrameData& f, const Vec3<T>& theta) {
   return left_jacobian<T>(theta);
 }
 
+/// 1 + a A + b B.
+template <class T>
+Mat3<T> identity_and(const T& a, const Mat3<T>& A, const T& b, const Mat3<T>& B) {
+  Mat3<T> out;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i)
+      out(i, j) = multiply_add(b, B(i, j), multiply_add(a, A(i, j), T(i == j ? 1 : 0)));
+  return out;
+}
+
 /// R, ω = J θ̇ and its derivative, for given rates and second derivatives of θ.
 template <class T>
 void turn_motion(const FrameData& f, const Vec3<T>& theta, const Vec3<T>& rate, const Vec3<T>& second,
@@ -68,8 +78,8 @@ void turn_motion(const FrameData& f, const Vec3<T>& theta, const Vec3<T>& rate, 
   if (f.turn == FrameTurn::exponential) {
     const RotationSeries<T> s = rotation_series<T>(theta.squaredNorm());
     const Mat3<T> k = skew<T>(theta), k2 = k * k;
-    rotation = Mat3<T>::Identity() + s.sinc * k + s.a * k2;
-    const Mat3<T> jl = Mat3<T>::Identity() + s.a * k + s.b * k2;
+    rotation = identity_and<T>(s.sinc, k, s.a, k2);
+    const Mat3<T> jl = identity_and<T>(s.a, k, s.b, k2);
     const T phi_rate = theta.dot(rate);  // φ φ̇
     const Vec3<T> c1 = theta.cross(rate), c2 = theta.cross(c1);
     omega = jl * rate;

@@ -166,5 +166,8 @@ TEST(Decompositions, ColumnsAreOrderedByWhatTheyAdd) {
   EXPECT_EQ(order_columns(MatrixXd(0, 0)).rank, 0);
 }
 
+/// Its size is in the order of sums of long products, so it is not that of the processor at hand.
+TEST(Decompositions, TheFirstCacheIsTheSameOnEveryMachine) { EXPECT_EQ(Eigen::l1CacheSize(), 32 * 1024); }
+
 }  // namespace
 }  // namespace mimbre::decompositions_test

@@ -33,7 +33,7 @@ std::uint64_t digest(Simulation s, int steps) {
   for (int k = 0; k < steps; ++k) {
     s.sample(row);
     add(hash, row.channels);
-    add(hash, row.poses);
+    add(hash, row.poses.reshaped());
     add(hash, row.modes);
     const StepReport report = s.step();
     hash.add(static_cast<double>(report.iterations));
@@ -159,7 +159,7 @@ TEST(Bits, AreThoseRecorded) {
       const StepReport report = s.step();
       ASSERT_TRUE(report.ok()) << r.file << ": " << s.explain(report);
       s.sample(row);
-      add(hash, row.poses);
+      add(hash, row.poses.reshaped());
       add(hash, row.modes);
     }
     now += fmt::format("{:016x} {} {}\n", hash.value(), r.steps, r.file);

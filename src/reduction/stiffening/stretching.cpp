@@ -111,7 +111,8 @@ Resistance resistance(const StretchedMesh& s, const Cells& cells, const Pairs& p
     cells.in_parallel(size, [&](int k) {
       const TurningCell cell = cells.cell(begin + k);
       const MatrixXd u = cells.own(begin + k, cell, fields), m = motions(cell, u);
-      MatrixXd second = cells.own(begin + k, cell, rigid);
+      MatrixXd second =
+          s.rigid.empty() ? MatrixXd(MatrixXd::Zero(cell.dofs(), count)) : cells.own(begin + k, cell, rigid);
       for (Index p = 0; p < count; ++p)
         second.col(p) += second_order(cell, u, m, pairs[static_cast<std::size_t>(p)].first,
                                       pairs[static_cast<std::size_t>(p)].second);
@@ -156,7 +157,7 @@ void add_forms(const StretchedMesh& s, const Cells& cells, const Pairs& pairs, c
                const MatrixXd& further, const MatrixXd& all_fields, std::vector<MatrixXd>& forms) {
   const MatrixXd fields = s.shapes * s.lowest;
   constexpr Index of_bar = 7, of_other = 3;  // rows of a cell
-  MatrixXd left(of_bar * bunch, all_fields.cols());
+  MatrixXd left(of_bar * std::min(bunch, cells.size()), all_fields.cols());
   std::vector<MatrixXd> right(forms.size(), left);
   for (int begin = 0; begin < cells.size(); begin += bunch) {
     const int size = std::min(bunch, cells.size() - begin);
@@ -219,7 +220,7 @@ std::optional<Stretching> find_stretching(const StretchedMesh& s, std::vector<in
   out.forms.assign(static_cast<std::size_t>(states.cols()), MatrixXd::Zero(columns, columns));
   add_forms(s, cells, pairs, states, (rigid + response) * states, with_rotations(s), out.forms);
   // The forces that hold the places, and what they do on rigid parts as these turn.
-  const MatrixXd holding = (resisted.forces + symmetric_times(s.stiffness, response)) * states;
+  const MatrixXd holding = resisted.forces * states + symmetric_times(s.stiffness, response * states);
   out.places = holding.transpose() * s.unit_motions;
   for (Index state = 0; state < states.cols(); ++state) {
     MatrixXd& form = out.forms[static_cast<std::size_t>(state)];

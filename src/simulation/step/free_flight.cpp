@@ -229,13 +229,13 @@ void FreeFlight::set_rates(const State& s, double h) {
       const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
       for (int k = 0; k < plain; ++k) out[k] = (to[k] - from[k]) / h;
       if (info.quaternion >= 0) {
+        // The conjugate of p times r.
         const double *p = from + info.quaternion, *r = to + info.quaternion;
-        const Quat<double> turn = quaternion_product<double>(Quat<double>(p[0], -p[1], -p[2], -p[3]),
-                                                             Quat<double>(r[0], r[1], r[2], r[3]));
-        const Vec3d axis = turn.tail<3>();
-        const double sine = axis.norm();
+        const Vec3d pv(p[1], p[2], p[3]), rv(r[1], r[2], r[3]);
+        const Vec3d axis = p[0] * rv - r[0] * pv - pv.cross(rv);
+        const double sine = axis.norm(), cosine = p[0] * r[0] + pv.dot(rv);
         Eigen::Map<Vec3d>(out + info.rotation) =
-            (sine > 0 ? 2 * mimbre::atan2(sine, turn[0]) / sine : 2.0) / h * axis;
+            (sine > 0 ? 2 * mimbre::atan2(sine, cosine) / sine : 2.0) / h * axis;
       }
     }
     for (int k = 0; k < b.modes; ++k)
