@@ -223,7 +223,9 @@ struct Contact {
   bool swarm = false;                   ///< of these only those that are near each other are looked at
   double stiffness = 0;                 ///< N/m; needed
   double exponent = 1, depth = 1e-3, restitution = 1;
-  double friction = 0, static_ratio = 1, stribeck = 1e-2, tangential = 0.7, settling = 1e-3;
+  double friction = 0, static_ratio = 1;
+  double stribeck = std::numeric_limits<double>::infinity();  ///< m/s; infinite: by the mechanism's scales
+  double tangential = 0.7, settling = 1e-3;
   double rolling = 0, spinning = 0;  ///< m
   std::string in{};
 };

@@ -1015,7 +1015,7 @@ class Contact(TypedDict, total=False):
     friction: Number
     # Of the limit at rest to that in fast sliding, from 1; default: 1.
     static_ratio: Number
-    # Speed over which the limit falls to that in fast sliding, m/s; default: 0.01.
+    # Speed over which the limit falls to that in fast sliding, m/s; default: 3e-3 sqrt(g L).
     stribeck: Number
     # Tangential presliding stiffness, relative to the normal stiffness; default: 0.7.
     tangential: Number

@@ -33,6 +33,11 @@ struct Live {
   std::shared_ptr<std::vector<double>> values;
 };
 
+void refuse_below_zero(const char* method, std::int64_t count) {
+  if (count < 0)
+    throw InputError(Mark{}, fmt::format("{}: count is {}; it cannot be below 0", method, count));
+}
+
 /// A Simulation for Python: one thread at a time, which others are told instead of crashing.
 class Stepper {
  public:
@@ -63,6 +68,7 @@ class Stepper {
   };
 
   void step(std::int64_t count) {
+    refuse_below_zero("step", count);
     go([&](Simulation& simulation, Attention& attention) {
       StepReport report;
       for (std::int64_t k = 0; k < count && report.ok(); ++k) {
@@ -266,6 +272,7 @@ struct ChannelHandle {
 std::vector<std::string> step_all(const std::vector<Stepper*>& steppers, std::int64_t count) {
   for (const Stepper* stepper : steppers)
     if (!stepper) throw InputError(Mark{}, "step_all: simulations are needed, not None");
+  refuse_below_zero("step_all", count);
   const nb::gil_scoped_release others_run;
   std::vector<std::string> failures;
   for (Stepper* stepper : steppers) failures.push_back(stepper->step_or_say(count));

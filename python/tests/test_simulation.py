@@ -33,6 +33,16 @@ def test_steps_are_those_of_a_run(pendulum):
     assert other.channel("angle").value == run["angle"][51]
 
 
+def test_steps_are_not_counted_below_zero(pendulum):
+    sim = pendulum.simulation()
+    sim.step(2)
+    time = sim.time
+    sim.step(0)
+    with pytest.raises(mimbre.InputError, match=r"step: count is -1; it cannot be below 0"):
+        sim.step(-1)
+    assert sim.time == time
+
+
 def test_inputs_and_parameters_by_handle(pendulum):
     sim = pendulum.simulation()
     torque, k = sim.input("torque"), sim.input("k")

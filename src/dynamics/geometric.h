@@ -17,6 +17,12 @@
 /// vibrations along the bar that do not notice it, and grow without bound.
 namespace mimbre::geometric {
 
+/// Whether forces go by accelerations: those of inertia and gravity stiffen a body.
+inline bool has_loads_of_inertia(const Compiled& m) {
+  return std::any_of(m.flexible.begin(), m.flexible.end(),
+                     [](const FlexibleData& f) { return f.geometric.inertial > 0; });
+}
+
 /// Adds to the motion of a body frame (body axes, gravity taken off) the mean motion of the body in it.
 template <class T>
 StressMotion<T> stress_motion(const GeometricData& g, const Vec3<T>& omega, const Vec3<T>& acceleration,

@@ -76,6 +76,11 @@ class System {
   virtual void retract(const double* q, const double* x, double* out) const = 0;
   /// x ← increment that does first x, then d.
   virtual void compose(double* x, const double* d) const = 0;
+
+  /// Whether forces go by accelerations: loads of inertia that stiffen bodies.
+  virtual bool has_loads_of_inertia() const = 0;
+  /// r += what these loads put into a residual at (q, a), whose kinematics were the last evaluation.
+  virtual void add_loads_of_inertia(const double* q, const double* a, double* r) = 0;
 };
 
 }  // namespace mimbre

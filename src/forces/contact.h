@@ -237,6 +237,8 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
 }
 
 struct Contact {
+  /// Where set_scales() puts a share of the mechanism's own speed.
+  static constexpr double by_scales = LawNumber::none;
   static constexpr std::array<LawNumber, 11> numbers{{
       {.key = "stiffness",
        .unit = "N/m",
@@ -260,7 +262,7 @@ struct Contact {
       {.key = "stribeck",
        .unit = "m/s",
        .about = "speed over which the limit falls to that in fast sliding",
-       .otherwise = 1e-2,
+       .otherwise = by_scales,
        .above = 0},
       {.key = "tangential",
        .about = "tangential presliding stiffness, relative to the normal stiffness",
@@ -287,7 +289,9 @@ struct Contact {
     behind.insert(behind.end(), {restitution_damping(n[contact::restitution]), 0});
   }
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
-    p[contact::slow] = slow_impact(m, e, p[contact::stiffness], p[contact::exponent], p[contact::depth]);
+    using namespace contact;
+    p[slow] = slow_impact(m, e, p[stiffness], p[exponent], p[depth]);
+    if (p[stribeck] == by_scales) p[stribeck] = p[slow];
   }
   static bool resists_turning(std::span<const double> n) {
     return n[contact::rolling] > 0 || n[contact::spinning] > 0;

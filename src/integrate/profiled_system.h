@@ -68,6 +68,10 @@ class ProfiledSystem final : public System {
   void temper_prediction(double h, double* x) const override { system_.temper_prediction(h, x); }
   void retract(const double* q, const double* x, double* out) const override { system_.retract(q, x, out); }
   void compose(double* x, const double* d) const override { system_.compose(x, d); }
+  bool has_loads_of_inertia() const override { return system_.has_loads_of_inertia(); }
+  void add_loads_of_inertia(const double* q, const double* a, double* r) override {
+    system_.add_loads_of_inertia(q, a, r);
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -31,10 +31,12 @@ StepCode StepMotion::begin(const State& s, StepStatus& status) {
 /// Accelerations W a + Φzᵀ λ = Q, Φ̈ = 0 with W = M + γhC + βh²K instead of M. Where the start is not in
 /// balance, stiff modes would start with accelerations that no step of this length can follow and that
 /// overshoot by far; W bounds them by what the step can bring about, and changes those of slow motions by
-/// terms of the order of the step.
+/// terms of the order of the step. Loads of inertia in Q go by the accelerations: each round takes them at
+/// those of the round before.
 StepCode StepMotion::start(const State& s, StepStatus& status) {
   const int n = system.velocities(), m = system.equations();
   const double* alpha = system.penalty();
+  const bool loads = system.has_loads_of_inertia();  // x has them as of the round
   a.setZero();
   g_.setZero();
   start_multipliers_.setZero();
@@ -58,9 +60,17 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
         status.coordinate = f.unknown;
         return StepCode::singular;
       }
+      x.setZero();
+      if (loads) system.add_loads_of_inertia(s.q.data(), a.data(), x.data());
     } else {
       system.kinematics(s.time, s.q.data(), s.v.data(), a.data());
       r_.setZero();
+      if (loads) {  // what has changed of them since the last round
+        r_ -= x;
+        x.setZero();
+        system.add_loads_of_inertia(s.q.data(), a.data(), x.data());
+        r_ += x;
+      }
     }
     for (int k = 0; k < m; ++k) g_[k] = penalty * alpha[k] * system.phi_ddot()[k];
     system.add_jacobian_transposed(g_.data(), 1, r_.data());
@@ -74,7 +84,8 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
     system.jacobian_times(r_.data(), change_.data());
     for (int k = 0; k < m; ++k) start_multipliers_[k] += g_[k] + penalty * alpha[k] * change_[k];
     const Scales& scales = system.scales();
-    if (m == 0 || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data())) break;
+    if ((m == 0 && !loads) || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data()))
+      break;
   }
   start_a = start_algorithmic = a;
   return StepCode::ok;

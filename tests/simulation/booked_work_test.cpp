@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "mimbre/simulation.h"
 #include "support/models.h"
@@ -182,6 +183,70 @@ simulation: {step: 0.01}
     EXPECT_NEAR(s.energy().drive_work, work, 1e-8);
     EXPECT_NEAR(s.energy().numerical, 0, 1e-8);
   }
+}
+
+/// A drive past an event: what that leaves of the step, 85 µs, has whole multiples beside the end of the
+/// step, none of which the time may move to.
+TEST_P(BookedWork, ADrivePastAnEvent) {
+  Simulation s = simulation(R"(
+gravity: [1, 2, 3]
+inputs: {u: 0.7}
+bodies: {b: {mass: 0.7, com: [0.3, 0.1, 0], inertia: [0.05, 0.05, 0.07]}}
+joints: {j: {type: revolute, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1], drive: {position: 0.3*sin(6*t)}}}
+actuators: {m: {joint: j, torque: u}}
+events: {e: {when: t, crosses: 0.28679, set: {u: -0.9}}}
+outputs: [{name: a, joint_acceleration: j}]
+simulation: {step: 1.25e-4}
+)");
+  while (s.time() < 0.2875) {
+    ASSERT_TRUE(s.step().ok());
+    ASSERT_NEAR(channel(s, "a"), -36 * 0.3 * std::sin(6 * s.time()), 2e-5) << s.time();
+  }
+  EXPECT_NEAR(s.energy().numerical, 0, 2e-8);
+}
+
+/// A beam that is pushed along itself as it swings: its inertia stiffens it, and jumps with the push.
+TEST_P(BookedWork, LoadsOfInertiaThatJump) {
+  std::vector<double> left;
+  for (const double step : {5e-4, 1.25e-4}) {
+    Simulation s = simulation(R"(
+gravity: [0, 0, -2]
+inputs: {u: 1}
+materials: {soft: {young: 2e7, poisson: 0.3, density: 2700}}
+sections: {thin: {area: 4e-4, Iy: 2e-7, Iz: 2e-7, J: 4e-7}}
+bodies:
+  base: {mass: 1, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}
+  beam:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: soft
+      section: thin
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {beam: {from: root, to: tip, elements: 8}}
+      clamped: [root]
+      dynamic_modes: 4
+      stiffening: geometric_stiffness
+joints:
+  slide: {type: prismatic, between: [ground, base], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 500}}
+  hub: {type: revolute, between: [base, beam], at: [0, 0, 0], axis: [0, 1, 0], velocity: -3}
+actuators: {m: {joint: slide, force: "8*u"}}
+events: {e: {when: t, crosses: 0.313, set: {u: -0.8}}}
+simulation: {step: 0.001}
+)",
+                              step);
+    double most = 0, play = 0;
+    while (s.time() < 0.8 - 1e-9) {
+      if (std::abs(s.time() - 0.6) < 0.1 * step) s.set_input(s.input("u"), 0.9);
+      const StepReport report = s.step();
+      ASSERT_TRUE(report.ok()) << s.explain(report);
+      most = std::max(most, std::abs(s.energy().numerical));
+      play = std::max(play, s.energy().kinetic);
+    }
+    left.push_back(most / play);
+  }
+  EXPECT_LT(left[1], 1e-6);
+  // `conserve` leaves nothing.
+  EXPECT_GT(left[0], left[1] < 1e-10 ? 0 : 14 * left[1]);
 }
 
 /// A load, a winch, wind, a motor, a spring with a tunable rate and a road, all of which jump on a moving

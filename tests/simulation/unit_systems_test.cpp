@@ -55,6 +55,22 @@ outputs:
   - {name: w, angular_velocity: b, component: y}
 )",
      {length, length, rate}},
+    {"sliding_ball",  // where its friction falls goes by the mechanism
+     R"(
+gravity: [0, 0, -9.81*L/(T*T)]
+bodies: {b: {mass: 2*M, com: [0, 0, 0.199*L], inertia: [0.03*J, 0.03*J, 0.03*J]}}
+joints: {j: {type: floating, between: [ground, b], at: [0, 0, 0.199*L], velocity: [0.1*L/T, 0.02*L/T, 0, 2/T, 1/T, -3/T]}}
+surfaces: {f: {type: half_space, at: [0, 0, 0], z: [0, 0, 1]}}
+contacts:
+  c: {spheres: {on: b, at: [0, 0, 0.199*L], radius: 0.2*L}, surfaces: [f], stiffness: 9000*k, restitution: 0.4,
+      depth: 0.001*L, friction: 0.3, static_ratio: 1.5, settling: 1e-3*T, rolling: 0.01*L,
+      spinning: 0.01*L}
+outputs:
+  - {name: x, position: b, at: [0, 0, 0.199*L], component: x}
+  - {name: y, position: b, at: [0, 0, 0.199*L], component: y}
+  - {name: w, angular_velocity: b, component: z}
+)",
+     {length, length, rate}},
     {"four_bar",
      R"(
 gravity: [0, 0, -9.81*L/(T*T)]

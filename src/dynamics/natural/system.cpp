@@ -328,6 +328,25 @@ void NaturalSystem::compose(double* x, const double* d) const {
   for (int k = 0; k < layout_.unknowns; ++k) x[k] += d[k];
 }
 
+bool NaturalSystem::has_loads_of_inertia() const { return geometric::has_loads_of_inertia(model_); }
+
+void NaturalSystem::add_loads_of_inertia(const double*, const double*, double* r) {
+  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
+    const int modes = model_.bodies[i].modes;
+    if (modes == 0 || model_.flexible[model_.bodies[i].flexible].geometric.empty()) continue;
+    const Body& b = layout_.bodies[i];
+    const FlexibleData& f = model_.flexible[model_.bodies[i].flexible];
+    Base<double> second = work_.bodies[i].acceleration;
+    second.col(0) -= model_.gravity;
+    double* forces = work_.row_modal.data();
+    std::fill(forces, forces + f.stride, 0.0);
+    geometric::add_inertial_forces(
+        f.geometric, stress_motion(f.geometric, work_.bodies[i], second, work_.ydd.data() + b.amplitudes),
+        work_.y.data() + b.amplitudes, forces);
+    for (int k = 0; k < modes; ++k) r[b.q + k] += forces[k];
+  }
+}
+
 void NaturalSystem::to_relative(const State& s, State& out) {
   natural::kinematics<double>(model_, layout_, work_, s.q.data(), s.v.data(), s.a.data());
   out.time = s.time;

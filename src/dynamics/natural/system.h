@@ -49,6 +49,8 @@ class NaturalSystem final : public System {
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
   void compose(double* x, const double* d) const override;
+  bool has_loads_of_inertia() const override;
+  void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
   /// State in relative coordinates, with the same time: from and to this formulation's. Multipliers of drives
   /// and constraints are carried along; others have no counterpart and are zero. `relative` must be sized.

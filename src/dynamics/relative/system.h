@@ -44,6 +44,8 @@ class RelativeSystem final : public System {
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
   void compose(double* x, const double* d) const override;
+  bool has_loads_of_inertia() const override;
+  void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
   /// Assembles without factorising: for tests and analyses. Same arguments as factor().
   void assemble(const double* q, const MatrixWeights& weights);

@@ -231,7 +231,8 @@ StepReport StepMaker::step(double length) {
   cover(length, 0, report);
   if (!report.ok()) return report;
   under_way_ = true;
-  // Sums of steps drift away from their multiples by round-off.
+  // Sums of steps drift away from their multiples by round-off; what an event leaves of one has no multiples.
+  if (length != method_.step) return report;
   const double multiple = std::round(m.state.time / length) * length;
   if (std::abs(m.state.time - multiple) < 1e-6 * length) m.state.time = multiple;
   return report;
