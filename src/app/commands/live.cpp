@@ -9,9 +9,9 @@
 
 #include "app/advice.h"
 #include "app/common.h"
+#include "app/input_tables.h"
 #include "app/json.h"
 #include "app/method_options.h"
-#include "app/recorded_inputs.h"
 #include "app/summary.h"
 #include "app/targets.h"
 #include "app/terminal/busy.h"
@@ -48,7 +48,7 @@ std::string options_json(const LiveArguments& arguments) {
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.clock.speed != 1) json["speed"] = arguments.clock.speed;
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
-  json.update(to_json(arguments.method));
+  json.update(arguments_json(arguments.method));
   return to_text(json);
 }
 
@@ -119,11 +119,12 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
 
 int live(const LiveArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
-  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
+  InputTables played = input_tables(arguments.inputs, loaded.model->spec().inputs);
+  RecordedInputs& inputs = played.tables;
   if (!arguments.record.empty()) {
     require_different(arguments.model, arguments.record);
     for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
-    for (const std::string& input : inputs.files()) require_different(input, arguments.record);
+    for (const std::string& input : played.files) require_different(input, arguments.record);
     require_no_body(arguments.record);
     require_writable(arguments.record);
   }
