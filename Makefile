@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages configure build python docs wheel sdist demo live test bench lint format clean
+.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live test bench lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
@@ -14,10 +14,21 @@ help: ## Show this list
 packages: ## Install the Debian packages that are missing
 	@scripts/install-packages
 
+# What only the tests use: formatting, pages in a browser, meshes, a second solver, the site's C++ pages.
+TEST_TOOLS := clang-format chromium gmsh calculix-ccx doxygen
+test-tools: packages
+ifdef LIGHT
+	@echo "LIGHT is set: not installed are $(TEST_TOOLS)."
+	@echo "Without them are skipped: the check of the formatting, pages in a browser (web.page, web.live, web.drive),"
+	@echo "meshes made by Gmsh, comparisons with CalculiX, and the documentation's site. The last lines list what was."
+else
+	@scripts/install-packages $(TEST_TOOLS)
+endif
+
 # One configuration for everything, so that nothing is compiled twice. Where CI is set, as continuous integration does,
-# warnings are errors.
+# warnings are errors, in that build folder from then on: a call without CI leaves the configuration as it is.
 configure: packages
-	@cmake --preset release -DMIMBRE_WERROR=$(if $(CI),ON,OFF)
+	@cmake --preset release $(if $(CI),-DMIMBRE_WERROR=ON)
 
 build: configure ## Build everything (the program: build/release/mimbre)
 	@cmake --build $(BUILD) --parallel $(JOBS)
@@ -27,9 +38,12 @@ python: configure ## Install the Python package into build/python-env
 	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) build/python-env/bin/python -m pip install --quiet --disable-pip-version-check --no-deps \
 	  --no-build-isolation --force-reinstall .
 
-docs: python ## Make the documentation's site, build/docs/index.html
+docs: python docs-tools ## Make the documentation's site, build/docs/index.html
 	@scripts/docs
 	@echo "Made build/docs/index.html."
+
+docs-tools:
+	@scripts/install-packages doxygen
 
 wheel: packages ## Make a wheel that is complete in itself in dist/, and use it in a bare system (as root)
 	@JOBS=$(JOBS) scripts/wheel
@@ -54,7 +68,7 @@ live: configure ## Drive a vehicle in the browser
 	$(PROGRAM) live examples/iltis/drive.yaml --open
 
 # The checks of the sources come before the tests, so that the last lines are the summary of ctest.
-test: build ## Build everything, check formatting, order of folders and words, run all tests
+test: test-tools build ## Build everything and run all checks and tests (LIGHT=1: without Chromium, Gmsh and CalculiX)
 	@$(MAKE) --no-print-directory python
 	@scripts/check-format
 	@scripts/check-words

@@ -48,8 +48,9 @@ def _parts(markdown: str) -> list[tuple[str | None, str]]:
 
 
 def _linked(link: re.Match[str], page: str) -> str:
-    """A link to a folder is one to its README, one to an example's file to where its page shows it; what the site does
-    not have stays as text. A page that is called by its file's name is called by its title."""
+    """A link to a folder is one to its README, one to an example's file to where its page shows it, one to a public
+    header to its page; what the site does not have stays as text. A page that is called by its file's name is called by
+    its title."""
     text, target, anchor = link[1], link[2], link[3] or ""
     if re.match(r"\w+:", target):
         return link[0]
@@ -65,6 +66,8 @@ def _linked(link: re.Match[str], page: str) -> str:
     elif goal.startswith("examples/") and path in shown(path.parent):
         anchor = "#" + _slug(path.name, "-")
         goal = f"{posixpath.dirname(goal)}/README.md"
+    elif goal.startswith("include/mimbre/") and path.suffix == ".h":
+        goal = goal.removesuffix(".h") + ".md"
     elif path.suffix not in (".md", ".png"):
         return text
     if text == path.name and path.suffix == ".md":

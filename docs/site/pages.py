@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+from cpp_reference import cpp_pages
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 
@@ -29,12 +31,19 @@ _wide = ("docs/coming-from.md",)  # whose tables take the place of the contents 
 _languages = {".yaml": "yaml", ".py": "python", ".cpp": "cpp", ".geo": "text"}
 
 
+@cache
+def _headers() -> dict[str, str]:
+    return cpp_pages(top / "include", top / "build/docs-cpp")
+
+
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     examples = [f"examples/{folder.name}/README.md" for folder in _examples()]
     rooms = [path.relative_to(top).as_posix() for path in sorted(top.glob("src/*/README.md"))]
     for entry in config.nav or []:
         if "Examples" in entry:
             entry["Examples"] = examples
+        if "C++" in entry:
+            entry["C++"] = entry["C++"] + [_header_page(name) for name in _headers()]
         if "Developing" in entry:
             entry["Developing"] = entry["Developing"] + rooms
     return config
@@ -47,6 +56,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for folder in _examples():
         files.remove(page := files.src_uris[f"examples/{folder.name}/README.md"])
         files.append(File.generated(config, page.src_uri, content=_with_files(folder)))
+    for name, text in _headers().items():
+        files.append(File.generated(config, _header_page(name), content=text))
     fonts = {f"assets/katex/fonts/{font.name}": font for font in (node / "katex/dist/fonts").glob("*.woff2")}
     for name, path in {**_assets, **fonts}.items():
         files.append(File.generated(config, name, abs_src_path=str(path), inclusion=InclusionLevel.NOT_IN_NAV))
@@ -65,6 +76,11 @@ def _examples() -> list[Path]:
 def shown(folder: Path) -> list[Path]:
     """The files of an example that its page shows."""
     return [path for path in sorted(folder.iterdir()) if path.suffix in _languages]
+
+
+def _header_page(name: str) -> str:
+    """Of the header "mimbre/run.h"."""
+    return f"include/{name.removesuffix('.h')}.md"
 
 
 def _with_files(folder: Path) -> str:

@@ -12,4 +12,8 @@ std::size_t first_not_utf8(const std::string& text);
 /// as U+FFFD. Names and paths from outside go through it, since an escape sequence could display anything.
 std::string printable(const std::string& text);
 
+/// JSON text as a terminal may show it: control characters that JSON lets stand, DEL and U+0080 to U+009F,
+/// are escaped.
+std::string printable_json(const std::string& json);
+
 }  // namespace mimbre

@@ -20,7 +20,9 @@ from .errors import InputError, SweepInterrupted
 from .history_folder import HistoryFolder
 from .model import Model, read_inputs
 from .simulation import checked_method
-from .study import LOST, NOT_RUN, Floats, Row, Study, Value, reductions, run_rows, words
+from .store import Store
+from .study import LOST, NOT_RUN, Row, Study, Value, reductions, run_rows
+from .table import Table, Units, reduction_name
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,8 +135,6 @@ def sweep(
     table = Table(study, len(rows))
     file = None
     if store is not None:
-        from .store import Store
-
         columns = {name: [row[name] for row in rows] for name in names}
         file = Store(_checks.path("store", store), _fingerprint(study, rows), columns)
 
@@ -148,7 +148,10 @@ def sweep(
     try:
         begun = file is not None and file.read(table)
         if histories is not None:
-            study.histories = HistoryFolder.of(_checks.path("histories", histories), table, begun)
+            known = range(len(rows)) if begun else range(0)
+            study.histories = HistoryFolder.of(_checks.path("histories", histories), known)
+            for index in set(table.ended_well()) - study.histories.rows():
+                table.forget(index)
         if file is not None and not begun:  # at once, so that it knows the histories that workers write
             file.write(table, ())
         waiting = [(index, row) for index, row in enumerate(rows) if table.status[index] == NOT_RUN]
@@ -168,88 +171,6 @@ def sweep(
         if file is not None:
             file.close()
     return table.dataset(names, grid, rows, units)
-
-
-class Table:
-    """The rows of a sweep so far."""
-
-    def __init__(self, study: Study, count: int) -> None:
-        self.study = study
-        self.status = np.zeros(count, np.uint8)
-        self.messages = [""] * count
-        self.time: Floats | None = None
-        self.values: Floats | None = None
-        if study.reduce is not None:
-            self._allocate(len(study.reduce))
-
-    def _allocate(self, last: int) -> None:
-        self.values = np.full((len(self.status), len(self.study.outputs), last), np.nan)
-
-    def take(self, row: Row) -> bool:
-        """Whether it is new: what is done again, as a worker died that had done it, counts once."""
-        if self.status[row.index] != NOT_RUN or row.status == NOT_RUN:
-            return False
-        self.status[row.index] = row.status
-        self.messages[row.index] = row.message
-        if row.values is None:
-            return True
-        if row.time is not None:
-            if self.time is None:
-                self.time = row.time
-                self._allocate(len(row.time))
-            elif not np.array_equal(self.time, row.time):
-                self.status[row.index] = words.index("failed")
-                self.messages[row.index] = "its instants are others than those of the first run; give step= and until="
-                return True
-        assert self.values is not None
-        self.values[row.index] = row.values
-        return True
-
-    def ended_well(self) -> list[int]:
-        rows: list[int] = np.flatnonzero(self.status == words.index("ok")).tolist()
-        return rows
-
-    def forget(self, index: int) -> None:
-        """It is to be run again."""
-        self.status[index] = NOT_RUN
-
-    def dataset(
-        self, names: Sequence[str], grid: dict[str, list[Value]] | None, rows: list[dict[str, Value]], units: _Units
-    ) -> xr.Dataset:
-        import xarray as xr
-
-        if self.values is None:  # no run ended well
-            self._allocate(0)
-            self.time = np.zeros(0)
-        assert self.values is not None
-        dims = list(grid) if grid is not None else ["run"]
-        shape = tuple(map(len, grid.values())) if grid is not None else (len(rows),)
-        coordinates: dict[str, Any] = (
-            {name: np.array(values) for name, values in grid.items()}
-            if grid is not None
-            else {name: ("run", np.array([row[name] for row in rows])) for name in names}
-        )
-        last: list[str] = []
-        if self.study.reduce is None:
-            last = ["time"]
-            coordinates["time"] = ("time", self.time, {"units": "s"})
-        elif len(self.study.reduce) > 1:
-            last = ["reduction"]
-            coordinates["reduction"] = [_name(one) for one in self.study.reduce]
-        # What a function makes of a history may be of another unit.
-        kept = self.study.reduce is None or all(isinstance(one, str) for one in self.study.reduce)
-        variables: dict[str, Any] = {}
-        for k, name in enumerate(self.study.outputs):
-            values = self.values[:, k, :] if last else self.values[:, k, 0]
-            unit, meaning = units[name]
-            attributes = {"units": unit, "long_name": meaning} if kept else {"long_name": meaning}
-            variables[name] = (dims + last, values.reshape(shape + values.shape[1:]), attributes)
-        variables["status"] = (dims, np.array(words)[self.status].reshape(shape))
-        variables["message"] = (dims, np.array(self.messages, dtype=np.str_).reshape(shape))
-        attributes = {"title": self.study.model.title}
-        if self.study.reduce is not None and len(self.study.reduce) == 1:
-            attributes["reduction"] = _name(self.study.reduce[0])
-        return xr.Dataset(variables, coordinates, attributes)
 
 
 # Who does it
@@ -335,8 +256,6 @@ def _by_executor(study: Study, waiting: _Waiting, take: _Take, executor: Any) ->
 
 # What is asked for
 
-_Units = dict[str, tuple[str, str]]
-
 
 def _rows(parameters: Any) -> tuple[list[str], dict[str, list[Value]] | None, list[dict[str, Value]]]:
     """Names, the values of a grid, and the parameters of each run."""
@@ -396,7 +315,7 @@ def _study(
     inputs: Inputs | None,
     until: float | None,
     method: Method,
-) -> tuple[Study, _Units]:
+) -> tuple[Study, Units]:
     """Checks what would be wrong for every run."""
     simulation = model.simulation(**method)
     until = _checks.given("until", until)
@@ -448,20 +367,16 @@ def _reductions(reduce: Any) -> list[Reduction] | None:
             _checks.known("reduction", one, reductions)
         elif not callable(one):
             raise InputError(f"reduce: a name or a function of a history is needed, not {_checks.described(one)}")
-    if not chosen or len({_name(one) for one in chosen}) < len(chosen):
+    if not chosen or len({reduction_name(one) for one in chosen}) < len(chosen):
         raise InputError("reduce: names of reductions are needed, each once")
     return chosen
-
-
-def _name(one: Reduction) -> str:
-    return one if isinstance(one, str) else getattr(one, "__name__", repr(one))
 
 
 def _fingerprint(study: Study, rows: list[dict[str, Value]]) -> dict[str, str]:
     """What makes a study another one. Functions count by their names."""
 
     def text(value: object) -> str:
-        return _name(value) if callable(value) else repr(value)
+        return reduction_name(value) if callable(value) else repr(value)
 
     _, files = study.model._files()
     content = [study.model._text, sorted(study.model.parameters.items())]

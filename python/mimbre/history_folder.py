@@ -12,7 +12,6 @@ from .errors import InputError
 
 if TYPE_CHECKING:
     from . import _core
-    from .ensemble import Table
 
 
 @dataclass(frozen=True)
@@ -22,9 +21,8 @@ class HistoryFolder:
     folder: str
 
     @classmethod
-    def of(cls, folder: str, table: Table, begun: bool) -> HistoryFolder:
-        """Made where it is not there. Rows of `table` whose file is missing are to be run again. Refuses a folder with
-        files of rows that the table does not have, and one with any where this sweep has not `begun` before."""
+    def of(cls, folder: str, known: range) -> HistoryFolder:
+        """Made where it is not there. Refuses a folder with files of rows that are not `known` to the sweep."""
         path = Path(folder).absolute()
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -32,14 +30,16 @@ class HistoryFolder:
             raise InputError(f"histories: {folder} is no folder, and cannot be made one: {error.strerror}") from None
         for unfinished in path.glob(".run-*.h5.*"):  # of workers that were killed
             unfinished.unlink(missing_ok=True)
-        there = {int(file.stem.removeprefix("run-")) for file in path.glob("run-[0-9]*.h5")}
-        if there - set(range(len(table.status)) if begun else ()):
+        made = cls(str(path))
+        if made.rows() - set(known):
             raise InputError(
                 f"histories: {folder} has runs of another sweep; give an empty folder, or the store= that goes with it"
             )
-        for index in set(table.ended_well()) - there:
-            table.forget(index)
-        return cls(str(path))
+        return made
+
+    def rows(self) -> set[int]:
+        """Those whose file is there."""
+        return {int(file.stem.removeprefix("run-")) for file in Path(self.folder).glob("run-[0-9]*.h5")}
 
     def path(self, index: int) -> Path:
         return Path(self.folder, f"run-{index:06}.h5")

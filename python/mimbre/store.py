@@ -13,7 +13,7 @@ from .errors import InputError
 from .study import LOST, NOT_RUN, words
 
 if TYPE_CHECKING:
-    from .ensemble import Table
+    from .table import Table
 
 MESSAGE = 400  # bytes of a text
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "app/common.h"
 #include "attention.h"
 #include "bindings.h"
 #include "loaded_model.h"
@@ -19,8 +18,8 @@
 #include "mimbre/results.h"
 #include "mimbre/statics.h"
 #include "mimbre/stress_history.h"
+#include "mimbre/unknown_name.h"
 #include "mimbre/verify.h"
-#include "simulation/describe/names.h"
 
 /// What the program's commands beside run and reduce find out: mimbre/analysis.py gives it names.
 namespace mimbre::python {
@@ -39,8 +38,18 @@ auto computed(const Mark& mark, const Work& work) {
   } catch (const nb::python_error&) {
     throw;
   } catch (const std::runtime_error& error) {
-    throw app::Failure(error.what());
+    throw Failure(error.what());
   }
+}
+
+/// Place of the body of that name. Throws UnknownName, with a name that is like it, where there is none.
+int body_number(const std::vector<spec::Body>& bodies, const std::string& name) {
+  std::vector<std::string> names;
+  for (const spec::Body& body : bodies) {
+    if (body.name == name) return static_cast<int>(names.size());
+    names.push_back(body.name);
+  }
+  throw UnknownName(Mark{}, fmt::format("there is no body '{}'{}", name, did_you_mean(name, names)));
 }
 
 StaticResult equilibrium(const LoadedModel& loaded, const MethodChoice& method) {
@@ -53,8 +62,8 @@ Verification verification(const LoadedModel& loaded, const MethodChoice& method,
   const spec::Simulation& given = loaded.model->spec().simulation;
   VerifyOptions options;
   options.run = method.options(given);
-  app::planned(given, options.run, method.step > 0 ? std::optional(method.step) : std::nullopt,
-               until);  // else refused
+  planned(given, options.run, method.step > 0 ? std::optional(method.step) : std::nullopt,
+          until);  // else refused
   options.end = until.value_or(-1);
   options.refine = refine;
   double reached = 0;
@@ -114,7 +123,7 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
                         double error, bool combinations, bool rigid, std::optional<double> end,
                         const std::optional<nb::callable>& progress) {
   const spec::Model& model = loaded.model->spec();
-  const int number = find_by_name(model.bodies, body, "body");
+  const int number = body_number(model.bodies, body);
   ModeSelectionOptions options;
   options.error = error;
   options.keep = combinations ? ModeSelectionOptions::Keep::combinations : ModeSelectionOptions::Keep::modes;
@@ -139,7 +148,7 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
     attention.raise();
   }
   if (!result.reached)
-    throw app::Failure(
+    throw Failure(
         fmt::format("no selection of the {} modes reaches {:.3g} %; the last {} are off by "
                     "{:.3g} %; allow a larger error",
                     result.candidates, 100 * error, result.body.modes, 100 * result.achieved_error));

@@ -1,12 +1,11 @@
 #include "clocked.h"
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "app/common.h"
-#include "app/json.h"
-#include "app/terminal/monitor.h"
+#include "bindings.h"
+#include "json_text.h"
 #include "mimbre/live_server.h"
+#include "mimbre/real_time_summary.h"
 
 namespace mimbre::python {
 namespace {
@@ -50,15 +49,16 @@ std::string clocked(Simulation& simulation, const ClockedOptions& options, const
     if (recorder) loop.add(*recorder);
     end = loop.run();
   }
-  app::Json json = app::monitor_json(loop.monitor());
+  Json json = Json::parse(real_time_summary(loop.monitor()));
   json["message"] = end;
   const RealTimeGrants granted = loop.granted();
   json["granted"] = {
       {"memory", granted.memory}, {"scheduling", granted.scheduling}, {"processor", granted.processor}};
   json["worst_case"] = loop.worst_case();
-  if (recorder) recorder->finish(loop, app::to_text(json));
-  if (loop.state() == RealTimeLoop::State::failed) throw app::Failure(end);
-  return app::to_text(json);
+  const std::string text = json_text(json);
+  if (recorder) recorder->finish(loop, text);
+  if (loop.state() == RealTimeLoop::State::failed) throw Failure(end);
+  return text;
 }
 
 }  // namespace mimbre::python

@@ -5,9 +5,9 @@
 #include <regex>
 #include <string>
 
-#include "app/common.h"
 #include "bindings.h"
 #include "mimbre/unknown_name.h"
+#include "mimbre/usage_error.h"
 
 /// The library's exceptions as those of the package (mimbre/errors.py).
 namespace mimbre::python {
@@ -43,9 +43,9 @@ void translate(const std::exception_ptr& pointer, void*) {
     raise("_unknown_name", to_list(error.diagnostics()));
   } catch (const InputError& error) {
     raise("_input_error", to_list(error.diagnostics()));
-  } catch (const app::UsageError& error) {
+  } catch (const UsageError& error) {
     raise("_input_error", to_list({{Mark{}, without_dashes(error.what())}}));
-  } catch (const app::Failure& error) {
+  } catch (const Failure& error) {
     raise("SimulationError", nb::cast(std::string(error.what())));
   }
 }

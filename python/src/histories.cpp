@@ -61,7 +61,7 @@ Histories histories(const LoadedModel& loaded, const MethodChoice& method, std::
     for (const std::string& name : names) channels.push_back(simulation.channel(name));
     found.emplace(asked.plan, std::move(channels));
     RunTotals totals;
-    const app::Ending ending = simulate(simulation, asked.plan, inputs, *found, totals, attention, [&] {
+    const RunEnding ending = simulate(simulation, asked.plan, inputs, *found, totals, attention, [&] {
       return stop.wanted.load(std::memory_order_relaxed) || attention.stop();
     });
     found->status = ending.status;

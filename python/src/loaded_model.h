@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/method_options.h"
+#include "mimbre/method_arguments.h"
 #include "mimbre/model.h"
 
 namespace mimbre::python {
@@ -19,7 +19,7 @@ struct LoadedModel {
 
 /// How a run is computed: what was asked for, checked.
 struct MethodChoice {
-  app::MethodArguments arguments;
+  MethodArguments arguments;
   double step = 0;  ///< s; 0: not given
 
   /// For a model whose file says `given`. Throws UsageError where they do not fit together.

@@ -112,7 +112,7 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
                     std::optional<int> max_iterations, std::optional<int> substeps,
                     std::optional<bool> fixed_cost, std::optional<double> step) {
   MethodChoice result;
-  app::MethodArguments& to = result.arguments;
+  MethodArguments& to = result.arguments;
   to.formulation = word("formulation", formulation, method_names::formulations);
   to.inertia = word("inertia", inertia, method_names::inertias);
   to.formalism = word("formalism", formalism, method_names::formalisms);
@@ -140,7 +140,7 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
 }  // namespace
 
 RunOptions MethodChoice::options(const spec::Simulation& given) const {
-  RunOptions result = app::run_options(arguments, given);
+  RunOptions result = run_options(arguments, given);
   result.step = step;
   return result;
 }

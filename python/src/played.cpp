@@ -61,7 +61,7 @@ Asked::Asked(const LoadedModel& loaded, const MethodChoice& method, std::optiona
   options = method.options(given);
   options.end = until.value_or(-1);
   options.inputs = inputs.start();
-  plan = app::planned(given, options, method.step > 0 ? std::optional(method.step) : std::nullopt, until);
+  plan = planned(given, options, method.step > 0 ? std::optional(method.step) : std::nullopt, until);
 }
 
 }  // namespace mimbre::python

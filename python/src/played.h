@@ -8,10 +8,10 @@
 #include <tuple>
 #include <vector>
 
-#include "app/recorded_inputs.h"
-#include "app/summary.h"
 #include "attention.h"
 #include "loaded_model.h"
+#include "mimbre/recorded_inputs.h"
+#include "mimbre/run_summary.h"
 
 /// Runs with inputs that are played, whatever is kept of them.
 namespace mimbre::python {
@@ -39,7 +39,7 @@ class Inputs {
   };
   void call(Simulation& simulation);
 
-  app::RecordedInputs recorded_;
+  RecordedInputs recorded_;
   std::vector<Called> functions_;
 };
 
@@ -52,15 +52,15 @@ struct Asked {
 
 /// The loop of `mimbre run`, with its rows in memory. `stop`: asked before each step.
 template <class Rows, class Stop>
-app::Ending simulate(Simulation& simulation, const RunPlan& plan, Inputs& inputs, Rows& rows,
-                     RunTotals& totals, Attention& attention, const Stop& stop) {
+RunEnding simulate(Simulation& simulation, const RunPlan& plan, Inputs& inputs, Rows& rows, RunTotals& totals,
+                   Attention& attention, const Stop& stop) {
   const auto before_step = [&] {
     inputs.set(simulation, attention);
     return stop();
   };
   rows.record(simulation);
   std::int64_t recorded = 0;
-  const auto stopped = [&](app::Ending ending) {
+  const auto stopped = [&](RunEnding ending) {
     if (recorded < totals.steps) rows.record(simulation);
     return ending;
   };

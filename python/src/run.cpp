@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/common.h"
 #include "bindings.h"
+#include "json_text.h"
 #include "mimbre/results.h"
 #include "played.h"
 
@@ -62,15 +62,15 @@ struct Finished {
 
 std::string options_json(const LoadedModel& loaded, const MethodChoice& method, std::optional<double> until,
                          const std::vector<Table>& tables, const std::vector<Function>& functions) {
-  app::Json json = app::Json::object();
+  Json json = Json::object();
   for (const auto& [name, value] : loaded.parameters) json["set"][name] = value;
   if (method.step > 0) json["step"] = method.step;
   if (until) json["until"] = *until;
   for (const auto& [name, times, values] : tables)
     json["input"].push_back(fmt::format("{}=table of {} points", name, times.size()));
   for (const auto& [name, function] : functions) json["input"].push_back(name + "=function");
-  json.update(app::to_json(method.arguments));
-  return app::to_text(json);
+  json.update(Json::parse(arguments_summary(method.arguments)));
+  return json_text(json);
 }
 
 Finished run(const LoadedModel& loaded, const MethodChoice& method, std::optional<double> until,
@@ -92,16 +92,14 @@ Finished run(const LoadedModel& loaded, const MethodChoice& method, std::optiona
     results.header = simulation.header(options_json(loaded, method, until, tables, functions));
     Rows rows(results, simulation, asked.plan);
     RunTotals totals;
-    const app::Ending ending =
+    const RunEnding ending =
         simulate(simulation, asked.plan, inputs, rows, totals, attention, [&] { return attention.stop(); });
     rows.finish();
     std::vector<std::string> warnings;
     for (const Diagnostic& warning : loaded.warnings) warnings.push_back(to_string(warning));
     for (const std::string& warning : simulation.warnings()) warnings.push_back(warning);
-    app::Json summary = app::run_summary(simulation, totals, ending, warnings);
-    results.summary_json = app::to_text(summary);
-    app::add_measurements(summary, simulation, totals);
-    finished.measured_json = app::to_text(summary);
+    results.summary_json = run_summary(simulation, totals, ending, warnings);
+    finished.measured_json = measured_summary(results.summary_json, simulation, totals);
     finished.status = ending.status;
     finished.message = ending.message;
   }

@@ -16,7 +16,6 @@
 #include <memory>
 #include <optional>
 
-#include "app/common.h"
 #include "attention.h"
 #include "bindings.h"
 #include "clocked.h"
@@ -55,7 +54,7 @@ class Stepper {
    public:
     explicit Turn(Stepper& stepper) : stepper_(stepper) {
       if (stepper.taken_.exchange(true))
-        throw app::Failure("another thread is stepping this simulation; clone() makes one of its own");
+        throw Failure("another thread is stepping this simulation; clone() makes one of its own");
     }
     ~Turn() { stepper_.taken_ = false; }
     Turn(const Turn&) = delete;
@@ -190,7 +189,7 @@ class Stepper {
     }
     put_channels();
     attention.raise();
-    if (!report.ok()) throw app::Failure(turn->explain(report));
+    if (!report.ok()) throw Failure(turn->explain(report));
   }
 
   template <class Step>

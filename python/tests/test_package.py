@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import os
 import re
 import subprocess
@@ -47,8 +48,17 @@ def test_the_words_are_those_of_the_schema():
 
 
 def test_versions_agree():
-    assert mimbre.__version__ == importlib.metadata.version("mimbre")
-    assert mimbre.__version__ in program("--version")
+    """All with that of CMakeLists.txt, of which the package's own is made."""
+    (version,) = re.findall(r"project\(mimbre VERSION ([0-9.]+)", (top / "CMakeLists.txt").read_text(encoding="utf-8"))
+    assert mimbre.__version__ == importlib.metadata.version("mimbre") == version
+    assert program("--version").split() == ["mimbre", version]
+    assert f"\nversion: {version}\n" in (top / "CITATION.cff").read_text(encoding="utf-8")
+    changes = re.findall(r"^## \[(.*?)\]", (top / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert changes[0] == version
+    for folder in ("web", "docs/site"):
+        lock = json.loads((top / folder / "package-lock.json").read_text(encoding="utf-8"))
+        package = json.loads((top / folder / "package.json").read_text(encoding="utf-8"))
+        assert package["version"] == lock["version"] == lock["packages"][""]["version"] == version, folder
 
 
 examples = sorted((top / "examples/python").glob("*.py"))

@@ -1,7 +1,6 @@
 #include "app/common.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -84,16 +83,6 @@ void print_data(const std::string& text) {
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw Failure(fmt::format("cannot write to the standard output: {}", std::strerror(errno)));
-}
-
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-#ifdef __APPLE__
-  return static_cast<double>(usage.ru_maxrss) * 1e-6;
-#else
-  return static_cast<double>(usage.ru_maxrss) * 1024e-6;
-#endif
 }
 
 }  // namespace mimbre::app

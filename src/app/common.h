@@ -13,8 +13,6 @@
 /// What the commands share. Messages go to stderr, data to stdout.
 namespace mimbre::app {
 
-constexpr const char* version = MIMBRE_VERSION;
-
 /// Exit codes of the program.
 enum Exit : int {
   done = 0,
@@ -88,8 +86,5 @@ void print_warning(const std::string& message);
 
 /// Text to stdout, at once. Throws Failure when it cannot be written.
 void print_data(const std::string& text);
-
-/// The process's largest resident memory so far, MB (10⁶ bytes).
-double peak_memory_mb();
 
 }  // namespace mimbre::app

@@ -9,6 +9,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "mimbre/build.h"
 #include "mimbre/isolation.h"
 #include "mimbre/threads.h"
 
@@ -98,7 +99,8 @@ int main_program(int argc, char** argv) {
   if (const auto rehearsed = rehearse_reading(argc, argv)) return *rehearsed;
   isolate_reading("/proc/self/exe");
   use_one_blas_thread();
-  CommandLine program("mimbre", "Flexible multibody systems in real time", fmt::format("mimbre {}", version));
+  CommandLine program("mimbre", "Flexible multibody systems in real time",
+                      fmt::format("mimbre {}", build_info().version));
   program.footer(
       "Messages go to the standard error, data to the standard output.\nExit codes: 0 done, 1 the model or "
       "another input is bad, 2 wrong use, 3 the simulation failed, 4 done with warnings\nif --strict was "

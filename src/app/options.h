@@ -2,9 +2,10 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "mimbre/usage_error.h"
 
 namespace CLI {
 class App;
@@ -17,10 +18,6 @@ class Option;
 ///     parser.add_option("--until", until, "End in s").above(0).type_name("T");
 namespace mimbre::app {
 
-/// Wrong use: exit code 2.
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 /// A word on the command line that nothing takes.
 struct UnexpectedArgument : UsageError {
   using UsageError::UsageError;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "app/common.h"
+#include "mimbre/build.h"
 #include "mimbre/fe_import.h"
 #include "mimbre/result_cache.h"
 
@@ -64,7 +65,7 @@ bool add_value(std::string_view value, ContentKey& key) {
 std::string reduction_key(const Parser& command, const std::string& name,
                           const std::vector<std::string>& without) {
   ContentKey key;
-  key.add(version);
+  key.add(build_info().version);
   key.add(name);
   key.add_program();
   try {

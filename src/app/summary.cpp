@@ -9,10 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/common.h"
-#include "app/method_options.h"
 #include "app/terminal/table.h"
-#include "mimbre/build.h"
 #include "mimbre/method_names.h"
 
 namespace mimbre::app {
@@ -31,26 +28,7 @@ bool stopped_by(const Simulation& simulation, const EventRecord& e) {
   return simulation.stopped() && e.stops && e.count > 0 && e.last == simulation.time();
 }
 
-/// What linear theory neglected at worst, by flexible body.
-Json validity(const Simulation& simulation) {
-  Json bodies = Json::array();
-  for (const Validity& v : simulation.validity()) {
-    Json body{{"body", v.body}};
-    for (const auto& [name, peak] : named(v)) {
-      if (!peak.watched) {
-        body[name] = nullptr;
-        continue;
-      }
-      body[name] = peak.value;
-      body["time"][name] = peak.time;
-    }
-    body["axial"] = v.axial;
-    bodies.push_back(std::move(body));
-  }
-  return bodies;
-}
-
-/// The same for people: the worst of all bodies.
+/// What linear theory neglected at worst, of all bodies.
 std::string worst(const std::vector<Validity>& bodies) {
   const char* names[] = {"deflection", "shortening", "compression", "tension", "held", "highest modes"};
   std::string text;
@@ -70,55 +48,11 @@ std::string worst(const std::vector<Validity>& bodies) {
   return text;
 }
 
-/// The model's events, with the times of the first and the last of each.
-Json happened(const Simulation& simulation) {
-  Json events = Json::array();
-  for (const EventRecord& e : simulation.events()) {
-    Json event{{"event", e.name}, {"count", e.count}};
-    if (e.count > 0) event.update({{"first", e.first}, {"last", e.last}});
-    if (e.stops) event["stopped"] = stopped_by(simulation, e);
-    events.push_back(std::move(event));
-  }
-  return events;
-}
-
 double per_step(std::int64_t total, const RunTotals& totals) {
   return totals.steps > 0 ? static_cast<double>(total) / static_cast<double>(totals.steps) : 0.0;
 }
 
 }  // namespace
-
-Json run_summary(Simulation& simulation, const RunTotals& totals, const Ending& ending,
-                 const std::vector<std::string>& warnings) {
-  Json summary;
-  summary["status"] = ending.status;
-  if (!ending.message.empty()) summary["message"] = ending.message;
-  summary["steps"] = totals.steps;
-  summary["step"] = simulation.step_size();
-  summary.update(method_json(simulation.method()));
-  summary["resolved"] = resolved_json(simulation.method());
-  summary["time"] = simulation.time();
-  summary["coordinates"] = simulation.coordinates();
-  summary["iterations"] = totals.iterations;
-  summary["iterations_per_step"] = per_step(totals.iterations, totals);
-  summary["factorisations"] = totals.factorisations;
-  summary["repeated_steps"] = totals.repeated_steps;
-  if (simulation.method().fixed_cost) summary["unconverged_steps"] = totals.unconverged_steps;
-  summary["max_position_violation"] = totals.violations.position_violation;
-  summary["max_angle_violation"] = totals.violations.angle_violation;
-  summary["max_velocity_violation"] = totals.violations.velocity_violation;
-  summary["max_angular_velocity_violation"] = totals.violations.angular_velocity_violation;
-  for (const EnergyTerm& term : energy_terms) summary["energy"][term.name] = simulation.energy().*term.value;
-  if (Json bodies = validity(simulation); !bodies.empty()) summary["validity"] = std::move(bodies);
-  if (Json events = happened(simulation); !events.empty()) summary["events"] = std::move(events);
-  summary["warnings"] = warnings;
-  ResultsRow row;
-  simulation.sample(row);
-  summary["outputs"] = Json::object();
-  for (int k = 0; k < simulation.output_count(); ++k)
-    summary["outputs"][simulation.channels()[k].name] = row.channels[k];
-  return summary;
-}
 
 Json output_units(const Simulation& simulation) {
   Json units = Json::object();
@@ -128,13 +62,7 @@ Json output_units(const Simulation& simulation) {
 }
 
 void add_measurements(Json& summary, const Simulation& simulation, const RunTotals& totals) {
-  summary["cpu_seconds"] = totals.cpu_seconds;
-  summary["initialisation_seconds"] = simulation.initialisation_seconds();
-  summary["real_time_factor"] = real_time_factor(totals, simulation.time());
-  summary["peak_memory_mb"] = peak_memory_mb();
-  const BuildInfo& build = build_info();
-  summary["build"] = {
-      {"version", build.version}, {"compiler", build.compiler}, {"instructions", build.instructions}};
+  summary = Json::parse(measured_summary(to_text(summary), simulation, totals));
 }
 
 std::string summary_table(Simulation& simulation, const RunTotals& totals) {

@@ -58,4 +58,19 @@ std::string printable(const std::string& text) {
   return result;
 }
 
+std::string printable_json(const std::string& json) {
+  static constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  text.reserve(json.size());
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const bool two = byte(json, i) == 0xC2 && i + 1 < json.size() && byte(json, i + 1) < 0xA0;
+    if (two) ++i;
+    if (const unsigned control = byte(json, i); two || control == 0x7F)
+      text += std::string("\\u00") + digits[control / 16] + digits[control % 16];
+    else
+      text += json[i];
+  }
+  return text;
+}
+
 }  // namespace mimbre

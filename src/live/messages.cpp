@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "live/road_stretch.h"
+#include "live/timings_json.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/report.h"
 #include "results/report_json.h"
@@ -22,13 +23,6 @@ constexpr int most_shown = 4;
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 [[noreturn]] void wrong(const std::string& message) { throw InputError(Mark{}, message); }
-
-Json timings_json(const Timings& t) {
-  return {{"median", t.quantile(0.5)},
-          {"p99", t.quantile(0.99)},
-          {"p9999", t.quantile(0.9999)},
-          {"worst", t.worst()}};
-}
 
 /// Ten bins to a decade, from a microsecond to a second.
 std::vector<double> histogram_edges() {

@@ -11,6 +11,7 @@
 #include "app/summary.h"
 #include "app/terminal/table.h"
 #include "mimbre/run.h"
+#include "mimbre/run_summary.h"
 
 /// mimbre bench: how fast models run on this machine.
 namespace mimbre::app {

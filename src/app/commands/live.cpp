@@ -9,9 +9,9 @@
 
 #include "app/advice.h"
 #include "app/common.h"
+#include "app/input_tables.h"
 #include "app/json.h"
 #include "app/method_options.h"
-#include "app/recorded_inputs.h"
 #include "app/summary.h"
 #include "app/targets.h"
 #include "app/terminal/busy.h"
@@ -48,7 +48,7 @@ std::string options_json(const LiveArguments& arguments) {
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.clock.speed != 1) json["speed"] = arguments.clock.speed;
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
-  json.update(to_json(arguments.method));
+  json.update(arguments_json(arguments.method));
   return to_text(json);
 }
 
@@ -117,11 +117,12 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
   return text;
 }
 
-void check_record(const LiveArguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+void check_record(const LiveArguments& arguments, const LoadedModel& loaded,
+                  const std::vector<std::string>& input_files) {
   if (arguments.record.empty()) return;
   require_different(arguments.model, arguments.record);
   for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
-  for (const std::string& input : inputs.files()) require_different(input, arguments.record);
+  for (const std::string& input : input_files) require_different(input, arguments.record);
   require_no_body(arguments.record);
   require_writable(arguments.record);
 }
@@ -196,8 +197,9 @@ Json live_summary(const Simulation& simulation, const RealTimeLoop& loop, const 
 
 int live(const LiveArguments& arguments) {
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
-  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
-  check_record(arguments, loaded, inputs);
+  InputTables played = input_tables(arguments.inputs, loaded.model->spec().inputs);
+  RecordedInputs& inputs = played.tables;
+  check_record(arguments, loaded, played.files);
   RunOptions options = run_options(arguments.method, loaded.model->spec().simulation);
   options.step = arguments.step.value_or(0);
   options.inputs = inputs.start();

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "app/common.h"
+#include "app/input_tables.h"
 #include "app/json.h"
 #include "app/method_options.h"
-#include "app/recorded_inputs.h"
 #include "app/terminal/monitor.h"
 #include "app/terminal/progress.h"
 #include "app/terminal/table.h"
@@ -144,7 +144,7 @@ std::string plan_table(const RealTimePlan& plan, const PlanArguments& a) {
 int plan(const PlanArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   const spec::Model& model = loaded.model->spec();
-  RecordedInputs inputs(a.inputs, model.inputs);
+  RecordedInputs inputs = input_tables(a.inputs, model.inputs).tables;
   RealTimePlanOptions options;
   options.deadline = duration_of(a.deadline, "--deadline");
   options.end = a.until.value_or(0);

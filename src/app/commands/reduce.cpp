@@ -18,6 +18,7 @@
 #include "mimbre/fe_reduce.h"
 #include "mimbre/report.h"
 #include "mimbre/result_cache.h"
+#include "mimbre/run_summary.h"
 
 /// mimbre reduce: a finite-element model as a body.
 namespace mimbre::app {

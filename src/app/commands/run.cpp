@@ -9,9 +9,9 @@
 
 #include "app/advice.h"
 #include "app/common.h"
+#include "app/input_tables.h"
 #include "app/json.h"
 #include "app/method_options.h"
-#include "app/recorded_inputs.h"
 #include "app/recorder.h"
 #include "app/summary.h"
 #include "app/targets.h"
@@ -41,11 +41,12 @@ std::string options_json(const RunArguments& arguments) {
   if (arguments.until) json["until"] = *arguments.until;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
-  json.update(to_json(arguments.method));
+  json.update(arguments_json(arguments.method));
   return to_text(json);
 }
 
-void check_targets(const RunArguments& arguments, const LoadedModel& loaded, const RecordedInputs& inputs) {
+void check_targets(const RunArguments& arguments, const LoadedModel& loaded,
+                   const std::vector<std::string>& files) {
   const std::string* const targets[] = {&arguments.output, &arguments.csv, &arguments.state};
   for (const std::string* target : targets) {
     const std::string& path = *target;
@@ -55,7 +56,7 @@ void check_targets(const RunArguments& arguments, const LoadedModel& loaded, con
       if (other != target && !other->empty()) require_different(*other, path);
     require_different(arguments.model, path);
     for (const std::string& input : loaded.other_files) require_different(input, path);
-    for (const std::string& input : inputs.files()) require_different(input, path);
+    for (const std::string& input : files) require_different(input, path);
     require_no_body(path);
     require_writable(path);
   }
@@ -198,8 +199,9 @@ std::vector<std::string> print_warnings(const LoadedModel& loaded, const Simulat
 int run_model(const RunArguments& given_arguments) {
   const RunArguments arguments = completed(given_arguments);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
-  RecordedInputs inputs(arguments.inputs, loaded.model->spec().inputs);
-  check_targets(arguments, loaded, inputs);
+  InputTables played = input_tables(arguments.inputs, loaded.model->spec().inputs);
+  RecordedInputs& inputs = played.tables;
+  check_targets(arguments, loaded, played.files);
   const spec::Simulation& given = loaded.model->spec().simulation;
   std::optional<RunState> saved;
   if (!arguments.resume.empty()) {
@@ -252,8 +254,7 @@ int run_model(const RunArguments& given_arguments) {
   const std::vector<std::string> warnings = print_warnings(loaded, simulation);
   std::vector<std::string> kept;
   try {
-    kept =
-        recorder.finish(to_text(run_summary(simulation, totals, ending, warnings)), ending.message.empty());
+    kept = recorder.finish(run_summary(simulation, totals, ending, warnings), ending.message.empty());
   } catch (const std::exception& error) {
     if (ending.message.empty()) ending = {"failed", error.what()};
   }
@@ -266,7 +267,7 @@ int run_model(const RunArguments& given_arguments) {
   }
   if (arguments.json) {
     Json summary = answer("run");
-    summary.update(run_summary(simulation, totals, ending, warnings));
+    summary.update(Json::parse(run_summary(simulation, totals, ending, warnings)));
     summary["units"] = output_units(simulation);
     add_measurements(summary, simulation, totals);
     print_data(to_text(summary) + '\n');

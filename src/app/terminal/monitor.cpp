@@ -7,32 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/options.h"
+#include "mimbre/real_time_summary.h"
 
 namespace mimbre::app {
 
-Json timings_json(const Timings& t) {
-  return {{"median", t.quantile(0.5)},
-          {"p99", t.quantile(0.99)},
-          {"p9999", t.quantile(0.9999)},
-          {"worst", t.worst()}};
-}
+Json timings_json(const Timings& timings) { return Json::parse(timings_summary(timings)); }
 
-Json monitor_json(const RealTimeMonitor& m) {
-  Json overruns{{"count", m.overrun_count()}};
-  for (int k = 0; k < overrun_causes; ++k)
-    overruns[name_of(static_cast<OverrunCause>(k))] = m.overruns[static_cast<std::size_t>(k)].load();
-  return {{"steps", m.steps.load()},
-          {"computation", timings_json(m.computation)},
-          {"cpu", timings_json(m.cpu)},
-          {"latency", timings_json(m.latency)},
-          {"overruns", overruns},
-          {"late_steps", m.late.load()},
-          {"page_faults", m.page_faults.load()},
-          {"preemptions", m.preemptions.load()},
-          {"most_iterations", m.most_iterations.load()},
-          {"most_parts", m.most_parts.load()},
-          {"unconverged_steps", m.unconverged.load()}};
-}
+Json monitor_json(const RealTimeMonitor& monitor) { return Json::parse(real_time_summary(monitor)); }
 
 void add_clock_options(Parser& command, RealTimeOptions& options) {
   command.add_option("--speed", options.speed, "Simulated seconds in a second")

@@ -1,39 +1,13 @@
-#include "app/recorded_inputs.h"
+#include "mimbre/recorded_inputs.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "app/common.h"
 #include "mimbre/diagnostics.h"
-#include "mimbre/input_table.h"
 
-namespace mimbre::app {
-
-RecordedInputs::RecordedInputs(const std::vector<std::string>& given,
-                               const std::vector<spec::Input>& inputs) {
-  for (const std::string& text : given) {
-    const auto equals = text.find('=');
-    const bool named = equals != std::string::npos && text.find('/') >= equals;  // which no name has
-    const std::string name = named ? text.substr(0, equals) : "";
-    const std::string path = named ? text.substr(equals + 1) : text;
-    if (path.empty() || (named && name.empty()))
-      throw UsageError(fmt::format("--input {}: NAME=FILE.csv or FILE.csv is needed", text));
-    std::error_code failed;
-    if (!std::filesystem::exists(path, failed))
-      throw InputError({path, 0, 0}, fmt::format("there is no such file with {} values",
-                                                 named ? "the input's" : "inputs'"));
-    for (RecordedInput& input : read_input_table(path, inputs, name)) {
-      Track track{inputs[static_cast<std::size_t>(input.input)].name, std::move(input.times),
-                  std::move(input.values)};
-      for (const Track& other : tracks_)
-        if (other.name == track.name) throw UsageError(fmt::format("--input {}: is given twice", track.name));
-      tracks_.push_back(std::move(track));
-    }
-    files_.push_back(path);
-  }
-}
+namespace mimbre {
 
 void RecordedInputs::add(const std::string& name, std::vector<double> times, std::vector<double> values) {
   const auto bad = [&](const std::string& what) {
@@ -48,6 +22,10 @@ void RecordedInputs::add(const std::string& name, std::vector<double> times, std
       throw bad(fmt::format("the times do not increase: {} comes after {}", times[k], times[k - 1]));
   }
   tracks_.push_back({name, std::move(times), std::move(values)});
+}
+
+bool RecordedInputs::contains(const std::string& name) const {
+  return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) { return track.name == name; });
 }
 
 std::map<std::string, double> RecordedInputs::start() {
@@ -81,12 +59,4 @@ void RecordedInputs::set(Simulation& simulation) {
                          value(track, simulation.time() + (track.linear ? simulation.step_size() : 0)));
 }
 
-void add_input_option(Parser& command, std::vector<std::string>& inputs) {
-  command
-      .add_option("--input", inputs,
-                  "Plays an input, or a tunable parameter, from a table with the columns t and value,\n"
-                  "or without NAME all inputs that the table's header names; may be repeated")
-      .type_name("[NAME=]FILE.csv");
-}
-
-}  // namespace mimbre::app
+}  // namespace mimbre

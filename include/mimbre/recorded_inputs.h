@@ -3,23 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "app/options.h"
 #include "mimbre/simulation.h"
 
-/// Inputs that a run plays from tables.
-namespace mimbre::app {
+namespace mimbre {
 
+/// Inputs that a run plays from tables.
 class RecordedInputs {
  public:
-  RecordedInputs() = default;
-  /// "NAME=FILE.csv" and "FILE.csv", several: tables of one of these inputs, and of all that the table names
-  /// (mimbre/input_table.h). Throws InputError for what is no such table, UsageError for what is no such
-  /// text.
-  RecordedInputs(const std::vector<std::string>& given, const std::vector<spec::Input>& inputs);
-  /// The same from memory. Throws InputError for times that do not increase, numbers that are not finite, and
-  /// where there are not as many values as times.
+  /// A table of one input: `values` at `times` (s). Throws InputError for times that do not increase, numbers
+  /// that are not finite, and where there are not as many values as times.
   void add(const std::string& name, std::vector<double> times, std::vector<double> values);
-  const std::vector<std::string>& files() const { return files_; }
+  bool contains(const std::string& name) const;
   /// What they are at the start, for RunOptions::inputs.
   std::map<std::string, double> start();
   /// Finds the inputs by their names. Throws InputError where the simulation has none.
@@ -39,10 +33,6 @@ class RecordedInputs {
   static double value(Track& track, double time);
 
   std::vector<Track> tracks_;
-  std::vector<std::string> files_;
 };
 
-/// Adds the option --input to a command.
-void add_input_option(Parser& command, std::vector<std::string>& inputs);
-
-}  // namespace mimbre::app
+}  // namespace mimbre
