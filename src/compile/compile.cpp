@@ -135,8 +135,9 @@ class Compiler {
       const auto add = [&](int frame) {
         if (frame >= 0) full.insert(frame);
       };
-      if (is_of_frame(o.kind)) add(o.item);
-      if (o.kind == spec::Output::Kind::displacement) add(o.reference);
+      if (!is_of_frame(o)) continue;
+      add(o.item);
+      add(o.reference);
     }
     needed.insert(full.begin(), full.end());
 

@@ -21,8 +21,7 @@ Events::Events(const Compiled& m, RangeWatch& ranges) : model_(m), ranges_(range
   const auto needs = [&](const SignalsData::Seen& seen) {
     for (const SignalsData::Seen::Argument& a : seen.arguments)
       if (a.sensor >= 0)
-        needs_ =
-            std::max(needs_, Channels::needs_of(m.spec().sensors[static_cast<std::size_t>(a.sensor)].kind));
+        needs_ = std::max(needs_, output_info(m.spec().sensors[static_cast<std::size_t>(a.sensor)]).needs);
   };
   std::size_t most = 0;
   for (const spec::Event& spec : m.spec().events) {
