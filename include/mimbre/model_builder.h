@@ -135,7 +135,7 @@ struct Signal {
   std::string unit{};
 };
 
-/// What makes signals of others and of what it remembers, by one of the types of src/spec/block_types.h:
+/// What makes signals of others and of what it remembers, by one of the types of src/signals/blocks:
 /// pid, transfer_function, state_space, table, table_2d, rate_limit, delay, hysteresis, noise.
 struct Block {
   std::string type{};                       ///< needed

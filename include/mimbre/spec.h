@@ -111,7 +111,7 @@ struct Signal {
 };
 
 /// What makes signals of others and of what it remembers: a controller, a filter, a delay. One of the types
-/// of src/spec/block_types.h, whose row there says what the fields mean.
+/// of src/signals/blocks, whose file there says what the fields mean.
 struct Block {
   std::string name;
   Mark mark;

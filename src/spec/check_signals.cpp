@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "joints/table.h"
-#include "spec/block_types.h"
+#include "spec/block_info.h"
 #include "spec/checked_thing.h"
 #include "spec/force_law.h"
 #include "spec/nearest_place.h"

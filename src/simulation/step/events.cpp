@@ -4,16 +4,14 @@
 #include <cmath>
 
 #include "compile/compile_signals.h"
-#include "signals/blocks/rows.h"
+#include "signals/blocks/table.h"
 
 namespace mimbre {
 namespace {
 
 int side_of(double value) { return (value > 0) - (value < 0); }
 
-bool is_relay(const SignalsData::Block& b) {
-  return static_cast<BlockType>(b.type) == BlockType::hysteresis && !(b.every > 0);
-}
+bool is_relay(const SignalsData::Block& b) { return block_info(b.type).relay && !(b.every > 0); }
 
 }  // namespace
 
