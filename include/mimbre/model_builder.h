@@ -194,7 +194,7 @@ struct Element {
 
 /// What spheres touch; the kinds say what their sizes, heights and triangles are (spec::Surface).
 struct Surface {
-  spec::Surface::Kind kind = spec::Surface::Kind::half_space;
+  std::string kind = "half_space";
   std::string on = "ground";            ///< a body, or a frame, whose place and axes then are the surface's
   std::optional<Eigen::Vector3d> at{};  ///< on a body; default: its frame's origin
   Axes axes{};                          ///< likewise

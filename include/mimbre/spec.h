@@ -342,17 +342,14 @@ struct Constraint {
 struct Surface {
   std::string name;
   Mark mark;
-  enum class Kind {
-    half_space,  ///< all below the plane z = 0
-    box,         ///< about the origin: edges along x, y, z
-    cylinder,    ///< about the z axis and the origin: radius, length
-    capsule,     ///< likewise, with half spheres at the ends of that length
-    sphere,      ///< about the origin: radius
-    heights,     ///< all below a grid of heights z over x and y; beyond its border the border goes on
-    mesh         ///< closed, of triangles that are counterclockwise from outside
-  } kind = Kind::half_space;
+  /// half_space (all below the plane z = 0); box (size: edges along x, y, z), cylinder (size: radius, length;
+  /// about the z axis), capsule (likewise, with half spheres at the ends of that length), sphere (size:
+  /// radius), all about the origin; heights (all below a grid of heights z over x and y; beyond its border
+  /// the border goes on); mesh (closed, of triangles that are counterclockwise from outside). By the names of
+  /// src/forces/surfaces.
+  std::string kind = "half_space";
   int frame = -1;
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, as the kinds say
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, as its kind says
   /// heights(j, i) is that over x = i spacing[0], y = j spacing[1].
   Eigen::MatrixXd heights;
   Eigen::Vector2d spacing = Eigen::Vector2d::Zero();  ///< m

@@ -14,7 +14,6 @@
 #include "compile/image.h"
 #include "compile/slow_speeds.h"
 #include "compile/topology.h"
-#include "compile/triangle_mesh.h"
 #include "math/once/decompositions.h"
 #include "mimbre/model.h"
 #include "mimbre/reduced_body.h"
@@ -22,6 +21,7 @@
 #include "spec/constraint_kinds.h"
 #include "spec/contact_pairs.h"
 #include "spec/force_law.h"
+#include "spec/surface_kind.h"
 
 namespace mimbre {
 namespace {
@@ -457,7 +457,7 @@ class Compiler {
       contact.state_count = turning ? law.turning_states : law.states;
       const auto sphere_of = [&](double radius) {
         const auto [it, fresh] = spheres.try_emplace(radius, static_cast<int>(c_.surfaces.size()));
-        if (fresh) c_.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {radius, 0, 0}, {}});
+        if (fresh) c_.surfaces.push_back({find_surface("sphere"), {radius, 0, 0}, {}});
         return it->second;
       };
       for (; next < pairs_.pairs.size() && pairs_.pairs[next].contact == k; ++next) {
@@ -499,9 +499,8 @@ class Compiler {
   }
 
   static SurfaceData surface_data(const spec::Surface& s) {
-    SurfaceData data{static_cast<int>(s.kind), s.size, {}};
-    if (s.kind == spec::Surface::Kind::heights) data.mesh = height_mesh(s.heights, s.spacing);
-    if (s.kind == spec::Surface::Kind::mesh) data.mesh = triangle_mesh(s.vertices, s.triangles);
+    SurfaceData data{find_surface(s.kind), s.size, {}};
+    if (const SurfaceInfo& info = surface_info(data.kind); info.mesh) data.mesh = info.mesh(s);
     return data;
   }
 
