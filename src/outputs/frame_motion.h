@@ -98,4 +98,23 @@ struct AngularVelocity {
                                    .place_sensor = place_at_frame};
 };
 
+/// In global axes, or in the frame's own, in which it is the rate of the angular velocity's components, too.
+struct AngularAcceleration {
+  static ChannelInfo describe(const Compiled& m, const spec::Output& o) {
+    return {o.name, "rad/s²",
+            fmt::format("angular acceleration of '{}' about {} of {} axes", frame_name(m, o.item),
+                        axis_words[o.component], o.own_axes ? "its own" : "the global")};
+  }
+  static double value(const OutputView& view, const spec::Output& o) {
+    const Motion<double> here = view.motion(o.item);
+    return (o.own_axes ? Vec3d(here.rotation.transpose() * here.alpha) : here.alpha)[o.component];
+  }
+  static constexpr OutputInfo info{.name = "angular_acceleration",
+                                   .of = OutputInfo::Of::frame,
+                                   .words = axis_words,
+                                   .own_axes = true,
+                                   .describe = describe,
+                                   .value = value};
+};
+
 }  // namespace mimbre::outputs

@@ -24,12 +24,12 @@ template <class... Kinds>
 struct KindList {};
 /// In the order of SensorData::kind, in which messages list them.
 using Kinds =
-    KindList<Position, Velocity, Acceleration, AngularVelocity, Roll, Pitch, Yaw, Deflection, Displacement,
-             JointPosition, JointVelocity, JointAcceleration, JointRotation, JointQuaternion, JointForce,
-             ModalAmplitude, Stress, Strain, SectionForce, CentreOfMass, LinearMomentum, AngularMomentum,
-             SpringForce, SpringLength, TyreForce, TyreMoment, TyreSlip, TyreSlipAngle, TyreCamber,
-             TyreDeflection, ContactForce, ContactDepth, ContactCount, ElementForce, ElementMeasure,
-             ElementRate, SignalValue, InputValue>;
+    KindList<Position, Velocity, Acceleration, AngularVelocity, AngularAcceleration, Roll, Pitch, Yaw,
+             Deflection, Displacement, JointPosition, JointVelocity, JointAcceleration, JointRotation,
+             JointQuaternion, JointForce, ModalAmplitude, Stress, Strain, SectionForce, CentreOfMass,
+             LinearMomentum, AngularMomentum, SpringForce, SpringLength, TyreForce, TyreMoment, TyreSlip,
+             TyreSlipAngle, TyreCamber, TyreDeflection, ContactForce, ContactDepth, ContactCount,
+             ElementForce, ElementMeasure, ElementRate, SignalValue, InputValue>;
 
 template <class... Kind>
 constexpr std::array<const OutputInfo*, sizeof...(Kind)> infos_of(KindList<Kind...>) {
