@@ -135,7 +135,7 @@ struct Signal {
   std::string unit{};
 };
 
-/// What makes signals of others and of what it remembers, by one of the types of src/spec/block_types.h:
+/// What makes signals of others and of what it remembers, by one of the types of src/signals/blocks:
 /// pid, transfer_function, state_space, table, table_2d, rate_limit, delay, hysteresis, noise.
 struct Block {
   std::string type{};                       ///< needed
@@ -194,7 +194,7 @@ struct Element {
 
 /// What spheres touch; the meaning of sizes, heights and triangles depends on the kind (spec::Surface).
 struct Surface {
-  spec::Surface::Kind kind = spec::Surface::Kind::half_space;
+  std::string kind = "half_space";
   std::string on = "ground";            ///< a body, or a frame, whose place and axes then are the surface's
   std::optional<Eigen::Vector3d> at{};  ///< on a body; default: its frame's origin
   Axes axes{};                          ///< likewise

@@ -111,7 +111,7 @@ struct Signal {
 };
 
 /// What makes signals of others and of what it remembers: a controller, a filter, a delay. One of the types
-/// of src/spec/block_types.h, whose row there defines the fields.
+/// of src/signals/blocks, whose file there defines the fields.
 struct Block {
   std::string name;
   Mark mark;
@@ -332,15 +332,12 @@ struct Constraint {
 struct Surface {
   std::string name;
   Mark mark;
-  enum class Kind {
-    half_space,  ///< all below the plane z = 0
-    box,         ///< about the origin: edges along x, y, z
-    cylinder,    ///< about the z axis and the origin: radius, length
-    capsule,     ///< likewise, with half spheres at the ends of that length
-    sphere,      ///< about the origin: radius
-    heights,     ///< all below a grid of heights z over x and y; beyond its border the border goes on
-    mesh         ///< closed, of triangles that are counterclockwise from outside
-  } kind = Kind::half_space;
+  /// half_space (all below the plane z = 0); box (size: edges along x, y, z), cylinder (size: radius, length;
+  /// about the z axis), capsule (likewise, with half spheres at the ends of that length), sphere (size:
+  /// radius), all about the origin; heights (all below a grid of heights z over x and y; beyond its border
+  /// the border goes on); mesh (closed, of triangles that are counterclockwise from outside). By the names of
+  /// src/forces/surfaces.
+  std::string kind = "half_space";
   int frame = -1;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< m, see the kinds
   /// heights(j, i) is that over x = i spacing[0], y = j spacing[1].
@@ -375,61 +372,18 @@ struct Contact {
 struct Output {
   std::string name;
   Mark mark;
-  enum class Kind {
-    position,      ///< of a frame, component 0..2 in global axes
-    velocity,      ///< likewise
-    acceleration,  ///< likewise
-    roll,          ///< of a frame's body, yaw–pitch–roll (z, y', x''), rad
-    pitch,
-    yaw,
-    joint_position,  ///< scalar coordinate `component` of a joint, plus offset
-    joint_velocity,
-    joint_acceleration,
-    joint_rotation,  ///< of a spherical or floating joint: rotation vector of its second body in the first's
-                     ///< axes, component 0..2, of an angle up to π
-    joint_quaternion,  ///< likewise the unit quaternion w, x, y, z, component 0..3
-    joint_force,       ///< reaction at frame b on b, component 0..2 force, 3..5 moment, global axes
-    deflection,    ///< displacement of a flexible frame relative to its undeformed place, along `direction`
-                   ///< (body axes)
-    displacement,  ///< of a frame's origin as seen from the frame `reference`, from where it is undeformed in
-                   ///< the assembled position: `direction` (axes of `reference`) · place + offset
-    modal_amplitude,  ///< user's amplitude `component` of a flexible body
-    stress,  ///< of a flexible body at surface node `node`, or its extreme over all (−1): `component` of
-             ///< stress_components
-    strain,  ///< likewise `component`; where `direction` is not zero, elongation along it (body axes)
-    spring_force,  ///< tension
-    spring_length,
-    tyre_force,  ///< of the road on it: component 0 vertical; of one that rolls 1 longitudinal, 2 lateral
-    angular_velocity,  ///< of a frame, component 0..2, global axes or (`own_axes`) the frame's own
-    centre_of_mass,    ///< of `bodies`, component 0..2 in global axes
-    linear_momentum,   ///< likewise, kg m/s
-    angular_momentum,  ///< likewise, kg m²/s, about their centre of mass or about `about`
-    signal,            ///< of Model::signals
-    input,             ///< of Model::inputs
-    element_force,     ///< component of an element's force
-    element_measure,   ///< component of what it measures
-    element_rate,      ///< component of its rate
-    section_force,     ///< of a flexible body made of bars: `component` (N, Vy, Vz, T, My, Mz, largest von
-                       ///< Mises stress) at `node`, the start (2 k) or end (2 k + 1) of its mesh's element k
-    contact_force,     ///< of a contact on its spheres, or on the one of `bodies`: component 0..2 in global
-                       ///< axes, 3 and 4 sums of the magnitudes of normal and tangential forces
-    contact_depth,     ///< largest of them
-    contact_count,     ///< pairs that touch
-    tyre_moment,       ///< of the road on it, component 0 overturning, 1 rolling, 2 aligning
-    tyre_slip,         ///< over its speed forwards, positive where it drives
-    tyre_slip_angle,   ///< rad, from forwards to where it goes, positive to the left
-    tyre_camber,       ///< rad, positive to the right
-    tyre_deflection    ///< along the road's normal
-  } kind = Kind::position;
-  int item = -1;                         ///< index of the frame, joint, body, spring, tyre or contact
-  std::vector<int> bodies;               ///< empty: all of the model
+  /// By its key in the model file: position, velocity, joint, stress, …; for programs also element_force,
+  /// element_measure, element_rate, signal, input. docs/model-file.md describes them, src/outputs has them.
+  std::string kind = "position";
+  int item = -1;  ///< index of the frame, joint, body, spring, tyre, contact, element, signal or input
+  std::vector<int> bodies;               ///< of motion of mass (none: all of the model), or one of a contact
   std::optional<Eigen::Vector3d> about;  ///< a fixed point, global
   bool own_axes = false;
-  int component = 0;
+  int component = 0;   ///< by its number among those of the kind
   int reference = -1;  ///< frame
-  int node = -1;       ///< of ReducedBody::nodes
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  double offset = 0;
+  int node = -1;       ///< of ReducedBody::nodes, or 2 k (start) or 2 k + 1 (end) of element k of bars
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< body axes; of a displacement those of `reference`
+  double offset = 0;                                    ///< is added: joint, displacement
 };
 
 struct Simulation {

@@ -527,7 +527,9 @@ class Output(TypedDict, total=False):
     on: str
     # rad/s.
     angular_velocity: str
-    # Of an angular velocity: global axes, or the frame's own.
+    # rad/s².
+    angular_acceleration: str
+    # Of an angular velocity or acceleration: global axes, or the frame's own.
     axes: Literal["global", "own"]
     # Of a body, a list of bodies, or `all`.
     centre_of_mass: str | Sequence[str]
@@ -766,7 +768,9 @@ class SignalKeys(TypedDict, total=False):
     on: str
     # rad/s.
     angular_velocity: str
-    # Of an angular velocity: global axes, or the frame's own.
+    # rad/s².
+    angular_acceleration: str
+    # Of an angular velocity or acceleration: global axes, or the frame's own.
     axes: Literal["global", "own"]
     # Of a body, a list of bodies, or `all`.
     centre_of_mass: str | Sequence[str]

@@ -18,7 +18,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using Kind = spec::Output::Kind;
 
 /// A force and a moment on one of the body's frames at its origin, global axes.
 struct FrameWrench {
@@ -47,29 +46,29 @@ class RigidModel {
       if (k > 0) frame.pose.position = Vector3d::Unit(k - 1);
       model_.frames.push_back(frame);
       accelerations_[static_cast<std::size_t>(k)] =
-          vector_output(Kind::acceleration, static_cast<int>(model_.frames.size()) - 1);
+          vector_output("acceleration", static_cast<int>(model_.frames.size()) - 1);
     }
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       const spec::Joint& joint = model.joints[k];
       const bool a = on_body(joint.frame_a), second_is = on_body(joint.frame_b);
       if (a == second_is) continue;
-      const int at = vector_output(Kind::joint_force, static_cast<int>(k));
-      vector_output(Kind::joint_force, static_cast<int>(k), 3);
-      const int places = vector_output(Kind::position, joint.frame_b);
+      const int at = vector_output("joint_force", static_cast<int>(k));
+      vector_output("joint_force", static_cast<int>(k), 3);
+      const int places = vector_output("position", joint.frame_b);
       joints_.push_back({at, places, second_is ? joint.frame_b : joint.frame_a, second_is ? 1.0 : -1.0});
     }
     for (std::size_t k = 0; k < model.springs.size(); ++k) {
       const spec::Spring& spring = model.springs[k];
       if (!on_body(spring.frame_a) && !on_body(spring.frame_b)) continue;
-      const int tension = output(Kind::spring_force, static_cast<int>(k), 0);
-      const int a = vector_output(Kind::position, spring.frame_a),
-                b_place = vector_output(Kind::position, spring.frame_b);
+      const int tension = output("spring_force", static_cast<int>(k), 0);
+      const int a = vector_output("position", spring.frame_a),
+                b_place = vector_output("position", spring.frame_b);
       if (on_body(spring.frame_a)) springs_.push_back({tension, a, b_place, spring.frame_a});
       if (on_body(spring.frame_b)) springs_.push_back({tension, b_place, a, spring.frame_b});
     }
     for (std::size_t k = 0; k < model.tyres.size(); ++k)
       if (on_body(model.tyres[k].frame))
-        tyres_.push_back({output(Kind::tyre_force, static_cast<int>(k), 0), model.tyres[k].frame});
+        tyres_.push_back({output("tyre_force", static_cast<int>(k), 0), model.tyres[k].frame});
   }
 
   const spec::Model& model() const { return model_; }
@@ -153,7 +152,7 @@ class RigidModel {
   }
 
   bool on_body(int frame) const { return model_.frames[static_cast<std::size_t>(frame)].body == body_; }
-  int output(Kind kind, int item, int component) {
+  int output(const char* kind, int item, int component) {
     spec::Output o;
     o.name = "rigid response " + std::to_string(model_.outputs.size());
     o.kind = kind;
@@ -163,7 +162,7 @@ class RigidModel {
     return static_cast<int>(model_.outputs.size()) - 1;
   }
   /// Three components; the number of the first.
-  int vector_output(Kind kind, int item, int first = 0) {
+  int vector_output(const char* kind, int item, int first = 0) {
     const int at = output(kind, item, first);
     output(kind, item, first + 1);
     output(kind, item, first + 2);

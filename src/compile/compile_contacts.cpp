@@ -3,16 +3,15 @@
 #include "compile/compile_parts.h"
 #include "compile/element_parts.h"
 #include "compile/paths.h"
-#include "compile/triangle_mesh.h"
 #include "spec/force_law.h"
+#include "spec/surface_kind.h"
 
 namespace mimbre {
 namespace {
 
 SurfaceData surface_data(const spec::Surface& s) {
-  SurfaceData data{static_cast<int>(s.kind), s.size, {}};
-  if (s.kind == spec::Surface::Kind::heights) data.mesh = height_mesh(s.heights, s.spacing);
-  if (s.kind == spec::Surface::Kind::mesh) data.mesh = triangle_mesh(s.vertices, s.triangles);
+  SurfaceData data{find_surface(s.kind), s.size, {}};
+  if (const SurfaceInfo& info = surface_info(data.kind); info.mesh) data.mesh = info.mesh(s);
   return data;
 }
 
@@ -53,7 +52,7 @@ void compile_contacts(Compiled& c, const ContactPairs& pairs) {
     contact.state_count = turning ? law.turning_states : law.states;
     const auto sphere_of = [&](double radius) {
       const auto [it, fresh] = spheres.try_emplace(radius, static_cast<int>(c.surfaces.size()));
-      if (fresh) c.surfaces.push_back({static_cast<int>(spec::Surface::Kind::sphere), {radius, 0, 0}, {}});
+      if (fresh) c.surfaces.push_back({find_surface("sphere"), {radius, 0, 0}, {}});
       return it->second;
     };
     for (; next < pairs.pairs.size() && pairs.pairs[next].contact == k; ++next) {

@@ -47,8 +47,9 @@ FramesOfStep frames_of_step(const Compiled& c, const Topology& topology, const C
     const auto add = [&](int frame) {
       if (frame >= 0) full.insert(frame);
     };
-    if (is_of_frame(o.kind)) add(o.item);
-    if (o.kind == spec::Output::Kind::displacement) add(o.reference);
+    if (!is_of_frame(o)) continue;
+    add(o.item);
+    add(o.reference);
   }
   needed.insert(full.begin(), full.end());
   return frames;

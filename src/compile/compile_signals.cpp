@@ -7,46 +7,13 @@
 #include "compile/compile_blocks.h"
 #include "compile/signal_order.h"
 #include "mimbre/diagnostics.h"
-#include "mimbre/reduced_body.h"
 #include "spec/force_law.h"
-#include "spec/output_kinds.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 namespace {
 
-using Measured = spec::Output::Kind;
 using Source = spec::Source;
-
-/// What depends on position and velocity alone. Forces and accelerations do not: they are decided at the same
-/// instant as what would depend on them.
-bool is_of_motion(Measured kind) {
-  switch (kind) {
-    case Measured::position:
-    case Measured::velocity:
-    case Measured::angular_velocity:
-    case Measured::roll:
-    case Measured::pitch:
-    case Measured::yaw:
-    case Measured::displacement:
-    case Measured::deflection:
-    case Measured::joint_position:
-    case Measured::joint_velocity:
-    case Measured::spring_length:
-    case Measured::element_measure:
-    case Measured::element_rate:
-    case Measured::modal_amplitude:
-      return true;
-    default:
-      return false;
-  }
-}
-
-/// Its word in a model file.
-std::string key_of(spec::Output::Kind kind) {
-  for (const OutputKind& row : output_kinds)
-    if (row.kind == kind) return row.key;
-  return "force";
-}
 
 class Planner {
  public:
@@ -205,11 +172,11 @@ class Planner {
   void sense(int sensor, const std::string& who, const Mark& mark) {
     if (d_.slot_of_sensor[sensor] >= 0) return;
     const spec::Output& o = s_.sensors[sensor];
-    if (!is_of_motion(o.kind)) {
+    if (!output_info(o).place_sensor) {
       // What a signal measures by itself has no other name.
-      const std::string key = key_of(o.kind), use = who == fmt::format("signal '{}'", o.name)
-                                                        ? fmt::format("measures `{}`", key)
-                                                        : fmt::format("uses '{}' (`{}`)", o.name, key);
+      const std::string use = who == fmt::format("signal '{}'", o.name)
+                                  ? fmt::format("measures `{}`", o.kind)
+                                  : fmt::format("uses '{}' (`{}`)", o.name, o.kind);
       throw InputError(mark, fmt::format("{} {}, which forces decide at the same instant; evaluate it at "
                                          "instants by a signal with `every: 0.01`",
                                          who, use));
@@ -299,10 +266,9 @@ std::vector<int> seen_within_a_step(const Compiled& c) {
   return {c.signals.seen.begin(), c.signals.seen.end()};
 }
 
-bool is_of_frame(Measured kind) {
-  return kind == Measured::position || kind == Measured::velocity || kind == Measured::angular_velocity ||
-         kind == Measured::roll || kind == Measured::pitch || kind == Measured::yaw ||
-         kind == Measured::displacement;
+bool is_of_frame(const spec::Output& sensor) {
+  const OutputInfo& info = output_info(sensor);
+  return info.of == OutputInfo::Of::frame && !info.along;
 }
 
 int slot_of(const Compiled& c, const Source& source) {
@@ -351,56 +317,29 @@ int add_argument(Compiled& c, int slot) {
   return static_cast<int>(c.arguments.size()) - 1;
 }
 
+int SensorPlaces::of_coordinate(int joint, int coordinate) const {
+  const auto same = [&](const ElementData& e) {
+    return e.measure == Measure::coordinate && e.joint_spec == joint && e.local == coordinate;
+  };
+  const auto found = std::find_if(compiled.elements.begin(), compiled.elements.end(), same);
+  if (found != compiled.elements.end()) return static_cast<int>(found - compiled.elements.begin());
+  ElementData e = on_coordinate(joint, coordinate);
+  e.law = find_law("sensor");
+  return add_element(std::move(e));
+}
+
 void place_sensors(Compiled& c, const std::function<int(ElementData)>& add_element,
                    const std::function<ElementData(int joint, int coordinate)>& on_coordinate) {
+  const SensorPlaces places{c, add_element, on_coordinate};
   for (const int sensor : c.signals.seen) {
     const spec::Output& o = c.spec().sensors[sensor];
     SensorData d;
-    d.kind = o.kind;
+    d.kind = find_output(o.kind);
     d.component = o.component;
     d.own_axes = o.own_axes;
     d.direction = o.direction;
     d.offset = o.offset;
-    if (is_of_frame(o.kind)) d.frame = c.frame_of_spec[o.item];
-    if (o.kind == Measured::displacement) d.reference = c.frame_of_spec[o.reference];
-    if (o.kind == Measured::spring_length) d.element = o.item;
-    if (o.kind == Measured::element_measure || o.kind == Measured::element_rate)
-      d.element = c.first_other + o.item;
-    if (o.kind == Measured::joint_position || o.kind == Measured::joint_velocity) {
-      d.component = 0;
-      const auto same = [&](const ElementData& e) {
-        return e.measure == Measure::coordinate && e.joint_spec == o.item && e.local == o.component;
-      };
-      const auto found = std::find_if(c.elements.begin(), c.elements.end(), same);
-      if (found != c.elements.end()) {
-        d.element = static_cast<int>(found - c.elements.begin());
-      } else {
-        ElementData e = on_coordinate(o.item, o.component);
-        e.law = find_law("sensor");
-        d.element = add_element(std::move(e));
-      }
-      if (o.kind == Measured::joint_velocity) d.offset = 0;
-    }
-    if (o.kind == Measured::deflection) {
-      const FrameData& f = c.frames[c.frame_of_spec[o.item]];
-      d.body = f.body;
-      if (f.flexible >= 0 && !c.flexible[f.flexible].products.empty())
-        throw InputError(
-            o.mark, fmt::format("the deflection '{}' is that of a body whose modes bend in second order; "
-                                "see it at instants, by a signal with `every: 0.01`",
-                                o.name));
-      if (f.flexible >= 0) {
-        const Eigen::RowVectorXd row = o.direction.transpose() * f.X.matrix();
-        d.shapes.assign(row.data(), row.data() + c.bodies[f.body].modes);
-      }
-    }
-    if (o.kind == Measured::modal_amplitude) {
-      d.body = c.body_of_spec[o.item];
-      if (const auto& body = c.spec().bodies[o.item].flexible) {
-        const Eigen::RowVectorXd row = body->user_from_modal.row(o.component);
-        d.shapes.assign(row.data(), row.data() + row.size());
-      }
-    }
+    output_info(o).place_sensor(places, o, d);
     c.sensors.push_back(std::move(d));
   }
 }

@@ -13,7 +13,8 @@ void plan_signals(Compiled& c);
 
 /// After plan_signals(): the spec's sensors that are seen within a step, and so need their frames.
 std::vector<int> seen_within_a_step(const Compiled& c);
-bool is_of_frame(spec::Output::Kind kind);
+/// Whether the sensor sees the motion of its frames.
+bool is_of_frame(const spec::Output& sensor);
 
 int slot_of(const Compiled& c, const spec::Source& source);
 /// A law without variables of its own, to be evaluated at instants.
@@ -25,6 +26,16 @@ void place_roads(Compiled& c);
 /// Adds a law's formula; -1 where it has none. Adds an argument; its place.
 int add_formula(Compiled& c, const spec::Law& law);
 int add_argument(Compiled& c, int slot);
+
+/// Where sensors find what they see, after frames and elements.
+struct SensorPlaces {
+  const Compiled& compiled;
+  const std::function<int(ElementData)>& add_element;
+  const std::function<ElementData(int joint, int coordinate)>& on_coordinate;
+
+  /// The element that measures a joint's coordinate: one of the model's, or a new one that only measures.
+  int of_coordinate(int joint, int coordinate) const;
+};
 
 /// After frames and elements. Coordinates and lengths that no element measures get one that only measures, by
 /// `add_element`, of `on_coordinate` for a joint's coordinate.

@@ -396,10 +396,11 @@ struct SignalsData {
 
 /// A component of the motion that signals see.
 struct SensorData {
-  spec::Output::Kind kind = spec::Output::Kind::position;
+  int kind = 0;  ///< place in the list of outputs (outputs/table.h)
   int component = 0;
   int frame = -1, reference = -1;
-  int element = -1;  ///< of coordinates and lengths: the element that measures it
+  int element = -1;      ///< of coordinates and lengths: the element that measures it
+  bool is_rate = false;  ///< the rate of what that measures
   bool own_axes = false;
   Vec3d direction = Vec3d::Zero();
   double offset = 0;

@@ -230,8 +230,7 @@ spec::Model with_lowest_modes(spec::Model model, int most) {
     changed = true;
   }
   if (changed)
-    std::erase_if(model.outputs,
-                  [](const spec::Output& o) { return o.kind == spec::Output::Kind::modal_amplitude; });
+    std::erase_if(model.outputs, [](const spec::Output& o) { return o.kind == "modal_amplitude"; });
   return model;
 }
 

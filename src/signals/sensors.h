@@ -1,74 +1,39 @@
 #pragma once
-#include <cmath>
-
-#include "forces/motion.h"
-#include "math/elementary.h"
+#include "outputs/table.h"
 #include "signals/values.h"
 
 /// What signals see of the motion within an evaluation, and what follows from it.
 namespace mimbre {
 
-/// A sensor's value. `frame(k)`: Motion of a frame, positions relative to `origin`; `measured(k)`:
-/// ElementState of an element; `amplitudes(body)`: its amplitudes.
+/// `frame(k)`: Motion of a frame, positions relative to `origin`; `measured(k)`: ElementState of an element;
+/// `amplitudes(body)`: its amplitudes.
 template <class T, class Frame, class Measured, class Amplitudes>
-T sensor_value(const SensorData& s, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
-               const Amplitudes& amplitudes) {
-  using Kind = spec::Output::Kind;
-  using mimbre::atan2, mimbre::hypot;
-  const auto shapes = [&] {
-    if (s.shapes.empty()) return T(0);
-    const T* y = amplitudes(s.body);
-    T sum(0);
-    for (std::size_t k = 0; k < s.shapes.size(); ++k) sum += s.shapes[k] * y[k];
-    return sum;
-  };
-  switch (s.kind) {
-    case Kind::position:
-      return frame(s.frame).position[s.component] + origin[s.component];
-    case Kind::velocity:
-      return frame(s.frame).velocity[s.component];
-    case Kind::angular_velocity: {
-      const Motion<T> here = frame(s.frame);
-      return (s.own_axes ? Vec3<T>(here.rotation.transpose() * here.omega) : here.omega)[s.component];
-    }
-    case Kind::roll: {
-      const Mat3<T> r = frame(s.frame).rotation;
-      return atan2(r(2, 1), r(2, 2));
-    }
-    case Kind::pitch: {
-      const Mat3<T> r = frame(s.frame).rotation;
-      return atan2(T(-r(2, 0)), T(hypot(r(2, 1), r(2, 2))));
-    }
-    case Kind::yaw: {
-      const Mat3<T> r = frame(s.frame).rotation;
-      return atan2(r(1, 0), r(0, 0));
-    }
-    case Kind::displacement: {
-      const Motion<T> reference = frame(s.reference);
-      return s.direction.template cast<T>().dot(reference.rotation.transpose() *
-                                                (frame(s.frame).position - reference.position)) +
-             s.offset;
-    }
-    case Kind::joint_position:
-    case Kind::spring_length:
-    case Kind::element_measure:
-      return measured(s.element).x[s.component] + s.offset;
-    case Kind::joint_velocity:
-    case Kind::element_rate:
-      return measured(s.element).v[s.component];
-    case Kind::deflection:
-    case Kind::modal_amplitude:
-      return shapes();
-    default:
-      return T(std::numeric_limits<double>::quiet_NaN());  // refused by the compiler
-  }
-}
+class SensorViewOf final : public SensorView<T> {
+ public:
+  SensorViewOf(const Vec3<T>& origin, const Frame& frame, const Measured& measured,
+               const Amplitudes& amplitudes)
+      : origin_(origin), frame_(frame), measured_(measured), amplitudes_(amplitudes) {}
+  const Vec3<T>& origin() const override { return origin_; }
+  Motion<T> motion(int frame) const override { return frame_(frame); }
+  T measure(int element, int component) const override { return measured_(element).x[component]; }
+  T rate(int element, int component) const override { return measured_(element).v[component]; }
+  const T* amplitudes(int body) const override { return amplitudes_(body); }
+
+ private:
+  const Vec3<T>& origin_;
+  const Frame& frame_;
+  const Measured& measured_;
+  const Amplitudes& amplitudes_;
+};
 
 template <class T, class Frame, class Measured, class Amplitudes>
 void sense(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
            const Amplitudes& amplitudes, SignalValues<T>& s) {
-  for (const SignalsData::Sensor& sensor : m.signals.sensors)
-    s.value[sensor.slot] = sensor_value(m.sensors[sensor.sensor], origin, frame, measured, amplitudes);
+  const SensorViewOf<T, Frame, Measured, Amplitudes> view(origin, frame, measured, amplitudes);
+  for (const SignalsData::Sensor& sensor : m.signals.sensors) {
+    const SensorData& d = m.sensors[sensor.sensor];
+    s.value[sensor.slot] = outputs::sensor_functions<T>[static_cast<std::size_t>(d.kind)](d, view);
+  }
   make_signals(m.signals, m.signals.moving, m.signals.moving_loops, s, [&](const SignalsData::Computed& f) {
     if (f.block < 0) {
       s.value[f.slot] = signal_value(f.law, s);
@@ -101,7 +66,6 @@ void block_gradients(const SignalsData& d, const SignalsData::Block& b, SignalVa
 /// controller of an actuator's own motion adds to the tangents.
 template <class T>
 std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, SignalValues<T>& s) {
-  using Kind = spec::Output::Kind;
   const auto same = [&](const SensorData& sensor) {
     if (sensor.element < 0) return false;
     const ElementData& e = m.elements[sensor.element];
@@ -114,8 +78,7 @@ std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, Sig
     const SensorData& d = m.sensors[sensor.sensor];
     GradientOf<T> g{s.value[sensor.slot], T(0), T(0)};
     if (same(d)) {
-      const bool rate = d.kind == Kind::joint_velocity || d.kind == Kind::element_rate;
-      (rate ? g.by_second : g.by_first) = T(1);
+      (d.is_rate ? g.by_second : g.by_first) = T(1);
       any = true;
     }
     s.gradients[sensor.slot] = g;

@@ -6,7 +6,7 @@
 
 #include "compile/compiled.h"
 #include "math/function_values.h"
-#include "signals/blocks/rows.h"
+#include "signals/blocks/table.h"
 
 /// What a step sees of time, inputs and signals: one number per slot, with two derivatives by time of those
 /// that time and inputs alone decide.
@@ -209,9 +209,9 @@ void enter_blocks(const SignalsData& d, SignalValues<T>& s) {
   if (s.since == 0 || s.since == s.matrices_of) return;
   s.matrices_of = s.since;
   for (const SignalsData::Block& b : d.blocks)
-    if (!(b.every > 0) && is_linear(b))
-      blocks::linear::discretise({b.states, b.inputs, b.outputs}, d.numbers.data() + b.numbers, s.since,
-                                 s.matrices.data() + b.matrices);
+    if (const auto prepare = blocks::rows<T>[static_cast<std::size_t>(b.type)].prepare;
+        prepare && !(b.every > 0))
+      prepare(b, d.numbers.data() + b.numbers, s.since, s.matrices.data() + b.matrices);
 }
 
 /// Everything that time and inputs decide, once for each time.

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "mimbre/diagnostics.h"
-#include "spec/block_types.h"
+#include "spec/block_info.h"
 #include "spec/model_builder_parts.h"
 
 /// Blocks and events by names.
@@ -17,12 +17,11 @@ std::vector<double> numbers_of(const Addition& addition, const BlockInfo& info, 
     known.emplace_back(number.key);
     const auto found = given.numbers.find(known.back());
     numbers.push_back(found == given.numbers.end() ? number.otherwise : found->second);
-    if (found != given.numbers.end() || !std::isnan(number.otherwise)) continue;
-    if (known.back() == "falling")
-      numbers.back() = -numbers.front();
-    else
-      addition.refuse(fmt::format("numbers: '{}' is missing: {}", number.key, number.about));
   }
+  if (info.complete) info.complete(numbers);
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    if (std::isnan(numbers[k]) && !given.numbers.contains(known[k]))
+      addition.refuse(fmt::format("numbers: '{}' is missing: {}", known[k], info.numbers[k].about));
   for (const auto& [name, value] : given.numbers)
     if (std::find(known.begin(), known.end(), name) == known.end())
       addition.refuse(fmt::format("numbers: a '{}' has no '{}'{}; it has {}", info.name, name,
@@ -34,12 +33,11 @@ std::vector<Eigen::MatrixXd> matrices_of(const Addition& addition, const BlockIn
                                          const build::Block& given) {
   std::vector<std::string> known;
   std::vector<Eigen::MatrixXd> matrices;
-  for (const std::string_view name : info.matrices) {
-    known.emplace_back(name);
+  for (const BlockMatrix& matrix : info.matrices) {
+    known.emplace_back(matrix.key);
     const auto found = given.matrices.find(known.back());
-    const bool needed = name != "D" && name != "initial";
-    if (found == given.matrices.end() && needed)
-      addition.refuse(fmt::format("matrices: '{}' is missing", name));
+    if (found == given.matrices.end() && !matrix.optional)
+      addition.refuse(fmt::format("matrices: '{}' is missing", matrix.key));
     matrices.push_back(found == given.matrices.end() ? Eigen::MatrixXd() : found->second);
   }
   for (const auto& [name, value] : given.matrices)
@@ -56,11 +54,11 @@ void ModelBuilder::add_block(const std::string& name, const build::Block& given)
   const int type = find_block(given.type);
   if (type < 0) {
     std::vector<std::string> known;
-    for (const BlockInfo& info : block_table) known.emplace_back(info.name);
+    for (const BlockInfo* info : all_blocks()) known.emplace_back(info->name);
     addition.refuse(fmt::format("there is no block '{}'{}; there are {}", given.type,
                                 did_you_mean(given.type, known), listed(known)));
   }
-  const BlockInfo& info = block_table[static_cast<std::size_t>(type)];
+  const BlockInfo& info = block_info(type);
   spec::Block block;
   block.name = name;
   block.type = given.type;
@@ -69,9 +67,9 @@ void ModelBuilder::add_block(const std::string& name, const build::Block& given)
   block.numbers = numbers_of(addition, info, given);
   block.matrices = matrices_of(addition, info, given);
   std::vector<std::string> formulas = given.inputs;
-  if (given.type == "pid" && formulas.size() == 1) formulas.emplace_back("0");
+  if (!info.second.empty() && formulas.size() == 1) formulas.emplace_back("0");
   const std::vector<std::string> outputs = given.outputs.empty() ? std::vector{name} : given.outputs;
-  const auto wanted = given.type == "state_space" ? block.matrices[2].rows() : 1;
+  const int wanted = output_count(block);
   if (wanted != std::ssize(outputs))
     addition.refuse(fmt::format("has {} outputs and {} names of them", wanted, outputs.size()));
   for (const std::string& output : outputs)

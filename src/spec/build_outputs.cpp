@@ -2,24 +2,24 @@
 #include <limits>
 
 #include "joints/joint_kind.h"
-#include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "spec/model_builder_parts.h"
-#include "spec/output_kinds.h"
+#include "spec/output_words.h"
 
 /// Channels by names: what a model file's `outputs` contain (src/model_file/sections/outputs.cpp).
 namespace mimbre {
 namespace {
 
-using Measured = spec::Output::Kind;
-using Of = OutputKind::Of;
+using Of = OutputInfo::Of;
+using Place = OutputInfo::Place;
 using Words = std::vector<std::string>;
 
-const OutputKind& find_kind(const Addition& addition, const std::string& word) {
+const OutputInfo& find_kind(const Addition& addition, const std::string& word) {
   Words words;
-  for (const OutputKind& row : output_kinds) {
-    if (word == row.key) return row;
-    words.emplace_back(row.key);
+  for (const OutputInfo* info : all_outputs()) {
+    if (!info->in_files) continue;
+    if (word == info->name) return *info;
+    words.emplace_back(info->name);
   }
   addition.refuse(
       fmt::format("kind: '{}' is not one of {}{}", word, listed(words), did_you_mean(word, words)));
@@ -41,71 +41,63 @@ Words numbers(int count) {
   return words;
 }
 
-const Words axes{"x", "y", "z"};
+Words words_of(const OutputInfo& info) { return {info.words.begin(), info.words.end()}; }
 
 /// What is given must be used, so that a mistake does not look like a success.
-void check_used(const Addition& addition, const OutputKind& kind, const build::Output& given) {
-  const bool stress = kind.kind == Measured::stress || kind.kind == Measured::strain;
-  const auto only = [&](bool is_given, bool is_used, const char* what, const char* belongs_to) {
-    if (is_given && !is_used) addition.refuse(fmt::format("'{}' belongs to {}", what, belongs_to));
+void check_used(const Addition& addition, const OutputInfo& kind, const build::Output& given) {
+  const auto only = [&](bool is_given, const char* what, bool (*uses)(const OutputInfo&)) {
+    if (is_given && !uses(kind)) addition.refuse(fmt::format("'{}' belongs to {}", what, kinds_with(uses)));
   };
-  only(given.at.has_value(), kind.of == Of::frame || stress || kind.kind == Measured::section_force, "at",
-       "outputs of a body");
-  only(given.along.has_value(), kind.kind == Measured::deflection || kind.kind == Measured::strain, "along",
-       "'deflection' and 'strain'");
-  only(!given.relative_to.empty(), kind.kind == Measured::displacement, "relative_to", "'displacement'");
-  only(given.about.has_value(), kind.kind == Measured::angular_momentum, "about", "'angular_momentum'");
-  only(given.node.has_value(), stress, "node", "'stress' and 'strain'");
-  only(given.offset != 0, kind.kind == Measured::joint_position, "offset", "'joint'");
-  only(given.own_axes, kind.kind == Measured::angular_velocity, "own_axes", "'angular_velocity'");
-  only(!given.bodies.empty(), kind.of == Of::bodies, "bodies", "outputs of the motion of mass");
-  only(!given.on.empty(), kind.of == Of::contact, "on", "outputs of a contact");
-  if (!given.component.empty() && !has_component(kind))
-    addition.refuse(fmt::format("'{}' has no component", kind.key));
+  if (given.at && kind.of != Of::frame && kind.place == Place::none)
+    addition.refuse("'at' belongs to outputs of a body");
+  if (!given.on.empty() && kind.of != Of::contact) addition.refuse("'on' belongs to outputs of a contact");
+  if (!given.bodies.empty() && kind.of != Of::bodies)
+    addition.refuse("'bodies' belongs to outputs of the motion of mass");
+  only(given.along.has_value(), "along", [](const OutputInfo& i) { return i.along; });
+  only(!given.relative_to.empty(), "relative_to", [](const OutputInfo& i) { return i.reference; });
+  only(given.about.has_value(), "about", [](const OutputInfo& i) { return i.about; });
+  only(given.node.has_value(), "node", [](const OutputInfo& i) { return i.place == Place::surface; });
+  only(given.offset != 0, "offset", [](const OutputInfo& i) { return i.offset; });
+  only(given.own_axes, "own_axes", [](const OutputInfo& i) { return i.own_axes; });
+  if (!given.component.empty() && !kind.has_component())
+    addition.refuse(fmt::format("'{}' has no component", kind.name));
 }
 
-void of_frame(Addition& addition, const build::Output& given, const std::string& name, spec::Output& output) {
-  output.item = addition.attach("of", given.of, given.at, name + ".output");
-  const Measured kind = output.kind;
-  if (kind == Measured::deflection) {
+void read_words(const Addition& addition, const OutputInfo& kind, const build::Output& given,
+                spec::Output& output) {
+  if (given.component.empty() && kind.otherwise >= 0)
+    output.component = kind.otherwise;
+  else
+    output.component = find_component(addition, given.component, words_of(kind));
+}
+
+void of_frame(Addition& addition, const OutputInfo& kind, const build::Output& given, spec::Output& output) {
+  output.item = addition.attach("of", given.of, given.at, output.name + ".output");
+  if (kind.along) {
     if (!given.along) addition.refuse("'along' is missing; a deflection is along a direction");
     const int body = addition.frame(output.item).body;
     output.direction =
         addition.body_pose(body).rotation.transpose() * addition.direction("along", *given.along);
-    return;
   }
-  if (kind == Measured::roll || kind == Measured::pitch || kind == Measured::yaw) return;
-  output.component = find_component(addition, given.component, axes);
+  if (!kind.words.empty()) read_words(addition, kind, given, output);
   output.own_axes = given.own_axes;
-  if (kind != Measured::displacement) return;
+  if (!kind.reference) return;
   if (given.relative_to == "ground")
     addition.refuse("the ground has no axes of its own here; name a frame of it, or use 'position'");
-  output.reference = addition.attach("relative_to", given.relative_to, {}, name + ".reference");
+  output.reference = addition.attach("relative_to", given.relative_to, {}, output.name + ".reference");
   const spec::Pose here = addition.frame_pose(output.reference);
   output.direction = Eigen::Vector3d::Unit(output.component);
   output.offset = -output.direction.dot(here.rotation.transpose() *
                                         (addition.frame_pose(output.item).position - here.position));
 }
 
-void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const build::Output& given,
-              spec::Output& output) {
+void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const OutputInfo& kind,
+              const build::Output& given, spec::Output& output) {
   output.item = addition.find(builder.joints, "of", given.of);
-  if (output.kind == Measured::joint_force) {
-    output.component = find_component(addition, given.component, {"fx", "fy", "fz", "mx", "my", "mz"});
-    return;
-  }
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
-    if (info.quaternion < 0)
-      addition.refuse(fmt::format("a {} joint has coordinates of its own; see kind 'joint'", info.name));
-    output.component =
-        find_component(addition, given.component,
-                       output.kind == Measured::joint_rotation ? axes : Words{"w", "x", "y", "z"});
-    return;
-  }
-  const bool rate = output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
-  const int count = info.quaternion < 0 || rate ? info.velocities : info.quaternion;
-  if (count == 0) addition.refuse(fmt::format("a {} joint has no scalar coordinate", info.name));
+  const int count = kind.count ? kind.count(info) : 0;
+  if (kind.count && count == 0) addition.refuse(fmt::format("a {} joint {}", info.name, kind.without));
+  if (!kind.words.empty()) return read_words(addition, kind, given, output);
   output.component = find_component(addition, given.component, numbers(count));
   output.offset = given.offset;
 }
@@ -131,10 +123,8 @@ int surface_node(const Addition& addition, const build::Output& given, const spe
 }
 
 /// The section nearest to a place; of the two at a node the end of an element.
-void of_section(const Addition& addition, const build::Output& given, const spec::Body& body,
+void at_section(const Addition& addition, const build::Output& given, const spec::Body& body,
                 spec::Output& output) {
-  output.component =
-      find_component(addition, given.component, {section_components.begin(), section_components.end()});
   if (!body.flexible || !body.flexible->sections)
     addition.refuse(
         fmt::format("body '{}' knows no section forces; reduce its bars with `sections`", given.of));
@@ -153,36 +143,29 @@ void of_section(const Addition& addition, const build::Output& given, const spec
   }
 }
 
-void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const build::Output& given,
-             spec::Output& output) {
+void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const OutputInfo& kind,
+             const build::Output& given, spec::Output& output) {
   output.item = addition.find(builder.bodies, "of", given.of);
   const spec::Body& body = builder.model.bodies[static_cast<std::size_t>(output.item)];
-  if (output.kind == Measured::modal_amplitude) {
+  if (kind.modes) {
     if (!body.flexible || body.flexible->modes <= 0)
       addition.refuse(fmt::format("body '{}' is rigid and has no modes", given.of));
     if (given.component.empty()) addition.refuse("'component' is missing; for example \"0\"");
     output.component = find_component(addition, given.component, numbers(body.flexible->modes));
-    return;
-  }
-  if (output.kind == Measured::section_force) return of_section(addition, given, body, output);
-  Words words(stress_components.begin(), stress_components.end());
-  const bool stress = output.kind == Measured::stress;
-  if (!stress) words.pop_back();  // von Mises is a measure of stress
-  if (given.along) {
+  } else if (given.along) {
     if (!given.component.empty()) addition.refuse("give 'along' or 'component', not both");
     output.direction = body.pose.rotation.transpose() * addition.direction("along", *given.along);
   } else {
-    output.component = !given.component.empty() ? find_component(addition, given.component, words)
-                       : stress                 ? von_mises_component
-                                                : max_principal_component;
+    read_words(addition, kind, given, output);
   }
+  if (kind.place == Place::section) return at_section(addition, given, body, output);
   if (given.node && given.at) addition.refuse("give 'node' or 'at', not both");
-  if (body.flexible) output.node = surface_node(addition, given, body);
+  if (kind.place == Place::surface && body.flexible) output.node = surface_node(addition, given, body);
 }
 
-void of_bodies(const Addition& addition, const ModelBuilder::Impl& builder, const build::Output& given,
-               spec::Output& output) {
-  output.component = find_component(addition, given.component, axes);
+void of_bodies(const Addition& addition, const ModelBuilder::Impl& builder, const OutputInfo& kind,
+               const build::Output& given, spec::Output& output) {
+  output.component = find_component(addition, given.component, words_of(kind));
   Words names = given.bodies;
   if (!given.of.empty() && !names.empty()) addition.refuse("give 'of' or 'bodies', not both");
   if (!given.of.empty()) names = {given.of};
@@ -196,43 +179,40 @@ void of_bodies(const Addition& addition, const ModelBuilder::Impl& builder, cons
 void ModelBuilder::add_output(const std::string& name, const build::Output& given) {
   Addition addition(*impl_, impl_->outputs, name);
   addition.coordinates_of(given.in);
-  const OutputKind& kind = find_kind(addition, given.kind);
+  const OutputInfo& kind = find_kind(addition, given.kind);
   check_used(addition, kind, given);
   spec::Output output;
   output.name = name;
-  output.kind = kind.kind;
+  output.kind = kind.name;
   switch (kind.of) {
     case Of::frame:
-      of_frame(addition, given, name, output);
+      of_frame(addition, kind, given, output);
       break;
     case Of::joint:
-      of_joint(addition, *impl_, given, output);
+      of_joint(addition, *impl_, kind, given, output);
       break;
     case Of::body:
-      of_body(addition, *impl_, given, output);
+      of_body(addition, *impl_, kind, given, output);
       break;
     case Of::bodies:
-      of_bodies(addition, *impl_, given, output);
+      of_bodies(addition, *impl_, kind, given, output);
       break;
     case Of::spring:
       output.item = addition.find(impl_->springs, "of", given.of);
       break;
     case Of::tyre:
       output.item = addition.find(impl_->tyres, "of", given.of);
-      if (kind.kind == Measured::tyre_moment)
-        output.component = find_component(addition, given.component,
-                                          {tyre_moment_components.begin(), tyre_moment_components.end()});
-      if (kind.kind == Measured::tyre_force && !given.component.empty())
-        output.component = find_component(addition, given.component,
-                                          {tyre_force_components.begin(), tyre_force_components.end()});
+      if (!kind.words.empty()) read_words(addition, kind, given, output);
       break;
     case Of::contact:
       output.item = addition.find(impl_->contacts, "of", given.of);
-      if (kind.kind == Measured::contact_force)
-        output.component =
-            find_component(addition, given.component, {contact_components.begin(), contact_components.end()});
+      if (!kind.words.empty()) read_words(addition, kind, given, output);
       if (!given.on.empty()) output.bodies = {addition.find(impl_->bodies, "on", given.on)};
       break;
+    case Of::element:
+    case Of::signal:
+    case Of::input:
+      break;  // no kinds of model files
   }
   addition.commit(impl_->outputs, impl_->model.outputs.size());
   impl_->model.outputs.push_back(std::move(output));

@@ -1,9 +1,8 @@
 #include "mimbre/reduced_body.h"
 #include "spec/checked_item.h"
-#include "spec/closed_surface.h"
 #include "spec/contact_pairs.h"
 #include "spec/force_law.h"
-#include "spec/surface_kinds.h"
+#include "spec/surface_kind.h"
 
 /// Surfaces, and spheres that touch them.
 namespace mimbre::checks {
@@ -13,22 +12,6 @@ namespace {
 constexpr std::size_t most_pairs = 20000;
 /// Of a swarm: with surfaces, and places for those that are near each other.
 constexpr std::size_t most_of_swarm = 100000;
-
-void check_grid(const CheckedItem& item, const spec::Surface& s) {
-  item.positive("spacing along x", s.spacing[0]);
-  item.positive("spacing along y", s.spacing[1]);
-  if (s.heights.rows() < 2 || s.heights.cols() < 2)
-    item.error(fmt::format("has a grid of {} x {} heights; at least 2 x 2 are needed", s.heights.rows(),
-                           s.heights.cols()));
-  else
-    item.finite("heights", s.heights);
-}
-
-void check_mesh(const CheckedItem& item, const spec::Surface& s) {
-  for (const Eigen::Vector3d& vertex : s.vertices)
-    if (!item.finite("one of its vertices", vertex)) return;
-  if (const std::string why = why_not_closed(s.vertices, s.triangles); !why.empty()) item.error(why);
-}
 
 void check_spheres(const spec::Model& model, const CheckedItem& item, const spec::Spheres& spheres) {
   item.positive("radius of its spheres", spheres.radius);
@@ -60,15 +43,18 @@ void check_surfaces(const spec::Model& model, std::vector<Diagnostic>& errors) {
   for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
     const spec::Surface& s = model.surfaces[k];
     const CheckedItem item(errors, "surface", s.name, s.mark, k);
-    if (!item.enumerator("kind", s.kind, static_cast<int>(surface_kinds.size()))) continue;
+    const int number = find_surface(s.kind);
+    if (number < 0) {
+      item.error(fmt::format("kind: there is no surface '{}'", s.kind));
+      continue;
+    }
     item.index("frame", s.frame, model.frames.size(), "frames");
-    const SurfaceKind& kind = surface_kinds[static_cast<std::size_t>(s.kind)];
+    const SurfaceInfo& kind = surface_info(number);
     for (std::size_t i = 0; i < kind.sizes.size() && !kind.sizes[i].empty(); ++i)
       for (int c = kind.sizes[i] == "size" ? 0 : static_cast<int>(i);
            c < (kind.sizes[i] == "size" ? 3 : static_cast<int>(i) + 1); ++c)
         item.positive(std::string(kind.sizes[i]), s.size[c]);
-    if (kind.grid) check_grid(item, s);
-    if (kind.triangles) check_mesh(item, s);
+    if (kind.check) kind.check(s, item);
   }
 }
 

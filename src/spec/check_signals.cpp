@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "joints/joint_kind.h"
-#include "spec/block_types.h"
+#include "spec/block_info.h"
 #include "spec/checked_item.h"
 #include "spec/force_law.h"
 #include "spec/nearest_place.h"

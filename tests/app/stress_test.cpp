@@ -113,7 +113,8 @@ TEST_F(StressOfARun, WrongOutputsAreNamed) {
   };
   EXPECT_THAT(complaint("{name: a, stress: bar, node: 7000}"), HasSubstr("no node 7000"));
   EXPECT_THAT(complaint("{name: a, stress: bar, at: [0.5, 0.05, 0.5]}"), HasSubstr("0.45 m away"));
-  EXPECT_THAT(complaint("{name: a, stress: bar, along: [1, 0, 0]}"), HasSubstr("belongs to 'strain'"));
+  EXPECT_THAT(complaint("{name: a, stress: bar, along: [1, 0, 0]}"),
+              HasSubstr("belongs to 'deflection' and 'strain'"));
   EXPECT_THAT(complaint("{name: a, strain: bar, component: von_mises}"), HasSubstr("von_mises"));
   EXPECT_THAT(complaint("{name: a, stress: bar, node: 1, at: [0, 0, 0]}"), HasSubstr("not both"));
   EXPECT_THAT(complaint("{name: a, position: bar, node: 1, component: x}"), HasSubstr("'node' belongs"));

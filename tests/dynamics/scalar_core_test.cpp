@@ -9,7 +9,7 @@
 #include "dynamics/relative/retract.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "linalg/block_factor_impl.h"
-#include "signals/blocks/rows.h"
+#include "signals/blocks/table.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 #include "tyre_files/tyre_data.h"
@@ -109,7 +109,7 @@ std::vector<std::pair<std::size_t, double>> times_of_blocks(const Compiled& m) {
   }
   for (const SignalsData::Block& b : m.signals.blocks) {
     put(b.held, 1);
-    if (static_cast<BlockType>(b.type) != BlockType::delay) continue;
+    if (b.type != find_block("delay")) continue;
     // Four points, the last of them at the start of the step.
     const int states = b.held + 1 + b.inputs;
     put(states + blocks::delay::count, 4);

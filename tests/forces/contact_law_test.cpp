@@ -13,8 +13,6 @@
 namespace mimbre::test::contact_law_test {
 namespace {
 
-using Kind = spec::Surface::Kind;
-
 /// A sphere that touches a surface, in motion, and bristles that are bent.
 struct Touching {
   Compiled model;
@@ -55,12 +53,12 @@ struct Touching {
 
 SurfaceData surface(int kind) {
   SurfaceData s{kind, Vec3d(0.7, 1.1, 0.5), {}};
-  if (kind == static_cast<int>(Kind::heights)) {
+  if (kind == find_surface("heights")) {
     Eigen::MatrixXd heights(4, 4);
     for (int k = 0; k < 16; ++k) heights(k / 4, k % 4) = 0.2 * std::sin(1.3 * k);
     s.mesh = height_mesh(heights, {0.5, 0.4});
   }
-  if (kind == static_cast<int>(Kind::mesh))
+  if (kind == find_surface("mesh"))
     s.mesh = triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
   return s;
@@ -95,7 +93,7 @@ Touching touching(Random& random, int kind, double friction, double exponent, bo
   return t;
 }
 
-constexpr int kinds = static_cast<int>(surface_kinds.size());
+constexpr int kinds = static_cast<int>(surfaces::infos.size());
 
 TEST(ContactLaw, RatesAreDerivatives) {
   Random random(11);

@@ -437,7 +437,7 @@ TEST(ContactBuilder, BuildsWhatAFileSays) {
   m.add_joint("free", {.type = spec::JointType::floating,
                        .between = {"ground", "ball"},
                        .velocity = {2., 0., 0., 0., 0., 0.}});
-  m.add_surface("floor", {.kind = spec::Surface::Kind::box, .size = {10, 10, 0.1}});
+  m.add_surface("floor", {.kind = "box", .size = {10, 10, 0.1}});
   m.add_contact("touch", {.spheres = {{.on = "ball", .radius = 0.1}},
                           .surfaces = {"floor"},
                           .stiffness = 1e5,

@@ -13,7 +13,6 @@
 namespace mimbre::test::surfaces_test {
 namespace {
 
-using Kind = spec::Surface::Kind;
 using Triangle = std::array<int, 3>;
 
 struct Mesh {
@@ -52,24 +51,24 @@ Mesh torus(int around, int across) {
   return m;
 }
 
-SurfaceData surface(Kind kind, const Vec3d& size = Vec3d::Zero()) {
-  return {static_cast<int>(kind), size, {}};
+SurfaceData surface(const char* kind, const Vec3d& size = Vec3d::Zero()) {
+  return {find_surface(kind), size, {}};
 }
 SurfaceData surface(const Mesh& mesh) {
-  return {static_cast<int>(Kind::mesh), Vec3d::Zero(), triangle_mesh(mesh.vertices, mesh.triangles)};
+  return {find_surface("mesh"), Vec3d::Zero(), triangle_mesh(mesh.vertices, mesh.triangles)};
 }
 
 SurfaceData hills() {
   Eigen::MatrixXd heights(7, 9);
   for (int j = 0; j < 7; ++j)
     for (int i = 0; i < 9; ++i) heights(j, i) = 0.3 * std::sin(0.9 * i) * std::cos(0.7 * j) + 0.05 * i;
-  return {static_cast<int>(Kind::heights), Vec3d::Zero(), height_mesh(heights, {0.25, 0.3})};
+  return {find_surface("heights"), Vec3d::Zero(), height_mesh(heights, {0.25, 0.3})};
 }
 
 std::vector<SurfaceData> all_surfaces() {
-  std::vector<SurfaceData> all{surface(Kind::half_space), surface(Kind::box, {1, 0.6, 0.3}),
-                               surface(Kind::cylinder, {0.4, 1.2, 0}), surface(Kind::capsule, {0.3, 0.9, 0}),
-                               surface(Kind::sphere, {0.7, 0, 0})};
+  std::vector<SurfaceData> all{surface("half_space"), surface("box", {1, 0.6, 0.3}),
+                               surface("cylinder", {0.4, 1.2, 0}), surface("capsule", {0.3, 0.9, 0}),
+                               surface("sphere", {0.7, 0, 0})};
   all.push_back(surface(torus(24, 12)));
   all.push_back(hills());
   return all;
@@ -112,7 +111,7 @@ TEST(Surfaces, NormalsAreGradientsOfDistances) {
 
 TEST(Surfaces, ABoxOfTrianglesIsABox) {
   const Vec3d edges(1, 0.6, 0.3);
-  const SurfaceData box = surface(Kind::box, edges), mesh = surface(box_mesh(edges));
+  const SurfaceData box = surface("box", edges), mesh = surface(box_mesh(edges));
   Random random(4);
   for (int round = 0; round < 5000; ++round) {
     const Vec3d p = random.values(3, 1);
@@ -153,7 +152,7 @@ TEST(Surfaces, ATreeFindsTheNearestOfAllTriangles) {
 }
 
 TEST(Surfaces, LevelHeightsAreAHalfSpaceBeyondTheirBorderToo) {
-  const SurfaceData level{static_cast<int>(Kind::heights), Vec3d::Zero(),
+  const SurfaceData level{find_surface("heights"), Vec3d::Zero(),
                           height_mesh(Eigen::MatrixXd::Constant(4, 5, 0.2), {0.1, 0.2})};
   Random random(6);
   for (int round = 0; round < 500; ++round) {

@@ -368,8 +368,8 @@ TEST(ModelFile, SubstructuresAreBodiesJoinedByBrackets) {
   expect_near(global(model, seat.item).position, Vector3d(1.5, 2.3, 3.1));
   EXPECT_EQ(model.frames[static_cast<std::size_t>(tip.item)].body, 3);
   EXPECT_EQ(model.frames[static_cast<std::size_t>(seat.item)].body, 0);
-  EXPECT_EQ(seat.kind, spec::Output::Kind::deflection);
-  EXPECT_EQ(tip.kind, spec::Output::Kind::displacement);
+  EXPECT_EQ(seat.kind, "deflection");
+  EXPECT_EQ(tip.kind, "displacement");
   EXPECT_EQ(model.frames[static_cast<std::size_t>(tip.reference)].name, "bar");
   for (const spec::Frame& frame : model.frames) {
     if (frame.flexible_frame < 0) continue;

@@ -71,6 +71,32 @@ outputs:
   EXPECT_EQ(s.channels()[9].unit, "kg m²/s");
 }
 
+/// The same top. With Ω = (1 − J3/J1) ω3, in its own axes ω̇ = Ω e3 × ω; in global axes the angular velocity
+/// goes around the angular momentum, ω̇ = L × ω / J1.
+TEST_P(MomentumOutputs, AngularAccelerationOfAFreeTop) {
+  Simulation s = simulation(R"(
+gravity: [0, 0, 0]
+bodies:
+  top: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1.5]}
+joints:
+  fly: {type: floating, between: [ground, top], at: [0, 0, 0], velocity: [3, 0, 1, 0.4, 0, 2]}
+outputs:
+)" + xyz("own", "angular_acceleration: top, axes: own") +
+                                xyz("a", "angular_acceleration: top") + xyz("w", "angular_velocity: top"),
+                            0.002);
+  ResultsRow row;
+  for (int k = 0; k < 400; ++k) {
+    ASSERT_TRUE(s.step().ok());
+    s.sample(row);
+    const double turn = (1.5 - 1) * 2 * s.time();
+    const Vector3d L(0.4, 0, 3);
+    EXPECT_LT((three(row, 0) - 0.4 * Vector3d(-std::sin(turn), std::cos(turn), 0)).norm(), 1e-5);
+    EXPECT_LT((three(row, 3) - L.cross(three(row, 6))).norm(), 1e-5);
+  }
+  EXPECT_EQ(s.channels()[0].unit, "rad/s²");
+  EXPECT_EQ(s.channels()[0].meaning, "angular acceleration of 'top' about x of its own axes");
+}
+
 const std::string beam = R"(
 materials:
   rubber: {young: 2e6, poisson: 0.4, density: 1000}

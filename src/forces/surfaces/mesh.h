@@ -4,7 +4,12 @@
 #include <type_traits>
 
 #include "compile/compiled.h"
+#include "compile/triangle_mesh.h"
+#include "forces/surfaces/drawing.h"
 #include "forces/surfaces/touch.h"
+#include "spec/checked_item.h"
+#include "spec/closed_surface.h"
+#include "spec/surface_kind.h"
 
 /// Triangles that close, or reach as far as anything does. The nearest point of all by a tree of boxes; the
 /// sign by the normal of the face, edge or corner on which it lies (Bærentzen and Aanæs, IEEE Trans. Vis.
@@ -104,34 +109,47 @@ inline NearestPoint nearest_point(const TriangleMesh& m, const Vec3d& p) {
   return n;
 }
 
-template <class T>
-Touch<T> mesh(const SurfaceData& s, const Vec3<T>& p) {
-  Touch<T> touch;
-  Vec3d at;
-  if constexpr (std::is_same_v<T, double>) {
-    const NearestPoint n = nearest_point(s.mesh, p);
-    touch = {n.distance, n.normal};
-  } else if constexpr (is_pack<T>) {
-    for (int i = 0; i < T::lanes; ++i) {
-      for (int k = 0; k < 3; ++k) at[k] = p[k][i];
+struct Mesh {
+  template <class T>
+  static Touch<T> touch(const SurfaceData& s, const Vec3<T>& p) {
+    Touch<T> found;
+    Vec3d at;
+    if constexpr (std::is_same_v<T, double>) {
+      const NearestPoint n = nearest_point(s.mesh, p);
+      found = {n.distance, n.normal};
+    } else if constexpr (is_pack<T>) {
+      for (int i = 0; i < T::lanes; ++i) {
+        for (int k = 0; k < 3; ++k) at[k] = p[k][i];
+        const NearestPoint n = nearest_point(s.mesh, at);
+        found.distance[i] = n.distance;
+        for (int k = 0; k < 3; ++k) found.normal[k][i] = n.normal[k];
+      }
+    } else {
+      Vec3d rate;
+      for (int k = 0; k < 3; ++k) {
+        at[k] = p[k].value;
+        rate[k] = p[k].derivative;
+      }
       const NearestPoint n = nearest_point(s.mesh, at);
-      touch.distance[i] = n.distance;
-      for (int k = 0; k < 3; ++k) touch.normal[k][i] = n.normal[k];
+      Vec3d turning = Vec3d::Zero();
+      if (n.corners < 3 && n.distance != 0)
+        turning = (rate - n.normal * n.normal.dot(rate) - n.edge * n.edge.dot(rate)) / n.distance;
+      found.distance = T(n.distance, n.normal.dot(rate));
+      for (int k = 0; k < 3; ++k) found.normal[k] = T(n.normal[k], turning[k]);
     }
-  } else {
-    Vec3d rate;
-    for (int k = 0; k < 3; ++k) {
-      at[k] = p[k].value;
-      rate[k] = p[k].derivative;
-    }
-    const NearestPoint n = nearest_point(s.mesh, at);
-    Vec3d turning = Vec3d::Zero();
-    if (n.corners < 3 && n.distance != 0)
-      turning = (rate - n.normal * n.normal.dot(rate) - n.edge * n.edge.dot(rate)) / n.distance;
-    touch.distance = T(n.distance, n.normal.dot(rate));
-    for (int k = 0; k < 3; ++k) touch.normal[k] = T(n.normal[k], turning[k]);
+    return found;
   }
-  return touch;
-}
+  static void check(const spec::Surface& s, const checks::CheckedItem& item) {
+    for (const Eigen::Vector3d& vertex : s.vertices)
+      if (!item.finite("one of its vertices", vertex)) return;
+    if (const std::string why = why_not_closed(s.vertices, s.triangles); !why.empty()) item.error(why);
+  }
+  static TriangleMesh mesh(const spec::Surface& s) { return triangle_mesh(s.vertices, s.triangles); }
+  static void draw(const spec::Surface& s, const spec::Pose& pose, double, BodyDrawing& body) {
+    draw_triangles(s.vertices, s.triangles, pose, body);
+  }
+  static constexpr SurfaceInfo info{
+      .name = "mesh", .triangles = true, .check = check, .mesh = mesh, .draw = draw};
+};
 
 }  // namespace mimbre::surfaces

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "spec/block_types.h"
+#include "spec/block_info.h"
 
 namespace mimbre::model_file {
 namespace {
@@ -53,30 +53,31 @@ void read_numbers(const BlockInfo& info, const Fields& fields, spec::Block& bloc
   for (const LawNumber& number : info.numbers) {
     const std::string key(number.key);
     double read = number.otherwise;
-    // What has a word of its own.
-    const bool said = key == "uniform" || (key == "falling" && !fields.has(key) && fields.has("rising"));
     if (const auto given = fields.get(key)) {
-      if (const auto x = given->number(number.unit == "s" ? quantity::time : quantity::any)) {
-        read = *x;
-        if (!number.allows(read)) given->error(wrong_number(number, read));
-      }
-    } else if (std::isnan(read) && !said) {
-      fields.error(fmt::format("'{}' is missing: {}{}", key, number.about, number.unit.empty() ? "" : ", s"));
-      read = number.above >= 0 ? 1 : 0;
+      const auto x = given->number(number.unit == "s" ? quantity::time : quantity::any);
+      read = x.value_or(number.above >= 0 ? 1 : 0);
+      if (x && !number.allows(read)) given->error(wrong_number(number, read));
     }
     block.numbers.push_back(read);
+  }
+  if (info.complete) info.complete(block.numbers);
+  for (std::size_t k = 0; k < block.numbers.size(); ++k) {
+    const LawNumber& number = info.numbers[k];
+    if (!std::isnan(block.numbers[k]) || fields.has(std::string(number.key))) continue;
+    fields.error(
+        fmt::format("'{}' is missing: {}{}", number.key, number.about, number.unit.empty() ? "" : ", s"));
+    block.numbers[k] = number.above >= 0 ? 1 : 0;
   }
 }
 
 /// Matrices by their keys; those that may be left out are empty then.
 void read_matrices(const BlockInfo& info, const Fields& fields, spec::Block& block) {
-  for (const std::string_view name : info.matrices) {
-    const std::string key(name);
-    const bool optional = key == "D" || key == "initial";
+  const char* const example = info.inputs < 0 ? "[[0, 1], [-4, -1]]" : "[1, 2]";
+  for (const BlockMatrix& matrix : info.matrices) {
+    const std::string key(matrix.key);
     Eigen::MatrixXd m;
-    if (const auto given =
-            optional ? fields.get(key) : fields.need(key, key == "A" ? "[[0, 1], [-4, -1]]" : "[1, 2]"))
-      m = read_matrix(*given, key == "B" || key == "initial").value_or(m);
+    if (const auto given = matrix.optional ? fields.get(key) : fields.need(key, example))
+      m = read_matrix(*given, matrix.column).value_or(m);
     block.matrices.push_back(std::move(m));
   }
 }
@@ -92,22 +93,27 @@ void read_inputs_of(Builder& builder, const Part& part, const Fields& fields, co
   } else {
     add(main);
   }
-  if (info.name == "pid") {
-    if (const auto setpoint = fields.get("setpoint"))
-      add(*setpoint);
+  if (!info.second.empty()) {
+    if (const auto second = fields.get(std::string(info.second)))
+      add(*second);
     else
       block.inputs.push_back(nothing());
   }
 }
 
+/// Whether the number is the place of a word among those that stand at the type's key.
+bool is_word(const BlockInfo& info, const LawNumber& number) {
+  return !info.words.empty() && &number == &info.numbers.back();
+}
+
 std::vector<std::string> keys_of(const BlockInfo& info) {
   std::vector<std::string> keys{std::string(info.key), "every", "unit", "about"};
   for (const LawNumber& number : info.numbers)
-    if (number.key != "uniform") keys.emplace_back(number.key);
-  for (const std::string_view name : info.matrices) keys.emplace_back(name);
-  if (info.name == "pid") keys.emplace_back("setpoint");
-  if (info.name == "state_space") keys.emplace_back("outputs");
-  if (info.name == "table") keys.insert(keys.end(), {"points", "interpolation"});
+    if (!is_word(info, number)) keys.emplace_back(number.key);
+  for (const BlockMatrix& matrix : info.matrices) keys.emplace_back(matrix.key);
+  if (!info.second.empty()) keys.emplace_back(info.second);
+  if (info.named_outputs) keys.emplace_back("outputs");
+  if (info.points) keys.insert(keys.end(), {"points", "interpolation"});
   return keys;
 }
 
@@ -126,17 +132,21 @@ Function read_points_of(const Fields& fields) {
 
 int block_of(const Tree& description) {
   if (description.kind != Tree::Kind::map) return -1;
-  for (const BlockInfo& info : block_table)
-    if (const Tree::Entry* entry = description.find(std::string(info.key))) {
-      const bool two = info.key == "table" && entry->value->kind == Tree::Kind::list;
-      return find_block(two ? "table_2d" : info.name);
-    }
-  return -1;
+  int found = -1;
+  for (const BlockInfo* info : all_blocks()) {
+    const Tree::Entry* entry = description.find(std::string(info->key));
+    if (!entry || (info->list && entry->value->kind != Tree::Kind::list)) continue;
+    if (info->list) return find_block(info->name);
+    if (found < 0) found = find_block(info->name);
+  }
+  return found;
 }
 
 std::vector<std::string> output_names(const Tree& description) {
   std::vector<std::string> names;
-  const Tree::Entry* outputs = description.find("state_space") ? description.find("outputs") : nullptr;
+  const int type = block_of(description);
+  const Tree::Entry* outputs =
+      type >= 0 && block_info(type).named_outputs ? description.find("outputs") : nullptr;
   if (outputs && outputs->value->kind == Tree::Kind::list)
     for (const auto& item : outputs->value->items) names.push_back(item->text);
   return names;
@@ -144,7 +154,7 @@ std::vector<std::string> output_names(const Tree& description) {
 
 void read_block(Builder& builder, const Part& part, const Value& value, const std::string& name, int type,
                 const std::vector<std::size_t>& signals) {
-  const BlockInfo& info = block_table[static_cast<std::size_t>(type)];
+  const BlockInfo& info = block_info(type);
   const Fields fields(value, keys_of(info));
   spec::Block block;
   block.name = name;
@@ -157,11 +167,11 @@ void read_block(Builder& builder, const Part& part, const Value& value, const st
   read_inputs_of(builder, part, fields, *main, info, block);
   read_numbers(info, fields, block);
   read_matrices(info, fields, block);
-  if (info.name == "table") block.function = read_points_of(fields);
-  if (info.name == "noise") block.numbers.back() = main->choice({"normal", "uniform"}).value_or(0);
-  if (info.name == "rate_limit" && !fields.has("falling")) block.numbers[1] = -block.numbers[0];
+  if (info.points) block.function = read_points_of(fields);
+  if (!info.words.empty())
+    block.numbers.back() = main->choice({info.words.begin(), info.words.end()}).value_or(0);
   if (builder.errors.list.size() > errors) return;
-  const auto outputs = block.type == "state_space" ? block.matrices[2].rows() : 1;
+  const int outputs = output_count(block);
   if (outputs != std::ssize(signals))
     return value.error(fmt::format("has {} outputs and {} names: outputs: [..] gives each of several its own",
                                    outputs, signals.size()));

@@ -6,22 +6,21 @@
 #include "model_file/sections/heights.h"
 #include "model_file/sections/surface_files.h"
 #include "spec/force_law.h"
-#include "spec/surface_kinds.h"
+#include "spec/surface_kind.h"
 
 /// Surfaces, and spheres that touch them.
 namespace mimbre::model_file {
 namespace {
 
-using SurfaceForm = spec::Surface::Kind;
-
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
-  for (const SurfaceKind& kind : surface_kinds) names.emplace_back(kind.name);
+  for (const SurfaceInfo* kind : all_surfaces()) names.emplace_back(kind->name);
   return names;
 }
 
 /// The frame that is named, or one of its own at a place with axes.
-int read_place(Builder& builder, const Part& part, const Fields& fields, const spec::Surface& surface) {
+int read_place(Builder& builder, const Part& part, const Fields& fields, const SurfaceInfo& kind,
+               const spec::Surface& surface) {
   const auto on = fields.get("on");
   int body = spec::ground;
   if (on) {
@@ -38,13 +37,13 @@ int read_place(Builder& builder, const Part& part, const Fields& fields, const s
   spec::Pose pose = read_pose(part, fields, Eigen::Vector3d::Zero());
   if (body >= 0 && !fields.has("at")) pose.position = builder.body_pose(body).position;
   // The upper side of what is mirrored along z is its lower one.
-  if (surface.kind == SurfaceForm::half_space && part.place.mirror[2] < 0)
+  if (kind.one_sided && part.place.mirror[2] < 0)
     pose.rotation = (pose.rotation * Eigen::Vector3d(1, -1, -1).asDiagonal()).eval();
   return builder.add_frame_at(surface.name + ".surface", body, pose.position, pose.rotation,
                               on ? *on : fields.value());
 }
 
-void read_sizes(const Fields& fields, const SurfaceKind& kind, spec::Surface& surface) {
+void read_sizes(const Fields& fields, const SurfaceInfo& kind, spec::Surface& surface) {
   for (std::size_t k = 0; k < kind.sizes.size() && !kind.sizes[k].empty(); ++k) {
     const std::string key(kind.sizes[k]);
     if (key == "size") {
@@ -115,15 +114,15 @@ void read_surface(Builder& builder, const Part& part, const Value& value, spec::
   const auto type = any.need("type", "half_space");
   const auto choice = type ? type->choice(kind_names()) : std::nullopt;
   if (!choice) return;
-  surface.kind = static_cast<SurfaceForm>(*choice);
-  const SurfaceKind& kind = surface_kinds[static_cast<std::size_t>(*choice)];
+  const SurfaceInfo& kind = surface_info(*choice);
+  surface.kind = kind.name;
   keys.resize(6);
   for (const std::string_view size : kind.sizes)
     if (!size.empty()) keys.emplace_back(size);
   if (kind.grid) keys.insert(keys.end(), {"spacing", "heights"});
   if (kind.triangles) keys.insert(keys.end(), {"vertices", "triangles", "file", "scale"});
   const Fields fields(value, keys);
-  surface.frame = read_place(builder, part, fields, surface);
+  surface.frame = read_place(builder, part, fields, kind, surface);
   read_sizes(fields, kind, surface);
   if (kind.grid) read_grid(part, fields, surface);
   if (kind.triangles) read_triangles(builder, part, fields, surface);

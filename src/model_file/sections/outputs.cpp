@@ -6,17 +6,17 @@
 #include <unordered_map>
 
 #include "joints/joint_kind.h"
-#include "math/stress.h"
 #include "mimbre/reduced_body.h"
 #include "model_file/sections/signals.h"
 #include "model_file/text/builder.h"
-#include "spec/output_kinds.h"
+#include "spec/output_words.h"
 
 /// Channels of the CSV file.
 namespace mimbre::model_file {
 namespace {
 
-using Measured = spec::Output::Kind;
+using Of = OutputInfo::Of;
+using Place = OutputInfo::Place;
 
 /// Commas and quotes would break the columns of a CSV file.
 bool check_output_name(const Value& value, const std::string& name) {
@@ -39,32 +39,26 @@ int read_component(const Fields& fields, const std::vector<std::string>& words) 
   return component->choice(words).value_or(0);
 }
 
-void read_joint_component(const Builder& builder, const Fields& fields, spec::Output& output) {
-  if (output.kind == Measured::joint_force) {
-    output.component = read_component(fields, {"fx", "fy", "fz", "mx", "my", "mz"});
-    return;
-  }
+void read_words(const OutputInfo& kind, const Fields& fields, spec::Output& output) {
+  if (kind.otherwise >= 0 && !fields.has("component"))
+    output.component = kind.otherwise;
+  else
+    output.component = read_component(fields, {kind.words.begin(), kind.words.end()});
+}
+
+void read_joint_component(const Builder& builder, const OutputInfo& kind, const Fields& fields,
+                          spec::Output& output) {
   const JointInfo& info = joint_info(builder.model.joints[static_cast<std::size_t>(output.item)].type);
-  if (output.kind == Measured::joint_rotation || output.kind == Measured::joint_quaternion) {
-    if (info.quaternion < 0)
-      return fields.error(fmt::format("a {} joint has coordinates of its own; see 'joint'", info.name));
-    output.component = output.kind == Measured::joint_rotation ? read_component(fields, {"x", "y", "z"})
-                                                               : read_component(fields, {"w", "x", "y", "z"});
-    return;
-  }
-  const bool velocity =
-      output.kind == Measured::joint_velocity || output.kind == Measured::joint_acceleration;
-  const int count = info.quaternion < 0 || velocity ? info.velocities : info.quaternion;
-  if (count == 0) {
-    fields.error(fmt::format("a {} joint has no scalar coordinate", info.name));
-    return;
-  }
+  const int count = kind.count ? kind.count(info) : 0;
+  if (kind.count && count == 0) return fields.error(fmt::format("a {} joint {}", info.name, kind.without));
+  if (!kind.words.empty()) return read_words(kind, fields, output);
   if (const auto component = fields.get("component"))
     output.component = component->integer(0, count - 1).value_or(0);
   else if (count > 1)
     fields.error(fmt::format("the joint has {} coordinates; choose one: component: 0", count));
-  const bool angle = info.quaternion >= 0 || is_angle(info.type, output.component);
-  if (!velocity) output.offset = fields.number("offset", 0, angle ? quantity::angle : quantity::length);
+  if (kind.offset)
+    output.offset = fields.number("offset", 0,
+                                  is_angle(info.type, output.component) ? quantity::angle : quantity::length);
 }
 
 /// The frame from which a displacement is seen, and where that frame sees the undeformed place.
@@ -108,22 +102,18 @@ void read_surface_node(const Builder& builder, const Part& part, const Fields& f
   output.node = static_cast<int>(nearest);
 }
 
-/// Which stress or strain of a body, and where; without a place its extreme over the surface.
-void read_stress(Builder& builder, const Part& part, const Fields& fields, const Value& named,
-                 spec::Output& output) {
-  const bool stress = output.kind == Measured::stress;
-  std::vector<std::string> words(stress_components.begin(), stress_components.end());
-  if (!stress) words.pop_back();  // von Mises is a measure of stress
-  if (const auto along = fields.get("along")) {
-    if (stress) along->error("'along' belongs to 'strain' and 'deflection'");
+/// Which component of a body's stress or strain, or which direction, and where; without a place its extreme
+/// over the surface.
+void read_at_surface(Builder& builder, const Part& part, const OutputInfo& kind, const Fields& fields,
+                     const Value& named, spec::Output& output) {
+  const auto along = kind.along ? fields.get("along") : std::nullopt;
+  if (along) {
     if (fields.has("component")) along->error("give 'along' or 'component', not both");
     const spec::Pose pose = builder.body_pose(output.item);
     output.direction =
         pose.rotation.transpose() * part.place.vector(along->direction().value_or(Eigen::Vector3d::UnitX()));
   } else {
-    output.component = fields.has("component") ? read_component(fields, words)
-                       : stress                ? von_mises_component
-                                               : max_principal_component;
+    read_words(kind, fields, output);
   }
   if (fields.has("node") && fields.has("at")) fields.error("give 'node' or 'at', not both");
   const auto& body = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
@@ -138,7 +128,7 @@ void read_stress(Builder& builder, const Part& part, const Fields& fields, const
                        builder.model.bodies[static_cast<std::size_t>(output.item)].name, output.name)});
     return;
   }
-  if ((stress ? body->stress : body->strain).size() == 0)
+  if (body->stress.size() == 0)
     return named.error("the body's file has no stress modes; reduce its model again, with its elements");
   read_surface_node(builder, part, fields, *body, output);
 }
@@ -158,9 +148,9 @@ bool ask_for_sections(Builder& builder, const Value& named, int body) {
 
 /// A force or moment in a section at a node of the bars, or the stress by them. The bar that ends there,
 /// where one does; else the one that begins.
-void read_section_force(Builder& builder, const Part& part, const Fields& fields, const Value& named,
-                        spec::Output& output) {
-  output.component = read_component(fields, {section_components.begin(), section_components.end()});
+void read_at_section(Builder& builder, const Part& part, const OutputInfo& kind, const Fields& fields,
+                     const Value& named, spec::Output& output) {
+  read_words(kind, fields, output);
   const auto at = fields.need("at", "[0.5, 0, 0]");
   const auto point = at ? at->triple(quantity::length) : std::nullopt;
   if (!point || !ask_for_sections(builder, named, output.item)) return;
@@ -216,21 +206,18 @@ void read_several_bodies(Builder& builder, const Part& part, const Value& named,
 }
 
 /// What is of the motion of a body's mass: along which axis, and angular momentum about what.
-void read_motion_of_mass(Builder& builder, const Part& part, const Fields& fields, const Value& named,
-                         spec::Output& output) {
-  output.component = read_component(fields, {"x", "y", "z"});
+void read_motion_of_mass(Builder& builder, const Part& part, const OutputInfo& kind, const Fields& fields,
+                         const Value& named, spec::Output& output) {
+  read_words(kind, fields, output);
   read_several_bodies(builder, part, named, output);
   const auto about = fields.get("about");
   if (!about) return;
-  if (output.kind != Measured::angular_momentum)
-    return about->error("only 'angular_momentum' is about a point");
+  if (!kind.about) return about->error("only 'angular_momentum' is about a point");
   if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
 }
 
-/// Of the force a component; of all spheres, or of one body.
-void read_contact_output(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
-  if (output.kind == Measured::contact_force)
-    output.component = read_component(fields, {contact_components.begin(), contact_components.end()});
+/// Of all spheres, or of one body.
+void read_body_of_contact(Builder& builder, const Part& part, const Fields& fields, spec::Output& output) {
   const auto on = fields.get("on");
   const auto name = on ? on->word() : std::nullopt;
   if (!name) return;
@@ -238,76 +225,98 @@ void read_contact_output(Builder& builder, const Part& part, const Fields& field
     output.bodies = {body};
 }
 
-void read_tyre_component(const Fields& fields, spec::Output& output) {
-  if (output.kind == Measured::tyre_moment)
-    output.component = read_component(fields, {tyre_moment_components.begin(), tyre_moment_components.end()});
-  if (output.kind == Measured::tyre_force && fields.has("component"))
-    output.component = read_component(fields, {tyre_force_components.begin(), tyre_force_components.end()});
+void read_mode(const Builder& builder, const Fields& fields, const Value& named, spec::Output& output) {
+  const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
+  const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
+  const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
+  const auto component = fields.need("component", "0");
+  if (info.failed) return;
+  if (modes == 0)
+    named.error(fmt::format("body '{}' is rigid and has no modes", named.tree().text));
+  else if (component)
+    output.component = component->integer(0, modes - 1).value_or(0);
 }
 
-void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputKind& row,
+void read_of_frame(Builder& builder, const Part& part, const OutputInfo& kind, const Fields& fields,
+                   const Value& named, spec::Output& output) {
+  output.item = attach(builder, part, named, fields.get("at"), fmt::format("{}.output", output.name));
+  if (output.item < 0) return;
+  const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
+  if (!kind.words.empty()) read_words(kind, fields, output);
+  if (const auto axes = fields.get("axes"); axes && kind.own_axes)
+    output.own_axes = axes->choice({"global", "own"}).value_or(0) == 1;
+  if (kind.reference) read_reference(builder, part, fields, output);
+  if (!kind.along) return;
+  const auto along = fields.need("along", "[0, 0, 1]");
+  const auto direction = along ? along->direction() : std::nullopt;
+  output.direction = builder.body_pose(body).rotation.transpose() *
+                     part.place.vector(direction.value_or(Eigen::Vector3d::UnitZ()));
+}
+
+const Names& names_of(const Builder& builder, Of of) {
+  return of == Of::joint    ? builder.joint_names
+         : of == Of::body   ? builder.body_names
+         : of == Of::spring ? builder.spring_names
+         : of == Of::tyre   ? builder.tyre_names
+                            : builder.contact_names;
+}
+
+void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputInfo& kind,
                const Value& named, spec::Output& output) {
-  const auto at = fields.get("at");
-  const bool stress = row.kind == Measured::stress || row.kind == Measured::strain,
-             section = row.kind == Measured::section_force;
-  if (at && row.of != OutputKind::Of::frame && !stress && !section)
+  if (const auto at = fields.get("at"); at && kind.of != Of::frame && kind.place == Place::none)
     at->error("only an output of a body has a place");
-  if (row.of == OutputKind::Of::bodies) return read_motion_of_mass(builder, part, fields, named, output);
-  if (fields.has("on") && row.of != OutputKind::Of::contact)
-    fields.error("'on' belongs to outputs of a contact");
-  if (fields.has("node") && !stress) fields.error("'node' belongs to 'stress' and 'strain'");
-  if (row.of == OutputKind::Of::frame) {
-    output.item = attach(builder, part, named, at, fmt::format("{}.output", output.name));
-    if (output.item < 0) return;
-    const int body = builder.model.frames[static_cast<std::size_t>(output.item)].body;
-    if (row.kind == Measured::position || row.kind == Measured::velocity ||
-        row.kind == Measured::acceleration || row.kind == Measured::angular_velocity ||
-        row.kind == Measured::displacement)
-      output.component = read_component(fields, {"x", "y", "z"});
-    if (const auto axes = fields.get("axes"); axes && row.kind == Measured::angular_velocity)
-      output.own_axes = axes->choice({"global", "own"}).value_or(0) == 1;
-    if (row.kind == Measured::displacement) read_reference(builder, part, fields, output);
-    if (row.kind == Measured::deflection) {
-      const auto along = fields.need("along", "[0, 0, 1]");
-      const auto direction = along ? along->direction() : std::nullopt;
-      output.direction = builder.body_pose(body).rotation.transpose() *
-                         part.place.vector(direction.value_or(Eigen::Vector3d::UnitZ()));
-    }
-    return;
-  }
+  if (kind.of == Of::bodies) return read_motion_of_mass(builder, part, kind, fields, named, output);
+  if (fields.has("on") && kind.of != Of::contact) fields.error("'on' belongs to outputs of a contact");
+  if (kind.of == Of::frame) return read_of_frame(builder, part, kind, fields, named, output);
   const auto name = named.word();
   if (!name) return;
-  const Names& names = row.of == OutputKind::Of::joint    ? builder.joint_names
-                       : row.of == OutputKind::Of::body   ? builder.body_names
-                       : row.of == OutputKind::Of::spring ? builder.spring_names
-                       : row.of == OutputKind::Of::tyre   ? builder.tyre_names
-                                                          : builder.contact_names;
-  output.item = builder.resolve(names, part, *name, named);
+  output.item = builder.resolve(names_of(builder, kind.of), part, *name, named);
   if (output.item < 0) return;
-  if (row.of == OutputKind::Of::joint) read_joint_component(builder, fields, output);
-  if (row.of == OutputKind::Of::tyre) return read_tyre_component(fields, output);
-  if (row.of == OutputKind::Of::contact) return read_contact_output(builder, part, fields, output);
-  if (stress) return read_stress(builder, part, fields, named, output);
-  if (section) return read_section_force(builder, part, fields, named, output);
-  if (row.of == OutputKind::Of::body) {
-    const BodyInfo& info = builder.bodies[static_cast<std::size_t>(output.item)];
-    const auto& loaded = builder.model.bodies[static_cast<std::size_t>(output.item)].flexible;
-    const int modes = loaded ? loaded->modes : info.description ? mode_count(*info.description) : 0;
-    const auto component = fields.need("component", "0");
-    if (info.failed) return;
-    if (modes == 0)
-      named.error(fmt::format("body '{}' is rigid and has no modes", *name));
-    else if (component)
-      output.component = component->integer(0, modes - 1).value_or(0);
-  }
+  if (kind.of == Of::joint) return read_joint_component(builder, kind, fields, output);
+  if (kind.modes) return read_mode(builder, fields, named, output);
+  if (kind.place == Place::surface) return read_at_surface(builder, part, kind, fields, named, output);
+  if (kind.place == Place::section) return read_at_section(builder, part, kind, fields, named, output);
+  if (!kind.words.empty()) read_words(kind, fields, output);
+  if (kind.of == Of::contact) read_body_of_contact(builder, part, fields, output);
+}
+
+/// Those that have a key.
+std::vector<const OutputInfo*> kinds_in_files() {
+  std::vector<const OutputInfo*> kinds;
+  for (const OutputInfo* kind : all_outputs())
+    if (kind->in_files) kinds.push_back(kind);
+  return kinds;
+}
+
+/// Those whose keys are given.
+std::vector<const OutputInfo*> given_kinds(const Fields& fields) {
+  std::vector<const OutputInfo*> kinds = kinds_in_files();
+  std::erase_if(kinds, [&](const OutputInfo* kind) { return !fields.has(std::string(kind->name)); });
+  return kinds;
 }
 
 /// These keys and those of all outputs.
 std::vector<std::string> keys_with(std::vector<std::string> keys) {
   keys.insert(keys.end(),
               {"at", "component", "along", "offset", "relative_to", "node", "axes", "about", "on"});
-  for (const OutputKind& kind : output_kinds) keys.emplace_back(kind.key);
+  for (const OutputInfo* kind : kinds_in_files()) keys.emplace_back(kind->name);
   return keys;
+}
+
+/// What is given must be used, so that a mistake does not look like a success.
+void check_used(const Fields& fields, const OutputInfo& kind) {
+  if (!kind.has_component() && fields.has("component"))
+    fields.error(fmt::format("'{}' has no component", kind.name));
+  const auto only = [&](const char* field, bool (*uses)(const OutputInfo&)) {
+    if (fields.has(field) && !uses(kind))
+      fields.error(fmt::format("'{}' belongs to {}", field, kinds_with(uses)));
+  };
+  only("along", [](const OutputInfo& k) { return k.along; });
+  only("relative_to", [](const OutputInfo& k) { return k.reference; });
+  only("offset", [](const OutputInfo& k) { return k.offset; });
+  only("axes", [](const OutputInfo& k) { return k.own_axes; });
+  only("node", [](const OutputInfo& k) { return k.place == Place::surface; });
+  if (kind.of != Of::bodies) only("about", [](const OutputInfo& k) { return k.about; });
 }
 
 void add_output(Builder& builder, const Part& part, const Value& named, spec::Output output) {
@@ -356,35 +365,22 @@ void read_output(Builder& builder, const Part& part, const Value& value) {
   output.mark = value.mark();
   if (text && text->size() <= 1000) output.name = instance_name(*text, part.instance);
 
-  std::vector<const OutputKind*> given;
-  for (const OutputKind& row : output_kinds)
-    if (fields.has(row.key)) given.push_back(&row);
+  const std::vector<const OutputInfo*> given = given_kinds(fields);
   if (given.size() != 1) {
     std::vector<std::string> words;
-    for (const OutputKind& row : output_kinds) words.emplace_back(row.key);
+    for (const OutputInfo* kind : kinds_in_files()) words.emplace_back(kind->name);
     value.error(fmt::format("specifies {} to measure; exactly one of {}",
                             given.empty() ? "nothing" : "several items", joined(words)));
     return;
   }
-  const OutputKind& row = *given.front();
+  const OutputInfo& kind = *given.front();
+  const std::string key(kind.name);
   if (!text || !check_output_name(*given_name, output.name)) return;
-  if (!has_component(row) && fields.has("component"))
-    fields.error(fmt::format("'{}' has no component", row.key));
-  if (row.kind != Measured::deflection && row.kind != Measured::stress && row.kind != Measured::strain &&
-      fields.has("along"))
-    fields.error("'along' belongs to 'deflection' and 'strain'");
-  if (row.kind != Measured::displacement && fields.has("relative_to"))
-    fields.error("'relative_to' belongs to 'displacement'");
-  if (row.kind != Measured::joint_position && fields.has("offset"))
-    fields.error("'offset' belongs to 'joint'");
-  if (row.kind != Measured::angular_velocity && fields.has("axes"))
-    fields.error("'axes' belongs to 'angular_velocity'");
-  if (row.of != OutputKind::Of::bodies && fields.has("about"))
-    fields.error("'about' belongs to 'angular_momentum'");
-  output.kind = row.kind;
-  if (row.kind == Measured::section_force && !fields.has("at"))
-    return add_all_sections(builder, part, fields, *given_name, *fields.get(row.key), output);
-  read_item(builder, part, fields, row, *fields.get(row.key), output);
+  check_used(fields, kind);
+  output.kind = key;
+  if (kind.place == Place::section && !fields.has("at"))
+    return add_all_sections(builder, part, fields, *given_name, *fields.get(key), output);
+  read_item(builder, part, fields, kind, *fields.get(key), output);
   add_output(builder, part, *given_name, std::move(output));
 }
 
@@ -400,19 +396,18 @@ std::string instance_name(std::string text, const std::string& instance) {
 
 bool read_sensor(Builder& builder, const Part& part, const Value& value, spec::Output& output) {
   const Fields fields(value, keys_with({"unit", "every"}));
-  const OutputKind* row = nullptr;
-  int given = 0;
-  for (const OutputKind& kind : output_kinds)
-    if (fields.has(kind.key)) row = &kind, ++given;
-  if (given != 1) {
-    value.error(given == 0
+  const std::vector<const OutputInfo*> given = given_kinds(fields);
+  if (given.size() != 1) {
+    value.error(given.empty()
                     ? "specifies nothing to measure: 'value' with an expression, or what an output would be, "
                       "for example joint: hinge"
                     : "specifies several items to measure; keep one");
     return false;
   }
-  output.kind = row->kind;
-  read_item(builder, part, fields, *row, *fields.get(row->key), output);
+  const std::string key(given.front()->name);
+  output.kind = key;
+  check_used(fields, *given.front());
+  read_item(builder, part, fields, *given.front(), *fields.get(key), output);
   return true;
 }
 

@@ -254,7 +254,7 @@ void move_frames(Builder& builder, int body, int frames, const FlexibleDescripti
 void move_outputs(Builder& builder, int body, int outputs_frame, const std::vector<Piece>& pieces,
                   const std::vector<int>& indices) {
   for (spec::Output& output : builder.model.outputs) {
-    if (output.kind == spec::Output::Kind::modal_amplitude && output.item == body) {
+    if (output.kind == "modal_amplitude" && output.item == body) {
       std::size_t p = pieces.size() - 1;
       while (output.component < pieces[p].first_mode) --p;
       output.item = indices[p];
@@ -262,11 +262,11 @@ void move_outputs(Builder& builder, int body, int outputs_frame, const std::vect
     }
     if (std::find(output.bodies.begin(), output.bodies.end(), body) != output.bodies.end())
       output.bodies.insert(output.bodies.end(), indices.begin() + 1, indices.end());
-    if (output.kind != spec::Output::Kind::deflection || output.item < 0) continue;
+    if (output.kind != "deflection" || output.item < 0) continue;
     const spec::Frame& frame = builder.model.frames[static_cast<std::size_t>(output.item)];
     const auto piece = std::find(indices.begin() + 1, indices.end(), frame.body);
     if (piece == indices.end()) continue;
-    output.kind = spec::Output::Kind::displacement;
+    output.kind = "displacement";
     output.reference = outputs_frame;
     output.offset = -output.direction.dot(pieces[static_cast<std::size_t>(piece - indices.begin())].origin +
                                           frame.pose.position);

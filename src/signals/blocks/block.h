@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 
+#include "compile/compile_blocks.h"
 #include "math/function_values.h"
 #include "math/lanes.h"
-#include "spec/block_types.h"
+#include "spec/block_info.h"
+#include "spec/checked_item.h"
 
 /// What the blocks share: each makes signals of others and of what it remembers, in the step (continuous) or
 /// at instants (sampled).
@@ -31,7 +33,7 @@ struct BlockCall {
   bool sampled() const { return every > 0; }
 };
 
-/// A row of the table of blocks (signals/blocks/rows.h).
+/// A row of the table of blocks (signals/blocks/table.h).
 template <class T>
 struct BlockRow {
   /// Outputs now.
@@ -43,6 +45,8 @@ struct BlockRow {
   void (*jets)(const BlockCall<T>&, const JetOf<T>* in, JetOf<T>* out);
   /// Moves the states on to now. `states` is what `before` points to. True where the output jumps by that.
   bool (*keep)(const BlockCall<double>&, double* states);
+  /// What the length of a step h makes of its numbers: its `matrices`. Null: it has none.
+  void (*prepare)(const SignalsData::Block&, const double* numbers, double h, double* matrices) = nullptr;
 };
 
 }  // namespace mimbre

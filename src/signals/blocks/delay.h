@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include "signals/blocks/block.h"
 
@@ -9,9 +10,10 @@
 namespace mimbre::blocks::delay {
 
 constexpr int time = 0;  ///< numbers: τ, s
-// States, see delay_states().
-constexpr int count = 0, newest = 1, first_point = delay_states(0);
+// States: how many points there are and where the newest is, then the points, times and values.
+constexpr int count = 0, newest = 1, first_point = 2;
 
+constexpr int states_of(int points) { return first_point + 2 * points; }
 inline int room(int states) { return (states - first_point) / 2; }
 
 /// Where in the list a moment lies in a lane: between two places, and how far.
@@ -90,3 +92,36 @@ inline bool keep(const BlockCall<double>& c, double* states) {
 }
 
 }  // namespace mimbre::blocks::delay
+
+namespace mimbre::blocks {
+
+struct Delay {
+  static constexpr std::array<LawNumber, 1> numbers{{
+      {.key = "time", .unit = "s", .about = "by which it comes later", .above = 0},
+  }};
+  static void check(const spec::Block& b, const checks::CheckedItem& item) {
+    if (!(b.every > 0)) return;
+    const double time = b.numbers[delay::time], instants = time / b.every;
+    if (std::abs(instants - std::round(instants)) > 1e-6 * instants)
+      item.error(fmt::format("time is {}, no whole number of 'every', {}", time, b.every));
+  }
+  static bool feeds_through(const spec::Block&) { return false; }
+  /// Points: three and more per step, so that halved steps and jumps at their ends fit, but never more than
+  /// 4096.
+  static void compile(const spec::Block& b, const BlockPlan& plan) {
+    const double each = b.every > 0 ? b.every : plan.step;
+    plan.block.states = delay::states_of(
+        static_cast<int>(std::min(4096.0, 16 + 4 * std::ceil(b.numbers[delay::time] / each))));
+    plan.add_numbers(b.numbers);
+  }
+  static constexpr BlockInfo info{.name = "delay",
+                                  .key = "delay",
+                                  .numbers = numbers,
+                                  .check = check,
+                                  .feeds_through = feeds_through,
+                                  .compile = compile};
+  template <class T>
+  static constexpr BlockRow<T> row{delay::output<T>, delay::slope<T>, nullptr, delay::keep};
+};
+
+}  // namespace mimbre::blocks

@@ -35,3 +35,41 @@ inline bool keep(const BlockCall<double>& c, double* states) {
 }
 
 }  // namespace mimbre::blocks::hysteresis
+
+namespace mimbre::blocks {
+
+struct Hysteresis {
+  static constexpr std::array<LawNumber, 5> numbers{{
+      {.key = "rises_at", .about = "from which on it is high"},
+      {.key = "falls_at", .about = "down to which it stays high"},
+      {.key = "low", .about = "what it gives when it is low", .otherwise = 0},
+      {.key = "high", .about = "what it gives when it is high", .otherwise = 1},
+      {.key = "starts_high",
+       .about = "whether it is high at the start, between the thresholds",
+       .otherwise = 0,
+       .least = 0,
+       .most = 1},
+  }};
+  static void check(const spec::Block& b, const checks::CheckedItem& item) {
+    const std::vector<double>& n = b.numbers;
+    if (!(n[hysteresis::falls_at] < n[hysteresis::rises_at]))
+      item.error(fmt::format("falls_at is {}, not below rises_at, {}", n[hysteresis::falls_at],
+                             n[hysteresis::rises_at]));
+  }
+  static bool feeds_through(const spec::Block&) { return false; }
+  static void compile(const spec::Block& b, const BlockPlan& plan) {
+    plan.block.states = 1;
+    plan.add_numbers(b.numbers);
+  }
+  static constexpr BlockInfo info{.name = "hysteresis",
+                                  .key = "hysteresis",
+                                  .numbers = numbers,
+                                  .relay = true,
+                                  .check = check,
+                                  .feeds_through = feeds_through,
+                                  .compile = compile};
+  template <class T>
+  static constexpr BlockRow<T> row{hysteresis::output<T>, hysteresis::slope<T>, nullptr, hysteresis::keep};
+};
+
+}  // namespace mimbre::blocks

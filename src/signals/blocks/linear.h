@@ -36,7 +36,8 @@ Shape shape(const BlockCall<T>& c) {
 }
 
 /// Φ, Γ₁, Γ₂ of a step.
-inline void discretise(const Shape& s, const double* numbers, double h, double* matrices) {
+inline void discretise(const SignalsData::Block& b, const double* numbers, double h, double* matrices) {
+  const Shape s{b.states, b.inputs, b.outputs};
   const int n = s.n, m = s.m;
   SmallMatrix of = SmallMatrix::Zero(n + 2 * m, n + 2 * m);
   for (int r = 0; r < n; ++r) {
@@ -142,5 +143,22 @@ inline bool keep(const BlockCall<double>& c, double* states) {
   for (int r = 0; r < s.n; ++r) states[r] = x[r];
   return false;
 }
+
+/// A block's matrices, and its states at the start.
+struct Realisation {
+  Eigen::MatrixXd A, B, C, D;
+  Eigen::VectorXd start;
+};
+
+inline void compile(const Realisation& r, const BlockPlan& plan) {
+  for (const auto* m : {&r.A, &r.B, &r.C, &r.D}) plan.add_numbers(*m);
+  plan.add_numbers(Eigen::MatrixXd(r.start));
+  SignalsData::Block& b = plan.block;
+  b.states = static_cast<int>(r.A.rows());
+  if (!(b.every > 0)) plan.signals.matrices += b.states * (b.states + 2 * b.inputs);
+}
+
+template <class T>
+constexpr BlockRow<T> row{output<T>, slope<T>, jets<T>, keep, discretise};
 
 }  // namespace mimbre::blocks::linear

@@ -32,3 +32,29 @@ void slope(const BlockCall<T>&, T*) {}
 inline bool keep(const BlockCall<double>&, double*) { return false; }
 
 }  // namespace mimbre::blocks::noise
+
+namespace mimbre::blocks {
+
+struct Noise {
+  static constexpr std::array<LawNumber, 4> numbers{{
+      {.key = "mean", .otherwise = 0},
+      {.key = "deviation", .about = "standard deviation", .otherwise = 1, .least = 0},
+      {.key = "seed", .about = "a whole number", .otherwise = 0, .least = 0, .most = 9007199254740992.0},
+      {.key = "uniform", .about = "1: uniform; 0: normal", .otherwise = 0, .least = 0, .most = 1},
+  }};
+  static constexpr const char* words[] = {"normal", "uniform"};
+  static void check(const spec::Block& b, const checks::CheckedItem& item) {
+    if (b.numbers[noise::seed] != std::floor(b.numbers[noise::seed])) item.error("seed is no whole number");
+  }
+  static constexpr BlockInfo info{.name = "noise",
+                                  .key = "noise",
+                                  .inputs = 0,
+                                  .numbers = numbers,
+                                  .words = words,
+                                  .continuous = false,
+                                  .check = check};
+  template <class T>
+  static constexpr BlockRow<T> row{noise::output<T>, noise::slope<T>, nullptr, noise::keep};
+};
+
+}  // namespace mimbre::blocks

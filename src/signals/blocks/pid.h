@@ -80,3 +80,47 @@ inline bool keep(const BlockCall<double>& c, double* states) {
 }
 
 }  // namespace mimbre::blocks::pid
+
+namespace mimbre::blocks {
+
+struct Pid {
+  static constexpr std::array<LawNumber, 9> numbers{{
+      {.key = "kp", .about = "proportional gain", .otherwise = 0},
+      {.key = "ki", .about = "integral gain, per s", .otherwise = 0},
+      {.key = "kd", .about = "derivative gain, s", .otherwise = 0},
+      {.key = "filter",
+       .unit = "s",
+       .about = "time constant of the derivative's filter",
+       .otherwise = 0,
+       .least = 0},
+      {.key = "lower", .about = "limit of the output", .otherwise = -1e300},
+      {.key = "upper", .about = "limit of the output", .otherwise = 1e300},
+      {.key = "setpoint_weight", .about = "of the setpoint in the proportional part", .otherwise = 1},
+      {.key = "derivative_weight", .about = "of the setpoint in the derivative part", .otherwise = 0},
+      {.key = "integral", .about = "the integral part at the start", .otherwise = 0},
+  }};
+  static void check(const spec::Block& b, const checks::CheckedItem& item) {
+    using namespace pid;
+    const std::vector<double>& n = b.numbers;
+    if (n[kd] != 0 && !(n[filter] > 0))
+      item.error("kd needs a filter, the time constant over which it sees a rate: 'filter', some steps long");
+    if (!(n[lower] < n[upper]))
+      item.error(fmt::format("lower is {}, not below upper, {}", n[lower], n[upper]));
+    if (n[kp] == 0 && n[ki] == 0 && n[kd] == 0) item.error("has no gain: kp, ki or kd");
+  }
+  static void compile(const spec::Block& b, const BlockPlan& plan) {
+    plan.block.states = 2;
+    plan.add_numbers(b.numbers);
+  }
+  static constexpr BlockInfo info{.name = "pid",
+                                  .key = "pid",
+                                  .inputs = 2,
+                                  .second = "setpoint",
+                                  .numbers = numbers,
+                                  .check = check,
+                                  .compile = compile};
+  template <class T>
+  static constexpr BlockRow<T> row{pid::output<T>, pid::slope<T>, nullptr, pid::keep};
+};
+
+}  // namespace mimbre::blocks

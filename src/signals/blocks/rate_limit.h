@@ -33,3 +33,29 @@ inline bool keep(const BlockCall<double>& c, double* states) {
 }
 
 }  // namespace mimbre::blocks::rate_limit
+
+namespace mimbre::blocks {
+
+struct RateLimit {
+  static constexpr std::array<LawNumber, 2> numbers{{
+      {.key = "rising", .about = "largest rate upwards, per s", .above = 0},
+      {.key = "falling", .about = "largest rate downwards, per s, below 0", .most = -1e-300},
+  }};
+  /// As fast downwards as upwards.
+  static void complete(std::vector<double>& n) {
+    if (std::isnan(n[rate_limit::falling])) n[rate_limit::falling] = -n[rate_limit::rising];
+  }
+  static void compile(const spec::Block& b, const BlockPlan& plan) {
+    plan.block.states = 1;
+    plan.add_numbers(b.numbers);
+  }
+  static constexpr BlockInfo info{.name = "rate_limit",
+                                  .key = "rate_limit",
+                                  .numbers = numbers,
+                                  .complete = complete,
+                                  .compile = compile};
+  template <class T>
+  static constexpr BlockRow<T> row{rate_limit::output<T>, rate_limit::slope<T>, nullptr, rate_limit::keep};
+};
+
+}  // namespace mimbre::blocks

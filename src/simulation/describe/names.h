@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "compile/element_name.h"
 #include "dynamics/natural/system.h"
 #include "integrate/stepper.h"
 #include "mimbre/unknown_name.h"
@@ -18,9 +19,6 @@ std::string coordinate_name(const Compiled& model, const natural::NaturalSystem*
 
 /// The joint, drive or body that must stay rigid that a constraint equation belongs to.
 std::string equation_name(const Compiled& model, const natural::NaturalSystem* natural, int equation);
-
-/// "spring 'front'".
-std::string element_name(const Compiled& model, const ElementData& element);
 
 /// What stores energy.
 std::string place_name(const Compiled& model, const EnergyMeter::Place& place);

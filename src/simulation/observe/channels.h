@@ -1,16 +1,14 @@
 #pragma once
-#include <span>
 #include <vector>
 
 #include "mimbre/channels.h"
 #include "mimbre/simulation.h"
+#include "simulation/observe/channel_view.h"
 #include "simulation/observe/joint_channels.h"
+#include "simulation/observe/run_channels.h"
 #include "simulation/step/energy.h"
 
 namespace mimbre {
-
-/// Bodies whose motion of mass an output shows: indices of compiled bodies; none for other outputs.
-std::vector<int> bodies_of(const Compiled& model, const spec::Output& output);
 
 /// What a run records: the model's outputs, then the standard channels (motion and reactions of all joints,
 /// spring and tyre forces, energies, solver statistics), and the poses and amplitudes that a picture needs.
@@ -21,7 +19,7 @@ class Channels {
   int output_count() const { return output_count_; }
 
   /// What of a state must be evaluated for a channel; each includes those before.
-  enum class Needs { motion, forces, reactions };
+  using Needs = OutputInfo::Needs;
   /// Channels next to each other that are read together.
   struct Part {
     enum class Kind {
@@ -47,16 +45,11 @@ class Channels {
     int first, count;
     Needs needs;
   };
-  static Needs needs_of(spec::Output::Kind kind);
   const std::vector<Part>& parts() const { return parts_; }
   /// The number of a channel's part.
   int part_of(int channel) const { return part_of_[static_cast<std::size_t>(channel)]; }
 
-  struct Statistics {
-    double iterations = 0;
-    Violations violations;
-    std::span<const EventRecord> events = {};
-  };
+  using Statistics = RunStatistics;
   /// Puts a part's channels to their places among all. The system's last evaluation must be what the part
   /// needs: kinematics, or a residual, of this state with its accelerations and multipliers. Its scratch is
   /// used.
@@ -67,22 +60,26 @@ class Channels {
               const Statistics& statistics, ResultsRow& row) const;
   /// Time, poses and amplitudes alone, after kinematics.
   void picture(const relative::RelativeSystem& system, const State& state, ResultsRow& row) const;
-  /// One output's value, likewise; `mass_of`: bodies_of() it.
-  double value(const spec::Output& output, const std::vector<int>& mass_of, relative::RelativeSystem& system,
-               const State& state) const;
+  /// One output's value, likewise.
+  double value(const ObservedOutput& output, relative::RelativeSystem& system, const State& state) const;
   /// Notes in the meaning of reactions which rigid bodies do not determine.
   void mark_undetermined(const Redundancy& redundancy);
 
   std::vector<RoadDrawing> roads() const;
 
  private:
-  void add(Part::Kind kind, int item, Needs needs, std::size_t first);
+  void add_outputs();
+  void add_joints();
+  void add_elements();
+  void add_signals();
+  /// Makes what has been described since the last call the channels of a part.
+  void close_part(Part::Kind kind, int item, Needs needs);
 
   const Compiled& model_;
   std::vector<ChannelInfo> info_;
   std::vector<Part> parts_;
   std::vector<int> part_of_;
-  std::vector<std::vector<int>> mass_of_output_;  ///< by output: compiled bodies
+  std::vector<ObservedOutput> outputs_;
   int output_count_ = 0;
   const bool draws_ground_;  ///< behind the bodies
   int modes_ = 0;

@@ -1,5 +1,7 @@
 #include "simulation/observe/contact_channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +27,24 @@ ContactSum contact_sum(const Compiled& m, const relative::Workspace<double>& w, 
     ++sum.count;
   }
   return sum;
+}
+
+void add_contact_info(const spec::Contact& contact, std::vector<ChannelInfo>& info) {
+  const std::string of = fmt::format("contact.{}", contact.name),
+                    who = fmt::format("contact '{}'", contact.name);
+  for (const char axis : {'x', 'y', 'z'})
+    info.push_back({fmt::format("{}.force.{}", of, axis), "N",
+                    fmt::format("force on the spheres of {}, {} of the global axes", who, axis)});
+  info.push_back({of + ".normal", "N", fmt::format("sum of the normal forces of {}", who)});
+  info.push_back({of + ".depth", "m", fmt::format("largest depth of {}", who)});
+  info.push_back({of + ".count", "1", fmt::format("pairs of {} that touch", who)});
+}
+
+void read_contact(const ContactSum& sum, double* to) {
+  Vec3d::Map(to) = sum.force;
+  to[3] = sum.normal;
+  to[4] = sum.depth;
+  to[5] = sum.count;
 }
 
 }  // namespace mimbre

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "joints/joint_kind.h"
-#include "joints/table.h"
 #include "math/rotation.h"
+#include "outputs/joint_coordinates.h"
 
 namespace mimbre {
 namespace {
@@ -105,14 +105,6 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
   return {force, moment, b.rotation.transpose() * force, b.rotation.transpose() * moment};
 }
 
-ChannelInfo::Alike JointObserver::alike(int joint, int position) const {
-  const spec::JointType type = model_.spec().joints[joint].type;
-  const JointInfo& info = joint_info(type);
-  if (info.quaternion >= 0 && position >= info.quaternion && position < info.quaternion + 4)
-    return ChannelInfo::Alike::sign;
-  return body_[joint] < 0 && is_angle(type, position) ? ChannelInfo::Alike::turns : ChannelInfo::Alike::value;
-}
-
 void JointObserver::add_motion_info(int j, std::vector<ChannelInfo>& channels) const {
   static const char* const quaternion[] = {"w", "x", "y", "z"};
   const spec::Joint& joint = model_.spec().joints[j];
@@ -126,14 +118,14 @@ void JointObserver::add_motion_info(int j, std::vector<ChannelInfo>& channels) c
       channels.push_back({fmt::format("{}rotation.{}", prefix, quaternion[q]), "1",
                           fmt::format("quaternion {} of joint '{}', its second body's axes to the first's",
                                       quaternion[q], joint.name)});
-      channels.back().alike = alike(j, k);
+      channels.back().alike = outputs::alike_position(model_, j, k);
       continue;
     }
     const bool angle = is_angle(joint.type, plain);
     channels.push_back({fmt::format("{}position{}", prefix, numbered(plain)), angle ? "rad" : "m",
                         fmt::format("coordinate {} of joint '{}'{}", plain, joint.name,
                                     cut && angle ? ", which is cut: within ±π" : "")});
-    channels.back().alike = alike(j, k);
+    channels.back().alike = outputs::alike_position(model_, j, k);
     ++plain;
   }
   for (int k = 0; k < info.velocities; ++k)

@@ -1,10 +1,5 @@
 #include "simulation/observe/section_forces.h"
 
-#include <cmath>
-#include <limits>
-
-#include "math/elementary.h"
-
 namespace mimbre {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -46,16 +41,6 @@ Vector6d section_forces(const relative::RelativeSystem& system, const BarSection
       relative::output_motion(system, b.outboard_frame, s.q.data(), s.v.data(), s.a.data()).position;
   add_wrench(b.outboard_frame, joint.force, joint.moment - place.cross(joint.force));
   return sum;
-}
-
-double largest_stress(const BarSections::Section& section, const Vector6d& f) {
-  if (!(section.reach_y > 0 && section.reach_z > 0 && section.torsion_modulus > 0))
-    return std::numeric_limits<double>::quiet_NaN();
-  const double about_y = f[4] * section.reach_z / section.Iy, about_z = f[5] * section.reach_y / section.Iz;
-  const double bending =
-      section.round ? mimbre::hypot(about_y, about_z) : std::abs(about_y) + std::abs(about_z);
-  return mimbre::hypot(std::abs(f[0]) / section.area + bending,
-                       std::sqrt(3.0) * f[3] / section.torsion_modulus);
 }
 
 }  // namespace mimbre

@@ -298,7 +298,7 @@ spec::Model brought_together(spec::Model model) {
   const auto shift_offsets = [&](double sign) {
     for (auto* outputs : {&model.outputs, &model.sensors})
       for (spec::Output& o : *outputs)
-        if (o.kind == spec::Output::Kind::displacement) o.offset += sign * assembled_place(model, o);
+        if (o.kind == "displacement") o.offset += sign * assembled_place(model, o);
   };
   shift_offsets(1);
   assembly.place(q);

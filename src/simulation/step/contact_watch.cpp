@@ -8,6 +8,7 @@
 #include "math/rotation.h"
 #include "simulation/step/contact_sweep.h"
 #include "simulation/watch/tyre_gap.h"
+#include "spec/surface_kind.h"
 
 namespace mimbre {
 namespace {
@@ -100,7 +101,7 @@ bool ContactWatch::passes(int element, const double* start, const ElementState<c
     path.from = rotation_exp<double>(Vec3d(-path.turn)) * path.from;
     path.error = (h * h * a.alpha.norm() / 6 + of_turn * turned * turned) * turned * path.from.norm();
     // A ball is the same from all sides.
-    if (surface.kind == static_cast<int>(spec::Surface::Kind::sphere)) path.turn.setZero();
+    if (surface_info(surface.kind).ball) path.turn.setZero();
   }
   path.bend = h * (axes * (b.velocity - a.velocity)) + path.from - path.to;
   path.error += of_bend * path.bend.norm() * spins;

@@ -4,16 +4,14 @@
 #include <cmath>
 
 #include "compile/compile_signals.h"
-#include "signals/blocks/rows.h"
+#include "signals/blocks/table.h"
 
 namespace mimbre {
 namespace {
 
 int side_of(double value) { return (value > 0) - (value < 0); }
 
-bool is_relay(const SignalsData::Block& b) {
-  return static_cast<BlockType>(b.type) == BlockType::hysteresis && !(b.every > 0);
-}
+bool is_relay(const SignalsData::Block& b) { return block_info(b.type).relay && !(b.every > 0); }
 
 }  // namespace
 
@@ -21,8 +19,7 @@ Events::Events(const Compiled& m, RangeWatch& ranges) : model_(m), ranges_(range
   const auto needs = [&](const SignalsData::Seen& seen) {
     for (const SignalsData::Seen::Argument& a : seen.arguments)
       if (a.sensor >= 0)
-        needs_ =
-            std::max(needs_, Channels::needs_of(m.spec().sensors[static_cast<std::size_t>(a.sensor)].kind));
+        needs_ = std::max(needs_, output_info(m.spec().sensors[static_cast<std::size_t>(a.sensor)]).needs);
   };
   std::size_t most = 0;
   for (const spec::Event& spec : m.spec().events) {

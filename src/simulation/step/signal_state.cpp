@@ -142,15 +142,15 @@ double held_input_value(const Compiled& m, int input, const State& state) {
 
 Seen::Seen(const Compiled& m, SignalsData::Seen data) : data_(std::move(data)) {
   for (const SignalsData::Seen::Argument& a : data_.arguments) {
-    sensors_.push_back(a.sensor < 0 ? nullptr : &m.spec().sensors[static_cast<std::size_t>(a.sensor)]);
-    mass_of_.push_back(a.sensor < 0 ? std::vector<int>() : bodies_of(m, *sensors_.back()));
+    sensors_.emplace_back();
+    if (a.sensor >= 0) sensors_.back().emplace(m, m.spec().sensors[static_cast<std::size_t>(a.sensor)]);
   }
 }
 
 double Seen::value(const Channels& channels, relative::RelativeSystem& system, const State& state) const {
   std::array<double, Formula::most_variables> x;
   for (std::size_t k = 0; k < sensors_.size(); ++k)
-    x[k] = sensors_[k] ? channels.value(*sensors_[k], mass_of_[k], system, state)
+    x[k] = sensors_[k] ? channels.value(*sensors_[k], system, state)
                        : system.workspace().signals.value[static_cast<std::size_t>(data_.arguments[k].slot)];
   return data_.formula.value(x.data());
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,7 @@ class Seen {
 
  private:
   SignalsData::Seen data_;
-  std::vector<const spec::Output*> sensors_;  ///< by argument; null: a slot
-  std::vector<std::vector<int>> mass_of_;
+  std::vector<std::optional<ObservedOutput>> sensors_;  ///< by argument; none: a slot
 };
 
 /// Evaluates signals at instants, and laws that are sampled.

@@ -11,6 +11,7 @@
 #include "math/multiply_add.h"
 #include "math/once/decompositions.h"
 #include "simulation/watch/validity_measures.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 namespace {
@@ -218,16 +219,13 @@ ReducedBody of_places(const ReducedBody& body, const std::vector<int>& places) {
 /// Nobody asks the mechanism with bodies of places for outputs, and what its signals and laws would see of
 /// amplitudes, stress or section forces is not there: they see something else that is 0 at rest.
 void forget_recovery(spec::Model& model) {
-  using Kind = spec::Output::Kind;
   model.outputs.clear();
   for (spec::Output& sensor : model.sensors) {
-    if (sensor.kind != Kind::modal_amplitude && sensor.kind != Kind::stress && sensor.kind != Kind::strain &&
-        sensor.kind != Kind::section_force)
-      continue;
+    if (output_info(sensor).of != OutputInfo::Of::body) continue;
     spec::Output momentum;
     momentum.name = sensor.name;
     momentum.mark = sensor.mark;
-    momentum.kind = Kind::linear_momentum;
+    momentum.kind = "linear_momentum";
     sensor = momentum;
   }
 }
