@@ -146,7 +146,7 @@ TEST_F(Resume, AnInterruptedRunSaysHowToGoOn) {
     stopped = wait_for(child);
   }
   ASSERT_EQ(stopped.code, 3) << stopped.err;
-  EXPECT_THAT(stopped.err, HasSubstr("; --resume state goes on from there"));
+  EXPECT_THAT(stopped.err, HasSubstr("; --resume state continues from there"));
   const Outcome on = run({"run", "pendulum.yaml", "--until", "3000", "--set", "interval=0.7", "--quiet", "-o",
                           "out.h5", "--resume", "state"});
   ASSERT_EQ(on.code, 0) << on.err;
@@ -201,7 +201,7 @@ TEST_F(Resume, WhatDoesNotFitIsSaid) {
   fails(with(on, {"--step", "0.005"}), 2, "they differ in 'step'");
   fails(with(on, {"--set", "length=2"}), 2, "they differ in 'set'");
   fails(with(on, {"--until", "0.5"}), 2, "is at t = 1 s already, the end asked for is 0.5 s");
-  fails({"pendulum.yaml", "--resume", "state"}, 2, "the saved run had --output; give it here, too");
+  fails({"pendulum.yaml", "--resume", "state"}, 2, "the saved run had --output; give it here as well");
   fails(with(on, {"--csv", "out.csv"}), 2, "the saved run had no --csv");
   fails({"pendulum.yaml", "-o", "state", "--resume", "state"}, 2, "would be overwritten");
   fs::rename(folder / "out.h5", folder / "away.h5");
@@ -239,7 +239,7 @@ TEST_F(Resume, ARunSaysWhatItTook) {
   write_file(folder / "endless.yaml", endless);
   const Outcome by_default = run({"run", "endless.yaml", "--json", "-o", "out.h5"});
   ASSERT_EQ(by_default.code, 0);
-  EXPECT_THAT(by_default.err, HasSubstr("does not say when a run ends: 10 s are taken"));
+  EXPECT_THAT(by_default.err, HasSubstr("the model has no end: the run ends at 10 s"));
   const auto resolved = by_default.json().at("resolved");
   EXPECT_TRUE(resolved.at("default_end").boolean());
   EXPECT_EQ(resolved.at("end").number(), 10);

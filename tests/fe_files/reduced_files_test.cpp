@@ -207,7 +207,7 @@ TEST(MbdynFem, SaysWhatIsWrong) {
       parse_mbdyn_fem(file);
     });
   };
-  EXPECT_THAT(wrong("REV0 3 4", "REV0 4 4"), HasSubstr("record group 2 has 3 nodes, the head says 4"));
+  EXPECT_THAT(wrong("REV0 3 4", "REV0 4 4"), HasSubstr("record group 2 has 3 nodes, the head has 4"));
   EXPECT_THAT(wrong("REV0 3 4", "REV0 3 999999"), HasSubstr("numbers, "));
   EXPECT_THAT(wrong("REV0 3 4", "REV0 0 0"), HasSubstr("has no nodes"));
   EXPECT_THAT(wrong("** RECORD GROUP 10,", "** RECORD GROUP 9,"), HasSubstr("record group 9 is there twice"));
@@ -480,7 +480,7 @@ TEST(Sid, SaysWhatIsWrong) {
   EXPECT_THAT(wrong(" end part", ""), HasSubstr("ends without 'end part'"));
   EXPECT_THAT(wrong("nelastq = 4", "nelastq = 5"), HasSubstr("nelastq"));
   EXPECT_THAT(wrong("new node = 13", "new node = 10"), HasSubstr("node 10 is there twice"));
-  EXPECT_THAT(wrong("    3     4 ", "    2     4 "), HasSubstr("has 3 nodes, its head says 2"));
+  EXPECT_THAT(wrong("    3     4 ", "    2     4 "), HasSubstr("has 3 nodes, its head has 2"));
   EXPECT_THAT(wrong("m0( 1, 1) =", "m0( 9, 1) ="), HasSubstr("outside of 3 x 1"));
   EXPECT_THAT(wrong("m0( 1, 1) =", "m0( 1, 1) = x"), HasSubstr("is no finite number"));
   EXPECT_THAT(wrong("nqn = 0", "nqn = 1"), HasSubstr("terms of higher order (nqn) are not read"));
