@@ -18,8 +18,8 @@ constexpr int iterations_before_settling = 3;
 // constraints hardly determine multiply it.
 constexpr int most_idle = 4;
 constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
-// Iterations continue down to this share of the first correction.
-constexpr double share_of_prediction = 3e-5;
+// Iterations continue down to what the rule's own prediction is off by, times the tolerance and this.
+constexpr double share_of_prediction = 3;
 // A step is accepted with violations of up to these multiples of the tolerances.
 constexpr double accepted_positions = 10, accepted_velocities = 100;
 // Projections of one vector with one matrix, and evaluations of the velocities with their projection.
@@ -38,6 +38,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       system_(system),
       scales_(system.scales()),
       motion_(system, options),
+      prediction_(system.velocities()),
       mixing_(system.velocities(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
@@ -56,6 +57,18 @@ void IndexThree::set_step(double step) {
   motion_.set_step(step);
   // The residual's derivative divided by ∂z̈/∂x.
   weights_ = {motion_.rate * motion_.scale, motion_.scale, options_.penalty};
+  prediction_.forget();
+  kept_.good = false;
+}
+
+/// With a fixed budget every step makes its own: what matters there is the step that takes longest.
+bool IndexThree::keeps_matrices() const { return !options_.fixed_cost && system_.matrix_lasts(); }
+
+void IndexThree::transfer(StateTransfer& transfer) {
+  prediction_.transfer(transfer);
+  if (!keeps_matrices()) return;
+  transfer(kept_.good, kept_.corrections);
+  system_.transfer_matrix(transfer);
 }
 
 /// Adds to `target` the smallest change, in the norm of W, that brings Φz target to −violation; g_ is its
@@ -120,6 +133,8 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     return t;
   }
   motion_.accept(s, lambda_);
+  prediction_.learn(scales_, motion_.x);
+  if (!t.precise && keeps_matrices()) kept_.judge(t.newton, t.assembled);
   return t;
 }
 
@@ -134,8 +149,13 @@ IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
   lambda_ = s.multipliers;
   mixing_.reset();
   nearest_.off = std::numeric_limits<double>::infinity();
+  t.newton.refactor = precise || !s.started || !kept_.good;
+  kept_.good = false;  // until the step is made
+  if (!s.started) prediction_.forget();
   t.status.code = motion_.begin(s, t.status);
-  if (t.status.code == StepCode::ok) motion_.predict(s);
+  if (t.status.code != StepCode::ok) return t;
+  motion_.predict(s);
+  prediction_.begin(motion_.x);
   return t;
 }
 
@@ -154,6 +174,7 @@ bool IndexThree::replace_prediction(const State& s, const Attempt& t) {
   if (t.violation > separating_prediction * scales_.of_coordinates(motion_.x.data())) {
     // The velocities would oscillate. Begin at the start of the step instead.
     motion_.x.setZero();
+    prediction_.replace(motion_.x);
     return true;
   }
   if (options_.rule == IntegratorOptions::Rule::newmark &&
@@ -161,6 +182,7 @@ bool IndexThree::replace_prediction(const State& s, const Attempt& t) {
     // An impact begins or ends: Newmark's accelerations oscillate there and, extrapolated, can lead to
     // another, wrong solution of the step.
     motion_.predict_velocities(s);
+    prediction_.replace(motion_.x);
     return true;
   }
   return false;
@@ -170,10 +192,12 @@ bool IndexThree::replace_prediction(const State& s, const Attempt& t) {
 /// matrix, so that an old matrix still leads to Φ = 0. impulse_: Φz δ.
 bool IndexThree::find_correction(Attempt& t) {
   const int n = system_.velocities(), m = system_.equations();
-  t.refactored = t.precise || t.newton.refactor || system_.tangent_changed(motion_.q.data(), weights_);
-  if (t.refactored) {
+  t.refactored = t.precise || t.newton.refactor;
+  t.assembled = t.assembled || t.refactored;
+  if (t.refactored || system_.tangent_changed(motion_.q.data(), weights_)) {
     mixing_.reset();
-    const linalg::FactorStatus f = system_.factor(motion_.q.data(), weights_);
+    const linalg::FactorStatus f = t.refactored ? system_.factor(motion_.q.data(), weights_)
+                                                : system_.factor_tangents(motion_.q.data(), weights_);
     ++t.status.factorisations;
     if (!f.ok()) {
       t.status.coordinate = f.unknown;
@@ -226,14 +250,15 @@ bool IndexThree::apply_correction(Attempt& t) {
   if (t.newton.slow) mixing_.mix(motion_.x, lambda_, r_);
 
   const double error = t.newton.add(t.status.correction, t.refactored);
-  if (t.newton.corrections == 1) t.first_correction = t.status.correction;
   // In a short step the tolerance alone would permit errors that add up to more than those of the rule, but
-  // the error of the prediction decreases with the step as they do. Positions are known to round-off only;
+  // the error of its prediction decreases with the step as they do. Positions are known to round-off only;
   // where the constraints hardly determine a direction, corrections stop decreasing at a multiple of it.
   const bool stagnant = t.newton.idle >= most_idle && t.violation <= scales_.round_off;
   const double asked = options_.tolerance * motion_.scale * t.accelerations;
-  const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
-                                 : std::min(asked, share_of_prediction * t.first_correction);
+  const double enough =
+      stagnant
+          ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
+          : std::min(asked, share_of_prediction * options_.tolerance * prediction_.off(scales_, motion_.x));
   t.converged = error <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
                 t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
   return true;

@@ -1,6 +1,7 @@
 #pragma once
 #include "integrate/anderson.h"
 #include "integrate/newton.h"
+#include "integrate/prediction.h"
 #include "integrate/step_motion.h"
 
 namespace mimbre {
@@ -19,6 +20,7 @@ class IndexThree final : public Stepper {
   /// Near singular positions, which only constraints have, a step is repeated.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
+  void transfer(StateTransfer& transfer) override;
 
  private:
   /// An attempt at a step, handed from phase to phase.
@@ -30,10 +32,10 @@ class IndexThree final : public Stepper {
     double violation = 0;      ///< |Φ|, in the mechanism's own units (Scales), as all violations here
     double accelerations = 0;  ///< the largest, Scales::accelerations
     bool refactored = false;   ///< the last correction is by a new matrix
+    bool assembled = false;    ///< the matrix is of this attempt
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
     NewtonProgress newton;
-    double first_correction = 0;
     // Of the velocities at the end.
     bool projected = false;  ///< before they were evaluated
     double rate_violation = 0, velocity_tolerance = 0;
@@ -56,10 +58,13 @@ class IndexThree final : public Stepper {
   void project_velocities(Attempt& t);
   void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);
+  bool keeps_matrices() const;
 
   System& system_;
   const Scales& scales_;
   StepMotion motion_;
+  Prediction prediction_;
+  KeptMatrix kept_;
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_, unprojected_;

@@ -44,6 +44,10 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.matrix);
     return system_.factor(q, weights);
   }
+  linalg::FactorStatus factor_tangents(const double* q, const MatrixWeights& weights) override {
+    const Timer timer(seconds_.matrix);
+    return system_.factor_tangents(q, weights);
+  }
   void solve(double* x) const override {
     const Timer timer(seconds_.solution);
     system_.solve(x);
@@ -56,6 +60,8 @@ class ProfiledSystem final : public System {
     return system_.tangent_changed(q, weights);
   }
   std::span<double> tangent_marks() override { return system_.tangent_marks(); }
+  bool matrix_lasts() const override { return system_.matrix_lasts(); }
+  void transfer_matrix(StateTransfer& transfer) override { system_.transfer_matrix(transfer); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override {
     const Timer timer(seconds_.solution);
     system_.add_jacobian_transposed(y, weight, out);

@@ -318,6 +318,37 @@ TEST_P(RelativeSystem, PenaltyAndWeightsEnterAsDocumented) {
   EXPECT_LT(relative_difference(A * x, b), 1e-7 * std::max(1.0, x.cwiseAbs().maxCoeff()));
 }
 
+/// Other weights change all tangents and, of rigid bodies, nothing else.
+TEST_P(RelativeSystem, ExchangedTangentsAreThoseOfANewMatrix) {
+  RandomOptions options;
+  options.bodies = 2 + static_cast<int>(seed() % 5);
+  options.flexible_share = 0;
+  options.loops = static_cast<int>(seed() % 3);
+  options.tyres = true;
+  const RandomMechanism r = random_mechanism(seed(), options);
+  Probe p(r.compiled());
+  for (const ElementData& e : p.m.elements) ASSERT_TRUE(e.marked);
+  const VectorXd v = random_increment(p.m, random, 1), b = random.values(p.n, 1);
+  p.residual(r.q, v, p.zero);
+  const auto solved = [&](bool exchanged, const MatrixWeights& weights) {
+    EXPECT_TRUE(
+        (exchanged ? p.system.factor_tangents(r.q.data(), weights) : p.system.factor(r.q.data(), weights))
+            .ok());
+    VectorXd x = b;
+    p.system.solve(x.data());
+    return x;
+  };
+  const MatrixWeights one{0.1, 0.001, 50}, other{0.02, 0.003, 50};
+  const VectorXd first = solved(false, one), second = solved(false, other);
+  solved(false, one);
+  EXPECT_LT(relative_difference(solved(true, other), second), 1e-8);
+  EXPECT_FALSE(p.system.tangent_changed(r.q.data(), other));
+  EXPECT_LT(relative_difference(solved(true, one), first), 1e-8);
+  if (!p.m.elements.empty()) {
+    EXPECT_GT(relative_difference(first, second), 1e-4);
+  }
+}
+
 TEST_P(RelativeSystem, SolutionAgreesWithADenseOne) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());

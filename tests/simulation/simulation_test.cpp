@@ -74,6 +74,18 @@ TEST_P(SameBits, AfterSavingAndRestoring) {
   expect_same(b.save(), end);
 }
 
+/// Also where the matrix of an earlier step is still in use.
+TEST_P(SameBits, WhetherOrNotRedundancyIsLookedFor) {
+  const auto m = model();
+  Simulation a(m), b(m);
+  for (int k = 0; k < 60; ++k) {
+    step(a, 1);
+    step(b, 1);
+    b.redundancy();
+  }
+  expect_same(a.save(), b.save());
+}
+
 TEST_P(SameBits, WhetherOrNotOutputsAreSampled) {
   const auto m = model();
   Simulation a(m), b(m);

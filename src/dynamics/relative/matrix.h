@@ -3,6 +3,7 @@
 
 #include "dynamics/flexible.h"
 #include "dynamics/frame_turn.h"
+#include "dynamics/relative/kinematics.h"
 #include "dynamics/relative/workspace.h"
 #include "dynamics/system.h"
 #include "forces/measure.h"
@@ -387,6 +388,18 @@ void sum_row(const Compiled& m, const ElementData& e, T* rows) {
   }
 }
 
+/// Rows of what an element measures along its path.
+template <class T>
+void element_rows(const Compiled& m, Workspace<T>& w, const ElementData& e, const ElementState<T>& s) {
+  const Vec3<T>& place = w.frames[e.frame_b].position;
+  for (int k = 0; k < e.count; ++k) {
+    const Vec3<T> linear = s.linear_of(k);
+    Vec3<T> angular = place.cross(linear);
+    if (has_moment(e.measure)) angular += s.angular_of(k);
+    jacobian_row<T>(m, w, e.path, linear, angular, w.jacobian.data() + e.jacobian + k * e.path.width);
+  }
+}
+
 /// Jacobian rows of loops, of constraints and of what elements measure, contacts that touch among them, after
 /// motion_subspaces().
 template <class T>
@@ -402,13 +415,7 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
     if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
     if (e.measure == Measure::contact && !acts(s)) continue;
-    const Vec3<T>& place = w.frames[e.frame_b].position;
-    for (int k = 0; k < e.count; ++k) {
-      const Vec3<T> linear = s.linear_of(k);
-      Vec3<T> angular = place.cross(linear);
-      if (has_moment(e.measure)) angular += s.angular_of(k);
-      jacobian_row<T>(m, w, e.path, linear, angular, w.jacobian.data() + e.jacobian + k * e.path.width);
-    }
+    element_rows(m, w, e, s);
   }
   for (const int k : m.sums) sum_row<T>(m, m.elements[k], w.jacobian.data());
 }
@@ -436,6 +443,21 @@ void add_squares(const Path& path, const T* rows, int count, const T* weight, T*
   add_pairs(path, weighted, rows, count, values);
 }
 
+/// weighted = weight · rows, of n rows: weight(r, c).
+template <class T, class Weight>
+void weigh_rows(int n, int width, const T* rows, T* weighted, const Weight& weight) {
+  for (int r = 0; r < n; ++r) {
+    T* out = weighted + r * width;
+    for (int c = 0; c < n; ++c) {
+      const T factor = weight(r, c);
+      if (c == 0)
+        for (int k = 0; k < width; ++k) out[k] = factor * rows[k];
+      else
+        for (int k = 0; k < width; ++k) out[k] += factor * rows[c * width + k];
+    }
+  }
+}
+
 /// Adds Jᵀ (inertia + damping C + stiffness K) J of an element; what has inertia has one component.
 template <class T>
 void add_element(const ElementData& e, const ElementState<T>& s, const MatrixWeights& weights,
@@ -443,17 +465,9 @@ void add_element(const ElementData& e, const ElementState<T>& s, const MatrixWei
   const int width = e.path.width, n = e.count;
   const T inertia = e.inertia < 0 ? T(0) : numbers[e.inertia];
   if (e.inertia < 0 && !acts(s)) return;
-  for (int r = 0; r < n; ++r) {
-    T* out = weighted + r * width;
-    for (int c = 0; c < n; ++c) {
-      const T weight =
-          inertia + weights.damping * s.damping[r * n + c] + weights.stiffness * s.stiffness[r * n + c];
-      if (c == 0)
-        for (int k = 0; k < width; ++k) out[k] = weight * rows[k];
-      else
-        for (int k = 0; k < width; ++k) out[k] += weight * rows[c * width + k];
-    }
-  }
+  weigh_rows<T>(n, width, rows, weighted, [&](int r, int c) {
+    return inertia + weights.damping * s.damping[r * n + c] + weights.stiffness * s.stiffness[r * n + c];
+  });
   add_pairs(e.path, weighted, rows, n, values);
 }
 

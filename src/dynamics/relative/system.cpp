@@ -57,10 +57,12 @@ std::vector<int> columns_of(const Path& path) {
 /// Tangents that the matrix is assembled with, remembered.
 struct KeptMarks {
   TangentMarks& marks;
+  ElementTangents& tangents;
   PairCouplings& couplings;
   double* next_beam;
   void element(std::size_t k, const ElementState<double>& state, const MatrixWeights& weights) {
     marks.element(k) = element_tangent(state, weights);
+    tangents.keep(k, state, weights);
   }
   void pair(const ElementData& e, const ElementEnds& ends, const double* tangent,
             const PairRows<double>& rows) {
@@ -82,9 +84,10 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
       mu_(model.equations),
       scales_(scales_of(model)),
       marks_(model),
-      couplings_(model, model.velocities, [&](int contact, int sphere) {
-        return columns_of(model.swarms[contact].spheres[sphere].path);
-      }) {
+      couplings_(
+          model, model.velocities,
+          [&](int contact, int sphere) { return columns_of(model.swarms[contact].spheres[sphere].path); }),
+      tangents_(model, static_cast<std::size_t>(model.symbolic.value_count())) {
   for_rows(model, [&](const EquationRows& e) {
     for (int r = 0; r < e.count; ++r) penalty_[e.first_equation + r] = model.mass_scale * e.scale[r];
   });
@@ -120,11 +123,20 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
   factor_.set_zero();
   couplings_.clear();
   relative::assemble<double>(model_, work_, q, weights, penalty_.data(), factor_.values(),
-                             KeptMarks{marks_, couplings_, marks_.ancf()});
+                             KeptMarks{marks_, tangents_, couplings_, marks_.ancf()});
 }
 
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
   assemble(q, weights);
+  tangents_.assembled(factor_.values());
+  return factor_.factor();
+}
+
+linalg::FactorStatus RelativeSystem::factor_tangents(const double* q, const MatrixWeights& weights) {
+  if (!tangents_.possible()) return factor(q, weights);
+  tangents_.exchange(model_, work_, weights, factor_.values(), [&](std::size_t k, const auto& state) {
+    marks_.element(k) = element_tangent(state, weights);
+  });
   return factor_.factor();
 }
 
@@ -138,6 +150,12 @@ bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weigh
   return marks_.changed(model_, work_.elements.data(), weights, [&](std::size_t i) {
     return q + model_.bodies[i].q + model_.bodies[i].joint_positions;
   });
+}
+
+void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
+  factor_.transfer(transfer);
+  tangents_.transfer(transfer);
+  transfer(work_.jacobian);
 }
 
 void RelativeSystem::multiply(const double* x, double* y) const {

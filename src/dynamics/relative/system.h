@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "dynamics/pair_couplings.h"
+#include "dynamics/relative/element_tangents.h"
 #include "dynamics/relative/workspace.h"
 #include "dynamics/system.h"
 #include "dynamics/tangent_marks.h"
@@ -32,12 +33,15 @@ class RelativeSystem final : public System {
   const double* phi_dot() const override { return work_.phi_dot.data(); }
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
+  linalg::FactorStatus factor_tangents(const double* q, const MatrixWeights& weights) override;
   void solve(double* x) const override {
     couplings_.solve(x, [this](double* y) { factor_.solve(y); });
   }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
+  bool matrix_lasts() const override { return model_.swarms.empty(); }
+  void transfer_matrix(StateTransfer& transfer) override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   std::vector<JacobianEntry> jacobian_entries() const override;
@@ -64,6 +68,7 @@ class RelativeSystem final : public System {
   Scales scales_;
   TangentMarks marks_;
   PairCouplings couplings_;
+  ElementTangents tangents_;
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

@@ -522,14 +522,12 @@ std::vector<Validity> Simulation::validity() const { return impl_->observers.val
 Redundancy Simulation::redundancy() {
   Impl& s = *impl_;
   if (!s.mechanism.state.started) return s.begin.redundancy;
-  // Looking factorises; the next step has to find the tangents it left.
-  const std::span<double> marks = s.mechanism.observer.tangent_marks();
-  const std::vector<double> before(marks.begin(), marks.end());
-  Redundancy redundancy = find_redundancy(s.mechanism.observer, s.mechanism.view());
-  std::copy(before.begin(), before.end(), marks.begin());
-  s.mechanism.observe();
-  s.look_anew();
-  return redundancy;
+  // Looking assembles a matrix; the next step has to find the one that it left.
+  const State& state = s.mechanism.view();
+  relative::RelativeSystem reader(s.compiled, s.method.inertia);
+  reader.enter(state.u.data(), state.z.data(), 0);
+  reader.begin_step(state.q.data());
+  return find_redundancy(reader, state);
 }
 
 int Simulation::degrees_of_freedom() {

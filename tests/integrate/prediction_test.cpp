@@ -1,0 +1,87 @@
+#include "integrate/prediction.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <vector>
+
+namespace mimbre::test::prediction_test {
+namespace {
+
+using Eigen::VectorXd;
+
+/// Steps whose ends differ from the rule's prediction by errors[k]: how far each one's beginning was off.
+std::vector<double> misses(Prediction& prediction, const std::vector<VectorXd>& errors) {
+  Scales scales;
+  scales.coordinates = {1, 100};
+  std::vector<double> out;
+  for (const VectorXd& error : errors) {
+    VectorXd own(2);
+    own << 3 + static_cast<double>(out.size()), -700;
+    VectorXd x = own;
+    prediction.begin(x);
+    const VectorXd end = own + error;
+    const VectorXd rest = end - x;
+    out.push_back(scales.of_coordinates(rest.data()));
+    EXPECT_NEAR(prediction.off(scales, end), scales.of_coordinates(error.data()), 1e-12);
+    prediction.learn(scales, end);
+  }
+  return out;
+}
+
+TEST(Prediction, ErrorsThatStayAreTakenAwayAfterTwoSteps) {
+  Prediction prediction(2);
+  const VectorXd error = VectorXd::Constant(2, 0.25);
+  const std::vector<double> off = misses(prediction, std::vector<VectorXd>(5, error));
+  EXPECT_EQ(off[0], 0.25);
+  EXPECT_EQ(off[1], 0.25);  // nothing has shown yet that they stay
+  for (int k = 2; k < 5; ++k) EXPECT_NEAR(off[static_cast<std::size_t>(k)], 0, 1e-12);
+}
+
+TEST(Prediction, ErrorsAlongALineAreTakenAwayAfterThreeSteps) {
+  Prediction prediction(2);
+  std::vector<VectorXd> errors;
+  for (int k = 0; k < 6; ++k) errors.push_back(VectorXd::Constant(2, 1 + 0.25 * k));
+  const std::vector<double> off = misses(prediction, errors);
+  EXPECT_NEAR(off[2], 0.25, 1e-12);
+  for (int k = 3; k < 6; ++k) EXPECT_NEAR(off[static_cast<std::size_t>(k)], 0, 1e-12);
+}
+
+TEST(Prediction, ErrorsThatAlternateAreLeftAlone) {
+  Prediction prediction(2);
+  std::vector<VectorXd> errors;
+  for (int k = 0; k < 6; ++k) errors.push_back(VectorXd::Constant(2, k % 2 == 0 ? 1 : -1));
+  for (const double off : misses(prediction, errors)) EXPECT_EQ(off, 1);
+}
+
+TEST(Prediction, LearnsNothingFromWhatWasReplaced) {
+  Prediction prediction(2);
+  const std::vector<VectorXd> errors(3, VectorXd::Constant(2, 0.25));
+  misses(prediction, errors);
+  Scales scales;
+  scales.coordinates = {1, 100};
+  VectorXd x = VectorXd::Zero(2);
+  prediction.begin(x);
+  EXPECT_EQ(x[0], 0.25);
+  x.setConstant(5);
+  prediction.replace(x);
+  x.setConstant(9);
+  prediction.learn(scales, x);
+  EXPECT_EQ(misses(prediction, errors)[0], 0.25);
+}
+
+TEST(Prediction, GoesOnFromASavedState) {
+  Prediction first(2), second(2);
+  std::vector<VectorXd> errors;
+  for (int k = 0; k < 5; ++k) errors.push_back(VectorXd::Constant(2, 1 + 0.25 * k * k));
+  misses(first, errors);
+  StateTransfer count;
+  first.transfer(count);
+  std::vector<double> block(count.count());
+  StateTransfer to = StateTransfer::to(block), from = StateTransfer::from(block);
+  first.transfer(to);
+  second.transfer(from);
+  EXPECT_EQ(misses(first, errors), misses(second, errors));
+}
+
+}  // namespace
+}  // namespace mimbre::test::prediction_test
