@@ -57,6 +57,10 @@ void IndexThree::set_step(double step) {
   motion_.set_step(step);
   // The residual's derivative divided by ∂z̈/∂x.
   weights_ = {motion_.rate * motion_.scale, motion_.scale, options_.penalty};
+  forget();
+}
+
+void IndexThree::forget() {
   prediction_.forget();
   kept_.good = false;
 }

@@ -21,6 +21,7 @@ class IndexThree final : public Stepper {
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
   void transfer(StateTransfer& transfer) override;
+  void forget() override;
 
  private:
   /// An attempt at a step, handed from phase to phase.

@@ -71,6 +71,8 @@ class Stepper {
   virtual void set_step(double step) = 0;
   /// What it remembers from step to step beside the state.
   virtual void transfer(StateTransfer&) {}
+  /// Forgets it: the next step does not follow the last one.
+  virtual void forget() {}
   const IntegratorOptions& options() const { return options_; }
 
  protected:

@@ -158,6 +158,12 @@ struct Simulation::Impl {
     if (!events.none()) transfer(stopped, stopped_step_end);
   }
 
+  Eigen::Index memory_size() {
+    StateTransfer count;
+    transfer(count);
+    return static_cast<Eigen::Index>(count.count());
+  }
+
   /// The state is another one: nothing of it has been evaluated for those who look at it.
   void look_anew() {
     shown = Shown::nothing;
@@ -363,10 +369,8 @@ void Simulation::save(Snapshot& out) const {
   out.energy_error = s.energy_error;
   const std::span<const double> marks = i.mechanism.system.tangent_marks();
   out.marks = Eigen::Map<const Eigen::VectorXd>(marks.data(), static_cast<Eigen::Index>(marks.size()));
-  StateTransfer count;
-  i.transfer(count);
-  out.memory.resize(static_cast<Eigen::Index>(count.count()));
-  StateTransfer to = StateTransfer::to({out.memory.data(), count.count()});
+  out.memory.resize(i.memory_size());
+  StateTransfer to = StateTransfer::to({out.memory.data(), static_cast<std::size_t>(out.memory.size())});
   i.transfer(to);
 }
 
@@ -389,6 +393,13 @@ void Simulation::restart(const Snapshot& c) {
                        fmt::format("the state has {} {}, the model {}", size.first, what, size.second));
   s = {c.time, c.q, c.v, c.a, c.algorithmic, c.multipliers, c.z, c.u, c.energy_error, c.started};
   std::copy(c.marks.begin(), c.marks.end(), marks.begin());
+  // The same motion: with the integrator's memory, where the snapshot has that of this model.
+  if (c.memory.size() == i.memory_size()) {
+    StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(c.memory.size())});
+    i.steps.transfer_integrator(from);
+  } else {
+    i.steps.forget();
+  }
   i.mechanism.enter(0);
   i.mechanism.observe_afresh();
   i.observe_anew();
@@ -400,13 +411,11 @@ void Simulation::restore(const Snapshot& c) {
     throw InputError(Mark{},
                      "the saved state is of another model, or of another method (step, formulation, "
                      "integrator, tolerances, ...): it goes on only with what it was saved with");
-  StateTransfer count;
-  i.transfer(count);
-  if (c.memory.size() != static_cast<Eigen::Index>(count.count()))
-    throw InputError(
-        Mark{}, fmt::format("the state remembers {} numbers, the model {}", c.memory.size(), count.count()));
+  if (c.memory.size() != i.memory_size())
+    throw InputError(Mark{}, fmt::format("the state remembers {} numbers, the model {}", c.memory.size(),
+                                         i.memory_size()));
   restart(c);
-  StateTransfer from = StateTransfer::from({c.memory.data(), count.count()});
+  StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(c.memory.size())});
   i.transfer(from);
 }
 
