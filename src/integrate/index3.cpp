@@ -120,6 +120,8 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     const bool repeat = t.near_singular && !options_.fixed_cost && !precise;
     if (repeat || t.status.code != StepCode::ok) return t;
     project_accelerations(t);
+  } else {
+    unprojected_ = motion_.a;
   }
   if (const int bad = find_not_finite(motion_.v.data(), system_.velocities()); bad >= 0) {
     t.status.coordinate = bad;
@@ -353,6 +355,7 @@ void IndexThree::project_velocities(Attempt& t) {
 /// M δ + Φzᵀ Δλ = 0. Near singular positions this would amplify the velocities' remaining error.
 void IndexThree::project_accelerations(const Attempt& t) {
   Eigen::VectorXd& a = motion_.a;
+  unprojected_ = a;
   const double share = (1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m);
   motion_.algorithmic -= a * share;
   if (!t.precise && !t.near_singular) {

@@ -16,6 +16,7 @@ class IndexThree final : public Stepper {
   /// projection).
   StepStatus step(State& state) override;
   void begun(State& s) const override { motion_.begun(s); }
+  void ended(State& s) const override { s.a = unprojected_; }
   /// Near singular positions, which only constraints have, a step is repeated.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
@@ -68,7 +69,8 @@ class IndexThree final : public Stepper {
   StepMotion motion_;
   MatrixWeights weights_;
   Anderson mixing_;
-  Eigen::VectorXd lambda_, r_, unprojected_;
+  Eigen::VectorXd lambda_, r_;
+  Eigen::VectorXd unprojected_;  ///< velocities, then accelerations
   /// With a fixed iteration budget: the iterate with the least correction.
   struct {
     double off = 0;
