@@ -28,8 +28,14 @@ constexpr int most_projections = 6, most_velocity_rounds = 5;
 // share of themselves. The step is then repeated with a larger penalty down to a smaller violation.
 constexpr double singular_amplification = 100, singular_change = 1e-5;
 constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
+// Parts of a step below this share of it leave violations as they find them, and correct none of the size of
+// round-off. Forces that corrected these would go by the square of the part, and redundant constraints would
+// keep them.
+constexpr double short_part = 1e-3;
 // With a fixed iteration budget: larger corrections, by the mechanism's size, do not approach a solution.
 constexpr double diverged_correction = 0.1;
+// An iteration that fails after a correction of this size fails because it diverges.
+constexpr double lost_correction = 1;
 
 }  // namespace
 
@@ -37,6 +43,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
     : Stepper(options),
       system_(system),
       scales_(system.scales()),
+      usual_step_(options.step),
       motion_(system, options),
       prediction_(system.velocities()),
       mixing_(system.velocities(), system.equations()) {
@@ -44,7 +51,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);
   unprojected_.setZero(n);
-  for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_, &rates_}) x->setZero(m);
+  for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_, &rates_, &inherited_, &own_}) x->setZero(m);
   if (options.fixed_cost) {
     nearest_.x.setZero(n);
     nearest_.lambda.setZero(m);
@@ -130,6 +137,8 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     const bool repeat = t.near_singular && !options_.fixed_cost && !precise;
     if (repeat || t.status.code != StepCode::ok) return t;
     project_accelerations(t);
+  } else {
+    unprojected_ = motion_.a;
   }
   if (const int bad = find_not_finite(motion_.v.data(), system_.velocities()); bad >= 0) {
     t.status.coordinate = bad;
@@ -160,6 +169,11 @@ IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
   if (t.status.code != StepCode::ok) return t;
   motion_.predict(s);
   prediction_.begin(motion_.x);
+  if (!precise && motion_.h < short_part * usual_step_ && system_.equations() > 0) {
+    system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+    t.inherits = scales_.of_equations(system_.phi()) <= accepted_positions * t.position_tolerance;
+    std::copy_n(system_.phi(), system_.equations(), inherited_.data());
+  }
   return t;
 }
 
@@ -169,8 +183,22 @@ void IndexThree::evaluate(const State& s, Attempt& t) {
   system_.residual(t.time, motion_.q.data(), motion_.v.data(), motion_.a.data(), lambda_.data(), 0,
                    r_.data());
   ++t.status.iterations;
-  t.violation = scales_.of_equations(system_.phi());
+  if (t.inherits) leave_inherited();
+  t.violation = scales_.of_equations(violation(t));
   t.accelerations = scales_.accelerations(motion_.a.data());
+}
+
+/// own_: Φ without what the step before left, and without round-off.
+void IndexThree::leave_inherited() {
+  for (int k = 0; k < system_.equations(); ++k) {
+    const double own = system_.phi()[k] - inherited_[k];
+    const bool counts = std::abs(own) > scales_.round_off * scales_.equations[static_cast<std::size_t>(k)];
+    own_[k] = counts ? own : 0;
+  }
+}
+
+const double* IndexThree::violation(const Attempt& t) const {
+  return t.inherits ? own_.data() : system_.phi();
 }
 
 /// Whether the prediction was replaced by one that does not lead to another solution or excite velocities.
@@ -192,6 +220,14 @@ bool IndexThree::replace_prediction(const State& s, const Attempt& t) {
   return false;
 }
 
+/// False, for the phases: the iteration ends at this coordinate.
+bool IndexThree::fail(Attempt& t, StepCode code, int coordinate) {
+  const bool lost = t.newton.corrections > 0 && t.newton.previous > lost_correction;
+  t.status.code = lost ? StepCode::not_converged : code;
+  t.status.coordinate = coordinate;
+  return false;
+}
+
 /// δ, into r_: f δ = −βh² (M z̈ + Φzᵀ λ − Q + Φzᵀ α Φ). The penalty's force has the Jacobian of the factorised
 /// matrix, so that an old matrix still leads to Φ = 0. impulse_: Φz δ.
 bool IndexThree::find_correction(Attempt& t) {
@@ -204,13 +240,12 @@ bool IndexThree::find_correction(Attempt& t) {
                                                 : system_.factor_tangents(motion_.q.data(), weights_);
     ++t.status.factorisations;
     if (!f.ok()) {
-      t.status.coordinate = f.unknown;
-      t.status.code = find_not_finite(r_.data(), n) >= 0 ? StepCode::not_finite : StepCode::singular;
-      return false;
+      const bool finite = find_not_finite(r_.data(), n) < 0;
+      return fail(t, finite ? StepCode::singular : StepCode::not_finite, f.unknown);
     }
   }
   const double penalty_factor = weights_.penalty / motion_.scale;
-  const double *alpha = system_.penalty(), *phi = system_.phi();
+  const double *alpha = system_.penalty(), *phi = violation(t);
   for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * phi[k];
   system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
   for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
@@ -225,7 +260,7 @@ bool IndexThree::find_correction(Attempt& t) {
 /// along directions that hardly act, while the motion does not change any more.
 void IndexThree::update_multipliers(Attempt& t, int iteration) {
   const double penalty_factor = weights_.penalty / motion_.scale;
-  const double *alpha = system_.penalty(), *phi = system_.phi();
+  const double *alpha = system_.penalty(), *phi = violation(t);
   const int m = system_.equations();
   t.settled = !t.precise && iteration >= iterations_before_settling && t.violation <= t.position_tolerance;
   if (options_.fixed_cost) before_ = lambda_;
@@ -245,11 +280,8 @@ void IndexThree::keep_nearest(const Attempt& t) {
 
 /// Moves to the next iterate and decides whether it has converged.
 bool IndexThree::apply_correction(Attempt& t) {
-  if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0) {
-    t.status.coordinate = bad;
-    t.status.code = StepCode::not_finite;
-    return false;
-  }
+  if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0)
+    return fail(t, StepCode::not_finite, bad);
   system_.compose(motion_.x.data(), r_.data());
   if (t.newton.slow) mixing_.mix(motion_.x, lambda_, r_);
 
@@ -351,6 +383,7 @@ void IndexThree::project_velocities(Attempt& t) {
 /// M δ + Φzᵀ Δλ = 0. Near singular positions this would amplify the velocities' remaining error.
 void IndexThree::project_accelerations(const Attempt& t) {
   Eigen::VectorXd& a = motion_.a;
+  unprojected_ = a;
   const double share = (1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m);
   motion_.algorithmic -= a * share;
   if (!t.precise && !t.near_singular) {

@@ -17,6 +17,7 @@ class IndexThree final : public Stepper {
   /// projection).
   StepStatus step(State& state) override;
   void begun(State& s) const override { motion_.begun(s); }
+  void ended(State& s) const override { s.a = unprojected_; }
   /// Near singular positions, which only constraints have, a step is repeated.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
@@ -29,6 +30,7 @@ class IndexThree final : public Stepper {
     bool precise = false;  ///< with a larger penalty and a smaller tolerance, near singular positions
     double time = 0;       ///< at the end of the step, s
     double position_tolerance = 0;
+    bool inherits = false;  ///< a short part: violations that the step before left stay
     // Of the iterate.
     double violation = 0;      ///< |Φ|, in the mechanism's own units (Scales), as all violations here
     double accelerations = 0;  ///< the largest, Scales::accelerations
@@ -48,7 +50,11 @@ class IndexThree final : public Stepper {
   // The phases of an attempt, in order. Those that return bool fail with Attempt::status.
   Attempt begin(State& state, bool precise);
   void evaluate(const State& state, Attempt& t);
+  void leave_inherited();
+  /// Φ that the step is to correct.
+  const double* violation(const Attempt& t) const;
   bool replace_prediction(const State& state, const Attempt& t);
+  bool fail(Attempt& t, StepCode code, int coordinate);
   bool find_correction(Attempt& t);
   void update_multipliers(Attempt& t, int iteration);
   void keep_nearest(const Attempt& t);
@@ -63,12 +69,14 @@ class IndexThree final : public Stepper {
 
   System& system_;
   const Scales& scales_;
+  const double usual_step_;  ///< s; parts of it may be much shorter
   StepMotion motion_;
   Prediction prediction_;
   KeptMatrix kept_;
   MatrixWeights weights_;
   Anderson mixing_;
-  Eigen::VectorXd lambda_, r_, unprojected_;
+  Eigen::VectorXd lambda_, r_;
+  Eigen::VectorXd unprojected_;  ///< velocities, then accelerations
   /// With a fixed iteration budget: the iterate with the least correction.
   struct {
     double off = 0;
@@ -77,6 +85,7 @@ class IndexThree final : public Stepper {
   Eigen::VectorXd before_;           ///< multipliers before an iteration
   Eigen::VectorXd g_;                ///< remaining violation of a projection
   Eigen::VectorXd impulse_, force_;  ///< per equation: Φz δ or α Φ; change of the multipliers
+  Eigen::VectorXd inherited_, own_;  ///< Φ at the start of a short part, and what has come since
   Eigen::VectorXd rates_;            ///< of the constraints, expected after the last correction
 };
 

@@ -9,12 +9,12 @@ namespace mimbre {
 /// Φz of the system at (t, q), dense: equations × velocities.
 Eigen::MatrixXd dense_jacobian(System& system, double t, const Eigen::VectorXd& q);
 
-/// Moves q onto the constraints with the least change of the coordinates; `weight` (velocities × 1, ≥ 0)
-/// determines how readily each one moves, 0: not at all. Returns the violation that is left, max |Φ| by the
-/// scales of the equations. Equations that are redundant on the constraints seem to be independent off them,
-/// by a little, and what they ask for there may move the mechanism far; `caution` > 0 (30 for gaps that are
-/// small) keeps it near, and equations count by their scales. Where no coordinate that moves by its weight
-/// moves any equation by more than `negligible` they hold nothing.
+/// Moves q onto the constraints with the least change of the coordinates, Σ (x / weight)². `weight`
+/// (velocities × 1, ≥ 0), in the units of the coordinates, determines how readily each one moves, 0: not at
+/// all. Returns the violation that is left, max |Φ| by the scales of the equations. Equations that are
+/// redundant on the constraints seem to be independent off them, by a little, and what they ask for there may
+/// move the mechanism far; `caution` > 0 (30 for gaps that are small) keeps it near. Where no coordinate that
+/// moves by its weight moves any equation, by its scale, by more than `negligible` they hold nothing.
 double close_positions(System& system, double t, const Eigen::VectorXd& weight, Eigen::VectorXd& q,
                        double caution = 0, double negligible = 1e-13);
 

@@ -64,6 +64,9 @@ class Stepper {
   /// After a step that took accelerations of its own (State::started was false): puts those with which it
   /// began, and their multipliers, into the state where it did.
   virtual void begun(State& state) const = 0;
+  /// After a step: puts the accelerations of its equations at the end into a copy of the state, where those
+  /// of the state are their projection onto the constraints. Forces that go by accelerations acted by these.
+  virtual void ended(State&) const {}
   /// How often at most the iterations of a step begin anew; each time there are at most
   /// IntegratorOptions::max_iterations of them.
   virtual int most_attempts() const { return 1; }

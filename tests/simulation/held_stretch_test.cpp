@@ -149,9 +149,10 @@ TEST(HeldStretch, IsWatchedWhereOutputsAndSignalsSeeTheModes) {
   Strip seen = s;
   seen.more = "  end: " + fixed + R"(
 actuators:
-  push: {between: [ground, strip], at: [0.5, 0, 0], along: [0, 0, 1], force: "3 + 0*bent + 0*moment"}
+  push: {between: [ground, strip], at: [0.5, 0, 0], along: [0, 0, 1], force: "3 + 0*bent + 0*now + 0*moment"}
 signals:
   bent: {modal_amplitude: strip, component: 15, every: 0.01}
+  now: {modal_amplitude: strip, component: 15}
   moment: {section_force: strip, at: [0.5, 0, 0], component: My, every: 0.01}
 )";
   const double expected = held(at_rest(s));

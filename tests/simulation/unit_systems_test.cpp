@@ -71,6 +71,24 @@ outputs:
   - {name: w, angular_velocity: b, component: z}
 )",
      {length, length, rate}},
+    {"mixed",  // speeds that are not given: those of the least motion by the scales of the coordinates
+     R"(
+gravity: [0, 0, -9.81*L/(T*T)]
+bodies:
+  crank: {mass: 0.5*M, com: [0, 0.05*L, 0.05*L], inertia: [0.002*J, 0.002*J, 0.0005*J]}
+  rod: {mass: 0.8*M, com: [0.3*L, 0.05*L, 0.1*L], inertia: [0.004*J, 0.03*J, 0.03*J]}
+  slider: {mass: M, com: [0.65*L, 0.02*L, 0], inertia: [0.004*J, 0.005*J, 0.005*J]}
+joints:
+  main: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [1, 0, 0], velocity: 4/T}
+  pin: {type: spherical, between: [crank, rod], at: [0, 0.1*L, 0.15*L]}
+  knuckle: {type: spherical, between: [rod, slider], at: [0.6*L, 0.05*L, 0]}
+  guide: {type: cylindrical, between: [ground, slider], at: [0.6*L, 0, 0], axis: [1, 0.3, 0]}
+outputs:
+  - {name: w, joint_velocity: main}
+  - {name: turn, joint_velocity: guide, component: 0}
+  - {name: x, position: slider, component: x}
+)",
+     {rate, rate, length}},
     {"four_bar",
      R"(
 gravity: [0, 0, -9.81*L/(T*T)]

@@ -26,6 +26,8 @@ constexpr double alike = 1e-8;         ///< of the length scale, of how carcasse
 /// of a road which is no plane, under a car that comes down a slope.
 constexpr double little_of_bend = 0.01, hardly_smaller = 0.9;
 constexpr int most_rounds = 30;
+/// How readily the softest mode moves against joints, and the stiffest ones at least against that.
+constexpr double readiest_mode = 1e-2, stiffest_mode = 1e-4;
 
 /// How carcasses bend, m, and the largest change of that in the last round.
 struct Bends {
@@ -79,6 +81,31 @@ bool let_wheels_go(relative::RelativeSystem& observer, State& s, Bends& bends) {
   return true;
 }
 
+/// Energy of a mode at its scale, J.
+double elastic_energy(const Compiled& m, const BodyData& b, int mode) {
+  const double amplitude = amplitude_scale(m, b);
+  return 0.5 * m.flexible[b.flexible].stiffness(mode, mode) * amplitude * amplitude;
+}
+
+/// How readily coordinates move to close loops: by their scales, so that a length of the mechanism's size
+/// counts as much as a radian in any unit. Modes follow far behind, the stiffer the less, so that what they
+/// have to close they close with hardly more than the least elastic energy.
+Eigen::VectorXd readiness(const relative::RelativeSystem& system) {
+  const Compiled& m = system.model();
+  Eigen::VectorXd ready =
+      Eigen::Map<const Eigen::VectorXd>(system.scales().coordinates.data(), system.velocities());
+  double softest = std::numeric_limits<double>::infinity();
+  for (const BodyData& b : m.bodies)
+    for (int k = 0; k < b.modes; ++k)
+      if (const double energy = elastic_energy(m, b, k); energy > 0) softest = std::min(softest, energy);
+  for (const BodyData& b : m.bodies)
+    for (int k = 0; k < b.modes; ++k) {
+      const double energy = elastic_energy(m, b, k), stiff = energy > softest ? energy / softest : 1;
+      ready[b.v + b.joint_velocities + k] *= readiest_mode * std::max(1 / std::sqrt(stiff), stiffest_mode);
+    }
+  return ready;
+}
+
 /// Sets what the user gave of a joint's positions and velocities; weights 0 mark given ones.
 void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen::VectorXd& position_weight,
                Eigen::VectorXd& velocity_weight) {
@@ -90,16 +117,16 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
     velocity_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
     if (info.quaternion >= 0) s.q[b.q + info.quaternion] = 1;
     Vec3d turn = Vec3d::Zero();
-    const auto begin = [&](const std::vector<std::optional<double>>& values, double weight) {
+    const auto begin = [&](const std::vector<std::optional<double>>& values, bool is_fixed) {
       for (int k = 0; k < static_cast<int>(values.size()); ++k) {
         if (!values[k]) continue;
-        position_weight[b.v + k] = weight;
+        if (is_fixed) position_weight[b.v + k] = 0;
         const bool rotation = info.quaternion >= 0 && k >= info.rotation;
         (rotation ? turn[k - info.rotation] : s.q[b.q + k]) = *values[k];
       }
     };
-    begin(joint.near, 1);
-    begin(joint.initial_position, 0);
+    begin(joint.near, false);
+    begin(joint.initial_position, true);
     if (info.quaternion >= 0) s.q.segment<4>(b.q + info.quaternion) = quaternion_exp<double>(turn);
     for (int k = 0; k < static_cast<int>(joint.initial_velocity.size()); ++k) {
       if (!joint.initial_velocity[k]) continue;
@@ -127,7 +154,7 @@ State given_state(const Compiled& m, relative::RelativeSystem& system,
   s.a.setZero(m.velocities);
   s.algorithmic.setZero(m.velocities);
   s.multipliers.setZero(m.equations);
-  position_weight = velocity_weight = Eigen::VectorXd::Ones(m.velocities);
+  position_weight = velocity_weight = readiness(system);
   set_given(m, system.workspace().signals, s, position_weight, velocity_weight);
   return s;
 }
@@ -179,15 +206,22 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
     return InputError({}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap,
                                       angle ? angle_unit : unit));
   };
+  const auto let_modes_move = [&](Eigen::VectorXd& weight) {
+    const Eigen::VectorXd all = readiness(system);
+    for (const BodyData& b : m.bodies) {
+      const int first = b.v + b.joint_velocities;
+      weight.segment(first, b.modes) = all.segment(first, b.modes);
+    }
+  };
   double gap = close_positions(system, 0, position_weight, s.q);
-  if (gap > close_enough) {  // let the modes help
-    for (const BodyData& b : m.bodies) position_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
+  if (gap > close_enough) {
+    let_modes_move(position_weight);
     gap = close_positions(system, 0, position_weight, s.q);
   }
   if (!(gap <= close_enough)) throw where(system.phi(), closing, "m", "rad");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   if (gap > close_enough) {
-    for (const BodyData& b : m.bodies) velocity_weight.segment(b.v + b.joint_velocities, b.modes).setOnes();
+    let_modes_move(velocity_weight);
     gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   }
   if (!(gap <= close_enough))
@@ -253,7 +287,7 @@ std::string start_at_equilibrium(relative::RelativeSystem& system, State& s) {
                      fmt::format("`initial: equilibrium`: {}; start from the assembled position instead",
                                  explain_imbalance(m, nullptr, status)));
   s.v = velocities;
-  const double gap = close_velocities(system, 0, s.q, Eigen::VectorXd::Ones(m.velocities), s.v);
+  const double gap = close_velocities(system, 0, s.q, readiness(system), s.v);
   if (!(gap < close_enough))
     throw InputError({m.spec().file, 0, 0}, "the initial velocities contradict the constraints");
   return explain_instability(m, nullptr, status);

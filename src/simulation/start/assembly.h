@@ -14,7 +14,7 @@ namespace mimbre {
 
 /// What is given of the joints' coordinates at the start, or near what they are, with loops open; signals as
 /// they begin, and `system` evaluates with them. The weights (velocities × 1) determine what may move to
-/// close loops: 1, or 0 what is given and modes.
+/// close loops: the scale of the coordinate, or 0 for what is given and for modes.
 State given_state(const Compiled& model, relative::RelativeSystem& system,
                   const std::map<std::string, double>& inputs, Eigen::VectorXd& position_weight,
                   Eigen::VectorXd& velocity_weight);

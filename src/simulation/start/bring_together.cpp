@@ -131,7 +131,7 @@ double value_of(const BodyData& b, const VectorXd& q, int k) {
 /// Loops that share coordinates.
 struct Group {
   std::vector<int> loops;
-  VectorXd weight;  ///< 1: a coordinate that may close them
+  VectorXd weight;  ///< of the coordinates that may close them, otherwise 0
 };
 
 std::vector<Group> groups_of(const LoopAssembly& assembly) {
@@ -262,7 +262,7 @@ VectorXd dependent(LoopAssembly& assembly, const Group& group, const VectorXd& q
     const double length = rest.norm();
     for (int round = 0; round < 2; ++round) rest -= basis * (basis.transpose() * rest);
     if (!(rest.norm() > 1e-6 * std::max(length, 1e-6))) continue;
-    weight[k] = 1;
+    weight[k] = group.weight[k];
     basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
     basis.rightCols<1>() = rest.normalized();
   }

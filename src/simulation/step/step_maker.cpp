@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "dynamics/geometric.h"
+
 namespace mimbre {
 namespace {
 
@@ -63,6 +65,8 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       log_(empty_contact_log(mechanism.model)),
       begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_, log_}),
       beginning_(mechanism.state),
+      end_(mechanism.state),
+      stressed_(method.energies && geometric::has_loads_of_inertia(mechanism.model)),
       before_{mechanism.state, meter_, log_},
       length_(method.step) {
   const Compiled& m = mechanism.model;
@@ -86,7 +90,7 @@ void StepMaker::start() {
     contacts_.note(mechanism_.state.time, log_);
   }
   for (Begin& begin : begins_) begin.state = mechanism_.state;
-  before_.state = beginning_ = mechanism_.state;
+  before_.state = beginning_ = end_ = mechanism_.state;
 }
 
 /// How wrong the last step may be, J: energy that the numerics put in or took out, or that a jump of a road
@@ -119,6 +123,16 @@ void StepMaker::book_beginning() {
   const State& seen = m.observe_other(beginning_);
   meter_.begin(m.observer, seen);
   m.observe();
+}
+
+/// The end of the step as the energies see it: loads of inertia that stiffen bodies did so by the
+/// accelerations of the equations. `known`: the observer's kinematics are of these.
+const State& StepMaker::observe_end(bool known) {
+  Mechanism& m = mechanism_;
+  if (!stressed_) return m.view();
+  end_ = m.state;
+  integrator_->ended(end_);
+  return known ? end_ : m.observe_other(end_);
 }
 
 /// One step of the integrator, with the energies after it.
@@ -155,10 +169,14 @@ void StepMaker::advance(StepReport& report) {
     m.observe();
   }
   if (conserves_) {
-    energy_keeper_.end(m.observer, m.natural.get(), m.view(), meter_, m.state);
+    energy_keeper_.end(m.observer, m.natural.get(), observe_end(false), meter_, m.state);
     m.observe();
   }
-  if (method_.energies) meter_.update(m.observer, m.view());
+  if (method_.energies) {
+    const bool known = !m.natural && !corrects && !begins;
+    meter_.update(m.observer, observe_end(known));
+    if (stressed_ && !known) m.observe();
+  }
   // Energies have evaluated the forces at the end, else commit() does.
   const auto look_at_contacts = [&] {
     followed_ = contacts_.none() || contacts_.followed(m.observer.workspace(), integrator_->options().step,

@@ -62,6 +62,7 @@ class StepMaker {
   void begin_anew();
   void advance(StepReport& report);
   void book_beginning();
+  const State& observe_end(bool known);
   void keep_in(Begin& begin) const;
   void back_to(const Begin& begin);
   void cover(double length, int level, StepReport& report);
@@ -83,6 +84,8 @@ class StepMaker {
   ContactLog log_;
   std::vector<Begin> begins_;
   State beginning_;         ///< of a step that began anew
+  State end_;               ///< with the accelerations of the equations
+  const bool stressed_;     ///< loads of inertia stiffen bodies
   Begin before_;            ///< of the last step, for undo()
   bool followed_ = true;    ///< contacts in the integrator's last step
   int divisions_left_ = 0;  ///< how often a part of the step under way may still be divided

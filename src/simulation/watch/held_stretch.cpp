@@ -197,7 +197,7 @@ ReducedBody of_places(const ReducedBody& body, const std::vector<int>& places) {
   out.mass_matrix.setIdentity(modes, modes);
   out.stiffness = body.stretching->stiffness(motions, motions);
   out.damping.setZero(modes, modes);
-  out.user_from_modal.setIdentity(modes, modes);
+  out.user_from_modal.setZero(modes, modes);  // amplitudes that signals see
   for (std::size_t f = 0; f < body.frames.size(); ++f) {
     BodyFrame frame = body.frames[f];
     frame.X.setZero(3, modes);
@@ -217,11 +217,17 @@ ReducedBody of_places(const ReducedBody& body, const std::vector<int>& places) {
 }
 
 /// Nobody asks the mechanism with bodies of places for outputs, and what its signals and laws would see of
-/// amplitudes, stress or section forces is not there: they see something else that is 0 at rest.
+/// amplitudes, stress or section forces is not there: they see an amplitude, and those are 0 (of_places), or
+/// where only sampled signals may see it a momentum, which is 0 at rest.
 void forget_recovery(spec::Model& model) {
   model.outputs.clear();
   for (spec::Output& sensor : model.sensors) {
-    if (output_info(sensor).of != OutputInfo::Of::body) continue;
+    const OutputInfo& info = output_info(sensor);
+    if (info.of != OutputInfo::Of::body) continue;
+    if (info.place_sensor) {
+      sensor.component = 0;
+      continue;
+    }
     spec::Output momentum;
     momentum.name = sensor.name;
     momentum.mark = sensor.mark;
