@@ -129,9 +129,13 @@ RunOptions options_of(const RealTimePlanOptions& o, const RealTimeCandidate& c) 
   RunOptions run = o.run;
   run.formulation = c.formulation;
   run.step = c.step;
-  run.substeps = c.substeps;
-  run.max_iterations = c.max_iterations;
-  if (c.max_iterations > 0) run.fixed_cost = c.fixed_cost;
+  run.substeps.reset();
+  if (c.substeps > 0) run.substeps = c.substeps;
+  run.max_iterations.reset();
+  if (c.max_iterations > 0) {
+    run.max_iterations = c.max_iterations;
+    run.fixed_cost = c.fixed_cost;
+  }
   return run;
 }
 
