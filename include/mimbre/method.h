@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-/// How a model is computed: what its file asks for, what a caller asks for, and what a run took. An option has a
-/// member in the first two; all else that there is to know of it is a row of the table in
+/// How a model is computed: what its file asks for, what a caller asks for, and what a run took. An option
+/// has a member in the first two; all else that there is to know of it is a row of the table in
 /// src/spec/run_options.cpp (mimbre/run_option.h).
 namespace mimbre {
 namespace spec {
@@ -41,6 +41,7 @@ struct Simulation {
   double penalty = 0;      ///< weight of the constraints; 0: automatic
   int max_iterations = 0;  ///< of a step, or of each of its parts; 0: default
   int substeps = 0;        ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  double energy_tolerance = 0;        ///< see RunOptions::energy_tolerance; 0: default
   bool fixed_cost = false;            ///< see RunOptions::fixed_cost
   bool start_at_equilibrium = false;  ///< `initial: equilibrium`
 };
@@ -59,10 +60,13 @@ struct RunOptions {
   std::optional<spec::Simulation::Integrator> integrator;
   std::optional<double> rho, xi, tolerance;
   std::optional<int> max_iterations;
-  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than
-  /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
-  /// does not converge. 1: never. In neither: 4 with generalised-α, 1 with Newmark.
+  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong, or when it does
+  /// not converge. 1: never. In neither: 4 with generalised-α, 1 with Newmark.
   std::optional<int> substeps;
+  /// By how much the balance may be wrong before: by this share of the energy that moves and is stored, and
+  /// ten times that of what lifts the mechanism by its length scale (without gravity four times the former).
+  /// In neither: 1e-4.
+  std::optional<double> energy_tolerance;
   /// For real time: a step is made once, with at most so many iterations, and taken as it is then, though
   /// they have not converged (StepReport::unconverged). Nothing repeats a step, or begins one anew where an
   /// input jumps. Of the formalism index3.

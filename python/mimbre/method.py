@@ -27,5 +27,8 @@ class Method(TypedDict, total=False):
     """Of a step."""
     substeps: int
     """Parts in which an inaccurate step is made again; 1: never."""
+    energy_tolerance: float
+    """Error of a step's energy balance, relative to the energy in motion, above which it is made again in substeps;
+    default: 1e-4."""
     fixed_cost: bool
     """For real time: a step is made once, and accepted after max_iterations (6)."""

@@ -572,6 +572,9 @@ class Simulation(TypedDict, total=False):
     max_iterations: Number
     # Parts in which an inaccurate step is made again; 1: never.
     substeps: Number
+    # Error of a step's energy balance, relative to the energy in motion, above which it is made again in
+    # substeps; default: 1e-4.
+    energy_tolerance: Number
     # For real time: a step is made once, and accepted after max_iterations (6).
     fixed_cost: Flag
 

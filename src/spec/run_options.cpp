@@ -139,6 +139,19 @@ constexpr RunOption table[] = {
      .value = "N",
      .help = "Parts in which a step is repeated that an impact made inaccurate,\n"
              "instead of the model's; 1: never"},
+    {.key = "energy_tolerance",
+     .member = OptionMember<double>{&S::energy_tolerance, &RunOptions::energy_tolerance},
+     .about = "Error of a step's energy balance, relative to the energy in motion, above which it is made "
+              "again in "
+              "substeps; default: 1e-4.",
+     .least = 1e-9,
+     .most = 1,
+     .otherwise = 1e-4,
+     .option = "energy-tolerance",
+     .value = "X",
+     .help = "Error of a step's energy balance, relative to the energy in motion,\n"
+             "above which the step is repeated in parts, instead of the model's\n"
+             "(1e-4 if it has none)"},
     {.key = "fixed_cost",
      .member = OptionMember<bool>{&S::fixed_cost, &RunOptions::fixed_cost},
      .about = "For real time: a step is made once, and accepted after max_iterations (6).",
@@ -230,6 +243,8 @@ std::optional<OptionConflict> conflict_of_fixed_cost(const S& given, const RunOp
   };
   if (asked.substeps.value_or(1) > 1)
     return conflict("substeps", "makes each step once", fmt::format("{}", *asked.substeps));
+  if (asked.energy_tolerance)
+    return conflict("energy_tolerance", "makes each step once", fmt::format("{}", *asked.energy_tolerance));
   const S::Formalism formalism = asked.formalism.value_or(given.formalism);
   if (formalism != S::Formalism::index3)
     return conflict("formalism", "is of the formalism index3", name_of(formalism));
