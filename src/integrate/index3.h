@@ -48,11 +48,14 @@ class IndexThree final : public Stepper {
   bool replace_prediction(const State& state, const Attempt& t);
   bool find_correction(Attempt& t);
   void update_multipliers(Attempt& t, int iteration);
-  void keep_nearest(const Attempt& t);
   bool apply_correction(Attempt& t);
+  // Where the step ends (step_end.cpp).
+  void decide_convergence(Attempt& t);
+  void keep_nearest(const Attempt& t);
   void end_positions(const State& state, Attempt& t);
   void project_expected_velocities(Attempt& t);
   bool accept_positions(Attempt& t);
+  // After it.
   void project_velocities(Attempt& t);
   void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);
