@@ -13,6 +13,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
 #include "reduction/bases/project_modes.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 namespace {
@@ -233,8 +234,7 @@ spec::Model with_lowest_modes(spec::Model model, int most) {
         project_modes(*body.flexible, modes.vectors.leftCols(std::max(most, 1))));
     changed = true;
   }
-  if (changed)
-    std::erase_if(model.outputs, [](const spec::Output& o) { return o.kind == "modal_amplitude"; });
+  if (changed) std::erase_if(model.outputs, [](const spec::Output& o) { return output_info(o).modes; });
   return model;
 }
 
