@@ -6,7 +6,7 @@
 #include "fe_files/text_file.h"
 #include "mimbre/fe_import.h"
 
-/// The text formats of meshes. A new one is a file like gmsh.cpp, which parses it and describes it, and its
+/// The text formats of meshes. A new one is a file like unv.cpp, which parses it and describes it, and its
 /// name in this list.
 namespace mimbre::fe {
 
@@ -18,8 +18,8 @@ struct MeshFormat {
   ImportedMesh (*parse)(std::unique_ptr<TextFile> file, const std::string& folder);
 };
 
-extern const MeshFormat gmsh_format, inp_format;
-inline constexpr const MeshFormat* mesh_formats[] = {&gmsh_format, &inp_format};
+extern const MeshFormat gmsh_format, inp_format, unv_format;
+inline constexpr const MeshFormat* mesh_formats[] = {&gmsh_format, &inp_format, &unv_format};
 
 /// By the file's ending; null: it is none of them.
 const MeshFormat* find_mesh_format(const std::string& path);
