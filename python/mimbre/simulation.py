@@ -16,8 +16,6 @@ from .method import Method
 from .real_time import Overrun, RealTime
 
 if TYPE_CHECKING:
-    from typing import Literal
-
     from typing_extensions import Self, Unpack
 
     from .model import Model

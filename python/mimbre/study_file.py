@@ -15,8 +15,9 @@ import numpy as np
 from . import _checks, _core
 from .ensemble import names_alone, samples
 from .errors import Diagnostic, InputError
+from .method import Method
 from .model import Model
-from .simulation import Method, checked_method
+from .simulation import checked_method
 from .study import Value, reductions
 
 VERSION = 1
