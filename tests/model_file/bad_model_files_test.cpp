@@ -421,7 +421,7 @@ INSTANTIATE_TEST_SUITE_P(
                 output("{name: x, angular_velocity: leg, axes: body, component: x}")},
         Mistake{"AboutOfALinearMomentum",
                 8,
-                {"only 'angular_momentum' is about a point"},
+                {"'about' belongs to 'angular_momentum'"},
                 output("{name: x, linear_momentum: leg, about: [0, 0, 0], component: x}")},
         Mistake{"MomentumOfAnUnknownBody",
                 8,
