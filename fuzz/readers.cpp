@@ -17,6 +17,7 @@
 #include "fe_files/inp/calculix.h"
 #include "fe_files/inp/inp_model.h"
 #include "fe_files/matrices/matrix_files.h"
+#include "fe_files/mesh_formats.h"
 #include "fe_files/nastran/nastran.h"
 #include "fe_files/node_table.h"
 #include "mimbre/input_table.h"
@@ -290,6 +291,14 @@ const std::vector<Reader>& readers() {
          return files(s, {"tests/data/calculix/beam.inp", "tests/data/calculix/elements/C3D4.inp",
                           "tests/data/calculix/elements/C3D10.inp", "tests/data/calculix/elements/C3D8.inp",
                           "tests/data/gmsh/block.inp"});
+       }},
+      {"unv",
+       [](const std::string& bytes) {
+         reduce_mesh(unv_format.parse(std::make_unique<TextFile>(bytes, "fuzz"), ""));
+       },
+       [](const std::string& s) {
+         return files(s, {"tests/data/unv/tet10.unv", "tests/data/unv/hex20.unv",
+                          "tests/data/unv/wedge15.unv", "tests/data/unv/quad8.unv"});
        }},
       {"calculix",
        [](const std::string& bytes) {

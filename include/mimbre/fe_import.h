@@ -49,11 +49,16 @@ ImportedMesh read_gmsh(const std::string& path, const FileUnits& units = {});
 /// loads and the rest are left out with a warning.
 ImportedMesh read_inp(const std::string& path, const FileUnits& units = {});
 
-/// read_gmsh or read_inp, by the file's ending.
+/// A mesh by its file's ending: .msh (read_gmsh), .inp (read_inp), .unv (universal files of I-DEAS, Salome,
+/// Gmsh: data sets 2411, 781 and 15, 2412, permanent groups. Groups become node sets; the first one that
+/// lists a solid or shell element names its element group, else its property does. Surface elements are
+/// shells where the file has no solids).
 ImportedMesh read_mesh(const std::string& path, const FileUnits& units = {});
+/// A line of each of these formats, for people.
+std::string mesh_formats_help();
 
-/// Nodes of a file that is a mesh (.msh, .inp) or a table: CSV (comma, semicolon, tab or blanks) with the
-/// columns label, x, y, z, with or without a heading.
+/// Nodes of a file that is a mesh (as of read_mesh) or a table: CSV (comma, semicolon, tab or blanks) with
+/// the columns label, x, y, z, with or without a heading.
 ImportedMesh read_nodes(const std::string& path, const FileUnits& units = {});
 
 /// What CalculiX writes for *FREQUENCY, SOLVER=MATRIXSTORAGE: JOB.sti, JOB.mas, JOB.dof beside JOB.inp. The
@@ -124,11 +129,11 @@ struct FeCompanions {
   std::vector<NamedNumber> thicknesses;
 };
 
-/// A model by its file's ending: .msh and .inp are meshes, assembled here (with matrices of the same name
-/// beside an .inp those are taken), .mtx and .npz stiffness matrices, .bdf, .dat, .nas,
-/// .pch and .dmig Nastran bulk data: elements or, without these, DMIG cards.
-/// Throws std::invalid_argument for an ending that is not known, companions that are missing or groups that
-/// are not there, InputError for what is wrong with the files.
+/// A model by its file's ending: those of read_mesh are meshes, assembled here (with matrices of the same
+/// name beside an .inp those are taken), .mtx and .npz stiffness matrices, .bdf, .dat, .nas, .pch and .dmig
+/// Nastran bulk data: elements or, without these, DMIG cards. Throws std::invalid_argument for an ending that
+/// is not known, companions that are missing or groups that are not there, InputError for what is wrong with
+/// the files.
 FeModel read_model(const std::string& path, const FeCompanions& companions = {}, const FileUnits& units = {});
 
 /// What read_model() reads beside a file: the includes of a CalculiX, Abaqus or Nastran input, and the

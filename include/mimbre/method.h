@@ -3,33 +3,74 @@
 #include <optional>
 #include <string>
 
-#include "mimbre/spec.h"
-
-/// How a model is computed: what a run was asked for, and what it took.
+/// How a model is computed: what its file asks for, what a caller asks for, and what a run took. An option
+/// has a member in the first two; all else that there is to know of it is a row of the table in
+/// src/spec/run_options.cpp (mimbre/run_option.h).
 namespace mimbre {
+namespace spec {
 
-/// Options of a run; fields left at their defaults are taken from the model file's simulation section.
+/// The model's section `simulation`, with `initial`.
+struct Simulation {
+  double step = 0.01;          ///< s
+  double end = 10;             ///< s
+  bool end_given = false;      ///< else `end` is the library's default
+  double output_interval = 0;  ///< s; 0: every step
+  /// Coordinates: joint coordinates by recursion, or points and unit vectors (natural coordinates).
+  enum class Formulation { relative, natural } formulation = Formulation::relative;
+  /// Inertia of flexible bodies: by shape integrals, or by projection of the mesh's mass matrix in every
+  /// evaluation, with the nodes' rotations or with their translations only.
+  enum class Inertia { integrals, projection, projection_translations } inertia = Inertia::integrals;
+  /// How the constraints enter the equations of motion; see docs/formalisms.md.
+  enum class Formalism {
+    index3,            ///< augmented Lagrangian in positions with projections: the default
+    index1,            ///< Lagrange multipliers, constraints at acceleration level
+    baumgarte,         ///< the same, stabilised
+    penalty,           ///< stabilised constraints by penalty alone
+    index1_augmented,  ///< penalty with iterated multipliers
+    independent        ///< independent coordinates by a second velocity transformation
+  } formalism = Formalism::index3;
+  enum class Integrator {
+    generalized_alpha,
+    newmark,
+    hht,
+    conserve  ///< generalised-α, and after each step the energy that it fed in or took out taken back
+  } integrator = Integrator::generalized_alpha;
+  double rho = -1;         ///< spectral radius at infinity, 0..1 (hht: 0.5..1); -1: the library's default
+  double xi = 0;           ///< Newmark's ξ ≤ 0
+  double tolerance = 0;    ///< of the iterations, see docs/model-file.md; 0: default
+  double penalty = 0;      ///< weight of the constraints; 0: automatic
+  int max_iterations = 0;  ///< of a step, or of each of its parts; 0: default
+  int substeps = 0;        ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  double energy_tolerance = 0;        ///< see RunOptions::energy_tolerance; 0: default
+  bool fixed_cost = false;            ///< see RunOptions::fixed_cost
+  bool start_at_equilibrium = false;  ///< `initial: equilibrium`
+};
+
+}  // namespace spec
+
+/// Options of a run; what is not given is taken from the model file's simulation section.
 struct RunOptions {
-  double step = 0;  ///< s
+  std::optional<double> step;  ///< s
+  std::optional<double> end;   ///< s
   std::optional<spec::Simulation::Formulation> formulation;
   std::optional<spec::Simulation::Inertia> inertia;
   std::optional<spec::Simulation::Formalism> formalism;
   /// Where it is not given, `xi` asks for Newmark's rule, and `rho` for generalised-α in Newmark's place.
   /// `rho` and `xi` do not go together, nor with an integrator that has none.
   std::optional<spec::Simulation::Integrator> integrator;
-  double rho = -1;
-  double xi = 1;         ///< Newmark's ξ ≤ 0; 1: not given
-  double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: from the file
-  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than
-  /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
-  /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
-  int substeps = 0;
-  int max_iterations = 0;  ///< of a step, or of each of its parts; 0: from the file
+  std::optional<double> rho, xi, tolerance;
+  std::optional<int> max_iterations;
+  /// Parts in which a step is repeated when an impact in it makes its energy balance wrong, or when it does
+  /// not converge. 1: never. In neither: 4 with generalised-α, 1 with Newmark.
+  std::optional<int> substeps;
+  /// By how much the balance may be wrong before: by this share of the energy that moves and is stored, and
+  /// ten times that of what lifts the mechanism by its length scale (without gravity four times the former).
+  /// In neither: 1e-4.
+  std::optional<double> energy_tolerance;
   /// For real time: a step is made once, with at most so many iterations, and taken as it is then, though
   /// they have not converged (StepReport::unconverged). Nothing repeats a step, or begins one anew where an
-  /// input jumps. Of the formalism index3. Where it is not given: from the file.
+  /// input jumps. Of the formalism index3.
   std::optional<bool> fixed_cost;
-  double end = -1;  ///< s; negative: from the file, or the default
   /// What inputs and tunable parameters start with, by name, within their ranges; others with the model's
   /// values. The start, its equilibrium and all that is observed there are those of a model with these
   /// values.
@@ -42,23 +83,9 @@ struct RunOptions {
   bool warnings = true;  ///< of both, and of the start
 };
 
-/// What a run takes: options, model file and the library's defaults, resolved.
-struct Method {
-  spec::Simulation::Formulation formulation = spec::Simulation::Formulation::relative;
-  spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals;
-  spec::Simulation::Formalism formalism = spec::Simulation::Formalism::index3;
-  spec::Simulation::Integrator integrator = spec::Simulation::Integrator::generalized_alpha;
-  double step = 0;             ///< s
-  double rho = 0;              ///< spectral radius at infinity of generalised-α and HHT
-  double xi = 0;               ///< of Newmark's rule
-  double tolerance = 0;        ///< see IntegratorOptions
-  double penalty = 0;          ///< likewise
-  int max_iterations = 0;      ///< of a step
-  int substeps = 1;            ///< parts in which an inaccurate step is repeated; 1: never
-  bool fixed_cost = false;     ///< steps are taken as they are after max_iterations
-  double end = 0;              ///< s
-  bool default_end = false;    ///< neither model nor options specify the end of the run
-  double output_interval = 0;  ///< s; 0: every step
+/// What a run takes: options, model file and the library's defaults, resolved. No member means a default.
+struct Method : spec::Simulation {
+  bool default_end = false;  ///< neither model nor options specify the end of the run
   bool profile = false;
   bool energies = true;  ///< asked for, or implied
   bool validity = true, warnings = true;

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstddef>
 
-#include "mimbre/spec.h"
+#include "mimbre/method.h"
 
 /// What the choices of spec::Simulation are called in model files and on the command line, in the order of
 /// its enumerations.

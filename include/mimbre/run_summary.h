@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "mimbre/method_arguments.h"
 #include "mimbre/run.h"
 
 /// Objects in JSON (schema/output.schema.json) that describe a run. Numbers that are not finite are null.
@@ -22,8 +21,8 @@ std::string run_summary(Simulation& simulation, const RunTotals& totals, const R
 std::string measured_summary(const std::string& summary, const Simulation& simulation,
                              const RunTotals& totals);
 
-/// The arguments that were given.
-std::string arguments_summary(const MethodArguments& arguments);
+/// What was asked for of the options that the command line has, by their names there ("integrator_xi").
+std::string arguments_summary(const RunOptions& asked);
 
 /// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
 std::string method_summary(const Method& method);

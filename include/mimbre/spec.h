@@ -12,6 +12,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/function.h"
 #include "mimbre/joint_type.h"
+#include "mimbre/method.h"
 #include "mimbre/road_file.h"
 
 namespace mimbre {
@@ -384,41 +385,6 @@ struct Output {
   int node = -1;       ///< of ReducedBody::nodes, or 2 k (start) or 2 k + 1 (end) of element k of bars
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< body axes; of a displacement those of `reference`
   double offset = 0;                                    ///< is added: joint, displacement
-};
-
-struct Simulation {
-  double step = 0.01;
-  double end = 10;
-  bool end_given = false;      ///< else `end` is the library's default
-  double output_interval = 0;  ///< 0: every step
-  /// Coordinates: joint coordinates by recursion, or points and unit vectors (natural coordinates).
-  enum class Formulation { relative, natural } formulation = Formulation::relative;
-  /// Inertia of flexible bodies: by shape integrals, or by projection of the mesh's mass matrix in every
-  /// evaluation, with the nodes' rotations or with their translations only.
-  enum class Inertia { integrals, projection, projection_translations } inertia = Inertia::integrals;
-  /// How the constraints enter the equations of motion; see docs/formalisms.md.
-  enum class Formalism {
-    index3,            ///< augmented Lagrangian in positions with projections: the default
-    index1,            ///< Lagrange multipliers, constraints at acceleration level
-    baumgarte,         ///< the same, stabilised
-    penalty,           ///< stabilised constraints by penalty alone
-    index1_augmented,  ///< penalty with iterated multipliers
-    independent        ///< independent coordinates by a second velocity transformation
-  } formalism = Formalism::index3;
-  enum class Integrator {
-    generalized_alpha,
-    newmark,
-    hht,
-    conserve  ///< generalised-α, and after each step the energy that it fed in or took out taken back
-  } integrator = Integrator::generalized_alpha;
-  double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); negative: the library's default
-  double xi = 0;         ///< Newmark's ξ ≤ 0
-  double tolerance = 0;  ///< 0: default
-  double penalty = 0;    ///< 0: automatic
-  int max_iterations = 0;             ///< 0: default
-  int substeps = 0;                   ///< parts in which an inaccurate step is repeated; 0: default, 1: never
-  bool fixed_cost = false;            ///< see RunOptions::fixed_cost
-  bool start_at_equilibrium = false;  ///< `initial: equilibrium`
 };
 
 struct Model {

@@ -12,9 +12,10 @@ import numpy as np
 
 from . import _checks, _core
 from .errors import InputError
+from .method import Method
 from .reduction import ReducedBody
 from .run import Floats, Run
-from .simulation import Method, checked_method, compiled
+from .simulation import checked_method, compiled
 
 if TYPE_CHECKING:
     from typing import Literal

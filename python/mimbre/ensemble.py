@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from typing_extensions import Unpack
 
+    from .method import Method
     from .model import Inputs
-    from .simulation import Method
 
     Reduction = str | Callable[[Any], Any]
     Parameters = (

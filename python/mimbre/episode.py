@@ -16,7 +16,8 @@ from .model import Model
 from .study import Value
 
 if TYPE_CHECKING:
-    from .simulation import Method, Simulation
+    from .method import Method
+    from .simulation import Simulation
 
 Floats = npt.NDArray[np.float64]
 Bounds = tuple[float, float]

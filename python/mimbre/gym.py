@@ -31,7 +31,7 @@ from .simulation import Simulation
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from .simulation import Method
+    from .method import Method
 
 __all__ = ["Env", "Moment", "VectorEnv", "make", "make_vec"]
 

@@ -14,8 +14,9 @@ import numpy as np
 from . import _checks, _core, analysis, laws
 from .analysis import Verification
 from .errors import Diagnostic, InputError, Interrupted, SimulationError
+from .method import Method
 from .run import Run
-from .simulation import Method, Simulation, checked_method
+from .simulation import Simulation, checked_method
 
 if TYPE_CHECKING:
     import numpy.typing as npt

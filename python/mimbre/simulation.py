@@ -5,57 +5,29 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypedDict, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _checks, _core
 from .errors import InputError
+from .method import Method
 from .real_time import Overrun, RealTime
 
 if TYPE_CHECKING:
-    from typing import Literal
-
     from typing_extensions import Self, Unpack
 
     from .model import Model
 
 
-class Method(TypedDict, total=False):
-    """How a model is computed, in place of the model's settings: further arguments of `run`, `simulation`, `static` and
-    others (docs/model-file.md, `simulation`)."""
-
-    step: float
-    """s"""
-    formulation: Literal["relative", "natural"]
-    """Coordinates."""
-    inertia: Literal["integrals", "projection", "projection_translations"]
-    """Of flexible bodies."""
-    formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
-    """How constraints enter the equations."""
-    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve"]
-    """How steps are made."""
-    rho: float
-    """Of generalized_alpha (0 to 1) and hht (0.5 to 1): spectral radius, 1 damps nothing."""
-    xi: float
-    """Of newmark: 0, the trapezoidal rule, or less, which damps."""
-    tolerance: float
-    """Of the iterations of a step, relative."""
-    max_iterations: int
-    """Of a step, or of each of its parts."""
-    substeps: int
-    """Parts in which a step is made again that an impact made inaccurate; 1: never."""
-    fixed_cost: bool
-    """For real time: each step is made once, and taken as it is after `max_iterations`."""
-
-
-_checked: dict[str, Callable[[str, object], Any]] = {
-    **dict.fromkeys(("step", "rho", "xi", "tolerance"), _checks.number),
-    **dict.fromkeys(("max_iterations", "substeps"), _checks.whole),
-    "fixed_cost": _checks.flag,
-    **dict.fromkeys(("formulation", "inertia", "formalism", "integrator"), _checks.text),
+_kinds: dict[str, Callable[[str, object], Any]] = {
+    "number": _checks.number,
+    "whole": _checks.whole,
+    "flag": _checks.flag,
+    "text": _checks.text,
 }
+_checked = {name: _kinds[kind] for name, kind in _core.method_options()}
 
 
 def checked_method(method: Method) -> _core.Method:
@@ -66,7 +38,7 @@ def checked_method(method: Method) -> _core.Method:
             raise InputError(f"there is no option {name!r}{near}; there are: {', '.join(_checked)}")
         if value is not None:
             given[name] = _checked[name](name, value)
-    return _core.method(**given)
+    return _core.method(given)
 
 
 def compiled(model: object) -> _core.Model:

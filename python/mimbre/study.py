@@ -20,8 +20,8 @@ from .simulation import checked_method
 
 if TYPE_CHECKING:
     from .history_folder import HistoryFolder
+    from .method import Method
     from .model import Input
-    from .simulation import Method
 
 Value = float | int | str | bool
 Floats = npt.NDArray[np.float64]

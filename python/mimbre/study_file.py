@@ -15,8 +15,9 @@ import numpy as np
 from . import _checks, _core
 from .ensemble import names_alone, samples
 from .errors import Diagnostic, InputError
+from .method import Method
 from .model import Model
-from .simulation import Method, checked_method
+from .simulation import checked_method
 from .study import Value, reductions
 
 VERSION = 1
@@ -39,7 +40,8 @@ _keys = (
     "histories",
     "workers",
 )
-_methods = ("formulation", "inertia", "formalism", "integrator", "rho", "xi", "tolerance", "max_iterations", "substeps")
+#: Options of the method by their kinds; `step` is a key of its own.
+_methods = {name: kind for name, kind in _core.method_options() if name != "step"}
 
 
 @dataclass
@@ -145,6 +147,15 @@ class _Reader:
             self.add(node, f"a number{' of seconds' if seconds else ''} is needed, this is {shown}")
         return found
 
+    def method_value(self, node: _Node, kind: str) -> float | bool | str | None:
+        if kind == "text":
+            return self.text(node)
+        return self.flag(node) if kind == "flag" else self.number(node)
+
+    def flag(self, node: _Node) -> bool | None:
+        text = self.choice(node, ("true", "false"))
+        return None if text is None else text == "true"
+
     def seconds(self, node: _Node | None, wanted: str, right: Callable[[float], bool]) -> float | None:
         time = None if node is None else self.number(node, seconds=True)
         if node is not None and time is not None and not right(time):
@@ -220,8 +231,8 @@ class _Reader:
         for key in ("store", "histories"):
             if key in given and (text := self.text(given[key])) is not None:
                 arguments[key] = Path(self.file).parent / text
-        for key, node in self.fields(given["method"], _methods).items() if "method" in given else ():
-            arguments[key] = self.text(node) if key in _methods[:4] else self.number(node)
+        for key, node in self.fields(given["method"], list(_methods)).items() if "method" in given else ():
+            arguments[key] = self.method_value(node, _methods[key])
         if "model" not in given:
             self.add(top, "'model' is missing; for example model: vehicle.yaml")
         # A model takes long to read; what is wrong up to here is told at once.

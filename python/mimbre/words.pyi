@@ -422,8 +422,8 @@ class Tyre(TypedDict, total=False):
     stiffness: Number
     # m.
     radius: Number
-    # vertical: a spring only, the default; brush, magic_formula: roll, slip and steer.
-    model: Literal["vertical", "brush", "magic_formula"]
+    # vertical: a spring only, the default; brush, magic_formula, tmeasy: roll, slip and steer.
+    model: Literal["vertical", "brush", "magic_formula", "tmeasy"]
     # Of magic_formula: a tyre property file (.tir) of MF-Tyre 5.2, 6.1 or 6.2; stiffness and radius are
     # in it.
     file: str
@@ -449,6 +449,48 @@ class Tyre(TypedDict, total=False):
     rolling_resistance: Number
     # Damping over stiffness of the carcass, of a wheel that stands, s; default 0.02.
     settling: Number
+    # Of tmeasy: largest force along, N.
+    longitudinal_peak: Number
+    # Of tmeasy: slip at which it is.
+    longitudinal_peak_slip: Number
+    # Of tmeasy: force along where all slides, N.
+    longitudinal_sliding: Number
+    # Of tmeasy: slip from which on all slides; above the peak's.
+    longitudinal_sliding_slip: Number
+    # Of tmeasy: largest force across, N.
+    lateral_peak: Number
+    # Of tmeasy: slip at which it is.
+    lateral_peak_slip: Number
+    # Of tmeasy: force across where all slides, N.
+    lateral_sliding: Number
+    # Of tmeasy: slip from which on all slides; above the peak's.
+    lateral_sliding_slip: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    longitudinal_stiffness_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    longitudinal_peak_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 1.
+    longitudinal_peak_slip_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    longitudinal_sliding_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 1.
+    longitudinal_sliding_slip_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    cornering_stiffness_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    lateral_peak_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 1.
+    lateral_peak_slip_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 2.
+    lateral_sliding_growth: Number
+    # Of tmeasy: at twice the load, over that at the load; default 1.
+    lateral_sliding_slip_growth: Number
+    # Of tmeasy: lever of the force across at no slip, by the footprint's length; default 1/6.
+    trail: Number
+    # Of tmeasy: slip across at which the trail is 0; default 0.2.
+    trail_zero_slip: Number
+    # Of tmeasy: slip across from which on the trail stays 0; default 0.5.
+    trail_end_slip: Number
 
 class Output(TypedDict, total=False):
     # Point on a body, m, global.
@@ -572,6 +614,9 @@ class Simulation(TypedDict, total=False):
     max_iterations: Number
     # Parts in which an inaccurate step is made again; 1: never.
     substeps: Number
+    # Error of a step's energy balance, relative to the energy in motion, above which it is made again in
+    # substeps; default: 1e-4.
+    energy_tolerance: Number
     # For real time: a step is made once, and accepted after max_iterations (6).
     fixed_cost: Flag
 

@@ -62,8 +62,9 @@ Verification verification(const LoadedModel& loaded, const MethodChoice& method,
   const spec::Simulation& given = loaded.model->spec().simulation;
   VerifyOptions options;
   options.run = method.options(given);
-  planned(given, options.run, method.step > 0 ? std::optional(method.step) : std::nullopt,
-          until);  // else refused
+  RunOptions whole = options.run;
+  whole.end = until;
+  planned(given, whole);  // else refused
   options.end = until.value_or(-1);
   options.refine = refine;
   double reached = 0;

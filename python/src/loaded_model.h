@@ -19,8 +19,7 @@ struct LoadedModel {
 
 /// How a run is computed: what was asked for, checked.
 struct MethodChoice {
-  MethodArguments arguments;
-  double step = 0;  ///< s; 0: not given
+  RunOptions asked;
 
   /// For a model whose file says `given`. Throws UsageError where they do not fit together.
   RunOptions options(const spec::Simulation& given) const;

@@ -1,8 +1,10 @@
 #include "mimbre/model.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "bindings.h"
@@ -19,8 +22,8 @@
 #include "mimbre/assembly.h"
 #include "mimbre/build.h"
 #include "mimbre/input_table.h"
-#include "mimbre/method_names.h"
 #include "mimbre/model_file.h"
+#include "mimbre/run_option.h"
 #include "mimbre/urdf.h"
 #include "user_law.h"
 
@@ -81,16 +84,6 @@ std::vector<std::string> names_of(const Things& things) {
   return names;
 }
 
-/// One of the words that there are, or none.
-template <class Words>
-std::string word(const char* name, const std::optional<std::string>& given, const Words& words) {
-  if (!given) return {};
-  const std::vector<std::string> all(words.begin(), words.end());
-  if (std::find(all.begin(), all.end(), *given) != all.end()) return *given;
-  throw InputError(Mark{}, fmt::format("{}: '{}' is not one of {}{}", name, *given, fmt::join(all, ", "),
-                                       did_you_mean(*given, all)));
-}
-
 /// Names of inputs, with the times and values that a table has of them.
 std::vector<std::tuple<std::string, std::vector<double>, std::vector<double>>> input_table(
     const LoadedModel& loaded, const std::string& path, const std::string& name) {
@@ -102,48 +95,61 @@ std::vector<std::tuple<std::string, std::vector<double>, std::vector<double>>> i
   return tables;
 }
 
-void require(bool good, const char* name, std::optional<double> value, const char* wanted) {
-  if (!good) throw InputError(Mark{}, fmt::format("{}: is {}; {} is needed", name, *value, wanted));
+/// What Python's arguments are: "number", "whole", "flag" or "text".
+const char* kind_of(const RunOption& option) {
+  if (!option.words.empty()) return "text";
+  if (std::holds_alternative<OptionMember<bool>>(option.member)) return "flag";
+  return std::holds_alternative<OptionMember<int>>(option.member) ? "whole" : "number";
 }
 
-MethodChoice choice(const std::optional<std::string>& formulation, const std::optional<std::string>& inertia,
-                    const std::optional<std::string>& formalism, const std::optional<std::string>& integrator,
-                    std::optional<double> rho, std::optional<double> xi, std::optional<double> tolerance,
-                    std::optional<int> max_iterations, std::optional<int> substeps,
-                    std::optional<bool> fixed_cost, std::optional<double> step) {
+/// The options that Python has, with the kinds of their values.
+std::vector<std::pair<std::string, std::string>> method_options() {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const RunOption& option : run_option_table())
+    if (!option.option.empty()) options.emplace_back(option.key, kind_of(option));
+  return options;
+}
+
+/// The value of an option, as RunOptions has it.
+template <class Type>
+Type value_of(const RunOption& option, const nb::handle& given) {
+  if constexpr (std::is_enum_v<Type>) {
+    const auto word = nb::cast<std::string>(given);
+    const std::vector<std::string> words(option.words.begin(), option.words.end());
+    const auto found = std::find(words.begin(), words.end(), word);
+    if (found == words.end())
+      throw InputError(Mark{}, fmt::format("{}: '{}' is not one of {}{}", option.key, word,
+                                           fmt::join(words, ", "), did_you_mean(word, words)));
+    return static_cast<Type>(found - words.begin());
+  } else {
+    return nb::cast<Type>(given);
+  }
+}
+
+/// Of arguments whose types are those of method_options().
+MethodChoice choice(const nb::dict& given) {
   MethodChoice result;
-  MethodArguments& to = result.arguments;
-  to.formulation = word("formulation", formulation, method_names::formulations);
-  to.inertia = word("inertia", inertia, method_names::inertias);
-  to.formalism = word("formalism", formalism, method_names::formalisms);
-  to.integrator = word("integrator", integrator, method_names::integrators);
-  require(!rho || (*rho >= 0 && *rho <= 1), "rho", rho, "a number from 0 to 1");
-  require(!xi || (*xi <= 0 && std::isfinite(*xi)), "xi", xi, "a number of at most 0");
-  require(!tolerance || (*tolerance >= 1e-15 && *tolerance <= 1), "tolerance", tolerance,
-          "a number from 1e-15 to 1");
-  require(!max_iterations || (*max_iterations >= 1 && *max_iterations <= 1000), "max_iterations",
-          max_iterations, "a whole number from 1 to 1000");
-  require(!substeps || (*substeps >= 1 && *substeps <= 100), "substeps", substeps,
-          "a whole number from 1 to 100");
-  require(!step || (*step > 0 && std::isfinite(*step)), "step", step, "a number of seconds above 0");
-  to.rho = rho;
-  to.xi = xi;
-  to.tolerance = tolerance;
-  to.max_iterations = max_iterations.value_or(0);
-  to.substeps = substeps.value_or(0);
-  to.fixed_cost = fixed_cost.value_or(false);
-  to.no_fixed_cost = !fixed_cost.value_or(true);
-  result.step = step.value_or(0);
+  for (const auto& [name, value] : given) {
+    const RunOption* const option = find_run_option(nb::cast<std::string>(name));
+    if (!option)
+      throw InputError(Mark{}, fmt::format("there is no option '{}'", nb::cast<std::string>(name)));
+    std::visit(
+        [&](const auto& m) {
+          using Type = typename std::decay_t<decltype(m)>::type;
+          result.asked.*m.asked = value_of<Type>(*option, value);
+        },
+        option->member);
+    const double number = *value_in(*option, result.asked);
+    if (!wrong_value(*option, number).empty())
+      throw InputError(Mark{},
+                       fmt::format("{}: is {}; {} is needed", option->key, number, allowed_numbers(*option)));
+  }
   return result;
 }
 
 }  // namespace
 
-RunOptions MethodChoice::options(const spec::Simulation& given) const {
-  RunOptions result = run_options(arguments, given);
-  result.step = step;
-  return result;
-}
+RunOptions MethodChoice::options(const spec::Simulation& given) const { return run_options(asked, given); }
 
 void bind_model(nb::module_& module) {
   nb::class_<LoadedModel>(module, "Model", "A compiled model; any number of threads may share it.")
@@ -170,11 +176,8 @@ void bind_model(nb::module_& module) {
              nb::arg("laws") = std::vector<PlacedLaw>());
 
   nb::class_<MethodChoice>(module, "Method", "How a run is computed; replaces settings of the model.");
-  module.def("method", &choice, nb::arg("formulation") = nb::none(), nb::arg("inertia") = nb::none(),
-             nb::arg("formalism") = nb::none(), nb::arg("integrator") = nb::none(),
-             nb::arg("rho") = nb::none(), nb::arg("xi") = nb::none(), nb::arg("tolerance") = nb::none(),
-             nb::arg("max_iterations") = nb::none(), nb::arg("substeps") = nb::none(),
-             nb::arg("fixed_cost") = nb::none(), nb::arg("step") = nb::none());
+  module.def("method", &choice, nb::arg("options"));
+  module.def("method_options", &method_options, "The options of a run, with the kinds of their values.");
   module.def("version", [] { return std::string(build_info().version); });
 }
 

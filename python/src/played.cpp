@@ -59,9 +59,9 @@ Asked::Asked(const LoadedModel& loaded, const MethodChoice& method, std::optiona
     throw InputError(Mark{}, fmt::format("until: is {}; a number of seconds from 0 is needed", *until));
   const spec::Simulation& given = loaded.model->spec().simulation;
   options = method.options(given);
-  options.end = until.value_or(-1);
+  options.end = until;
   options.inputs = inputs.start();
-  plan = planned(given, options, method.step > 0 ? std::optional(method.step) : std::nullopt, until);
+  plan = planned(given, options);
 }
 
 }  // namespace mimbre::python

@@ -64,12 +64,11 @@ std::string options_json(const LoadedModel& loaded, const MethodChoice& method, 
                          const std::vector<Table>& tables, const std::vector<Function>& functions) {
   Json json = Json::object();
   for (const auto& [name, value] : loaded.parameters) json["set"][name] = value;
-  if (method.step > 0) json["step"] = method.step;
   if (until) json["until"] = *until;
   for (const auto& [name, times, values] : tables)
     json["input"].push_back(fmt::format("{}=table of {} points", name, times.size()));
   for (const auto& [name, function] : functions) json["input"].push_back(name + "=function");
-  json.update(Json::parse(arguments_summary(method.arguments)));
+  json.update(Json::parse(arguments_summary(method.asked)));
   return json_text(json);
 }
 

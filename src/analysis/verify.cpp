@@ -29,13 +29,13 @@ Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& met
                 const std::vector<std::int64_t>& rows, const VerifyOptions& options) {
   Recorded out;
   VerificationRun& run = out.run;
-  run.step = method.step;
+  run.step = *method.step;
   run.energy_drift = std::numeric_limits<double>::quiet_NaN();
   try {
     Simulation simulation(model, method);
     run.coordinates = simulation.coordinates();
     run.constraints = simulation.constraints();
-    out.series.step = method.step;
+    out.series.step = *method.step;
     out.series.length = model->compiled().length_scale;
     out.series.info = simulation.channels();
     ResultsRow row;
@@ -143,7 +143,7 @@ class Study {
   bool make_pair(Pair& pair, std::int64_t parts) {
     RunOptions method = method_;
     method.step = plan_.step / static_cast<double>(parts);
-    const RunPlan plan = plan_run(plan_.end, 0, method.step);
+    const RunPlan plan = plan_run(plan_.end, 0, *method.step);
     const std::vector<std::int64_t> rows = rows_of(plan_, parts, plan.steps);
     for (std::size_t f = 0; f < formulations.size(); ++f) {
       method.formulation = formulations[f];
@@ -241,7 +241,7 @@ Verification verify(std::shared_ptr<const Model> model, const VerifyOptions& opt
   v.method = resolve_method(given, method);
   method.step = v.method.step;
   const RunPlan plan =
-      plan_run(options.end >= 0 ? options.end : given.end, given.output_interval, method.step);
+      plan_run(options.end >= 0 ? options.end : given.end, given.output_interval, v.method.step);
   v.end = plan.end;
   Study study(model, method, plan, options);
   if (v.interrupted = !study.make(); v.interrupted) return v;

@@ -1,92 +1,72 @@
 #include "app/method_options.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
-#include "mimbre/method_names.h"
+#include "mimbre/run_option.h"
 #include "mimbre/run_summary.h"
 
 namespace mimbre::app {
+namespace {
 
-void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice) {
-  const auto add = [&](const char* option, std::string& target, const auto& names, const char* help) {
-    command.add_option(option, target, help)
-        .one_of({names.begin(), names.end()})
-        .type_name("NAME")
-        .group("Method");
-  };
-  if (choice.formulation)
-    add("--formulation", arguments.formulation, method_names::formulations,
-        "Coordinates, instead of the model's:\n"
-        "relative: of the joints, by recursion\n"
-        "natural: points and unit vectors of the bodies");
-  add("--inertia", arguments.inertia, method_names::inertias,
-      "Inertia of flexible bodies:\n"
-      "integrals: shape integrals, computed once\n"
-      "projection: of the mesh's mass matrix in every evaluation\n"
-      "projection_translations: the same with the nodes' translations only");
-  if (!choice.motion) return;
-  add("--formalism", arguments.formalism, method_names::formalisms,
-      "How the constraints enter the equations of motion:\n"
-      "index3: augmented Lagrangian, with projections\n"
-      "index1: Lagrange multipliers\n"
-      "baumgarte: the same, stabilised\n"
-      "penalty: penalty alone\n"
-      "index1_augmented: penalty with iterated multipliers\n"
-      "independent: independent coordinates");
-  add("--integrator", arguments.integrator, method_names::integrators,
-      "How steps are made:\n"
-      "generalized_alpha: second order, damps what the step cannot resolve\n"
-      "newmark: the trapezoidal rule, or with xi below 0 damped\n"
-      "hht: Hilber, Hughes, Taylor\n"
-      "conserve: generalized-alpha with its error of energy taken back");
-  const Option xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
-                        .from(-INFINITY, 0)
-                        .type_name("XI")
-                        .group("Method");
-  command
-      .add_option("--rho", arguments.rho,
-                  "Spectral radius of generalized_alpha, 0 to 1, or of hht, 0.5 to 1;\n"
-                  "where the model has newmark: generalized_alpha with it")
-      .from(0, 1)
-      .type_name("R")
-      .excludes(xi)
-      .group("Method");
-  command
-      .add_option("--tolerance", arguments.tolerance,
-                  "Tolerance of the iterations, relative to the accelerations at play,\ninstead of the "
-                  "model's (1e-5 if it has none)")
-      .from(1e-15, 1)
-      .type_name("X")
-      .group("Method");
-  command
-      .add_option(
-          "--max-iterations", arguments.max_iterations,
-          "Most iterations of a step, or of each part of one, instead of the\nmodel's (30 if it has none)")
-      .within(1, 1000)
-      .type_name("N")
-      .group("Method");
-  command
-      .add_option("--substeps", arguments.substeps,
-                  "Parts in which a step is repeated that an impact made inaccurate,\ninstead of the "
-                  "model's; 1: never")
-      .within(1, 100)
-      .type_name("N")
-      .group("Method");
-  const Option fixed =
-      command
-          .add_flag("--fixed-cost", arguments.fixed_cost,
-                    "For real time: each step is made once, and accepted after\n--max-iterations (6 if "
-                    "neither the option nor the model sets them)")
-          .group("Method");
-  command
-      .add_flag("--no-fixed-cost", arguments.no_fixed_cost,
-                "Iterate each step until it converges, even if the model has fixed_cost")
-      .excludes(fixed)
+std::string long_name(const RunOption& option) { return name_of(option, OptionNames::command_line); }
+
+void add(Parser& command, const RunOption& option, std::optional<double>& value) {
+  const Option added = command.add_option(long_name(option), value, std::string(option.help));
+  const bool open = std::isfinite(option.above);
+  (open ? Option(added).above(option.above, option.most) : Option(added).from(option.least, option.most))
+      .type_name(std::string(option.value))
       .group("Method");
 }
 
-Json arguments_json(const MethodArguments& arguments) { return Json::parse(arguments_summary(arguments)); }
+void add(Parser& command, const RunOption& option, std::optional<int>& value) {
+  command.add_option(long_name(option), value, std::string(option.help))
+      .within(static_cast<int>(option.least), static_cast<int>(option.most))
+      .type_name(std::string(option.value))
+      .group("Method");
+}
+
+void add(Parser& command, const RunOption& option, std::optional<bool>& value) {
+  const Option yes =
+      command.add_flag(long_name(option), value, true, std::string(option.help)).group("Method");
+  command.add_flag(fmt::format("--no-{}", option.option), value, false, std::string(option.help_not))
+      .excludes(yes)
+      .group("Method");
+}
+
+template <class Enumeration>
+void add(Parser& command, const RunOption& option, std::optional<Enumeration>& value) {
+  const std::vector<std::string> words(option.words.begin(), option.words.end());
+  const auto chosen = [&value](int index) { value = static_cast<Enumeration>(index); };
+  command.add_choice(long_name(option), words, chosen, std::string(option.help))
+      .type_name(std::string(option.value))
+      .group("Method");
+}
+
+}  // namespace
+
+void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice) {
+  for (const RunOption& option : run_option_table())
+    if (!option.option.empty() && option.key != choice.without && (choice.steps || !option.of_steps))
+      std::visit([&](const auto& m) { add(command, option, asked.*m.asked); }, option.member);
+}
+
+std::vector<std::string> method_words(const RunOptions& asked) {
+  std::vector<std::string> words;
+  for (const RunOption& option : run_option_table()) {
+    const auto value = value_in(option, asked);
+    if (!value || option.option.empty()) continue;
+    const bool flag = std::holds_alternative<OptionMember<bool>>(option.member);
+    words.push_back(flag && *value == 0 ? fmt::format("--no-{}", option.option) : long_name(option));
+    if (!flag) words.push_back(shown_value(option, *value));
+  }
+  return words;
+}
+
+Json arguments_json(const RunOptions& asked) { return Json::parse(arguments_summary(asked)); }
 
 Json method_json(const Method& method) { return Json::parse(method_summary(method)); }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <string>
+#include <string_view>
 
 #include "app/json.h"
 #include "app/options.h"
@@ -8,18 +8,20 @@
 /// The options that choose how a model is computed; the same in every command that computes.
 namespace mimbre::app {
 
-/// Which of the options a command has.
+/// Which of the options of the table (mimbre/run_option.h) a command has.
 struct MethodChoice {
-  bool formulation = true;
-  bool motion = true;  ///< formalism, integrator and its parameter: a command that takes steps
+  bool steps = true;              ///< those of a command that takes steps
+  std::string_view without = {};  ///< the key of one that it has not
 };
 
-/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi, --tolerance,
-/// --max-iterations, --substeps, --fixed-cost and --no-fixed-cost to a command.
-void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
+/// Adds the options of the table that the command line has to a command.
+void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice = {});
+
+/// The words of a command line that ask for these.
+std::vector<std::string> method_words(const RunOptions& asked);
 
 /// What the command line chose, for the results file; what it did not is absent.
-Json arguments_json(const MethodArguments& arguments);
+Json arguments_json(const RunOptions& asked);
 
 /// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
 Json method_json(const Method& method);

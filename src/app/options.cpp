@@ -68,12 +68,27 @@ Option Parser::add_option(const std::string& names, double& value, const std::st
 Option Parser::add_option(const std::string& names, std::optional<double>& value, const std::string& help) {
   return Option(app_->add_option(names, value, help));
 }
+Option Parser::add_option(const std::string& names, std::optional<int>& value, const std::string& help) {
+  return Option(app_->add_option(names, value, help));
+}
 Option Parser::add_option(const std::string& names, std::vector<std::string>& values,
                           const std::string& help) {
   return Option(app_->add_option(names, values, help));
 }
+Option Parser::add_choice(const std::string& names, const std::vector<std::string>& words,
+                          const std::function<void(int)>& chosen, const std::string& help) {
+  const auto choose = [words, chosen](const std::string& word) {
+    chosen(static_cast<int>(std::find(words.begin(), words.end(), word) - words.begin()));
+  };
+  return Option(app_->add_option_function<std::string>(names, choose, help)).one_of(words);
+}
 Option Parser::add_flag(const std::string& names, bool& value, const std::string& help) {
   return Option(app_->add_flag(names, value, help));
+}
+Option Parser::add_flag(const std::string& names, std::optional<bool>& value, bool then,
+                        const std::string& help) {
+  return Option(app_->add_flag_callback(
+      names, [&value, then] { value = then; }, help));
 }
 
 void Parser::footer(const std::string& text) { app_->footer(text); }

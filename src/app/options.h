@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -78,8 +79,14 @@ class Parser {
   Option add_option(const std::string& names, int& value, const std::string& help);
   Option add_option(const std::string& names, double& value, const std::string& help);
   Option add_option(const std::string& names, std::optional<double>& value, const std::string& help);
+  Option add_option(const std::string& names, std::optional<int>& value, const std::string& help);
   Option add_option(const std::string& names, std::vector<std::string>& values, const std::string& help);
+  /// One of these words: `chosen` gets its place among them.
+  Option add_choice(const std::string& names, const std::vector<std::string>& words,
+                    const std::function<void(int)>& chosen, const std::string& help);
   Option add_flag(const std::string& names, bool& value, const std::string& help);
+  /// Where it is given, the value becomes `then`.
+  Option add_flag(const std::string& names, std::optional<bool>& value, bool then, const std::string& help);
   /// The end of the help.
   void footer(const std::string& text);
 

@@ -116,7 +116,7 @@ std::optional<Topology> grow_tree(const spec::Model& model, bool yielding, std::
                                "initial value or `cut: never`; give them to another joint of the loop, "
                                "or cut another one with `cut: always`",
                                j.name)});
-    if (j.type != spec::JointType::floating) topology.cut_joints.push_back(k);
+    if (!joint_info(j.type).free()) topology.cut_joints.push_back(k);
   }
   if (!errors.empty()) return {};
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "fe_files/mesh_builder.h"
+#include "fe_files/mesh_formats.h"
 #include "fe_files/text.h"
 
 // Format: Gmsh reference manual, "MSH file format" (4.1) and "Legacy formats" (2.2); numbering of the nodes:
@@ -401,5 +402,11 @@ class GmshReader {
 }  // namespace
 
 ImportedMesh parse_gmsh(TextFile& file) { return GmshReader(file).read(); }
+
+const MeshFormat gmsh_format{
+    .ending = ".msh",
+    .program = "Gmsh",
+    .help = "Gmsh 2.2 or 4.1, ASCII: needs --material",
+    .parse = [](std::unique_ptr<TextFile> file, const std::string&) { return parse_gmsh(*file); }};
 
 }  // namespace mimbre::fe

@@ -10,6 +10,7 @@
 
 #include "fe_files/inp/inp_lines.h"
 #include "fe_files/inp/inp_model.h"
+#include "fe_files/mesh_formats.h"
 #include "fe_files/nastran/nastran.h"
 #include "fe_files/text.h"
 #include "mimbre/fe_import.h"
@@ -156,7 +157,7 @@ FeModel read_model(const std::string& path, const FeCompanions& companions, cons
   const std::string ending = lower(fs::path(path).extension().string());
   if (ending == ".inp" && all_exist(matrices_beside(path)))
     return model_of(read_calculix_matrices(path, units));
-  if (ending == ".msh" || ending == ".inp") return assembled(path, read_mesh(path, units), companions);
+  if (find_mesh_format(path)) return assembled(path, read_mesh(path, units), companions);
   if (ending == ".mtx" || ending == ".npz") {
     if (companions.mass.empty() || companions.nodes.empty())
       throw std::invalid_argument("a stiffness matrix needs --mass FILE and --nodes FILE beside it");

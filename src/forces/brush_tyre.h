@@ -107,6 +107,16 @@ inline void brush_tyre_energy(const LawContext<double>& c, const ElementState<do
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];
 }
 
+/// Speed at which a wheel hardly rolls, m/s: a share of the speed √(a R) that a wheel of radius R reaches
+/// within R/2 under its tyre's usual acceleration a: that of gravity, or without it the one of the mean mass
+/// on a tyre that is pressed in by R/20.
+inline double slow_rolling(const Compiled& m, const ElementData& e, double stiffness) {
+  constexpr double share = 0.1, usual_deflection = 0.05;
+  const double gravity = m.gravity.norm(), R = e.radius;
+  const double a = gravity > 0 ? gravity : usual_deflection * R * stiffness / m.mass_scale;
+  return share * std::sqrt(a * R);
+}
+
 /// The numbers stand behind the vertical stiffness and the radius.
 struct BrushTyre {
   static constexpr std::array<LawNumber, 10> numbers{{
@@ -141,16 +151,16 @@ struct BrushTyre {
        .otherwise = 0.02,
        .least = 0},
   }};
+  /// That of a key, for laws that have it, too.
+  static constexpr const LawNumber& number(std::string_view key) {
+    std::size_t k = 0;
+    while (numbers[k].key != key) ++k;
+    return numbers[k];
+  }
   /// brush_tyre::slow.
   static void derived(std::span<const double>, double, std::vector<double>& behind) { behind.push_back(0); }
-  /// A share of the speed √(a R) that a wheel of radius R reaches within R/2 under its tyre's usual
-  /// acceleration a: that of gravity, or without it the one of the mean mass on a tyre that is pressed in by
-  /// R/20.
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
-    constexpr double share = 0.1, usual_deflection = 0.05;
-    const double gravity = m.gravity.norm(), R = e.radius;
-    const double a = gravity > 0 ? gravity : usual_deflection * R * p[brush_tyre::stiffness] / m.mass_scale;
-    p[brush_tyre::slow] = share * std::sqrt(a * R);
+    p[brush_tyre::slow] = slow_rolling(m, e, p[brush_tyre::stiffness]);
   }
   static double slow_speed(const double* p) { return p[brush_tyre::slow]; }
   /// It rolls as a wheel that is smaller by a third of its deflection.

@@ -16,6 +16,7 @@
 #include "forces/sensor.h"
 #include "forces/spring.h"
 #include "forces/stop.h"
+#include "forces/tmeasy_tyre.h"
 #include "forces/tyre.h"
 #include "forces/user.h"
 #include "spec/force_law.h"
@@ -26,8 +27,9 @@ namespace mimbre::forces {
 template <class... Laws>
 struct LawList {};
 /// In the order of ElementData::law.
-using Laws = LawList<Spring, Tyre, Load, Sensor, Actuator, Bushing, User, GasSpring, Friction, Stop,
-                     TorsionSpring, Cable, Motor, Drag, Contact, BrushTyre, MagicTyre, HydraulicDamper>;
+using Laws =
+    LawList<Spring, Tyre, Load, Sensor, Actuator, Bushing, User, GasSpring, Friction, Stop, TorsionSpring,
+            Cable, Motor, Drag, Contact, BrushTyre, MagicTyre, HydraulicDamper, TmeasyTyre>;
 
 template <class T>
 struct LawRow {

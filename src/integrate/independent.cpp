@@ -1,7 +1,7 @@
 #include "integrate/independent.h"
 
+#include "integrate/drift.h"
 #include "integrate/newton.h"
-#include "integrate/step_end.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {

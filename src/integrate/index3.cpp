@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "integrate/step_end.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
@@ -14,14 +13,8 @@ namespace {
 constexpr double separating_prediction = 0.05;
 // After this many iterations the multipliers stay once the constraints are satisfied.
 constexpr int iterations_before_settling = 3;
-// Corrections stop at round-off where they have not halved for that many iterations; directions that the
-// constraints hardly determine multiply it.
-constexpr int most_idle = 4;
-constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
-// Iterations continue down to what the rule's own prediction is off by, times the tolerance and this.
-constexpr double share_of_prediction = 3;
-// A step is accepted with violations of up to these multiples of the tolerances.
-constexpr double accepted_positions = 10, accepted_velocities = 100;
+// Velocities are accepted with violations of up to this multiple of their tolerance.
+constexpr double accepted_velocities = 100;
 // Projections of one vector with one matrix, and evaluations of the velocities with their projection.
 constexpr int most_projections = 6, most_velocity_rounds = 5;
 // Near singular positions the projection changes velocities by this multiple of their violation, and by this
@@ -32,8 +25,6 @@ constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
 // round-off. Forces that corrected these would go by the square of the part, and redundant constraints would
 // keep them.
 constexpr double short_part = 1e-3;
-// With a fixed iteration budget: larger corrections, by the mechanism's size, do not approach a solution.
-constexpr double diverged_correction = 0.1;
 // An iteration that fails after a correction of this size fails because it diverges.
 constexpr double lost_correction = 1;
 
@@ -126,6 +117,7 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     update_multipliers(t, iteration);
     if (options_.fixed_cost) keep_nearest(t);
     if (!apply_correction(t)) return t;
+    decide_convergence(t);
     if (!t.converged && !last) continue;
     end_positions(s, t);
     if (last || t.converged) break;
@@ -268,84 +260,13 @@ void IndexThree::update_multipliers(Attempt& t, int iteration) {
   if (!t.settled) lambda_ += force_;
 }
 
-/// Keeps the iterate with the least correction, which is its distance from the solution; the prediction if
-/// all corrections are too large.
-void IndexThree::keep_nearest(const Attempt& t) {
-  if (t.newton.corrections > 0 && !(t.status.correction < std::min(nearest_.off, diverged_correction)))
-    return;
-  nearest_.off = t.status.correction;
-  nearest_.x = motion_.x;
-  nearest_.lambda = before_;
-}
-
-/// Moves to the next iterate and decides whether it has converged.
+/// Moves to the next iterate.
 bool IndexThree::apply_correction(Attempt& t) {
   if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0)
     return fail(t, StepCode::not_finite, bad);
   system_.compose(motion_.x.data(), r_.data());
   if (t.newton.slow) mixing_.mix(motion_.x, lambda_, r_);
-
-  const double error = t.newton.add(t.status.correction, t.refactored);
-  // In a short step the tolerance alone would permit errors that add up to more than those of the rule, but
-  // the error of its prediction decreases with the step as they do. Positions are known to round-off only;
-  // where the constraints hardly determine a direction, corrections stop decreasing at a multiple of it.
-  const bool stagnant = t.newton.idle >= most_idle && t.violation <= scales_.round_off;
-  const double asked = options_.tolerance * motion_.scale * t.accelerations;
-  const double enough =
-      stagnant
-          ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
-          : std::min(asked, share_of_prediction * options_.tolerance * prediction_.off(scales_, motion_.x));
-  t.converged = error <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
-                t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
   return true;
-}
-
-/// Positions, velocities and multipliers of the last iterate, evaluated; not converged after all if the
-/// contraction rate was too optimistic.
-void IndexThree::end_positions(const State& s, Attempt& t) {
-  // If the iterations diverged: the iterate that was nearest to the solution.
-  const bool diverged = !t.converged && t.status.correction > std::min(nearest_.off, diverged_correction);
-  if (diverged) {
-    motion_.x = nearest_.x;
-    lambda_ = nearest_.lambda;
-    t.settled = false;
-  }
-  motion_.from_increment(s);
-  // Not the penalty's force of the remaining violation, which is round-off times a large number.
-  if (t.settled) lambda_ += force_;
-  t.velocity_tolerance = options_.velocity_tolerance * scales_.rate(motion_.v.data());
-  unprojected_ = motion_.v;
-  t.projected = false;
-  if (!t.precise && !t.newton.slow && !diverged) project_expected_velocities(t);
-  system_.kinematics(t.time, motion_.q.data(), motion_.v.data(), motion_.a.data());
-  scales_.of_kinds(system_.phi(), t.status.position_violation, t.status.angle_violation);
-  if (!(scales_.of_equations(system_.phi()) <= accepted_positions * t.position_tolerance))
-    t.converged = false;
-}
-
-/// Projects velocities before they are evaluated: the last correction is small, so that its effect on the
-/// rates of the constraints is known.
-void IndexThree::project_expected_velocities(Attempt& t) {
-  const int m = system_.equations();
-  if (m == 0) return;
-  const double* phi_dot = system_.phi_dot();
-  for (int k = 0; k < m; ++k) rates_[k] = phi_dot[k] + motion_.rate * impulse_[k];
-  t.rate_violation = scales_.of_equations(rates_.data());
-  t.projected = t.rate_violation > t.velocity_tolerance;
-  if (t.projected) project(motion_.v.data(), rates_.data(), t.velocity_tolerance);
-}
-
-/// Whether the iterations converged, or the fixed budget permits to continue with a position that is still
-/// one of the mechanism.
-bool IndexThree::accept_positions(Attempt& t) {
-  if (t.converged) return true;
-  if (!options_.fixed_cost) {
-    t.status.code = StepCode::not_converged;
-    return false;
-  }
-  t.status.unconverged = true;
-  t.status.code = check_end(system_, motion_, options_.drift_limit, t.status);
-  return t.status.code == StepCode::ok;
 }
 
 /// Velocities onto the constraints. The factorised matrix belongs to an earlier iterate, so that a projection

@@ -25,6 +25,8 @@ class IndexThree final : public Stepper {
   void forget() override;
 
  private:
+  /// Positions are accepted with violations of up to this multiple of their tolerance.
+  static constexpr double accepted_positions = 10;
   /// An attempt at a step, handed from phase to phase.
   struct Attempt {
     bool precise = false;  ///< with a larger penalty and a smaller tolerance, near singular positions
@@ -57,11 +59,14 @@ class IndexThree final : public Stepper {
   bool fail(Attempt& t, StepCode code, int coordinate);
   bool find_correction(Attempt& t);
   void update_multipliers(Attempt& t, int iteration);
-  void keep_nearest(const Attempt& t);
   bool apply_correction(Attempt& t);
+  // Where the step ends (step_end.cpp).
+  void decide_convergence(Attempt& t);
+  void keep_nearest(const Attempt& t);
   void end_positions(const State& state, Attempt& t);
   void project_expected_velocities(Attempt& t);
   bool accept_positions(Attempt& t);
+  // After it.
   void project_velocities(Attempt& t);
   void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);

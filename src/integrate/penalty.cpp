@@ -1,8 +1,8 @@
 #include "integrate/penalty.h"
 
+#include "integrate/drift.h"
 #include "integrate/newton.h"
 #include "integrate/stabilised.h"
-#include "integrate/step_end.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {

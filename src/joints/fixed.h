@@ -27,6 +27,7 @@ struct Bracket : Fixed {
     of.type = spec::JointType::bracket;
     of.name = "bracket";
     of.elsewhere = {};
+    of.all_static_modes = true;
     return of;
   }();
 };

@@ -40,6 +40,9 @@ struct JointInfo {
   int equations = 0;            ///< equations when cut:
   std::array<LoopClosure, 6> closure = {};
 
+  /// Rigid between flexible bodies, which get all six static modes for it.
+  bool all_static_modes = false;
+
   // Its place and its axes in the model file.
   bool any_place = false;  ///< `at` may be left out: it is at the second body's origin
   std::array<int, 2> given{-1,
@@ -49,6 +52,8 @@ struct JointInfo {
   /// coordinates mean the same there. Two or none of them.
   unsigned vectors = 0;
 
+  /// It leaves all motions: its position comes first, and it carries no force.
+  constexpr bool free() const { return velocities == 6; }
   int axes() const { return given[0] < 0 ? 0 : given[1] < 0 ? 1 : 2; }
   int rotations() const { return velocities - std::popcount(lengths); }
   bool is_vector(int axis) const { return (vectors >> axis & 1u) != 0; }

@@ -13,6 +13,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
 #include "reduction/bases/project_modes.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 namespace {
@@ -129,9 +130,13 @@ RunOptions options_of(const RealTimePlanOptions& o, const RealTimeCandidate& c) 
   RunOptions run = o.run;
   run.formulation = c.formulation;
   run.step = c.step;
-  run.substeps = c.substeps;
-  run.max_iterations = c.max_iterations;
-  if (c.max_iterations > 0) run.fixed_cost = c.fixed_cost;
+  run.substeps.reset();
+  if (c.substeps > 0) run.substeps = c.substeps;
+  run.max_iterations.reset();
+  if (c.max_iterations > 0) {
+    run.max_iterations = c.max_iterations;
+    run.fixed_cost = c.fixed_cost;
+  }
   return run;
 }
 
@@ -229,8 +234,7 @@ spec::Model with_lowest_modes(spec::Model model, int most) {
         project_modes(*body.flexible, modes.vectors.leftCols(std::max(most, 1))));
     changed = true;
   }
-  if (changed)
-    std::erase_if(model.outputs, [](const spec::Output& o) { return o.kind == "modal_amplitude"; });
+  if (changed) std::erase_if(model.outputs, [](const spec::Output& o) { return output_info(o).modes; });
   return model;
 }
 

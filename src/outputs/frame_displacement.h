@@ -40,6 +40,7 @@ struct Deflection {
   static constexpr OutputInfo info{.name = "deflection",
                                    .of = OutputInfo::Of::frame,
                                    .along = true,
+                                   .seen_from_elsewhere = "displacement",
                                    .check = check_direction,
                                    .describe = describe,
                                    .value = value,

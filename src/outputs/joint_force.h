@@ -1,4 +1,5 @@
 #pragma once
+#include "joints/joint_kind.h"
 #include "outputs/joint_coordinates.h"
 
 namespace mimbre::outputs {
@@ -8,7 +9,7 @@ struct JointForce {
   static constexpr const char* words[] = {"fx", "fy", "fz", "mx", "my", "mz"};
   /// What a reader of reactions may not know of the joint.
   static const char* note(spec::JointType type) {
-    return type == spec::JointType::bracket
+    return joint_info(type).all_static_modes
                ? " (a bracket: fixed, and a flexible body gets static modes for it)"
                : "";
   }

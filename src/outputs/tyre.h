@@ -30,14 +30,21 @@ inline ChannelInfo describe_wheel(const Compiled& m, const spec::Output& o, int 
           fmt::format(fmt::runtime(q.meaning), m.spec().tyres[static_cast<std::size_t>(o.item)].name)};
 }
 
+/// Models of tyres that roll: "brush, magic_formula".
+inline std::string rolling_models() {
+  std::string models;
+  for (const LawInfo* law : all_laws())
+    if (law->rolling_size) models += fmt::format("{}{}", models.empty() ? "" : ", ", law->model);
+  return models;
+}
+
 inline void check_rolls(const spec::Model& model, const checks::CheckedItem& item, const spec::Output& o) {
   const spec::Tyre& tyre = model.tyres[static_cast<std::size_t>(o.item)];
   const int law = find_law(tyre.law);
   if (law >= 0 && !law_info(law).rolling_size)
     item.error(
-        fmt::format("tyre '{}' only carries and has no more than a vertical force; give it a model: "
-                    "brush or magic_formula",
-                    tyre.name));
+        fmt::format("tyre '{}' only carries and has no more than a vertical force; give it another model: {}",
+                    tyre.name, rolling_models()));
 }
 
 /// Component 0 vertical, which every tyre has; of one that rolls 1 longitudinal, 2 lateral.

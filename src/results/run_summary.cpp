@@ -2,12 +2,13 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "mimbre/build.h"
-#include "mimbre/method_names.h"
+#include "mimbre/run_option.h"
 #include "mimbre/text.h"
 #include "results/report_json.h"
 
@@ -20,49 +21,40 @@ std::string text_of(const Json& json) {
   return printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-Json arguments_of(const MethodArguments& arguments) {
+Json value_of(const RunOption& option, double value) {
+  if (!option.words.empty()) return option.words[static_cast<std::size_t>(value)];
+  if (std::holds_alternative<OptionMember<bool>>(option.member)) return value != 0;
+  if (std::holds_alternative<OptionMember<int>>(option.member)) return static_cast<int>(value);
+  return value;
+}
+
+/// By the names of the command line, as "integrator_xi".
+Json arguments_of(const RunOptions& asked) {
   Json json = Json::object();
-  const auto word = [&](const char* key, const std::string& value) {
-    if (!value.empty()) json[key] = value;
-  };
-  word("formulation", arguments.formulation);
-  word("inertia", arguments.inertia);
-  word("formalism", arguments.formalism);
-  word("integrator", arguments.integrator);
-  if (arguments.xi) json["integrator_xi"] = *arguments.xi;
-  if (arguments.rho) json["rho"] = *arguments.rho;
-  if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
-  if (arguments.max_iterations) json["max_iterations"] = arguments.max_iterations;
-  if (arguments.substeps) json["substeps"] = arguments.substeps;
-  if (arguments.fixed_cost || arguments.no_fixed_cost) json["fixed_cost"] = arguments.fixed_cost;
+  for (const RunOption& option : run_option_table()) {
+    const auto value = value_in(option, asked);
+    if (!value || option.option.empty()) continue;
+    std::string name(option.option);
+    std::replace(name.begin(), name.end(), '-', '_');
+    json[name] = value_of(option, *value);
+  }
   return json;
 }
 
-Json method_of(const Method& method) {
+/// What the integrator has of the options, or of the headline's alone.
+Json options_of(const Method& method, bool headline) {
   Json json;
-  json["formulation"] = name_of(method.formulation);
-  json["inertia"] = name_of(method.inertia);
-  json["formalism"] = name_of(method.formalism);
-  json["integrator"] = name_of(method.integrator);
-  if (method.integrator == spec::Simulation::Integrator::newmark)
-    json["xi"] = method.xi;
-  else if (method.integrator != spec::Simulation::Integrator::conserve)
-    json["rho"] = method.rho;
-  json["tolerance"] = method.tolerance;
+  for (const RunOption& option : run_option_table())
+    if (option.belongs_to(method.integrator) && (option.in_headline || !headline))
+      json[std::string(option.key)] = value_of(option, value_in(option, method));
   return json;
 }
+
+Json method_of(const Method& method) { return options_of(method, true); }
 
 Json resolved_of(const Method& method) {
-  Json json = method_of(method);
-  json["inertia"] = name_of(method.inertia);
-  json["penalty"] = method.penalty;
-  json["max_iterations"] = method.max_iterations;
-  json["substeps"] = method.substeps;
-  json["fixed_cost"] = method.fixed_cost;
-  json["step"] = method.step;
-  json["end"] = method.end;
+  Json json = options_of(method, false);
   json["default_end"] = method.default_end;
-  json["output_interval"] = method.output_interval;
   return json;
 }
 
@@ -160,7 +152,7 @@ std::string measured_summary(const std::string& text, const Simulation& simulati
   return text_of(summary);
 }
 
-std::string arguments_summary(const MethodArguments& arguments) { return text_of(arguments_of(arguments)); }
+std::string arguments_summary(const RunOptions& asked) { return text_of(arguments_of(asked)); }
 
 std::string method_summary(const Method& method) { return text_of(method_of(method)); }
 

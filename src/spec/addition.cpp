@@ -215,6 +215,34 @@ int Addition::own_frame(int body) const {
   return builder_.frames.index.at(builder_.model.bodies[static_cast<std::size_t>(body)].name);
 }
 
+std::vector<double> numbers_by_key(const Addition& addition, std::string_view kind,
+                                   std::span<const LawNumber> numbers,
+                                   const std::map<std::string, double>& given) {
+  std::vector<std::string> known;
+  std::vector<double> values;
+  for (const LawNumber& number : numbers) {
+    known.emplace_back(number.key);
+    const auto found = given.find(known.back());
+    values.push_back(found == given.end() ? number.otherwise : found->second);
+  }
+  for (const auto& [name, value] : given) require_known(addition, "numbers", kind, name, known);
+  return values;
+}
+
+void require_numbers(const Addition& addition, std::span<const LawNumber> numbers,
+                     const std::vector<double>& values, const std::map<std::string, double>& given) {
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (std::isnan(values[k]) && !given.contains(std::string(numbers[k].key)))
+      addition.refuse(fmt::format("numbers: '{}' is missing: {}", numbers[k].key, numbers[k].about));
+}
+
+void require_known(const Addition& addition, const char* what, std::string_view kind, const std::string& name,
+                   const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    addition.refuse(fmt::format("{}: a '{}' has no '{}'{}; it has {}", what, kind, name,
+                                did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+}
+
 void Addition::commit(NamedItems& kind, std::size_t number) {
   for (spec::Frame& made : made_) builder_.model.frames.push_back(std::move(made));
   for (auto& [name, frame] : made_names_) builder_.frames.index.emplace(std::move(name), frame);

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "mimbre/diagnostics.h"
 #include "spec/block_info.h"
 #include "spec/model_builder_parts.h"
@@ -9,23 +6,13 @@
 namespace mimbre {
 namespace {
 
-/// The numbers of a type, with its defaults where they are not given.
-std::vector<double> numbers_of(const Addition& addition, const BlockInfo& info, const build::Block& given) {
-  std::vector<std::string> known;
-  std::vector<double> numbers;
-  for (const LawNumber& number : info.numbers) {
-    known.emplace_back(number.key);
-    const auto found = given.numbers.find(known.back());
-    numbers.push_back(found == given.numbers.end() ? number.otherwise : found->second);
-  }
+/// The numbers of a type, with its defaults where they are not given. What is given may be NaN: the checks of
+/// the whole model say so.
+std::vector<double> numbers_of_block(const Addition& addition, const BlockInfo& info,
+                                     const build::Block& given) {
+  std::vector<double> numbers = numbers_by_key(addition, info.name, info.numbers, given.numbers);
   if (info.complete) info.complete(numbers);
-  for (std::size_t k = 0; k < numbers.size(); ++k)
-    if (std::isnan(numbers[k]) && !given.numbers.contains(known[k]))
-      addition.refuse(fmt::format("numbers: '{}' is missing: {}", known[k], info.numbers[k].about));
-  for (const auto& [name, value] : given.numbers)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      addition.refuse(fmt::format("numbers: a '{}' has no '{}'{}; it has {}", info.name, name,
-                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+  require_numbers(addition, info.numbers, numbers, given.numbers);
   return numbers;
 }
 
@@ -41,9 +28,7 @@ std::vector<Eigen::MatrixXd> matrices_of(const Addition& addition, const BlockIn
     matrices.push_back(found == given.matrices.end() ? Eigen::MatrixXd() : found->second);
   }
   for (const auto& [name, value] : given.matrices)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      addition.refuse(fmt::format("matrices: a '{}' has no '{}'{}; it has {}", info.name, name,
-                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
+    require_known(addition, "matrices", info.name, name, known);
   return matrices;
 }
 
@@ -64,7 +49,7 @@ void ModelBuilder::add_block(const std::string& name, const build::Block& given)
   block.type = given.type;
   block.every = given.every;
   block.function = given.function;
-  block.numbers = numbers_of(addition, info, given);
+  block.numbers = numbers_of_block(addition, info, given);
   block.matrices = matrices_of(addition, info, given);
   std::vector<std::string> formulas = given.inputs;
   if (!info.second.empty() && formulas.size() == 1) formulas.emplace_back("0");

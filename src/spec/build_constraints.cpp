@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "mimbre/diagnostics.h"
@@ -17,25 +15,6 @@ const ConstraintInfo& constraint_of(const Addition& addition, const std::string&
   for (const ConstraintInfo* info : all_constraints()) known.emplace_back(info->name);
   addition.refuse(
       fmt::format("type: there is no '{}'{}; there are {}", type, did_you_mean(type, known), listed(known)));
-}
-
-/// The numbers of a type; those that follow from the assembled position are NaN where they are not given.
-std::vector<double> numbers_of_constraint(const Addition& addition, const ConstraintInfo& info,
-                                          const build::Constraint& given) {
-  std::vector<std::string> known;
-  std::vector<double> numbers;
-  for (const LawNumber& number : info.numbers) {
-    known.emplace_back(number.key);
-    const auto found = given.numbers.find(known.back());
-    numbers.push_back(found == given.numbers.end() ? number.otherwise : found->second);
-    if (std::isnan(numbers.back()) && !info.complete)
-      addition.refuse(fmt::format("numbers: '{}' is missing: {}", number.key, number.about));
-  }
-  for (const auto& [name, value] : given.numbers)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      addition.refuse(fmt::format("numbers: a '{}' has no '{}'{}; it has {}", info.name, name,
-                                  did_you_mean(name, known), known.empty() ? "none" : listed(known)));
-  return numbers;
 }
 
 /// Axes of both sides, global; nothing where they are those of the frames that are named.
@@ -137,7 +116,9 @@ void ModelBuilder::add_constraint(const std::string& name, const build::Constrai
   made.name = name;
   made.type = given.type;
   const ConstraintInfo& info = constraint_of(addition, given.type);
-  made.numbers = numbers_of_constraint(addition, info, given);
+  made.numbers = numbers_by_key(addition, info.name, info.numbers, given.numbers);
+  // Others follow from the assembled position.
+  if (!info.complete) require_numbers(addition, info.numbers, made.numbers);
   if (info.of_coordinates) {
     for (const build::Constraint::Term& term : given.terms)
       made.terms.push_back({addition.find(impl_->joints, "terms", term.joint), term.coordinate, term.factor});

@@ -43,8 +43,7 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   std::optional<Eigen::Matrix3d> axes = given_axes(addition, info, joint.axis, joint.axis2);
   if (!axes && frame < 0) {
     if (info.axes() > 0) addition.refuse(fmt::format("'axis' is missing; a {} joint needs it", info.name));
-    axes = joint.type == JointType::floating ? addition.body_pose(b.body).rotation
-                                             : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    axes = info.free() ? addition.body_pose(b.body).rotation : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
   }
   const Eigen::Vector3d place = joint.at     ? addition.point("at", *joint.at)
                                 : frame >= 0 ? addition.frame_pose(frame).position
@@ -69,7 +68,7 @@ std::pair<int, int> make_sides(Addition& addition, const std::string& name, cons
   };
   // What floats from nowhere in particular is the body's own frame, which moves with the tangent frame of a
   // flexible body.
-  const bool own_b = joint.type == JointType::floating && !joint.at && frame < 0 && b.body != spec::ground;
+  const bool own_b = info.free() && !joint.at && frame < 0 && b.body != spec::ground;
   const int side_a = side(a, "a");
   return {side_a, own_b ? addition.own_frame(b.body) : side(b, "b")};
 }
@@ -82,7 +81,7 @@ std::optional<Eigen::Vector3d> three(const std::vector<std::optional<double>>& v
 /// A floating joint's velocities are given in outer axes; the joint wants a's axes and b's axes.
 void turn_velocity(const Addition& addition, spec::Joint& joint) {
   auto& velocity = joint.initial_velocity;
-  if (joint.type != JointType::floating || velocity.size() != 6) return;
+  if (!joint_info(joint.type).free() || velocity.size() != 6) return;
   const auto put = [&](const Eigen::Vector3d& v, std::size_t first) {
     for (std::size_t k = 0; k < 3; ++k) velocity[first + k] = v[static_cast<Eigen::Index>(k)];
   };

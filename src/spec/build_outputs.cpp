@@ -43,24 +43,22 @@ Words numbers(int count) {
 
 Words words_of(const OutputInfo& info) { return {info.words.begin(), info.words.end()}; }
 
-/// What is given must be used, so that a mistake does not look like a success.
 void check_used(const Addition& addition, const OutputInfo& kind, const build::Output& given) {
-  const auto only = [&](bool is_given, const char* what, bool (*uses)(const OutputInfo&)) {
-    if (is_given && !uses(kind)) addition.refuse(fmt::format("'{}' belongs to {}", what, kinds_with(uses)));
-  };
-  if (given.at && kind.of != Of::frame && kind.place == Place::none)
-    addition.refuse("'at' belongs to outputs of a body");
-  if (!given.on.empty() && kind.of != Of::contact) addition.refuse("'on' belongs to outputs of a contact");
-  if (!given.bodies.empty() && kind.of != Of::bodies)
-    addition.refuse("'bodies' belongs to outputs of the motion of mass");
-  only(given.along.has_value(), "along", [](const OutputInfo& i) { return i.along; });
-  only(!given.relative_to.empty(), "relative_to", [](const OutputInfo& i) { return i.reference; });
-  only(given.about.has_value(), "about", [](const OutputInfo& i) { return i.about; });
-  only(given.node.has_value(), "node", [](const OutputInfo& i) { return i.place == Place::surface; });
-  only(given.offset != 0, "offset", [](const OutputInfo& i) { return i.offset; });
-  only(given.own_axes, "own_axes", [](const OutputInfo& i) { return i.own_axes; });
-  if (!given.component.empty() && !kind.has_component())
-    addition.refuse(fmt::format("'{}' has no component", kind.name));
+  const std::pair<const char*, bool> keys[] = {{"component", !given.component.empty()},
+                                               {"at", given.at.has_value()},
+                                               {"on", !given.on.empty()},
+                                               {"bodies", !given.bodies.empty()},
+                                               {"along", given.along.has_value()},
+                                               {"relative_to", !given.relative_to.empty()},
+                                               {"about", given.about.has_value()},
+                                               {"node", given.node.has_value()},
+                                               {"offset", given.offset != 0},
+                                               {"axes", given.own_axes}};
+  const auto faults = unused_keys(kind, [&](const std::string& key) {
+    return std::any_of(std::begin(keys), std::end(keys),
+                       [&](const auto& one) { return one.second && one.first == key; });
+  });
+  if (!faults.empty()) addition.refuse(faults.front());
 }
 
 void read_words(const Addition& addition, const OutputInfo& kind, const build::Output& given,
@@ -85,10 +83,7 @@ void of_frame(Addition& addition, const OutputInfo& kind, const build::Output& g
   if (given.relative_to == "ground")
     addition.refuse("the ground has no axes of its own here; name a frame of it, or use 'position'");
   output.reference = addition.attach("relative_to", given.relative_to, {}, output.name + ".reference");
-  const spec::Pose here = addition.frame_pose(output.reference);
-  output.direction = Eigen::Vector3d::Unit(output.component);
-  output.offset = -output.direction.dot(here.rotation.transpose() *
-                                        (addition.frame_pose(output.item).position - here.position));
+  see_from(output, addition.frame_pose(output.reference), addition.frame_pose(output.item).position);
 }
 
 void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const OutputInfo& kind,
@@ -102,24 +97,14 @@ void of_joint(const Addition& addition, const ModelBuilder::Impl& builder, const
   output.offset = given.offset;
 }
 
-/// The node of the body's surface of this number in its mesh, or at this place.
-int surface_node(const Addition& addition, const build::Output& given, const spec::Body& body) {
+/// The node of the body's surface of this number in its mesh, or at this place; −1: its extreme.
+int surface_node_of(const Addition& addition, const build::Output& given, const spec::Body& body) {
   const ReducedBody& reduced = *body.flexible;
-  if (given.node) {
-    const auto& labels = reduced.node_labels;
-    const auto found = std::find(labels.begin(), labels.end(), *given.node);
-    if (found == labels.end()) addition.refuse(fmt::format("the body's surface has no node {}", *given.node));
-    return static_cast<int>(found - labels.begin());
-  }
-  if (!given.at || reduced.nodes.cols() == 0) return -1;
-  const Eigen::Vector3d wanted =
-      body.pose.rotation.transpose() * (addition.point("at", *given.at) - body.pose.position);
-  Eigen::Index nearest = 0;
-  const double distance = (reduced.nodes.colwise() - wanted).colwise().norm().minCoeff(&nearest);
-  const double size = (reduced.nodes.rowwise().maxCoeff() - reduced.nodes.rowwise().minCoeff()).norm();
-  if (distance > 0.02 * size)
-    addition.refuse(fmt::format("the nearest node of the body's surface is {:.3g} m away", distance));
-  return static_cast<int>(nearest);
+  if (!given.node && (!given.at || reduced.nodes.cols() == 0)) return -1;
+  const SurfaceNode found = given.node ? surface_node(reduced, *given.node)
+                                       : surface_node(reduced, body.pose, addition.point("at", *given.at));
+  if (!found.fault.empty()) addition.refuse(found.fault);
+  return found.node;
 }
 
 /// The section nearest to a place; of the two at a node the end of an element.
@@ -160,7 +145,7 @@ void of_body(const Addition& addition, const ModelBuilder::Impl& builder, const 
   }
   if (kind.place == Place::section) return at_section(addition, given, body, output);
   if (given.node && given.at) addition.refuse("give 'node' or 'at', not both");
-  if (kind.place == Place::surface && body.flexible) output.node = surface_node(addition, given, body);
+  if (kind.place == Place::surface && body.flexible) output.node = surface_node_of(addition, given, body);
 }
 
 void of_bodies(const Addition& addition, const ModelBuilder::Impl& builder, const OutputInfo& kind,

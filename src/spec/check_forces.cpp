@@ -105,6 +105,9 @@ void check_numbers(const CheckedItem& item, const spec::Tyre& tyre, const LawInf
   for (std::size_t k = 0; k < law.numbers.size(); ++k)
     if (!law.numbers[k].allows(tyre.numbers[k]))
       item.error(fmt::format("{} {}", law.numbers[k].key, wrong_number(law.numbers[k], tyre.numbers[k])));
+  if (law.fault)
+    if (const std::string_view fault = law.fault(tyre.numbers); !fault.empty())
+      item.error(std::string(fault));
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <span>
 #include <unordered_map>
 
 #include "mimbre/model_builder.h"
+#include "spec/number_key.h"
 
 /// What the parts of the builder share.
 namespace mimbre {
@@ -82,6 +84,18 @@ class Addition {
   std::vector<spec::Frame> made_;
   std::vector<std::pair<std::string, int>> made_names_, made_nodes_;
 };
+
+/// The numbers of a kind by their keys; NaN where one is neither given nor has a default. Refuses keys that
+/// it has not.
+std::vector<double> numbers_by_key(const Addition& addition, std::string_view kind,
+                                   std::span<const LawNumber> numbers,
+                                   const std::map<std::string, double>& given);
+/// Refuses where one is NaN that is not given.
+void require_numbers(const Addition& addition, std::span<const LawNumber> numbers,
+                     const std::vector<double>& values, const std::map<std::string, double>& given = {});
+/// Refuses a name of `what` that a kind has not.
+void require_known(const Addition& addition, const char* what, std::string_view kind, const std::string& name,
+                   const std::vector<std::string>& known);
 
 /// "a, b, c", not too many.
 std::string listed(const std::vector<std::string>& names);

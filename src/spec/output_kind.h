@@ -41,8 +41,11 @@ struct OutputInfo {
   // What else it takes.
   Place place = Place::none;
   bool along = false;      ///< a direction; where there are words, in place of a component
-  bool reference = false;  ///< the frame that sees it
+  bool reference = false;  ///< the frame that sees it; it counts from where the model is drawn, by its offset
   bool offset = false, own_axes = false, about = false;
+
+  /// The kind that measures the same in the axes of another body's frame.
+  std::string_view seen_from_elsewhere = {};
 
   Needs needs = Needs::motion;
 

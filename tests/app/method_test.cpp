@@ -175,8 +175,8 @@ TEST_F(Method, WrongNamesAreAnsweredWithTheRightOnes) {
   EXPECT_THAT(error({"--integrator", "newmak"}), HasSubstr("did you mean 'newmark'?"));
   EXPECT_THAT(error({"--integrator", "newmark", "--rho", "0.5"}), HasSubstr("newmark has --integrator-xi"));
   EXPECT_THAT(error({"--integrator", "hht", "--integrator-xi", "0"}), HasSubstr("hht has --rho"));
-  EXPECT_THAT(error({"--integrator", "hht", "--rho", "0.4"}), HasSubstr("--rho 0.4: hht takes 0.5 to 1"));
-  EXPECT_THAT(error({"--rho", "0.5", "--integrator-xi", "0"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({"--integrator", "hht", "--rho", "0.4"}), HasSubstr("--rho is 0.4; hht takes 0.5 to 1"));
+  EXPECT_THAT(error({"--rho", "0.5", "--integrator-xi", "0"}), HasSubstr("exclude each other"));
 }
 
 TEST_F(Method, AParameterDoesNotReplaceConserve) {
@@ -186,8 +186,8 @@ TEST_F(Method, AParameterDoesNotReplaceConserve) {
   const Outcome refused = run({"run", "conserve.yaml", "--until", "0.1", "--rho", "0.5"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err,
-              HasSubstr("--rho belongs to generalized_alpha and hht, and the model's integrator is "
-                        "conserve"));
+              HasSubstr("--rho is 0.5, but the integrator is conserve in the model; --rho belongs to "
+                        "generalized_alpha and hht"));
   EXPECT_EQ(summary("conserve.yaml", {"--integrator", "generalized_alpha", "--rho", "0.5"}).at("rho"), 0.5);
 }
 

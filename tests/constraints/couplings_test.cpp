@@ -226,7 +226,7 @@ TEST_P(Couplings, HoldByEveryFormalism) {
         Formalism::index1_augmented, Formalism::independent}) {
     RunOptions o = options();
     o.formalism = formalism;
-    o.tolerance = 0;
+    o.tolerance.reset();
     Simulation s(model_of(train()), o);
     run_to(s, 0.5);
     expect_near(channel(s, "joint.one.velocity"), alpha / 2, 1e-3 * alpha);
@@ -234,7 +234,7 @@ TEST_P(Couplings, HoldByEveryFormalism) {
   }
   RunOptions conserving = options();
   conserving.integrator = spec::Simulation::Integrator::conserve;
-  conserving.xi = RunOptions().xi;  // which belongs to Newmark's rule
+  conserving.xi.reset();  // which belongs to Newmark's rule
   Simulation s(model_of(train()), conserving);
   run_to(s, 0.5);
   expect_near(channel(s, "joint.one.velocity"), alpha / 2, 1e-6 * alpha);

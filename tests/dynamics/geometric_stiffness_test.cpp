@@ -92,7 +92,7 @@ Lowest lowest_of(const std::string& text, double from = 0.2) {
     lag.push_back(row.channels[0]);
     flap.push_back(row.channels[1]);
   }
-  return {frequencies(lag, 10 * options.step, 3).front(), frequencies(flap, 10 * options.step, 3).front()};
+  return {frequencies(lag, 10 * *options.step, 3).front(), frequencies(flap, 10 * *options.step, 3).front()};
 }
 
 struct Remedy {

@@ -371,11 +371,13 @@ bodies:
   b: {mass: 20, com: [0.97, 0.4, 0.32], inertia: [0.5, 0.9, 0.5]}
   c: {mass: 20, com: [3, 0, 0.29], inertia: [0.5, 0.9, 0.5]}
   d: {mass: 20, com: [0.3, 1.2, 0.3], inertia: [0.5, 0.9, 0.5]}
+  e: {mass: 20, com: [0.5, -0.8, 0.3], inertia: [0.5, 0.9, 0.5]}
 joints:
   a: {type: floating, between: [ground, a], at: [0, 0, 0.31], velocity: [10, 0.3, 0, 0.1, 33, 0.2]}
   b: {type: floating, between: [ground, b], at: [0.97, 0.4, 0.32], velocity: [10, -0.5, 0, 0.1, 30, 0.2]}
   c: {type: floating, between: [ground, c], at: [3, 0, 0.29], velocity: [1, 0, 0, 0, 3, 0]}
   d: {type: floating, between: [ground, d], at: [0.3, 1.2, 0.3], velocity: [12, 0.4, 0, 0.1, 37, 0.2]}
+  e: {type: floating, between: [ground, e], at: [0.5, -0.8, 0.3], velocity: [11, 0.6, 0, 0.1, 36, 0.2]}
 roads:
   hills: {over: grid, origin: [-2, -2], spacing: [1, 1], heights: [[0, 0, 0, 0, 0.1], [0, 0.1, 0, 0.05, 0], [0, 0, 0.03, 0, 0], [0.1, 0, 0.02, 0, 0.1]]}
   step: {over: distance, points: [[0, 0], [1, 0], [1, 0.02], [2, 0.03]], patches: [{x: [0.8, 1.2], friction: 0.5}]}
@@ -386,6 +388,7 @@ tyres:
                   tyre_path("car_205_60R15_61.tir") + R"yaml(}
   d: {on: d, road: hills, axis: [0, 1, -0.04], model: magic_formula, file: )yaml" +
                   tyre_path("car_52.tir") + R"yaml(}
+  e: {on: e, road: hills, model: tmeasy, stiffness: 2e4, damping: 30, radius: 0.33, longitudinal_stiffness: 9e3, longitudinal_peak: 420, longitudinal_peak_slip: 0.1, longitudinal_sliding: 380, longitudinal_sliding_slip: 0.5, cornering_stiffness: 7e3, lateral_peak: 400, lateral_peak_slip: 0.15, lateral_sliding: 370, lateral_sliding_slip: 0.6, longitudinal_peak_growth: 1.7, lateral_peak_growth: 1.6, longitudinal_relaxation: 0.3, lateral_relaxation: 0.5, half_length: 0.08, load: 400, rolling_resistance: 0.02}
   c: {on: c, road: rig, model: brush, stiffness: 2e4, radius: 0.33, longitudinal_stiffness: 6e3, cornering_stiffness: 4e3, friction: 0.9, longitudinal_relaxation: 0.3, lateral_relaxation: 0.5, half_length: 0.08}
 )yaml");
 }

@@ -302,7 +302,7 @@ TEST(RealTimeLoop, SaysWhatBoundsAStep) {
   bounded.substeps = 4;
   Simulation four(geared_four_bar(), bounded);
   EXPECT_EQ(four.most_attempts(), 10);
-  bounded.substeps = 0;
+  bounded.substeps.reset();
   bounded.fixed_cost = true;
   Simulation fixed(geared_four_bar(), bounded);
   EXPECT_EQ(fixed.most_attempts(), 1);

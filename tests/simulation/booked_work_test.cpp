@@ -38,7 +38,7 @@ class BookedWork : public testing::TestWithParam<Case> {
     options.formulation = GetParam().formulation;
     if (GetParam().rule == Rule::conserve) options.integrator = Rule::conserve;
     options.energies = true;
-    options.step = step;
+    if (step > 0) options.step = step;
     return Simulation(model_of(text), options);
   }
 };

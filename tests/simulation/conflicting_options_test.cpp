@@ -29,26 +29,28 @@ std::string refusal(const spec::Simulation& given, const std::function<void(RunO
 TEST(ConflictingOptions, OfIntegrators) {
   spec::Simulation given;
   const auto rho = [](RunOptions& o) { o.rho = 0.5; };
-  const auto named = [](Integrator rule, double radius, double xi) {
+  using Given = std::optional<double>;
+  constexpr Given none;
+  const auto named = [](Integrator rule, Given radius, Given xi) {
     return [=](RunOptions& o) {
       o.integrator = rule;
       o.rho = radius;
       o.xi = xi;
     };
   };
-  EXPECT_THAT(refusal(given, named(Integrator::conserve, 0.5, 1)),
+  EXPECT_THAT(refusal(given, named(Integrator::conserve, 0.5, none)),
               HasSubstr("rho is 0.5, but the integrator is conserve"));
-  EXPECT_THAT(refusal(given, named(Integrator::newmark, 0.5, 1)),
+  EXPECT_THAT(refusal(given, named(Integrator::newmark, 0.5, none)),
               HasSubstr("rho is 0.5, but the integrator is newmark"));
-  EXPECT_THAT(refusal(given, named(Integrator::conserve, -1, 0)),
+  EXPECT_THAT(refusal(given, named(Integrator::conserve, none, 0)),
               HasSubstr("xi is 0, but the integrator is conserve"));
-  EXPECT_THAT(refusal(given, named(Integrator::generalized_alpha, -1, -0.1)),
+  EXPECT_THAT(refusal(given, named(Integrator::generalized_alpha, none, -0.1)),
               HasSubstr("xi belongs to newmark"));
-  EXPECT_THAT(refusal(given, named(Integrator::hht, 0.4, 1)), HasSubstr("hht takes 0.5 to 1"));
+  EXPECT_THAT(refusal(given, named(Integrator::hht, 0.4, none)), HasSubstr("hht takes 0.5 to 1"));
   EXPECT_THAT(refusal(given, named(Integrator::newmark, 0.5, 0)), HasSubstr("exclude each other"));
   given.integrator = Integrator::conserve;
   EXPECT_THAT(refusal(given, rho), HasSubstr("the integrator is conserve in the model"));
-  EXPECT_EQ(refusal(given, named(Integrator::generalized_alpha, 0.5, 1)), "accepted");
+  EXPECT_EQ(refusal(given, named(Integrator::generalized_alpha, 0.5, none)), "accepted");
   given.integrator = Integrator::newmark;  // as documented: generalised-α in its place
   RunOptions options;
   rho(options);
@@ -78,15 +80,15 @@ TEST(ConflictingOptions, OutOfRange) {
   const spec::Simulation given;
   for (const double step : {nan, infinite, -0.01})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.step = step; }), HasSubstr("step is "));
-  for (const double radius : {nan, 1.5})
+  for (const double radius : {nan, -0.5, 1.5})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.rho = radius; }), HasSubstr("rho is "));
   for (const double xi : {nan, 0.5, 2.0, -infinite})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.xi = xi; }), HasSubstr("xi is "));
-  for (const double tolerance : {nan, -1.0})
+  for (const double tolerance : {nan, -1.0, 0.0})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.tolerance = tolerance; }), HasSubstr("tolerance is "));
-  for (const int count : {-1, 101})
+  for (const int count : {-1, 0, 101})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.substeps = count; }), HasSubstr("substeps is "));
-  for (const int count : {-1, 1001})
+  for (const int count : {-1, 0, 1001})
     EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.max_iterations = count; }),
                 HasSubstr("max_iterations is "));
   EXPECT_THAT(refusal(given, [&](RunOptions& o) { o.end = nan; }), HasSubstr("end is "));

@@ -163,7 +163,8 @@ TEST(FixedCost, SaysWhatItDoesNotFit) {
   RunOptions other = fixed(6);
   other.formalism = spec::Simulation::Formalism::penalty;
   EXPECT_THAT([&] { Simulation(model, other); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr("index3, not by penalty")));
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("formalism is penalty, but fixed_cost is of the formalism index3")));
   EXPECT_THAT([&] { Simulation(model, fixed(1)); },
               testing::ThrowsMessage<InputError>(testing::HasSubstr("two iterations")));
   const auto of = [](const std::string& words) {
@@ -171,7 +172,7 @@ TEST(FixedCost, SaysWhatItDoesNotFit) {
            words + "}\n";
   };
   for (const auto& [words, said] :
-       {std::pair("substeps: 4", "fixed_cost makes each step once; substeps is 4"),
+       {std::pair("substeps: 4", "substeps is 4, but fixed_cost makes each step once"),
         std::pair("formalism: penalty", "fixed_cost is of the formalism index3"),
         std::pair("max_iterations: 1", "fixed_cost needs two iterations")})
     EXPECT_THAT([&] { model_of(of(words)); }, testing::ThrowsMessage<InputError>(testing::HasSubstr(said)));

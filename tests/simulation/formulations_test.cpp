@@ -577,7 +577,7 @@ TEST(Formulations, DoubleFourBarInNaturalCoordinates) {
     for (const bool damped : {false, true}) {
       RunOptions options = trapezoidal(Formulation::natural, 0.01);
       if (damped) options.integrator = spec::Simulation::Integrator::generalized_alpha;
-      if (damped) options.xi = 1;
+      if (damped) options.xi.reset();
       Simulation s(model, options);
       double fed = 0;
       for (int k = 0; k < 500; ++k) {

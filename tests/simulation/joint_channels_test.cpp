@@ -31,7 +31,7 @@ std::map<std::string, double> channels_after(const std::string& text, double tim
   options.step = 0.001;
   options.tolerance = 1e-10;
   Simulation s(model_of(text), options);
-  for (int k = static_cast<int>(std::lround(time / options.step)); k > 0; --k) EXPECT_TRUE(s.step().ok());
+  for (int k = static_cast<int>(std::lround(time / *options.step)); k > 0; --k) EXPECT_TRUE(s.step().ok());
   ResultsRow row;
   s.sample(row);
   std::map<std::string, double> values;

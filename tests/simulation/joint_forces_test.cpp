@@ -19,7 +19,7 @@ Course course(const std::shared_ptr<const Model>& model, const RunOptions& optio
   Simulation s(model, options);
   Course c;
   ResultsRow row;
-  for (int k = static_cast<int>(std::lround(duration / options.step)); k > 0; --k) {
+  for (int k = static_cast<int>(std::lround(duration / *options.step)); k > 0; --k) {
     const StepReport report = s.step();
     if (!report.ok()) {
       ADD_FAILURE() << s.explain(report);

@@ -52,7 +52,7 @@ TEST(MostAttempts, BoundTheIterationsOfEveryStep) {
         const StepReport report = s.step();
         if (!report.ok()) break;
         most = std::max(most, report.iterations);
-        ASSERT_LE(report.iterations, s.most_attempts() * options.max_iterations) << substeps;
+        ASSERT_LE(report.iterations, s.most_attempts() * *options.max_iterations) << substeps;
       }
       EXPECT_GT(most, 0);
     }

@@ -11,7 +11,7 @@ namespace mimbre::test {
 Simulation simulation_of(const std::shared_ptr<const Model>& model, Formulation formulation, double step) {
   RunOptions options;
   options.formulation = formulation;
-  options.step = step;
+  if (step > 0) options.step = step;
   return Simulation(model, options);
 }
 

@@ -19,8 +19,8 @@ namespace {
 
 struct BenchArguments {
   std::vector<std::string> models, settings;
-  MethodArguments method;
-  std::optional<double> step, until;
+  RunOptions method;
+  std::optional<double> until;
   int runs = 5;
   bool json = false;
 };
@@ -52,12 +52,12 @@ Measurement measure(const std::string& path, const BenchArguments& arguments) {
   const LoadedModel loaded = load(path, arguments.settings);
   const Model& model = *loaded.model;
   RunOptions options = run_options(arguments.method, model.spec().simulation);
-  options.step = arguments.step.value_or(0);
+  options.end = arguments.until;
   Measurement result;
   result.model = path;
   result.method = method_json(resolve_method(model.spec().simulation, options));
   result.elastic_coordinates = model.elastic_coordinates();
-  const RunPlan plan = planned(model.spec().simulation, options, arguments.step, arguments.until);
+  const RunPlan plan = planned(model.spec().simulation, options);
   result.step = plan.step;
   for (int k = 0; k < arguments.runs; ++k) {
     Simulation simulation(loaded.model, options);
@@ -155,7 +155,6 @@ Command add_bench(CommandLine& program) {
       .show_default()
       .type_name("N");
   add_set_option(parser, arguments->settings);
-  parser.add_option("--step", arguments->step, "Step in s, instead of the models'").above(0).type_name("H");
   parser.add_option("--until", arguments->until, "End in s, instead of the models'").above(0).type_name("T");
   parser.add_flag("--json", arguments->json, "The same as JSON");
   add_method_options(parser, arguments->method);

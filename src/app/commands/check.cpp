@@ -27,7 +27,7 @@ constexpr Eigen::Index frequencies_shown = 3;
 struct CheckArguments {
   std::string model;
   std::vector<std::string> settings;
-  MethodArguments method;
+  RunOptions method;
   bool json = false, strict = false;
 };
 

@@ -31,8 +31,8 @@ struct LiveArguments {
   std::string model, address = "127.0.0.1", token, record, policy = "catch_up";
   std::vector<std::string> settings, inputs, sent, taken;
   std::string shared_memory, udp_address = "127.0.0.1";
-  MethodArguments method;
-  std::optional<double> step, duration, idle;
+  RunOptions method;
+  std::optional<double> duration, idle;
   RealTimeOptions clock;
   double udp_wait = 0;
   int port = 0, udp = -1, most_modes = 0;
@@ -44,7 +44,6 @@ const std::vector<std::string> policies{"catch_up", "skip_output", "slow_down", 
 std::string options_json(const LiveArguments& arguments) {
   Json json = Json::object();
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
-  if (arguments.step) json["step"] = *arguments.step;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.clock.speed != 1) json["speed"] = arguments.clock.speed;
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
@@ -201,7 +200,6 @@ int live(const LiveArguments& arguments) {
   RecordedInputs& inputs = played.tables;
   check_record(arguments, loaded, played.files);
   RunOptions options = run_options(arguments.method, loaded.model->spec().simulation);
-  options.step = arguments.step.value_or(0);
   options.inputs = inputs.start();
   const std::unique_ptr<Simulation> simulation = [&] {
     const Busy busy("assembling the mechanism", !arguments.quiet);
@@ -325,7 +323,6 @@ Command add_live(CommandLine& program) {
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
   add_input_option(parser, a->inputs);
-  parser.add_option("--step", a->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser
       .add_option("--duration", a->duration,
                   "Simulated seconds after which the run ends; default: until it is interrupted")

@@ -23,7 +23,7 @@ namespace {
 struct PlanArguments {
   std::string model, deadline = "1ms";
   std::vector<std::string> settings, inputs;
-  MethodArguments method;
+  RunOptions method;
   std::optional<double> until;
   double load = 70, watch = 20;
   RealTimeOptions clock;
@@ -32,24 +32,19 @@ struct PlanArguments {
 
 /// Options for `mimbre live` and `mimbre run`.
 std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArguments& a) {
-  std::vector<std::string> words{"--formulation",    name_of(c.formulation),
-                                 "--step",           fmt::format("{}", c.step),
-                                 "--max-iterations", fmt::format("{}", c.max_iterations),
-                                 "--substeps",       fmt::format("{}", c.substeps)};
-  if (c.fixed_cost) words.emplace_back("--fixed-cost");
-  if (a.method.no_fixed_cost) words.emplace_back("--no-fixed-cost");
+  RunOptions options = a.method;
+  options.formulation = c.formulation;
+  options.step = c.step;
+  options.max_iterations = c.max_iterations;
+  options.substeps = c.substeps;
+  if (c.fixed_cost) options.fixed_cost = true;
+  std::vector<std::string> words = method_words(options);
   const auto add = [&](const std::string& option, const std::string& value) {
     words.push_back(option);
     words.push_back(value);
   };
   for (const std::string& setting : a.settings) add("--set", setting);
   for (const std::string& input : a.inputs) add("--input", input);
-  if (!a.method.inertia.empty()) add("--inertia", a.method.inertia);
-  if (!a.method.formalism.empty()) add("--formalism", a.method.formalism);
-  if (!a.method.integrator.empty()) add("--integrator", a.method.integrator);
-  if (a.method.xi) add("--integrator-xi", fmt::format("{}", *a.method.xi));
-  if (a.method.rho) add("--rho", fmt::format("{}", *a.method.rho));
-  if (a.method.tolerance) add("--tolerance", fmt::format("{}", *a.method.tolerance));
   if (c.most_modes > 0) words.insert(words.end(), {"--most-modes", fmt::format("{}", c.most_modes)});
   return words;
 }
@@ -192,7 +187,7 @@ Command add_plan(CommandLine& program) {
       .type_name("S");
   add_clock_options(parser, a->clock);
   parser.add_flag("--json", a->json, "The plan as JSON");
-  add_method_options(parser, a->method);
+  add_method_options(parser, a->method, {.without = "step"});
   parser.footer(
       "Every candidate first runs the manoeuvre without a clock; errors are relative to a run with all modes "
       "and a sixteenth\nof the deadline as its step. The most accurate candidate that should meet the "

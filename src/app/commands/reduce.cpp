@@ -36,17 +36,16 @@ struct ReduceArguments {
   bool json = false, stiffening = false, no_cache = false;
 };
 
-constexpr const char* formats =
-    "Inputs, by their endings:\n"
-    "  .msh                  Gmsh 2.2 or 4.1, ASCII: needs --material\n"
-    "  .inp                  CalculiX, Abaqus: mesh, materials, sections; the matrices of .sti, .mas and "
-    ".dof\n"
-    "                        of the same name where they lie beside it\n"
-    "  .mtx, .npz            stiffness as Matrix Market, Abaqus or SciPy matrix: needs --mass and --nodes\n"
-    "  .bdf, .dat, .nas      Nastran bulk data: mesh, materials, properties\n"
-    "  .pch, .dmig, .bdf     Nastran DMIG and GRID cards, where there are no elements (--nodes FILE: the "
-    "cards'\n"
-    "                        own file)\n";
+std::string formats() {
+  return "Inputs, by their endings:\n" + fe::mesh_formats_help() +
+         "  .mtx, .npz            stiffness as Matrix Market, Abaqus or SciPy matrix: needs --mass and "
+         "--nodes\n"
+         "  .bdf, .dat, .nas      Nastran bulk data: mesh, materials, properties\n"
+         "  .pch, .dmig, .bdf     Nastran DMIG and GRID cards, where there are no elements (--nodes FILE: "
+         "the "
+         "cards'\n"
+         "                        own file)\n";
+}
 
 fe::FileUnits units_of(const std::string& name) {
   if (name == "mm") return {1e-3, 1e3, 1};
@@ -112,7 +111,7 @@ fe::FeModel read_input(const ReduceArguments& a) {
                           units_of(a.units));
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
-    throw UsageError(message.ends_with("is not known") ? message + '\n' + formats : message);
+    throw UsageError(message.ends_with("is not known") ? message + '\n' + formats() : message);
   }
 }
 
@@ -411,7 +410,7 @@ Command add_reduce(CommandLine& program) {
   parser.add_flag("--no-cache", a->no_cache, "Neither look for the same reduction in the cache nor keep it");
   parser.add_flag("--json", a->json, "Print a summary for machines");
   parser.footer(
-      std::string(formats) +
+      formats() +
       "Example:\n  mimbre reduce arm.inp --interface pivot=set:pivot --interface ball=set:ball --modes 10 "
       "-o arm.h5");
   return {parser, [a, parser] { return run_reduce(*a, parser); }};

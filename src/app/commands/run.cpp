@@ -27,8 +27,8 @@ namespace {
 struct RunArguments {
   std::string model, output, csv, state, resume;
   std::vector<std::string> settings, inputs;
-  MethodArguments method;
-  std::optional<double> step, until, every;
+  RunOptions method;
+  std::optional<double> until, every;
   int most_modes = 0;
   bool json = false, quiet = false, strict = false, csv_units = false;
 };
@@ -37,7 +37,6 @@ struct RunArguments {
 std::string options_json(const RunArguments& arguments) {
   Json json = Json::object();
   for (const auto& [name, value] : overrides(arguments.settings)) json["set"][name] = value;
-  if (arguments.step) json["step"] = *arguments.step;
   if (arguments.until) json["until"] = *arguments.until;
   for (const std::string& input : arguments.inputs) json["input"].push_back(input);
   if (arguments.most_modes > 0) json["most_modes"] = arguments.most_modes;
@@ -209,10 +208,9 @@ int run_model(const RunArguments& given_arguments) {
     require_same_options(arguments, *saved);
   }
   RunOptions options = run_options(arguments.method, given);
-  options.step = arguments.step.value_or(0);
-  options.end = arguments.until.value_or(-1);
+  options.end = arguments.until;
   options.inputs = inputs.start();
-  const RunPlan plan = planned(given, options, arguments.step, arguments.until);
+  const RunPlan plan = planned(given, options);
   const std::unique_ptr<Simulation> owner = assembled(loaded, options, arguments.quiet);
   Simulation& simulation = *owner;
   inputs.attach(simulation);
@@ -285,7 +283,6 @@ Command add_run(CommandLine& program) {
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
   add_input_option(parser, arguments->inputs);
-  parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
   parser.add_option("-o,--output", arguments->output, "Results file (HDF5): every channel, poses, modes")
       .type_name("FILE.h5");

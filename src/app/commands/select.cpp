@@ -22,7 +22,7 @@ namespace {
 struct SelectArguments {
   std::string model, body, output, pre = "candidates", keep = "combinations";
   std::vector<std::string> settings;
-  MethodArguments method;
+  RunOptions method;
   double error = 1;
   std::optional<double> end;
   bool json = false;

@@ -15,7 +15,7 @@ namespace {
 struct StaticArguments {
   std::string model;
   std::vector<std::string> settings;
-  MethodArguments method;
+  RunOptions method;
   bool json = false, strict = false;
 };
 
@@ -81,7 +81,7 @@ Command add_static(CommandLine& program) {
   parser.add_flag("--json", arguments->json, "The same as JSON");
   add_strict_option(parser, arguments->strict);
   // At rest it does not matter how constraints and steps are made.
-  add_method_options(parser, arguments->method, {.formulation = true, .motion = false});
+  add_method_options(parser, arguments->method, {.steps = false});
   parser.footer("Example:\n  mimbre static suspension.yaml --json");
   return {parser, [arguments] { return run_static(*arguments); }};
 }

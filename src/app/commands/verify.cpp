@@ -24,8 +24,8 @@ constexpr std::size_t channels_shown = 10;
 struct VerifyArguments {
   std::string model;
   std::vector<std::string> settings;
-  MethodArguments method;
-  std::optional<double> step, until;
+  RunOptions method;
+  std::optional<double> until;
   bool json = false, all = false, no_refine = false, quiet = false, strict = false;
 };
 
@@ -170,8 +170,9 @@ Verification verify(const VerifyArguments& arguments, std::vector<std::string>& 
   warnings = loaded.warnings;
   VerifyOptions options;
   options.run = run_options(arguments.method, loaded.model->spec().simulation);
-  options.run.step = arguments.step.value_or(0);
-  planned(loaded.model->spec().simulation, options.run, arguments.step, arguments.until);  // else refused
+  RunOptions whole = options.run;
+  whole.end = arguments.until;
+  planned(loaded.model->spec().simulation, whole);  // else refused
   options.end = arguments.until.value_or(-1);
   options.refine = !arguments.no_refine;
   Progress progress(!arguments.quiet);
@@ -211,14 +212,13 @@ Command add_verify(CommandLine& program) {
   const auto arguments = std::make_shared<VerifyArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
-  parser.add_option("--step", arguments->step, "Step in s, instead of the model's").above(0).type_name("H");
   parser.add_option("--until", arguments->until, "End in s, instead of the model's").from(0).type_name("T");
   parser.add_flag("--no-refine", arguments->no_refine, "Leave out the runs with half the step");
   parser.add_flag("--all", arguments->all, "All channels, not only the ones that differ most");
   parser.add_flag("--json", arguments->json, "The same as JSON, with all channels");
   parser.add_flag("-q,--quiet", arguments->quiet, "No progress line");
   add_strict_option(parser, arguments->strict);
-  add_method_options(parser, arguments->method, {.formulation = false, .motion = true});
+  add_method_options(parser, arguments->method, {.without = "formulation"});
   parser.footer(
       "The two formulations are implemented separately and integrate different coordinates; their results "
       "differ by an\nerror of second order: with half the step it is about 4 times smaller. A difference "

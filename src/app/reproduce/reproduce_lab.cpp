@@ -34,7 +34,7 @@ std::string key(const Case& c, int milliseconds) {
   return fmt::format(
       "{} {} {} {} {} {} {} {} ms", key(c), o.formulation ? static_cast<int>(*o.formulation) : -1,
       o.inertia ? static_cast<int>(*o.inertia) : -1, o.integrator ? static_cast<int>(*o.integrator) : -1,
-      o.rho, o.xi, o.substeps, milliseconds);
+      o.rho.value_or(-1), o.xi.value_or(1), o.substeps.value_or(0), milliseconds);
 }
 
 /// Whole steps only: their errors are compared instant by instant.
@@ -151,7 +151,7 @@ Eigen::VectorXd Lab::tip_deviation(const Case& c) {
     fine.options.step = tip_reference_step;
     exact = tips(fine, static_cast<int>(std::lround(tip_interval / tip_reference_step)));
   }
-  const Eigen::MatrixXd history = tips(c, static_cast<int>(std::lround(tip_interval / c.options.step)));
+  const Eigen::MatrixXd history = tips(c, static_cast<int>(std::lround(tip_interval / *c.options.step)));
   return (history - exact).cwiseAbs().rowwise().mean();
 }
 

@@ -3,6 +3,7 @@
 #include "dynamics/relative/forces.h"
 #include "dynamics/relative/kinematics.h"
 #include "dynamics/relative/residual.h"
+#include "joints/joint_kind.h"
 
 /// The phases of an evaluation in their order.
 namespace mimbre::relative {
@@ -15,8 +16,7 @@ void set_origin(const Compiled& m, Workspace<T>& w, const T* q) {
   const BodyData& root = m.bodies.front();
   const FrameData& base = m.frames[root.inboard_frame];
   Vec3<T> at = Vec3<T>::Zero();
-  if (root.joint == spec::JointType::floating && !root.reversed)
-    at = Vec3<T>(q[root.q], q[root.q + 1], q[root.q + 2]);
+  if (joint_info(root.joint).free() && !root.reversed) at = Vec3<T>(q[root.q], q[root.q + 1], q[root.q + 2]);
   w.origin = base.position.template cast<T>() + base.rotation.template cast<T>() * at;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "fe_files/inp/inp_model.h"
+#include "fe_files/mesh_formats.h"
 #include "fe_files/text.h"
 
 // Keywords: CalculiX CrunchiX user's manual 2.20 and Abaqus Keywords Guide.
@@ -391,5 +392,15 @@ ImportedMesh parse_inp(std::unique_ptr<TextFile> file, const std::string& folder
   if (model.nodes.size() == 0) lines.file().fail("has no nodes (*NODE)");
   return finish_inp(model);
 }
+
+const MeshFormat inp_format{
+    .ending = ".inp",
+    .program = "CalculiX, Abaqus",
+    .help =
+        "CalculiX, Abaqus: mesh, materials, sections; the matrices of .sti, .mas and .dof\n"
+        "                        of the same name where they lie beside it",
+    .parse = [](std::unique_ptr<TextFile> file, const std::string& folder) {
+      return parse_inp(std::move(file), folder, true);
+    }};
 
 }  // namespace mimbre::fe

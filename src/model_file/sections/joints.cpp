@@ -183,7 +183,7 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
     place = builder.global_pose(frame).position;
   } else if (info.any_place) {
     place = builder.body_pose(b->body).position;
-    own_frame_b = type == JointType::floating && b->body != spec::ground;
+    own_frame_b = info.free() && b->body != spec::ground;
   } else {
     fields.error(
         "'at' is missing; where two bodies are named the joint needs its place, for example at: [0, 0, 0]");
@@ -199,14 +199,14 @@ std::pair<int, int> read_between(Builder& builder, const Part& part, const Field
         fmt::format("'axis' is missing; a {} joint needs it, for example axis: [0, 1, 0]", info.name));
     return none;
   } else if (frame < 0) {
-    axes = type == JointType::floating ? builder.body_pose(b->body).rotation
-                                       : Eigen::Matrix3d(part.place.determinant() * part.place.rotation *
-                                                         part.place.mirror.asDiagonal());
+    axes = info.free() ? builder.body_pose(b->body).rotation
+                       : Eigen::Matrix3d(part.place.determinant() * part.place.rotation *
+                                         part.place.mirror.asDiagonal());
   }
 
   const bool mirrored = (part.place.mirror.array() < 0).any();
   const auto side = [&](const Attachment& attachment, const char* letter, bool own) {
-    const bool reuse = attachment.frame >= 0 && !axes && !(mirrored && type != JointType::floating);
+    const bool reuse = attachment.frame >= 0 && !axes && !(mirrored && !info.free());
     if (reuse) return attachment.frame;
     if (own && !frames)
       return builder.frame_names.index.at(
@@ -410,7 +410,7 @@ void read_joint(Builder& builder, const Part& part, const Value& value, spec::Jo
   if (const auto velocity = fields.get("velocity"))
     joint.initial_velocity = read_initial(*velocity, *type, &CoordinateUnits::velocity);
   check_driven(builder.model, fields, joint);
-  if (joint.type == JointType::floating && joint.frame_a >= 0 && joint.frame_b >= 0)
+  if (joint_info(joint.type).free() && joint.frame_a >= 0 && joint.frame_b >= 0)
     place_floating(builder, part, value, joint);
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "joints/joint_kind.h"
 #include "model_file/text/builder.h"
 
 /// Forces where no mode answers to them.
@@ -39,7 +40,7 @@ void warn_of_loaded_nodes(Builder& builder) {
                            node, node)});
   };
   for (const spec::Joint& joint : builder.model.joints)
-    if (joint.type != spec::JointType::floating)  // which carries no force
+    if (!joint_info(joint.type).free())  // which carries no force
       for (const int frame : {joint.frame_a, joint.frame_b}) look("joint", joint.name, joint.mark, frame);
   for (const spec::Constraint& constraint : builder.model.constraints)
     for (const int frame : {constraint.frame_a, constraint.frame_b})

@@ -69,10 +69,7 @@ void read_reference(Builder& builder, const Part& part, const Fields& fields, sp
     return named->error("the ground has no axes of its own here; name a frame of it, or use 'position'");
   output.reference = attach(builder, part, *named, {}, fmt::format("{}.reference", output.name));
   if (output.reference < 0) return;
-  const spec::Pose here = builder.global_pose(output.reference);
-  output.direction = Eigen::Vector3d::Unit(output.component);
-  output.offset = -output.direction.dot(here.rotation.transpose() *
-                                        (builder.global_pose(output.item).position - here.position));
+  see_from(output, builder.global_pose(output.reference), builder.global_pose(output.item).position);
 }
 
 /// The node of the body's surface at `at`, or of the number `node` in its mesh.
@@ -80,26 +77,18 @@ void read_surface_node(const Builder& builder, const Part& part, const Fields& f
                        const ReducedBody& body, spec::Output& output) {
   if (const auto node = fields.get("node")) {
     const auto label = node->integer(0, std::numeric_limits<int>::max());
-    const auto& labels = body.node_labels;
-    const auto found = std::find(labels.begin(), labels.end(), label.value_or(-1));
     if (!label) return;
-    if (found == labels.end())
-      node->error(fmt::format("the body's surface has no node {}", *label));
-    else
-      output.node = static_cast<int>(found - labels.begin());
+    const SurfaceNode found = surface_node(body, *label);
+    if (!found.fault.empty()) return node->error(found.fault);
+    output.node = found.node;
     return;
   }
   const auto at = fields.get("at");
   const auto point = at ? at->triple(quantity::length) : std::nullopt;
   if (!point) return;
-  const spec::Pose pose = builder.body_pose(output.item);
-  const Eigen::Vector3d wanted = pose.rotation.transpose() * (part.place.point(*point) - pose.position);
-  Eigen::Index nearest = 0;
-  const double distance = (body.nodes.colwise() - wanted).colwise().norm().minCoeff(&nearest);
-  const double size = (body.nodes.rowwise().maxCoeff() - body.nodes.rowwise().minCoeff()).norm();
-  if (distance > 0.02 * size)
-    at->error(fmt::format("the nearest node of the body's surface is {:.3g} m away", distance));
-  output.node = static_cast<int>(nearest);
+  const SurfaceNode found = surface_node(body, builder.body_pose(output.item), part.place.point(*point));
+  if (!found.fault.empty()) at->error(found.fault);
+  output.node = found.node;
 }
 
 /// Which component of a body's stress or strain, or which direction, and where; without a place its extreme
@@ -211,8 +200,7 @@ void read_motion_of_mass(Builder& builder, const Part& part, const OutputInfo& k
   read_words(kind, fields, output);
   read_several_bodies(builder, part, named, output);
   const auto about = fields.get("about");
-  if (!about) return;
-  if (!kind.about) return about->error("only 'angular_momentum' is about a point");
+  if (!about || !kind.about) return;
   if (const auto point = about->triple(quantity::length)) output.about = part.place.point(*point);
 }
 
@@ -263,10 +251,7 @@ const Names& names_of(const Builder& builder, Of of) {
 
 void read_item(Builder& builder, const Part& part, const Fields& fields, const OutputInfo& kind,
                const Value& named, spec::Output& output) {
-  if (const auto at = fields.get("at"); at && kind.of != Of::frame && kind.place == Place::none)
-    at->error("only an output of a body has a place");
   if (kind.of == Of::bodies) return read_motion_of_mass(builder, part, kind, fields, named, output);
-  if (fields.has("on") && kind.of != Of::contact) fields.error("'on' belongs to outputs of a contact");
   if (kind.of == Of::frame) return read_of_frame(builder, part, kind, fields, named, output);
   const auto name = named.word();
   if (!name) return;
@@ -303,20 +288,9 @@ std::vector<std::string> keys_with(std::vector<std::string> keys) {
   return keys;
 }
 
-/// What is given must be used, so that a mistake does not look like a success.
 void check_used(const Fields& fields, const OutputInfo& kind) {
-  if (!kind.has_component() && fields.has("component"))
-    fields.error(fmt::format("'{}' has no component", kind.name));
-  const auto only = [&](const char* field, bool (*uses)(const OutputInfo&)) {
-    if (fields.has(field) && !uses(kind))
-      fields.error(fmt::format("'{}' belongs to {}", field, kinds_with(uses)));
-  };
-  only("along", [](const OutputInfo& k) { return k.along; });
-  only("relative_to", [](const OutputInfo& k) { return k.reference; });
-  only("offset", [](const OutputInfo& k) { return k.offset; });
-  only("axes", [](const OutputInfo& k) { return k.own_axes; });
-  only("node", [](const OutputInfo& k) { return k.place == Place::surface; });
-  if (kind.of != Of::bodies) only("about", [](const OutputInfo& k) { return k.about; });
+  for (const std::string& fault : unused_keys(kind, [&](const std::string& key) { return fields.has(key); }))
+    fields.error(fault);
 }
 
 void add_output(Builder& builder, const Part& part, const Value& named, spec::Output output) {

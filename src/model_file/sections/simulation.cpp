@@ -1,53 +1,70 @@
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <type_traits>
 
-#include "mimbre/method_names.h"
+#include "mimbre/run_option.h"
 #include "model_file/text/builder.h"
 
 /// `simulation` and `initial`.
 namespace mimbre::model_file {
 namespace {
 
-/// The enumerator that `value` names, if it names one.
-template <class Enumeration, std::size_t Count>
-std::optional<Enumeration> choice(const Value& value, const std::array<const char*, Count>& names) {
-  const auto index = value.choice({names.begin(), names.end()});
-  return index ? std::optional(static_cast<Enumeration>(*index)) : std::nullopt;
+std::optional<double> read_number(const Value& value, const RunOption& option) {
+  const auto number = value.number(option.unit == "s" ? quantity::time : quantity::number);
+  if (!number || option.allows(*number)) return number;
+  value.error(fmt::format("{} is not {}", *number, allowed_numbers(option)));
+  return {};
 }
 
-void read_integrator(const Value& value, spec::Simulation& simulation) {
-  using Integrator = spec::Simulation::Integrator;
-  const Fields fields(value, {"type", "rho", "xi"});
-  const auto type = fields.need("type", "generalized_alpha");
-  const auto integrator = type ? choice<Integrator>(*type, method_names::integrators) : std::nullopt;
-  if (!integrator) return;
-  simulation.integrator = *integrator;
-  if (const auto rho = fields.get("rho")) {
-    const auto r = rho->number();
-    // Below, HHT is not unconditionally stable (Hilber, Hughes, Taylor 1977: α from -1/3 to 0).
-    const double least = *integrator == Integrator::hht ? 0.5 : 0;
-    if (*integrator == Integrator::newmark)
-      rho->error("'rho' belongs to generalized_alpha and hht; newmark has xi");
-    else if (*integrator == Integrator::conserve)
-      rho->error("'rho' belongs to generalized_alpha and hht; conserve has none");
-    else if (r && !(*r >= least && *r <= 1))
-      rho->error(fmt::format("{} is not between {} and 1{}", *r, least,
-                             *integrator == Integrator::hht ? " (generalized_alpha takes 0 to 1)" : ""));
-    simulation.rho = r.value_or(-1);
+template <class Type>
+std::optional<Type> read_value(const Value& value, const RunOption& option) {
+  if constexpr (std::is_same_v<Type, double>) {
+    return read_number(value, option);
+  } else if constexpr (std::is_same_v<Type, int>) {
+    return value.integer(static_cast<int>(option.least), static_cast<int>(option.most));
+  } else if constexpr (std::is_same_v<Type, bool>) {
+    return value.flag();
+  } else {
+    const auto index = value.choice({option.words.begin(), option.words.end()});
+    return index ? std::optional(static_cast<Type>(*index)) : std::nullopt;
   }
-  if (const auto xi = fields.get("xi")) {
-    const auto x = xi->number();
-    if (*integrator == Integrator::conserve)
-      xi->error("'xi' belongs to newmark; conserve has none");
-    else if (*integrator != Integrator::newmark)
-      xi->error(fmt::format("'xi' belongs to newmark; {} has rho",
-                            method_names::integrators[static_cast<std::size_t>(*integrator)]));
-    else if (x && *x > 0)
-      xi->error(fmt::format("{} is positive, which is unstable; it must be 0 or less", *x));
-    simulation.xi = x.value_or(0);
+}
+
+void read_option(const Fields& fields, const RunOption& option, spec::Simulation& simulation,
+                 RunOptions& asked) {
+  const auto value = fields.get(std::string(option.key_in_file()));
+  if (!value) return;
+  std::visit(
+      [&](const auto& m) {
+        const auto read = read_value<typename std::decay_t<decltype(m)>::type>(*value, option);
+        if (!read) return;
+        simulation.*m.in_model = *read;
+        if (m.asked) asked.*m.asked = *read;
+      },
+      option.member);
+}
+
+/// The keys of a map: of `simulation` itself, or of one that it has, like that of the integrator.
+std::vector<std::string> keys_of(std::string_view section) {
+  std::vector<std::string> keys;
+  for (const RunOption& option : run_option_table()) {
+    const std::string_view key = option.section == section ? option.key_in_file()
+                                 : section.empty()         ? option.section
+                                                           : std::string_view();
+    if (!key.empty() && std::find(keys.begin(), keys.end(), key) == keys.end()) keys.emplace_back(key);
   }
+  return keys;
+}
+
+/// The map of `simulation` that has the option: itself, or one in it, like that of the integrator.
+std::optional<Fields> fields_of(const Fields& all, const RunOption& option,
+                                std::map<std::string, Fields>& sections) {
+  if (option.section.empty()) return all;
+  const auto found = sections.find(std::string(option.section));
+  return found == sections.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace
@@ -58,30 +75,26 @@ void read_simulation(Builder& builder, Part& part) {
     simulation.start_at_equilibrium = initial->choice({"assembled", "equilibrium"}).value_or(0) == 1;
   const auto section = part.section("simulation");
   if (!section) return;
-  const Fields fields(*section,
-                      {"step", "end", "output_interval", "integrator", "formulation", "inertia", "formalism",
-                       "tolerance", "penalty", "max_iterations", "substeps", "fixed_cost"});
-  const auto positive = [&](const char* key, double& target, const Quantity& of = quantity::number) {
-    if (const auto value = fields.get(key)) target = value->positive(of).value_or(target);
-  };
-  positive("step", simulation.step, quantity::time);
-  positive("end", simulation.end, quantity::time);
-  simulation.end_given = fields.get("end").has_value();
-  positive("output_interval", simulation.output_interval, quantity::time);
-  positive("tolerance", simulation.tolerance);
-  positive("penalty", simulation.penalty);
-  if (const auto count = fields.get("max_iterations"))
-    simulation.max_iterations = count->integer(1, 1000).value_or(0);
-  if (const auto count = fields.get("substeps")) simulation.substeps = count->integer(1, 100).value_or(0);
-  if (const auto flag = fields.get("fixed_cost")) simulation.fixed_cost = flag->flag().value_or(false);
-  const auto chosen = [&](const char* key, const auto& names, auto& target) {
-    if (const auto value = fields.get(key))
-      target = choice<std::remove_reference_t<decltype(target)>>(*value, names).value_or(target);
-  };
-  chosen("formulation", method_names::formulations, simulation.formulation);
-  chosen("inertia", method_names::inertias, simulation.inertia);
-  chosen("formalism", method_names::formalisms, simulation.formalism);
-  if (const auto integrator = fields.get("integrator")) read_integrator(*integrator, simulation);
+  const Fields fields(*section, keys_of({}));
+  std::map<std::string, Fields> sections;
+  for (const RunOption& option : run_option_table()) {
+    const std::string name(option.section);
+    if (name.empty() || sections.contains(name)) continue;
+    if (const auto value = fields.get(name)) sections.emplace(name, Fields(*value, keys_of(name)));
+  }
+  RunOptions asked;
+  for (const RunOption& option : run_option_table())
+    if (const auto held = fields_of(fields, option, sections)) read_option(*held, option, simulation, asked);
+  simulation.end_given = asked.end.has_value();
+  const auto integrator = sections.find("integrator");
+  if (integrator != sections.end() && !asked.integrator)
+    integrator->second.need("type", "generalized_alpha");
+  else if (const auto conflict = find_conflict({}, asked, OptionNames::keys)) {
+    const RunOption& option = *find_run_option(conflict->key);
+    const auto held = fields_of(fields, option, sections);
+    const auto value = held ? held->get(std::string(option.key_in_file())) : std::nullopt;
+    (value ? *value : *section).error(conflict->message);
+  }
   if (simulation.step > simulation.end)
     fields.error(fmt::format("step {} is longer than end {}", simulation.step, simulation.end));
   const double steps = simulation.output_interval / simulation.step;

@@ -5,6 +5,7 @@
 
 #include "model_file/sections/bar_paths.h"
 #include "model_file/text/builder.h"
+#include "spec/output_kind.h"
 
 /// Substructuring (Wu, Haug 1988; Lugrís 2008, 4.2): a beam that bends far is cut into bodies, each of which
 /// bends little in its own frame, joined by brackets. With a frame for each element, and the second order of
@@ -254,7 +255,8 @@ void move_frames(Builder& builder, int body, int frames, const FlexibleDescripti
 void move_outputs(Builder& builder, int body, int outputs_frame, const std::vector<Piece>& pieces,
                   const std::vector<int>& indices) {
   for (spec::Output& output : builder.model.outputs) {
-    if (output.kind == "modal_amplitude" && output.item == body) {
+    const OutputInfo& kind = output_info(output);
+    if (kind.modes && output.item == body) {
       std::size_t p = pieces.size() - 1;
       while (output.component < pieces[p].first_mode) --p;
       output.item = indices[p];
@@ -262,11 +264,11 @@ void move_outputs(Builder& builder, int body, int outputs_frame, const std::vect
     }
     if (std::find(output.bodies.begin(), output.bodies.end(), body) != output.bodies.end())
       output.bodies.insert(output.bodies.end(), indices.begin() + 1, indices.end());
-    if (output.kind != "deflection" || output.item < 0) continue;
+    if (kind.seen_from_elsewhere.empty() || output.item < 0) continue;
     const spec::Frame& frame = builder.model.frames[static_cast<std::size_t>(output.item)];
     const auto piece = std::find(indices.begin() + 1, indices.end(), frame.body);
     if (piece == indices.end()) continue;
-    output.kind = "displacement";
+    output.kind = kind.seen_from_elsewhere;
     output.reference = outputs_frame;
     output.offset = -output.direction.dot(pieces[static_cast<std::size_t>(piece - indices.begin())].origin +
                                           frame.pose.position);

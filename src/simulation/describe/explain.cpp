@@ -92,7 +92,7 @@ const BodyData* free_body(const Compiled& m, const natural::NaturalSystem* natur
     const bool here = natural
                           ? coordinate >= 0 && natural->body_of(coordinate) == static_cast<int>(k)
                           : coordinate >= b.v && coordinate < b.v + (carried ? b.size() : b.joint_velocities);
-    if (here && root->joint == spec::JointType::floating && root->parent < 0) return root;
+    if (here && joint_info(root->joint).free() && root->parent < 0) return root;
   }
   return nullptr;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mimbre/reduced_body.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 
@@ -11,7 +12,7 @@ std::vector<RecordedSection> recorded_sections(const spec::Model& model) {
   std::map<std::pair<int, int>, RecordedSection> found;  // by body and section
   for (std::size_t k = 0; k < model.outputs.size(); ++k) {
     const spec::Output& o = model.outputs[k];
-    if (o.kind != "section_force") continue;
+    if (output_info(o).place != OutputInfo::Place::section) continue;
     const auto& body = model.bodies[static_cast<std::size_t>(o.item)].flexible;
     if (!body || !body->sections) continue;  // it was made rigid
     const auto& section = body->sections->sections[static_cast<std::size_t>(o.node)];

@@ -12,6 +12,7 @@
 #include "math/rotation.h"
 #include "mimbre/assembly.h"
 #include "simulation/start/assembly.h"
+#include "spec/output_kind.h"
 
 namespace mimbre {
 namespace {
@@ -298,7 +299,7 @@ spec::Model brought_together(spec::Model model) {
   const auto shift_offsets = [&](double sign) {
     for (auto* outputs : {&model.outputs, &model.sensors})
       for (spec::Output& o : *outputs)
-        if (o.kind == "displacement") o.offset += sign * assembled_place(model, o);
+        if (output_info(o).reference) o.offset += sign * assembled_place(model, o);
   };
   shift_offsets(1);
   assembly.place(q);

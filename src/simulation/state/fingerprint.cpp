@@ -2,6 +2,7 @@
 
 #include "base/hash64.h"
 #include "compile/image.h"
+#include "mimbre/run_option.h"
 
 namespace mimbre {
 
@@ -13,14 +14,10 @@ std::uint64_t fingerprint(const Model& model, const Method& method,
     hash.add(channel.name + '\n' + channel.unit + '\n' + channel.meaning);
   hash.add(model.image().hash());
   for (const spec::Event& event : model.spec().events) hash.add(event.name);
-  for (const double choice :
-       {static_cast<double>(method.formulation), static_cast<double>(method.inertia),
-        static_cast<double>(method.formalism), static_cast<double>(method.integrator), method.step,
-        method.rho, method.xi, method.tolerance, method.penalty, static_cast<double>(method.max_iterations),
-        static_cast<double>(method.substeps), static_cast<double>(method.fixed_cost),
-        static_cast<double>(method.energies), static_cast<double>(method.validity),
-        static_cast<double>(method.warnings)})
-    hash.add(choice);
+  for (const RunOption& option : run_option_table())
+    if (option.changes_states) hash.add(value_in(option, method));
+  for (const bool watched : {method.energies, method.validity, method.warnings})
+    hash.add(static_cast<double>(watched));
   return hash.value() != 0 ? hash.value() : 1;
 }
 

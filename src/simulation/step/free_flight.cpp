@@ -51,7 +51,7 @@ Ties find_ties(const Compiled& m) {
   for (int i = 0; i < count; ++i) {
     const BodyData& b = m.bodies[i];
     t.root[i] = b.parent < 0 ? i : t.root[b.parent];
-    if (b.parent < 0 && b.joint != spec::JointType::floating) add(i, -1);
+    if (b.parent < 0 && !joint_info(b.joint).free()) add(i, -1);
   }
   const auto root_of = [&](int frame) {
     return frame < 0 || m.frames[frame].body < 0 ? -1 : t.root[m.frames[frame].body];

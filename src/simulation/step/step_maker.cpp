@@ -22,9 +22,10 @@ IntegratorOptions integrator_options(const Method& method) {
   return options;
 }
 
-/// A step is repeated in parts when its energy is off by more than these shares of what moves or is stored,
-/// and of what would lift the mechanism by its length scale; without gravity of the former alone.
-constexpr double substep_energy = 1e-4, substep_lifting = 1e-3, substep_without_gravity = 4e-4;
+/// A step is repeated in parts when its energy is off by more than Method::energy_tolerance of what moves or
+/// is stored, and so many times that of what would lift the mechanism by its length scale; without gravity by
+/// so many times the former alone.
+constexpr double of_lifting = 10, without_gravity = 4;
 /// Of the energy that lifts the mechanism so, or moves it by its length scale in so many steps: round-off.
 constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 
@@ -101,8 +102,9 @@ double StepMaker::step_error() const { return std::max(std::abs(meter_.last_inpu
 double StepMaker::step_tolerance() const {
   const EnergyBalance& e = meter_.balance();
   const double play = e.kinetic + e.elastic + e.springs + e.tyres;
-  return lifting_energy_ > 0 ? substep_energy * play + substep_lifting * lifting_energy_
-                             : substep_without_gravity * play;
+  const double share = method_.energy_tolerance;
+  return lifting_energy_ > 0 ? share * play + of_lifting * share * lifting_energy_
+                             : without_gravity * share * play;
 }
 
 /// Where a step begins with accelerations of its own, signals may have jumped: forces, what elements

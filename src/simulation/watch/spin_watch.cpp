@@ -23,7 +23,7 @@ double change_of_rotation(Mechanism& mechanism, int body, const std::vector<int>
   const relative::Momentum p = relative::momentum(mechanism.model, w, carried, s.q.data(), s.v.data());
   const Motion<double>& motion = w.bodies[body];
   Mat3d inertia = p.inertia;
-  if (b.joint == spec::JointType::spherical) {
+  if (!joint_info(b.joint).free()) {  // about its point
     const FrameData& frame = mechanism.model.frames[b.outboard_frame];
     const Vec3d arm = p.centre - motion.position - motion.rotation * frame.position;
     inertia += p.mass * (arm.squaredNorm() * Mat3d::Identity() - arm * arm.transpose());
@@ -74,7 +74,7 @@ void SpinWatch::watch(Mechanism& mechanism, double length) {
     if (!(turn > spin_limit::natural_floating)) continue;
     double excess = 0, enough = 0;
     if (mechanism.natural) {
-      const bool floating = b.joint == spec::JointType::floating;
+      const bool floating = joint_info(b.joint).free();
       excess = turn / (floating ? spin_limit::natural_floating : spin_limit::natural_spherical);
       enough = length / excess;
     } else {

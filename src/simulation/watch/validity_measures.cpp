@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 
 namespace mimbre::validity {
@@ -13,7 +14,7 @@ namespace mimbre::validity {
 bool is_piece(const Compiled& m, int body) {
   const auto flexible = [&](int b) { return b >= 0 && m.bodies[b].modes > 0; };
   for (const spec::Joint& joint : m.spec().joints) {
-    if (joint.type != spec::JointType::bracket) continue;
+    if (!joint_info(joint.type).all_static_modes) continue;
     const int a = m.frames[m.frame_of_spec[joint.frame_a]].body,
               b = m.frames[m.frame_of_spec[joint.frame_b]].body;
     if ((a == body && flexible(b)) || (b == body && flexible(a))) return true;
