@@ -20,6 +20,7 @@ struct RunOptions {
   double rho = -1;
   double xi = 1;         ///< Newmark's ξ ≤ 0; 1: not given
   double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: from the file
+  double accuracy = 0;   ///< of dopri853, see docs/model-file.md; 0: from the file
   /// Parts in which a step is repeated when an impact in it makes its energy balance wrong (by more than
   /// 1e-3 of what lifts it by its length scale and 1e-4 of the energy that moves and is stored), or when it
   /// does not converge. 1: never; 0: from the file, or 4 with generalised-α, 1 with Newmark.
@@ -53,6 +54,7 @@ struct Method {
   double xi = 0;               ///< of Newmark's rule
   double tolerance = 0;        ///< see IntegratorOptions
   double penalty = 0;          ///< likewise
+  double accuracy = 0;         ///< of dopri853, for the length of its steps; 0: they are `step` long
   int max_iterations = 0;      ///< of a step
   int substeps = 1;            ///< parts in which an inaccurate step is repeated; 1: never
   bool fixed_cost = false;     ///< steps are taken as they are after max_iterations

@@ -10,7 +10,7 @@ namespace mimbre {
 /// Empty: as in the model file.
 struct MethodArguments {
   std::string formulation, inertia, formalism, integrator;  ///< names of mimbre/method_names.h
-  std::optional<double> rho, xi, tolerance;
+  std::optional<double> rho, xi, tolerance, accuracy;
   int max_iterations = 0, substeps = 0;            ///< 0: as in the model file
   bool fixed_cost = false, no_fixed_cost = false;  ///< neither: as in the model file
 };

@@ -34,7 +34,7 @@ class Method(TypedDict, total=False):
     """Of flexible bodies."""
     formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
     """How constraints enter the equations."""
-    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve"]
+    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853"]
     """How steps are made."""
     rho: float
     """Of generalized_alpha (0 to 1) and hht (0.5 to 1): spectral radius, 1 damps nothing."""
@@ -42,6 +42,8 @@ class Method(TypedDict, total=False):
     """Of newmark: 0, the trapezoidal rule, or less, which damps."""
     tolerance: float
     """Of the iterations of a step, relative."""
+    accuracy: float
+    """Of dopri853: error of each part of a step, relative to the mechanism's size; without it steps have no parts."""
     max_iterations: int
     """Of a step, or of each of its parts."""
     substeps: int
@@ -51,7 +53,7 @@ class Method(TypedDict, total=False):
 
 
 _checked: dict[str, Callable[[str, object], Any]] = {
-    **dict.fromkeys(("step", "rho", "xi", "tolerance"), _checks.number),
+    **dict.fromkeys(("step", "rho", "xi", "tolerance", "accuracy"), _checks.number),
     **dict.fromkeys(("max_iterations", "substeps"), _checks.whole),
     "fixed_cost": _checks.flag,
     **dict.fromkeys(("formulation", "inertia", "formalism", "integrator"), _checks.text),

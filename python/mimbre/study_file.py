@@ -39,7 +39,7 @@ _keys = (
     "histories",
     "workers",
 )
-_methods = ("formulation", "inertia", "formalism", "integrator", "rho", "xi", "tolerance", "max_iterations", "substeps")
+_methods = ("formulation", "inertia", "formalism", "integrator", "rho", "xi", "tolerance", "accuracy", "max_iterations", "substeps")
 
 
 @dataclass

@@ -109,8 +109,8 @@ void require(bool good, const char* name, std::optional<double> value, const cha
 MethodChoice choice(const std::optional<std::string>& formulation, const std::optional<std::string>& inertia,
                     const std::optional<std::string>& formalism, const std::optional<std::string>& integrator,
                     std::optional<double> rho, std::optional<double> xi, std::optional<double> tolerance,
-                    std::optional<int> max_iterations, std::optional<int> substeps,
-                    std::optional<bool> fixed_cost, std::optional<double> step) {
+                    std::optional<double> accuracy, std::optional<int> max_iterations,
+                    std::optional<int> substeps, std::optional<bool> fixed_cost, std::optional<double> step) {
   MethodChoice result;
   MethodArguments& to = result.arguments;
   to.formulation = word("formulation", formulation, method_names::formulations);
@@ -121,6 +121,8 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
   require(!xi || (*xi <= 0 && std::isfinite(*xi)), "xi", xi, "a number of at most 0");
   require(!tolerance || (*tolerance >= 1e-15 && *tolerance <= 1), "tolerance", tolerance,
           "a number from 1e-15 to 1");
+  require(!accuracy || (*accuracy >= 1e-15 && *accuracy <= 1), "accuracy", accuracy,
+          "a number from 1e-15 to 1");
   require(!max_iterations || (*max_iterations >= 1 && *max_iterations <= 1000), "max_iterations",
           max_iterations, "a whole number from 1 to 1000");
   require(!substeps || (*substeps >= 1 && *substeps <= 100), "substeps", substeps,
@@ -129,6 +131,7 @@ MethodChoice choice(const std::optional<std::string>& formulation, const std::op
   to.rho = rho;
   to.xi = xi;
   to.tolerance = tolerance;
+  to.accuracy = accuracy;
   to.max_iterations = max_iterations.value_or(0);
   to.substeps = substeps.value_or(0);
   to.fixed_cost = fixed_cost.value_or(false);
@@ -173,8 +176,9 @@ void bind_model(nb::module_& module) {
   module.def("method", &choice, nb::arg("formulation") = nb::none(), nb::arg("inertia") = nb::none(),
              nb::arg("formalism") = nb::none(), nb::arg("integrator") = nb::none(),
              nb::arg("rho") = nb::none(), nb::arg("xi") = nb::none(), nb::arg("tolerance") = nb::none(),
-             nb::arg("max_iterations") = nb::none(), nb::arg("substeps") = nb::none(),
-             nb::arg("fixed_cost") = nb::none(), nb::arg("step") = nb::none());
+             nb::arg("accuracy") = nb::none(), nb::arg("max_iterations") = nb::none(),
+             nb::arg("substeps") = nb::none(), nb::arg("fixed_cost") = nb::none(),
+             nb::arg("step") = nb::none());
   module.def("version", [] { return std::string(build_info().version); });
 }
 

@@ -1,5 +1,7 @@
 #include "app/method_options.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,7 +41,16 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
       "generalized_alpha: second order, damps what the step cannot resolve\n"
       "newmark: the trapezoidal rule, or with xi below 0 damped\n"
       "hht: Hilber, Hughes, Taylor\n"
-      "conserve: generalized-alpha with its error of energy taken back");
+      "conserve: generalized-alpha with its error of energy taken back\n"
+      "rk4: explicit, fourth order, for mechanisms without stiff parts\n"
+      "dopri853: explicit, eighth order, likewise");
+  command
+      .add_option("--accuracy", arguments.accuracy,
+                  "dopri853 divides steps by this error of each part, relative to the\n"
+                  "mechanism's size; without it a step has one part")
+      .from(1e-15, 1)
+      .type_name("A")
+      .group("Method");
   const Option xi = command.add_option("--integrator-xi", arguments.xi, "newmark with this xi, 0 or less")
                         .from(-INFINITY, 0)
                         .type_name("XI")
@@ -89,6 +100,14 @@ void add_method_options(Parser& command, MethodArguments& arguments, MethodChoic
 Json arguments_json(const MethodArguments& arguments) { return Json::parse(arguments_summary(arguments)); }
 
 Json method_json(const Method& method) { return Json::parse(method_summary(method)); }
+
+std::string method_words(const Method& method) {
+  if (!is_explicit(method.integrator))
+    return fmt::format("{}, {}, {}", name_of(method.formulation), name_of(method.formalism),
+                       name_of(method.integrator));
+  const std::string accuracy = method.accuracy > 0 ? fmt::format(", accuracy {:g}", method.accuracy) : "";
+  return fmt::format("{}, {}{}", name_of(method.formulation), name_of(method.integrator), accuracy);
+}
 
 Json resolved_json(const Method& method) { return Json::parse(resolved_summary(method)); }
 

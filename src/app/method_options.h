@@ -14,7 +14,7 @@ struct MethodChoice {
   bool motion = true;  ///< formalism, integrator and its parameter: a command that takes steps
 };
 
-/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi, --tolerance,
+/// Adds --formulation, --inertia, --formalism, --integrator, --rho, --integrator-xi, --accuracy, --tolerance,
 /// --max-iterations, --substeps, --fixed-cost and --no-fixed-cost to a command.
 void add_method_options(Parser& command, MethodArguments& arguments, MethodChoice choice = {});
 
@@ -23,6 +23,9 @@ Json arguments_json(const MethodArguments& arguments);
 
 /// The method in force: formulation, inertia, formalism, integrator, and rho or xi.
 Json method_json(const Method& method);
+
+/// Formulation, formalism and integrator, for people.
+std::string method_words(const Method& method);
 
 /// All that was resolved: that, with the constants of the iterations, parts of repeated steps, step, end,
 /// whether nobody gave the end, and output interval.

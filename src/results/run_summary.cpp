@@ -32,6 +32,7 @@ Json arguments_of(const MethodArguments& arguments) {
   if (arguments.xi) json["integrator_xi"] = *arguments.xi;
   if (arguments.rho) json["rho"] = *arguments.rho;
   if (arguments.tolerance) json["tolerance"] = *arguments.tolerance;
+  if (arguments.accuracy) json["accuracy"] = *arguments.accuracy;
   if (arguments.max_iterations) json["max_iterations"] = arguments.max_iterations;
   if (arguments.substeps) json["substeps"] = arguments.substeps;
   if (arguments.fixed_cost || arguments.no_fixed_cost) json["fixed_cost"] = arguments.fixed_cost;
@@ -46,8 +47,9 @@ Json method_of(const Method& method) {
   json["integrator"] = name_of(method.integrator);
   if (method.integrator == spec::Simulation::Integrator::newmark)
     json["xi"] = method.xi;
-  else if (method.integrator != spec::Simulation::Integrator::conserve)
+  else if (method.integrator != spec::Simulation::Integrator::conserve && !is_explicit(method.integrator))
     json["rho"] = method.rho;
+  if (method.accuracy > 0) json["accuracy"] = method.accuracy;
   json["tolerance"] = method.tolerance;
   return json;
 }

@@ -14,7 +14,8 @@ void check_rho(const CheckedItem& item, const spec::Simulation& s) {
   if (s.rho < 0) return;
   // Below, HHT is not unconditionally stable (Hilber, Hughes, Taylor 1977: α from -1/3 to 0).
   const double least = s.integrator == Integrator::hht ? 0.5 : 0;
-  if (s.integrator == Integrator::newmark || s.integrator == Integrator::conserve)
+  if (s.integrator == Integrator::newmark || s.integrator == Integrator::conserve ||
+      is_explicit(s.integrator))
     item.error(fmt::format("rho is {}, but it belongs to generalized_alpha and hht, not to {}", s.rho,
                            name_of(s.integrator)));
   else if (!(s.rho >= least && s.rho <= 1))
@@ -61,6 +62,11 @@ void check_simulation(const spec::Model& model, std::vector<Diagnostic>& errors)
   }
   item.not_negative("tolerance", s.tolerance);
   item.not_negative("penalty", s.penalty);
+  item.not_negative("accuracy", s.accuracy);
+  if (s.accuracy > 0 && s.integrator != Integrator::dopri853)
+    item.error(fmt::format("accuracy belongs to dopri853, not to {}", name_of(s.integrator)));
+  if (s.fixed_cost && s.accuracy > 0)
+    item.error("steps of a fixed cost have no accuracy to keep; leave fixed_cost or accuracy out");
   item.between("max_iterations", s.max_iterations, 0, 1000);
   item.between("substeps", s.substeps, 0, 100);
   if (s.fixed_cost && s.formalism != spec::Simulation::Formalism::index3)

@@ -48,6 +48,7 @@ std::vector<std::string> options_of(const RealTimeCandidate& c, const PlanArgume
   if (!a.method.formalism.empty()) add("--formalism", a.method.formalism);
   if (!a.method.integrator.empty()) add("--integrator", a.method.integrator);
   if (a.method.xi) add("--integrator-xi", fmt::format("{}", *a.method.xi));
+  if (a.method.accuracy) add("--accuracy", fmt::format("{}", *a.method.accuracy));
   if (a.method.rho) add("--rho", fmt::format("{}", *a.method.rho));
   if (a.method.tolerance) add("--tolerance", fmt::format("{}", *a.method.tolerance));
   if (c.most_modes > 0) words.insert(words.end(), {"--most-modes", fmt::format("{}", c.most_modes)});

@@ -19,19 +19,25 @@ std::optional<Enumeration> choice(const Value& value, const std::array<const cha
 
 void read_integrator(const Value& value, spec::Simulation& simulation) {
   using Integrator = spec::Simulation::Integrator;
-  const Fields fields(value, {"type", "rho", "xi"});
+  const Fields fields(value, {"type", "rho", "xi", "accuracy"});
   const auto type = fields.need("type", "generalized_alpha");
   const auto integrator = type ? choice<Integrator>(*type, method_names::integrators) : std::nullopt;
   if (!integrator) return;
   simulation.integrator = *integrator;
+  if (const auto accuracy = fields.get("accuracy")) {
+    if (*integrator != Integrator::dopri853)
+      accuracy->error(fmt::format("'accuracy' belongs to dopri853, not to {}", name_of(*integrator)));
+    simulation.accuracy = accuracy->positive().value_or(0);
+  }
   if (const auto rho = fields.get("rho")) {
     const auto r = rho->number();
     // Below, HHT is not unconditionally stable (Hilber, Hughes, Taylor 1977: α from -1/3 to 0).
     const double least = *integrator == Integrator::hht ? 0.5 : 0;
     if (*integrator == Integrator::newmark)
       rho->error("'rho' belongs to generalized_alpha and hht; newmark has xi");
-    else if (*integrator == Integrator::conserve)
-      rho->error("'rho' belongs to generalized_alpha and hht; conserve has none");
+    else if (*integrator == Integrator::conserve || is_explicit(*integrator))
+      rho->error(
+          fmt::format("'rho' belongs to generalized_alpha and hht; {} has none", name_of(*integrator)));
     else if (r && !(*r >= least && *r <= 1))
       rho->error(fmt::format("{} is not between {} and 1{}", *r, least,
                              *integrator == Integrator::hht ? " (generalized_alpha takes 0 to 1)" : ""));
@@ -39,8 +45,8 @@ void read_integrator(const Value& value, spec::Simulation& simulation) {
   }
   if (const auto xi = fields.get("xi")) {
     const auto x = xi->number();
-    if (*integrator == Integrator::conserve)
-      xi->error("'xi' belongs to newmark; conserve has none");
+    if (*integrator == Integrator::conserve || is_explicit(*integrator))
+      xi->error(fmt::format("'xi' belongs to newmark; {} has none", name_of(*integrator)));
     else if (*integrator != Integrator::newmark)
       xi->error(fmt::format("'xi' belongs to newmark; {} has rho",
                             method_names::integrators[static_cast<std::size_t>(*integrator)]));

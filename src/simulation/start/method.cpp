@@ -34,6 +34,8 @@ void check_ranges(const RunOptions& o) {
   check(o.xi == RunOptions{}.xi || (std::isfinite(o.xi) && o.xi <= 0), "xi", o.xi, "0 or less");
   check(std::isfinite(o.tolerance) && o.tolerance >= 0, "tolerance", o.tolerance,
         "positive, or 0 for the default");
+  check(std::isfinite(o.accuracy) && o.accuracy >= 0, "accuracy", o.accuracy,
+        "positive, or 0 for the default");
   check(o.substeps >= 0 && o.substeps <= 100, "substeps", o.substeps, "from 1 to 100, or 0 for the default");
   check(o.max_iterations >= 0 && o.max_iterations <= 1000, "max_iterations", o.max_iterations,
         "from 1 to 1000, or 0 for the default");
@@ -49,13 +51,28 @@ void check_integrator(const spec::Simulation& given, const RunOptions& o) {
         fmt::format("rho ({}) and xi ({}) exclude each other: rho belongs to generalized_alpha and hht, "
                     "xi to newmark",
                     o.rho, o.xi));
-  if (has_rho && (rule == Rule::conserve || (o.integrator && rule == Rule::newmark)))
+  if (has_rho && (rule == Rule::conserve || is_explicit(rule) || (o.integrator && rule == Rule::newmark)))
     refuse(fmt::format("rho is {}, but the integrator is {}{}; rho belongs to generalized_alpha and hht",
                        o.rho, name_of(rule), o.integrator ? "" : " in the model"));
   if (has_xi && o.integrator && rule != Rule::newmark)
     refuse(fmt::format("xi is {}, but the integrator is {}; xi belongs to newmark", o.xi, name_of(rule)));
   if (has_rho && rule == Rule::hht && o.rho < least_hht_rho)
     refuse(fmt::format("rho is {}; hht takes {} to 1", o.rho, least_hht_rho));
+}
+
+/// Explicit integrators have their own way to take constraints into account.
+void check_explicit(const Method& m, const RunOptions& o) {
+  if (o.accuracy > 0 && m.integrator != Rule::dopri853)
+    refuse(fmt::format("accuracy is {}, but the integrator is {}; accuracy belongs to dopri853", o.accuracy,
+                       name_of(m.integrator)));
+  if (is_explicit(m.integrator) && m.formalism != spec::Simulation::Formalism::index3)
+    refuse(fmt::format("{} is explicit and has no formalism, but the formalism is {}; leave it out",
+                       name_of(m.integrator), name_of(m.formalism)));
+  if (m.accuracy > 0 && o.substeps > 1)
+    refuse(
+        fmt::format("substeps is {}, but with accuracy the parts of a step follow from it; leave one of "
+                    "them out",
+                    o.substeps));
 }
 
 }  // namespace
@@ -78,8 +95,12 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.tolerance = options.tolerance > 0 ? options.tolerance
                 : given.tolerance > 0 ? given.tolerance
                                       : defaults.tolerance;
+  if (m.integrator == Rule::dopri853) m.accuracy = options.accuracy > 0 ? options.accuracy : given.accuracy;
+  check_explicit(m, options);
   m.penalty = given.penalty > 0 ? given.penalty : defaults.penalty;
   m.fixed_cost = options.fixed_cost.value_or(given.fixed_cost);
+  if (m.fixed_cost && m.accuracy > 0)
+    refuse("steps of a fixed cost have no accuracy to keep; leave fixed_cost or accuracy out");
   if (m.fixed_cost && m.formalism != spec::Simulation::Formalism::index3)
     refuse(fmt::format("steps of a fixed cost are made by the formalism index3, not by {}",
                        name_of(m.formalism)));
@@ -97,6 +118,7 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark &&
                        m.integrator != Rule::conserve;
   m.substeps = m.fixed_cost           ? 1
+               : m.accuracy > 0       ? 1
                : options.substeps > 0 ? options.substeps
                : given.substeps > 0   ? given.substeps
                : repeats              ? default_substeps

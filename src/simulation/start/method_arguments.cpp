@@ -27,14 +27,19 @@ std::optional<Integrator> integrator_asked_for(const MethodArguments& arguments,
                                                const spec::Simulation& given) {
   const auto named_one = enumerator<Integrator>(arguments.integrator, method_names::integrators);
   const bool of_newmark = named_one.value_or(given.integrator) == Integrator::newmark;
-  const bool of_conserve = named_one.value_or(given.integrator) == Integrator::conserve;
-  if ((arguments.rho || arguments.xi) && named_one && of_conserve)
-    throw UsageError(fmt::format("{} belongs to other integrators; conserve has none",
-                                 arguments.rho ? "--rho" : "--integrator-xi"));
-  if (arguments.rho && of_conserve)
+  const Integrator one = named_one.value_or(given.integrator);
+  const bool has_none = one == Integrator::conserve || is_explicit(one);
+  if (arguments.accuracy && one != Integrator::dopri853)
+    throw UsageError(fmt::format("--accuracy belongs to dopri853, not to {}; give --integrator dopri853, too",
+                                 name_of(one)));
+  if ((arguments.rho || arguments.xi) && named_one && has_none)
+    throw UsageError(fmt::format("{} belongs to other integrators; {} has none",
+                                 arguments.rho ? "--rho" : "--integrator-xi", name_of(one)));
+  if (arguments.rho && has_none)
     throw UsageError(
-        "--rho belongs to generalized_alpha and hht, and the model's integrator is conserve; name the one "
-        "that you mean with --integrator, too");
+        fmt::format("--rho belongs to generalized_alpha and hht, and the model's integrator is {}; name the "
+                    "one that you mean with --integrator, too",
+                    name_of(one)));
   if (arguments.rho && named_one && of_newmark)
     throw UsageError("--rho belongs to generalized_alpha and hht; newmark has --integrator-xi");
   if (arguments.xi && named_one && !of_newmark)
@@ -70,6 +75,7 @@ RunOptions run_options(const MethodArguments& arguments, const spec::Simulation&
   if (arguments.xi) options.xi = *arguments.xi;
   if (arguments.rho) options.rho = *arguments.rho;
   if (arguments.tolerance) options.tolerance = *arguments.tolerance;
+  if (arguments.accuracy) options.accuracy = *arguments.accuracy;
   options.max_iterations = arguments.max_iterations;
   options.substeps = arguments.substeps;
   if (arguments.fixed_cost || arguments.no_fixed_cost) options.fixed_cost = arguments.fixed_cost;

@@ -21,6 +21,7 @@ std::uint64_t fingerprint(const Model& model, const Method& method,
         static_cast<double>(method.energies), static_cast<double>(method.validity),
         static_cast<double>(method.warnings)})
     hash.add(choice);
+  if (method.accuracy > 0) hash.add(method.accuracy);
   return hash.value() != 0 ? hash.value() : 1;
 }
 
