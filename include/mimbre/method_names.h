@@ -12,7 +12,7 @@ inline constexpr std::array formulations{"relative", "natural"};
 inline constexpr std::array inertias{"integrals", "projection", "projection_translations"};
 inline constexpr std::array formalisms{"index3",  "index1",           "baumgarte",
                                        "penalty", "index1_augmented", "independent"};
-inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve"};
+inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853"};
 
 }  // namespace mimbre::method_names
 
@@ -20,6 +20,11 @@ namespace mimbre {
 
 /// The least spectral radius of HHT (α = −1/3): αf beyond 1/3 costs stability.
 inline constexpr double least_hht_rho = 0.5;
+
+/// Whether an integrator needs accelerations only, no tangents.
+inline bool is_explicit(spec::Simulation::Integrator i) {
+  return i == spec::Simulation::Integrator::rk4 || i == spec::Simulation::Integrator::dopri853;
+}
 
 inline const char* name_of(spec::Simulation::Formulation f) {
   return method_names::formulations[static_cast<std::size_t>(f)];

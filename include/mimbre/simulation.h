@@ -18,12 +18,13 @@ namespace mimbre {
 
 /// How a step ended. Everything but ok leaves the state as it was before the step.
 struct StepReport : Violations {
-  enum class Code { ok, not_converged, not_finite, singular, drifted } code = Code::ok;
+  enum class Code { ok, not_converged, not_finite, singular, drifted, unstable } code = Code::ok;
   int iterations = 0;
   int factorisations = 0;
   int coordinate = -1;            ///< where it went wrong
   int equation = -1;              ///< likewise, where it was in a constraint equation
   double equation_violation = 0;  ///< of that equation, where the constraints came apart: m or rad
+  double part = 0;                ///< s, that the accuracy asked for, where it asked for too short ones
   int substeps = 1;               ///< parts that the step was made in
   bool unconverged = false;       ///< taken before its iterations converged (RunOptions::fixed_cost)
   bool ok() const { return code == Code::ok; }

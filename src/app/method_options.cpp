@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "mimbre/method_names.h"
 #include "mimbre/run_option.h"
 #include "mimbre/run_summary.h"
 
@@ -52,6 +53,14 @@ void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice)
   for (const RunOption& option : run_option_table())
     if (!option.option.empty() && option.key != choice.without && (choice.steps || !option.of_steps))
       std::visit([&](const auto& m) { add(command, option, asked.*m.asked); }, option.member);
+}
+
+std::string method_summary(const Method& method) {
+  if (!is_explicit(method.integrator))
+    return fmt::format("{}, {}, {}", name_of(method.formulation), name_of(method.formalism),
+                       name_of(method.integrator));
+  const std::string accuracy = method.accuracy > 0 ? fmt::format(", accuracy {:g}", method.accuracy) : "";
+  return fmt::format("{}, {}{}", name_of(method.formulation), name_of(method.integrator), accuracy);
 }
 
 std::vector<std::string> method_words(const RunOptions& asked) {

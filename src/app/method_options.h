@@ -17,6 +17,9 @@ struct MethodChoice {
 /// Adds the options of the table that the command line has to a command.
 void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice = {});
 
+/// Formulation, formalism and integrator, for people.
+std::string method_summary(const Method& method);
+
 /// The words of a command line that ask for these.
 std::vector<std::string> method_words(const RunOptions& asked);
 

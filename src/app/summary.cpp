@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/method_options.h"
 #include "app/terminal/table.h"
-#include "mimbre/method_names.h"
 
 namespace mimbre::app {
 namespace {
@@ -75,9 +75,7 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   line("steps", fmt::format("{}", totals.steps));
   line("step", number(simulation.step_size()), "s");
   // In the last column, for the numbers to stay aligned.
-  line("method", "",
-       fmt::format("{}, {}, {}", name_of(simulation.method().formulation),
-                   name_of(simulation.method().formalism), name_of(simulation.method().integrator)));
+  line("method", "", method_summary(simulation.method()));
   if (simulation.method().default_end)
     line("end", number(simulation.method().end), "s  (the default: the model has none)");
   line("coordinates", fmt::format("{}", simulation.coordinates()));

@@ -55,6 +55,11 @@ class System {
   /// The same where only the forces' tangents have changed since factor(), with the same weights: the rest of
   /// the matrix may stay as it was assembled then.
   virtual linalg::FactorStatus factor_tangents(const double* q, const MatrixWeights& weights) = 0;
+  /// Factorises M + penalty·Φzᵀ α Φz at the last residual's state, for solve() and Jacobian products: what
+  /// explicit integrators need.
+  virtual linalg::FactorStatus factor_inertia(const double* q, double penalty) {
+    return factor(q, {0, 0, penalty});
+  }
   virtual void solve(double* x) const = 0;
   /// Assembles as factor() does, but only copies the matrix: velocities × velocities, both triangles,
   /// column-major. For formalisms that are not made for speed; solve() must not follow, Jacobian products
@@ -83,6 +88,9 @@ class System {
   virtual void temper_prediction(double h, double* x) const = 0;
   /// out = q moved by the increment x; out may be q.
   virtual void retract(const double* q, const double* x, double* out) const = 0;
+  /// How the increment x from any positions changes where the mechanism moves with velocities v: v itself,
+  /// but for rotations, which x turns.
+  virtual void increment_rate(const double* x, const double* v, double* rate) const = 0;
   /// x ← increment that does first x, then d.
   virtual void compose(double* x, const double* d) const = 0;
 

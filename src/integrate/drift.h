@@ -11,16 +11,9 @@ inline void find_violations(const System& system, Violations& out) {
   scales.of_kinds(system.phi_dot(), out.velocity_violation, out.angular_velocity_violation);
 }
 
-/// Violations at the end of a step, from the system's last evaluation, and whether the end can be accepted:
-/// |Φ| within `drift_limit` in the mechanism's own units (Scales). Where not, the worst equation is named.
-inline StepCode check_end(const System& system, const StepMotion& motion, double drift_limit,
-                          StepStatus& status) {
-  const int n = system.velocities();
-  for (const Eigen::VectorXd* x : {&motion.x, &motion.v, &motion.a})
-    if (const int bad = find_not_finite(x->data(), n); bad >= 0) {
-      status.coordinate = bad;
-      return StepCode::not_finite;
-    }
+/// Violations of the system's last evaluation, and whether they can be accepted: |Φ| within `drift_limit` in
+/// the mechanism's own units (Scales). Where not, the worst equation is named.
+inline StepCode find_drift(const System& system, double drift_limit, StepStatus& status) {
   find_violations(system, status);
   const std::vector<double>& scale = system.scales().equations;
   double worst = drift_limit;
@@ -36,6 +29,18 @@ inline StepCode check_end(const System& system, const StepMotion& motion, double
   status.equation = equation;
   status.equation_violation = std::abs(system.phi()[equation]);
   return StepCode::drifted;
+}
+
+/// The same at the end of a step, whose motion has to be finite.
+inline StepCode check_end(const System& system, const StepMotion& motion, double drift_limit,
+                          StepStatus& status) {
+  const int n = system.velocities();
+  for (const Eigen::VectorXd* x : {&motion.x, &motion.v, &motion.a})
+    if (const int bad = find_not_finite(x->data(), n); bad >= 0) {
+      status.coordinate = bad;
+      return StepCode::not_finite;
+    }
+  return find_drift(system, drift_limit, status);
 }
 
 }  // namespace mimbre

@@ -48,6 +48,10 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.matrix);
     return system_.factor_tangents(q, weights);
   }
+  linalg::FactorStatus factor_inertia(const double* q, double penalty) override {
+    const Timer timer(seconds_.matrix);
+    return system_.factor_inertia(q, penalty);
+  }
   void solve(double* x) const override {
     const Timer timer(seconds_.solution);
     system_.solve(x);
@@ -73,6 +77,9 @@ class ProfiledSystem final : public System {
   std::vector<JacobianEntry> jacobian_entries() const override { return system_.jacobian_entries(); }
   void temper_prediction(double h, double* x) const override { system_.temper_prediction(h, x); }
   void retract(const double* q, const double* x, double* out) const override { system_.retract(q, x, out); }
+  void increment_rate(const double* x, const double* v, double* rate) const override {
+    system_.increment_rate(x, v, rate);
+  }
   void compose(double* x, const double* d) const override { system_.compose(x, d); }
   bool has_loads_of_inertia() const override { return system_.has_loads_of_inertia(); }
   void add_loads_of_inertia(const double* q, const double* a, double* r) override {

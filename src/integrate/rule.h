@@ -19,6 +19,9 @@ struct RuleCoefficients {
 inline RuleCoefficients rule_coefficients(const IntegratorOptions& options) {
   RuleCoefficients c;
   switch (options.rule) {
+    case IntegratorOptions::Rule::rk4:
+    case IntegratorOptions::Rule::dopri853:  // of ExplicitStepper
+      return c;
     case IntegratorOptions::Rule::newmark:
       c.beta = (1 - options.xi) * (1 - options.xi) / 4;
       c.gamma = (1 - 2 * options.xi) / 2;

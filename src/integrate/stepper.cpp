@@ -1,15 +1,18 @@
 #include "integrate/stepper.h"
 
+#include "integrate/explicit.h"
 #include "integrate/independent.h"
 #include "integrate/index3.h"
 #include "integrate/lagrange.h"
 #include "integrate/penalty.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre {
 
 std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalism formalism,
                                       const IntegratorOptions& options) {
   using Formalism = spec::Simulation::Formalism;
+  if (is_explicit(options.rule)) return std::make_unique<ExplicitStepper>(system, options);
   switch (formalism) {
     case Formalism::index3:
       break;

@@ -19,6 +19,7 @@ struct IntegratorOptions {
   Rule rule = Rule::generalized_alpha;
   double rho = 0.3;  ///< 0..1; HHT exists for 0.5..1 and takes the nearest of these
   double xi = 0;
+  double accuracy = 0;  ///< of dopri853: the error that a step may have, by the scales of the coordinates
   // In the mechanism's own units (Scales).
   double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or gravity
   double position_tolerance = 1e-9;      ///< of the equations
@@ -38,8 +39,9 @@ struct IntegratorOptions {
   double drift_limit = 0.02;  ///< a step that ends with a larger |Φ| fails, in the mechanism's own units
 };
 
-/// drifted: the loops have come apart by more than the formalism should be trusted with.
-enum class StepCode { ok, not_converged, not_finite, singular, drifted };
+/// drifted: the loops have come apart by more than the formalism should be trusted with. unstable: the step
+/// is too long for an explicit rule, which vibrations faster than that would blow up.
+enum class StepCode { ok, not_converged, not_finite, singular, drifted, unstable };
 
 struct StepStatus : Violations {
   StepCode code = StepCode::ok;
@@ -50,6 +52,7 @@ struct StepStatus : Violations {
   double equation_violation = 0;  ///< |Φ| of that equation, where it drifted: m or rad, see Scales::is_angle
   double correction = 0;          ///< last Newton correction, largest entry
   bool unconverged = false;       ///< taken as it was (IntegratorOptions::fixed_cost)
+  double error = 0;  ///< of dopri853: the estimate over IntegratorOptions::accuracy, where that is given
 };
 
 /// A way to advance the equations of motion M z̈ + Φzᵀ λ = Q, Φ = 0 of a system by steps.

@@ -18,6 +18,7 @@ using Rule = S::Integrator;
 
 constexpr std::array has_rho{Rule::generalized_alpha, Rule::hht};
 constexpr std::array has_xi{Rule::newmark};
+constexpr std::array has_accuracy{Rule::dopri853};
 constexpr std::array rho_replaces{Rule::newmark};
 constexpr std::array xi_replaces{Rule::generalized_alpha, Rule::hht, Rule::conserve};
 
@@ -70,7 +71,9 @@ constexpr RunOption table[] = {
              "generalized_alpha: second order, damps what the step cannot resolve\n"
              "newmark: the trapezoidal rule, or with xi below 0 damped\n"
              "hht: Hilber, Hughes, Taylor\n"
-             "conserve: generalized-alpha with its error of energy taken back",
+             "conserve: generalized-alpha with its error of energy taken back\n"
+             "rk4: explicit, fourth order, for mechanisms without stiff parts\n"
+             "dopri853: explicit, eighth order, likewise",
      .section = "integrator",
      .file_key = "type",
      .in_headline = true},
@@ -106,6 +109,19 @@ constexpr RunOption table[] = {
      .section = "integrator",
      .of = has_xi,
      .replaces = xi_replaces,
+     .in_headline = true},
+    {.key = "accuracy",
+     .member = OptionMember<double>{&S::accuracy, &RunOptions::accuracy},
+     .about = "Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; "
+              "without it a step has one part.",
+     .least = 1e-15,
+     .most = 1,
+     .option = "accuracy",
+     .value = "A",
+     .help = "dopri853 divides steps by this error of each part, relative to the\n"
+             "mechanism's size; without it a step has one part",
+     .section = "integrator",
+     .of = has_accuracy,
      .in_headline = true},
     {.key = "tolerance",
      .member = OptionMember<double>{&S::tolerance, &RunOptions::tolerance},
@@ -253,6 +269,26 @@ std::optional<OptionConflict> conflict_of_fixed_cost(const S& given, const RunOp
   return {};
 }
 
+/// Explicit integrators take constraints into account in their own way, and with an accuracy choose the parts
+/// of a step.
+std::optional<OptionConflict> conflict_of_explicit(const S& given, const RunOptions& asked,
+                                                   OptionNames names) {
+  const Rule rule = integrator_in_force(given, asked);
+  if (!is_explicit(rule)) return {};
+  const auto conflict = [&](std::string_view key, const std::string& text) {
+    return OptionConflict{key, fmt::format(fmt::runtime(text), name_of(named(key), names), name_of(rule))};
+  };
+  if (asked.formalism.value_or(given.formalism) != S::Formalism::index3)
+    return conflict("formalism", "{} is given, but {} is explicit and has no formalism; leave it out");
+  if (rule != Rule::dopri853 || !(asked.accuracy.value_or(given.accuracy) > 0)) return {};
+  if (asked.substeps.value_or(1) > 1)
+    return conflict("substeps",
+                    "{} is given, but with an accuracy {} chooses the parts of a step; leave one of them out");
+  if (asked.fixed_cost.value_or(given.fixed_cost))
+    return conflict("fixed_cost", "{} is given, but {} has an accuracy to keep; leave one of them out");
+  return {};
+}
+
 }  // namespace
 
 bool RunOption::allows(double x) const { return std::isfinite(x) && x > above && x >= least && x <= most; }
@@ -318,6 +354,7 @@ std::string name_of(const RunOption& option, OptionNames names) {
 
 std::optional<OptionConflict> find_conflict(const S& given, const RunOptions& asked, OptionNames names) {
   if (auto found = conflict_of_integrators(given, asked, names)) return found;
+  if (auto found = conflict_of_explicit(given, asked, names)) return found;
   return conflict_of_fixed_cost(given, asked, names);
 }
 

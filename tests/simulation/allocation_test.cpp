@@ -141,6 +141,23 @@ loads:
   EXPECT_EQ(allocations_of(geared, 200), 0);
 }
 
+/// Trees, loops, modes, blocks and actuators.
+TEST_P(Allocation, NoneWithExplicitIntegrators) {
+  using Integrator = spec::Simulation::Integrator;
+  for (const auto& [integrator, accuracy] :
+       {std::pair(Integrator::rk4, 0.0), std::pair(Integrator::dopri853, 0.0),
+        std::pair(Integrator::dopri853, 1e-8)})
+    for (const auto& model : {example("double-four-bar/mechanism.yaml"), example("pendulum/flexible.yaml"),
+                              controlled_four_bar()}) {
+      RunOptions o = options();
+      o.integrator = integrator;
+      o.accuracy = accuracy;
+      o.step = 2e-3;
+      Simulation s(model, o);
+      EXPECT_EQ(allocations_of(s, 300), 0) << accuracy;
+    }
+}
+
 /// Held between hinges, so that all that linear modes neglect there is watched.
 TEST_P(Allocation, NoneInTheWatchOverHeldBodies) {
   Simulation s(model_of(R"yaml(

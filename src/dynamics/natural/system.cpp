@@ -269,6 +269,11 @@ void NaturalSystem::temper_prediction(double h, double* x) const {
   }
 }
 
+/// Positions are sums.
+void NaturalSystem::increment_rate(const double*, const double* v, double* rate) const {
+  std::copy_n(v, layout_.unknowns, rate);
+}
+
 void NaturalSystem::retract(const double* q, const double* x, double* out) const {
   for (int k = 0; k < layout_.unknowns; ++k) out[k] = q[k] + x[k];
   if (out != q) std::copy(q + layout_.unknowns, q + layout_.positions, out + layout_.unknowns);

@@ -53,6 +53,7 @@ class NaturalSystem final : public System {
   std::vector<JacobianEntry> jacobian_entries() const override;
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
+  void increment_rate(const double* x, const double* v, double* rate) const override;
   void compose(double* x, const double* d) const override;
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;

@@ -260,6 +260,28 @@ template <class T>
   add_product<T>(phi, ps, parent.size(), phi_force, ps, parent.size(), 6, values, m.diagonal[b.parent]);
 }
 
+/// Adds a body's own inertia about the common point to `composite`, and to `elastic` (six rows, zero or what
+/// its children have added) the coupling of its modes with the motion of its frame. Where it has modes whose
+/// matrix is not constant, w.folded becomes their mass matrix.
+template <class T>
+[[gnu::always_inline]] inline void add_own_inertia(const Compiled& m, Workspace<T>& w, std::size_t i,
+                                                   const T* q, typename Workspace<T>::Composite& composite,
+                                                   T* elastic) {
+  const BodyData& b = m.bodies[i];
+  const Motion<T>& motion = w.bodies[i];
+  const Mat3<T>& A = motion.rotation;
+  // Own inertia about the common point: r = p + A r̄.
+  OwnInertia<T> inertia{T(b.mass), b.first_moment.template cast<T>(), b.second_moment.template cast<T>()};
+  if (b.modes > 0) add_flexible_inertia(m, w, i, q, inertia, elastic);
+  const Vec3<T>& p = motion.position;
+  const Vec3<T> first_global = A * inertia.first;
+  composite.mass += inertia.mass;
+  composite.moment += inertia.mass * p + first_global;
+  const Mat3<T> mixed = p * first_global.transpose();
+  composite.second +=
+      inertia.mass * p * p.transpose() + mixed + mixed.transpose() + A * inertia.second * A.transpose();
+}
+
 /// Adds the mass matrix (composite sums from the leaves, Lugrís 2008, 2.132–2.156) to the sparse values,
 /// after motion_subspaces(). By shape integrals it needs w.integrals at the same amplitudes (residual writes
 /// them).
@@ -273,23 +295,11 @@ void mass(const Compiled& m, Workspace<T>& w, const T* q, T* values) {
   for (T& x : w.elastic_forces) x = T(0);
   for (std::size_t i = m.bodies.size(); i-- > 0;) {
     const BodyData& b = m.bodies[i];
-    const Motion<T>& motion = w.bodies[i];
-    const Mat3<T>& A = motion.rotation;
     const MotionSubspace& body_set = m.subspaces[b.subspace];
     const int s = body_set.stride;
     auto& composite = w.composites[i];
-
-    // Own inertia about the common point: r = p + A r̄.
-    OwnInertia<T> inertia{T(b.mass), b.first_moment.template cast<T>(), b.second_moment.template cast<T>()};
     T* elastic = w.elastic_forces.data() + w.elastic_offset[i];
-    if (b.modes > 0) add_flexible_inertia(m, w, i, q, inertia, elastic);
-    const Vec3<T>& p = motion.position;
-    const Vec3<T> first_global = A * inertia.first;
-    composite.mass += inertia.mass;
-    composite.moment += inertia.mass * p + first_global;
-    const Mat3<T> mixed = p * first_global.transpose();
-    composite.second +=
-        inertia.mass * p * p.transpose() + mixed + mixed.transpose() + A * inertia.second * A.transpose();
+    add_own_inertia<T>(m, w, i, q, composite, elastic);
 
     // Force of each coordinate: composite inertia times the body's column, plus the elastic coupling.
     const T* own = w.subspaces.data() + body_set.offset;

@@ -28,6 +28,33 @@ void retract(const Compiled& m, const T* q, const T* x, T* out) {
   }
 }
 
+/// How the increment x changes at velocities v: of rotations dexp⁻¹(x) v = v + ½ x × v + c x × (x × v), c =
+/// (1 − φ/2 cot φ/2)/φ², φ = |x| (Iserles, Munthe-Kaas, Nørsett, Zanna 2000, 2.45).
+template <class T>
+void increment_rate(const Compiled& m, const T* x, const T* v, T* rate) {
+  for (int k = 0; k < m.velocities; ++k) rate[k] = v[k];
+  for (const BodyData& b : m.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    if (info.quaternion < 0) continue;
+    const int at = b.v + info.rotation;
+    const Vec3<T> u(x[at], x[at + 1], x[at + 2]), w(v[at], v[at + 1], v[at + 2]);
+    const T y = u.squaredNorm();
+    const T c = choose(
+        y < T(0.09),
+        [&] {
+          return T(1. / 12) *
+                 (T(1) + y / 60. * (T(1) + y / 42. * (T(1) + y / 40. * (T(1) + y * (5. / 198)))));
+        },
+        [&] {
+          const RotationSeries<T> s = rotation_series<T>(y);
+          return T((T(1) - s.sinc / (T(2) * s.a)) / y);
+        });
+    const Vec3<T> turned = u.cross(w);
+    const Vec3<T> sum = w + T(0.5) * turned + c * u.cross(turned);
+    for (int k = 0; k < 3; ++k) rate[at + k] = sum[k];
+  }
+}
+
 /// x ← increment that does first x, then d.
 template <class T>
 void compose(const Compiled& m, T* x, const T* d) {

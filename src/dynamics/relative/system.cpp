@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dynamics/relative/articulated.h"
 #include "dynamics/relative/assembly.h"
 #include "dynamics/relative/evaluation.h"
 #include "dynamics/relative/retract.h"
@@ -93,6 +94,9 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   });
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
 
+  if (model.equations == 0 && is_articulated(model))
+    articulated_ = std::make_unique<ArticulatedBodies<double>>(model);
+
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
   if (work_.projections.empty()) return;
@@ -106,6 +110,8 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
                                  body.name));
   }
 }
+
+RelativeSystem::~RelativeSystem() = default;
 
 void RelativeSystem::begin_step(const double* q) { set_origin<double>(model_, work_, q); }
 
@@ -126,7 +132,15 @@ void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
                              KeptMarks{marks_, tangents_, couplings_, marks_.ancf()});
 }
 
+linalg::FactorStatus RelativeSystem::factor_inertia(const double* q, double penalty) {
+  if (!articulated_) return factor(q, {0, 0, penalty});
+  motion_subspaces<double>(model_, work_, q);
+  by_bodies_ = true;
+  return {articulated_->factor(model_, work_, q)};
+}
+
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
+  by_bodies_ = false;
   assemble(q, weights);
   tangents_.assembled(factor_.values());
   return factor_.factor();
@@ -134,10 +148,16 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
 
 linalg::FactorStatus RelativeSystem::factor_tangents(const double* q, const MatrixWeights& weights) {
   if (!tangents_.possible()) return factor(q, weights);
+  by_bodies_ = false;
   tangents_.exchange(model_, work_, weights, factor_.values(), [&](std::size_t k, const auto& state) {
     marks_.element(k) = element_tangent(state, weights);
   });
   return factor_.factor();
+}
+
+void RelativeSystem::solve(double* x) const {
+  if (by_bodies_) return articulated_->solve(model_, work_, x);
+  couplings_.solve(x, [this](double* y) { factor_.solve(y); });
 }
 
 void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
@@ -207,6 +227,10 @@ void RelativeSystem::temper_prediction(double h, double* x) const {
 
 void RelativeSystem::retract(const double* q, const double* x, double* out) const {
   relative::retract<double>(model_, q, x, out);
+}
+
+void RelativeSystem::increment_rate(const double* x, const double* v, double* rate) const {
+  relative::increment_rate<double>(model_, x, v, rate);
 }
 
 void RelativeSystem::compose(double* x, const double* d) const { relative::compose<double>(model_, x, d); }

@@ -9,6 +9,9 @@
 
 namespace mimbre::relative {
 
+template <class T>
+class ArticulatedBodies;
+
 /// The semi-recursive formulation in relative coordinates (Lugrís 2008, chapter 2) behind the System
 /// interface.
 class RelativeSystem final : public System {
@@ -16,6 +19,7 @@ class RelativeSystem final : public System {
   /// Inertia other than by shape integrals throws InputError when a flexible body has no mesh for it.
   explicit RelativeSystem(const Compiled& model,
                           spec::Simulation::Inertia inertia = spec::Simulation::Inertia::integrals);
+  ~RelativeSystem() override;
 
   int positions() const override { return model_.positions; }
   int velocities() const override { return model_.velocities; }
@@ -34,9 +38,8 @@ class RelativeSystem final : public System {
   const double* phi_ddot() const override { return work_.phi_ddot.data(); }
   linalg::FactorStatus factor(const double* q, const MatrixWeights& weights) override;
   linalg::FactorStatus factor_tangents(const double* q, const MatrixWeights& weights) override;
-  void solve(double* x) const override {
-    couplings_.solve(x, [this](double* y) { factor_.solve(y); });
-  }
+  linalg::FactorStatus factor_inertia(const double* q, double penalty) override;
+  void solve(double* x) const override;
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
@@ -47,6 +50,7 @@ class RelativeSystem final : public System {
   std::vector<JacobianEntry> jacobian_entries() const override;
   void temper_prediction(double h, double* x) const override;
   void retract(const double* q, const double* x, double* out) const override;
+  void increment_rate(const double* x, const double* v, double* rate) const override;
   void compose(double* x, const double* d) const override;
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
@@ -69,6 +73,9 @@ class RelativeSystem final : public System {
   TangentMarks marks_;
   PairCouplings couplings_;
   ElementTangents tangents_;
+  /// Of trees without equations: their inertia by bodies. And whether that is what solve() takes.
+  std::unique_ptr<ArticulatedBodies<double>> articulated_;
+  bool by_bodies_ = false;
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

@@ -108,6 +108,27 @@ std::string_view unit_of_force(const Compiled& m, const natural::NaturalSystem* 
   return "N or N m";
 }
 
+/// Of explicit integrators.
+std::string explain_unstable(const Mechanism& mechanism, const StepReport& r, double t, double stable) {
+  if (r.part > 0)
+    return fmt::format(
+        "the accuracy asks for parts of {:.1e} s or for too many of them in the step to t = {:.6g} s: "
+        "something is stiff there, or jumps; ask for less accuracy, or use generalized_alpha (the default)",
+        r.part, t);
+  const double step = t - mechanism.state.time;
+  const bool is_stiff = stable > 0 && stable < step;
+  const std::string where =
+      r.coordinate < 0
+          ? ""
+          : ", most in " + coordinate_name(mechanism.model, mechanism.natural.get(), r.coordinate);
+  return fmt::format(
+      "the step of {:.3g} s to t = {:.6g} s is too long for an explicit integrator{}: {}; use "
+      "generalized_alpha (the default), which is stable with any step{}",
+      step, t, where,
+      is_stiff ? "something vibrates or decays there much faster" : "something jumps there, or is stiff",
+      is_stiff ? fmt::format(", or steps of up to about {:.1e} s", stable) : "");
+}
+
 }  // namespace
 
 std::string explain_undetermined_start(const Compiled& m, const natural::NaturalSystem* natural,
@@ -151,7 +172,8 @@ std::string explain_undetermined_start(const Compiled& m, const natural::Natural
       where);
 }
 
-std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump) {
+std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump,
+                    double stable) {
   const Compiled& model = mechanism.model;
   const natural::NaturalSystem* const natural = mechanism.natural.get();
   const std::string where = coordinate_name(model, natural, r.coordinate);
@@ -182,6 +204,8 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
           "the constraints have come apart in the step to t = {:.6g} s: {} is off by {}; this formalism does "
           "not keep them closed; use `index3`, a stabilised one or a smaller step",
           t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
+    case StepReport::Code::unstable:
+      return explain_unstable(mechanism, r, t, stable);
     case StepReport::Code::singular:
       if (r.equation >= 0)
         return fmt::format(

@@ -1,5 +1,7 @@
 #include "simulation/observe/observers.h"
 
+#include "mimbre/method_names.h"
+
 namespace mimbre {
 
 Observers::Observers(const Mechanism& mechanism, const Method& method, bool redundant)
@@ -9,7 +11,8 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
       turns_(mechanism.model),
       roads_(mechanism.model) {
   if (!method.validity) return;
-  if (method.warnings) spins_ = std::make_unique<SpinWatch>(model_);
+  // Its limits are those of rules of second order.
+  if (method.warnings && !is_explicit(method.integrator)) spins_ = std::make_unique<SpinWatch>(model_);
   if (spins_ && spins_->none()) spins_.reset();
   validity_ = std::make_unique<ValidityMonitor>(model_);
   if (validity_->empty()) validity_.reset();

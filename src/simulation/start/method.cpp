@@ -50,6 +50,7 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   m.integrator = integrator_in_force(given, options);
   if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
   if (m.integrator == Rule::conserve) m.xi = 0;
+  if (m.integrator != Rule::dopri853) m.accuracy = 0;
   if (m.tolerance == 0) m.tolerance = defaults.tolerance;
   if (m.penalty == 0) m.penalty = defaults.penalty;
   if (m.max_iterations == 0)
@@ -57,7 +58,7 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   // Other formalisms and Newmark's rule are there to be seen as they are.
   const bool repeats = m.formalism == spec::Simulation::Formalism::index3 && m.integrator != Rule::newmark &&
                        m.integrator != Rule::conserve;
-  if (m.fixed_cost)
+  if (m.fixed_cost || m.accuracy > 0)
     m.substeps = 1;
   else if (m.substeps == 0)
     m.substeps = repeats ? default_substeps : 1;

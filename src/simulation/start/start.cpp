@@ -6,6 +6,7 @@
 #include "integrate/vectors.h"
 #include "simulation/describe/explain.h"
 #include "simulation/describe/names.h"
+#include "simulation/start/accuracy_limits.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/drawn_open.h"
 #include "simulation/start/locking.h"
@@ -70,6 +71,7 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
         "integrator conserve: drives prescribe velocities, so that {} to take back the energy that the "
         "numerics feed in; look at energy.numerical, or take a smaller step",
         free_groups(m).empty() ? "nothing is left" : "only turns of what flies freely are left"));
+  if (method.accuracy > 0) warn(accuracy_limits(m));
   mechanism.observe();
   mechanism.commit(false);
   if (warns) warn(explain_branches(observer, mechanism.view()));

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "base/cpu_time.h"
+#include "integrate/fastest_motion.h"
 #include "simulation/describe/body_drawings.h"
 #include "simulation/describe/element_drawings.h"
 #include "simulation/describe/explain.h"
@@ -208,6 +209,13 @@ struct Simulation::Impl {
     if (!jump) jump = find_jumping_law();
     return *jump;
   }
+  /// Of an explicit integrator, s, at the state; 0: unknown.
+  double longest_stable_step() {
+    mechanism.enter(0);
+    const double rate = fastest_motion(mechanism.system, mechanism.state);
+    look_anew();
+    return rate > 0 ? stable_reach(method.integrator) / rate : 0;
+  }
   std::string find_jumping_law() {
     const auto seen_in = [](const auto& work) {
       return SeenByLaws{{work.signals.value.begin(), work.signals.value.end()},
@@ -335,7 +343,9 @@ std::string Simulation::explain(const StepReport& report) const {
   Impl& s = *impl_;
   std::string jump;
   if (report.code == StepReport::Code::not_converged) jump = s.law_that_jumps();
-  std::string text = mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump);
+  double stable = 0;
+  if (report.code == StepReport::Code::unstable && report.part == 0) stable = s.longest_stable_step();
+  std::string text = mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, stable);
   return report.ok() ? text : text + sunk_wheels(s.compiled, s.steps.contacts());
 }
 

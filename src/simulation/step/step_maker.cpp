@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "dynamics/geometric.h"
+#include "math/elementary.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre {
 namespace {
@@ -17,6 +19,7 @@ IntegratorOptions integrator_options(const Method& method) {
   options.xi = method.xi;
   options.tolerance = method.tolerance;
   options.penalty = method.penalty;
+  options.accuracy = method.accuracy;
   options.max_iterations = method.max_iterations;
   options.fixed_cost = method.fixed_cost;
   return options;
@@ -35,7 +38,15 @@ constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
 constexpr int levels_of_convergence = 6;
 constexpr int most_parts = 1 << 22;
 
+/// Where parts follow from an estimate of their error: what of it they aim at, by how much they grow and
+/// shrink at most, and how many there may be in a step, those that are made again included.
+constexpr double caution = 0.9, least_growth = 0.2, most_growth = 5;
+constexpr int most_parts_by_error = 10000;
+/// Of the time, below which a part does not move it.
+constexpr double round_off_of_time = 1e-14;
+
 int levels(const Compiled& model, const Method& method) {
+  if (method.accuracy > 0) return 2;  // the step's begin, and the part's
   if (method.substeps == 1) return 0;
   if (model.first_of_contact.back() == model.first_of_contact.front()) return 1;
   int levels = 1;
@@ -140,7 +151,8 @@ const State& StepMaker::observe_end(bool known) {
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
-  const bool corrects = conserves_ || !free_flight_.none();
+  // Explicit rules are of higher order than what would be corrected.
+  const bool corrects = conserves_ || (!free_flight_.none() && !is_explicit(method_.integrator));
   if (corrects) {
     m.observe_afresh();
     free_flight_.begin(m.observer, m.view());
@@ -238,6 +250,49 @@ void StepMaker::cover(double length, int level, StepReport& report) {
   if (!report.ok()) back_to(begins_[number]);
 }
 
+/// One step, in parts whose estimated error is within the accuracy.
+void StepMaker::cover_by_error(double length, StepReport& report) {
+  using Code = StepReport::Code;
+  keep_in(begins_[0]);
+  double done = 0;
+  for (int count = 0; done < length; ++count) {
+    const double left = length - done;
+    // Two halves rather than a part and a sliver.
+    const double part = next_part_ == 0 || next_part_ >= left ? left
+                        : next_part_ >= 0.6 * left            ? 0.5 * left
+                                                              : next_part_;
+    if (count == most_parts_by_error || !(part > round_off_of_time * (mechanism_.state.time + length))) {
+      report.code = Code::unstable;
+      report.coordinate = -1;
+      report.part = part;
+      break;
+    }
+    keep_in(begins_[1]);
+    const StepReport before = report;
+    integrator_->set_step(part);
+    advance(report);
+    const bool fails = !report.ok();
+    const double error = last_.error;
+    const double growth = fails ? least_growth
+                          : error > 0
+                              ? std::clamp(caution * mimbre::pow(error, -1. / 8), least_growth, most_growth)
+                              : most_growth;
+    if (fails || error > 1) {
+      back_to(begins_[1]);
+      report.code = Code::ok;
+      static_cast<Violations&>(report) = before;
+      next_part_ = part * growth;
+      continue;
+    }
+    // A short last part says nothing of the next step's first.
+    if (part < left || part * growth > next_part_) next_part_ = part * growth;
+    if (!contacts_.none()) contacts_.note(mechanism_.state.time, log_);
+    done = part == left ? length : done + part;
+  }
+  integrator_->set_step(length);
+  if (!report.ok()) back_to(begins_[0]);
+}
+
 StepReport StepMaker::step(double length) {
   Mechanism& m = mechanism_;
   length_ = length;
@@ -248,7 +303,7 @@ StepReport StepMaker::step(double length) {
   if (method_.fixed_cost && under_way_) m.state.started = true;
   if (!m.state.started) begin_anew();
   if (keeps_) keep_in(before_);
-  cover(length, 0, report);
+  method_.accuracy > 0 ? cover_by_error(length, report) : cover(length, 0, report);
   if (!report.ok()) return report;
   under_way_ = true;
   // Sums of steps drift away from their multiples by round-off; what an event leaves of one has no multiples.
@@ -259,6 +314,7 @@ StepReport StepMaker::step(double length) {
 }
 
 int StepMaker::most_divisions() const {
+  if (method_.accuracy > 0) return most_parts_by_error;
   const int levels = static_cast<int>(begins_.size());
   return levels <= 1 ? levels : divisions_a_level * levels;
 }
@@ -272,6 +328,7 @@ void StepMaker::transfer(StateTransfer& transfer) {
   meter_.transfer(transfer);
   for (ContactTrouble& trouble : log_) trouble.transfer(transfer);
   if (method_.fixed_cost) transfer(under_way_);
+  if (method_.accuracy > 0) transfer(next_part_);
   transfer(last_.iterations, last_.position_violation, last_.angle_violation, last_.velocity_violation,
            last_.angular_velocity_violation);
 }
