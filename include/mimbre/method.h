@@ -37,13 +37,13 @@ struct Simulation {
     rk4,       ///< explicit, of order 4: for mechanisms without stiff parts
     dopri853   ///< explicit, of order 8, with steps that follow from `accuracy` where it is given
   } integrator = Integrator::generalized_alpha;
-  double rho = -1;         ///< spectral radius at infinity, 0..1 (hht: 0.5..1); -1: the library's default
-  double xi = 0;           ///< Newmark's ξ ≤ 0
-  double tolerance = 0;    ///< of the iterations, see docs/model-file.md; 0: default
-  double accuracy = 0;     ///< of dopri853: error of a part of a step, by the mechanism's size; 0: whole steps
-  double penalty = 0;      ///< weight of the constraints; 0: automatic
-  int max_iterations = 0;  ///< of a step, or of each of its parts; 0: default
-  int substeps = 0;        ///< parts in which an inaccurate step is repeated; 0: default, 1: never
+  double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); -1: the library's default
+  double xi = 0;         ///< Newmark's ξ ≤ 0
+  double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: default
+  double accuracy = 0;   ///< of dopri853: error of a part of a step, by the mechanism's size; 0: whole steps
+  double penalty = 0;    ///< weight of the constraints; 0: automatic
+  int max_iterations = 0;             ///< of a step, or of each of its parts; 0: default
+  int substeps = 0;                   ///< parts in which an inaccurate step is repeated; 0: default, 1: never
   double energy_tolerance = 0;        ///< see RunOptions::energy_tolerance; 0: default
   bool fixed_cost = false;            ///< see RunOptions::fixed_cost
   bool start_at_equilibrium = false;  ///< `initial: equilibrium`

@@ -112,8 +112,9 @@ constexpr RunOption table[] = {
      .in_headline = true},
     {.key = "accuracy",
      .member = OptionMember<double>{&S::accuracy, &RunOptions::accuracy},
-     .about = "Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; "
-              "without it a step has one part.",
+     .about =
+         "Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; "
+         "without it a step has one part.",
      .least = 1e-15,
      .most = 1,
      .option = "accuracy",
@@ -282,8 +283,9 @@ std::optional<OptionConflict> conflict_of_explicit(const S& given, const RunOpti
     return conflict("formalism", "{} is given, but {} is explicit and has no formalism; leave it out");
   if (rule != Rule::dopri853 || !(asked.accuracy.value_or(given.accuracy) > 0)) return {};
   if (asked.substeps.value_or(1) > 1)
-    return conflict("substeps",
-                    "{} is given, but with an accuracy {} chooses the parts of a step; leave one of them out");
+    return conflict(
+        "substeps",
+        "{} is given, but with an accuracy {} chooses the parts of a step; leave one of them out");
   if (asked.fixed_cost.value_or(given.fixed_cost))
     return conflict("fixed_cost", "{} is given, but {} has an accuracy to keep; leave one of them out");
   return {};
