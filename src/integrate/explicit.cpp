@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "integrate/runge_kutta.h"
-#include "integrate/step_end.h"
+#include "integrate/drift.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
