@@ -83,8 +83,10 @@ RunOptions options_of(Rule rule, double step, double accuracy = 0) {
   RunOptions o;
   o.integrator = rule;
   o.step = step;
-  o.accuracy = accuracy;
-  o.substeps = accuracy > 0 ? 0 : 1;
+  if (accuracy > 0)
+    o.accuracy = accuracy;
+  else
+    o.substeps = 1;
   return o;
 }
 
@@ -351,7 +353,7 @@ TEST(Explicit, HasTheSameStepsWithAFixedCost) {
   const auto model = model_of(cases[5].text);
   RunOptions options = options_of(Rule::rk4, 0.005);
   const VectorXd plain = run_with(model, options, 0.2);
-  options.substeps = 0;
+  options.substeps.reset();
   options.fixed_cost = true;
   EXPECT_EQ(run_with(model, options, 0.2), plain);
 }
@@ -372,7 +374,7 @@ TEST(Explicit, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refused(options), testing::HasSubstr("rk4 is explicit and has no formalism"));
   options = options_of(Rule::dopri853, 1e-3, 1e-6);
   options.fixed_cost = true;
-  EXPECT_THAT(refused(options), testing::HasSubstr("no accuracy to keep"));
+  EXPECT_THAT(refused(options), testing::HasSubstr("has an accuracy to keep"));
   options = options_of(Rule::dopri853, 1e-3);
   options.rho = 0.5;
   EXPECT_THAT(refused(options), testing::HasSubstr("rho belongs to generalized_alpha and hht"));
