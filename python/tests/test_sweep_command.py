@@ -263,7 +263,7 @@ def test_an_interrupted_sweep_goes_on(folder, rows):
 def test_the_schema_says_what_is_read():
     schema = json.loads((top / "schema/study.schema.json").read_text())
     assert tuple(sorted(schema["properties"])) == tuple(sorted(study_file._keys))
-    assert tuple(schema["properties"]["method"]["properties"]) == study_file._methods
+    assert tuple(schema["properties"]["method"]["properties"]) == tuple(study_file._methods)
     assert tuple(schema["$defs"]["samples"]["properties"]["sampler"]["enum"]) == study_file.SAMPLERS
 
 

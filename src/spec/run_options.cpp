@@ -310,7 +310,9 @@ const RunOption* find_run_option(std::string_view key) {
 std::string allowed_numbers(const RunOption& option) {
   const std::string kind =
       std::holds_alternative<OptionMember<int>>(option.member) ? "a whole number" : "a number";
-  const std::string of = option.unit.empty() ? kind : fmt::format("{} of {}", kind, option.unit);
+  const std::string of = option.unit.empty()
+                             ? kind
+                             : fmt::format("{} of {}", kind, option.unit == "s" ? "seconds" : option.unit);
   if (std::isfinite(option.above)) return fmt::format("{} above {}", of, option.above);
   if (!std::isfinite(option.least)) return fmt::format("{} of {} or less", kind, option.most);
   if (!std::isfinite(option.most)) return fmt::format("{} from {}", of, option.least);

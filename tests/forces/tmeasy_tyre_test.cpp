@@ -186,8 +186,9 @@ TEST_P(TmeasyTyre, LockedWheelsSlideAndStop) {
   // Of sliding, which goes with the load, whatever way it is distributed.
   const double mu = along.sliding / load;
   EXPECT_NEAR((v0 * v0 - v1 * v1) / (2 * (x1 - x0)), mu * 9.81, 0.01 * 9.81);
-  run_to(s, 3);
-  EXPECT_NEAR(channel(s, "vx"), 0, 1e-3);
+  // It rocks on its tyres before it stands.
+  run_to(s, 8);
+  EXPECT_NEAR(channel(s, "vx"), 0, 1e-6);
 }
 
 /// With its brakes on a slope of 20 % it stands for good.
@@ -204,7 +205,7 @@ TEST_P(TmeasyTyre, KeepsTheBalanceOfEnergy) {
   Simulation s = simulation_of(
       cart_text(
           {.tyre = tyre(500), .more = speed_of_car, .brake = 300, .friction = 1, .speed = 12, .arms = true}),
-      GetParam());
+      GetParam(), 0.001);
   const double at_first = s.energy().kinetic;
   run_to(s, 2);
   EXPECT_LT(s.energy().kinetic, 0.8 * at_first);

@@ -142,7 +142,7 @@ outputs:
   const auto end = [&](double step, double tolerance) {
     RunOptions options;
     options.step = step;
-    options.tolerance = tolerance;
+    if (tolerance > 0) options.tolerance = tolerance;
     Simulation s(model, options);
     for (int k = static_cast<int>(std::lround(0.5 / step)); k > 0; --k) EXPECT_TRUE(s.step().ok());
     ResultsRow row;

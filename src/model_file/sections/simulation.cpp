@@ -13,7 +13,8 @@ namespace mimbre::model_file {
 namespace {
 
 std::optional<double> read_number(const Value& value, const RunOption& option) {
-  const auto number = value.number(option.unit == "s" ? quantity::time : quantity::number);
+  const Quantity& of = option.unit == "s" ? quantity::time : quantity::number;
+  const auto number = option.above == 0 ? value.positive(of) : value.number(of);
   if (!number || option.allows(*number)) return number;
   value.error(fmt::format("{} is not {}", *number, allowed_numbers(option)));
   return {};
