@@ -55,7 +55,7 @@ void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice)
       std::visit([&](const auto& m) { add(command, option, asked.*m.asked); }, option.member);
 }
 
-std::string method_summary(const Method& method) {
+std::string method_line(const Method& method) {
   if (!is_explicit(method.integrator))
     return fmt::format("{}, {}, {}", name_of(method.formulation), name_of(method.formalism),
                        name_of(method.integrator));

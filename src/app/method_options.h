@@ -18,7 +18,7 @@ struct MethodChoice {
 void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice = {});
 
 /// Formulation, formalism and integrator, for people.
-std::string method_summary(const Method& method);
+std::string method_line(const Method& method);
 
 /// The words of a command line that ask for these.
 std::vector<std::string> method_words(const RunOptions& asked);

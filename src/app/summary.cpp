@@ -75,7 +75,7 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   line("steps", fmt::format("{}", totals.steps));
   line("step", number(simulation.step_size()), "s");
   // In the last column, for the numbers to stay aligned.
-  line("method", "", method_summary(simulation.method()));
+  line("method", "", method_line(simulation.method()));
   if (simulation.method().default_end)
     line("end", number(simulation.method().end), "s  (the default: the model has none)");
   line("coordinates", fmt::format("{}", simulation.coordinates()));

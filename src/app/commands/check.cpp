@@ -243,7 +243,7 @@ std::string method_table(const Method& m) {
   table.add({"rows every", fmt::format("{:.6g}", m.output_interval > 0 ? m.output_interval : m.step), "s"});
   table.add({"tolerance", fmt::format("{:g}", m.tolerance), ""});
   table.add({"parts of inaccurate steps", fmt::format("{}", m.substeps), m.fixed_cost ? "(fixed cost)" : ""});
-  table.add({"method", "", method_summary(m)});
+  table.add({"method", "", method_line(m)});
   return table.text();
 }
 
