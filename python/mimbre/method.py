@@ -21,11 +21,11 @@ class Method(TypedDict, total=False):
     """Spectral radius of generalized_alpha (0 to 1) and hht (0.5 to 1); 1 damps nothing."""
     xi: float
     """Of newmark: 0, or less, which damps."""
-    tolerance: float
-    """Of the iterations, relative; default: 1e-5."""
     accuracy: float
     """Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; without it a step
     has one part."""
+    tolerance: float
+    """Of the iterations, relative; default: 1e-5."""
     max_iterations: int
     """Of a step."""
     substeps: int

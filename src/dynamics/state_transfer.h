@@ -47,10 +47,7 @@ class StateTransfer {
   void value(int& x) { whole(x); }
   void value(std::int64_t& x) { whole(x); }
   void value(bool& x) { whole(x); }
-  template <class Allocator>
-  void value(std::vector<double, Allocator>& x) {
-    numbers(x.data(), x.size());
-  }
+  void value(std::vector<double>& x) { numbers(x.data(), x.size()); }
   template <int Rows, int Columns>
   void value(Eigen::Matrix<double, Rows, Columns>& x) {
     numbers(x.data(), static_cast<std::size_t>(x.size()));

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "dynamics/scales.h"
-#include "dynamics/state_transfer.h"
 #include "linalg/block_sparse.h"
 
 namespace mimbre {
@@ -71,11 +70,6 @@ class System {
   /// The tangents in the factorised matrix, which tangent_changed() compares with. The first iteration of a
   /// step may ask for those of the step before, so that they belong to what must be saved to go on.
   virtual std::span<double> tangent_marks() = 0;
-  /// Whether the factorised matrix stays as it is in the steps that follow: swarms' pairs are found anew in
-  /// each.
-  virtual bool matrix_lasts() const = 0;
-  /// The factorised matrix and the Jacobian of the equations that belongs to it; of matrices that last.
-  virtual void transfer_matrix(StateTransfer& transfer) = 0;
   /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
   /// x.
   virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;

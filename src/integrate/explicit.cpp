@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/runge_kutta.h"
 #include "integrate/drift.h"
+#include "integrate/runge_kutta.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {

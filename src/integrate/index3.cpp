@@ -55,22 +55,6 @@ void IndexThree::set_step(double step) {
   motion_.set_step(step);
   // The residual's derivative divided by ∂z̈/∂x.
   weights_ = {motion_.rate * motion_.scale, motion_.scale, options_.penalty};
-  forget();
-}
-
-void IndexThree::forget() {
-  prediction_.forget();
-  kept_.good = false;
-}
-
-/// With a fixed budget every step makes its own: what matters there is the step that takes longest.
-bool IndexThree::keeps_matrices() const { return !options_.fixed_cost && system_.matrix_lasts(); }
-
-void IndexThree::transfer(StateTransfer& transfer) {
-  prediction_.transfer(transfer);
-  if (!keeps_matrices()) return;
-  transfer(kept_.good, kept_.corrections);
-  system_.transfer_matrix(transfer);
 }
 
 /// Adds to `target` the smallest change, in the norm of W, that brings Φz target to −violation; g_ is its
@@ -138,8 +122,7 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     return t;
   }
   motion_.accept(s, lambda_);
-  prediction_.learn(scales_, motion_.x);
-  if (!t.precise && keeps_matrices()) kept_.judge(t.newton, t.assembled);
+  prediction_.learn(motion_.h, scales_, motion_.x);
   return t;
 }
 
@@ -154,13 +137,11 @@ IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
   lambda_ = s.multipliers;
   mixing_.reset();
   nearest_.off = std::numeric_limits<double>::infinity();
-  t.newton.refactor = precise || !s.started || !kept_.good;
-  kept_.good = false;  // until the step is made
   if (!s.started) prediction_.forget();
   t.status.code = motion_.begin(s, t.status);
   if (t.status.code != StepCode::ok) return t;
   motion_.predict(s);
-  prediction_.begin(motion_.x);
+  prediction_.begin(motion_.h, motion_.x);
   if (!precise && motion_.h < short_part * usual_step_ && system_.equations() > 0) {
     system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
     t.inherits = scales_.of_equations(system_.phi()) <= accepted_positions * t.position_tolerance;
@@ -225,7 +206,6 @@ bool IndexThree::fail(Attempt& t, StepCode code, int coordinate) {
 bool IndexThree::find_correction(Attempt& t) {
   const int n = system_.velocities(), m = system_.equations();
   t.refactored = t.precise || t.newton.refactor;
-  t.assembled = t.assembled || t.refactored;
   if (t.refactored || system_.tangent_changed(motion_.q.data(), weights_)) {
     mixing_.reset();
     const linalg::FactorStatus f = t.refactored ? system_.factor(motion_.q.data(), weights_)

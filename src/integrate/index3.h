@@ -21,8 +21,8 @@ class IndexThree final : public Stepper {
   /// Near singular positions, which only constraints have, a step is repeated.
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
-  void transfer(StateTransfer& transfer) override;
-  void forget() override;
+  void transfer(StateTransfer& transfer) override { prediction_.transfer(transfer); }
+  void forget() override { prediction_.forget(); }
 
  private:
   /// Positions are accepted with violations of up to this multiple of their tolerance.
@@ -37,7 +37,6 @@ class IndexThree final : public Stepper {
     double violation = 0;      ///< |Φ|, in the mechanism's own units (Scales), as all violations here
     double accelerations = 0;  ///< the largest, Scales::accelerations
     bool refactored = false;   ///< the last correction is by a new matrix
-    bool assembled = false;    ///< the matrix is of this attempt
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
     NewtonProgress newton;
@@ -70,14 +69,12 @@ class IndexThree final : public Stepper {
   void project_velocities(Attempt& t);
   void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);
-  bool keeps_matrices() const;
 
   System& system_;
   const Scales& scales_;
   const double usual_step_;  ///< s; parts of it may be much shorter
   StepMotion motion_;
   Prediction prediction_;
-  KeptMatrix kept_;
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_;

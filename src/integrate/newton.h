@@ -11,7 +11,6 @@ struct NewtonProgress {
 
   double previous = 0;
   double rate = 1;       ///< of contraction, at the last correction
-  double slowest = 0;    ///< rate so far
   bool refactor = true;  ///< a new matrix would help
   bool slow = false;     ///< even a new one contracts slowly: terms are missing from it
   int corrections = 0;
@@ -22,7 +21,6 @@ struct NewtonProgress {
   double add(double correction, bool fresh) {
     rate = corrections == 0 ? 1.0 : correction / std::max(previous, 1e-300);
     previous = correction;
-    if (corrections > 0) slowest = std::max(slowest, rate);
     slow = slow || (corrections > 1 && fresh && rate > slow_from);
     refactor = !slow && corrections > 0 && rate > refactor_from;
     if (corrections == 0 || correction < 0.5 * least) {
@@ -33,20 +31,6 @@ struct NewtonProgress {
     }
     ++corrections;
     return correction * (rate < geometric_below ? rate / (1 - rate) : 1.0);
-  }
-};
-
-/// Whether the matrix of a step serves the next as well: as long as it contracts well, and no step takes more
-/// corrections with it than an earlier one.
-struct KeptMatrix {
-  bool good = false;
-  int corrections = 0;  ///< fewest of the steps with it
-
-  /// The step is made; `made`: the matrix in it.
-  void judge(const NewtonProgress& newton, bool made) {
-    const bool more = !made && newton.corrections > corrections;
-    corrections = made ? newton.corrections : std::min(corrections, newton.corrections);
-    good = !more && newton.slowest <= NewtonProgress::refactor_from;
   }
 };
 

@@ -1,19 +1,26 @@
 #include "integrate/prediction.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mimbre {
+
+/// Of a step, by which another one may differ from it that is as long: round-off of times.
+constexpr double round_off_of_steps = 1e-9;
 
 Prediction::Prediction(int unknowns) {
   for (Eigen::VectorXd* x : {&own_, &last_, &before_, &error_, &rest_}) x->setZero(unknowns);
 }
 
-void Prediction::begin(Eigen::VectorXd& x) {
+void Prediction::begin(double step, Eigen::VectorXd& x) {
   own_ = x;
   replaced_ = false;
+  if (!as_long(step)) return;
   if (order_ == 1) x += last_;
   if (order_ == 2) x += 2 * last_ - before_;
 }
+
+bool Prediction::as_long(double step) const { return std::abs(step - step_) <= round_off_of_steps * step; }
 
 void Prediction::replace(const Eigen::VectorXd& x) {
   own_ = x;
@@ -25,8 +32,10 @@ double Prediction::off(const Scales& scales, const Eigen::VectorXd& x) {
   return scales.of_coordinates(rest_.data());
 }
 
-void Prediction::learn(const Scales& scales, const Eigen::VectorXd& x) {
+void Prediction::learn(double step, const Scales& scales, const Eigen::VectorXd& x) {
   if (replaced_) return forget();
+  if (!as_long(step)) forget();
+  step_ = step;
   error_ = x - own_;
   double least = scales.of_coordinates(error_.data());
   order_ = 0;

@@ -128,11 +128,6 @@ class BlockFactor {
   FactorStatus factor() noexcept;
   /// x ← A⁻¹ x, x in the caller's order.
   void solve(T* x) const noexcept;
-  /// Hands the factorisation to what takes arrays.
-  template <class Transfer>
-  void transfer(Transfer& transfer) {
-    transfer(values_, inverse_);
-  }
 
  private:
   using Array = std::vector<T, CacheAligned<T>>;

@@ -344,9 +344,6 @@ TEST_P(RelativeSystem, ExchangedTangentsAreThoseOfANewMatrix) {
   EXPECT_LT(relative_difference(solved(true, other), second), 1e-8);
   EXPECT_FALSE(p.system.tangent_changed(r.q.data(), other));
   EXPECT_LT(relative_difference(solved(true, one), first), 1e-8);
-  if (!p.m.elements.empty()) {
-    EXPECT_GT(relative_difference(first, second), 1e-4);
-  }
 }
 
 TEST_P(RelativeSystem, SolutionAgreesWithADenseOne) {

@@ -18,12 +18,12 @@ std::vector<double> misses(Prediction& prediction, const std::vector<VectorXd>& 
     VectorXd own(2);
     own << 3 + static_cast<double>(out.size()), -700;
     VectorXd x = own;
-    prediction.begin(x);
+    prediction.begin(0.01, x);
     const VectorXd end = own + error;
     const VectorXd rest = end - x;
     out.push_back(scales.of_coordinates(rest.data()));
     EXPECT_NEAR(prediction.off(scales, end), scales.of_coordinates(error.data()), 1e-12);
-    prediction.learn(scales, end);
+    prediction.learn(0.01, scales, end);
   }
   return out;
 }
@@ -60,12 +60,26 @@ TEST(Prediction, LearnsNothingFromWhatWasReplaced) {
   Scales scales;
   scales.coordinates = {1, 100};
   VectorXd x = VectorXd::Zero(2);
-  prediction.begin(x);
+  prediction.begin(0.01, x);
   EXPECT_EQ(x[0], 0.25);
   x.setConstant(5);
   prediction.replace(x);
   x.setConstant(9);
-  prediction.learn(scales, x);
+  prediction.learn(0.01, scales, x);
+  EXPECT_EQ(misses(prediction, errors)[0], 0.25);
+}
+
+TEST(Prediction, LearnsNothingFromStepsOfAnotherLength) {
+  Prediction prediction(2);
+  const std::vector<VectorXd> errors(3, VectorXd::Constant(2, 0.25));
+  misses(prediction, errors);
+  Scales scales;
+  scales.coordinates = {1, 100};
+  VectorXd x = VectorXd::Zero(2);
+  prediction.begin(0.02, x);
+  EXPECT_EQ(x[0], 0);
+  x.setConstant(0.5);
+  prediction.learn(0.02, scales, x);
   EXPECT_EQ(misses(prediction, errors)[0], 0.25);
 }
 

@@ -74,7 +74,6 @@ TEST_P(SameBits, AfterSavingAndRestoring) {
   expect_same(b.save(), end);
 }
 
-/// Also where the matrix of an earlier step is still in use.
 TEST_P(SameBits, WhetherOrNotRedundancyIsLookedFor) {
   const auto m = model();
   Simulation a(m), b(m);

@@ -219,11 +219,6 @@ bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weight
                         [&](std::size_t i) { return q + layout_.bodies[i].q; });
 }
 
-void NaturalSystem::transfer_matrix(StateTransfer& transfer) {
-  factor_.transfer(transfer);
-  transfer(work_.jacobian);
-}
-
 void NaturalSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
   const auto add_rows = [&](const Stencil& s, int columns, int offset, int first, int count) {
     const double* row = work_.jacobian.data() + offset;

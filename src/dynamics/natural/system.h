@@ -46,8 +46,6 @@ class NaturalSystem final : public System {
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
-  bool matrix_lasts() const override { return model_.swarms.empty(); }
-  void transfer_matrix(StateTransfer& transfer) override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   std::vector<JacobianEntry> jacobian_entries() const override;

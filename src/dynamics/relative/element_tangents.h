@@ -24,10 +24,6 @@ class ElementTangents {
   /// Whether it can be done: not with tangents that are no elements'.
   bool possible() const { return possible_; }
 
-  void transfer(StateTransfer& transfer) {
-    if (possible_) transfer(values_, tangents_);
-  }
-
  private:
   /// Of one element, into now_: whether they are other ones than in the matrix.
   bool changed(std::size_t element, const ElementState<double>& state, const MatrixWeights& weights);

@@ -172,12 +172,6 @@ bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weigh
   });
 }
 
-void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
-  factor_.transfer(transfer);
-  tangents_.transfer(transfer);
-  transfer(work_.jacobian);
-}
-
 void RelativeSystem::multiply(const double* x, double* y) const {
   linalg::multiply(model_.symbolic, factor_.values(), x, y);
   couplings_.add_product(x, y);

@@ -541,7 +541,7 @@ std::vector<Validity> Simulation::validity() const { return impl_->observers.val
 Redundancy Simulation::redundancy() {
   Impl& s = *impl_;
   if (!s.mechanism.state.started) return s.begin.redundancy;
-  // Looking assembles a matrix; the next step has to find the one that it left.
+  // Looking assembles a matrix; the next step has to find the tangents of the one that it left.
   const State& state = s.mechanism.view();
   relative::RelativeSystem reader(s.compiled, s.method.inertia);
   reader.enter(state.u.data(), state.z.data(), 0);

@@ -58,6 +58,12 @@ int levels(const Compiled& model, const Method& method) {
 /// to its own. Beyond, parts are taken as they are, so that what a step may cost is known beforehand.
 constexpr int divisions_a_level = 16;
 
+std::vector<double> memory_of(Stepper& integrator) {
+  StateTransfer count;
+  integrator.transfer(count);
+  return std::vector<double>(count.count());
+}
+
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
@@ -75,11 +81,12 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
       meter_(mechanism.model),
       contacts_(mechanism.model),
       log_(empty_contact_log(mechanism.model)),
-      begins_(static_cast<std::size_t>(levels(mechanism.model, method)), {mechanism.state, meter_, log_}),
+      begins_(static_cast<std::size_t>(levels(mechanism.model, method)),
+              {mechanism.state, meter_, log_, memory_of(*integrator_)}),
       beginning_(mechanism.state),
       end_(mechanism.state),
       stressed_(method.energies && geometric::has_loads_of_inertia(mechanism.model)),
-      before_{mechanism.state, meter_, log_},
+      before_{mechanism.state, meter_, log_, memory_of(*integrator_)},
       length_(method.step) {
   const Compiled& m = mechanism.model;
   double mass = 0;
@@ -208,6 +215,8 @@ void StepMaker::keep_in(Begin& begin) const {
   begin.state = mechanism_.state;
   begin.meter = meter_;
   begin.log = log_;
+  StateTransfer to = StateTransfer::to(begin.memory);
+  integrator_->transfer(to);
 }
 
 void StepMaker::back_to(const Begin& begin) {
@@ -215,6 +224,8 @@ void StepMaker::back_to(const Begin& begin) {
   mechanism_.enter(0);
   meter_ = begin.meter;
   log_ = begin.log;
+  StateTransfer from = StateTransfer::from(begin.memory);
+  integrator_->transfer(from);
 }
 
 void StepMaker::undo() { back_to(before_); }

@@ -57,6 +57,7 @@ class StepMaker {
     State state;
     EnergyMeter meter;
     ContactLog log;
+    std::vector<double> memory;  ///< of the integrator
   };
 
   void begin_anew();
