@@ -40,6 +40,7 @@ class IndexThree final : public Stepper {
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
     NewtonProgress newton;
+    double first_correction = 0;
     // Of the velocities at the end.
     bool projected = false;  ///< before they were evaluated
     double rate_violation = 0, velocity_tolerance = 0;

@@ -14,8 +14,9 @@ namespace {
 // constraints hardly determine multiply it.
 constexpr int most_idle = 4;
 constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
-// Iterations continue down to what the rule's own prediction is off by, times the tolerance and this.
-constexpr double share_of_prediction = 3;
+// Iterations continue down to this share of what the rule's own prediction is off by, or with a large
+// tolerance to this multiple of it as a share.
+constexpr double share_of_prediction = 3e-5, share_by_tolerance = 3;
 // With a fixed iteration budget: larger corrections, by the mechanism's size, do not approach a solution.
 constexpr double diverged_correction = 0.1;
 
@@ -24,15 +25,16 @@ constexpr double diverged_correction = 0.1;
 /// Whether the iterations end: the error left is small enough, and the constraints are satisfied.
 void IndexThree::decide_convergence(Attempt& t) {
   const double error = t.newton.add(t.status.correction, t.refactored);
+  if (t.newton.corrections == 1) t.first_correction = t.status.correction;
   // In a short step the tolerance alone would permit errors that add up to more than those of the rule, but
   // the error of its prediction decreases with the step as they do. Positions are known to round-off only;
   // where the constraints hardly determine a direction, corrections stop decreasing at a multiple of it.
   const bool stagnant = t.newton.idle >= most_idle && t.violation <= scales_.round_off;
   const double asked = options_.tolerance * motion_.scale * t.accelerations;
-  const double enough =
-      stagnant
-          ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
-          : std::min(asked, share_of_prediction * options_.tolerance * prediction_.off(scales_, motion_.x));
+  const double share = std::max(share_of_prediction, share_by_tolerance * options_.tolerance);
+  const double off = std::max(prediction_.off(scales_, motion_.x), t.first_correction);
+  const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
+                                 : std::min(asked, share * off);
   t.converged = error <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
                 t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
 }
