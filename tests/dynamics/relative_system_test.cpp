@@ -346,6 +346,45 @@ TEST_P(RelativeSystem, ExchangedTangentsAreThoseOfANewMatrix) {
   EXPECT_LT(relative_difference(solved(true, one), first), 1e-8);
 }
 
+/// A contact that moves along before it opens leaves nothing in the matrix.
+TEST(ExchangedTangents, OfAContactThatOpensAreGone) {
+  const auto model = model_of(R"(
+bodies: {top: {mass: 2, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}}
+joints: {free: {type: floating, between: [ground, top], at: [0, 0, 0]}}
+surfaces: {floor: {type: half_space}}
+contacts: {tip: {spheres: {on: top, at: [0.2, 0, 0], radius: 0.1}, surfaces: floor, stiffness: 1e7, restitution: 0.5, friction: 0.4}}
+)");
+  Probe p(model->compiled());
+  const MatrixWeights weights{0.01, 1e-4, 0};
+  const VectorXd b = VectorXd::LinSpaced(p.n, -1, 1.5);
+  // Height and turn about the vertical.
+  const auto evaluate = [&](double height, double turn) {
+    VectorXd q = assembled_position(p.m);
+    q[2] = height;
+    q[3] = std::cos(turn / 2);
+    q[6] = std::sin(turn / 2);
+    p.residual(q, p.zero, p.zero);
+    return q;
+  };
+  const auto solved = [&](bool exchanged, const VectorXd& q) {
+    EXPECT_TRUE(
+        (exchanged ? p.system.factor_tangents(q.data(), weights) : p.system.factor(q.data(), weights)).ok());
+    VectorXd x = b;
+    p.system.solve(x.data());
+    return x;
+  };
+  const VectorXd touching = solved(false, evaluate(0.099, 0));
+  EXPECT_GT(relative_difference(solved(true, evaluate(0.097, 0.4)), touching), 1e-6);
+  const VectorXd q = evaluate(0.15, 0.4), exchanged = solved(true, q), anew = solved(false, q);
+  EXPECT_LT(relative_difference(exchanged, anew), 1e-8);
+  EXPECT_GT(relative_difference(touching, anew), 0.1);
+  // One that closes comes in by where bodies were when the matrix was assembled.
+  solved(false, evaluate(0.10005, 0.4));
+  const VectorXd again = evaluate(0.0999, 0.4), closed = solved(true, again);
+  EXPECT_LT(relative_difference(closed, solved(false, again)), 1e-2);
+  EXPECT_GT(relative_difference(closed, anew), 0.1);
+}
+
 TEST_P(RelativeSystem, SolutionAgreesWithADenseOne) {
   const RandomMechanism r = closed();
   Probe p(r.compiled());

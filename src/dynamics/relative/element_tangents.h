@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "dynamics/relative/matrix.h"
@@ -45,6 +46,7 @@ void ElementTangents::exchange(const Compiled& m, Workspace<double>& w, const Ma
     if (!changed(k, state, weights)) continue;
     marked(k, state);
     const int n = e.count;
+    const bool touched = std::any_of(old, old + n * n, [](double x) { return x != 0; });
     double difference[36];
     for (int i = 0; i < n * n; ++i) {
       difference[i] = now_[i] - old[i];
@@ -54,8 +56,8 @@ void ElementTangents::exchange(const Compiled& m, Workspace<double>& w, const Ma
       const linalg::BlockPlace& place = m.diagonal[e.body];
       values_[place.offset + e.local * (place.row_stride + place.col_stride)] += difference[0];
     } else if (!e.path.entries.empty()) {
-      // What did not touch has no rows yet.
-      if (e.measure == Measure::contact) element_rows<double>(m, w, e, state);
+      // What does not touch in the matrix has no rows there; what does must leave it by the same.
+      if (e.measure == Measure::contact && !touched) element_rows<double>(m, w, e, state);
       const double* rows = w.jacobian.data() + e.jacobian;
       weigh_rows<double>(n, e.path.width, rows, w.weighted.data(),
                          [&](int r, int c) { return difference[r * n + c]; });
