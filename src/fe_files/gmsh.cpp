@@ -133,24 +133,8 @@ class GmshReader {
   std::map<std::pair<int, std::int64_t>, Block> blocks_;               // by type's code and physical tag
   std::map<Physical, std::vector<int>> boundary_;
 
-  std::int64_t integer(std::string_view& rest, const char* what) {
-    const std::string_view word = next_word(rest);
-    const auto value = to_integer(word);
-    if (!value)
-      file_.fail(word.empty() ? fmt::format("{} is missing", what)
-                              : fmt::format("'{}' is no {}", shown(word), what));
-    return *value;
-  }
-  double real(std::string_view& rest, const char* what) {
-    const std::string_view word = next_word(rest);
-    const auto value = to_real(word);
-    if (!value)
-      file_.fail(word.empty() ? fmt::format("{} is missing", what)
-                              : fmt::format("'{}' is no {}", shown(word), what));
-    return *value;
-  }
   std::int64_t count(std::string_view& rest, const char* what) {
-    const std::int64_t value = integer(rest, what);
+    const std::int64_t value = file_.integer(rest, what);
     if (value < 0) file_.fail(fmt::format("{} {} is negative", what, value));
     return value;
   }
@@ -176,8 +160,8 @@ class GmshReader {
     std::string_view line = file_.expect("the file's head");
     if (trimmed(line) != "$MeshFormat") file_.fail("is no Gmsh mesh: the first line must be $MeshFormat");
     line = file_.expect("$MeshFormat");
-    const double version = real(line, "version of the format");
-    const std::int64_t binary = integer(line, "kind of file");
+    const double version = file_.real(line, "version of the format");
+    const std::int64_t binary = file_.integer(line, "kind of file");
     if (binary != 0) file_.fail("is binary; save it as text: gmsh -format msh41 (or Mesh.Binary = 0)");
     version_4_ = version >= 4;
     if (version < 2 || (version >= 3 && version != 4.1))
@@ -189,8 +173,8 @@ class GmshReader {
     std::string_view line = file_.expect("$PhysicalNames");
     for (std::int64_t n = count(line, "count of names"); n > 0; --n) {
       line = file_.expect("$PhysicalNames");
-      const auto dimension = static_cast<int>(integer(line, "dimension"));
-      const std::int64_t tag = integer(line, "tag");
+      const auto dimension = static_cast<int>(file_.integer(line, "dimension"));
+      const std::int64_t tag = file_.integer(line, "tag");
       line = trimmed(line);
       if (line.size() < 2 || line.front() != '"' || line.back() != '"')
         file_.fail(fmt::format("'{}' is no name in quotes", shown(line)));
@@ -205,13 +189,13 @@ class GmshReader {
     for (int dimension = 0; dimension < 4; ++dimension)
       for (std::int64_t n = counts[static_cast<std::size_t>(dimension)]; n > 0; --n) {
         line = file_.expect("$Entities");
-        const std::int64_t tag = integer(line, "tag");
-        for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) real(line, "bound of the entity");
+        const std::int64_t tag = file_.integer(line, "tag");
+        for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) file_.real(line, "bound of the entity");
         const std::int64_t physicals = count(line, "count of physical groups");
         std::vector<std::int64_t>& tags = physicals_of_entity_[{dimension, tag}];
         // The sign only gives the orientation.
         for (std::int64_t i = 0; i < physicals; ++i) {
-          const std::int64_t physical = integer(line, "physical group");
+          const std::int64_t physical = file_.integer(line, "physical group");
           tags.push_back(magnitude(physical));
         }
       }
@@ -219,7 +203,7 @@ class GmshReader {
 
   void add_node(std::int64_t label, std::string_view& line) {
     Eigen::Vector3d position;
-    for (double& x : position) x = real(line, "coordinate");
+    for (double& x : position) x = file_.real(line, "coordinate");
     nodes_.add(label, position, file_);
   }
 
@@ -227,7 +211,7 @@ class GmshReader {
     std::string_view line = file_.expect("$Nodes");
     for (std::int64_t n = count(line, "count of nodes"); n > 0; --n) {
       line = file_.expect("$Nodes");
-      const std::int64_t label = integer(line, "node number");
+      const std::int64_t label = file_.integer(line, "node number");
       add_node(label, line);
     }
   }
@@ -239,12 +223,12 @@ class GmshReader {
     std::vector<std::int64_t> labels;
     for (std::int64_t block = 0; block < blocks; ++block) {
       line = file_.expect("$Nodes");
-      for (int i = 0; i < 3; ++i) integer(line, "entity of the nodes");
+      for (int i = 0; i < 3; ++i) file_.integer(line, "entity of the nodes");
       const std::int64_t n = count(line, "count of nodes");
       labels.clear();
       for (std::int64_t i = 0; i < n; ++i) {
         line = file_.expect("$Nodes");
-        labels.push_back(integer(line, "node number"));
+        labels.push_back(file_.integer(line, "node number"));
       }
       for (const std::int64_t label : labels) {
         line = file_.expect("$Nodes");
@@ -261,7 +245,7 @@ class GmshReader {
     std::array<int, 27> nodes{};
     for (int i = 0; i < type.nodes; ++i)
       nodes[static_cast<std::size_t>(i)] =
-          nodes_.at(integer(line, "node of the element"), file_, "element", label);
+          nodes_.at(file_.integer(line, "node of the element"), file_, "element", label);
     const auto last = nodes.begin() + type.nodes;
     for (const std::int64_t physical : physicals) {
       std::vector<int>& set = boundary_[{type.dimension, physical}];
@@ -278,12 +262,12 @@ class GmshReader {
     std::vector<std::int64_t> physicals;
     for (std::int64_t n = count(line, "count of elements"); n > 0; --n) {
       line = file_.expect("$Elements");
-      const std::int64_t label = integer(line, "element number");
-      const GmshType& type = type_of(integer(line, "element type"), file_);
+      const std::int64_t label = file_.integer(line, "element number");
+      const GmshType& type = type_of(file_.integer(line, "element type"), file_);
       const std::int64_t tags = count(line, "count of tags");
       physicals.clear();
       for (std::int64_t i = 0; i < tags; ++i) {
-        const std::int64_t tag = integer(line, "tag");
+        const std::int64_t tag = file_.integer(line, "tag");
         if (i == 0 && tag != 0) physicals.push_back(magnitude(tag));
       }
       add_element(label, type, physicals, line);
@@ -298,14 +282,14 @@ class GmshReader {
     std::int64_t seen = 0;
     for (std::int64_t block = 0; block < blocks; ++block) {
       line = file_.expect("$Elements");
-      const auto dimension = static_cast<int>(integer(line, "dimension"));
-      const std::int64_t entity = integer(line, "entity of the elements");
-      const GmshType& type = type_of(integer(line, "element type"), file_);
+      const auto dimension = static_cast<int>(file_.integer(line, "dimension"));
+      const std::int64_t entity = file_.integer(line, "entity of the elements");
+      const GmshType& type = type_of(file_.integer(line, "element type"), file_);
       const auto found = physicals_of_entity_.find({dimension, entity});
       const std::int64_t n = count(line, "count of elements");
       for (std::int64_t i = 0; i < n; ++i, ++seen) {
         line = file_.expect("$Elements");
-        const std::int64_t label = integer(line, "element number");
+        const std::int64_t label = file_.integer(line, "element number");
         add_element(label, type, found == physicals_of_entity_.end() ? none : found->second, line);
       }
     }

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "fe_files/text.h"
+
 namespace mimbre::fe {
 
 namespace {
@@ -96,6 +98,27 @@ std::string_view TextFile::expect(const char* what) {
   std::string_view line;
   if (!next(line)) fail(fmt::format("ends within {}", what));
   return line;
+}
+
+namespace {
+[[noreturn]] void fail_without(const TextFile& file, std::string_view word, const char* what) {
+  file.fail(word.empty() ? fmt::format("{} is missing", what)
+                         : fmt::format("'{}' is no {}", shown(word), what));
+}
+}  // namespace
+
+std::int64_t TextFile::integer(std::string_view& rest, const char* what) const {
+  const std::string_view word = next_word(rest);
+  const auto value = to_integer(word);
+  if (!value) fail_without(*this, word, what);
+  return *value;
+}
+
+double TextFile::real(std::string_view& rest, const char* what) const {
+  const std::string_view word = next_word(rest);
+  const auto value = to_real(word);
+  if (!value) fail_without(*this, word, what);
+  return *value;
 }
 
 std::string read_bytes(const std::string& path) {

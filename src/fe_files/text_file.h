@@ -30,6 +30,11 @@ class TextFile {
   Mark mark() const { return {name_, line_number_, 1}; }
   [[noreturn]] void fail(std::string message) const { throw InputError(mark(), std::move(message)); }
 
+  // The number that the rest of a line begins with, taken off it; InputError says that `what` is missing, or
+  // that the word is none.
+  std::int64_t integer(std::string_view& rest, const char* what) const;
+  double real(std::string_view& rest, const char* what) const;
+
  private:
   bool refill();
 

@@ -107,7 +107,7 @@ class UnvReader {
                        : std::string("is no universal file: the first line must be -1"));
       any = true;
       line = file_.expect("the head of a data set");
-      read_set(integer(line, "number of a data set"));
+      read_set(file_.integer(line, "number of a data set"));
     }
     return finish();
   }
@@ -128,22 +128,6 @@ class UnvReader {
   std::map<std::int64_t, std::size_t> element_by_label_;
   std::vector<Diagnostic> warnings_;
 
-  std::int64_t integer(std::string_view& rest, const char* what) {
-    const std::string_view word = next_word(rest);
-    const auto value = to_integer(word);
-    if (!value)
-      file_.fail(word.empty() ? fmt::format("{} is missing", what)
-                              : fmt::format("'{}' is no {}", shown(word), what));
-    return *value;
-  }
-  double real(std::string_view& rest, const char* what) {
-    const std::string_view word = next_word(rest);
-    const auto value = to_real(word);
-    if (!value)
-      file_.fail(word.empty() ? fmt::format("{} is missing", what)
-                              : fmt::format("'{}' is no {}", shown(word), what));
-    return *value;
-  }
   /// False at the set's end.
   bool next_record(std::string_view& line) {
     line = file_.expect("a data set, which a line of -1 ends");
@@ -152,7 +136,7 @@ class UnvReader {
   /// The next number of a list that goes on over lines.
   std::int64_t next_integer(std::string_view& line, const char* what) {
     while (trimmed(line).empty()) line = file_.expect(what);
-    return integer(line, what);
+    return file_.integer(line, what);
   }
 
   void read_set(std::int64_t number) {
@@ -168,11 +152,11 @@ class UnvReader {
   /// `split`: the coordinates have a line of their own.
   void read_nodes(bool split) {
     for (std::string_view line; next_record(line);) {
-      const std::int64_t label = integer(line, "node number");
-      for (int k = 0; k < 3; ++k) integer(line, "system or colour of the node");
+      const std::int64_t label = file_.integer(line, "node number");
+      for (int k = 0; k < 3; ++k) file_.integer(line, "system or colour of the node");
       if (split) line = file_.expect("the coordinates of a node");
       Eigen::Vector3d position;
-      for (double& x : position) x = real(line, "coordinate");
+      for (double& x : position) x = file_.real(line, "coordinate");
       nodes_.add(label, position, file_);
     }
   }
@@ -180,11 +164,11 @@ class UnvReader {
   void read_elements() {
     for (std::string_view line; next_record(line);) {
       Element element;
-      element.label = integer(line, "element number");
-      const std::int64_t code = integer(line, "kind of the element");
-      element.property = integer(line, "property of the element");
-      for (int k = 0; k < 2; ++k) integer(line, "material or colour of the element");
-      const std::int64_t count = integer(line, "count of nodes");
+      element.label = file_.integer(line, "element number");
+      const std::int64_t code = file_.integer(line, "kind of the element");
+      element.property = file_.integer(line, "property of the element");
+      for (int k = 0; k < 2; ++k) file_.integer(line, "material or colour of the element");
+      const std::int64_t count = file_.integer(line, "count of nodes");
       for (const UnvType& type : unv_types)
         if (type.code == code) element.type = &type;
       if (!element.type)
@@ -207,9 +191,9 @@ class UnvReader {
   /// A group becomes a set of nodes; elements of the first one that lists them are a group of elements.
   void read_groups(int numbers) {
     for (std::string_view line; next_record(line);) {
-      const std::int64_t number = integer(line, "group number");
-      for (int k = 0; k < 6; ++k) integer(line, "set of the group");
-      const std::int64_t count = integer(line, "count of the group's members");
+      const std::int64_t number = file_.integer(line, "group number");
+      for (int k = 0; k < 6; ++k) file_.integer(line, "set of the group");
+      const std::int64_t count = file_.integer(line, "count of the group's members");
       std::string name(trimmed(file_.expect("the name of a group")));
       if (name.empty()) name = std::to_string(number);
       std::vector<int>& set = sets_[name];
@@ -237,9 +221,9 @@ class UnvReader {
   void read_units() {
     std::string_view line;
     if (!next_record(line)) return;
-    integer(line, "code of the units");
+    file_.integer(line, "code of the units");
     if (!next_record(line)) return;
-    if (const double length = real(line, "factor of length"); length != 1 && length > 0)
+    if (const double length = file_.real(line, "factor of length"); length != 1 && length > 0)
       warnings_.push_back(
           {file_.mark(), fmt::format("lengths of this file are in units of {:.6g} m; its numbers are "
                                      "taken as in the units that are asked for",
