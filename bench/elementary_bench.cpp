@@ -15,7 +15,7 @@ using mimbre::test::TriedPair;
 struct Timed {
   const char* name;
   double (*own)(double);
-  double (*library)(double);
+  double (*standard)(double);
   double low, high;
 };
 const Timed timed[] = {
@@ -27,7 +27,7 @@ const Timed timed[] = {
 struct TimedPair {
   const char* name;
   double (*own)(double, double);
-  double (*library)(double, double);
+  double (*standard)(double, double);
 };
 const TimedPair timed_pairs[] = {{"atan2", mimbre::atan2, std::atan2},
                                  {"pow", mimbre::pow, std::pow},
@@ -67,11 +67,11 @@ const bool registered = [] {
   };
   for (const Timed& f : timed) {
     RegisterBenchmark(named("own", f.name).c_str(), run, f.own, f.low, f.high);
-    RegisterBenchmark(named("library", f.name).c_str(), run, f.library, f.low, f.high);
+    RegisterBenchmark(named("library", f.name).c_str(), run, f.standard, f.low, f.high);
   }
   for (const TimedPair& f : timed_pairs) {
     RegisterBenchmark(named("own", f.name).c_str(), run_pair, f.own);
-    RegisterBenchmark(named("library", f.name).c_str(), run_pair, f.library);
+    RegisterBenchmark(named("library", f.name).c_str(), run_pair, f.standard);
   }
   for (const Tried& f : mimbre::test::tried())
     RegisterBenchmark(named("error", f.name).c_str(), error<Tried>, f)->Iterations(1);
