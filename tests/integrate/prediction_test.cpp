@@ -9,10 +9,15 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Steps whose ends differ from the rule's prediction by errors[k]: how far each one's beginning was off.
-std::vector<double> misses(Prediction& prediction, const std::vector<VectorXd>& errors) {
+Scales scales_of_two() {
   Scales scales;
   scales.coordinates = {1, 100};
+  return scales;
+}
+const Scales scales = scales_of_two();
+
+/// Steps whose ends differ from the rule's prediction by errors[k]: how far each one's beginning was off.
+std::vector<double> misses(Prediction& prediction, const std::vector<VectorXd>& errors) {
   std::vector<double> out;
   for (const VectorXd& error : errors) {
     VectorXd own(2);
@@ -53,12 +58,11 @@ TEST(Prediction, ErrorsThatAlternateAreLeftAlone) {
   for (const double off : misses(prediction, errors)) EXPECT_EQ(off, 1);
 }
 
+const std::vector<VectorXd> constant(3, VectorXd::Constant(2, 0.25));
+
 TEST(Prediction, LearnsNothingFromWhatWasReplaced) {
   Prediction prediction(2);
-  const std::vector<VectorXd> errors(3, VectorXd::Constant(2, 0.25));
-  misses(prediction, errors);
-  Scales scales;
-  scales.coordinates = {1, 100};
+  misses(prediction, constant);
   VectorXd x = VectorXd::Zero(2);
   prediction.begin(0.01, x);
   EXPECT_EQ(x[0], 0.25);
@@ -66,21 +70,18 @@ TEST(Prediction, LearnsNothingFromWhatWasReplaced) {
   prediction.replace(x);
   x.setConstant(9);
   prediction.learn(0.01, scales, x);
-  EXPECT_EQ(misses(prediction, errors)[0], 0.25);
+  EXPECT_EQ(misses(prediction, constant)[0], 0.25);
 }
 
 TEST(Prediction, LearnsNothingFromStepsOfAnotherLength) {
   Prediction prediction(2);
-  const std::vector<VectorXd> errors(3, VectorXd::Constant(2, 0.25));
-  misses(prediction, errors);
-  Scales scales;
-  scales.coordinates = {1, 100};
+  misses(prediction, constant);
   VectorXd x = VectorXd::Zero(2);
   prediction.begin(0.02, x);
   EXPECT_EQ(x[0], 0);
   x.setConstant(0.5);
   prediction.learn(0.02, scales, x);
-  EXPECT_EQ(misses(prediction, errors)[0], 0.25);
+  EXPECT_EQ(misses(prediction, constant)[0], 0.25);
 }
 
 TEST(Prediction, GoesOnFromASavedState) {

@@ -74,6 +74,19 @@ TEST_P(SameBits, AfterSavingAndRestoring) {
   expect_same(b.save(), end);
 }
 
+/// Energies and warnings count anew, but the motion is the same.
+TEST_P(SameBits, AfterRestarting) {
+  const auto m = model();
+  Simulation a(m), b(m);
+  step(a, 60);
+  const Simulation::Snapshot saved = a.save();
+  step(a, 60);
+  step(b, 7);
+  b.restart(saved);
+  step(b, 60);
+  expect_same_motion(b.save(), a.save());
+}
+
 TEST_P(SameBits, WhetherOrNotRedundancyIsLookedFor) {
   const auto m = model();
   Simulation a(m), b(m);
