@@ -19,7 +19,7 @@ void evaluate_law(const Compiled& m, const ElementData& e, SignalValues<T>& sign
   forces::rows<T>[static_cast<std::size_t>(e.law)].law(law_context(m, e, signals), s);
   if (e.inertia >= 0) s.force[0] += signals.numbers[e.inertia] * *s.acceleration;
   if (e.feedback >= 0) {
-    const auto [by_x, by_v] = feedback(m, e, e.feedback, signals);
+    const auto [by_x, by_v] = feedback(m, e, signals);
     s.stiffness[0] -= by_x;
     s.damping[0] -= by_v;
   }

@@ -62,28 +62,15 @@ void block_gradients(const SignalsData& d, const SignalsData::Block& b, SignalVa
   }
 }
 
-/// ∂(slot)/∂x and ∂/∂v of the coordinate or length that element `of` measures, by way of the signals: what a
-/// controller of an actuator's own motion adds to the tangents.
+/// ∂/∂x and ∂/∂v of an element's own signal by the coordinate or length that it measures, by way of the
+/// signals: what a controller of an actuator's own motion adds to the tangents.
 template <class T>
-std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, SignalValues<T>& s) {
-  const auto same = [&](const SensorData& sensor) {
-    if (sensor.element < 0) return false;
-    const ElementData& e = m.elements[sensor.element];
-    if (e.measure != of.measure) return false;
-    if (of.measure == Measure::coordinate) return e.joint_spec == of.joint_spec && e.local == of.local;
-    return of.measure == Measure::distance && e.frame_a == of.frame_a && e.frame_b == of.frame_b;
-  };
-  bool any = false;
-  for (const SignalsData::Sensor& sensor : m.signals.sensors) {
-    const SensorData& d = m.sensors[sensor.sensor];
-    GradientOf<T> g{s.value[sensor.slot], T(0), T(0)};
-    if (same(d)) {
-      (d.is_rate ? g.by_second : g.by_first) = T(1);
-      any = true;
-    }
-    s.gradients[sensor.slot] = g;
-  }
-  if (!any) return {T(0), T(0)};
+std::pair<T, T> feedback(const Compiled& m, const ElementData& of, SignalValues<T>& s) {
+  const FeedbackPath& path = s.feedback[static_cast<std::size_t>(&of - m.elements.begin())];
+  if (!path.closed) return {T(0), T(0)};
+  for (const auto& [slot, is_rate] : path.own)
+    s.gradients[slot] = {s.value[slot], T(is_rate ? 0 : 1), T(is_rate ? 1 : 0)};
+  for (const int slot : path.given) s.gradients[slot] = {s.value[slot], T(0), T(0)};
   const auto gradient_of = [&](const LawData& law) {
     std::array<GradientOf<T>, Formula::most_variables> x;
     for (std::size_t k = 0; k < law.slots.size(); ++k) {
@@ -92,18 +79,14 @@ std::pair<T, T> feedback(const Compiled& m, const ElementData& of, int slot, Sig
     }
     return gradient_at<T>(law.formula, x.data());
   };
-  // What a block makes in a loop that it closes counts as given: it is of the order of the step.
-  if (m.signals.moving_loops)
-    for (const SignalsData::Computed& f : m.signals.moving)
-      for (int k = 0; f.block >= 0 && k < m.signals.blocks[f.block].outputs; ++k)
-        s.gradients[f.slot + k] = {s.value[f.slot + k], T(0), T(0)};
-  for (const SignalsData::Computed& f : m.signals.moving) {
+  for (const int k : path.computed) {
+    const SignalsData::Computed& f = m.signals.moving[k];
     if (f.block < 0)
       s.gradients[f.slot] = gradient_of(f.law);
     else
       block_gradients(m.signals, m.signals.blocks[f.block], s, gradient_of);
   }
-  return {s.gradients[slot].by_first, s.gradients[slot].by_second};
+  return {s.gradients[of.feedback].by_first, s.gradients[of.feedback].by_second};
 }
 
 }  // namespace mimbre

@@ -7,6 +7,7 @@
 #include "compile/compiled.h"
 #include "math/function_values.h"
 #include "signals/blocks/table.h"
+#include "signals/once/feedback_paths.h"
 
 /// What a step sees of time, inputs and signals: one number per slot, with two derivatives by time of those
 /// that time and inputs alone decide.
@@ -20,6 +21,7 @@ struct SignalValues {
         rate(m.signals.slots, T(0.0)),
         second(m.signals.slots, T(0.0)),
         gradients(m.signals.slots),
+        feedback(feedback_paths(m)),
         matrices(static_cast<std::size_t>(m.signals.matrices)) {
     if constexpr (std::is_same_v<T, double>) {
       held = m.signals.start.data();
@@ -30,7 +32,8 @@ struct SignalValues {
 
   std::vector<T> value, rate, second;
   std::vector<GradientOf<T>> gradients;  ///< scratch of feedback()
-  std::vector<double> matrices;          ///< of linear blocks, for a step of that length:
+  std::vector<FeedbackPath> feedback;    ///< by element
+  std::vector<double> matrices;          ///< of blocks, for a step of that length:
   double matrices_of = 0;                ///< s
   const T* held = nullptr;               ///< State::u: inputs, sampled signals, integrals, blocks
   const T* states = nullptr;             ///< State::z of force elements, at the start of the step

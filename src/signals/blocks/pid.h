@@ -17,8 +17,20 @@ constexpr int measured = 0, setpoint = 1;
 // Numbers.
 constexpr int kp = 0, ki = 1, kd = 2, filter = 3, lower = 4, upper = 5, weight = 6, derivative_weight = 7,
               integral_start = 8;
+// Matrices, of a continuous one's step: what the filter takes up of its input, and of a change of it on a
+// straight line.
+constexpr int taken_up = 0, passed_on = 1;
 // States: the integral and what the filter of the derivative has.
 constexpr int integral = 0, filtered = 1;
+
+inline void take_up(double filter, double h, double* matrices) {
+  const double z = h / filter, decay = -mimbre::expm1(-z);
+  matrices[taken_up] = decay;
+  matrices[passed_on] = 1 - decay / z;
+}
+inline void prepare(const SignalsData::Block&, const double* numbers, double h, double* matrices) {
+  if (numbers[kd] != 0) take_up(numbers[filter], h, matrices);
+}
 
 /// The output; where they are asked for, states now and derivatives by the inputs.
 template <class T>
@@ -33,8 +45,11 @@ T output_and(const BlockCall<T>& c, T* integral_now, T* filtered_now, T* by) {
   if (p[kd] != 0) {
     double passed = 0;
     if (moves) {
-      const double z = c.h / p[filter], decay = -mimbre::expm1(-z);
-      passed = 1 - decay / z;
+      double of_sampled[2];
+      if (c.sampled()) take_up(p[filter], c.h, of_sampled);
+      const double* m = c.sampled() ? of_sampled : c.matrices;
+      const double decay = m[taken_up];
+      passed = m[passed_on];
       const T w = p[derivative_weight] * c.first[setpoint] - c.first[measured];
       f = f + decay * (w - f) + passed * (wanted - w);
     }
@@ -111,6 +126,7 @@ struct Pid {
   static void compile(const spec::Block& b, const BlockPlan& plan) {
     plan.block.states = 2;
     plan.add_numbers(b.numbers);
+    plan.signals.matrices += 2;
   }
   static constexpr BlockInfo info{.name = "pid",
                                   .key = "pid",
@@ -120,7 +136,7 @@ struct Pid {
                                   .check = check,
                                   .compile = compile};
   template <class T>
-  static constexpr BlockRow<T> row{pid::output<T>, pid::slope<T>, nullptr, pid::keep};
+  static constexpr BlockRow<T> row{pid::output<T>, pid::slope<T>, nullptr, pid::keep, pid::prepare};
 };
 
 }  // namespace mimbre::blocks
