@@ -14,13 +14,13 @@ help: ## Show this list
 packages: ## Install the Debian packages that are missing
 	@scripts/install-packages
 
-# What only the tests use: formatting, pages in a browser, meshes, a second solver, the site's C++ pages.
-TEST_TOOLS := clang-format chromium gmsh calculix-ccx doxygen
+# What only the tests use: formatting, pages in a browser, meshes, a second solver, the site's C++ pages, instructions.
+TEST_TOOLS := clang-format chromium gmsh calculix-ccx doxygen valgrind
 test-tools: packages
 ifdef LIGHT
 	@echo "LIGHT is set: not installed are $(TEST_TOOLS)."
 	@echo "Without them are skipped: the check of the formatting, pages in a browser (web.page, web.live, web.drive),"
-	@echo "meshes made by Gmsh, comparisons with CalculiX, and the documentation's site. The last lines list what was."
+	@echo "meshes made by Gmsh, comparisons with CalculiX, the documentation's site, and the count of instructions. The last lines list what was."
 else
 	@scripts/install-packages $(TEST_TOOLS)
 endif
