@@ -1,8 +1,10 @@
+#include "compile/by_bodies.h"
 #include "compile/compile_parts.h"
 
 namespace mimbre {
 
 void compile_sparsity(Compiled& c) {
+  if (is_eliminated_by_bodies(c)) return;
   linalg::BlockPattern pattern;
   for (int b = 0; b < static_cast<int>(c.bodies.size()); ++b) {
     pattern.sizes.push_back(c.bodies[b].size());

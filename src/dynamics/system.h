@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "dynamics/scales.h"
+#include "dynamics/state_transfer.h"
 #include "linalg/block_sparse.h"
 
 namespace mimbre {
@@ -10,6 +11,7 @@ namespace mimbre {
 /// Weights of the leading matrix  M + damping·C + stiffness·K + penalty·Φzᵀ α Φz.
 struct MatrixWeights {
   double damping = 0, stiffness = 0, penalty = 0;
+  bool operator==(const MatrixWeights&) const = default;
 };
 
 /// ∂Φ(equation)/∂(velocity coordinate).
@@ -70,6 +72,12 @@ class System {
   /// The tangents in the factorised matrix, which tangent_changed() compares with. The first iteration of a
   /// step may ask for those of the step before, so that they belong to what must be saved to go on.
   virtual std::span<double> tangent_marks() = 0;
+  /// Counts factorised matrices: who keeps one over steps sees whether it is still that.
+  virtual int matrices() const { return 0; }
+  /// Whether the factorised matrix can be saved and is worth keeping over steps.
+  virtual bool keeps_matrix() const { return false; }
+  /// Saves it, or assembles the saved one anew; for systems without equations.
+  virtual void transfer_matrix(StateTransfer&) {}
   /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
   /// x.
   virtual void add_jacobian_transposed(const double* y, double weight, double* out) const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "integrate/vectors.h"
 
@@ -25,6 +26,8 @@ constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
 // round-off. Forces that corrected these would go by the square of the part, and redundant constraints would
 // keep them.
 constexpr double short_part = 1e-3;
+// Steps at most before a matrix is kept again.
+constexpr int longest_pause = 15;
 // An iteration that fails after a correction of this size fails because it diverges.
 constexpr double lost_correction = 1;
 
@@ -37,6 +40,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       usual_step_(options.step),
       motion_(system, options),
       prediction_(system.velocities()),
+      keeps_(system.equations() == 0 && !options.fixed_cost && system.keeps_matrix()),
       mixing_(system.velocities(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
@@ -96,12 +100,16 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool last = options_.fixed_cost && iteration + 1 == options_.max_iterations;
     evaluate(s, t);
-    if (iteration == 0 && replace_prediction(s, t)) continue;
+    if (std::exchange(t.predicted, false) && replace_prediction(s, t)) continue;
     if (!find_correction(t)) return t;
     update_multipliers(t, iteration);
     if (options_.fixed_cost) keep_nearest(t);
     if (!apply_correction(t)) return t;
     decide_convergence(t);
+    if (t.lost) {
+      begin_again(s, t);
+      continue;
+    }
     if (!t.converged && !last) continue;
     end_positions(s, t);
     if (last || t.converged) break;
@@ -121,6 +129,7 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     t.status.code = StepCode::not_finite;
     return t;
   }
+  if (keeps_) judge_matrix(t);
   motion_.accept(s, lambda_);
   prediction_.learn(motion_.h, scales_, motion_.x);
   return t;
@@ -131,23 +140,66 @@ IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
   t.precise = precise;
   t.time = s.time + motion_.h;
   weights_.penalty = options_.penalty * (precise ? precise_penalty : 1);
+  t.by_kept = kept_ && s.started && weights_ == kept_weights_ && system_.matrices() == kept_matrix_;
+  t.newton.refactor = !t.by_kept;
+  kept_ = false;
   t.position_tolerance =
       precise ? std::max(precise_violation, scales_.round_off) : options_.position_tolerance;
   system_.begin_step(s.q.data());
-  lambda_ = s.multipliers;
-  mixing_.reset();
   nearest_.off = std::numeric_limits<double>::infinity();
   if (!s.started) prediction_.forget();
   t.status.code = motion_.begin(s, t.status);
   if (t.status.code != StepCode::ok) return t;
-  motion_.predict(s);
-  prediction_.begin(motion_.h, motion_.x);
+  predict(s, t);
   if (!precise && motion_.h < short_part * usual_step_ && system_.equations() > 0) {
     system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
     t.inherits = scales_.of_equations(system_.phi()) <= accepted_positions * t.position_tolerance;
     std::copy_n(system_.phi(), system_.equations(), inherited_.data());
   }
   return t;
+}
+
+/// Whether the matrix leads through the next step too: as long as it contracts well and does not cost more
+/// corrections than when it was new.
+void IndexThree::judge_matrix(const Attempt& t) {
+  const bool fresh = t.status.factorisations > 0;
+  if (t.by_kept && fresh) pause_keeping();
+  if (t.by_kept && !fresh) pause_ = 0;
+  if (fresh) kept_corrections_ = t.newton.corrections;
+  kept_ = waits_ == 0 && !t.newton.refactor && !t.newton.slow && t.newton.corrections <= kept_corrections_;
+  if (waits_ > 0) --waits_;
+  kept_weights_ = weights_;
+  kept_matrix_ = system_.matrices();
+}
+
+void IndexThree::pause_keeping() {
+  pause_ = std::min(2 * pause_ + 1, longest_pause);
+  waits_ = pause_;
+}
+
+void IndexThree::transfer_matrix(StateTransfer& transfer) {
+  if (!keeps_) return;
+  transfer(kept_, kept_corrections_, pause_, waits_, kept_weights_.damping, kept_weights_.stiffness,
+           kept_weights_.penalty);
+  system_.transfer_matrix(transfer);
+  if (transfer.restoring()) kept_matrix_ = system_.matrices();
+}
+
+/// Where the iterations begin.
+void IndexThree::predict(const State& s, Attempt& t) {
+  lambda_ = s.multipliers;
+  mixing_.reset();
+  motion_.predict(s);
+  prediction_.begin(motion_.h, motion_.x);
+  t.predicted = true;
+}
+
+/// The matrix of an earlier step has led astray: with one of the step's own.
+void IndexThree::begin_again(const State& s, Attempt& t) {
+  predict(s, t);
+  t.newton = {};
+  t.by_kept = t.lost = false;
+  pause_keeping();
 }
 
 /// The residual of the equations of motion, into r_, and the violation, at the iterate.

@@ -22,7 +22,12 @@ class IndexThree final : public Stepper {
   int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
   void set_step(double step) override;
   void transfer(StateTransfer& transfer) override { prediction_.transfer(transfer); }
-  void forget() override { prediction_.forget(); }
+  void transfer_matrix(StateTransfer& transfer) override;
+  void forget() override {
+    prediction_.forget();
+    kept_ = false;
+    pause_ = waits_ = 0;
+  }
 
  private:
   /// Positions are accepted with violations of up to this multiple of their tolerance.
@@ -37,8 +42,11 @@ class IndexThree final : public Stepper {
     double violation = 0;      ///< |Φ|, in the mechanism's own units (Scales), as all violations here
     double accelerations = 0;  ///< the largest, Scales::accelerations
     bool refactored = false;   ///< the last correction is by a new matrix
+    bool by_kept = false;      ///< the first ones are by that of an earlier step
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
+    bool lost = false;       ///< by a matrix of an earlier step
+    bool predicted = false;  ///< the iterate is the prediction
     NewtonProgress newton;
     double first_correction = 0;
     // Of the velocities at the end.
@@ -51,6 +59,8 @@ class IndexThree final : public Stepper {
 
   // The phases of an attempt, in order. Those that return bool fail with Attempt::status.
   Attempt begin(State& state, bool precise);
+  void predict(const State& state, Attempt& t);
+  void begin_again(const State& state, Attempt& t);
   void evaluate(const State& state, Attempt& t);
   void leave_inherited();
   /// Φ that the step is to correct.
@@ -70,6 +80,8 @@ class IndexThree final : public Stepper {
   void project_velocities(Attempt& t);
   void project_accelerations(const Attempt& t);
   void project(double* target, const double* violation, double tolerance);
+  void judge_matrix(const Attempt& t);
+  void pause_keeping();
 
   System& system_;
   const Scales& scales_;
@@ -77,6 +89,17 @@ class IndexThree final : public Stepper {
   StepMotion motion_;
   Prediction prediction_;
   MatrixWeights weights_;
+  /// Without equations the matrix only decides how fast the iterations converge, not where to, and is kept
+  /// over steps. With equations velocities and accelerations are projected by it: with an old one by the
+  /// wrong directions, always to the same side.
+  const bool keeps_;
+  bool kept_ = false;    ///< it may be used in the next step,
+  int kept_matrix_ = 0;  ///< if it is still this one
+  MatrixWeights kept_weights_;
+  int kept_corrections_ = 0;  ///< of the step that made it
+  /// Steps that make their own matrices before one is kept again: more, the more often a kept one has not led
+  /// through a step.
+  int pause_ = 0, waits_ = 0;
   Anderson mixing_;
   Eigen::VectorXd lambda_, r_;
   Eigen::VectorXd unprojected_;  ///< velocities, then accelerations

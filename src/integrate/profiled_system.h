@@ -64,6 +64,9 @@ class ProfiledSystem final : public System {
     return system_.tangent_changed(q, weights);
   }
   std::span<double> tangent_marks() override { return system_.tangent_marks(); }
+  int matrices() const override { return system_.matrices(); }
+  bool keeps_matrix() const override { return system_.keeps_matrix(); }
+  void transfer_matrix(StateTransfer& transfer) override { system_.transfer_matrix(transfer); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override {
     const Timer timer(seconds_.solution);
     system_.add_jacobian_transposed(y, weight, out);

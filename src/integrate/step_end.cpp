@@ -17,6 +17,9 @@ constexpr double least_noise = 1e-11, noise_by_round_off = 1e4;
 // Iterations continue down to this share of what the rule's own prediction is off by, or with a large
 // tolerance to this multiple of it as a share.
 constexpr double share_of_prediction = 3e-5, share_by_tolerance = 3;
+// With a matrix of an earlier step, the iterations begin anew with one of their own from this ratio of
+// corrections.
+constexpr double least_contraction = 0.5;
 // With a fixed iteration budget: larger corrections, by the mechanism's size, do not approach a solution.
 constexpr double diverged_correction = 0.1;
 
@@ -35,8 +38,13 @@ void IndexThree::decide_convergence(Attempt& t) {
   const double off = std::max(prediction_.off(scales_, motion_.x), t.first_correction);
   const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
                                  : std::min(asked, share * off);
-  t.converged = error <= std::max(enough, std::numeric_limits<double>::epsilon()) &&
-                t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
+  const double accepted = std::max(enough, std::numeric_limits<double>::epsilon());
+  t.converged = error <= accepted && t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
+  if (!t.by_kept || t.status.factorisations > 0 || t.newton.corrections < 2) return;
+  // A matrix of an earlier step is worth another two corrections. Where it does not contract, the iterate may
+  // be anywhere.
+  t.lost = !t.converged && t.newton.rate > least_contraction;
+  if (error * t.newton.rate * t.newton.rate > accepted) t.newton.refactor = true;
 }
 
 /// Keeps the iterate with the least correction, which is its distance from the solution; the prediction if

@@ -60,9 +60,8 @@ class Stepper {
  public:
   virtual ~Stepper() = default;
   /// One step of options().step. On failure the state is unchanged. Throws nothing, makes a bounded number of
-  /// iterations, and gives the same bits for the same state, system (its tangent
-  /// marks) and memory (transfer). The system's last evaluation is then
-  /// of the new positions and velocities.
+  /// iterations, and gives the same bits for the same state, system (its tangent marks) and memory (transfer,
+  /// transfer_matrix). The system's last evaluation is then of the new positions and velocities.
   virtual StepStatus step(State& state) = 0;
   /// After a step that took accelerations of its own (State::started was false): puts those with which it
   /// began, and their multipliers, into the state where it did.
@@ -77,6 +76,9 @@ class Stepper {
   virtual void set_step(double step) = 0;
   /// What it remembers from step to step beside the state.
   virtual void transfer(StateTransfer&) {}
+  /// The factorised matrix, where steps use that of steps before: with it a saved state goes on with the same
+  /// bits. A step that is taken back need not take back the matrix.
+  virtual void transfer_matrix(StateTransfer&) {}
   /// Forgets it: the next step does not follow the last one.
   virtual void forget() {}
   const IntegratorOptions& options() const { return options_; }

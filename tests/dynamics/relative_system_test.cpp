@@ -10,6 +10,7 @@
 #include "math/once/decompositions.h"
 #include "simulation/step/energy.h"
 #include "spec/force_law.h"
+#include "support/models.h"
 #include "support/probe.h"
 
 /// Random mechanisms of rigid and flexible bodies, with every joint type forward, reversed and cut.

@@ -12,7 +12,7 @@
 #include "support/run.h"
 #include "support/simulate.h"
 
-/// Explicit integrators, and the inertia of trees by articulated bodies.
+/// Explicit integrators.
 namespace mimbre::test::explicit_test {
 namespace {
 
@@ -22,33 +22,6 @@ RandomOptions smooth_tree() {
   RandomOptions o;
   o.springs = o.damping = o.loads = true;
   return o;
-}
-
-/// The linear solution by bodies is that with the whole mass matrix, of trees with rigid and flexible bodies.
-TEST(ArticulatedBodies, SolveWithTheMassMatrix) {
-  for (unsigned seed = 0; seed < 60; ++seed) {
-    RandomOptions options = smooth_tree();
-    options.bodies = 2 + static_cast<int>(seed % 9);
-    options.flexible_share = seed % 3 * 0.5;
-    const RandomMechanism mechanism = random_mechanism(seed, options);
-    relative::RelativeSystem system(mechanism.compiled());
-    Random random(seed);
-    const VectorXd q = random_position(system, random, 0.5);
-    const int n = system.velocities();
-    const VectorXd v = random.values(n, 1), a = random.values(n, 1), none(0);
-    system.begin_step(q.data());
-    VectorXd r(n);
-    const auto evaluate = [&] { system.residual(0, q.data(), v.data(), a.data(), none.data(), 0, r.data()); };
-    evaluate();
-    MatrixXd M(n, n);
-    system.dense_matrix(q.data(), {0, 0, 0}, M.data());
-    evaluate();
-    ASSERT_TRUE(system.factor_inertia(q.data(), 0).ok()) << seed;
-    const VectorXd b = random.values(n, 1);
-    VectorXd x = b;
-    system.solve(x.data());
-    EXPECT_LE((M * x - b).cwiseAbs().maxCoeff(), 1e-9 * (M.cwiseAbs() * x.cwiseAbs()).maxCoeff()) << seed;
-  }
 }
 
 /// ẋ by finite differences of the motion from exp(x): q(x(t)) moves with v.

@@ -247,7 +247,7 @@ TEST_P(Formalisms, OpenTreesHaveTheSameAccelerations) {
     options.tolerance = 1e-10;
     const Course a = course(mechanism.compiled(), Formalism::index3, options, 0.01, start),
                  b = course(mechanism.compiled(), formalism(), options, 0.01, start);
-    ASSERT_TRUE(a.ok() && b.ok());
+    ASSERT_TRUE(a.ok() && b.ok()) << seed;
     EXPECT_LT(relative_difference(a.state.a, b.state.a), 1e-6) << seed;
     EXPECT_LT(relative_difference(a.state.q, b.state.q), 1e-10) << seed;
   }

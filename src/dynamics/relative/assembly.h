@@ -17,13 +17,13 @@ struct NoMarks {
   void beam(const FlexibleData&, const T*) {}
 };
 
-/// damping·C + stiffness·K of a body's modes, into its diagonal block.
+/// damping·C + stiffness·K of a body's modes, into its block `place` of the values.
 template <class T, class Marks>
 void add_modal_tangent(const Compiled& m, Workspace<T>& w, std::size_t i, const T* q,
-                       const MatrixWeights& weights, T* values, Marks& marks) {
+                       const MatrixWeights& weights, T* values, const linalg::BlockPlace& place,
+                       Marks& marks) {
   const BodyData& b = m.bodies[i];
   const FlexibleData& f = m.flexible[b.flexible];
-  const linalg::BlockPlace& place = m.diagonal[i];
   T* out = values + place.offset;
   const int n0 = b.joint_velocities;
   if (!f.geometric.empty()) {
@@ -102,7 +102,7 @@ void assemble(const Compiled& m, Workspace<T>& w, const T* q, const MatrixWeight
   jacobian<T>(m, w);
   mass<T>(m, w, q, values);
   for (std::size_t i = 0; i < m.bodies.size(); ++i)
-    if (m.bodies[i].modes > 0) add_modal_tangent<T>(m, w, i, q, weights, values, marks);
+    if (m.bodies[i].modes > 0) add_modal_tangent<T>(m, w, i, q, weights, values, m.diagonal[i], marks);
   for (std::size_t k = 0; k < m.elements.size(); ++k) add_element_tangent<T>(m, w, k, weights, values, marks);
   for_rows(m, [&](const EquationRows& e) {
     T weight[6];

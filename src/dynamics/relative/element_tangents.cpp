@@ -4,7 +4,7 @@
 
 namespace mimbre::relative {
 
-ElementTangents::ElementTangents(const Compiled& m, std::size_t values) {
+ElementTangents::ElementTangents(const Compiled& m, std::size_t values) : values_(values) {
   for (const FlexibleData& f : m.flexible) possible_ = possible_ && f.ancf.empty();
   std::size_t count = 0;
   for (const ElementData& e : m.elements) {
@@ -13,7 +13,6 @@ ElementTangents::ElementTangents(const Compiled& m, std::size_t values) {
     if (e.marked) count += static_cast<std::size_t>(e.count * e.count);
   }
   if (!possible_) return;
-  values_.assign(values, 0.0);
   tangents_.assign(count, 0.0);
 }
 
@@ -36,7 +35,7 @@ void ElementTangents::keep(std::size_t element, const ElementState<double>& stat
 }
 
 void ElementTangents::assembled(const double* values) {
-  if (possible_) std::copy_n(values, values_.size(), values_.begin());
+  std::copy_n(values, values_.size(), values_.begin());
 }
 
 }  // namespace mimbre::relative

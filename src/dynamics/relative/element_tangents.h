@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "dynamics/relative/matrix.h"
+#include "dynamics/state_transfer.h"
 
 namespace mimbre::relative {
 
@@ -22,7 +23,10 @@ class ElementTangents {
   template <class Marked>
   void exchange(const Compiled& m, Workspace<double>& w, const MatrixWeights& weights, double* values,
                 Marked&& marked);
-  /// Whether it can be done: not with tangents that are no elements'.
+  /// The values with the tangents that were exchanged last.
+  const std::vector<double>& matrix() const { return values_; }
+  void transfer(StateTransfer& transfer) { transfer(values_, tangents_); }
+  /// Whether tangents can be exchanged: not with tangents that are no elements'.
   bool possible() const { return possible_; }
 
  private:

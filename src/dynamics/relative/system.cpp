@@ -94,8 +94,12 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   });
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
 
-  if (model.equations == 0 && is_articulated(model))
-    articulated_ = std::make_unique<ArticulatedBodies<double>>(model);
+  // What spheres of a pool feel of each other is not in the matrix.
+  keeps_matrix_ = model.equations == 0 && std::none_of(model.elements.begin(), model.elements.end(),
+                                                       [](const ElementData& e) { return e.pooled; });
+
+  if (splits_by_bodies(model)) articulated_ = std::make_unique<ArticulatedBodies<double>>(model);
+  always_by_bodies_ = model.velocities > 0 && model.symbolic.size() == 0;
 
   work_.projections = projection::constants(model, inertia);
   for (const projection::Constants& c : work_.projections) work_.projection.fit(c);
@@ -126,20 +130,29 @@ void RelativeSystem::begin_step(const double* q) { set_origin<double>(model_, wo
 }
 
 void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {
+  ++matrices_;
+  if (always_by_bodies_) return motion_subspaces<double>(model_, work_, q);
   factor_.set_zero();
   couplings_.clear();
   relative::assemble<double>(model_, work_, q, weights, penalty_.data(), factor_.values(),
                              KeptMarks{marks_, tangents_, couplings_, marks_.ancf()});
 }
 
-linalg::FactorStatus RelativeSystem::factor_inertia(const double* q, double penalty) {
-  if (!articulated_) return factor(q, {0, 0, penalty});
+linalg::FactorStatus RelativeSystem::factor_by_bodies(const double* q, const MatrixWeights& weights) {
   motion_subspaces<double>(model_, work_, q);
+  ++matrices_;
   by_bodies_ = true;
-  return {articulated_->factor(model_, work_, q)};
+  return {articulated_->factor(model_, work_, q, weights, penalty_.data(),
+                               KeptMarks{marks_, tangents_, couplings_, marks_.ancf()})};
+}
+
+linalg::FactorStatus RelativeSystem::factor_inertia(const double* q, double penalty) {
+  const MatrixWeights weights{0, 0, penalty};
+  return articulated_ ? factor_by_bodies(q, weights) : factor(q, weights);
 }
 
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
+  if (always_by_bodies_) return factor_by_bodies(q, weights);
   by_bodies_ = false;
   assemble(q, weights);
   tangents_.assembled(factor_.values());
@@ -147,12 +160,31 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
 }
 
 linalg::FactorStatus RelativeSystem::factor_tangents(const double* q, const MatrixWeights& weights) {
-  if (!tangents_.possible()) return factor(q, weights);
+  if (always_by_bodies_ || !tangents_.possible()) return factor(q, weights);
   by_bodies_ = false;
+  ++matrices_;
   tangents_.exchange(model_, work_, weights, factor_.values(), [&](std::size_t k, const auto& state) {
     marks_.element(k) = element_tangent(state, weights);
   });
   return factor_.factor();
+}
+
+void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
+  if (always_by_bodies_) {
+    articulated_->transfer(transfer);
+    for (double& x : work_.subspaces) transfer(x);
+    if (!transfer.restoring()) return;
+    ++matrices_;
+    by_bodies_ = true;
+    return;
+  }
+  tangents_.transfer(transfer);
+  for (double& x : work_.jacobian) transfer(x);
+  if (!transfer.restoring()) return;
+  ++matrices_;
+  by_bodies_ = false;
+  std::copy(tangents_.matrix().begin(), tangents_.matrix().end(), factor_.values());
+  factor_.factor();
 }
 
 void RelativeSystem::solve(double* x) const {
@@ -161,6 +193,12 @@ void RelativeSystem::solve(double* x) const {
 }
 
 void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
+  if (always_by_bodies_) {
+    ++matrices_;
+    motion_subspaces<double>(model_, work_, q);
+    return articulated_->dense_matrix(model_, work_, q, weights, penalty_.data(),
+                                      KeptMarks{marks_, tangents_, couplings_, marks_.ancf()}, out);
+  }
   assemble(q, weights);
   linalg::to_dense(model_.symbolic, factor_.values(), out);
   couplings_.add_to(out, model_.velocities);

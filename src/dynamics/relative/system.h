@@ -43,6 +43,9 @@ class RelativeSystem final : public System {
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
+  int matrices() const override { return matrices_; }
+  bool keeps_matrix() const override { return keeps_matrix_; }
+  void transfer_matrix(StateTransfer& transfer) override;
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;
   std::vector<JacobianEntry> jacobian_entries() const override;
@@ -53,7 +56,7 @@ class RelativeSystem final : public System {
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
-  /// Assembles without factorising: for tests and analyses. Same arguments as factor().
+  /// Assembles the sparse matrix without factorising: for tests and analyses. Same arguments as factor().
   void assemble(const double* q, const MatrixWeights& weights);
   /// Multiplies the assembled (not factorised) matrix: y = A x.
   void multiply(const double* x, double* y) const;
@@ -63,6 +66,8 @@ class RelativeSystem final : public System {
   const Workspace<double>& workspace() const { return work_; }
 
  private:
+  linalg::FactorStatus factor_by_bodies(const double* q, const MatrixWeights& weights);
+
   const Compiled& model_;
   Workspace<double> work_;
   linalg::BlockFactor<double> factor_;
@@ -71,9 +76,11 @@ class RelativeSystem final : public System {
   TangentMarks marks_;
   PairCouplings couplings_;
   ElementTangents tangents_;
-  /// Of trees without equations: their inertia by bodies. And whether that is what solve() takes.
+  bool keeps_matrix_ = false;
+  int matrices_ = 0;
+  /// Of trees: their matrix by bodies. Always, where there is no sparse one; and whether solve() takes it.
   std::unique_ptr<ArticulatedBodies<double>> articulated_;
-  bool by_bodies_ = false;
+  bool always_by_bodies_ = false, by_bodies_ = false;
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

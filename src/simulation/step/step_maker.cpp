@@ -335,7 +335,7 @@ int StepMaker::most_attempts() const {
 }
 
 void StepMaker::transfer(StateTransfer& transfer) {
-  integrator_->transfer(transfer);
+  transfer_integrator(transfer);
   meter_.transfer(transfer);
   for (ContactTrouble& trouble : log_) trouble.transfer(transfer);
   if (method_.fixed_cost) transfer(under_way_);

@@ -31,7 +31,10 @@ class StepMaker {
   /// What it remembers from step to step beside the state and the system's tangent marks.
   void transfer(StateTransfer& transfer);
   /// The integrator's part of it, which comes first there; or nothing of it is remembered.
-  void transfer_integrator(StateTransfer& transfer) { integrator_->transfer(transfer); }
+  void transfer_integrator(StateTransfer& transfer) {
+    integrator_->transfer(transfer);
+    integrator_->transfer_matrix(transfer);
+  }
   void forget() { integrator_->forget(); }
 
   /// How often the iterations of a step may begin anew: for itself and for its parts.
