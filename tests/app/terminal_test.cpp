@@ -29,7 +29,7 @@ std::string chain(int bodies, const std::string& formulation) {
   return model.str();
 }
 
-/// A beam of so many elements that follow any deflection.
+/// A beam of so many elements that follow any deflection, held at both ends.
 std::string beam(int elements) {
   return "mimbre: 1\nmaterials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}\n"
          "sections: {round: {type: round, diameter: 0.01}}\nbodies:\n  bar:\n    frame: {at: [0, 0, 0]}\n"
@@ -37,7 +37,8 @@ std::string beam(int elements) {
          "bars: {ab: {from: a, to: b, elements: " +
          std::to_string(elements) +
          "}}, clamped: [a], beam: corotational}\n"
-         "joints: {h: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}}\n"
+         "joints:\n  h: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}\n"
+         "  e: {type: pin_slot, between: [ground, bar], at: [1, 0, 0], axis: [0, 1, 0], axis2: [1, 0, 0]}\n"
          "outputs: [{name: a, joint: h}]\nsimulation: {step: 0.01, end: 0.01}\n";
 }
 
