@@ -52,13 +52,14 @@ sdist: packages ## Make a source distribution in dist/, and install it somewhere
 	@JOBS=$(JOBS) scripts/test-sdist
 
 demo: configure ## Run a vehicle over stairs and make report.html, with plots and an animation
-	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_demo
 	@mkdir -p results
-	$(PROGRAM) run examples/iltis/vehicle.yaml --output results/iltis.h5 --csv results/iltis.csv
-	$(PROGRAM) report results/iltis.h5 -o report.html
+	$(PROGRAM)-demo run examples/iltis/vehicle.yaml --output results/iltis.h5 --csv results/iltis.csv
+	$(PROGRAM)-demo report results/iltis.h5 -o report.html
 	@echo "Made report.html (plots, animation) from results/iltis.h5 (every channel; as a table: results/iltis.csv)."
 	@echo "Open it in a browser:  xdg-open $(CURDIR)/report.html"
 	@echo "Next:"
+	@echo "  make                builds the rest of the program"
 	@echo "  make live           drive the vehicle yourself, in the browser"
 	@echo "  docs/tutorial.md    a model of your own: $(PROGRAM) run MODEL.yaml -o RUN.h5, then $(PROGRAM) report RUN.h5"
 	@echo "  docs/gallery.md     robots, rotors, mechanisms, contact: pictures and the commands that make them"

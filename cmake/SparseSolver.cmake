@@ -19,8 +19,7 @@ else()
   message(FATAL_ERROR "MIMBRE_SPARSE_SOLVER is `${MIMBRE_SPARSE_SOLVER}`; it must be cholmod, mumps or eigen")
 endif()
 
-target_sources(mimbre PRIVATE ${PROJECT_SOURCE_DIR}/src/reduction/factor/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp)
-set_source_files_properties(${PROJECT_SOURCE_DIR}/src/reduction/factor/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp PROPERTIES
-  COMPILE_OPTIONS $<$<CONFIG:Release>:${MIMBRE_WARM_OPTIONS}> SKIP_PRECOMPILE_HEADERS ON)
-target_include_directories(mimbre SYSTEM PRIVATE ${include})
-target_link_libraries(mimbre PRIVATE ${libraries})
+set(factor ${PROJECT_SOURCE_DIR}/src/reduction/factor/large_factor_${MIMBRE_SPARSE_SOLVER}.cpp)
+target_sources(mimbre_beams PRIVATE ${factor})
+set_source_files_properties(${factor} PROPERTIES SKIP_PRECOMPILE_HEADERS ON INCLUDE_DIRECTORIES "${include}" SKIP_UNITY_BUILD_INCLUSION ON)
+set(MIMBRE_SPARSE_LIBRARIES ${libraries})

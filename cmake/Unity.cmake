@@ -4,14 +4,20 @@
 
 option(MIMBRE_UNITY "Compile the sources of a folder together: a full build takes half the time" ON)
 set(MIMBRE_UNITY_BYTES 90000 CACHE STRING "Most source text in one unit: more is less work in all, and more after an edit")
-mark_as_advanced(MIMBRE_UNITY_BYTES)
+# Of what is not optimised for speed: half of a unit's time goes into what the folder's units have in common.
+set(MIMBRE_LARGE_UNITY_BYTES 200000 CACHE STRING "The same, of what runs once")
+mark_as_advanced(MIMBRE_UNITY_BYTES MIMBRE_LARGE_UNITY_BYTES)
 
-# Groups the sources of `target` by their folder under src/ or tests/; those after EXCEPT, paths from there, and those with
-# options of their own stay alone. Called in the folder that makes the target.
+# Groups the sources of `target` by their folder under src/ or tests/, LARGE or not; those after EXCEPT, paths from there,
+# and those with options of their own stay alone. Called in the folder that makes the target.
 function(mimbre_unity target)
-  cmake_parse_arguments(PARSE_ARGV 1 given "" "" EXCEPT)
+  cmake_parse_arguments(PARSE_ARGV 1 given LARGE "" EXCEPT)
   if(NOT MIMBRE_UNITY)
     return()
+  endif()
+  set(most ${MIMBRE_UNITY_BYTES})
+  if(given_LARGE)
+    set(most ${MIMBRE_LARGE_UNITY_BYTES})
   endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/(src|tests)/.*\\.cpp$")
@@ -19,7 +25,8 @@ function(mimbre_unity target)
   foreach(source IN LISTS sources)
     string(REGEX REPLACE "^${PROJECT_SOURCE_DIR}/(src|tests)/" "" path ${source})
     get_source_file_property(options ${source} COMPILE_OPTIONS)
-    if(NOT options AND NOT path IN_LIST given_EXCEPT)
+    get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+    if(NOT options AND NOT alone AND NOT path IN_LIST given_EXCEPT)
       string(REGEX REPLACE "/.*" "" room ${path})
       file(SIZE ${source} bytes)
       math(EXPR bytes_${room} "${bytes_${room}} + ${bytes}")
@@ -29,7 +36,7 @@ function(mimbre_unity target)
   endforeach()
   list(REMOVE_DUPLICATES rooms)
   foreach(room IN LISTS rooms)
-    math(EXPR units "${bytes_${room}} / ${MIMBRE_UNITY_BYTES} + 1")
+    math(EXPR units "${bytes_${room}} / ${most} + 1")
     set(before 0)
     foreach(source IN LISTS sources_${room})
       math(EXPR unit "${before} * ${units} / ${bytes_${room}}")

@@ -29,6 +29,9 @@ struct Command {
   std::function<int()> run;
 };
 
+/// All that the program has, in the order of its help (commands/all.cpp; commands/first.cpp for the program
+/// that is built first).
+std::vector<Command> add_commands(CommandLine& program);
 Command add_run(CommandLine& program);
 Command add_live(CommandLine& program);
 Command add_plan(CommandLine& program);

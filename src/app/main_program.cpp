@@ -107,11 +107,7 @@ int main_program(int argc, char** argv) {
       "given.\n'mimbre COMMAND --help' prints more about a command.\nMany runs of a model: `mimbre sweep`, "
       "which comes with the Python package.\nExample:\n  mimbre run pendulum.yaml --output pendulum.h5 && "
       "mimbre report pendulum.h5");
-  const std::vector<Command> commands{add_run(program),     add_live(program),   add_plan(program),
-                                      add_check(program),   add_static(program), add_report(program),
-                                      add_compare(program), add_bench(program),  add_verify(program),
-                                      add_reduce(program),  add_select(program), add_convert(program),
-                                      add_stress(program),  add_export(program), add_reproduce(program)};
+  const std::vector<Command> commands = add_commands(program);
   const std::vector<std::string> names = names_of(commands);
   if (argc < 2) {
     fmt::print(stderr, "{}", program.help());

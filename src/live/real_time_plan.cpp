@@ -9,10 +9,9 @@
 #include <tuple>
 
 #include "live/host.h"
-#include "math/once/decompositions.h"
+#include "live/lowest_modes.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
-#include "reduction/bases/project_modes.h"
 #include "spec/output_kind.h"
 
 namespace mimbre {
@@ -29,8 +28,6 @@ constexpr int spare_iterations = 2;
 constexpr double still = 1e-9;
 /// What moves less than this share of the others of its unit is judged as if it moved so much.
 constexpr double least_share = 0.01;
-
-bool is_linear(const ReducedBody& body) { return !body.second_order && !body.ancf; }
 
 /// What of a run is compared: the model's outputs, or where it has none the places of its bodies.
 struct History {
@@ -221,24 +218,6 @@ std::vector<RealTimeCandidate> candidates_of(const spec::Model& model, const Rea
         }
   return candidates;
 }
-
-}  // namespace
-
-spec::Model with_lowest_modes(spec::Model model, int most) {
-  bool changed = false;
-  for (spec::Body& body : model.bodies) {
-    if (!body.flexible || !is_linear(*body.flexible) || body.flexible->modes <= most) continue;
-    const EigenPairs modes = symmetric_eigen(body.flexible->stiffness, body.flexible->mass_matrix);
-    if (!modes.ok) continue;
-    body.flexible = std::make_shared<const ReducedBody>(
-        project_modes(*body.flexible, modes.vectors.leftCols(std::max(most, 1))));
-    changed = true;
-  }
-  if (changed) std::erase_if(model.outputs, [](const spec::Output& o) { return output_info(o).modes; });
-  return model;
-}
-
-namespace {
 
 /// The candidate's model: with fewer modes, or as it is.
 std::shared_ptr<const Model> model_with(const spec::Model& model,

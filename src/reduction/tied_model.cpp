@@ -20,10 +20,6 @@ using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
-MatrixXd symmetric_times(const SparseMatrix<double>& lower, const MatrixXd& x) {
-  return lower.selfadjointView<Eigen::Lower>() * x;
-}
-
 namespace {
 
 /// Displacement in `direction` (0–5) of a node at `arm` from the reference point, per coordinate of the

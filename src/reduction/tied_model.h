@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fe/solve/block_lanczos.h"
+#include "fe/solve/symmetric_solver.h"
 #include "mimbre/fe_reduce.h"
 #include "reduction/factor/large_factor.h"
 
@@ -70,8 +71,5 @@ class TiedModel {
   Eigen::MatrixXd freed_shapes_;     ///< dofs × freed, orthogonal by the stiffness to all that is held
   Eigen::MatrixXd freed_inverse_;    ///< of their stiffness
 };
-
-/// The product with a symmetric matrix of which the lower triangle is given.
-Eigen::MatrixXd symmetric_times(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& x);
 
 }  // namespace mimbre::fe

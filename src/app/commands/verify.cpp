@@ -18,7 +18,6 @@
 namespace mimbre::app {
 namespace {
 
-using method_names::formulations;
 constexpr std::size_t channels_shown = 10;
 
 struct VerifyArguments {
@@ -35,7 +34,7 @@ Json number_or_null(const std::optional<double>& value) { return value ? Json(*v
 template <class Get>
 Json of_both(const VerificationPair& pair, const Get& get) {
   Json json;
-  for (std::size_t f = 0; f < pair.runs.size(); ++f) json[formulations[f]] = get(pair.runs[f]);
+  for (std::size_t f = 0; f < pair.runs.size(); ++f) json[method_names::formulations[f]] = get(pair.runs[f]);
   return json;
 }
 
@@ -61,7 +60,8 @@ Json to_json(const VerificationPair& pair) {
 Json to_json(const std::array<std::optional<Apart>, 2>& changes) {
   Json json;
   for (std::size_t f = 0; f < changes.size(); ++f)
-    json[formulations[f]] = changes[f]->scale > 0 ? changes[f]->rms_difference / changes[f]->scale : 0;
+    json[method_names::formulations[f]] =
+        changes[f]->scale > 0 ? changes[f]->rms_difference / changes[f]->scale : 0;
   return json;
 }
 
@@ -141,7 +141,7 @@ std::string run_table(const Verification& v) {
     for (std::size_t f = 0; f < pair.runs.size(); ++f) {
       const RunTotals& t = pair.runs[f].totals;
       const double steps = static_cast<double>(std::max<std::int64_t>(t.steps, 1));
-      table.add({formulations[f], fmt::format("{}", pair.runs[f].coordinates),
+      table.add({method_names::formulations[f], fmt::format("{}", pair.runs[f].coordinates),
                  fmt::format("{:.6g}", pair.runs[f].step), fmt::format("{}", t.steps),
                  fmt::format("{}", t.repeated_steps),
                  fmt::format("{:.3g}", static_cast<double>(t.iterations) / steps),

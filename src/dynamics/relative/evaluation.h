@@ -28,16 +28,23 @@ void evaluate_motion(const Compiled& m, Workspace<T>& w, double t, const T* q, c
   constraints<T>(m, w, q, v, a);
 }
 
-/// r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q), α: `penalty`. Writes mu (equations ×
-/// 1) and r (velocities × 1).
+/// At that motion, r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q), α: `penalty`. Writes
+/// mu (equations × 1) and r (velocities × 1).
 template <class T>
-void evaluate(const Compiled& m, Workspace<T>& w, const double* penalty, double t, const T* q, const T* v,
-              const T* a, const T* multipliers, double factor, T* mu, T* r) {
-  evaluate_motion<T>(m, w, t, q, v, a);
+void evaluate_residual(const Compiled& m, Workspace<T>& w, const double* penalty, double t, const T* q,
+                       const T* v, const T* a, const T* multipliers, double factor, T* mu, T* r) {
   forces<T>(m, w, t, q, v, a, r);
   for (int k = 0; k < m.equations; ++k) mu[k] = multipliers[k] + factor * penalty[k] * w.phi[k];
   apply_multipliers<T>(m, w, mu, r);
   residual<T>(m, w, q, v, a, r);
+}
+
+/// Both.
+template <class T>
+void evaluate(const Compiled& m, Workspace<T>& w, const double* penalty, double t, const T* q, const T* v,
+              const T* a, const T* multipliers, double factor, T* mu, T* r) {
+  evaluate_motion<T>(m, w, t, q, v, a);
+  evaluate_residual<T>(m, w, penalty, t, q, v, a, multipliers, factor, mu, r);
 }
 
 }  // namespace mimbre::relative

@@ -119,14 +119,16 @@ RelativeSystem::~RelativeSystem() = default;
 
 void RelativeSystem::begin_step(const double* q) { set_origin<double>(model_, work_, q); }
 
-[[gnu::flatten]] void RelativeSystem::kinematics(double t, const double* q, const double* v,
-                                                 const double* a) {
+/// A function of its own, or it would be compiled once more in residual().
+[[gnu::flatten, gnu::noinline]] void RelativeSystem::kinematics(double t, const double* q, const double* v,
+                                                                const double* a) {
   evaluate_motion<double>(model_, work_, t, q, v, a);
 }
 
 [[gnu::flatten]] void RelativeSystem::residual(double t, const double* q, const double* v, const double* a,
                                                const double* multipliers, double factor, double* r) {
-  evaluate<double>(model_, work_, penalty_.data(), t, q, v, a, multipliers, factor, mu_.data(), r);
+  kinematics(t, q, v, a);
+  evaluate_residual<double>(model_, work_, penalty_.data(), t, q, v, a, multipliers, factor, mu_.data(), r);
 }
 
 void RelativeSystem::assemble(const double* q, const MatrixWeights& weights) {

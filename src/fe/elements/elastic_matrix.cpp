@@ -139,6 +139,18 @@ SheetElasticity ElementMaterial::sheet_at(const Vector3d& place, const Matrix3d&
       turned(elastic_, axes.transpose() * material_axes_on(orientation_, place, axes.col(2))));
 }
 
+void check_elastic(const Material& material) {
+  const auto positive = [](const char* name, double value) {
+    if (!(std::isfinite(value) && value > 0))
+      throw std::invalid_argument(fmt::format("{} must be positive, is {}", name, value));
+  };
+  positive("Young's modulus", material.young);
+  positive("density", material.density);
+  if (!(material.poisson > -1 && material.poisson < 0.5))
+    throw std::invalid_argument(
+        fmt::format("Poisson's ratio must lie in (-1, 0.5), is {}", material.poisson));
+}
+
 void check_elastic_matrix(const ElasticMatrix& elastic) {
   if (!elastic.allFinite() || !(elastic.diagonal().array() > 0).all())
     throw std::invalid_argument("its elastic constants must be finite, those of the diagonal positive");

@@ -58,6 +58,10 @@ class ElementMaterial {
   Orientation orientation_;
 };
 
+/// Throws std::invalid_argument unless Young's modulus and density are positive and finite and Poisson's
+/// ratio lies in (-1, 0.5).
+void check_elastic(const Material& material);
+
 /// Throws std::invalid_argument unless it is finite, symmetric and positive definite.
 void check_elastic_matrix(const ElasticMatrix& elastic);
 

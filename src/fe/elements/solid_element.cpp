@@ -46,18 +46,6 @@ void condense(SolidMatrix& all, int dofs, SolidMatrix* condensation) {
 
 }  // namespace
 
-void check_elastic(const Material& material) {
-  const auto positive = [](const char* name, double value) {
-    if (!(std::isfinite(value) && value > 0))
-      throw std::invalid_argument(fmt::format("{} must be positive, is {}", name, value));
-  };
-  positive("Young's modulus", material.young);
-  positive("density", material.density);
-  if (!(material.poisson > -1 && material.poisson < 0.5))
-    throw std::invalid_argument(
-        fmt::format("Poisson's ratio must lie in (-1, 0.5), is {}", material.poisson));
-}
-
 SolidGeometry solid_geometry(ElementType type, const NodePositions& nodes, bool reduced) {
   SolidGeometry geometry{type, nodes, reduced && type == ElementType::hex20};
   const double extent = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();

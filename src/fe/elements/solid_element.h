@@ -26,10 +26,6 @@ using SolidMatrix =
 using NodalMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSolidNodes, kMaxSolidNodes>;
 
-/// Throws std::invalid_argument unless Young's modulus and density are positive and finite and Poisson's
-/// ratio lies in (-1, 0.5).
-void check_elastic(const Material& material);
-
 /// Where the element lies.
 struct SolidGeometry {
   ElementType type;

@@ -4,12 +4,9 @@
 #include <Eigen/Geometry>
 
 #include "fe/elements/beam_element.h"
-#include "fe/elements/cell_elements.h"
-#include "math/once/decompositions.h"
 #include "math/rotation.h"
 
 namespace mimbre::fe {
-namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
@@ -17,7 +14,9 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-TurningCell turning_beam(const BeamElement& beam, const ElementGeometry& geometry) {
+TurningCell turning_beam(const Mesh& beams, int number) {
+  const BeamElement& beam = beams.elements[static_cast<std::size_t>(number)];
+  const ElementGeometry geometry = element_geometry(beams, number);
   TurningCell cell;
   cell.bar = geometry.length;
   cell.node_dofs = 6;
@@ -32,41 +31,6 @@ TurningCell turning_beam(const BeamElement& beam, const ElementGeometry& geometr
   cell.turn(1, 2) = 1 / geometry.length;
   cell.turn(2, 7) = 1 / geometry.length;
   cell.turn(2, 1) = -1 / geometry.length;
-  return cell;
-}
-
-/// The rotation nearest to the nodes' displacements.
-void set_turn(TurningCell& cell) {
-  const Index nodes = cell.arms.cols();
-  Matrix3d inertia = Matrix3d::Zero();
-  cell.turn.setZero(3, cell.node_dofs * nodes);
-  for (Index k = 0; k < nodes; ++k) {
-    const Vector3d r = cell.arms.col(k);
-    inertia += r.squaredNorm() * Matrix3d::Identity() - r * r.transpose();
-    cell.turn.block<3, 3>(0, cell.node_dofs * k) = skew<double>(r);
-  }
-  cell.turn = inverse(inertia) * cell.turn;
-}
-
-}  // namespace
-
-TurningCell turning_cell(const SolidMesh& mesh, const MeshCells& cells, const Mesh& beams, int number) {
-  const CellView at = view(mesh, cells, number);
-  if (at.group == nullptr) return turning_beam(beams.elements[at.index], element_geometry(beams, at.index));
-  TurningCell cell;
-  cell.node_dofs = at.node_dofs();
-  cell.arms.resize(3, at.node_count);
-  for (int k = 0; k < at.node_count; ++k) cell.arms.col(k) = mesh.nodes.col(at.nodes[k]);
-  cell.arms.colwise() -= cell.arms.rowwise().mean().eval();
-  const ElementMaterial material = material_of(mesh, at);
-  if (at.solid()) {
-    SolidMatrix stiffness;
-    solid_stiffness(geometry_of(mesh, at), material, stiffness);
-    cell.stiffness = stiffness;
-  } else {
-    cell.stiffness = shell_matrices(shell_of(mesh, at), material).stiffness;
-  }
-  set_turn(cell);
   return cell;
 }
 

@@ -26,7 +26,9 @@ struct TurningCell {
   int motions_size() const { return bar > 0 ? 7 : 3; }
 };
 
-/// `beams`: those of the mesh, as the functions for beams take them.
+TurningCell turning_beam(const Mesh& beams, int number);
+
+/// Of any element. `beams`: those of the mesh, as the functions for beams take them.
 TurningCell turning_cell(const SolidMesh& mesh, const MeshCells& cells, const Mesh& beams, int number);
 
 /// By fields u (own dofs × fields): ω, and of a bar φ₁, φ₂.

@@ -4,6 +4,10 @@
 
 namespace mimbre::fe {
 
+Eigen::MatrixXd symmetric_times(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& x) {
+  return lower.selfadjointView<Eigen::Lower>() * x;
+}
+
 struct SymmetricSolver::Implementation {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
   explicit Implementation(const Eigen::SparseMatrix<double>& matrix) : factor(matrix) {}

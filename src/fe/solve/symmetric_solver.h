@@ -4,6 +4,9 @@
 
 namespace mimbre::fe {
 
+/// The product with a symmetric matrix of which the lower triangle is given.
+Eigen::MatrixXd symmetric_times(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& x);
+
 /// Sparse factorisation L D Lᵀ of a symmetric finite-element matrix, of which the lower triangle is read:
 /// entry by entry, for frames of beams, which are so sparse that dense blocks gain nothing. For large models
 /// see LargeFactor.

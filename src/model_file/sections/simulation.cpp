@@ -49,7 +49,7 @@ void read_option(const Fields& fields, const RunOption& option, spec::Simulation
 }
 
 /// The keys of a map: of `simulation` itself, or of one that it has, like that of the integrator.
-std::vector<std::string> keys_of(std::string_view section) {
+std::vector<std::string> keys_of_section(std::string_view section) {
   std::vector<std::string> keys;
   for (const RunOption& option : run_option_table()) {
     const std::string_view key = option.section == section ? option.key_in_file()
@@ -76,12 +76,12 @@ void read_simulation(Builder& builder, Part& part) {
     simulation.start_at_equilibrium = initial->choice({"assembled", "equilibrium"}).value_or(0) == 1;
   const auto section = part.section("simulation");
   if (!section) return;
-  const Fields fields(*section, keys_of({}));
+  const Fields fields(*section, keys_of_section({}));
   std::map<std::string, Fields> sections;
   for (const RunOption& option : run_option_table()) {
     const std::string name(option.section);
     if (name.empty() || sections.contains(name)) continue;
-    if (const auto value = fields.get(name)) sections.emplace(name, Fields(*value, keys_of(name)));
+    if (const auto value = fields.get(name)) sections.emplace(name, Fields(*value, keys_of_section(name)));
   }
   RunOptions asked;
   for (const RunOption& option : run_option_table())

@@ -6,11 +6,10 @@
 
 #include "base/parallel.h"
 #include "fe/elements/cell_view.h"
-#include "fe/elements/turning_cell.h"
+#include "fe/solve/symmetric_solver.h"
 #include "math/once/decompositions.h"
 #include "math/rotation.h"
 #include "reduction/stiffening/stretching_states.h"
-#include "reduction/tied_model.h"
 
 namespace mimbre {
 
@@ -53,7 +52,7 @@ class Cells {
     if (!s.mesh.beams.empty()) beams_ = {s.mesh.nodes, s.mesh.beams};
   }
   int size() const { return cells_.size(); }
-  TurningCell cell(int number) const { return turning_cell(s_.mesh, cells_, beams_, number); }
+  TurningCell cell(int number) const { return s_.cell(cells_, beams_, number); }
   CellView view(int number) const { return fe::view(s_.mesh, cells_, number); }
   template <class Body>
   void in_parallel(int count, const Body& body) const {
@@ -204,6 +203,17 @@ MatrixXd with_rotations(const StretchedMesh& s) {
 }
 
 }  // namespace
+
+MatrixXd lowest_amplitudes(const ReducedBody& body, Index count) {
+  if (body.modes == 0) return MatrixXd(0, 0);
+  const EigenPairs pairs = symmetric_eigen(body.stiffness, body.mass_matrix);
+  const Index all = pairs.values.size();
+  Index free = 0;
+  while (free < all && !(pairs.values[free] > 1e-12 * pairs.values[all - 1])) ++free;
+  count = std::min(count, all - free);
+  return pairs.vectors.middleCols(free, count) *
+         pairs.values.segment(free, count).cwiseSqrt().cwiseInverse().asDiagonal();
+}
 
 std::optional<Stretching> find_stretching(const StretchedMesh& s, std::vector<int> place_of_frame) {
   if (s.lowest.cols() == 0) return {};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "fe/elements/turning_cell.h"
 #include "mimbre/beam_reduction.h"
 #include "mimbre/fe_reduce.h"
 #include "mimbre/reduced_body.h"
@@ -33,7 +34,12 @@ struct StretchedMesh {
   std::vector<RigidNodes> rigid;
   Eigen::MatrixXd unit_motions;  ///< dofs × 6·places: of each, its nodes moved alone (body axes)
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd& forces)> respond;  ///< displacements, places held
+  /// turning_cell, or turning_beam where there are beams only
+  std::function<TurningCell(const MeshCells& cells, const Mesh& beams, int number)> cell;
 };
+
+/// Of unit stiffness, the lowest first: modes × count, or as many as there are.
+Eigen::MatrixXd lowest_amplitudes(const ReducedBody& body, Eigen::Index count);
 
 /// The states of stress are those that the lowest modes cause by pairs: with all places held the mesh
 /// responds by −K⁻¹ f to the forces f with which its elements resist the displacements of second order
