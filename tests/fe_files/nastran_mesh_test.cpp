@@ -706,6 +706,127 @@ TEST(NastranLaminates, SandwichesBendByTheirFaces) {
   EXPECT_NEAR(shear, 10 * 1e-3 * 4e8, 1);
 }
 
+/// A cantilever whose moments of area change linearly between three stations: ends under a force, a moment, a
+/// twist and a pull move by the integrals of the flexibility, ∫ (L − x)² dx / EI and so on.
+TEST(NastranMesh, TaperedBeamsHaveTheFlexibilityOfTheirSections) {
+  const double E = 7e10, G = 2.8e10, L = 2;
+  struct Station {
+    double x, area, I1, I2, J;
+  };
+  const std::vector<Station> stations{
+      {0, 4e-3, 8e-6, 4e-6, 6e-6}, {1.2, 2e-3, 2e-6, 2e-6, 3e-6}, {L, 1.5e-3, 1e-6, 4e-7, 1e-6}};
+  const SolidMesh mesh = parse(
+                             "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nMAT1,1,7.+10,2.8+10,,2700.\n"
+                             "CBEAM,1,1,1,2,0.,1.,0.\n"
+                             "PBEAM,1,1,4.-3,8.-6,4.-6,,6.-6,.5,\n,,,,,,,,,\n"
+                             ",YESA,1.,1.5-3,1.-6,4.-7,,1.-6,.3,\n,NO,.6,2.-3,2.-6,2.-6,,3.-6,.5,\n,0.,0.\n")
+                             .mesh;
+  const FeMatrices matrices = assemble(mesh);
+  const auto free = [&](const Eigen::MatrixXd& whole) {
+    std::vector<Eigen::Index> rows;
+    for (std::size_t k = 0; k < matrices.dofs.size(); ++k)
+      if (matrices.dofs[k].node != 0) rows.push_back(static_cast<Eigen::Index>(k));
+    return Eigen::MatrixXd(whole(rows, rows));
+  };
+  // The second node comes first behind the one that is held.
+  ASSERT_EQ(matrices.dofs[6].node, 1);
+  const Eigen::MatrixXd flexibility = inverse(free(test::full(matrices.stiffness)));
+  const auto integral = [&](auto value) {
+    double sum = 0;
+    constexpr int steps = 20000;
+    for (std::size_t k = 0; k + 1 < stations.size(); ++k) {
+      const Station &a = stations[k], &b = stations[k + 1];
+      for (int i = 0; i < steps; ++i) {
+        const double t = (i + 0.5) / steps;
+        const auto at = [&](double Station::*member) { return a.*member + t * (b.*member - a.*member); };
+        sum += value(at) * (b.x - a.x) / steps;
+      }
+    }
+    return sum;
+  };
+  const double stretch = integral([&](auto at) { return 1 / (E * at(&Station::area)); });
+  const double twist = integral([&](auto at) { return 1 / (G * at(&Station::J)); });
+  EXPECT_NEAR(flexibility(0, 0) / stretch, 1, 1e-7);
+  EXPECT_NEAR(flexibility(3, 3) / twist, 1, 1e-7);
+  for (const auto& [moved, turned, I] : {std::tuple(1, 5, &Station::I1), std::tuple(2, 4, &Station::I2)}) {
+    const double turn = integral([&, I = I](auto at) { return 1 / (E * at(I)); });
+    const double deflection = integral([&, I = I](auto at) {
+      const double arm = L - at(&Station::x);
+      return arm * arm / (E * at(I));
+    });
+    EXPECT_NEAR(flexibility(turned, turned) / turn, 1, 1e-7) << moved;
+    EXPECT_NEAR(flexibility(moved, moved) / deflection, 1, 2e-3) << moved;
+  }
+  double mass = 0;
+  const Eigen::MatrixXd M = test::full(matrices.mass);
+  for (std::size_t a = 0; a < matrices.dofs.size(); ++a)
+    for (std::size_t b = 0; b < matrices.dofs.size(); ++b)
+      if (matrices.dofs[a].direction == 0 && matrices.dofs[b].direction == 0)
+        mass += M(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+  EXPECT_NEAR(mass, 2700 * (1.2 * 3e-3 + 0.8 * 1.75e-3) + 1.2 * 0.5 + 0.8 * 0.4, 1e-9);
+}
+
+/// The axis runs from centroid to centroid.
+TEST(NastranMesh, TaperedBeamsFollowTheirNeutralAxis) {
+  const SolidMesh mesh =
+      parse(
+          "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nMAT1,1,7.+10,2.8+10,,2700.\nCBEAM,1,1,1,2,0.,1.,0.\n"
+          "PBEAM,1,1,4.-3,8.-6,4.-6,,6.-6,,\n,,,,,,,,,\n,NO,1.,2.-3,2.-6,2.-6,,3.-6,,\n"
+          ",,,,,,,,,\n,,,,,.1,,.3,-.05\n")
+          .mesh;
+  ASSERT_GT(mesh.beams.size(), 2u);
+  EXPECT_LT((mesh.beams.front().offsets[0] - Vector3d(0, 0.1, 0)).norm(), 1e-12);
+  EXPECT_LT((mesh.beams.back().offsets[1] - Vector3d(0, 0.3, -0.05)).norm(), 1e-12);
+  for (std::size_t k = 0; k + 1 < mesh.beams.size(); ++k) {
+    const Vector3d inner = mesh.nodes.col(mesh.beams[k].nodes[1]);
+    EXPECT_LT((inner - Vector3d(inner[0], 0.1 + 0.1 * inner[0], -0.025 * inner[0])).norm(), 1e-12);
+    EXPECT_EQ(mesh.beams[k].nodes[1], mesh.beams[k + 1].nodes[0]);
+  }
+}
+
+TEST(NastranMesh, BulkDataMayBeginTwiceInARow) {
+  const std::string body =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,"
+      "1\nMAT1,1,1.,,.3,1.\n";
+  Folder folder;
+  const auto read = [&](const std::string& begin) {
+    return read_nastran(folder.write("deck.bdf", "SOL 101\nCEND\nBEGIN BULK\n" + begin + body));
+  };
+  EXPECT_EQ(read("\nBEGIN BULK  \n")->mesh.nodes.cols(), 4);
+  for (const char* begin : {"BEGIN SUPER=1\n", "BEGIN BULK SUPER=1\n"})
+    EXPECT_THAT(complaint([&] { read(begin); }),
+                HasSubstr("deck.bdf:4:1: parts with bulk data of their own"));
+}
+
+/// Two nodes do not turn about their line, where the reference lies beside it.
+TEST(NastranTies, MeansNeedNodesThatDetermineTheirMotion) {
+  const std::string body =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,"
+      "1\nMAT1,1,1.,,.3,1.\n";
+  for (const char* mean :
+       {"GRID,5,,.5,.1,0.\nRBE3,7,,5,123,1.,123,1,2\n", "GRID,5,,.5,0.,0.\nRBE3,7,,5,123456,1.,123,1,2\n"})
+    EXPECT_THAT(complaint([&] { parse(body + mean); }),
+                HasSubstr("deck.bdf:9:1: RBE3 7: its nodes do not determine a rigid motion"));
+  EXPECT_EQ(parse(body + "GRID,5,,.5,0.,0.\nRBE3,7,,5,123,1.,123,1,2\n").mesh.mean_elements.size(), 1u);
+  EXPECT_EQ(parse(body + "GRID,5,,.5,.1,0.\nRBE3,7,,5,123456,1.,123,1,2,,\n,3\n").mesh.mean_elements.size(),
+            1u);
+}
+
+/// What only the reduction finds is named by its card and line, too.
+TEST(NastranTies, AreNamedByTheirLineInTheReduction) {
+  Folder folder;
+  folder.write("ties.bdf", "$\nRBE2,8,1,123456,5\n");
+  const auto read = read_nastran(folder.write(
+      "deck.bdf",
+      "SOL 101\nCEND\nMPC = 3\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
+      "GRID,4,,0.,0.,1.\nGRID,5,,0.,0.,2.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n"
+      "MPC,3,1,2,1.,4,2,-1.\nINCLUDE 'ties.bdf'\n"));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->mesh.equations.at(0).name, "MPC 3 of line 13");
+  EXPECT_THAT(read->mesh.rigid_elements.at(0).name,
+              AllOf(testing::StartsWith("RBE2 8 of "), testing::EndsWith("ties.bdf:2")));
+}
+
 TEST(NastranMesh, NamesAllThatItCannotTake) {
   Folder folder;
   folder.write("part.bdf", "CWELD,7,1\nCTRIA3,8,2,1,2,77\n");

@@ -43,6 +43,8 @@ struct NastranBuild {
   /// Index in the mesh, made when it is new; `factor`: of stiffness; density in place of the material's.
   int mesh_material(const std::string& name, const Material& values,
                     const std::optional<ElasticMatrix>& elastic);
+  /// With the line where it stands, for messages of the reduction.
+  std::string named(const std::string& what, const NastranPlace& place) const;
   /// Runs `make`; what it throws is an error of the thing at `place`.
   void guarded(const std::string& what, const NastranPlace& place, const std::function<void()>& make);
 };

@@ -261,6 +261,11 @@ int NastranBuild::mesh_material(const std::string& name, const Material& values,
   return place->second;
 }
 
+std::string NastranBuild::named(const std::string& what, const NastranPlace& place) const {
+  return place.file == 0 ? fmt::format("{} of line {}", what, place.line)
+                         : fmt::format("{} of {}:{}", what, model.mark(place).file, place.line);
+}
+
 void NastranBuild::guarded(const std::string& what, const NastranPlace& place,
                            const std::function<void()>& make) {
   try {
