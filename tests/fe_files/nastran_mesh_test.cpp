@@ -197,6 +197,78 @@ TEST(NastranMesh, ShellsAreThoseOfTheSameMeshInInp) {
       "thickness");
 }
 
+/// Nodes of a square of 2 × 2, row by row, the last amid the first side of a bend.
+const char* const kSquareNodes =
+    "1,0,0,0\n2,1,0,0.1\n3,2,0,0\n4,0,1,0\n5,1,1,0.1\n6,2,1,0\n7,0,2,0\n8,1,2,0.1\n9,2,2,0\n";
+
+std::string square_grids() {
+  std::string text = "MAT1,9,7.+10,,.25,2700.\nPSHELL,1,9,.02,9,,9\n";
+  for (int n = 0; n < 9; ++n)
+    text += fmt::format("GRID,{},,{}.,{}.,{}\n", n + 1, n % 3, n / 3, n % 3 == 1 ? ".1" : "0.");
+  return text;
+}
+
+SolidMesh square_inp(const std::string& elements) {
+  return parse_inp(std::make_unique<TextFile>("*NODE\n" + std::string(kSquareNodes) + elements +
+                                                  "*MATERIAL, NAME=m\n*ELASTIC\n7e10,0.25\n*DENSITY\n2700\n"
+                                                  "*SHELL SECTION, ELSET=s, MATERIAL=m\n0.02\n",
+                                              "a.inp"),
+                   "", false)
+      .mesh;
+}
+
+TEST(NastranMesh, QuadraticShellsDoNotLock) {
+  const std::string grids = square_grids();
+  expect_same_frequencies(square_inp("*ELEMENT, TYPE=S8R, ELSET=s\n1,1,3,9,7,2,6,8,4\n"),
+                          parse(grids + "CQUAD8,1,1,1,3,9,7,2,6,\n,8,4\n").mesh, "CQUAD8");
+  const SolidMesh facets = square_inp(
+      "*ELEMENT, TYPE=S3, ELSET=s\n1,1,2,5\n2,2,3,6\n3,5,6,9\n4,5,2,6\n5,4,1,5\n6,7,4,8\n7,8,5,9\n8,5,8,4\n");
+  expect_same_frequencies(facets, parse(grids + "CTRIA6,1,1,1,3,9,2,6,5\nCTRIA6,2,1,1,9,7,5,8,4\n").mesh,
+                          "CTRIA6");
+  // Without nodes amid their sides they are linear ones.
+  expect_same_frequencies(parse(grids + "CQUAD4,1,1,1,3,9,7\n").mesh,
+                          parse(grids + "CQUAD8,1,1,1,3,9,7\n").mesh, "corners");
+  expect_same_frequencies(parse(grids + "CTRIA3,1,1,1,3,9\nCTRIA3,2,1,1,9,7\n").mesh,
+                          parse(grids + "CTRIA6,1,1,1,3,9\nCTRIA6,2,1,1,9,7\n").mesh, "corners");
+  // Some of them: triangles on the nodes that there are.
+  expect_same_frequencies(parse(grids + "CTRIA3,1,1,1,2,7\nCTRIA3,2,1,2,6,7\nCTRIA3,3,1,2,3,6\n"
+                                        "CTRIA3,4,1,6,9,7\n")
+                              .mesh,
+                          parse(grids + "CQUAD8,1,1,1,3,9,7,2,6\n").mesh, "some");
+}
+
+/// A free square plate, a thousandth thick: A. W. Leissa, Vibration of Plates, table 4.69 (Poisson's
+/// ratio 0.3): ω a² √(ρ h / D).
+TEST(NastranMesh, ThinQuadraticShellsVibrateAsPlates) {
+  const double thickness = 1e-3;
+  for (const bool triangles : {false, true}) {
+    constexpr int cells = 4, side = 2 * cells + 1;
+    std::string text = fmt::format("MAT1,9,7.+10,,.3,7800.\nPSHELL,1,9,{},9,,9\n", thickness);
+    for (int n = 0; n < side * side; ++n)
+      text += fmt::format("GRID,{},,{:#},{:#},0.\n", n + 1, n % side / 8.0, n / side / 8.0);
+    int label = 0;
+    for (int i = 0; i < side - 1; i += 2)
+      for (int j = 0; j < side - 1; j += 2) {
+        const auto at = [&](int a, int b) { return (j + b) * side + i + a + 1; };
+        if (triangles)
+          for (const bool first : {true, false})
+            text +=
+                fmt::format("CTRIA6,{},1,{},{},{},{},{},{}\n", ++label, at(0, 0), first ? at(2, 0) : at(2, 2),
+                            first ? at(2, 2) : at(0, 2), first ? at(1, 0) : at(1, 1),
+                            first ? at(2, 1) : at(1, 2), first ? at(1, 1) : at(0, 1));
+        else
+          text += fmt::format("CQUAD8,{},1,{},{},{},{},{},{},\n,{},{}\n", ++label, at(0, 0), at(2, 0),
+                              at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1));
+      }
+    const Eigen::VectorXd found = squares(parse(text).mesh);
+    const double D = 7e10 * std::pow(thickness, 3) / (12 * (1 - 0.09));
+    const double wanted[] = {13.468, 19.596, 24.270, 34.801, 34.801};
+    for (int k = 0; k < 5; ++k)
+      EXPECT_NEAR(std::sqrt(found[6 + k] * 7800 * thickness / D) / wanted[k], 1, 0.01)
+          << (triangles ? "CTRIA6" : "CQUAD8") << " mode " << k;
+  }
+}
+
 TEST(NastranMesh, BarsAreThoseOfTheSameMeshInInp) {
   const SolidMesh wanted =
       parse_inp(
@@ -764,6 +836,16 @@ TEST(NastranMesh, TaperedBeamsHaveTheFlexibilityOfTheirSections) {
       if (matrices.dofs[a].direction == 0 && matrices.dofs[b].direction == 0)
         mass += M(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
   EXPECT_NEAR(mass, 2700 * (1.2 * 3e-3 + 0.8 * 1.75e-3) + 1.2 * 0.5 + 0.8 * 0.4, 1e-9);
+}
+
+/// A bar that bends in one direction only, which is not one of its axes.
+TEST(NastranMesh, BarsMayLackBendingStiffnessAlongAPrincipalAxis) {
+  const std::string head =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,7.+10,,.3,2700.\nCBAR,1,1,1,2,0.,1.,0.\n";
+  const auto springs = [&](const char* property) { return parse(head + property).mesh.springs.size(); };
+  // Stretch, twist, and two ways to bend.
+  EXPECT_EQ(springs("PBAR,1,1,1.-3,1.-6,1.-6,1.-6,,,\n,,,,,,,,\n,,,1.-6\n"), 4u);
+  EXPECT_EQ(springs("PBAR,1,1,1.-3,1.-6,,1.-6\n"), 4u);
 }
 
 /// The axis runs from centroid to centroid.

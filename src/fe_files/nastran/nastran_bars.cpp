@@ -287,7 +287,10 @@ void add_tapered(NastranBuild& build, const Placed& bar, const std::vector<Nastr
   }
 }
 
-bool is_whole(const NastranSection& s) { return s.area > 0 && s.I1 > 0 && s.I2 > 0 && s.J > 0; }
+/// Whether it resists stretching, twisting and bending in every direction.
+bool is_whole(const NastranSection& s) {
+  return s.area > 0 && s.J > 0 && s.I1 > 0 && s.I1 * s.I2 - s.I12 * s.I12 > 1e-12 * s.I1 * s.I2;
+}
 
 /// Moves the ends of the axis to the centroids of their sections.
 void to_centroids(NastranBuild& build, Placed& place, const NastranSection& a, const NastranSection& b) {
