@@ -540,15 +540,34 @@ beam_case(
 )
 
 
-@case(1, "C3D20R there")
-def quarter_of_beams():
-    """Bending and torsion of a bow against solids."""
+def bow(offset, radius, counts):
+    """Bending and torsion of a bow of beams, whose nodes lie on 0.5 m, against solids about `radius`."""
     beams, solids = Mesh(), Mesh()
-    line(beams, "B32R", 20, lambda s: (0.5 * math.sin(1.5 * s), 0.5 * math.cos(1.5 * s), 0.0))
-    beams.card("*BEAM SECTION, ELSET=B, MATERIAL=STEEL, SECTION=RECT", "0.02, 0.02", "0, 0, 1")
-    block(solids, "C3D20R", (24, 2, 2), (1, 0.02, 0.02), arc(0.49, 1.5))
+    line(beams, "B32R", 20, quarter)
+    beams.card(f"*BEAM SECTION, ELSET=B, MATERIAL=STEEL, SECTION=RECT{offset}", "0.02, 0.02", "0, 0, 1")
+    block(solids, "C3D20R", counts, (1, 0.02, 0.02), arc(radius - 0.01, 1.5))
     solids.solid()
     return beams, solids
+
+
+@case(0.2, "C3D20R there")
+def quarter_of_beams():
+    return bow("", 0.5, (24, 2, 2))
+
+
+@case(0.2, "the same, finer")
+def quarter_of_beams_fine():
+    return bow("", 0.5, (36, 4, 4))
+
+
+@case(0.2, "C3D20R there, about the axis of the beams: 0.49 m")
+def offset_of_beams():
+    return bow(", OFFSET1=0.5, OFFSET2=-0.5", 0.49, (24, 2, 2))
+
+
+@case(0.2, "the same, finer")
+def offset_of_beams_fine():
+    return bow(", OFFSET1=0.5, OFFSET2=-0.5", 0.49, (36, 4, 4))
 
 
 # Both -----------------------------------------------------------------------------------------------------------

@@ -4,21 +4,28 @@
     bench/nastran_decks.py FOLDER [--program build/release/mimbre] [--timeout 120]
 
 The interface are the nodes that the deck holds (SPC), else a node of a shell or a bar or three nodes of a solid.
-Decks whose materials have no density get one (--density). Where a file of printed results (.f06) lies beside a deck
-that is free, or that holds nothing but whole nodes, the lowest elastic frequencies are compared. Decks without a mesh
-of their own (parts to be included), of heat, fluids, rotational symmetry, large strain or aerodynamics alone are no
-linear structures; the share is of those that are.
+Decks whose materials have no density get one (--density). Decks without a mesh of their own (parts to be included),
+of heat, fluids, rotational symmetry, large strain or aerodynamics alone are no linear structures; the share is of
+those that are.
+
+Where results of Nastran lie beside a deck (.f06, .op2) the lowest elastic frequencies are compared, under the deck's
+own constraints: once as mimbre reads the deck, with consistent masses, and once of a copy of the deck with lumped
+masses, as Nastran has them by default. This needs pyNastran, h5py and SciPy.
 """
 
 import argparse
 import collections
 import json
-import math
 import os
 import re
 import subprocess
 import sys
 import tempfile
+
+try:
+    import nastran_printed
+except ImportError:
+    nastran_printed = None
 
 ENDINGS = (".bdf", ".dat", ".nas")
 ELEMENTS = re.compile(
@@ -133,29 +140,6 @@ def held_nodes(path):
     return held
 
 
-def printed_frequencies(path):
-    """Hz, of the first table of real eigenvalues in the .f06 beside a deck."""
-    folder, wanted = os.path.dirname(path), os.path.splitext(os.path.basename(path))[0].lower() + ".f06"
-    beside = [name for name in os.listdir(folder) if name.lower() == wanted]
-    if not beside:
-        return []
-    with open(os.path.join(folder, beside[0]), encoding="latin-1") as file:
-        lines = file.readlines()
-    found, inside = [], False
-    for line in lines:
-        if "R E A L   E I G E N V A L U E S" in line:
-            if found:
-                break
-            inside = True
-        elif inside:
-            words = line.split()
-            if len(words) == 7 and words[0].isdigit() and words[1].isdigit():
-                found.append(float(words[4]))
-            elif found and line.startswith("1"):
-                break
-    return found
-
-
 CORNERS = {"CQUAD4": 1, "CQUADR": 1, "CQUAD8": 1, "CTRIA3": 1, "CTRIAR": 1, "CTRIA6": 1, "CTETRA": 3, "CPENTA": 3}
 CORNERS.update({"CHEXA": 3, "CPYRAM": 3, "CBAR": 1, "CBEAM": 1, "CBUSH": 1, "CONROD": 1, "CROD": 1})
 
@@ -178,32 +162,15 @@ def solves_for_modes(path):
     solution = next(
         (m[1].upper() for m in (re.match(r"\s*SOL\s+(\w+)", line, re.I) for line in lines_of(path)) if m), ""
     )
-    return solution in (
-        "3",
-        "103",
-        "SEMODES",
-        "107",
-        "108",
-        "109",
-        "110",
-        "111",
-        "112",
-        "145",
-        "146",
-        "200",
-        "SEFLUTTR",
-    )
+    return solution not in ("5", "105", "SEBUCKL", "BUCKLING")
 
 
 def interface_of(path):
-    """Nodes that the deck holds, else those of an element; and whether they hold all that the deck does."""
+    """Nodes that the deck holds, else those of an element."""
     held, there = held_nodes(path), {int(c[1]) for c in cards_of(path) if c[0] == "GRID" and c[1].isdigit()}
-    held = {node: what for node, what in held.items() if node in there}
-    fixed = [str(node) for node, what in held.items() if what >= set("123")]
-    turned = [node for node in held if held[node] >= set("123456")]
-    if not (turned or len(fixed) >= 3):
-        return first_element(path), False
-    return fixed, len(turned) == len(held)
+    fixed = [str(node) for node, what in held.items() if node in there and what >= set("123")]
+    turned = any(node in there and what >= set("123456") for node, what in held.items())
+    return fixed if turned or len(fixed) >= 3 else first_element(path)
 
 
 def reduce(program, deck, interface, body, timeout, more):
@@ -223,6 +190,46 @@ def reduce(program, deck, interface, body, timeout, more):
     text = re.sub(r"^.*?error: ", "", message[0])
     more = f" (and {len(message) - 1} more)" if len(message) > 1 else ""
     return None, text[:150] + more
+
+
+def reduce_deck(program, deck, body, timeout):
+    """As reduce, with another interface, a density or fewer modes where the deck needs them; and what was added."""
+    interface = interface_of(deck)
+    result, why = reduce(program, deck, interface, body, timeout, [])
+    if re.search("no hold in all six|no node of the model|nothing that could deform|model has no node", why):
+        interface = first_element(deck)
+        result, why = reduce(program, deck, interface, body, timeout, [])
+    note, more = "", []
+    if "density" in why:
+        first, more = why, ["--density", "7850"]
+        result, why = reduce(program, deck, interface, body, timeout, more)
+        why = first if "every material has its own" in why else why
+        note = " with --density"
+    if "more modes" in why or "fewer modes" in why:
+        result, why = reduce(program, deck, interface, body, timeout, [*more, "--modes", "1"])
+    return result, why, note
+
+
+def compare(program, deck, timeout, folder):
+    """Prints the frequencies of a deck beside those that Nastran printed, with consistent and lumped masses."""
+    printed, source = nastran_printed.printed_frequencies(deck, list(cards_of(deck)))
+    elastic = [f for f in printed if f > nastran_printed.ELASTIC * max(printed)]
+    if max(printed, default=0) < 1e-6 or not solves_for_modes(deck):
+        return
+    print(f"         {os.path.basename(source)} {'Hz':>6} " + " ".join(f"{f:9.5g}" for f in elastic[:8]), flush=True)
+    for kind in ("consistent", "lumped"):
+        path = deck
+        try:
+            if kind == "lumped":
+                path = os.path.join(folder, "lumped.bdf")
+                nastran_printed.lumped_copy(deck, path)
+            ours = nastran_printed.held_frequencies(program, path, held_nodes(path), max(printed), timeout, folder)
+        except Exception as why:
+            print(f"         {kind}: not compared: {str(why).splitlines()[0][:110]}")
+            continue
+        pairs = nastran_printed.paired(ours, printed)
+        off = " ".join(f"{100 * (a / b - 1):+8.2g}%" if a else " " * 9 for a, b in pairs[:8])
+        print(f"         {kind:>12}, off: {off}", flush=True)
 
 
 def main():
@@ -245,18 +252,7 @@ def main():
                 print(f"-        {name}: {kind}")
                 continue
             linear += 1
-            interface, holds_all = interface_of(deck)
-            result, why = reduce(options.program, deck, interface, body, options.timeout, [])
-            note, more = "", []
-            if "density" in why:
-                first = why
-                result, why = reduce(
-                    options.program, deck, interface, body, options.timeout, more := ["--density", "7850"]
-                )
-                why = first if "every material has its own" in why else why
-                note = " with --density"
-            if "more modes" in why or "fewer modes" in why:
-                result, why = reduce(options.program, deck, interface, body, options.timeout, [*more, "--modes", "1"])
+            result, why, note = reduce_deck(options.program, deck, body, options.timeout)
             if result is None:
                 print(f"refused  {name}: {why}", flush=True)
                 reasons[re.sub(r"[-+.\d]+", "#", re.sub(r"'.*?'", "''", why))[:70]] += 1
@@ -264,17 +260,8 @@ def main():
             reduced += 1
             found = [f for f in result.get("free_frequencies_hz", []) if f]
             print(f"reduces  {name}{note}: {', '.join(f'{f:.5g} Hz' for f in found[:3])}", flush=True)
-            printed = printed_frequencies(deck)
-            free = not held_nodes(deck)
-            if printed and (free or holds_all) and solves_for_modes(deck):
-                ours = found if free else [f for f in result["frequencies_hz"] if f]
-                elastic = [f for f in printed if f > 1e-3 * max(printed)][: len(ours)]
-                worst = max((abs(a / b - 1) for a, b in zip(ours, elastic, strict=False)), default=math.nan)
-                here = ", ".join(f"{f:.5g}" for f in ours[: len(elastic)])
-                there = ", ".join(f"{f:.5g}" for f in elastic)
-                print(
-                    f"         {'free' if free else 'held'} {here}, printed {there}: off by {100 * worst:.2g} % at most"
-                )
+            if nastran_printed:
+                compare(options.program, deck, options.timeout, scratch)
     share = 100 * reduced / max(linear, 1)
     print(f"\n{reduced} of {linear} linear structures reduce ({share:.0f} %), of {len(decks)} files")
     for why, count in reasons.most_common(25):

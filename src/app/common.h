@@ -20,7 +20,7 @@ enum Exit : int {
   bad_usage = 2,
   failed = 3,  ///< the simulation failed, or was interrupted
   warned = 4   ///< done, but not without a warning, and --strict was given; a check of a body's validation
-               ///< report failed
+               ///< report failed; `check` refuses a converted robot
 };
 
 /// A command of the program: its options, and what it does; `run` returns the exit code.

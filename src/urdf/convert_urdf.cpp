@@ -85,6 +85,10 @@ class Writer {
       if (!options.repair) fault.message += "; --repair does";
       result_.notes.push_back(std::move(fault));
     }
+    if (merged_.bodies.size() == first)
+      result_.notes.push_back(
+          {Mark{path_},
+           "no link has a mass or a shape, so the model has no body, and `mimbre check` refuses it"});
     inertias_ = BodyTree(robot_, merged_, options.floating).least_inertias();
   }
 

@@ -11,6 +11,7 @@ namespace mimbre::app_test::commands_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Commands : public ProgramTest {
  protected:
@@ -37,6 +38,30 @@ TEST_F(Commands, HelpGivesAnExample) {
     EXPECT_EQ(outcome.err, "");
     EXPECT_THAT(outcome.out, HasSubstr(std::string("Example:\n  mimbre ") + command));
   }
+}
+
+/// A robot's model is written, and its conversion ends with the verdict of check.
+TEST_F(Commands, ConvertEndsWithTheVerdictOfCheck) {
+  const auto robot = [&](const char* mass) {
+    write_file(folder / "robot.urdf",
+               std::string("<robot name=\"r\"><link name=\"a\"/><link name=\"b\">") + mass +
+                   "</link><joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/>"
+                   "<axis xyz=\"0 1 0\"/></joint></robot>");
+    fs::remove(folder / "robot.yaml");
+    return run({"convert", "robot.urdf"});
+  };
+  const Outcome sound = robot(
+      "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" "
+      "iyz=\"0\"/></inertial>");
+  EXPECT_EQ(sound.code, 0) << sound.err;
+  EXPECT_THAT(sound.err, Not(HasSubstr("refuses")));
+  const Outcome empty = robot("");
+  EXPECT_EQ(empty.code, 4);
+  EXPECT_TRUE(fs::exists(folder / "robot.yaml"));
+  EXPECT_THAT(empty.err, HasSubstr("robot.yaml is written, but `mimbre check` refuses it"));
+  const Outcome check = run({"check", "robot.yaml"});
+  EXPECT_EQ(check.code, 1);
+  EXPECT_THAT(empty.err, HasSubstr(check.err));
 }
 
 TEST_F(Commands, WrongNamesAreAnsweredWithNearOnes) {

@@ -197,6 +197,78 @@ TEST(NastranMesh, ShellsAreThoseOfTheSameMeshInInp) {
       "thickness");
 }
 
+/// Nodes of a square of 2 × 2, row by row, the last amid the first side of a bend.
+const char* const kSquareNodes =
+    "1,0,0,0\n2,1,0,0.1\n3,2,0,0\n4,0,1,0\n5,1,1,0.1\n6,2,1,0\n7,0,2,0\n8,1,2,0.1\n9,2,2,0\n";
+
+std::string square_grids() {
+  std::string text = "MAT1,9,7.+10,,.25,2700.\nPSHELL,1,9,.02,9,,9\n";
+  for (int n = 0; n < 9; ++n)
+    text += fmt::format("GRID,{},,{}.,{}.,{}\n", n + 1, n % 3, n / 3, n % 3 == 1 ? ".1" : "0.");
+  return text;
+}
+
+SolidMesh square_inp(const std::string& elements) {
+  return parse_inp(std::make_unique<TextFile>("*NODE\n" + std::string(kSquareNodes) + elements +
+                                                  "*MATERIAL, NAME=m\n*ELASTIC\n7e10,0.25\n*DENSITY\n2700\n"
+                                                  "*SHELL SECTION, ELSET=s, MATERIAL=m\n0.02\n",
+                                              "a.inp"),
+                   "", false)
+      .mesh;
+}
+
+TEST(NastranMesh, QuadraticShellsDoNotLock) {
+  const std::string grids = square_grids();
+  expect_same_frequencies(square_inp("*ELEMENT, TYPE=S8R, ELSET=s\n1,1,3,9,7,2,6,8,4\n"),
+                          parse(grids + "CQUAD8,1,1,1,3,9,7,2,6,\n,8,4\n").mesh, "CQUAD8");
+  const SolidMesh facets = square_inp(
+      "*ELEMENT, TYPE=S3, ELSET=s\n1,1,2,5\n2,2,3,6\n3,5,6,9\n4,5,2,6\n5,4,1,5\n6,7,4,8\n7,8,5,9\n8,5,8,4\n");
+  expect_same_frequencies(facets, parse(grids + "CTRIA6,1,1,1,3,9,2,6,5\nCTRIA6,2,1,1,9,7,5,8,4\n").mesh,
+                          "CTRIA6");
+  // Without nodes amid their sides they are linear ones.
+  expect_same_frequencies(parse(grids + "CQUAD4,1,1,1,3,9,7\n").mesh,
+                          parse(grids + "CQUAD8,1,1,1,3,9,7\n").mesh, "corners");
+  expect_same_frequencies(parse(grids + "CTRIA3,1,1,1,3,9\nCTRIA3,2,1,1,9,7\n").mesh,
+                          parse(grids + "CTRIA6,1,1,1,3,9\nCTRIA6,2,1,1,9,7\n").mesh, "corners");
+  // Some of them: triangles on the nodes that there are.
+  expect_same_frequencies(parse(grids + "CTRIA3,1,1,1,2,7\nCTRIA3,2,1,2,6,7\nCTRIA3,3,1,2,3,6\n"
+                                        "CTRIA3,4,1,6,9,7\n")
+                              .mesh,
+                          parse(grids + "CQUAD8,1,1,1,3,9,7,2,6\n").mesh, "some");
+}
+
+/// A free square plate, a thousandth thick: A. W. Leissa, Vibration of Plates, table 4.69 (Poisson's
+/// ratio 0.3): ω a² √(ρ h / D).
+TEST(NastranMesh, ThinQuadraticShellsVibrateAsPlates) {
+  const double thickness = 1e-3;
+  for (const bool triangles : {false, true}) {
+    constexpr int cells = 4, side = 2 * cells + 1;
+    std::string text = fmt::format("MAT1,9,7.+10,,.3,7800.\nPSHELL,1,9,{},9,,9\n", thickness);
+    for (int n = 0; n < side * side; ++n)
+      text += fmt::format("GRID,{},,{:#},{:#},0.\n", n + 1, n % side / 8.0, n / side / 8.0);
+    int label = 0;
+    for (int i = 0; i < side - 1; i += 2)
+      for (int j = 0; j < side - 1; j += 2) {
+        const auto at = [&](int a, int b) { return (j + b) * side + i + a + 1; };
+        if (triangles)
+          for (const bool first : {true, false})
+            text +=
+                fmt::format("CTRIA6,{},1,{},{},{},{},{},{}\n", ++label, at(0, 0), first ? at(2, 0) : at(2, 2),
+                            first ? at(2, 2) : at(0, 2), first ? at(1, 0) : at(1, 1),
+                            first ? at(2, 1) : at(1, 2), first ? at(1, 1) : at(0, 1));
+        else
+          text += fmt::format("CQUAD8,{},1,{},{},{},{},{},{},\n,{},{}\n", ++label, at(0, 0), at(2, 0),
+                              at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1));
+      }
+    const Eigen::VectorXd found = squares(parse(text).mesh);
+    const double D = 7e10 * std::pow(thickness, 3) / (12 * (1 - 0.09));
+    const double wanted[] = {13.468, 19.596, 24.270, 34.801, 34.801};
+    for (int k = 0; k < 5; ++k)
+      EXPECT_NEAR(std::sqrt(found[6 + k] * 7800 * thickness / D) / wanted[k], 1, 0.01)
+          << (triangles ? "CTRIA6" : "CQUAD8") << " mode " << k;
+  }
+}
+
 TEST(NastranMesh, BarsAreThoseOfTheSameMeshInInp) {
   const SolidMesh wanted =
       parse_inp(
@@ -704,6 +776,137 @@ TEST(NastranLaminates, SandwichesBendByTheirFaces) {
     shear += 5.0 / 6 * group.thickness *
              mesh.materials[static_cast<std::size_t>(group.material)].elastic.value()(4, 4);
   EXPECT_NEAR(shear, 10 * 1e-3 * 4e8, 1);
+}
+
+/// A cantilever whose moments of area change linearly between three stations: ends under a force, a moment, a
+/// twist and a pull move by the integrals of the flexibility, ∫ (L − x)² dx / EI and so on.
+TEST(NastranMesh, TaperedBeamsHaveTheFlexibilityOfTheirSections) {
+  const double E = 7e10, G = 2.8e10, L = 2;
+  struct Station {
+    double x, area, I1, I2, J;
+  };
+  const std::vector<Station> stations{
+      {0, 4e-3, 8e-6, 4e-6, 6e-6}, {1.2, 2e-3, 2e-6, 2e-6, 3e-6}, {L, 1.5e-3, 1e-6, 4e-7, 1e-6}};
+  const SolidMesh mesh = parse(
+                             "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nMAT1,1,7.+10,2.8+10,,2700.\n"
+                             "CBEAM,1,1,1,2,0.,1.,0.\n"
+                             "PBEAM,1,1,4.-3,8.-6,4.-6,,6.-6,.5,\n,,,,,,,,,\n"
+                             ",YESA,1.,1.5-3,1.-6,4.-7,,1.-6,.3,\n,NO,.6,2.-3,2.-6,2.-6,,3.-6,.5,\n,0.,0.\n")
+                             .mesh;
+  const FeMatrices matrices = assemble(mesh);
+  const auto free = [&](const Eigen::MatrixXd& whole) {
+    std::vector<Eigen::Index> rows;
+    for (std::size_t k = 0; k < matrices.dofs.size(); ++k)
+      if (matrices.dofs[k].node != 0) rows.push_back(static_cast<Eigen::Index>(k));
+    return Eigen::MatrixXd(whole(rows, rows));
+  };
+  // The second node comes first behind the one that is held.
+  ASSERT_EQ(matrices.dofs[6].node, 1);
+  const Eigen::MatrixXd flexibility = inverse(free(test::full(matrices.stiffness)));
+  const auto integral = [&](auto value) {
+    double sum = 0;
+    constexpr int steps = 20000;
+    for (std::size_t k = 0; k + 1 < stations.size(); ++k) {
+      const Station &a = stations[k], &b = stations[k + 1];
+      for (int i = 0; i < steps; ++i) {
+        const double t = (i + 0.5) / steps;
+        const auto at = [&](double Station::*member) { return a.*member + t * (b.*member - a.*member); };
+        sum += value(at) * (b.x - a.x) / steps;
+      }
+    }
+    return sum;
+  };
+  const double stretch = integral([&](auto at) { return 1 / (E * at(&Station::area)); });
+  const double twist = integral([&](auto at) { return 1 / (G * at(&Station::J)); });
+  EXPECT_NEAR(flexibility(0, 0) / stretch, 1, 1e-7);
+  EXPECT_NEAR(flexibility(3, 3) / twist, 1, 1e-7);
+  for (const auto& [moved, turned, I] : {std::tuple(1, 5, &Station::I1), std::tuple(2, 4, &Station::I2)}) {
+    const double turn = integral([&, I = I](auto at) { return 1 / (E * at(I)); });
+    const double deflection = integral([&, I = I](auto at) {
+      const double arm = L - at(&Station::x);
+      return arm * arm / (E * at(I));
+    });
+    EXPECT_NEAR(flexibility(turned, turned) / turn, 1, 1e-7) << moved;
+    EXPECT_NEAR(flexibility(moved, moved) / deflection, 1, 2e-3) << moved;
+  }
+  double mass = 0;
+  const Eigen::MatrixXd M = test::full(matrices.mass);
+  for (std::size_t a = 0; a < matrices.dofs.size(); ++a)
+    for (std::size_t b = 0; b < matrices.dofs.size(); ++b)
+      if (matrices.dofs[a].direction == 0 && matrices.dofs[b].direction == 0)
+        mass += M(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+  EXPECT_NEAR(mass, 2700 * (1.2 * 3e-3 + 0.8 * 1.75e-3) + 1.2 * 0.5 + 0.8 * 0.4, 1e-9);
+}
+
+/// A bar that bends in one direction only, which is not one of its axes.
+TEST(NastranMesh, BarsMayLackBendingStiffnessAlongAPrincipalAxis) {
+  const std::string head =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,7.+10,,.3,2700.\nCBAR,1,1,1,2,0.,1.,0.\n";
+  const auto springs = [&](const char* property) { return parse(head + property).mesh.springs.size(); };
+  // Stretch, twist, and two ways to bend.
+  EXPECT_EQ(springs("PBAR,1,1,1.-3,1.-6,1.-6,1.-6,,,\n,,,,,,,,\n,,,1.-6\n"), 4u);
+  EXPECT_EQ(springs("PBAR,1,1,1.-3,1.-6,,1.-6\n"), 4u);
+}
+
+/// The axis runs from centroid to centroid.
+TEST(NastranMesh, TaperedBeamsFollowTheirNeutralAxis) {
+  const SolidMesh mesh =
+      parse(
+          "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\nMAT1,1,7.+10,2.8+10,,2700.\nCBEAM,1,1,1,2,0.,1.,0.\n"
+          "PBEAM,1,1,4.-3,8.-6,4.-6,,6.-6,,\n,,,,,,,,,\n,NO,1.,2.-3,2.-6,2.-6,,3.-6,,\n"
+          ",,,,,,,,,\n,,,,,.1,,.3,-.05\n")
+          .mesh;
+  ASSERT_GT(mesh.beams.size(), 2u);
+  EXPECT_LT((mesh.beams.front().offsets[0] - Vector3d(0, 0.1, 0)).norm(), 1e-12);
+  EXPECT_LT((mesh.beams.back().offsets[1] - Vector3d(0, 0.3, -0.05)).norm(), 1e-12);
+  for (std::size_t k = 0; k + 1 < mesh.beams.size(); ++k) {
+    const Vector3d inner = mesh.nodes.col(mesh.beams[k].nodes[1]);
+    EXPECT_LT((inner - Vector3d(inner[0], 0.1 + 0.1 * inner[0], -0.025 * inner[0])).norm(), 1e-12);
+    EXPECT_EQ(mesh.beams[k].nodes[1], mesh.beams[k + 1].nodes[0]);
+  }
+}
+
+TEST(NastranMesh, BulkDataMayBeginTwiceInARow) {
+  const std::string body =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,"
+      "1\nMAT1,1,1.,,.3,1.\n";
+  Folder folder;
+  const auto read = [&](const std::string& begin) {
+    return read_nastran(folder.write("deck.bdf", "SOL 101\nCEND\nBEGIN BULK\n" + begin + body));
+  };
+  EXPECT_EQ(read("\nBEGIN BULK  \n")->mesh.nodes.cols(), 4);
+  for (const char* begin : {"BEGIN SUPER=1\n", "BEGIN BULK SUPER=1\n"})
+    EXPECT_THAT(complaint([&] { read(begin); }),
+                HasSubstr("deck.bdf:4:1: parts with bulk data of their own"));
+}
+
+/// Two nodes do not turn about their line, where the reference lies beside it.
+TEST(NastranTies, MeansNeedNodesThatDetermineTheirMotion) {
+  const std::string body =
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,"
+      "1\nMAT1,1,1.,,.3,1.\n";
+  for (const char* mean :
+       {"GRID,5,,.5,.1,0.\nRBE3,7,,5,123,1.,123,1,2\n", "GRID,5,,.5,0.,0.\nRBE3,7,,5,123456,1.,123,1,2\n"})
+    EXPECT_THAT(complaint([&] { parse(body + mean); }),
+                HasSubstr("deck.bdf:9:1: RBE3 7: its nodes do not determine a rigid motion"));
+  EXPECT_EQ(parse(body + "GRID,5,,.5,0.,0.\nRBE3,7,,5,123,1.,123,1,2\n").mesh.mean_elements.size(), 1u);
+  EXPECT_EQ(parse(body + "GRID,5,,.5,.1,0.\nRBE3,7,,5,123456,1.,123,1,2,,\n,3\n").mesh.mean_elements.size(),
+            1u);
+}
+
+/// What only the reduction finds is named by its card and line, too.
+TEST(NastranTies, AreNamedByTheirLineInTheReduction) {
+  Folder folder;
+  folder.write("ties.bdf", "$\nRBE2,8,1,123456,5\n");
+  const auto read = read_nastran(folder.write(
+      "deck.bdf",
+      "SOL 101\nCEND\nMPC = 3\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
+      "GRID,4,,0.,0.,1.\nGRID,5,,0.,0.,2.\nCTETRA,1,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,1.,,.3,1.\n"
+      "MPC,3,1,2,1.,4,2,-1.\nINCLUDE 'ties.bdf'\n"));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->mesh.equations.at(0).name, "MPC 3 of line 13");
+  EXPECT_THAT(read->mesh.rigid_elements.at(0).name,
+              AllOf(testing::StartsWith("RBE2 8 of "), testing::EndsWith("ties.bdf:2")));
 }
 
 TEST(NastranMesh, NamesAllThatItCannotTake) {

@@ -406,6 +406,13 @@ TEST_F(UrdfFile, WhatCannotMoveIsTold) {
               HasSubstr("no matter has the principal moments"));
 }
 
+TEST_F(UrdfFile, WithoutMassAndShapesThereIsNoBody) {
+  const char* what = "no link has a mass or a shape";
+  const std::string frames = "<link name=\"a\"/><link name=\"b\"/>" + joint("j", "fixed", "a", "b");
+  EXPECT_THAT(all_of(convert(frames)), HasSubstr(what));
+  EXPECT_THAT(all_of(convert(link("a"))), Not(HasSubstr(what)));
+}
+
 /// Half a period of the inertia (J + m a², at the fixed base) on the stop takes five default steps.
 TEST_F(UrdfFile, StopsAreAsStiffAsTheInertiaStands) {
   const ConvertedRobot robot =

@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <map>
 
+#include "app/advice.h"
 #include "app/common.h"
 #include "app/json.h"
 #include "app/targets.h"
 #include "mimbre/fe_import.h"
+#include "mimbre/method_arguments.h"
+#include "mimbre/simulation.h"
 #include "mimbre/urdf.h"
 
 /// mimbre convert: a reduced body from one format to another, a robot from URDF to a model file.
@@ -42,6 +45,24 @@ std::map<std::string, std::string> packages_of(const ConvertArguments& a) {
   return packages;
 }
 
+/// Prints the messages of `mimbre check`; whether it accepts the model.
+bool accepted(const std::string& path) {
+  try {
+    const LoadedModel loaded = load(path, {}, true);
+    const Simulation simulation(loaded.model, run_options({}, loaded.model->spec().simulation));
+    print_advice(simulation);
+    for (const std::string& warning : simulation.warnings()) print_warning(warning);
+    return true;
+  } catch (const InputError& error) {
+    for (const Diagnostic& one : error.diagnostics())
+      fmt::print(stderr, "{}\n", diagnostic_line(one, "error"));
+  } catch (const std::exception& error) {
+    print_error(error.what());
+  }
+  print_warning(fmt::format("{} is written, but `mimbre check` refuses it", path));
+  return false;
+}
+
 int convert_robot(const ConvertArguments& a) {
   if (!a.to.empty() && a.to != "yaml")
     throw UsageError(fmt::format("a robot becomes a model file: --to yaml, not {}", a.to));
@@ -57,7 +78,7 @@ int convert_robot(const ConvertArguments& a) {
   for (const Diagnostic& one : robot.repairs) fmt::print(stderr, "{}\n", diagnostic_line(one, "repaired"));
   save(robot, output);
   print_data(made("convert", output, a.json));
-  return done;
+  return accepted(output) ? done : warned;
 }
 
 int convert_body(const ConvertArguments& a) {

@@ -24,8 +24,8 @@ struct NastranBuild {
 
   /// Index of a node, −1 (and an error) when there is none.
   int node(std::int64_t label, const NastranPlace& place, const std::string& user);
-  /// A node amid a side that the deck leaves out, which follows the mean of the side's ends.
-  int amid(int a, int b, bool shell);
+  /// A node amid a side of a solid that the deck leaves out, which follows the mean of the side's ends.
+  int amid(int a, int b);
   Eigen::Vector3d at(int node) const { return mesh.nodes.col(node); }
   /// Columns: the directions of a node's displacements.
   Eigen::Matrix3d directions(int node, const NastranPlace& place) const;
@@ -43,6 +43,8 @@ struct NastranBuild {
   /// Index in the mesh, made when it is new; `factor`: of stiffness; density in place of the material's.
   int mesh_material(const std::string& name, const Material& values,
                     const std::optional<ElasticMatrix>& elastic);
+  /// With the line where it stands, for messages of the reduction.
+  std::string named(const std::string& what, const NastranPlace& place) const;
   /// Runs `make`; what it throws is an error of the thing at `place`.
   void guarded(const std::string& what, const NastranPlace& place, const std::function<void()>& make);
 };

@@ -232,13 +232,17 @@ bool NastranModel::is_scalar_point(std::int64_t label) const {
 void read_nastran_bulk(NastranLines& lines, NastranModel& model) {
   NastranCards cards(lines);
   NastranCard card;
+  bool any = false;
   while (cards.next(card)) {
     if (card.name.starts_with("BEGIN")) {
+      // BEGIN BULK twice in a row
+      if (!any && card.name == "BEGIN BU" && capitals(card.field(0)) == "LK") continue;
       model.error(
           card.mark,
           "parts with bulk data of their own (BEGIN SUPER) are not read; give each as a deck of its own");
       return;
     }
+    any = true;
     try {
       if (card.name == "GRID")
         read_grid(model, card);

@@ -58,7 +58,7 @@ void follow(NastranBuild& build, const NastranRigid& rigid, const std::string& n
     NastranBuild::add_rotation(node, axis, 1, terms);
     NastranBuild::add_rotation(reference, axis, -1, terms);
   }
-  add_equation(build, name, std::move(terms));
+  add_equation(build, build.named(name, rigid.place), std::move(terms));
 }
 
 void add_rigid(NastranBuild& build, const NastranRigid& rigid) {
@@ -76,7 +76,7 @@ void add_rigid(NastranBuild& build, const NastranRigid& rigid) {
       std::vector<LinearTerm> terms;
       NastranBuild::add_translation(node, along.normalized(), Vector3d::Zero(), 1, terms);
       NastranBuild::add_translation(reference, along.normalized(), Vector3d::Zero(), -1, terms);
-      add_equation(build, name, std::move(terms));
+      add_equation(build, build.named(name, rigid.place), std::move(terms));
       continue;
     }
     build.rotates[static_cast<std::size_t>(reference)] = 1;
@@ -90,7 +90,7 @@ void add_rigid(NastranBuild& build, const NastranRigid& rigid) {
     }
   }
   for (auto& [components, element] : by_components) {
-    element.name = name;
+    element.name = build.named(name, rigid.place);
     element.reference = reference;
     element.follows = flags(components);
     std::sort(element.nodes.begin(), element.nodes.end());
@@ -163,8 +163,30 @@ void add_mean_equations(NastranBuild& build, const NastranMean& mean, const std:
       for (int d = 0; d < 3; ++d)
         terms.push_back({rows[r].node, (rows[r].component < 3 ? 0 : 3) + d,
                          -factors[static_cast<Eigen::Index>(r)] * rows[r].axis[d]});
-    add_equation(build, name, std::move(terms));
+    add_equation(build, build.named(name, mean.place), std::move(terms));
   }
+}
+
+/// Nodes on a line do not turn about it: enough for translations of places on that line alone.
+bool determine(const NastranBuild& build, const MeanElement& element) {
+  const auto count = static_cast<Eigen::Index>(element.nodes.size());
+  if (count == 0) return false;
+  Eigen::Matrix3Xd arms(3, count + 1);
+  for (Eigen::Index k = 0; k < count; ++k) arms.col(k) = build.at(element.nodes[static_cast<std::size_t>(k)]);
+  arms.col(count) = build.at(element.reference);
+  const Vector3d first = arms.col(0);
+  arms.colwise() -= first;
+  const double size = arms.colwise().norm().maxCoeff(), close = 1e-6 * size;
+  Eigen::Index far = 0;
+  arms.leftCols(count).colwise().norm().maxCoeff(&far);
+  const auto off_line = [&](Eigen::Index k) {
+    const Vector3d line = arms.col(far);
+    return line.norm() > close ? line.normalized().cross(arms.col(k)).norm() : arms.col(k).norm();
+  };
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (off_line(k) > close) return true;
+  const bool turns = element.follows[3] || element.follows[4] || element.follows[5];
+  return !turns && off_line(count) <= close;
 }
 
 void add_mean(NastranBuild& build, const NastranMean& mean) {
@@ -177,7 +199,7 @@ void add_mean(NastranBuild& build, const NastranMean& mean) {
   if (!plain || !(whole(mean.components) || build.directions(reference, mean.place).isIdentity(1e-9)))
     return add_mean_equations(build, mean, name, reference);
   MeanElement element;
-  element.name = name;
+  element.name = build.named(name, mean.place);
   element.reference = reference;
   element.follows = flags(mean.components);
   for (const NastranMean::Node& one : mean.nodes) {
@@ -187,6 +209,9 @@ void add_mean(NastranBuild& build, const NastranMean& mean) {
     element.nodes.push_back(node);
     element.weights.push_back(one.weight);
   }
+  if (!determine(build, element))
+    throw std::invalid_argument(
+        "its nodes do not determine a rigid motion: they lie on a line or are too few");
   build.mesh.mean_elements.push_back(std::move(element));
 }
 
@@ -246,7 +271,7 @@ void add_equations(NastranBuild& build) {
         }
         build.add_component(node, term.component, term.factor, equation.place, terms);
       }
-      add_equation(build, name, std::move(terms));
+      add_equation(build, build.named(name, equation.place), std::move(terms));
     });
   }
 }

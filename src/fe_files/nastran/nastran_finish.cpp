@@ -174,7 +174,7 @@ int NastranBuild::node(std::int64_t label, const NastranPlace& place, const std:
   return -1;
 }
 
-int NastranBuild::amid(int a, int b, bool shell) {
+int NastranBuild::amid(int a, int b) {
   const auto [place, is_new] =
       middles.emplace(std::pair(std::min(a, b), std::max(a, b)), static_cast<int>(mesh.nodes.cols()));
   const int node = place->second;
@@ -183,11 +183,9 @@ int NastranBuild::amid(int a, int b, bool shell) {
     mesh.nodes.col(node) = (at(a) + at(b)) / 2;
     mesh.labels.push_back(0);
     rotates.push_back(0);
+    for (int d = 0; d < 3; ++d)
+      mesh.equations.push_back({"a side without a node amid it", {{node, d, 1}, {a, d, -0.5}, {b, d, -0.5}}});
   }
-  const bool turns = rotates[static_cast<std::size_t>(node)] != 0;
-  for (int d = is_new ? 0 : 3; d < (shell && !turns ? 6 : 3); ++d)
-    mesh.equations.push_back({"a side without a node amid it", {{node, d, 1}, {a, d, -0.5}, {b, d, -0.5}}});
-  if (shell) rotates[static_cast<std::size_t>(node)] = 1;
   return node;
 }
 
@@ -259,6 +257,11 @@ int NastranBuild::mesh_material(const std::string& name, const Material& values,
   const auto [place, is_new] = materials.emplace(name, static_cast<int>(mesh.materials.size()));
   if (is_new) mesh.materials.push_back({name, values, elastic});
   return place->second;
+}
+
+std::string NastranBuild::named(const std::string& what, const NastranPlace& place) const {
+  return place.file == 0 ? fmt::format("{} of line {}", what, place.line)
+                         : fmt::format("{} of {}:{}", what, model.mark(place).file, place.line);
 }
 
 void NastranBuild::guarded(const std::string& what, const NastranPlace& place,

@@ -113,9 +113,16 @@ struct NastranSection {
   bool round = false;
 };
 
+struct NastranStation {
+  double along = 0;  ///< 0 at end A, 1 at end B
+  NastranSection section;
+};
+
 struct NastranBarProperty {
   std::int64_t material = 0;
-  NastranSection section;
+  NastranSection section;  ///< of a tapered beam the mean of its ends
+  /// Of a tapered beam, ascending from 0 to 1; between them the section changes linearly. Else empty.
+  std::vector<NastranStation> stations;
   NastranPlace place;
 };
 

@@ -203,9 +203,19 @@ bool same_size(const NastranSection& a, const NastranSection& b) {
   return true;
 }
 
-void warn_taper(NastranModel& model, const NastranCard& card) {
-  model.warn("taper", card.mark,
-             "the section changes along the beam; the mean of its ends is taken along each element");
+/// Keeps the stations where they differ, with both ends among them.
+void set_stations(NastranBarProperty& property, const NastranSection& first, const NastranSection& last,
+                  std::vector<NastranStation> inner) {
+  property.section = mean(first, last);
+  bool tapered = !same_size(first, last) || first.centroid != last.centroid;
+  for (const NastranStation& one : inner) tapered = tapered || !same_size(first, one.section);
+  if (!tapered) return;
+  std::erase_if(inner, [](const NastranStation& one) { return !(one.along > 0 && one.along < 1); });
+  std::stable_sort(inner.begin(), inner.end(),
+                   [](const NastranStation& a, const NastranStation& b) { return a.along < b.along; });
+  inner.insert(inner.begin(), {0, first});
+  inner.push_back({1, last});
+  property.stations = std::move(inner);
 }
 
 bool is_station(const NastranCard& card, std::size_t i) {
@@ -238,12 +248,13 @@ void read_beam(NastranModel& model, const NastranCard& card) {
     line += 8;
   }
   NastranSection end = section;
+  std::vector<NastranStation> stations;
   while (is_station(card, line)) {
     const bool stress = capitals(card.field(line)) == "YES";
     const double along = card.real(line + 1, "place along the beam");
     const NastranSection here = at(line + 2, section);
     if (along == 1 || card.blank(line + 1)) end = here;
-    if (!same_size(section, here)) warn_taper(model, card);
+    stations.push_back({card.blank(line + 1) ? 1 : along, here});
     line += 8;
     if (stress && !is_station(card, line)) line += 8;
   }
@@ -255,7 +266,18 @@ void read_beam(NastranModel& model, const NastranCard& card) {
   section.centroid = {card.real(line + 12, "neutral axis"), card.real(line + 13, "neutral axis")};
   end.centroid = {card.real(line + 14, "neutral axis", section.centroid[0]),
                   card.real(line + 15, "neutral axis", section.centroid[1])};
-  section = mean(section, end);
+  const auto complete = [&](NastranSection& one) {
+    one.shear1 = section.shear1;
+    one.shear2 = section.shear2;
+    one.reach_y = section.reach_y;
+    one.reach_z = section.reach_z;
+  };
+  complete(end);
+  for (NastranStation& one : stations) {
+    complete(one.section);
+    one.section.centroid = section.centroid + one.along * (end.centroid - section.centroid);
+  }
+  set_stations(property, NastranSection(section), end, std::move(stations));
   add(model.bar_properties, card.label(0, "property"), property, card);
 }
 
@@ -281,7 +303,9 @@ void read_shape(NastranModel& model, const NastranCard& card) {
     else
       property.section.centroid.setZero();
     std::size_t next = 8 + count + 1;
-    NastranSection last = property.section;
+    const NastranSection first = property.section;
+    NastranSection last = first;
+    std::vector<NastranStation> stations;
     // SO, X/XB, sizes and mass of further stations.
     while (beam && (is_station(card, next) || !card.blank(next + 1))) {
       end = sizes;
@@ -290,12 +314,15 @@ void read_shape(NastranModel& model, const NastranCard& card) {
         end[i] = card.real(next + 2 + i, "size of the section", sizes[i]);
       NastranSection here = nastran_section(shape, end);
       here.mass = card.real(next + 2 + count, "mass by length", property.section.mass);
-      here.centroid = property.section.centroid;
+      if (const auto there = nastran_shear_centre(shape, end))
+        here.centroid -= *there;
+      else
+        here.centroid.setZero();
       if (along == 1) last = here;
-      if (!same_size(here, property.section)) warn_taper(model, card);
+      stations.push_back({along, here});
       next += count + 3;
     }
-    property.section = mean(property.section, last);
+    set_stations(property, first, last, std::move(stations));
   } catch (const std::invalid_argument& error) {
     card.fail(error.what());
   }

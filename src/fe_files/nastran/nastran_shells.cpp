@@ -182,7 +182,8 @@ struct ShellGroup {
 
 using Key = std::tuple<ElementType, std::int64_t, double, double>;  // property, thickness, offset
 
-ShellGroup new_group(NastranBuild& build, const NastranShell& shell, double thickness, double offset) {
+ShellGroup new_group(NastranBuild& build, const NastranShell& shell, ElementType type, double thickness,
+                     double offset) {
   NastranModel& model = build.model;
   const auto found = model.shell_properties.find(shell.property);
   const NastranShellProperty& property = found->second;
@@ -198,10 +199,11 @@ ShellGroup new_group(NastranBuild& build, const NastranShell& shell, double thic
   for (std::size_t i = 0; i < made.size(); ++i) {
     const NastranMaterial& material = *resultants.material;
     ElementGroup one;
-    one.type = shell.type;
+    one.type = type;
     one.name = name;
     one.thickness = made[i].thickness;
     one.offset = offset + made[i].offset;
+    one.reduced_integration = type == ElementType::quad8;  // with full integration thin ones lock
     const double by_volume = property.mass / static_cast<double>(made.size()) / made[i].thickness;
     one.material = build.mesh_material(
         resultants.isotropic && property.mass == 0
@@ -241,7 +243,7 @@ double thickness_of(const NastranShell& shell, const NastranShellProperty& prope
   return most > least ? sum / corners : most;
 }
 
-Vector3d normal_of(const NastranBuild& build, ElementType type, const std::array<int, 8>& nodes) {
+Vector3d normal_of(const NastranBuild& build, ElementType type, const std::vector<int>& nodes) {
   const auto x = [&](std::size_t i) { return build.at(nodes[i]); };
   const bool triangle = type == ElementType::tri3 || type == ElementType::tri6;
   const Vector3d normal =
@@ -250,7 +252,7 @@ Vector3d normal_of(const NastranBuild& build, ElementType type, const std::array
 }
 
 Orientation orientation_of(const NastranBuild& build, const NastranShell& shell,
-                           const std::array<int, 8>& nodes) {
+                           const std::vector<int>& nodes) {
   Orientation orientation;
   const Vector3d normal = normal_of(build, shell.type, nodes);
   Vector3d first;
@@ -277,6 +279,53 @@ Orientation orientation_of(const NastranBuild& build, const NastranShell& shell,
   return orientation;
 }
 
+/// A card's shell in the mesh: elements of one type.
+struct Pieces {
+  ElementType type = ElementType::tri3;
+  std::vector<std::vector<int>> nodes;
+};
+
+/// Triangles that fill the polygon of `round` from `first` to `last`, and the quality of the worst: of all
+/// ways the one where that is best.
+std::pair<double, std::vector<std::vector<int>>> triangles(const NastranBuild& build,
+                                                           const std::vector<int>& round, std::size_t first,
+                                                           std::size_t last) {
+  std::pair<double, std::vector<std::vector<int>>> best{-1, {}};
+  if (last - first < 2) return {INFINITY, {}};
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const Vector3d a = build.at(round[first]), b = build.at(round[k]), c = build.at(round[last]);
+    const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+    auto [before, all] = triangles(build, round, first, k);
+    auto [behind, more] = triangles(build, round, k, last);
+    const double worst = std::min({before, behind, sides > 0 ? (b - a).cross(c - b).norm() / sides : 0.0});
+    if (worst <= best.first * (1 + 1e-9)) continue;
+    all.insert(all.end(), more.begin(), more.end());
+    all.push_back({round[first], round[k], round[last]});
+    best = {worst, std::move(all)};
+  }
+  return best;
+}
+
+/// `nodes` of the card, −1 amid sides that have none. Curved triangles lock where they are thin, and a node
+/// that follows the ends of its side cannot bend: such elements become flat triangles, which do neither.
+Pieces pieces_of(const NastranBuild& build, ElementType type, const std::vector<int>& nodes) {
+  const std::size_t corners = type == ElementType::tri3 || type == ElementType::tri6 ? 3 : 4;
+  std::vector<int> round;
+  for (std::size_t i = 0; i < corners; ++i) {
+    round.push_back(nodes[i]);
+    if (nodes.size() > corners && nodes[corners + i] >= 0) round.push_back(nodes[corners + i]);
+  }
+  if (corners == 4 && round.size() == nodes.size()) return {type, {nodes}};
+  if (corners == 4 && round.size() == corners) return {ElementType::quad4, {round}};
+  if (round.size() == 6 && corners == 3)
+    return {ElementType::tri3,
+            {{round[0], round[1], round[5]},
+             {round[1], round[2], round[3]},
+             {round[3], round[4], round[5]},
+             {round[1], round[3], round[5]}}};
+  return {ElementType::tri3, triangles(build, round, 0, round.size() - 1).second};
+}
+
 }  // namespace
 
 void add_nastran_shells(NastranBuild& build) {
@@ -295,24 +344,22 @@ void add_nastran_shells(NastranBuild& build) {
                 : fmt::format("property {} is a {}, which is not read", shell.property, other->second));
       }
       const int count = node_count(shell.type);
-      std::array<int, 8> nodes{};
-      for (int i = 0; i < count; ++i) {
-        int& node = nodes[static_cast<std::size_t>(i)];
-        const std::int64_t label = model.element_nodes[shell.first + static_cast<std::size_t>(i)];
-        const auto corners = static_cast<std::size_t>(count / 2),
-                   side = static_cast<std::size_t>(i) - corners;
-        node = label == 0 ? build.amid(nodes[side], nodes[(side + 1) % corners], true)
-                          : build.node(label, shell.place, name);
-        if (node < 0) return;
-        build.rotates[static_cast<std::size_t>(node)] = 1;
+      std::vector<int> nodes(static_cast<std::size_t>(count), -1);
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const std::int64_t label = model.element_nodes[shell.first + i];
+        if (label == 0) continue;
+        nodes[i] = build.node(label, shell.place, name);
+        if (nodes[i] < 0) return;
+        build.rotates[static_cast<std::size_t>(nodes[i])] = 1;
       }
+      const Pieces pieces = pieces_of(build, shell.type, nodes);
       const NastranShellProperty& property = found->second;
       const bool laminate = !property.plies.empty();
       const double thickness = laminate ? property.thickness : thickness_of(shell, property, model);
       const double offset = laminate ? property.bottom + property.thickness / 2 + shell.offset.value_or(0)
                                      : shell.offset.value_or(0);
-      const auto [place, is_new] = groups.try_emplace(Key(shell.type, shell.property, thickness, offset));
-      if (is_new) place->second = new_group(build, shell, thickness, offset);
+      const auto [place, is_new] = groups.try_emplace(Key(pieces.type, shell.property, thickness, offset));
+      if (is_new) place->second = new_group(build, shell, pieces.type, thickness, offset);
       const ShellGroup& group = place->second;
       if (group.indices.empty()) return;  // reported already
       int orientation = -1;
@@ -322,9 +369,11 @@ void add_nastran_shells(NastranBuild& build) {
       }
       for (const int index : group.indices) {
         ElementGroup& made = build.mesh.groups[static_cast<std::size_t>(index)];
-        made.nodes.insert(made.nodes.end(), nodes.begin(), nodes.begin() + count);
-        made.labels.push_back(shell.label);
-        if (orientation >= 0) made.orientations.push_back(orientation);
+        for (const std::vector<int>& piece : pieces.nodes) {
+          made.nodes.insert(made.nodes.end(), piece.begin(), piece.end());
+          made.labels.push_back(shell.label);
+          if (orientation >= 0) made.orientations.push_back(orientation);
+        }
       }
     });
   }

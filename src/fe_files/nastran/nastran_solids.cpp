@@ -117,7 +117,7 @@ int amid(NastranBuild& build, ElementType type, int middle, const std::array<int
   for (int a = 0; a < middle; ++a)
     for (int b = a + 1; b < middle; ++b)
       if ((reference.col(a) + reference.col(b) - 2 * reference.col(middle)).isZero(1e-12))
-        return build.amid(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)], false);
+        return build.amid(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)]);
   throw std::logic_error("a node amid no edge");
 }
 
