@@ -47,8 +47,8 @@ def build(n: int) -> tuple[exu.MainSystem, int]:
     return mbs, tip
 
 
-def build_bodies(n: int) -> tuple[exu.MainSystem, int]:
-    """The same with a body for each link and joints between them, and a sensor at the tip."""
+def build_bodies(n: int, rotation: str) -> tuple[exu.MainSystem, int]:
+    """The same with a body for each link, whose rotations are of this type, and joints; and a sensor at the tip."""
     mbs = exu.SystemContainer().AddSystem()
     before = mbs.CreateGround()
     inertia = RigidBodyInertia(mass=MASS, inertiaTensor=np.diag(INERTIA))
@@ -57,7 +57,7 @@ def build_bodies(n: int) -> tuple[exu.MainSystem, int]:
         turning = turning + speed(i) * np.array(axis(i))
         link = mbs.CreateRigidBody(
             inertia=inertia,
-            nodeType=exu.NodeType.RotationRxyz,
+            nodeType=getattr(exu.NodeType, rotation),
             referencePosition=[i + CENTRE, 0, 0],
             initialVelocity=moving + np.cross(turning, [CENTRE, 0, 0]),
             initialAngularVelocity=turning,
@@ -77,9 +77,9 @@ def build_bodies(n: int) -> tuple[exu.MainSystem, int]:
     return mbs, tip
 
 
-def run_bodies(n: int, end: float, step: float, **options: float) -> tuple[np.ndarray, float]:
+def run_bodies(n: int, rotation: str, end: float, step: float, **options: float) -> tuple[np.ndarray, float]:
     """By bodies: position of the tip at the end, and CPU time of the steps."""
-    mbs, tip = build_bodies(n)
+    mbs, tip = build_bodies(n, rotation)
     seconds = solver.implicit(mbs, solver.settings(end, step, **options))
     return np.array(mbs.GetSensorValues(tip, exu.ConfigurationType.Current)), seconds
 

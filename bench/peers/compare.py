@@ -22,6 +22,7 @@ import beams  # noqa: E402
 import chains  # noqa: E402
 import ladders  # noqa: E402
 import robots  # noqa: E402
+import vehicles  # noqa: E402
 from measure import measured  # noqa: E402
 from program import Program  # noqa: E402
 from table import table  # noqa: E402
@@ -29,6 +30,10 @@ from table import table  # noqa: E402
 CASES = {f"chain-{n}": lambda program, n=n: chains.case(program, n) for n in (10, 100, 1000)}
 CASES |= {"four-bar": lambda program: ladders.case(program, 2)}
 CASES |= {f"ladder-{n}": lambda program, n=n: ladders.case(program, n) for n in (10, 100, 1000)}
+CASES |= {
+    "vehicle": lambda program: vehicles.case(program, 0.1),
+    "vehicle-hard": lambda program: vehicles.case(program, 0.2),
+}
 CASES |= {"beam": beams.case, "ur5": robots.case}
 
 

@@ -40,7 +40,7 @@ def in_exudyn(n: int) -> list[Runner]:
         options = {"rho": rho, "tolerance": tolerance, "sparse": n > 2}
         said = f"generalised-alpha {rho}, modified Newton, tolerance {tolerance:g}, {'sparse' if n > 2 else 'dense'}"
         both = end_only(lambda step: ladder_in_exudyn.run(n, END[n], step, **options))
-        finest = min(STEPS) / (16 if n < 1000 else 4)
+        finest = min(STEPS) / 4
         return Runner("Exudyn", exudyn_solver.VERSION, said, STEPS, **both, finest=finest)
 
     return [runner(rho, tolerance) for rho in (0.6, 0.9) for tolerance in (1e-5, 1e-3)]

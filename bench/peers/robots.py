@@ -12,7 +12,7 @@ from runge_kutta import evaluation_seconds, rk4
 from runner import Case, Runner, end_only, optional
 
 EXACT = ["--integrator", "dopri853", "--accuracy", "1e-12", "--step", "0.01"]
-END, STEPS = 1.0, (0.02, 0.01, 0.005, 0.0025)
+END, STEPS = 1.0, (0.05, 0.02, 0.01, 0.005, 0.0025)
 FREE = "1e3"  # rad: as good as no stops
 
 
@@ -27,7 +27,7 @@ def case(program: Program) -> Case:
     def own(options: str, steps: tuple[float, ...]) -> Runner:
         return program.runner("robot.yaml", joints, times, options, steps)
 
-    runners = [own("", STEPS), own("--integrator rk4", STEPS), own("--integrator dopri853", (0.1, 0.05, 0.025))]
+    runners = [own("", STEPS), own("--integrator rk4", STEPS), own("--integrator dopri853", (0.2, 0.1, 0.05, 0.025))]
     runners += [own(f"--integrator dopri853 --accuracy {accuracy}", (0.1,)) for accuracy in ("1e-6", "1e-8", "1e-10")]
     runners += optional([lambda peer=peer: peer(urdf, speeds) for peer in (in_mujoco, in_pinocchio, in_drake)])
     return Case("robot arm UR5", f"joint angles after {END:g} s", "rad", exact, runners)
