@@ -6,10 +6,10 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live test bench lint format clean
+.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live test bench bench-peers lint format clean
 
 help: ## Show this list
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 18
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 20
 
 packages: ## Install the Debian packages that are missing
 	@scripts/install-packages
@@ -80,6 +80,11 @@ test: test-tools build ## Build everything and run all checks and tests (LIGHT=1
 bench: configure ## Run the benchmarks
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_bench
 	$(BUILD)/bench/mimbre_bench
+
+bench-peers: configure ## Compare with Exudyn, MuJoCo, Pinocchio, Drake (CASES="chain-10 ur5": these only)
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
+	@scripts/peers-env
+	build/peers-env/bin/python bench/peers/compare.py --program $(PROGRAM) $(CASES)
 
 lint: ## Check the formatting and run clang-tidy over all sources
 	@scripts/install-packages clang-format clang-tidy

@@ -6,18 +6,33 @@ bench/chain.py N > chain.yaml
 
 import sys
 
-n = int(sys.argv[1])
-print("mimbre: 1\nbodies:")
-for i in range(n):
-    print(f"  link_{i}: {{mass: 1, com: [{i + 0.5}, 0, 0], inertia: [0.01, 0.09, 0.09]}}")
-print("joints:")
-for i in range(n):
-    inner = "ground" if i == 0 else f"link_{i - 1}"
-    axis = "[0, 1, 0]" if i % 2 == 0 else "[0, 0, 1]"
-    velocity = round(0.1 * ((7 * i) % 5 - 2), 1)
-    print(
-        f"  joint_{i}: {{type: revolute, between: [{inner}, link_{i}], at: [{i}, 0, 0], axis: {axis}, "
-        f"velocity: {velocity}}}"
-    )
-print(f"outputs: [{{name: tip, position: link_{n - 1}, at: [{n}, 0, 0], component: z}}]")
-print("simulation: {step: 0.005, end: 0.1}")
+MASS, CENTRE, INERTIA = 1.0, 0.5, (0.01, 0.09, 0.09)  # of each link, which lies along x; about its centre
+
+
+def axis(i: int) -> list[int]:
+    return [0, 1, 0] if i % 2 == 0 else [0, 0, 1]
+
+
+def speed(i: int) -> float:
+    """Of joint i at the start, rad/s."""
+    return round(0.1 * ((7 * i) % 5 - 2), 1)
+
+
+def chain(n: int) -> str:
+    lines = ["mimbre: 1", "bodies:"]
+    lines += [f"  link_{i}: {{mass: {MASS}, com: [{i + CENTRE}, 0, 0], inertia: {list(INERTIA)}}}" for i in range(n)]
+    lines.append("joints:")
+    for i in range(n):
+        inner = "ground" if i == 0 else f"link_{i - 1}"
+        lines.append(
+            f"  joint_{i}: {{type: revolute, between: [{inner}, link_{i}], at: [{i}, 0, 0], axis: {axis(i)}, "
+            f"velocity: {speed(i)}}}"
+        )
+    tips = [f"{{name: {c}, position: link_{n - 1}, at: [{n}, 0, 0], component: {c}}}" for c in "xyz"]
+    lines.append(f"outputs: [{', '.join(tips)}]")
+    lines.append("simulation: {step: 0.005, end: 0.1}")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(chain(int(sys.argv[1])), end="")
