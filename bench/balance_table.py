@@ -9,8 +9,7 @@ step, a half and a quarter of it, and with the fine one; at the same instants in
 (`energy.numerical`) is taken, and its largest size divided by the energy at play: between the highest energy and the
 lowest potential, with what drives, loads and roads turned over. Over a jump within a step velocities are off for a
 few steps, and the balance with them: what counts is what lasts over four of these instants. Prints the orders, the
-imbalances, and the worst seeds; `--seed N` prints a model and its input instead. Needs h5py. With inertia by projection
-the balance of beams closes only with the square of the element length (docs/model-file.md).
+imbalances, and the worst seeds; `--seed N` prints a model and its input instead. Needs h5py.
 """
 
 import argparse

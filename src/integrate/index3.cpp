@@ -259,7 +259,8 @@ bool IndexThree::find_correction(Attempt& t) {
   const int n = system_.velocities(), m = system_.equations();
   t.refactored = t.precise || t.newton.refactor;
   if (t.refactored || system_.tangent_changed(motion_.q.data(), weights_)) {
-    mixing_.reset();
+    // With a new matrix in every iteration corrections depend on the iterate alone, and may be mixed.
+    if (!t.precise) mixing_.reset();
     const linalg::FactorStatus f = t.refactored ? system_.factor(motion_.q.data(), weights_)
                                                 : system_.factor_tangents(motion_.q.data(), weights_);
     ++t.status.factorisations;

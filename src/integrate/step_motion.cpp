@@ -6,6 +6,10 @@ namespace mimbre {
 
 /// Accelerations of the start that a round changes by no more than this part of themselves are known.
 constexpr double settled = 1e-8;
+/// Rounds of the start without and with loads of inertia; the latter are mixed once one leaves more than this
+/// share of the correction before it.
+constexpr int plain_rounds = 8, loaded_rounds = 40;
+constexpr double slow_rounds = 0.2;
 
 StepMotion::StepMotion(System& of, const IntegratorOptions& options)
     : system(of), rule(rule_coefficients(options)), penalty(options.penalty) {
@@ -14,6 +18,10 @@ StepMotion::StepMotion(System& of, const IntegratorOptions& options)
   q.setZero(system.positions());
   for (Eigen::VectorXd* y : {&x, &v, &a, &algorithmic, &start_a, &start_algorithmic, &r_}) y->setZero(n);
   for (Eigen::VectorXd* y : {&g_, &change_, &start_multipliers_}) y->setZero(system.equations());
+  if (system.has_loads_of_inertia()) {
+    along_.setZero(system.equations() + system.velocities());
+    mixing_.emplace(system.velocities(), static_cast<int>(along_.size()));
+  }
 }
 
 void StepMotion::set_step(double step) {
@@ -32,15 +40,18 @@ StepCode StepMotion::begin(const State& s, StepStatus& status) {
 /// balance, stiff modes would start with accelerations that no step of this length can follow and that
 /// overshoot by far; W bounds them by what the step can bring about, and changes those of slow motions by
 /// terms of the order of the step. Loads of inertia in Q go by the accelerations: each round takes them at
-/// those of the round before.
+/// those of the round before. In a body that is far bent that alone diverges.
 StepCode StepMotion::start(const State& s, StepStatus& status) {
   const int n = system.velocities(), m = system.equations();
   const double* alpha = system.penalty();
-  const bool loads = system.has_loads_of_inertia();  // x has them as of the round
+  const bool loads = mixing_.has_value();  // x has them as of the round
+  bool slow = false;
+  double before = 0;
+  if (loads) mixing_->reset();
   a.setZero();
   g_.setZero();
   start_multipliers_.setZero();
-  for (int round = 0; round < 8; ++round) {
+  for (int round = 0; round < (loads ? loaded_rounds : plain_rounds); ++round) {
     // r = Q − M a: only the first round's, W a is followed by hand through the corrections.
     if (round == 0) {
       // Of what remembers, forces are those at this instant, and the tangents those of a step.
@@ -84,8 +95,15 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
     system.jacobian_times(r_.data(), change_.data());
     for (int k = 0; k < m; ++k) start_multipliers_[k] += g_[k] + penalty * alpha[k] * change_[k];
     const Scales& scales = system.scales();
-    if ((m == 0 && !loads) || scales.of_coordinates(r_.data()) <= settled * scales.accelerations(a.data()))
-      break;
+    const double correction = scales.of_coordinates(r_.data());
+    if ((m == 0 && !loads) || correction <= settled * scales.accelerations(a.data())) break;
+    slow = slow || (loads && round > 0 && correction > slow_rounds * before);
+    before = correction;
+    if (!slow) continue;
+    along_ << start_multipliers_, x;
+    mixing_->mix(a, along_, r_);
+    start_multipliers_ = along_.head(m);
+    x = along_.tail(n);
   }
   start_a = start_algorithmic = a;
   return StepCode::ok;

@@ -1,6 +1,8 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 
+#include "integrate/anderson.h"
 #include "integrate/rule.h"
 #include "integrate/stepper.h"
 
@@ -39,6 +41,8 @@ struct StepMotion {
  private:
   StepCode start(const State& s, StepStatus& status);
   Eigen::VectorXd r_, g_, change_, start_multipliers_;
+  std::optional<Anderson> mixing_;  ///< of the rounds of the start, where loads of inertia stiffen bodies
+  Eigen::VectorXd along_;           ///< what it mixes along: multipliers, loads
 };
 
 }  // namespace mimbre

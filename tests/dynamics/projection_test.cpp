@@ -46,26 +46,12 @@ struct Dense {
     b.rightCols(shapes.cols()) = shapes;
     return b;
   }
-  /// Inertia forces on the base vectors and modes.
+  /// Inertia forces on the base vectors and modes; all blocks are multiples of the identity.
   VectorXd forces(const VectorXd& y, const VectorXd& x, const Mat3d& spin, const VectorXd& yd) const {
     const MatrixXd b = B(y);
     VectorXd v = shapes * yd, a = b * x;
-    for (int k = 0; k < nodes.cols(); ++k) a.segment<3>(width * k) += 2 * spin * v.segment<3>(width * k);
-    VectorXd out = b.transpose() * (mass * a);
-    if (width == 3) return out;
-    // Sections' angular momenta turn with the body.
-    const Mat3d turning = 0.5 * (spin - spin.transpose());
-    const Vec3d omega(turning(2, 1), turning(0, 2), turning(1, 0));
-    for (int k = 0; k < nodes.cols(); ++k) {
-      v.segment<3>(6 * k).setZero();
-      v.segment<3>(6 * k + 3) += omega;
-    }
-    const VectorXd momenta = mass * v;
-    for (int k = 0; k < nodes.cols(); ++k)
-      for (int i = 0; i < 3; ++i)
-        out.segment<3>(3 + 3 * i) +=
-            0.5 * omega.cross(Vec3d(momenta.segment<3>(6 * k + 3))).cross(Vec3d::Unit(i));
-    return out;
+    for (int k = 0; k < nodes.cols(); ++k) a.segment<3>(3 * k) += 2 * spin * v.segment<3>(3 * k);
+    return b.transpose() * (mass * a);
   }
 };
 
@@ -129,17 +115,79 @@ VectorXd stacked(const Base& b) {
   return x;
 }
 
-/// All kernels against products of dense matrices.
+/// (12 + n) × (6 + n): base vectors of rigid motions.
+MatrixXd rigid_motions(int n) {
+  MatrixXd rigid = MatrixXd::Zero(12 + n, 6 + n);
+  rigid.topLeftCorner<3, 3>().setIdentity();
+  for (int i = 0; i < 3; ++i) rigid.block<3, 3>(3 + 3 * i, 3) = -skew<double>(Vec3d::Unit(i));
+  rigid.bottomRightCorner(n, n).setIdentity();
+  return rigid;
+}
+
+/// 12 × 12, each value of 4 × 4 times the identity.
+MatrixXd spread(const Eigen::Matrix4d& mass) {
+  MatrixXd out(12, 12);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) out.block<3, 3>(3 * i, 3 * j) = mass(i, j) * Mat3d::Identity();
+  return out;
+}
+
+/// The mass matrix of relative coordinates and the kinetic energy of rigid motions against products of dense
+/// matrices.
+void expect_rigid(const Constants& c, const Dense& d, const VectorXd& y, Random& random) {
+  projection::Work w;
+  w.fit(c);
+  const int n = c.modes, s = c.stride;
+  const MatrixXd B = d.B(y.head(n)), projected = B.transpose() * d.mass * B, rigid = rigid_motions(n);
+  const MatrixXd M = rigid.transpose() * projected * rigid;
+  ASSERT_TRUE(c.plain);
+  Vec3d first;
+  Mat3d second;
+  Rows::Values integrals(9, s);
+  projection::rigid_mass(c, w, y.data(), first, second, integrals.data());
+  MatrixXd assembled(6 + n, 6 + n);
+  assembled.block<3, 3>(0, 0) = c.total_mass * Mat3d::Identity();
+  assembled.block<3, 3>(0, 3) = -skew<double>(first);
+  assembled.block<3, 3>(3, 3) = second.trace() * Mat3d::Identity() - second;
+  assembled.block(0, 6, 3, n) = c.S.matrix().leftCols(n);
+  for (int a = 0; a < 3; ++a) {
+    const int i = (a + 1) % 3, j = (a + 2) % 3;
+    assembled.block(3 + a, 6, 1, n) = (integrals.row(3 * i + j) - integrals.row(3 * j + i)).leftCols(n);
+  }
+  assembled.bottomRightCorner(n, n) = c.mass.matrix().topLeftCorner(n, n);
+  assembled.triangularView<Eigen::StrictlyLower>() = assembled.transpose();
+  EXPECT_LT(relative_difference(assembled, M, 0), 1e-12);
+
+  // By way of natural coordinates.
+  Rows::Values coupling(12, s);
+  MatrixXd natural(12 + n, 12 + n);
+  natural.topLeftCorner(12, 12) = spread(projection::base_mass(c, w, y.data(), coupling.data()));
+  natural.topRightCorner(12, n) = coupling.leftCols(n);
+  natural.bottomLeftCorner(n, 12) = coupling.leftCols(n).transpose();
+  natural.bottomRightCorner(n, n) = c.mass.matrix().topLeftCorner(n, n);
+  EXPECT_LT(relative_difference(rigid.transpose() * natural * rigid, M, 0), 1e-12);
+
+  const Vec3d velocity = random.vector(3), omega = random.vector(2);
+  const VectorXd yd = padded(random.values(n, 0.3), s);
+  VectorXd x(6 + n), momenta(s);
+  x << velocity, omega, yd.head(n);
+  EXPECT_NEAR(projection::kinetic_energy(c, w, projection::rigid_base(velocity, omega), y.data(), yd.data(),
+                                         momenta.data()) /
+                  (0.5 * x.dot(M * x)),
+              1, 1e-13);
+}
+
+/// All kernels, where all blocks are multiples of the identity.
 void expect_dense(const Constants& c, const Dense& d, Random& random) {
   projection::Work w;
   w.fit(c);
   const int n = c.modes, s = c.stride;
   const Motion m = random_motion(random, n, 0.1);
+  expect_rigid(c, d, m.y, random);
   const MatrixXd B = d.B(m.y.head(n)), projected = B.transpose() * d.mass * B;
 
-  projection::Mat12d mass;
   Rows::Values coupling(12, s);
-  projection::base_mass(c, w, m.y.data(), mass, coupling.data());
+  const MatrixXd mass = spread(projection::base_mass(c, w, m.y.data(), coupling.data()));
   EXPECT_LT(relative_difference(mass, projected.topLeftCorner<12, 12>(), 0), 1e-13);
   EXPECT_LT(relative_difference(coupling.leftCols(n), projected.topRightCorner(12, n), 0), 1e-13);
   EXPECT_TRUE(coupling.rightCols(s - n).isZero(0));
@@ -164,32 +212,9 @@ void expect_dense(const Constants& c, const Dense& d, Random& random) {
               1, 1e-13);
 
   // Relative coordinates: base vectors of a rigid motion.
-  MatrixXd rigid = MatrixXd::Zero(12 + n, 6 + n);
-  rigid.topLeftCorner<3, 3>().setIdentity();
-  for (int i = 0; i < 3; ++i) rigid.block<3, 3>(3 + 3 * i, 3) = -skew<double>(Vec3d::Unit(i));
-  rigid.bottomRightCorner(n, n).setIdentity();
-  const MatrixXd M = rigid.transpose() * projected * rigid;
-  ASSERT_TRUE(c.plain);
-  Vec3d first;
-  Mat3d second;
-  Rows::Values integrals(9, s);
-  projection::rigid_mass(c, w, m.y.data(), first, second, integrals.data());
-  MatrixXd assembled(6 + n, 6 + n);
-  assembled.block<3, 3>(0, 0) = c.total_mass * Mat3d::Identity();
-  assembled.block<3, 3>(0, 3) = -skew<double>(first);
-  assembled.block<3, 3>(3, 3) = second.trace() * Mat3d::Identity() - second;
-  assembled.block(0, 6, 3, n) = c.S.matrix().leftCols(n);
-  for (int a = 0; a < 3; ++a) {
-    const int i = (a + 1) % 3, j = (a + 2) % 3;
-    assembled.block(3 + a, 6, 1, n) = (integrals.row(3 * i + j) - integrals.row(3 * j + i)).leftCols(n);
-  }
-  assembled.bottomRightCorner(n, n) = c.mass.matrix().topLeftCorner(n, n);
-  assembled.triangularView<Eigen::StrictlyLower>() = assembled.transpose();
-  EXPECT_LT(relative_difference(assembled, M, 0), 1e-12);
-
   const Mat3d spin = skew<double>(m.omega), field = skew<double>(m.alpha) + spin * spin;
   x << m.b[0], field.col(0), field.col(1), field.col(2), m.ydd.head(n);
-  const VectorXd wrench = rigid.transpose() * d.forces(m.y.head(n), x, spin, m.yd.head(n));
+  const VectorXd wrench = rigid_motions(n).transpose() * d.forces(m.y.head(n), x, spin, m.yd.head(n));
   elastic.setZero();
   const projection::Wrench got = projection::inertia_wrench(c, w, m.b[0], m.omega, m.alpha, m.y.data(),
                                                             m.yd.data(), m.ydd.data(), elastic.data());
@@ -203,10 +228,13 @@ TEST(Projection, IsTheProductOfMatrices) {
     SCOPED_TRACE(seed);
     Random random(seed + 40);
     const ReducedBody beams = *random_flexible_body(static_cast<int>(seed));
-    expect_dense(projection::constants(beams, true), dense(beams), random);
     expect_dense(projection::constants(beams, false), dense_translations(beams), random);
+    // Where blocks depend on the direction or nodes turn: the undeformed body.
+    const VectorXd undeformed = VectorXd::Zero(pad(beams.modes));
+    expect_rigid(projection::constants(beams, true), dense(beams), undeformed, random);
     const ReducedBody blocks = with_translational_blocks(beams);
-    expect_dense(projection::constants(blocks, false), dense_translational_blocks(blocks), random);
+    expect_rigid(projection::constants(blocks, false), dense_translational_blocks(blocks), undeformed,
+                 random);
     const ReducedBody bricks = random_brick_body(random, random_bricks(random, 2, 1, 1), 3 + 3 * (seed % 4));
     expect_dense(projection::constants(bricks, true), dense(bricks), random);
   }
@@ -270,9 +298,9 @@ TEST_P(Bricks, NaturalInertiaByIntegralsIsThatByProjection) {
   const auto S = [&](int i) { return integrals.middleRows<3>(3 * i).leftCols(n); };
   const MatrixXd S0 = f.S.matrix().leftCols(n);
 
-  projection::Mat12d mass, expected;
+  MatrixXd expected(12, 12);
   Rows::Values coupling(12, s);
-  projection::base_mass(c, w, m.y.data(), mass, coupling.data());
+  const MatrixXd mass = spread(projection::base_mass(c, w, m.y.data(), coupling.data()));
   expected.topLeftCorner<3, 3>() = body.mass * Mat3d::Identity();
   for (int i = 0; i < 3; ++i) {
     expected.block<3, 3>(0, 3 + 3 * i) = expected.block<3, 3>(3 + 3 * i, 0) = first[i] * Mat3d::Identity();
@@ -377,12 +405,15 @@ TEST(Projection, OfBeamsConvergesToTheIntegralsWithTheSquareOfTheElementLength) 
                       fine = beam_differences(32, size, rotations);
     EXPECT_LT(fine.inertia, 1e-4);
     EXPECT_LT(fine.coupling, 5e-3);
-    EXPECT_LT(fine.force, 5e-5);
+    EXPECT_LT(fine.force, rotations ? 1e-13 : 5e-5);  // with them S is that of the integrals
     EXPECT_LT(fine.moment, 5e-5);
     EXPECT_LT(fine.elastic, 5e-5);
-    for (const auto member : {&Differences::inertia, &Differences::coupling, &Differences::force,
-                              &Differences::moment, &Differences::elastic})
+    for (const auto member :
+         {&Differences::inertia, &Differences::coupling, &Differences::moment, &Differences::elastic})
       EXPECT_NEAR(std::log2(coarse.*member / fine.*member), 2, 0.05);
+    if (!rotations) {
+      EXPECT_NEAR(std::log2(coarse.force / fine.force), 2, 0.05);
+    }
   }
 }
 
@@ -419,13 +450,18 @@ TEST_P(ProjectedSystem, MassMatrixIsThatOfTheResidualAndOfTheEnergy) {
   }
 }
 
-/// Translations alone are an exact Lagrangian system of mass points coupled by M*: d/dt ∂T/∂v − ∂T/∂z (see
-/// the test of the same name for shape integrals).
-TEST_P(ProjectedSystem, InertiaForcesOfTranslationsAreLagranges) {
+/// d/dt ∂T/∂v − ∂T/∂z of the kinetic energy (see the test of the same name for shape integrals).
+class LagrangeOfProjection : public testing::TestWithParam<std::tuple<unsigned, Inertia>> {};
+
+TEST_P(LagrangeOfProjection, InertiaForcesAreLagranges) {
+  const auto [seed, kind] = GetParam();
+  Random random{seed + 700};
   RandomOptions options;
   options.gravity = false;
-  const RandomMechanism r = mechanism(options);
-  Probe p(r.compiled(), Inertia::projection_translations);
+  options.bodies = 2 + static_cast<int>(seed % 5);
+  options.flexible_share = 0.5 + 0.25 * (seed % 3);
+  const RandomMechanism r = random_mechanism(seed, options);
+  Probe p(r.compiled(), kind);
   const VectorXd v = random_increment(p.m, random, 2), a = random_increment(p.m, random, 3);
   const VectorXd inertia = p.residual(r.q, v, a) - p.residual(r.q, p.zero, p.zero);
   const auto kinetic = [&](const VectorXd& q, const VectorXd& u) {
@@ -451,6 +487,11 @@ TEST_P(ProjectedSystem, InertiaForcesOfTranslationsAreLagranges) {
   }
   EXPECT_LT(relative_difference(inertia, lagrange), 2e-8);
 }
+
+INSTANTIATE_TEST_SUITE_P(Random, LagrangeOfProjection,
+                         testing::Combine(testing::Range(0u, 18u),
+                                          testing::Values(Inertia::projection,
+                                                          Inertia::projection_translations)));
 
 INSTANTIATE_TEST_SUITE_P(Random, ProjectedSystem, testing::Range(0u, 18u));
 

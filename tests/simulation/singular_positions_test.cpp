@@ -89,5 +89,48 @@ TEST(SingularPositions, ManyLoopsMoveAsOne) {
     }
 }
 
+/// A driven four-bar whose thin coupler bends so far that projections count its positions as near to
+/// singular: a step of 0.5 ms is then repeated with a new matrix in each iteration, which lacks the tangent
+/// of the forces in the joints.
+TEST(SingularPositions, AThinCouplerThatBendsFar) {
+  const auto model = model_of(R"yaml(gravity: [0, 0, 0]
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7800}}
+sections: {round: {type: round, diameter: 0.004}}
+bodies:
+  coupler:
+    frame: {at: [0, 0, 0.1]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {left: [0, 0, 0.1], mid: [0.20009842072787581, 0, 0.20484186033563212], right: [0.40019684145575163, 0, 0.30968372067126426]}
+      bars: {a: {from: left, to: mid, elements: 5}, b: {from: mid, to: right, elements: 5}}
+      clamped: [left]
+      stiffness_damping: 2e-4
+      static_modes: [{node: right, all: true}]
+      dynamic_modes: 6
+  crank: {mass: 0.1, com: [0, 0, 0.05], inertia: [1e-4, 1e-4, 1e-4]}
+  rocker: {mass: 0.2, com: [0.43746169744852026, 0, 0.15484186033563213], inertia: [1e-3, 1e-3, 1e-3]}
+joints:
+  crank: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0], drive: {position: "75.60675273582623*(t < 0.2 ? 0.5*t - sin(5*pi*t)/(10*pi) : t - 0.1)"}}
+  left: {type: revolute, between: [crank, coupler], at: [0, 0, 0.1], axis: [0, 1, 0]}
+  rocker: {type: revolute, between: [ground, rocker], at: [0.47472655344128883, 0, 0], axis: [0, 1, 0]}
+  right: {type: spherical, between: [coupler, rocker], at: [0.40019684145575163, 0, 0.30968372067126426], cut: always}
+)yaml");
+  const auto end = [&](double step) {
+    RunOptions options;
+    options.step = step;
+    Simulation s(model, options);
+    while (s.time() < 0.35 - 1e-9) {
+      const StepReport report = s.step();
+      EXPECT_TRUE(report.ok()) << s.explain(report);
+      if (!report.ok()) break;
+    }
+    return Eigen::Vector3d(s.pose(s.body("rocker")).position);
+  };
+  const Eigen::Vector3d right = end(5e-5), long_steps = end(5e-4);
+  EXPECT_LT((long_steps - right).norm(), 0.01);
+  EXPECT_LT((end(1e-4) - right).norm(), 0.04 * (long_steps - right).norm());
+}
+
 }  // namespace
 }  // namespace mimbre::test::singular_positions_test

@@ -74,34 +74,23 @@ const Rows& add_coupled_mass(const Compiled& m, const Layout& l, Workspace<T>& w
   // (S, S'^1, S'^2, S'^3): coupling of the base vectors with the amplitudes, body axes.
   T* coupling = w.coupling.data();
   const Rows* modal_mass = &f.mass;
+  Eigen::Matrix<T, 4, 4> mass;
   if (w.projections.empty()) {
     T* integrals = coupling + 3 * s;
     std::copy(f.S.data(), f.S.data() + 3 * s, coupling);
     deformed_integrals<T>(f, y, integrals);
-    const Eigen::Matrix<T, 4, 4> mass = deformed_mass<T>(data, f, integrals, y);
-    for (int k = 0; k < b.unknown; ++k) {
-      const Eigen::Matrix<T, 4, 1> column = mass * b.base.col(k).template cast<T>();
-      for (int j = 0; j <= k; ++j) {
-        const T x = column.dot(b.base.col(j).template cast<T>());
-        for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += x;
-      }
-    }
+    mass = deformed_mass<T>(data, f, integrals, y);
   } else {
     const projection::Constants& constants = w.projections[data.flexible];
     modal_mass = &constants.mass;
-    projection::Mat12d mass;
-    projection::base_mass(constants, w.projection, y, mass, coupling);
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j)
-        mass.block<3, 3>(3 * i, 3 * j) = A * Mat3d(mass.block<3, 3>(3 * i, 3 * j)) * A.transpose();
-    for (int k = 0; k < b.unknown; ++k)
-      for (int j = 0; j <= k; ++j) {
-        Mat3d block = Mat3d::Zero();
-        for (int i = 0; i < 4; ++i)
-          for (int t = 0; t < 4; ++t) block += b.base(i, k) * b.base(t, j) * mass.block<3, 3>(3 * i, 3 * t);
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c) matrix[(3 * k + r) * stride + 3 * j + c] += block(r, c);
-      }
+    mass = projection::base_mass(constants, w.projection, y, coupling);
+  }
+  for (int k = 0; k < b.unknown; ++k) {
+    const Eigen::Matrix<T, 4, 1> column = mass * b.base.col(k).template cast<T>();
+    for (int j = 0; j <= k; ++j) {
+      const T x = column.dot(b.base.col(j).template cast<T>());
+      for (int c = 0; c < 3; ++c) matrix[(3 * k + c) * stride + 3 * j + c] += x;
+    }
   }
   for (int r = 0; r < 12; ++r) fold(f, y, coupling + r * s);
   T* rows = w.row_modal.data();

@@ -2,7 +2,6 @@
 
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 
 #include "compile/compiled.h"
@@ -14,7 +13,6 @@ namespace mimbre::projection {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-using Kind = Constants::Kind;
 
 constexpr int pad_to(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
 
@@ -67,75 +65,44 @@ Mesh used_part(const ReducedBody& body, bool rotations) {
   return mesh;
 }
 
-/// Blocks of node k with its neighbours, as they stand in M*.
-using Block = Eigen::Matrix<double, 6, 6>;
-std::vector<std::pair<int, Block>> row_of_blocks(const Mesh& mesh, int k) {
-  std::set<int> neighbours{k};
-  for (int a = 0; a < mesh.width; ++a)
-    for (Sparse::InnerIterator it(mesh.mass, mesh.dof(k, a)); it; ++it)
-      neighbours.insert(static_cast<int>(it.row()) / mesh.width);
-  std::vector<std::pair<int, Block>> row;
-  for (int l : neighbours) row.emplace_back(l, Block::Zero());
-  for (int a = 0; a < mesh.width; ++a)
-    for (Sparse::InnerIterator it(mesh.mass, mesh.dof(k, a)); it; ++it) {
-      const int l = static_cast<int>(it.row()) / mesh.width, b = static_cast<int>(it.row()) % mesh.width;
-      const auto at = std::lower_bound(row.begin(), row.end(), l,
-                                       [](const auto& entry, int node) { return entry.first < node; });
-      at->second(a, b) = it.value();  // symmetric: the column of k is its row
-    }
-  return row;
+/// [four modes][translations][4].
+Values by_fours(const Eigen::MatrixXd& translations, int modes) {
+  Values out;
+  for (int m = 0; m < modes; m += 4)
+    for (Eigen::Index i = 0; i < translations.rows(); ++i)
+      for (int n = m; n < m + 4; ++n) out.push_back(n < modes ? translations(i, n) : 0.0);
+  return out;
 }
 
-void append_columns(Values& values, const Eigen::Ref<const Eigen::MatrixXd>& block) {
-  for (Eigen::Index c = 0; c < block.cols(); ++c) {
-    for (Eigen::Index r = 0; r < 3; ++r) values.push_back(block(r, c));
-    values.push_back(0);
-  }
+/// [panel][mode][8].
+Values by_panels(const Eigen::MatrixXd& translations, int panels) {
+  Values out;
+  for (int p = 0; p < panels; ++p)
+    for (Eigen::Index m = 0; m < translations.cols(); ++m)
+      for (Eigen::Index i = 8 * static_cast<Eigen::Index>(p); i < 8 * (p + 1); ++i)
+        out.push_back(i < translations.rows() ? translations(i, m) : 0.0);
+  return out;
 }
 
-/// All blocks are multiples of the identity.
-bool isotropic(const Mesh& mesh) {
-  if (mesh.width != 3) return false;
-  double largest = 0, other = 0;
-  for (int k = 0; k < mesh.nodes; ++k)
-    for (const auto& [l, block] : row_of_blocks(mesh, k)) {
-      const Mat3d b = block.topLeftCorner<3, 3>();
-      largest = std::max(largest, b.cwiseAbs().maxCoeff());
-      other = std::max(other, (b - b(0, 0) * Mat3d::Identity()).cwiseAbs().maxCoeff());
-    }
-  return other <= 1e-14 * largest;
-}
-
-void add_blocks(const Mesh& mesh, Constants& c) {
-  c.kind = mesh.width == 6 ? Kind::full : isotropic(mesh) ? Kind::scalar : Kind::translations;
-  double off = 0, largest = 0, largest_mixed = 0;
+/// Of a rigid motion.
+void add_rigid_inertia(const Mesh& mesh, const Eigen::Matrix3Xd& nodes, Constants& c) {
+  Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(mesh.mass.rows(), 6);
   for (int k = 0; k < mesh.nodes; ++k) {
-    c.row_start.push_back(static_cast<int>(c.column.size()));
-    Block sum = Block::Zero();
-    for (const auto& [l, block] : row_of_blocks(mesh, k)) {
-      if (l == k) c.diagonal.push_back(static_cast<int>(c.column.size()));
-      c.column.push_back(l);
-      if (c.kind == Kind::scalar)
-        c.blocks.push_back(block(0, 0));
-      else
-        append_columns(c.blocks, block.topLeftCorner(3, mesh.width));
-      sum += block;
-    }
-    append_columns(c.sums, sum.topLeftCorner<3, 3>().transpose());
-    append_columns(c.sums, sum.topRightCorner<3, 3>().transpose());
-    append_columns(c.sums, sum.bottomRightCorner<3, 3>().transpose());
-    c.translation += sum.topLeftCorner<3, 3>();
-    c.mixed += sum.topRightCorner<3, 3>();
-    c.rotation += sum.bottomRightCorner<3, 3>();
-    const Mat3d node = sum.topLeftCorner<3, 3>();
-    off = std::max(off, (node - node(0, 0) * Mat3d::Identity()).cwiseAbs().maxCoeff());
-    largest = std::max(largest, node.cwiseAbs().maxCoeff());
-    largest_mixed = std::max(largest_mixed, sum.topRightCorner<3, 3>().cwiseAbs().maxCoeff());
+    rigid.block<3, 3>(mesh.dof(k, 0), 0).setIdentity();
+    rigid.block<3, 3>(mesh.dof(k, 0), 3) = -skew<double>(nodes.col(k));
+    if (mesh.width == 6) rigid.block<3, 3>(mesh.dof(k, 3), 3).setIdentity();
   }
-  c.row_start.push_back(static_cast<int>(c.column.size()));
-  c.total_mass = c.translation.trace() / 3;
-  const Mat3d symmetric = c.mixed + c.mixed.transpose();
-  c.plain = off <= 1e-8 * largest && symmetric.cwiseAbs().maxCoeff() <= 1e-8 * largest_mixed;
+  const Eigen::Matrix<double, 6, 6> mass = rigid.transpose() * (mesh.mass * rigid);
+  const Mat3d translation = mass.topLeftCorner<3, 3>(), mixed = mass.topRightCorner<3, 3>();  // m, −m̄u~
+  const Mat3d rotation = 0.5 * (mass.bottomRightCorner<3, 3>() + mass.bottomRightCorner<3, 3>().transpose());
+  c.total_mass = translation.trace() / 3;
+  c.first_moment =
+      0.5 * Vec3d(mixed(1, 2) - mixed(2, 1), mixed(2, 0) - mixed(0, 2), mixed(0, 1) - mixed(1, 0));
+  c.second_moment = 0.5 * rotation.trace() * Mat3d::Identity() - rotation;
+  const double off = (translation - c.total_mass * Mat3d::Identity()).cwiseAbs().maxCoeff(),
+               size = nodes.cwiseAbs().maxCoeff();
+  const Mat3d symmetric = mixed + mixed.transpose();
+  c.plain = off <= 1e-8 * c.total_mass && symmetric.cwiseAbs().maxCoeff() <= 1e-8 * c.total_mass * size;
 }
 
 }  // namespace
@@ -148,42 +115,29 @@ Constants constants(const ReducedBody& body, bool rotations) {
   c.nodes = mesh.nodes;
   c.modes = static_cast<int>(mesh.shapes.cols());
   c.stride = pad_to(c.modes, 8);
-  c.rotations = mesh.width == 6;
-  add_blocks(mesh, c);
-
-  const auto translation = [&](int i) { return mesh.dof(i / 3, i % 3); };
-  const auto rotation = [&](int i) { return mesh.dof(i / 3, 3 + i % 3); };
-  c.panels = pad_to(3 * c.nodes, 8) / 8;
-  c.rotation_panels = c.rotations ? c.panels : 0;
-  c.undeformed.assign(static_cast<std::size_t>(8 * c.panels), 0.0);
-  std::copy(body.nodes.data(), body.nodes.data() + 3 * c.nodes, c.undeformed.begin());
-  for (int p = 0; p < c.panels + c.rotation_panels; ++p)
-    for (int m = 0; m < c.modes; ++m)
-      for (int i = 8 * (p % c.panels); i < 8 * (p % c.panels) + 8; ++i)
-        c.shapes.push_back(i >= 3 * c.nodes ? 0.0
-                           : p < c.panels   ? mesh.shapes(translation(i), m)
-                                            : mesh.shapes(rotation(i), m));
+  add_rigid_inertia(mesh, body.nodes, c);
 
   const Eigen::MatrixXd product = mesh.mass * mesh.shapes;
-  for (int m = 0; m < c.modes; m += 4)
-    for (int i = 0; i < (c.rotations ? 6 : 3) * c.nodes; ++i)
-      for (int n = m; n < m + 4; ++n)
-        c.mass_shapes.push_back(n >= c.modes      ? 0.0
-                                : i < 3 * c.nodes ? product(translation(i), n)
-                                                  : product(rotation(i - 3 * c.nodes), n));
+  Eigen::MatrixXd shapes(3 * c.nodes, c.modes), masses = shapes;
   c.S = Rows::Zero(3, c.stride);
   c.S_theta = Rows::Zero(3, c.stride);
-  for (int i = 0; i < 3 * c.nodes; ++i) {
-    c.S.matrix().row(i % 3).head(c.modes) += product.row(translation(i));
-    if (c.rotations) c.S_theta.matrix().row(i % 3).head(c.modes) += product.row(rotation(i));
+  for (int k = 0; k < c.nodes; ++k) {
+    shapes.middleRows<3>(3 * k) = mesh.shapes.middleRows<3>(mesh.dof(k, 0));
+    masses.middleRows<3>(3 * k) = product.middleRows<3>(mesh.dof(k, 0));
+    c.S.matrix().leftCols(c.modes) += product.middleRows<3>(mesh.dof(k, 0));
+    if (mesh.width == 6) c.S_theta.matrix().leftCols(c.modes) += product.middleRows<3>(mesh.dof(k, 3));
   }
+  c.panels = pad_to(3 * c.nodes, 8) / 8;
+  c.undeformed.assign(static_cast<std::size_t>(8 * c.panels), 0.0);
+  std::copy(body.nodes.data(), body.nodes.data() + 3 * c.nodes, c.undeformed.begin());
+  c.shapes = by_panels(shapes, c.panels);
+  c.masses = by_panels(masses, c.panels);
+  c.shape_rows = by_fours(shapes, c.modes);
+  c.mass_rows = by_fours(masses, c.modes);
   c.mass = Rows::Zero(c.stride, c.stride);
   const Eigen::MatrixXd modal = mesh.shapes.transpose() * product;
   c.mass.matrix().topLeftCorner(c.modes, c.modes) = 0.5 * (modal + modal.transpose());
   c.zeros.assign(static_cast<std::size_t>(c.stride), 0.0);
-  for (int k = 0; k < c.nodes; ++k)
-    c.first_moment += c.sums[static_cast<std::size_t>(36) * k] * body.nodes.col(k);
-  c.first_moment += Vec3d(c.mixed(1, 2), c.mixed(2, 0), c.mixed(0, 1));
   return c;
 }
 
