@@ -37,7 +37,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       usual_step_(options.step),
       motion_(system, options),
       prediction_(system.velocities()),
-      mixing_(system.velocities(), system.equations()) {
+      mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);
