@@ -225,8 +225,9 @@ struct Contact {
   double exponent = 1, depth = 1e-3, restitution = 1;
   double friction = 0, static_ratio = 1;
   double stribeck = std::numeric_limits<double>::infinity();  ///< m/s; infinite: by the mechanism's scales
-  double tangential = 0.7, settling = 1e-3;
-  double rolling = 0, spinning = 0;  ///< m
+  double tangential = 0.7;
+  double settling = std::numeric_limits<double>::infinity();  ///< s; infinite: by stiffness and mass
+  double rolling = 0, spinning = 0;                           ///< m
   std::string in{};
 };
 

@@ -447,7 +447,7 @@ class Tyre(TypedDict, total=False):
     load: Number
     # Force that resists rolling, by the vertical one; default 0.
     rolling_resistance: Number
-    # Damping over stiffness of the carcass, of a wheel that stands, s; default 0.02.
+    # Damping over stiffness of the carcass, of a wheel that stands, s; default 0.11 sqrt(R/g).
     settling: Number
     # Of tmeasy: largest force along, N.
     longitudinal_peak: Number
@@ -968,15 +968,16 @@ class Friction(TypedDict, total=False):
     force: str | float
     # Likewise about an angle, N m.
     torque: str | float
-    # Elastic presliding displacement, m or rad; default: 1e-5.
+    # Elastic presliding displacement, m or rad; default: 1e-5 L, or 1e-5 rad.
     sticking: Number
     # The limit at rest over that in fast sliding; default: 1.
     static_ratio: Number
-    # Speed over which the limit falls from the one to the other, m/s or rad/s; default: 0.01.
+    # Speed over which the limit falls from the one to the other, m/s or rad/s; default: 3e-3 sqrt(g L),
+    # or 3e-3 sqrt(g/L).
     stribeck: Number
     # Additional damping, N s/m or N m s/rad; default: 0.
     viscous: Number
-    # Time constant of the decay of vibrations while sticking, s; default: 0.001.
+    # Time constant of the decay of vibrations while sticking, s; default: 3e-3 sqrt(L/g).
     settling: Number
 
 class Stop(TypedDict, total=False):
@@ -1071,7 +1072,7 @@ class Contact(TypedDict, total=False):
     stribeck: Number
     # Tangential presliding stiffness, relative to the normal stiffness; default: 0.7.
     tangential: Number
-    # Time constant of the decay of vibrations while sticking, s; default: 0.001.
+    # Time constant of the decay of vibrations while sticking, s; default: 40 % of critical damping.
     settling: Number
     # Arm of the normal force that resists rolling, m; default: 0.
     rolling: Number

@@ -1,11 +1,15 @@
 #pragma once
 #include "compile/compiled.h"
+#include "spec/number_key.h"
 
 /// Speeds below which laws of force elements count motion as rest: impacts of stops and contacts
-/// (forces/impact.h), the turning of a motor's gear (forces/motor.h), a tyre that hardly rolls. They are
-/// shares of the speeds that the mechanism itself has, by its length scale and gravity, so that no unit of
-/// length or time counts.
+/// (forces/impact.h), the turning of a motor's gear (forces/motor.h), a tyre that hardly rolls; and defaults
+/// of numbers that have units. They are shares of what the mechanism itself has, by its length scale and
+/// gravity, so that no unit of length or time counts.
 namespace mimbre {
+
+/// The default of a number that LawInfo::set_scales() finds.
+constexpr double by_scales = LawNumber::none;
 
 /// Of the speed √(g L), or √(g/L) for angles: at 1 m and 9.81 m/s² that is 0.01 m/s, or rad/s.
 constexpr double slow_share = 3e-3;

@@ -1,7 +1,9 @@
 #include "compile/struck_mass.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "math/elementary.h"
 
@@ -40,6 +42,14 @@ double lightness(const Compiled& m, const FrameData& frame, double stiffness) {
 double struck_mass(const Compiled& m, const ElementData& e) {
   const double stiffness = m.numbers[e.numbers];
   return 1 / (lightness(m, m.frames[e.frame_a], stiffness) + lightness(m, m.frames[e.frame_b], stiffness));
+}
+
+double struck_mass(const Compiled& m, const SwarmData& swarm) {
+  double mass = std::numeric_limits<double>::infinity();
+  for (const SwarmSphere& sphere : swarm.spheres)
+    if (const int body = m.frames[sphere.frame].body; body >= 0 && m.bodies[body].mass > 0)
+      mass = std::min(mass, m.bodies[body].mass);
+  return 0.5 * mass;
 }
 
 }  // namespace mimbre

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 
+#include "compile/slow_speeds.h"
 #include "forces/carcass.h"
 #include "forces/element.h"
 #include "forces/measure_wheel.h"
@@ -107,14 +108,24 @@ inline void brush_tyre_energy(const LawContext<double>& c, const ElementState<do
   for (int k = wheel::forth; k < s.count; ++k) e.dissipating[k] = s.force[k];
 }
 
-/// Speed at which a wheel hardly rolls, m/s: a share of the speed √(a R) that a wheel of radius R reaches
-/// within R/2 under its tyre's usual acceleration a: that of gravity, or without it the one of the mean mass
-/// on a tyre that is pressed in by R/20.
+/// The usual acceleration a of a tyre of radius R, m/s²: that of gravity, or without it the one of the mean
+/// mass on a tyre that is pressed in by R/20.
+inline double usual_acceleration(const Compiled& m, const ElementData& e, double stiffness) {
+  constexpr double usual_deflection = 0.05;
+  const double gravity = m.gravity.norm();
+  return gravity > 0 ? gravity : usual_deflection * e.radius * stiffness / m.mass_scale;
+}
+
+/// Speed at which a wheel hardly rolls, m/s: a share of the speed √(a R) that it reaches within R/2.
 inline double slow_rolling(const Compiled& m, const ElementData& e, double stiffness) {
-  constexpr double share = 0.1, usual_deflection = 0.05;
-  const double gravity = m.gravity.norm(), R = e.radius;
-  const double a = gravity > 0 ? gravity : usual_deflection * R * stiffness / m.mass_scale;
-  return share * std::sqrt(a * R);
+  constexpr double share = 0.1;
+  return share * std::sqrt(usual_acceleration(m, e, stiffness) * e.radius);
+}
+
+/// Sets a settling time that is not given: a share of √(R/a), 0.02 s at 0.32 m.
+inline void set_settling(const Compiled& m, const ElementData& e, double stiffness, double& settling) {
+  constexpr double share = 0.11;
+  if (!(settling < by_scales)) settling = share * std::sqrt(e.radius / usual_acceleration(m, e, stiffness));
 }
 
 /// The numbers stand behind the vertical stiffness and the radius.
@@ -148,7 +159,7 @@ struct BrushTyre {
       {.key = "settling",
        .unit = "s",
        .about = "damping over stiffness of the carcass, of a wheel that stands",
-       .otherwise = 0.02,
+       .otherwise = by_scales,
        .least = 0},
   }};
   /// That of a key, for laws that have it, too.
@@ -161,6 +172,7 @@ struct BrushTyre {
   static void derived(std::span<const double>, double, std::vector<double>& behind) { behind.push_back(0); }
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
     p[brush_tyre::slow] = slow_rolling(m, e, p[brush_tyre::stiffness]);
+    set_settling(m, e, p[brush_tyre::stiffness], p[brush_tyre::settling]);
   }
   static double slow_speed(const double* p) { return p[brush_tyre::slow]; }
   /// It rolls as a wheel that is smaller by a third of its deflection.

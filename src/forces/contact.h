@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include "compile/slow_speeds.h"
+#include "compile/struck_mass.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
@@ -24,6 +26,9 @@ constexpr int stiffness = 0, exponent = 1, depth = 2, restitution = 3, friction 
               stribeck = 6, tangential = 7, settling = 8, rolling = 9, spinning = 10;
 /// Behind those given, as of stops.
 constexpr int damping = 11, slow = 12;
+
+/// By default what sticks vibrates with this damping ratio, against the least mass that an impact moves.
+constexpr double damping_ratio = 0.4;
 
 /// What starts slower than this share of `stribeck` is at rest.
 constexpr double still = 1e-7;
@@ -237,8 +242,6 @@ inline void contact_energy(const LawContext<double>& c, const ElementState<doubl
 }
 
 struct Contact {
-  /// Where set_scales() puts a share of the mechanism's own speed.
-  static constexpr double by_scales = LawNumber::none;
   static constexpr std::array<LawNumber, 11> numbers{{
       {.key = "stiffness",
        .unit = "N/m",
@@ -271,7 +274,7 @@ struct Contact {
       {.key = "settling",
        .unit = "s",
        .about = "time constant of the decay of vibrations while sticking",
-       .otherwise = 1e-3,
+       .otherwise = by_scales,
        .least = 0},
       {.key = "rolling",
        .unit = "m",
@@ -288,10 +291,15 @@ struct Contact {
   static void derived(std::span<const double> n, double, std::vector<double>& behind) {
     behind.insert(behind.end(), {restitution_damping(n[contact::restitution]), 0});
   }
+  /// All pairs of a contact share its numbers: that of the least mass settles fastest.
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
     using namespace contact;
     p[slow] = slow_impact(m, e, p[stiffness], p[exponent], p[depth]);
     if (p[stribeck] == by_scales) p[stribeck] = p[slow];
+    if (m.spec().contacts[e.spec].numbers[settling] < by_scales) return;
+    const double struck = e.pooled ? struck_mass(m, m.swarms[e.spec]) : e.struck_mass,
+                 mass = struck < by_scales ? struck : m.mass_scale;
+    p[settling] = std::min(p[settling], 2 * damping_ratio * std::sqrt(mass / (p[tangential] * p[stiffness])));
   }
   static bool resists_turning(std::span<const double> n) {
     return n[contact::rolling] > 0 || n[contact::spinning] > 0;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compile/slow_speeds.h"
 #include "forces/element.h"
 #include "math/elementary.h"
 
@@ -15,12 +16,18 @@ namespace mimbre::forces {
 namespace friction {
 /// Among the law's numbers. `sticking`: how far the bristles bend before they slide, at static_ratio 1.
 constexpr int sticking = 0, static_ratio = 1, stribeck = 2, viscous = 3, settling = 4;
+/// Behind those given, of defaults without gravity: `stribeck` over the root of the limit in fast sliding,
+/// and `settling` times that root.
+constexpr int stribeck_by_root = 5, settling_by_root = 6;
 /// States, behind the turns: bend of the bristles, its rate, the measure at the start of the step, and
 /// whether that is known.
 constexpr int bend = 0, rate = 1, place = 2, known = 3;
 
 /// What starts slower than this share of `stribeck` is at rest.
 constexpr double still = 1e-7;
+
+/// The default of `sticking`, by the length scale, or in rad.
+constexpr double usual_sticking = 1e-5;
 
 template <class T>
 struct Bristles {
@@ -31,14 +38,19 @@ struct Bristles {
 template <class T>
 Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
   using mimbre::exp;
+  using std::sqrt;
   const T* p = c.numbers();
   const T* before = c.states + c.element.own_states;
   const T given = c.argument(0), level = select(given > T(0), given, T(0));
-  const T rest = T(still) * p[stribeck];
+  // Surfaces that nothing presses together bend nothing: a brake that opens lets go.
+  const auto pressed = level > T(0);
+  const T root = sqrt(select(pressed, level, T(1)));
+  const T slow = p[stribeck] + p[stribeck_by_root] * root, settles = p[settling] + p[settling_by_root] / root;
+  const T rest = T(still) * slow;
   const T moves = select(v > rest, T(1), select(v < -rest, T(-1), T(0)));
-  const T speed = v / p[stribeck], peak = (p[static_ratio] - T(1)) * exp(-speed * speed);
-  const T limit = level * (T(1) + peak), slope = level * peak * (T(-2) * speed / p[stribeck]);
-  const T k = level / p[sticking], viscosity = k * p[settling];
+  const T speed = v / slow, peak = (p[static_ratio] - T(1)) * exp(-speed * speed);
+  const T limit = level * (T(1) + peak), slope = level * peak * (T(-2) * speed / slow);
+  const T k = level / p[sticking], viscosity = k * settles;
   // What slides as it starts has bent them.
   const auto begun = before[known] > T(0.5);
   const T full = p[sticking] * (T(1) + peak), slides = T(moves * full);
@@ -55,8 +67,6 @@ Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
   const T side = select(trial > T(0), T(1), T(-1));
   // Sliding: k z + damped (z − z before) + kept = ± limit.
   const T held = select(whole > T(0), T((side * limit - kept + damped * bent) / (whole + T(1e-300))), T(0));
-  // Surfaces that nothing presses together bend nothing: a brake that opens lets go.
-  const auto pressed = level > T(0);
   b.bend = select(pressed, select(sliding, held, T(bent + moved)), T(0));
   b.rate = steps ? select(pressed, T((b.bend - bent) / c.step), T(0)) : before[rate];
   b.force = select(sliding, T(side * limit), trial);
@@ -97,7 +107,7 @@ struct Friction {
       {.key = "sticking",
        .unit = "m|rad",
        .about = "elastic presliding displacement",
-       .otherwise = 1e-5,
+       .otherwise = by_scales,
        .above = 0},
       {.key = "static_ratio",
        .about = "of the limit at rest to that in fast sliding",
@@ -106,21 +116,42 @@ struct Friction {
       {.key = "stribeck",
        .unit = "m/s|rad/s",
        .about = "speed over which the limit falls to that in fast sliding",
-       .otherwise = 1e-2,
+       .otherwise = by_scales,
        .above = 0},
       {.key = "viscous", .unit = "N s/m|N m s/rad", .about = "damping beside", .otherwise = 0, .least = 0},
       {.key = "settling",
        .unit = "s",
        .about = "time constant of the decay of vibrations while sticking",
-       .otherwise = 1e-3,
+       .otherwise = by_scales,
        .least = 0},
   }};
+  /// friction::stribeck_by_root, friction::settling_by_root.
+  static void derived(std::span<const double>, double, std::vector<double>& behind) {
+    behind.insert(behind.end(), {0, 0});
+  }
+  /// Speeds and times are shares of those of a pendulum of the length scale. Without gravity the
+  /// acceleration that the friction's own limit causes takes its place.
+  static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    using namespace friction;
+    const MeasureScale scale = measure_scale(m, e);
+    const double pace = pace_of_gravity(m);
+    const auto find = [&](int number, int by_root, double by_gravity, double by_limit) {
+      if (p[number] < by_scales) return;
+      p[number] = pace > 0 ? slow_share * by_gravity : 0;
+      p[by_root] = pace > 0 ? 0 : slow_share * by_limit;
+    };
+    if (!(p[sticking] < by_scales)) p[sticking] = usual_sticking * scale.size;
+    find(stribeck, stribeck_by_root, scale.size * pace, std::sqrt(scale.size / scale.inertia));
+    find(settling, settling_by_root, 1 / pace, std::sqrt(scale.size * scale.inertia));
+  }
   static constexpr LawInfo info{.name = "friction",
                                 .section = "frictions",
                                 .coordinate = true,
                                 .numbers = numbers,
                                 .arguments = 1,
                                 .states = 4,
+                                .derived = derived,
+                                .set_scales = set_scales,
                                 .drawn_at_joint = "friction"};
 
   template <class T>

@@ -159,13 +159,16 @@ struct MagicTyre {
       faults.push_back(fmt::format("law 'magic_tyre' has {} numbers, {} are given", count + 1, n.size()));
       return;
     }
-    for (std::size_t k = 0; k < n.size(); ++k)
+    for (std::size_t k = 0; k + 1 < n.size(); ++k)
       if (!std::isfinite(n[k])) faults.push_back(fmt::format("number {} is not finite", k));
     for (const Number k : {unloaded_radius, fnomin, longvl, nompres, vertical_stiffness, lfzo})
       if (!(n[static_cast<std::size_t>(k)] > 0))
         faults.push_back(fmt::format("{} is {}; it has to be above 0", magic::rows[k].key,
                                      n[static_cast<std::size_t>(k)]));
     if (!(n.back() >= 0)) faults.push_back(fmt::format("settling is {}; it cannot be below 0", n.back()));
+  }
+  static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    set_settling(m, e, p[magic_tyre::formula + magic::vertical_stiffness], p[magic_tyre::settling]);
   }
   static double slow_speed(const double* p) { return magic::slow * p[magic_tyre::formula + magic::longvl]; }
   /// At the nominal load, by the rolling radius of the property file, (A3.6) of Pacejka 2012, and the length
@@ -180,6 +183,7 @@ struct MagicTyre {
                                 .list = SpecList::tyres,
                                 .numbers = numbers,
                                 .states = 10,
+                                .set_scales = set_scales,
                                 .model = "magic_formula",
                                 .by_file = true,
                                 .check_file = check_file,

@@ -256,6 +256,7 @@ struct TmeasyTyre {
   static void derived(std::span<const double>, double, std::vector<double>& behind) { behind.push_back(0); }
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
     p[tmeasy::slow] = slow_rolling(m, e, p[brush_tyre::stiffness]);
+    set_settling(m, e, p[brush_tyre::stiffness], p[tmeasy::settling]);
   }
   static double slow_speed(const double* p) { return p[tmeasy::slow]; }
   static RollingSize rolling_size(std::span<const double> n) {

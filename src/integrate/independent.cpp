@@ -11,7 +11,7 @@ IndependentStepper::IndependentStepper(System& system, const IntegratorOptions& 
       system_(system),
       motion_(system, options),
       dense_(system),
-      mixing_(system.velocities(), system.equations()) {
+      mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   for (Eigen::VectorXd* y : {&r_, &delta_}) y->setZero(system.velocities());
   for (Eigen::VectorXd* y : {&none_, &change_, &violation_, &multipliers_}) y->setZero(system.equations());

@@ -41,7 +41,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       motion_(system, options),
       prediction_(system.velocities()),
       keeps_(system.equations() == 0 && !options.fixed_cost && system.keeps_matrix()),
-      mixing_(system.velocities(), system.equations()) {
+      mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
   r_.setZero(n);

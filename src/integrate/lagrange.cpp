@@ -13,7 +13,7 @@ LagrangeStepper::LagrangeStepper(System& system, const IntegratorOptions& option
       motion_(system, options),
       dense_(system),
       stabilises_(baumgarte),
-      mixing_(system.velocities(), system.equations()) {
+      mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   for (Eigen::VectorXd* y : {&r_, &delta_}) y->setZero(system.velocities());
   for (Eigen::VectorXd* y : {&lambda_, &sigma_, &change_}) y->setZero(system.equations());

@@ -17,7 +17,7 @@ PenaltyStepper::PenaltyStepper(System& system, const IntegratorOptions& options,
       motion_(system, options),
       augmented_(augmented),
       penalty_(augmented ? options.penalty : penalty_alone * options.penalty),
-      mixing_(system.velocities(), system.equations()) {
+      mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   r_.setZero(system.velocities());
   for (Eigen::VectorXd* y : {&lambda_, &sigma_, &g_, &change_}) y->setZero(system.equations());

@@ -20,7 +20,7 @@ StepMotion::StepMotion(System& of, const IntegratorOptions& options)
   for (Eigen::VectorXd* y : {&g_, &change_, &start_multipliers_}) y->setZero(system.equations());
   if (system.has_loads_of_inertia()) {
     along_.setZero(system.equations() + system.velocities());
-    mixing_.emplace(system.velocities(), static_cast<int>(along_.size()));
+    mixing_.emplace(system.scales(), static_cast<int>(along_.size()));
   }
 }
 

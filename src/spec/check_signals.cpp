@@ -122,8 +122,10 @@ void check_element(const spec::Model& model, const CheckedItem& item, const spec
                     (e.on == On::velocity && law.velocity);
   if (!fits) item.error(fmt::format("law '{}' does not act there; there are {}", e.law, known));
   check_place(model, item, e);
-  for (const double number : e.numbers)
-    if (!item.finite("one of numbers", number)) break;
+  for (std::size_t k = 0; k < e.numbers.size(); ++k) {
+    const bool by_default = k < law.numbers.size() && e.numbers[k] == law.numbers[k].otherwise;
+    if (!by_default && !item.finite("one of numbers", e.numbers[k])) break;
+  }
   for (const spec::Source& source : e.arguments) check_source(model, item, source);
   const bool user = e.law == "user", bushing = e.law == "bushing";
   const bool takes_none = law.optional && e.arguments.empty();

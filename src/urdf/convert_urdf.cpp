@@ -13,7 +13,6 @@
 #include "mimbre/spec.h"
 #include "mimbre/surface_mesh.h"
 #include "mimbre/urdf.h"
-#include "spec/force_law.h"
 #include "urdf/merged.h"
 #include "urdf/mesh_paths.h"
 #include "urdf/repair.h"
@@ -30,7 +29,7 @@ namespace fs = std::filesystem;
 // impact's energy. Nor of friction: the presliding displacement; half a period of that takes a step at least.
 constexpr double steps_of_impact = 5, steps_of_sticking = 1;
 constexpr double restitution = 0.1;
-const double default_sticking = law_info(find_law("friction")).numbers.front().otherwise;
+constexpr double least_sticking = 1e-5;  ///< m or rad
 
 /// The square of 1/ω of what oscillates once in twice as many default steps, s²: displacement under a
 /// load by the acceleration that the load gives what is free.
@@ -320,11 +319,13 @@ class Writer {
       if (joint.friction == 0) return std::string();
       const double moved = inertia_of(joint);
       const double sticking = moved > 0 ? joint.friction / moved * softness(steps_of_sticking) : 0;
-      const bool soft = sticking > default_sticking;
+      const bool soft = sticking > least_sticking;
+      // The default of a length goes by the mechanism.
+      const bool written = soft || !joint.turns();
       any = any || soft;
       return fmt::format("  {}: {{joint: {}, {}: {}{}}}{}\n", yaml_word(elements_.make(name + "_friction")),
                          yaml_word(name), joint.turns() ? "torque" : "force", number(joint.friction),
-                         soft ? fmt::format(", sticking: {:.3g}", sticking) : "",
+                         written ? fmt::format(", sticking: {:.3g}", std::max(sticking, least_sticking)) : "",
                          soft ? inertia_comment(joint) : "");
     });
     if (any)

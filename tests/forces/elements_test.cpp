@@ -342,7 +342,8 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
         e.state_count = 12;
       }
       if (law == "friction") {
-        m.numbers = {0.3, 1.5, 0.4, 0.2, 1e-3};
+        m.numbers = {0.3, 1.5, 0.4, 0.2, 1e-3, 0, 0};
+        if (round % 2 == 0) m.numbers = {0.3, 1.5, 0, 0.2, 0, 0.3, 2e-3};
         e.state_count = 4;
       }
       if (law == "stop") {

@@ -238,7 +238,7 @@ TEST(FrictionLaw, NeverFeedsEnergyIn) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> any(-1, 1);
   Compiled m;
-  m.numbers = {1e-3, 1.5, 0.01, 0, 1e-3};
+  m.numbers = {1e-3, 1.5, 0.01, 0, 1e-3, 0, 0};
   m.arguments = {0};
   ElementData e;
   e.law = find_law("friction");

@@ -152,6 +152,7 @@ contacts:
     restitution: 0.6
     friction: 0.4
     static_ratio: 1.5
+    settling: 1e-3
   round:
     spheres: [{on: ball, radius: 0.1}, {on: die, radius: 0.1}]
     surfaces: [top, pole, bumps]
@@ -161,6 +162,7 @@ contacts:
     depth: 0.02
     restitution: 0.8
     friction: 0.3
+    settling: 1e-3
     rolling: 0.002
     spinning: 0.001
 outputs: [{name: height, position: die, component: z}]

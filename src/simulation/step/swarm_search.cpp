@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "compile/struck_mass.h"
 #include "forces/contact.h"
 #include "forces/contact_states.h"
 #include "forces/element_ends.h"
@@ -38,11 +38,7 @@ std::vector<std::string> swarm_warnings(const Compiled& m, double h) {
     const SwarmData& swarm = m.swarms[k];
     if (swarm.first == swarm.last) continue;
     const double* numbers = m.numbers.data() + m.elements[swarm.first].numbers;
-    double mass = std::numeric_limits<double>::infinity();
-    for (const SwarmSphere& sphere : swarm.spheres)
-      if (const int body = m.frames[sphere.frame].body; body >= 0 && m.bodies[body].mass > 0)
-        mass = std::min(mass, m.bodies[body].mass);
-    const double impact = std::numbers::pi * std::sqrt(0.5 * mass / numbers[law::stiffness]);
+    const double impact = std::numbers::pi * std::sqrt(struck_mass(m, swarm) / numbers[law::stiffness]);
     if (numbers[law::exponent] != 1 || !(h > most_of_impact * impact)) continue;
     warnings.push_back(fmt::format(
         "contact '{}': an impact of its lightest spheres takes {:.3g} s (π √(m/2k)), the step {:.3g} s; "
