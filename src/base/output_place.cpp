@@ -291,6 +291,8 @@ bool is_kept(const std::string& part, const std::string& target) {
   struct stat of_part {
   }, of_target{};
   if (stat(part.c_str(), &of_part) != 0 || stat(target.c_str(), &of_target) != 0) return true;
+  // An empty one was left before it had its mode, and has nothing to lose.
+  if (of_part.st_size == 0) return false;
   return (of_part.st_mode & 07777u) != growing_mode || (of_target.st_mode & 07777u) == growing_mode;
 }
 

@@ -54,7 +54,7 @@ class OutputPlace {
 };
 
 /// Whether a part of the target may be one that was kept, and which was reported: those have the mode
-/// of the target, and what still grows has one of its own. True where that cannot be decided.
+/// of the target, and what still grows has one of its own or is empty. True where that cannot be decided.
 bool is_kept(const std::string& part, const std::string& target);
 
 /// Removes those files of the target that processes left which have ended without a word, and of which
