@@ -1,5 +1,4 @@
 #include "analysis/rigid_response.h"
-#include <algorithm>
 
 #include <Eigen/Geometry>
 #include <algorithm>
