@@ -42,6 +42,41 @@ TEST(SparseQr, AgreesWithDenseDecompositions) {
   }
 }
 
+/// Columns and ranks of no rule, against a dense decomposition.
+TEST(SparseQr, FindsTheRankOfRandomMatrices) {
+  std::mt19937 random(7);
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const int rows = 5 + static_cast<int>(random() % 40), independent = 1 + static_cast<int>(random() % rows);
+    const SparseMatrix A = sample(rows, independent, static_cast<int>(random() % 20), seed);
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> dense(A);
+    dense.setThreshold(1e-9);
+    const SparseQr qr(A, 1e-9);
+    EXPECT_EQ(qr.rank(), dense.rank()) << seed;
+    const auto dependent = static_cast<Eigen::Index>(qr.dependent().size());
+    EXPECT_EQ(qr.rank() + dependent, A.cols());
+    const Eigen::VectorXd x = qr.null_vector(Eigen::VectorXd::LinSpaced(dependent, 0.5, 1.5));
+    EXPECT_LE((A * x).norm(), 1e-8 * x.norm()) << seed;
+  }
+}
+
+/// The loops of a ladder: each has two equations of its own, and three that repeat what others state. In a
+/// time that grows with their number, or this would take minutes.
+TEST(SparseQr, OfALongLadder) {
+  const int loops = 10000;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> value(-1, 1);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int loop = 0; loop < loops; ++loop)
+    for (int equation = 0; equation < 5; ++equation)
+      for (int k = 0; k < 3; ++k)
+        entries.emplace_back(2 * loop + k, 5 * loop + equation, (equation < 2 ? 1 : 1e-17) * value(random));
+  SparseMatrix A(2 * loops + 1, 5 * loops);
+  A.setFromTriplets(entries.begin(), entries.end());
+  const SparseQr qr(A, 1e-9);
+  EXPECT_EQ(qr.rank(), 2 * loops);
+  EXPECT_EQ(qr.dependent().size(), 3U * loops);
+}
+
 /// More equations than coordinates, and none at all.
 TEST(SparseQr, OfAnyShape) {
   const SparseMatrix wide = SparseMatrix(sample(30, 12, 3, 1).transpose());
