@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "compile/find_scales.h"
@@ -143,12 +144,18 @@ class Builder {
 
   /// A constant point or vector, made once.
   Combination constant(bool point, const Vec3d& place) {
-    for (std::size_t k = 0; k < constants_.size(); ++k)
-      if (constants_[k].point == point &&
-          (constants_[k].place - place).norm() < round_off * size_of_value(point))
-        return {{-1 - static_cast<int>(k), 1.0}};
-    constants_.push_back({point, -1, place});
-    return {{-static_cast<int>(constants_.size()), 1.0}};
+    // Those near it are near along a direction, too, by which they are ordered.
+    const double along = Vec3d(0.48, -0.6, 0.64).dot(place), reach = round_off * size_of_value(point);
+    std::multimap<double, int>& ordered = constants_along_[point];
+    int first = static_cast<int>(constants_.size());
+    for (auto k = ordered.lower_bound(along - 8 * reach); k != ordered.end() && k->first <= along + 8 * reach;
+         ++k)
+      if ((constants_[k->second].place - place).norm() < reach) first = std::min(first, k->second);
+    if (first == std::ssize(constants_)) {
+      constants_.push_back({point, -1, place});
+      ordered.emplace(along, first);
+    }
+    return {{-1 - first, 1.0}};
   }
 
   /// A point or vector of a frame that no mode moves, by the variables of its body.
@@ -267,6 +274,9 @@ class Builder {
       return (x < 0) != (y < 0) ? x >= 0 : x < y;
     });
     b.variables.erase(std::unique(b.variables.begin(), b.variables.end()), b.variables.end());
+    bodies_of_.resize(l_.variables.size());
+    for (const int variable : b.variables)
+      if (variable >= 0) bodies_of_[variable].push_back(body);
     b.inertia = resistances_.of(body).inertia;
     b.unknown = static_cast<int>(
         std::count_if(b.variables.begin(), b.variables.end(), [](int variable) { return variable >= 0; }));
@@ -300,9 +310,16 @@ class Builder {
 
   /// Whether one body defined before, or the ground, carries both vectors: their product is its affair.
   bool implied(int body, const Combination& x, const Combination& y) const {
-    for (int other = -1; other < body; ++other)
-      if (carries(other, x) && carries(other, y)) return true;
-    return false;
+    if (carries(-1, x) && carries(-1, y)) return true;
+    // A body carries a vector only if it has all of its unknown variables.
+    const auto unknown = [](const Combination& vector) {
+      return std::find_if(vector.begin(), vector.end(), [](const auto& term) { return term.first >= 0; });
+    };
+    const auto of_x = unknown(x), of_y = unknown(y);
+    if (of_x == x.end() && of_y == y.end()) return false;
+    const std::vector<int>& others = bodies_of_[of_x == x.end() ? of_y->first : of_x->first];
+    return std::any_of(others.begin(), others.end(),
+                       [&](int other) { return other < body && carries(other, x) && carries(other, y); });
   }
 
   /// Whether a vector is constant in a body's axes (-1: the ground), whatever the unknowns are. That the body
@@ -629,9 +646,11 @@ class Builder {
   const Compiled& m_;
   Layout& l_;
   BodyResistances resistances_;
-  std::vector<std::vector<Side>> sides_;  // by body
-  std::vector<std::vector<Slot>> slots_;  // by body
-  std::vector<Variable> constants_;       // numbered -1, -2, … until all are known
+  std::vector<std::vector<Side>> sides_;           // by body
+  std::vector<std::vector<Slot>> slots_;           // by body
+  std::vector<Variable> constants_;                // numbered -1, -2, … until all are known
+  std::multimap<double, int> constants_along_[2];  // vectors and points among these, by a direction
+  std::vector<std::vector<int>> bodies_of_;        // that have an unknown variable, in their order
 };
 
 }  // namespace
