@@ -35,13 +35,16 @@ struct Simulation {
     hht,
     conserve,  ///< generalised-α, and after each step the energy that it fed in or took out taken back
     rk4,       ///< explicit, of order 4: for mechanisms without stiff parts
-    dopri853   ///< explicit, of order 8, with steps that follow from `accuracy` where it is given
+    dopri853,  ///< explicit, of order 8, with steps that follow from `accuracy` where it is given
+    radau,     ///< implicit, of order 5, likewise: for stiff mechanisms, too
+    automatic  ///< dopri853 or radau, chosen at the start (Method::chosen)
   } integrator = Integrator::generalized_alpha;
   double rho = -1;       ///< spectral radius at infinity, 0..1 (hht: 0.5..1); -1: the library's default
   double xi = 0;         ///< Newmark's ξ ≤ 0
   double tolerance = 0;  ///< of the iterations, see docs/model-file.md; 0: default
-  double accuracy = 0;   ///< of dopri853: error of a part of a step, by the mechanism's size; 0: whole steps
-  double penalty = 0;    ///< weight of the constraints; 0: automatic
+  double accuracy =
+      0;  ///< of dopri853 and radau: error of a part of a step, by the mechanism's size; 0: whole steps
+  double penalty = 0;                 ///< weight of the constraints; 0: automatic
   int max_iterations = 0;             ///< of a step, or of each of its parts; 0: default
   int substeps = 0;                   ///< parts in which an inaccurate step is repeated; 0: default, 1: never
   double energy_tolerance = 0;        ///< see RunOptions::energy_tolerance; 0: default
@@ -62,7 +65,7 @@ struct RunOptions {
   /// `rho` and `xi` do not go together, nor with an integrator that has none.
   std::optional<spec::Simulation::Integrator> integrator;
   std::optional<double> rho, xi, tolerance;
-  std::optional<double> accuracy;  ///< of dopri853, see docs/model-file.md
+  std::optional<double> accuracy;  ///< of dopri853, radau and automatic, see docs/model-file.md
   std::optional<int> max_iterations;
   /// Parts in which a step is repeated when an impact in it makes its energy balance wrong, or when it does
   /// not converge. 1: never. In neither: 4 with generalised-α, 1 with Newmark.
@@ -93,6 +96,8 @@ struct Method : spec::Simulation {
   bool profile = false;
   bool energies = true;  ///< asked for, or implied
   bool validity = true, warnings = true;
+  /// Why the integrator was chosen, where `automatic` was asked for; else empty.
+  std::string chosen;
 };
 
 /// The only place where defaults are decided, and where is asked what they are. Throws InputError, with the

@@ -12,7 +12,8 @@ inline constexpr std::array formulations{"relative", "natural"};
 inline constexpr std::array inertias{"integrals", "projection", "projection_translations"};
 inline constexpr std::array formalisms{"index3",  "index1",           "baumgarte",
                                        "penalty", "index1_augmented", "independent"};
-inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853"};
+inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve", "rk4",
+                                        "dopri853",          "radau",   "auto"};
 
 }  // namespace mimbre::method_names
 
@@ -24,6 +25,18 @@ inline constexpr double least_hht_rho = 0.5;
 /// Whether an integrator needs accelerations only, no tangents.
 inline bool is_explicit(spec::Simulation::Integrator i) {
   return i == spec::Simulation::Integrator::rk4 || i == spec::Simulation::Integrator::dopri853;
+}
+
+/// Whether an integrator is of Runge–Kutta: of an order above 2, with constraints by accelerations and
+/// projections instead of a formalism.
+inline bool is_runge_kutta(spec::Simulation::Integrator i) {
+  return is_explicit(i) || i == spec::Simulation::Integrator::radau ||
+         i == spec::Simulation::Integrator::automatic;
+}
+
+/// Whether an integrator estimates its error, and can keep an accuracy.
+inline bool estimates_error(spec::Simulation::Integrator i) {
+  return is_runge_kutta(i) && i != spec::Simulation::Integrator::rk4;
 }
 
 inline const char* name_of(spec::Simulation::Formulation f) {

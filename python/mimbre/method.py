@@ -15,15 +15,15 @@ class Method(TypedDict, total=False):
     """Inertia of flexible bodies: shape integrals, or projection of the mesh's mass matrix in every evaluation."""
     formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent"]
     """How the constraints enter the equations of motion."""
-    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853"]
+    integrator: Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853", "radau", "auto"]
     """How steps are made."""
     rho: float
     """Spectral radius of generalized_alpha (0 to 1) and hht (0.5 to 1); 1 damps nothing."""
     xi: float
     """Of newmark: 0, or less, which damps."""
     accuracy: float
-    """Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; without it a step
-    has one part."""
+    """Of dopri853 and radau: error of each part that a step is made in, relative to the size of the mechanism; without
+    it a step has one part."""
     tolerance: float
     """Of the iterations, relative; default: 1e-5."""
     max_iterations: int

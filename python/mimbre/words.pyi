@@ -584,13 +584,13 @@ class Output(TypedDict, total=False):
 
 class Integrator(TypedDict, total=False):
     # How steps are made.
-    type: Required[Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853"]]
+    type: Required[Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853", "radau", "auto"]]
     # Spectral radius of generalized_alpha (0 to 1) and hht (0.5 to 1); 1 damps nothing.
     rho: Number
     # Of newmark: 0, or less, which damps.
     xi: Number
-    # Of dopri853: error of each part that a step is made in, relative to the size of the mechanism;
-    # without it a step has one part.
+    # Of dopri853 and radau: error of each part that a step is made in, relative to the size of the
+    # mechanism; without it a step has one part.
     accuracy: Number
 
 class Simulation(TypedDict, total=False):

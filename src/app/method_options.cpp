@@ -56,7 +56,7 @@ void add_method_options(Parser& command, RunOptions& asked, MethodChoice choice)
 }
 
 std::string method_line(const Method& method) {
-  if (!is_explicit(method.integrator))
+  if (!is_runge_kutta(method.integrator))
     return fmt::format("{}, {}, {}", name_of(method.formulation), name_of(method.formalism),
                        name_of(method.integrator));
   const std::string accuracy = method.accuracy > 0 ? fmt::format(", accuracy {:g}", method.accuracy) : "";

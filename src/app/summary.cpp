@@ -76,6 +76,7 @@ std::string summary_table(Simulation& simulation, const RunTotals& totals) {
   line("step", number(simulation.step_size()), "s");
   // In the last column, for the numbers to stay aligned.
   line("method", "", method_line(simulation.method()));
+  if (const std::string& why = simulation.method().chosen; !why.empty()) line("integrator chosen", "", why);
   if (simulation.method().default_end)
     line("end", number(simulation.method().end), "s  (the default: the model has none)");
   line("coordinates", fmt::format("{}", simulation.coordinates()));

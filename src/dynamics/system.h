@@ -66,6 +66,12 @@ class System {
   /// column-major. For formalisms that are not made for speed; solve() must not follow, Jacobian products
   /// may.
   virtual void dense_matrix(const double* q, const MatrixWeights& weights, double* out) = 0;
+  /// The pattern of the leading matrix; of no unknowns where it is factorised body by body (long trees). For
+  /// whoever factorises it in another scalar.
+  virtual const linalg::BlockSymbolic& pattern() const = 0;
+  /// Assembles as factor() does, but only copies the values of the pattern (without pairs of swarms).
+  /// Jacobian products may follow, solve() must not.
+  virtual void matrix_values(const double* q, const MatrixWeights& weights, double* values) = 0;
   /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
   /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
   virtual bool tangent_changed(const double* q, const MatrixWeights& weights) const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate/close_loops.h"
 #include "integrate/drift.h"
 #include "integrate/runge_kutta.h"
 #include "integrate/vectors.h"
@@ -10,9 +11,8 @@
 namespace mimbre {
 namespace {
 
-/// Of the equations after the projection, by their scales; rounds of it with one matrix, and matrices.
-constexpr double closed = 1e-14;
-constexpr int rounds_of_closing = 4, matrices_of_closing = 2;
+/// Matrices of the projection.
+constexpr int matrices_of_closing = 2;
 /// What the difference of two stages says of the fastest motion counts where it is this share of the
 /// accelerations at play: otherwise it is round-off.
 constexpr double felt = 1e-8;
@@ -39,26 +39,15 @@ ExplicitStepper::ExplicitStepper(System& system, const IntegratorOptions& option
 /// of the last stage, which lies near; where that does not lead there, of the end itself.
 bool ExplicitStepper::close(double t, StepStatus& status) {
   if (system_.equations() == 0) return true;
-  const Scales& scales = system_.scales();
-  const double enough = std::max(closed, scales.round_off);
+  const auto take_back = [&](const double* violation, Eigen::VectorXd& d) {
+    accelerations_.take_back(violation, d);
+  };
   for (int matrix = 0; matrix < matrices_of_closing; ++matrix) {
     // The residual lets the matrix follow.
     if (matrix > 0 && !accelerations_.find(t, q_, v_, r_, multipliers_, status)) return false;
-    for (int round = 0;; ++round) {
-      system_.kinematics(t, q_.data(), v_.data(), zero_.data());
-      const bool is_closed = scales.of_equations(system_.phi()) <= enough;
-      if (is_closed || round == rounds_of_closing) break;
-      accelerations_.take_back(system_.phi(), r_);
-      system_.retract(q_.data(), r_.data(), q_.data());
-    }
-    if (scales.of_equations(system_.phi()) <= enough) break;
+    if (close_positions_by(system_, t, q_, v_, zero_, r_, take_back)) break;
   }
-  for (int round = 0; round < rounds_of_closing; ++round) {
-    accelerations_.take_back(system_.phi_dot(), r_);
-    v_ += r_;
-    if (scales.of_coordinates(r_.data()) <= closed * scales.of_coordinates(v_.data())) break;
-    system_.kinematics(t, q_.data(), v_.data(), zero_.data());
-  }
+  close_velocities_by(system_, t, q_, v_, zero_, r_, take_back);
   return true;
 }
 

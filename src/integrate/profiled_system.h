@@ -60,6 +60,11 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.matrix);
     system_.dense_matrix(q, weights, out);
   }
+  const linalg::BlockSymbolic& pattern() const override { return system_.pattern(); }
+  void matrix_values(const double* q, const MatrixWeights& weights, double* values) override {
+    const Timer timer(seconds_.matrix);
+    system_.matrix_values(q, weights, values);
+  }
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override {
     return system_.tangent_changed(q, weights);
   }

@@ -21,6 +21,8 @@ inline RuleCoefficients rule_coefficients(const IntegratorOptions& options) {
   switch (options.rule) {
     case IntegratorOptions::Rule::rk4:
     case IntegratorOptions::Rule::dopri853:  // of ExplicitStepper
+    case IntegratorOptions::Rule::radau:     // of RadauStepper
+    case IntegratorOptions::Rule::automatic:
       return c;
     case IntegratorOptions::Rule::newmark:
       c.beta = (1 - options.xi) * (1 - options.xi) / 4;

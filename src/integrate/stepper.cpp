@@ -5,6 +5,7 @@
 #include "integrate/index3.h"
 #include "integrate/lagrange.h"
 #include "integrate/penalty.h"
+#include "integrate/radau.h"
 #include "mimbre/method_names.h"
 
 namespace mimbre {
@@ -13,6 +14,7 @@ std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalis
                                       const IntegratorOptions& options) {
   using Formalism = spec::Simulation::Formalism;
   if (is_explicit(options.rule)) return std::make_unique<ExplicitStepper>(system, options);
+  if (options.rule == IntegratorOptions::Rule::radau) return std::make_unique<RadauStepper>(system, options);
   switch (formalism) {
     case Formalism::index3:
       break;

@@ -19,7 +19,7 @@ struct IntegratorOptions {
   Rule rule = Rule::generalized_alpha;
   double rho = 0.3;  ///< 0..1; HHT exists for 0.5..1 and takes the nearest of these
   double xi = 0;
-  double accuracy = 0;  ///< of dopri853: the error that a step may have, by the scales of the coordinates
+  double accuracy = 0;  ///< the error that a step may have, by the scales of the coordinates
   // In the mechanism's own units (Scales).
   double tolerance = 1e-5;  ///< of the accelerations in an iteration, relative to the largest one or gravity
   double position_tolerance = 1e-9;      ///< of the equations
@@ -52,7 +52,7 @@ struct StepStatus : Violations {
   double equation_violation = 0;  ///< |Φ| of that equation, where it drifted: m or rad, see Scales::is_angle
   double correction = 0;          ///< last Newton correction, largest entry
   bool unconverged = false;       ///< taken as it was (IntegratorOptions::fixed_cost)
-  double error = 0;  ///< of dopri853: the estimate over IntegratorOptions::accuracy, where that is given
+  double error = 0;               ///< the estimate over IntegratorOptions::accuracy, where that is given
 };
 
 /// A way to advance the equations of motion M z̈ + Φzᵀ λ = Q, Φ = 0 of a system by steps.
@@ -72,6 +72,8 @@ class Stepper {
   /// How often at most the iterations of a step begin anew; each time there are at most
   /// IntegratorOptions::max_iterations of them.
   virtual int most_attempts() const { return 1; }
+  /// The power of the step with which StepStatus::error grows.
+  virtual int order_of_error() const { return 8; }
   /// Changes the step, s > 0.
   virtual void set_step(double step) = 0;
   /// What it remembers from step to step beside the state.

@@ -50,7 +50,11 @@ Json options_of(const Method& method, bool headline) {
   return json;
 }
 
-Json method_of(const Method& method) { return options_of(method, true); }
+Json method_of(const Method& method) {
+  Json json = options_of(method, true);
+  if (!method.chosen.empty()) json["chosen"] = method.chosen;
+  return json;
+}
 
 Json resolved_of(const Method& method) {
   Json json = options_of(method, false);

@@ -18,8 +18,10 @@ using Rule = S::Integrator;
 
 constexpr std::array has_rho{Rule::generalized_alpha, Rule::hht};
 constexpr std::array has_xi{Rule::newmark};
-constexpr std::array has_accuracy{Rule::dopri853};
+constexpr std::array has_accuracy{Rule::automatic, Rule::dopri853, Rule::radau};
 constexpr std::array rho_replaces{Rule::newmark};
+constexpr std::array accuracy_replaces{Rule::generalized_alpha, Rule::newmark, Rule::hht, Rule::conserve,
+                                       Rule::rk4};
 constexpr std::array xi_replaces{Rule::generalized_alpha, Rule::hht, Rule::conserve};
 
 constexpr RunOption table[] = {
@@ -73,7 +75,9 @@ constexpr RunOption table[] = {
              "hht: Hilber, Hughes, Taylor\n"
              "conserve: generalized-alpha with its error of energy taken back\n"
              "rk4: explicit, fourth order, for mechanisms without stiff parts\n"
-             "dopri853: explicit, eighth order, likewise",
+             "dopri853: explicit, eighth order, likewise\n"
+             "radau: implicit, fifth order, for stiff mechanisms, too\n"
+             "auto: dopri853 or radau, by stiffness, contacts and accuracy",
      .section = "integrator",
      .file_key = "type",
      .in_headline = true},
@@ -112,17 +116,18 @@ constexpr RunOption table[] = {
      .in_headline = true},
     {.key = "accuracy",
      .member = OptionMember<double>{&S::accuracy, &RunOptions::accuracy},
-     .about =
-         "Of dopri853: error of each part that a step is made in, relative to the size of the mechanism; "
-         "without it a step has one part.",
+     .about = "Of dopri853 and radau: error of each part that a step is made in, relative to the size of the "
+              "mechanism; without it a step has one part.",
      .least = 1e-15,
      .most = 1,
      .option = "accuracy",
      .value = "A",
-     .help = "dopri853 divides steps by this error of each part, relative to the\n"
-             "mechanism's size; without it a step has one part",
+     .help = "dopri853 and radau divide steps by this error of each part, relative\n"
+             "to the mechanism's size; without it a step has one part. Without an\n"
+             "integrator: auto",
      .section = "integrator",
      .of = has_accuracy,
+     .replaces = accuracy_replaces,
      .in_headline = true},
     {.key = "tolerance",
      .member = OptionMember<double>{&S::tolerance, &RunOptions::tolerance},
@@ -195,7 +200,8 @@ const RunOption& named(std::string_view key) {
 }
 
 std::string listed(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, " and "));
+  if (names.size() < 3) return fmt::format("{}", fmt::join(names, " and "));
+  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
 /// Which integrators have it.
@@ -270,18 +276,20 @@ std::optional<OptionConflict> conflict_of_fixed_cost(const S& given, const RunOp
   return {};
 }
 
-/// Explicit integrators take constraints into account in their own way, and with an accuracy choose the parts
+/// Runge–Kutta methods take constraints into account in their own way, and with an accuracy choose the parts
 /// of a step.
-std::optional<OptionConflict> conflict_of_explicit(const S& given, const RunOptions& asked,
-                                                   OptionNames names) {
+std::optional<OptionConflict> conflict_of_runge_kutta(const S& given, const RunOptions& asked,
+                                                      OptionNames names) {
   const Rule rule = integrator_in_force(given, asked);
-  if (!is_explicit(rule)) return {};
+  if (!is_runge_kutta(rule)) return {};
   const auto conflict = [&](std::string_view key, const std::string& text) {
     return OptionConflict{key, fmt::format(fmt::runtime(text), name_of(named(key), names), name_of(rule))};
   };
   if (asked.formalism.value_or(given.formalism) != S::Formalism::index3)
-    return conflict("formalism", "{} is given, but {} is explicit and has no formalism; leave it out");
-  if (rule != Rule::dopri853 || !(asked.accuracy.value_or(given.accuracy) > 0)) return {};
+    return conflict("formalism", is_explicit(rule)
+                                     ? "{} is given, but {} is explicit and has no formalism; leave it out"
+                                     : "{} is given, but {} has no formalism; leave it out");
+  if (!estimates_error(rule) || !(asked.accuracy.value_or(given.accuracy) > 0)) return {};
   if (asked.substeps.value_or(1) > 1)
     return conflict(
         "substeps",
@@ -358,7 +366,7 @@ std::string name_of(const RunOption& option, OptionNames names) {
 
 std::optional<OptionConflict> find_conflict(const S& given, const RunOptions& asked, OptionNames names) {
   if (auto found = conflict_of_integrators(given, asked, names)) return found;
-  if (auto found = conflict_of_explicit(given, asked, names)) return found;
+  if (auto found = conflict_of_runge_kutta(given, asked, names)) return found;
   return conflict_of_fixed_cost(given, asked, names);
 }
 

@@ -11,6 +11,7 @@
 #include "support/random_mechanism.h"
 #include "support/run.h"
 #include "support/simulate.h"
+#include "support/smooth_mechanisms.h"
 
 /// Explicit integrators.
 namespace mimbre::test::explicit_test {
@@ -52,83 +53,7 @@ joints:
   }
 }
 
-RunOptions options_of(Rule rule, double step, double accuracy = 0) {
-  RunOptions o;
-  o.integrator = rule;
-  o.step = step;
-  if (accuracy > 0)
-    o.accuracy = accuracy;
-  else
-    o.substeps = 1;
-  return o;
-}
-
-/// Positions and velocities at the end, one below the other.
-VectorXd run_with(const std::shared_ptr<const Model>& model, const RunOptions& options, double end) {
-  Simulation simulation(model, options);
-  run_to(simulation, end);
-  const Simulation::Snapshot s = simulation.save();
-  VectorXd all(s.q.size() + s.v.size());
-  all << s.q, s.v;
-  return all;
-}
-
-/// A smooth mechanism, and in how many steps the coarsest run of each rule covers `end`.
-struct Case {
-  const char* name;
-  std::string text;
-  double end;
-  int steps_of_rk4, steps_of_dopri853;
-};
-void PrintTo(const Case& problem, std::ostream* out) { *out << problem.name; }
-
-const Case cases[] = {
-    {"pendulum", R"(
-bodies:
-  bar: {mass: 2, com: [0.5, 0, 0], inertia: [0.001, 0.2, 0.2]}
-joints:
-  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}
-)",
-     1.2, 80, 6},
-    {"double_pendulum", R"(
-bodies:
-  one: {mass: 2, com: [0.5, 0, 0], inertia: [0.001, 0.2, 0.2]}
-  two: {mass: 1, com: [1.3, 0, 0], inertia: [0.001, 0.05, 0.05]}
-joints:
-  hinge: {type: revolute, between: [ground, one], at: [0, 0, 0], axis: [0, 1, 0]}
-  knee: {type: universal, between: [one, two], at: [1, 0, 0], axis: [0, 1, 0], axis2: [0, 0, 1], velocity: [0.3, 1]}
-)",
-     1.2, 80, 24},
-    {"top", R"(
-bodies:
-  top: {mass: 3, com: [0.1, 0.05, 0.4], inertia: [0.1, 0.12, 0.06]}
-joints:
-  ball: {type: spherical, between: [ground, top], at: [0, 0, 0], velocity: [0.5, 1, 9]}
-)",
-     0.6, 80, 12},
-    {"tumbling", R"(
-gravity: [0, 0, 0]
-bodies:
-  brick: {mass: 2, com: [0.1, 0, 0], inertia: [0.1, 0.2, 0.26]}
-joints:
-  free: {type: floating, between: [ground, brick], velocity: [0.3, -0.2, 0.1, 0.05, 3, 0.5]}
-)",
-     2.4, 80, 12},
-    {"springs", R"(
-bodies:
-  one: {mass: 2, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
-  two: {mass: 1, com: [1.3, 0, 0], inertia: [0.01, 0.05, 0.05]}
-joints:
-  hinge: {type: spherical, between: [ground, one], at: [0, 0, 0]}
-  slide: {type: cylindrical, between: [one, two], at: [1, 0, 0], axis: [1, 0, 0], velocity: [0.2, 1]}
-springs:
-  pull: {between: [ground, two], at: [[1, 0.4, 1], [1.4, 0, 0]], elastic: {stiffness: 20, zero: 0.5}, damping: 0.3}
-)",
-     1.2, 80, 6},
-    {"four_bar", four_bar_text({{"crank", ", velocity: 6"}}), 0.1, 40, 6},
-};
-
-class ExplicitOrder : public testing::TestWithParam<std::tuple<Case, Formulation>> {
+class ExplicitOrder : public testing::TestWithParam<std::tuple<SmoothMechanism, Formulation>> {
  protected:
   double order_of(Rule rule, int steps) const {
     const auto& [problem, formulation] = GetParam();
@@ -176,7 +101,7 @@ TEST_P(ExplicitOrder, ErrorsFollowTheAccuracy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, ExplicitOrder,
-                         testing::Combine(testing::ValuesIn(cases),
+                         testing::Combine(testing::ValuesIn(smooth_mechanisms()),
                                           testing::Values(Formulation::relative, Formulation::natural)),
                          [](const auto& row) {
                            return std::string(std::get<0>(row.param).name) +
@@ -210,7 +135,7 @@ TEST(Explicit, MovesRandomMechanismsAsTheImplicitRuleDoes) {
 /// A conservative mechanism keeps its energy to the accuracy, and a hundred times better with one a hundred
 /// times as small.
 TEST(Explicit, EnergyDriftFollowsTheAccuracy) {
-  const auto model = model_of(cases[1].text);
+  const auto model = model_of(smooth_mechanisms()[1].text);
   const auto drift = [&](double accuracy) {
     RunOptions options = options_of(Rule::dopri853, 0.5, accuracy);
     options.energies = true;
@@ -304,7 +229,7 @@ contacts:
 }
 
 TEST(Explicit, GoesOnFromASavedStateToTheSameBits) {
-  const auto model = model_of(cases[5].text);
+  const auto model = model_of(smooth_mechanisms()[5].text);
   for (const RunOptions& options : {options_of(Rule::rk4, 0.01), options_of(Rule::dopri853, 0.01),
                                     options_of(Rule::dopri853, 0.05, 1e-9)}) {
     Simulation first(model, options), second(model, options);
@@ -323,7 +248,7 @@ TEST(Explicit, GoesOnFromASavedStateToTheSameBits) {
 
 /// Steps of a fixed cost are what rk4 makes anyway.
 TEST(Explicit, HasTheSameStepsWithAFixedCost) {
-  const auto model = model_of(cases[5].text);
+  const auto model = model_of(smooth_mechanisms()[5].text);
   RunOptions options = options_of(Rule::rk4, 0.005);
   const VectorXd plain = run_with(model, options, 0.2);
   options.substeps.reset();
@@ -341,7 +266,8 @@ TEST(Explicit, RefusesWhatDoesNotFit) {
     }
     return std::string();
   };
-  EXPECT_THAT(refused(options_of(Rule::rk4, 1e-3, 1e-6)), testing::HasSubstr("accuracy belongs to dopri853"));
+  EXPECT_THAT(refused(options_of(Rule::rk4, 1e-3, 1e-6)),
+              testing::HasSubstr("accuracy belongs to auto, dopri853 and radau"));
   RunOptions options = options_of(Rule::rk4, 1e-3);
   options.formalism = spec::Simulation::Formalism::penalty;
   EXPECT_THAT(refused(options), testing::HasSubstr("rk4 is explicit and has no formalism"));

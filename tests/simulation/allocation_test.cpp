@@ -142,11 +142,12 @@ loads:
 }
 
 /// Trees, loops, modes, blocks and actuators.
-TEST_P(Allocation, NoneWithExplicitIntegrators) {
+TEST_P(Allocation, NoneWithRungeKuttaMethods) {
   using Integrator = spec::Simulation::Integrator;
   for (const auto& [integrator, accuracy] :
        {std::pair(Integrator::rk4, 0.0), std::pair(Integrator::dopri853, 0.0),
-        std::pair(Integrator::dopri853, 1e-8)})
+        std::pair(Integrator::dopri853, 1e-8), std::pair(Integrator::radau, 0.0),
+        std::pair(Integrator::radau, 1e-8)})
     for (const auto& model : {example("double-four-bar/mechanism.yaml"), example("pendulum/flexible.yaml"),
                               controlled_four_bar()}) {
       RunOptions o = options();

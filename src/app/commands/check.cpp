@@ -244,6 +244,7 @@ std::string method_table(const Method& m) {
   table.add({"tolerance", fmt::format("{:g}", m.tolerance), ""});
   table.add({"parts of inaccurate steps", fmt::format("{}", m.substeps), m.fixed_cost ? "(fixed cost)" : ""});
   table.add({"method", "", method_line(m)});
+  if (!m.chosen.empty()) table.add({"integrator chosen", "", m.chosen});
   return table.text();
 }
 

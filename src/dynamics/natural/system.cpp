@@ -214,6 +214,11 @@ void NaturalSystem::dense_matrix(const double* q, const MatrixWeights& weights, 
   couplings_.add_to(out, layout_.unknowns);
 }
 
+void NaturalSystem::matrix_values(const double* q, const MatrixWeights& weights, double* values) {
+  assemble(q, weights);
+  std::copy_n(factor_.values(), layout_.symbolic->value_count(), values);
+}
+
 bool NaturalSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
   return marks_.changed(model_, work_.elements.data(), weights,
                         [&](std::size_t i) { return q + layout_.bodies[i].q; });

@@ -44,6 +44,8 @@ class NaturalSystem final : public System {
     couplings_.solve(x, [this](double* y) { factor_.solve(y); });
   }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
+  const linalg::BlockSymbolic& pattern() const override { return *layout_.symbolic; }
+  void matrix_values(const double* q, const MatrixWeights& weights, double* values) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;

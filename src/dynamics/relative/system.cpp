@@ -206,6 +206,11 @@ void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights,
   couplings_.add_to(out, model_.velocities);
 }
 
+void RelativeSystem::matrix_values(const double* q, const MatrixWeights& weights, double* values) {
+  assemble(q, weights);
+  std::copy_n(factor_.values(), model_.symbolic.value_count(), values);
+}
+
 bool RelativeSystem::tangent_changed(const double* q, const MatrixWeights& weights) const {
   return marks_.changed(model_, work_.elements.data(), weights, [&](std::size_t i) {
     return q + model_.bodies[i].q + model_.bodies[i].joint_positions;

@@ -41,6 +41,8 @@ class RelativeSystem final : public System {
   linalg::FactorStatus factor_inertia(const double* q, double penalty) override;
   void solve(double* x) const override;
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
+  const linalg::BlockSymbolic& pattern() const override { return model_.symbolic; }
+  void matrix_values(const double* q, const MatrixWeights& weights, double* values) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
   std::span<double> tangent_marks() override { return marks_.values(); }
   int matrices() const override { return matrices_; }

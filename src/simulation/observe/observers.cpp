@@ -12,7 +12,7 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
       roads_(mechanism.model) {
   if (!method.validity) return;
   // Its limits are those of rules of second order.
-  if (method.warnings && !is_explicit(method.integrator)) spins_ = std::make_unique<SpinWatch>(model_);
+  if (method.warnings && !is_runge_kutta(method.integrator)) spins_ = std::make_unique<SpinWatch>(model_);
   if (spins_ && spins_->none()) spins_.reset();
   validity_ = std::make_unique<ValidityMonitor>(model_);
   if (validity_->empty()) validity_.reset();

@@ -16,6 +16,8 @@ namespace {
 
 /// The default integrator repeats an inaccurate step in this many parts.
 constexpr int default_substeps = 4;
+/// Of an integrator that is chosen.
+constexpr double default_accuracy = 1e-6;
 /// Of a fixed cost: what nearly all steps of vehicles and robots need.
 constexpr int default_fixed_iterations = 6;
 
@@ -45,12 +47,14 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
         refuse(fmt::format("{} {}", option.key, wrong));
   if (const auto conflict = find_conflict(given, options, OptionNames::keys)) refuse(conflict->message);
   const IntegratorOptions defaults;
-  Method m{{given}};
+  Method m;
+  static_cast<spec::Simulation&>(m) = given;
   for (const RunOption& option : run_option_table()) take(option, given, options, m);
   m.integrator = integrator_in_force(given, options);
   if (m.integrator == Rule::hht) m.rho = std::max(m.rho, least_hht_rho);
   if (m.integrator == Rule::conserve) m.xi = 0;
-  if (m.integrator != Rule::dopri853) m.accuracy = 0;
+  if (!estimates_error(m.integrator)) m.accuracy = 0;
+  if (m.integrator == Rule::automatic && m.accuracy == 0) m.accuracy = default_accuracy;
   if (m.tolerance == 0) m.tolerance = defaults.tolerance;
   if (m.penalty == 0) m.penalty = defaults.penalty;
   if (m.max_iterations == 0)

@@ -20,6 +20,7 @@
 #include "simulation/observe/observers.h"
 #include "simulation/observe/recorded_sections.h"
 #include "simulation/observe/shown_reactions.h"
+#include "simulation/start/choose_integrator.h"
 #include "simulation/start/jumping_law.h"
 #include "simulation/start/redundancy.h"
 #include "simulation/start/start.h"
@@ -51,7 +52,8 @@ struct Simulation::Impl {
   Impl(std::shared_ptr<const Model> m, const RunOptions& options)
       : model(std::move(m)),
         compiled(model->compiled()),
-        method(resolve_method(compiled.spec().simulation, options)),
+        method(
+            choose_integrator(compiled, resolve_method(compiled.spec().simulation, options), options.inputs)),
         mechanism(compiled, method),
         steps(mechanism, method),
         channels(compiled),

@@ -41,6 +41,11 @@ constexpr int most_parts = 1 << 22;
 /// Where parts follow from an estimate of their error: what of it they aim at, by how much they grow and
 /// shrink at most, and how many there may be in a step, those that are made again included.
 constexpr double caution = 0.9, least_growth = 0.2, most_growth = 5;
+/// The error of a part and of the one before it predict the next part where they are of a lower order than
+/// this.
+constexpr int predicted_below = 8;
+/// Of the error over the accuracy that the next one is predicted from, at least.
+constexpr double least_error = 0.01;
 constexpr int most_parts_by_error = 10000;
 /// Of the time, below which a part does not move it.
 constexpr double round_off_of_time = 1e-14;
@@ -158,8 +163,8 @@ const State& StepMaker::observe_end(bool known) {
 /// One step of the integrator, with the energies after it.
 void StepMaker::advance(StepReport& report) {
   Mechanism& m = mechanism_;
-  // Explicit rules are of higher order than what would be corrected.
-  const bool corrects = conserves_ || (!free_flight_.none() && !is_explicit(method_.integrator));
+  // Runge–Kutta methods are of higher order than what would be corrected.
+  const bool corrects = conserves_ || (!free_flight_.none() && !is_runge_kutta(method_.integrator));
   if (corrects) {
     m.observe_afresh();
     free_flight_.begin(m.observer, m.view());
@@ -261,6 +266,18 @@ void StepMaker::cover(double length, int level, StepReport& report) {
   if (!report.ok()) back_to(begins_[number]);
 }
 
+/// By how much the next part may be longer than this one. With an error of low order also by what this error
+/// is to that of the part before (Gustafsson 1994; Hairer, Wanner 1996, IV.8): changes of step go on.
+double StepMaker::growth_by_error(double part, double error) const {
+  if (!(error > 0)) return most_growth;
+  const int order = integrator_->order_of_error();
+  double growth = caution * mimbre::pow(error, -1. / order);
+  if (order < predicted_below && accepted_part_ > 0)
+    growth = std::min(
+        growth, caution * part / accepted_part_ * mimbre::pow(accepted_error_ / (error * error), 1. / order));
+  return std::clamp(growth, least_growth, most_growth);
+}
+
 /// One step, in parts whose estimated error is within the accuracy.
 void StepMaker::cover_by_error(double length, StepReport& report) {
   using Code = StepReport::Code;
@@ -284,10 +301,7 @@ void StepMaker::cover_by_error(double length, StepReport& report) {
     advance(report);
     const bool fails = !report.ok();
     const double error = last_.error;
-    const double growth = fails ? least_growth
-                          : error > 0
-                              ? std::clamp(caution * mimbre::pow(error, -1. / 8), least_growth, most_growth)
-                              : most_growth;
+    const double growth = fails ? least_growth : growth_by_error(part, error);
     if (fails || error > 1) {
       back_to(begins_[1]);
       report.code = Code::ok;
@@ -295,6 +309,8 @@ void StepMaker::cover_by_error(double length, StepReport& report) {
       next_part_ = part * growth;
       continue;
     }
+    accepted_part_ = part;
+    accepted_error_ = std::max(error, least_error);
     // A short last part says nothing of the next step's first.
     if (part < left || part * growth > next_part_) next_part_ = part * growth;
     if (!contacts_.none()) contacts_.note(mechanism_.state.time, log_);
@@ -339,7 +355,7 @@ void StepMaker::transfer(StateTransfer& transfer) {
   meter_.transfer(transfer);
   for (ContactTrouble& trouble : log_) trouble.transfer(transfer);
   if (method_.fixed_cost) transfer(under_way_);
-  if (method_.accuracy > 0) transfer(next_part_);
+  if (method_.accuracy > 0) transfer(next_part_, accepted_part_, accepted_error_);
   transfer(last_.iterations, last_.position_violation, last_.angle_violation, last_.velocity_violation,
            last_.angular_velocity_violation);
 }

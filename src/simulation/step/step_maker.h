@@ -71,6 +71,7 @@ class StepMaker {
   void back_to(const Begin& begin);
   void cover(double length, int level, StepReport& report);
   void cover_by_error(double length, StepReport& report);
+  double growth_by_error(double part, double error) const;
   bool accurate(int level) const;
   int most_divisions() const;
   double step_error() const;
@@ -98,7 +99,9 @@ class StepMaker {
   bool keeps_ = false;
   bool under_way_ = false;  ///< a step has been made since the start
   double length_ = 0;
-  double next_part_ = 0;       ///< s, that the error of the last part asks for; 0: there was none
+  double next_part_ = 0;  ///< s, that the error of the last part asks for; 0: there was none
+  double accepted_part_ = 0,
+         accepted_error_ = 0;  ///< of the last part that was accepted: s, over the accuracy
   double lifting_energy_ = 0;  ///< of the whole mechanism by its length scale, J
   double resting_energy_ = 0;
   double energy_seconds_ = 0;
