@@ -37,6 +37,8 @@ Command add_live(CommandLine& program);
 Command add_plan(CommandLine& program);
 Command add_check(CommandLine& program);
 Command add_static(CommandLine& program);
+Command add_linearise(CommandLine& program);
+Command add_modes(CommandLine& program);
 Command add_report(CommandLine& program);
 Command add_compare(CommandLine& program);
 Command add_bench(CommandLine& program);

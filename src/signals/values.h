@@ -217,13 +217,12 @@ void enter_blocks(const SignalsData& d, SignalValues<T>& s) {
       prepare(b, d.numbers.data() + b.numbers, s.since, s.matrices.data() + b.matrices);
 }
 
-/// Everything that time and inputs decide, once for each time.
-template <class T>
-void fix_signals(const SignalsData& d, double time, SignalValues<T>& s) {
-  if (s.time == time) return;
+/// Everything that time and inputs decide, with `of_input(h)` the value and derivatives of an input.
+template <class T, class OfInput>
+void fix_signals_by(const SignalsData& d, double time, SignalValues<T>& s, const OfInput& of_input) {
   s.time = time;
   s.put(0, Jet{time, 1, 0});
-  for (const SignalsData::HeldInput& h : d.held) s.put(h.slot, held_input(h, s.held, time));
+  for (const SignalsData::HeldInput& h : d.held) s.put(h.slot, of_input(h));
   for (const SignalsData::OfTime& f : d.of_time) s.put(f.slot, f.function.jet(time));
   enter_blocks(d, s);
   make_signals(d, d.fixed, d.fixed_loops, s, [&](const SignalsData::Computed& f) {
@@ -237,6 +236,13 @@ void fix_signals(const SignalsData& d, double time, SignalValues<T>& s) {
     const T from = s.held[i.held], span = time - s.held[i.held + 1], now = s.value[i.rate];
     s.put(i.slot, JetOf<T>{from + span * (now - 0.5 * span * s.rate[i.rate]), now, s.rate[i.rate]});
   }
+}
+
+/// The same of inputs as they are held, once for each time.
+template <class T>
+void fix_signals(const SignalsData& d, double time, SignalValues<T>& s) {
+  if (s.time == time) return;
+  fix_signals_by(d, time, s, [&](const SignalsData::HeldInput& h) { return held_input(h, s.held, time); });
 }
 
 }  // namespace mimbre

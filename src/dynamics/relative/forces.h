@@ -39,12 +39,12 @@ void sense(const Compiled& m, Workspace<T>& w, const T* q) {
       [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
 }
 
-/// Clears the wrenches, then adds those of all elements; `generalised` (size velocities) is set to minus the
-/// forces on coordinates of the tree; of inertia that elements have it takes the force for accelerations a.
-/// Writes the elements' states, whose tangents the matrix uses.
-template <class T>
-void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
-            T* generalised) {
+/// Clears the wrenches, then adds those of all elements, whose force and tangents `law(e)` finds from what
+/// they measure; `generalised` (size velocities) is set to minus the forces on coordinates of the tree; of
+/// inertia that elements have it takes the force for accelerations a.
+template <class T, class Law>
+void forces_by(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
+               T* generalised, const Law& law) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
@@ -56,7 +56,7 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
   for (const ElementData& e : m.elements) {
     const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
     if (ends.frame_b < 0 && e.pooled) continue;
-    evaluate_law(m, e, w.signals, w.elements.data());
+    law(e);
     if (e.measure == Measure::sum) continue;  // its legs act
     const ElementState<T> s = element_state(e, w.elements.data());
     if (e.body >= 0) {
@@ -75,6 +75,14 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
       w.wrenches[ends.frame_a].moment += moment + arm.cross(force);
     }
   }
+}
+
+/// The same by the elements' own laws. Writes their states, whose tangents the matrix uses.
+template <class T>
+void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
+            T* generalised) {
+  forces_by<T>(m, w, time, q, v, a, generalised,
+               [&](const ElementData& e) { evaluate_law(m, e, w.signals, w.elements.data()); });
 }
 
 }  // namespace mimbre::relative

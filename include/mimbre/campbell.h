@@ -1,0 +1,57 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mimbre/modes.h"
+
+namespace mimbre {
+
+/// The modes of a family of models, by the value of its parameter: those of linear models with the same
+/// states.
+using ModesAt = std::function<LinearisedModes(double)>;
+
+struct CampbellOptions {
+  std::string parameter;             ///< its name, for people
+  double rad_per_second = 1;         ///< one unit of the parameter as a speed, rad/s; 0: it is no speed
+  std::vector<double> orders = {1};  ///< of the speed, whose crossings are critical
+  int most_evaluations = 20000;      ///< of the modes, with those between the values
+};
+
+/// A mode over the parameter.
+struct ModeBranch {
+  std::string name;                          ///< what it consists of where it is first seen
+  std::vector<std::complex<double>> values;  ///< λ, 1/s, by value of the parameter; NaN where it is not there
+  std::vector<double> whirl;                 ///< Mode::whirl, likewise
+};
+
+struct CampbellDiagram {
+  std::string parameter;
+  std::vector<double> values;
+  std::vector<ModeBranch> branches;
+  /// Where the damped frequency of a mode is an order of the speed.
+  struct Critical {
+    int branch = 0;
+    double value = 0, order = 1, frequency = 0;  ///< of the parameter; rad/s
+  };
+  std::vector<Critical> criticals;
+  /// Where a mode begins to grow (`grows`) or ceases to.
+  struct Onset {
+    int branch = 0;
+    double value = 0, frequency = 0;  ///< of the parameter; rad/s
+    bool grows = true;
+  };
+  std::vector<Onset> onsets;
+  int evaluations = 0;
+  std::vector<std::string> warnings;  ///< where modes could not be distinguished, and those of the points
+};
+
+/// Follows the modes over the values (at least two, in order) by their shapes: between two values mode i goes
+/// on as j where |wᵢᴴ xⱼ| |wⱼᴴ xᵢ|, w and x left and right eigenvectors, is near 1 and all others are small.
+/// Where it is not so, values between them are taken, as many as it needs: crossings and veerings are
+/// followed through. Among equal eigenvalues shapes are those that go on. Throws std::invalid_argument, and
+/// what `modes` throws.
+CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
+                         const CampbellOptions& options = {});
+
+}  // namespace mimbre

@@ -1,0 +1,92 @@
+#pragma once
+#include <Eigen/Core>
+#include <complex>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mimbre/method.h"
+#include "mimbre/model.h"
+
+/// Linear models of a mechanism about a point of its motion (docs/linear-analyses.md).
+namespace mimbre {
+
+/// Where a model is linearised.
+struct LinearPoint {
+  enum class At {
+    automatic,    ///< the equilibrium where there is one; else steady motion; else the start
+    start,        ///< as a run begins
+    time,         ///< the state of a run at `time`
+    equilibrium,  ///< at rest, with all forces in balance
+    steady  ///< the velocities of the start, positions in which they are steady: no relative acceleration
+  } at = At::automatic;
+  double time = 0;  ///< s
+};
+
+struct LinearOptions {
+  LinearPoint point;
+  /// Inputs; and of a run to a time its method. The linear model is always that of relative coordinates with
+  /// inertia by shape integrals.
+  RunOptions run;
+  /// Delays become rational functions of this order n: Padé's approximation of degrees n − 1 over n. 1 to 8.
+  int delay_order = 4;
+};
+
+/// A state, a coordinate, an input or an output.
+struct LinearName {
+  std::string name;
+  std::string unit;
+};
+
+/// A mechanism about a point, in minimal coordinates: the independent velocity coordinates y (in the axes of
+/// the body for rotations of joints with quaternions), their velocities s, and states z of force elements,
+/// blocks and integrals of signals, x = (y, s, z):
+///
+///     ẋ = A x + B u,   o = C x + D u.
+///
+/// Of the motion alone M ÿ + (C + G) ẏ + K y = 0: `mass`, `damping` (with gyroscopic terms), `stiffness`
+/// (with those of loads, prestress and constraint forces, and circulatory terms). Units: SI, radians.
+struct LinearModel {
+  std::string title;
+  std::string point;  ///< in words: "equilibrium", "start", "steady motion", "t = 0.3 s"
+  double time = 0;    ///< s
+  Eigen::MatrixXd A, B, C, D;
+  Eigen::MatrixXd mass, damping, stiffness;  ///< f × f
+  std::vector<LinearName> states, inputs, outputs;
+  std::vector<double> input_values, output_values;  ///< at the point
+  int coordinates = 0;                              ///< f: the first f states are y, the next f are s
+  int redundant = 0;                                ///< constraint equations that repeat others
+
+  /// How far the point is from an equilibrium: the largest rate of a relative coordinate by its scale, 1/s,
+  /// and which; 0: it is at rest.
+  double speed = 0;
+  std::string fastest;
+  /// How far it is from steady motion: the largest relative acceleration, as a share of those at play (that
+  /// of gravity over the mechanism's size, or the largest), and which coordinate has it.
+  double unsteady = 0, acceleration = 0;  ///< acceleration: m/s² or rad/s²
+  std::string accelerated;
+  /// By how much A varies along the motion, of its largest entry: 0 where its coefficients are constant. Not
+  /// looked for (0) where the point is at rest or not steady.
+  double varies = 0;
+  std::vector<std::string> notes;     ///< what was done with delays, sampled blocks, laws of the user
+  std::vector<std::string> warnings;  ///< no equilibrium, coefficients that vary, …
+};
+
+/// The linear model of a model. Outputs are those of the model. Throws InputError where the model cannot be
+/// put at the point (loops do not close, no such input), std::runtime_error where the point is not found, is
+/// a singular position, or a motion has no mass: the message names it.
+LinearModel linearise(std::shared_ptr<const Model> model, const LinearOptions& options = {});
+
+/// Frequency response C (iω − A)⁻¹ B + D: outputs × inputs, at ω in rad/s.
+Eigen::MatrixXcd frequency_response(const LinearModel& model, double omega);
+
+/// Writes A, B, C, D, mass, damping and stiffness, names and the point to a file: .h5, .mat (version 5, which
+/// MATLAB, Octave and SciPy read) or .json by its ending, with the responses at `frequencies`, Hz, if any.
+/// Throws UsageError for another ending, std::runtime_error when it cannot be written.
+void write_linear_model(const LinearModel& model, const std::string& path,
+                        const std::vector<double>& frequencies = {});
+
+/// The texts that write_linear_model() writes to a .json file.
+std::string linear_model_json(const LinearModel& model, const std::vector<double>& frequencies = {});
+
+}  // namespace mimbre

@@ -1,0 +1,61 @@
+#pragma once
+#include <complex>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mimbre/linearise.h"
+
+/// Modes of a mechanism about a point of its motion, and how they change with a parameter.
+namespace mimbre {
+
+/// The part that something has in a mode, 0 to 1.
+struct ModeShare {
+  std::string name;
+  double share = 0;
+};
+
+/// One mode: an eigenvalue λ of ẋ = A x with Im λ ≥ 0 (its conjugate is not listed).
+struct Mode {
+  enum class Kind {
+    rigid,  ///< λ = 0: a motion that nothing resists
+    real,   ///< decays or grows without turning back
+    oscillating
+  } kind = Kind::oscillating;
+  std::complex<double> value;  ///< λ, 1/s
+  double frequency = 0;        ///< |λ|/2π, Hz: undamped
+  double damped = 0;           ///< Im λ/2π, Hz
+  double damping = 0;          ///< −Re λ/|λ|; 0 of a rigid one
+  bool grows = false;          ///< Re λ > 0, by more than round-off
+  /// Right eigenvector, of the largest entry 1 of its motion (along the mechanism's scales), and the left one
+  /// wᴴ with wᴴ x = 1 (none of rigid modes: zeros).
+  Eigen::VectorXcd shape, left;
+  Eigen::VectorXcd motion;  ///< δ: all relative velocity coordinates (LinearisedModes::coordinates)
+  /// Shares of the mean kinetic energy, by joint coordinate or modal amplitude, and by body; of the mean
+  /// elastic energy by force element and flexible body. Largest first, those below 0.1 % left out.
+  std::vector<ModeShare> coordinates, bodies, elastic;
+  double gravity =
+      0;  ///< share of weight, loads and constraint forces in all stiffness energy; may be negative
+  /// Sense in which points of the mechanism circle the axis of its fastest turning: +1 with it (forward
+  /// whirl), −1 against it (backward), 0: neither.
+  double whirl = 0;
+  std::string text;  ///< the largest shares in words
+};
+
+struct ModesOptions {
+  LinearOptions linear;
+  int most = 0;  ///< so many modes, of the lowest frequencies; 0: all
+};
+
+struct LinearisedModes {
+  LinearModel model;  ///< without C, D and outputs
+  std::vector<LinearName> coordinates;
+  std::vector<Mode> modes;  ///< rigid ones first, then by |λ|
+  double cpu_seconds = 0;
+};
+
+/// Throws as linearise() does.
+LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOptions& options = {});
+
+}  // namespace mimbre

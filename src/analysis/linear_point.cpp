@@ -1,0 +1,530 @@
+#include "analysis/linear_point.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "base/random_numbers.h"
+#include "compile/element_name.h"
+#include "dynamics/relative/forces.h"
+#include "integrate/initial.h"
+#include "joints/joint_kind.h"
+#include "math/once/decompositions.h"
+#include "mimbre/diagnostics.h"
+#include "mimbre/simulation.h"
+#include "simulation/describe/explain.h"
+#include "simulation/describe/names.h"
+#include "simulation/observe/channels.h"
+#include "simulation/start/assembly.h"
+#include "simulation/step/signal_state.h"
+
+namespace mimbre::linear {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Shares of the mechanism's scales.
+constexpr double still = 1e-9;     ///< of rates: at rest
+constexpr double balanced = 1e-6;  ///< of accelerations: none
+constexpr double constant = 1e-7;  ///< of coefficients: they do not vary
+constexpr double singular = 1e-6;  ///< of equations that repeat others, off the point
+
+struct PointState {
+  State state;
+  std::string words;
+};
+
+/// What force elements and signals remember is that of the state.
+void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
+  system.enter(s.u.data(), s.z.data(), 0);
+  system.begin_step(s.q.data());
+  system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  VectorXd generalised(m.velocities);
+  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
+  commit_signals(m, system, s);
+  system.enter(s.u.data(), s.z.data(), 0);
+}
+
+double pace_of(const System& system, const VectorXd& v) {
+  const Scales& scales = system.scales();
+  const double pace = std::max(scales.rate(v.data()), scales.of_coordinates(v.data()));
+  return pace > 0 ? pace : 1;
+}
+
+/// Whether drives and other equations of time let the mechanism rest at q.
+bool can_rest(relative::RelativeSystem& system, const State& s) {
+  if (system.equations() == 0) return true;
+  const VectorXd zero = VectorXd::Zero(system.velocities());
+  system.kinematics(s.time, s.q.data(), zero.data(), zero.data());
+  return system.scales().of_equations(system.phi_dot()) <= still * pace_of(system, s.v);
+}
+
+std::string driven_name(relative::RelativeSystem& system, const State& s) {
+  const VectorXd zero = VectorXd::Zero(system.velocities());
+  system.kinematics(s.time, s.q.data(), zero.data(), zero.data());
+  int worst = 0;
+  for (int k = 1; k < system.equations(); ++k)
+    if (std::abs(system.phi_dot()[k]) > std::abs(system.phi_dot()[worst])) worst = k;
+  return equation_name(system.model(), nullptr, worst);
+}
+
+/// What is left of r and Φ̈ without relative accelerations, along the independent motions, and the tangent.
+struct Unsteady {
+  VectorXd force;    ///< f × 1
+  MatrixXd tangent;  ///< of force by y
+  MatrixXd motions;  ///< N
+};
+Unsteady unsteady(const Compiled& m, const relative::RelativeSystem& system, const State& s) {
+  LinearCore core(m, s, pace_of(system, s.v));
+  Derivatives d;
+  core.find_mass(d);
+  const Independent independent(d.jacobian, system.scales());
+  const VectorXd particular = independent.particular(-d.phi_second).col(0);
+  const MatrixXd& N = independent.motions();
+  const VectorXd multipliers = independent.multipliers(VectorXd(-d.residual - d.mass * particular));
+  core.find_derivatives(particular, multipliers, d);
+  const MatrixXd rate = independent.particular(-d.rate_q * N);
+  const MatrixXd second = independent.particular(-(d.second_q * N + d.second_v * rate));
+  Unsteady u;
+  u.motions = N;
+  u.force = N.transpose() * (d.residual + d.mass * particular);
+  u.tangent = N.transpose() * (d.residual_q * N + d.residual_v * rate + d.mass * second);
+  return u;
+}
+
+/// Newton's method for positions without relative accelerations at the velocities of the start. Directions in
+/// which nothing changes stay as they are.
+bool find_steady(const Compiled& m, relative::RelativeSystem& system, State& s) {
+  const VectorXd ready = Eigen::Map<const VectorXd>(system.scales().coordinates.data(), system.velocities());
+  const VectorXd wanted = s.v;
+  for (int round = 0; round < 60; ++round) {
+    commit(m, system, s);
+    const Unsteady u = unsteady(m, system, s);
+    if (u.motions.cols() == 0) return true;
+    if (!u.force.allFinite() || !u.tangent.allFinite()) return false;
+    // Along the scales, so that neutral directions show.
+    VectorXd scale(u.motions.cols());
+    for (Eigen::Index k = 0; k < scale.size(); ++k)
+      scale[k] = 1 / system.scales().of_coordinates(u.motions.col(k).eval().data());
+    const MatrixXd tangent = scale.asDiagonal() * u.tangent * scale.asDiagonal();
+    const VectorXd force = scale.asDiagonal() * u.force;
+    if (tangent.cwiseAbs().maxCoeff() == 0) return true;
+    VectorXd step = -u.motions * (scale.asDiagonal() * shortest_solution(tangent, force, 1e-10));
+    const double length = system.scales().of_coordinates(step.data());
+    if (length > 0.3) step *= 0.3 / length;
+    system.retract(s.q.data(), step.data(), s.q.data());
+    if (m.equations > 0) {
+      close_positions(system, s.time, ready, s.q);
+      s.v = wanted;
+      close_velocities(system, s.time, s.q, ready, s.v);
+    }
+    if (length < 1e-12) {
+      commit(m, system, s);
+      return true;
+    }
+  }
+  return false;
+}
+
+State start_state(const Compiled& m, relative::RelativeSystem& system, const LinearOptions& options) {
+  State s = assembled_state(m, system, options.run.inputs);
+  if (m.spec().simulation.start_at_equilibrium) start_at_equilibrium(system, s);
+  return s;
+}
+
+/// The state of a run: of the same model with its delays.
+PointState state_at_time(std::shared_ptr<const Model> model, const Compiled& m,
+                         const LinearOptions& options) {
+  RunOptions run = options.run;
+  run.formulation = spec::Simulation::Formulation::relative;
+  run.energies = run.validity = run.warnings = false;
+  const double end = options.point.time;
+  if (!(end >= 0) || !std::isfinite(end))
+    throw InputError(Mark{}, fmt::format("a time of {} s: a finite time from 0 on is needed", end));
+  Simulation simulation(std::move(model), run);
+  const double h = simulation.step_size();
+  while (simulation.time() < end - 1e-9 * h && !simulation.stopped()) {
+    const StepReport report =
+        end - simulation.time() < h * (1 + 1e-9) ? simulation.step_to(end) : simulation.step();
+    if (!report.ok())
+      throw std::runtime_error(fmt::format("the run to {} s failed: {}", end, simulation.explain(report)));
+  }
+  const Simulation::Snapshot from = simulation.save();
+  PointState out;
+  State& s = out.state;
+  s.time = from.time;
+  s.q = from.q;
+  s.v = from.v;
+  s.a = VectorXd::Zero(m.velocities);
+  s.algorithmic = s.a;
+  s.multipliers = VectorXd::Zero(m.equations);
+  s.z = from.z;
+  s.u = from.u;
+  out.words = fmt::format("t = {:.6g} s", s.time);
+  return out;
+}
+
+PointState state_of(const Compiled& m, relative::RelativeSystem& system, const LinearOptions& options) {
+  using At = LinearPoint::At;
+  const At at = options.point.at;
+  PointState out{start_state(m, system, options), "start"};
+  State& s = out.state;
+  if (at == At::start) return out;
+  if (at == At::equilibrium || at == At::automatic) {
+    if (can_rest(system, s)) {
+      State found = s;
+      std::optional<StaticsStatus> status;
+      try {
+        status = equilibrium(nullptr, system, found);
+      } catch (const InputError&) {
+        if (at == At::equilibrium) throw;
+      }
+      if (status && status->converged) {
+        found.v.setZero();
+        found.a.setZero();
+        return {found, "equilibrium"};
+      }
+      if (at == At::equilibrium) throw std::runtime_error(explain_imbalance(m, nullptr, *status));
+    } else if (at == At::equilibrium) {
+      throw std::runtime_error(fmt::format(
+          "there is no equilibrium at rest: {} moves. Use the point 'steady'", driven_name(system, s)));
+    }
+  }
+  const bool moves = system.scales().of_coordinates(s.v.data()) > 0 || !can_rest(system, s);
+  if (at == At::automatic && !moves) {
+    system.enter(s.u.data(), s.z.data(), 0);
+    return out;
+  }
+  State steady = s;
+  if (find_steady(m, system, steady)) return {steady, "steady motion"};
+  if (at == At::steady)
+    throw std::runtime_error(
+        "no steady motion was found near the start: no positions in which the velocities of the start stay. "
+        "Give "
+        "initial velocities that can last, or use the point 'start' or a time");
+  system.enter(s.u.data(), s.z.data(), 0);
+  return out;
+}
+
+[[noreturn]] void refuse_massless(const Compiled& m, int coordinate) {
+  throw std::runtime_error(
+      fmt::format("{} moves no mass, so that the equations of motion are not solvable for its "
+                  "acceleration; give what it moves a mass or an inertia",
+                  coordinate_name(m, nullptr, coordinate)));
+}
+
+/// Throws where equations that repeat others at the point do not do so beside it: the mechanism can move
+/// there in ways that do not last.
+void refuse_singular(const Compiled& m, const System& system, LinearCore& core,
+                     const Independent& independent) {
+  const MatrixXd redundant = independent.redundant();
+  const MatrixXd& N = independent.motions();
+  if (redundant.cols() == 0 || N.cols() == 0) return;
+  const Scales& scales = system.scales();
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    VectorXd y(N.cols());
+    for (Eigen::Index k = 0; k < y.size(); ++k)
+      y[k] = 2 * uniform_at(seed + 1, static_cast<std::uint64_t>(k)) - 1;
+    VectorXd x = N * y;
+    const double size = scales.of_coordinates(x.data());
+    if (!(size > 0)) continue;
+    x /= size;
+    const VectorXd curved = core.curvature(x);
+    const VectorXd off = redundant.transpose() * curved;
+    Eigen::Index worst = 0;
+    for (Eigen::Index k = 0; k < off.size(); ++k) {
+      // By the scales of the equations that it combines.
+      double weight = 0;
+      for (Eigen::Index e = 0; e < redundant.rows(); ++e)
+        weight += std::abs(redundant(e, k)) * scales.equations[static_cast<std::size_t>(e)];
+      if (!(std::abs(off[k]) > singular * weight)) continue;
+      redundant.col(k).cwiseAbs().maxCoeff(&worst);
+      throw std::runtime_error(fmt::format(
+          "the point is a singular position: there {} repeats other constraints, and beside it "
+          "it does not, so that the mechanism can move in more ways than it keeps. Linearise beside "
+          "that position",
+          equation_name(m, nullptr, static_cast<int>(worst))));
+    }
+  }
+}
+
+std::string with_number(const std::string& name, int count, int k) {
+  return count > 1 ? fmt::format("{}.{}", name, k) : name;
+}
+
+LinearName state_label(const Compiled& m, const std::vector<LinearElement>& elements, const Parameter& p) {
+  using Kind = Parameter::Kind;
+  if (p.kind == Kind::element_state) {
+    const LinearElement& e = elements[static_cast<std::size_t>(p.item)];
+    return {with_number(
+                fmt::format("state of {}", element_name(m, m.elements[static_cast<std::size_t>(e.element)])),
+                static_cast<int>(e.states.size()), p.index),
+            ""};
+  }
+  if (p.kind == Kind::block_state)
+    return {with_number(
+                fmt::format("state of signal '{}'", m.spec().blocks[static_cast<std::size_t>(p.item)].name),
+                m.signals.blocks[static_cast<std::size_t>(p.item)].states, p.index),
+            ""};
+  const int slot = m.signals.integrals[static_cast<std::size_t>(p.item)].slot;
+  for (std::size_t j = 0; j < m.signals.slot_of_drive.size(); ++j)
+    for (const int other : m.signals.slot_of_drive[j])
+      if (other == slot)
+        return {fmt::format("angle or way of the drive of joint '{}'", m.spec().joints[j].name), ""};
+  return {fmt::format("integral {}", p.item + 1), ""};
+}
+
+LinearName input_label(const Compiled& m, const Parameter& p) {
+  const spec::Input& input = m.spec().inputs[static_cast<std::size_t>(p.item)];
+  if (p.kind == Parameter::Kind::input) return {input.name, input.unit};
+  return p.kind == Parameter::Kind::input_rate ? LinearName{"d/dt " + input.name, input.unit + "/s"}
+                                               : LinearName{"d²/dt² " + input.name, input.unit + "/s²"};
+}
+
+/// Leaves out inputs, rates of inputs above all, that move nothing.
+void drop_idle_inputs(Linearised& out) {
+  const int states = out.reduced.states;
+  std::vector<int> kept;
+  const Reduced& r = out.reduced;
+  const Eigen::Index first = r.A.cols();
+  for (int k = 0; k < r.inputs; ++k) {
+    const Parameter& p = out.parameters[static_cast<std::size_t>(states + k)];
+    const bool moves = !r.B.col(k).isZero(0) || !r.position.col(first + k).isZero(0) ||
+                       !r.velocity.col(first + k).isZero(0) || !r.acceleration.col(first + k).isZero(0);
+    if (p.kind == Parameter::Kind::input || moves) kept.push_back(k);
+  }
+  std::vector<int> columns;
+  for (Eigen::Index k = 0; k < first; ++k) columns.push_back(static_cast<int>(k));
+  std::vector<Parameter> parameters(out.parameters.begin(), out.parameters.begin() + states);
+  for (const int k : kept) {
+    columns.push_back(static_cast<int>(first) + k);
+    parameters.push_back(out.parameters[static_cast<std::size_t>(states + k)]);
+  }
+  out.parameters = std::move(parameters);
+  out.reduced.B = MatrixXd(r.B(Eigen::all, kept));
+  for (MatrixXd* x :
+       {&out.reduced.position, &out.reduced.velocity, &out.reduced.acceleration, &out.reduced.multipliers})
+    *x = MatrixXd((*x)(Eigen::all, columns));
+  out.reduced.inputs = static_cast<int>(kept.size());
+}
+
+/// States of elements whose rates go by the velocities alone, at rest, are functions of the positions: the
+/// bend of what sticks. They add stiffness and no state.
+void fold_bristles(Linearised& out) {
+  Reduced& r = out.reduced;
+  const int f = r.coordinates;
+  if (out.state.v.cwiseAbs().maxCoeff() > 0) return;
+  std::vector<int> folded;
+  const Eigen::Index n = r.A.cols();
+  for (int k = 0; k < r.states; ++k) {
+    if (out.parameters[static_cast<std::size_t>(k)].kind != Parameter::Kind::element_state) continue;
+    const Eigen::RowVectorXd row = r.A.row(2 * f + k);
+    const double size = row.segment(f, f).cwiseAbs().maxCoeff(), none = 1e-9 * size;
+    const auto small = [&](const auto& part) {
+      return part.size() == 0 || part.cwiseAbs().maxCoeff() <= none;
+    };
+    if (size > 0 && small(row.head(f)) && small(row.tail(r.states)) && small(r.B.row(2 * f + k)))
+      folded.push_back(k);
+  }
+  if (folded.empty()) return;
+  // z = R y, with R the rate's row: each matrix by z adds to that by y.
+  std::vector<int> kept;
+  for (Eigen::Index c = 0; c < n; ++c)
+    if (std::find(folded.begin(), folded.end(), static_cast<int>(c) - 2 * f) == folded.end() || c < 2 * f)
+      kept.push_back(static_cast<int>(c));
+  const MatrixXd rows = r.A.middleRows(2 * f, r.states)(folded, Eigen::seqN(f, f));
+  const auto fold = [&](MatrixXd& x) {
+    for (std::size_t k = 0; k < folded.size(); ++k)
+      x.leftCols(f) += x.col(2 * f + folded[k]) * rows.row(static_cast<Eigen::Index>(k));
+    std::vector<int> columns = kept;
+    for (Eigen::Index c = n; c < x.cols(); ++c) columns.push_back(static_cast<int>(c));
+    x = MatrixXd(x(Eigen::all, columns));
+  };
+  const MatrixXd before = r.A.block(f, 0, f, f);
+  for (MatrixXd* x : {&r.A, &r.position, &r.velocity, &r.acceleration, &r.multipliers}) fold(*x);
+  r.stiffness -= r.mass * (r.A.block(f, 0, f, f) - before);
+  r.A = MatrixXd(r.A(kept, Eigen::all));
+  r.B = MatrixXd(r.B(kept, Eigen::all));
+  std::vector<Parameter> parameters;
+  for (std::size_t k = 0; k < out.parameters.size(); ++k)
+    if (std::find(folded.begin(), folded.end(), static_cast<int>(k)) == folded.end())
+      parameters.push_back(out.parameters[k]);
+  out.parameters = std::move(parameters);
+  r.states -= static_cast<int>(folded.size());
+  VectorXd rates(r.states);
+  int at = 0;
+  for (Eigen::Index k = 0; k < out.state_rates.size(); ++k)
+    if (std::find(folded.begin(), folded.end(), static_cast<int>(k)) == folded.end())
+      rates[at++] = out.state_rates[k];
+  out.state_rates = rates;
+}
+
+/// The linear equations at a state; its accelerations and multipliers become the consistent ones.
+void linearise_state(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
+  State& s = out.state;
+  LinearCore core(m, s, pace_of(system, s.v));
+  core.find_mass(out.derivatives);
+  const Independent independent(out.derivatives.jacobian, system.scales());
+  refuse_singular(m, system, core, independent);
+  int massless = -1;
+  if (!consistent_accelerations(out.derivatives, independent, system.scales(), s.a, s.multipliers, massless))
+    refuse_massless(m, massless);
+  core.find_derivatives(s.a, s.multipliers, out.derivatives);
+  const LinearCore::Rates rates = core.rates();
+  out.reduced = reduce(out.derivatives, rates, independent, system.scales(), massless);
+  if (massless >= 0) refuse_massless(m, massless);
+  out.independent = independent.coordinates();
+  out.elements = core.elements();
+  out.parameters = core.parameters();
+  out.state_rates = rates.value;
+  out.names.redundant = m.equations - independent.rank();
+}
+
+/// By how much A differs a little further along the motion, of its largest entry; 0 where the mechanism moves
+/// through no other shapes.
+double variation(const Compiled& m, const relative::RelativeSystem& system, const Linearised& at) {
+  const double speed = system.scales().of_coordinates(at.state.v.data());
+  Linearised next;
+  next.state = at.state;
+  const double dt = 0.37 / speed;
+  const VectorXd x = dt * at.state.v;
+  system.retract(at.state.q.data(), x.data(), next.state.q.data());
+  next.state.time += dt;
+  try {
+    linearise_state(m, system, next);
+  } catch (const std::runtime_error&) {
+    return 1;
+  }
+  if (next.reduced.A.rows() != at.reduced.A.rows() || next.independent != at.independent) return 1;
+  const double size = at.reduced.A.cwiseAbs().maxCoeff();
+  return size > 0 ? (next.reduced.A - at.reduced.A).cwiseAbs().maxCoeff() / size : 0;
+}
+
+void describe(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
+  LinearModel& names = out.names;
+  const State& s = out.state;
+  const Scales& scales = system.scales();
+  names.title = m.spec().title;
+  names.time = s.time;
+  names.coordinates = out.reduced.coordinates;
+  for (const int k : out.independent) names.states.push_back(coordinate_label(m, k));
+  for (const int k : out.independent) {
+    const LinearName label = coordinate_label(m, k);
+    names.states.push_back({"d/dt " + label.name, label.unit + "/s"});
+  }
+  for (int k = 0; k < out.reduced.states; ++k)
+    names.states.push_back(state_label(m, out.elements, out.parameters[static_cast<std::size_t>(k)]));
+  for (int k = 0; k < out.reduced.inputs; ++k) {
+    const Parameter& p = out.parameters[static_cast<std::size_t>(out.reduced.states + k)];
+    names.inputs.push_back(input_label(m, p));
+    names.input_values.push_back(p.kind == Parameter::Kind::input ? held_input_value(m, p.item, s) : 0);
+  }
+  int where = -1;
+  names.speed = scales.of_coordinates(s.v.data(), &where);
+  if (where >= 0) names.fastest = coordinate_label(m, where).name;
+  where = -1;
+  const double most = scales.of_coordinates(s.a.data(), &where), rate = names.speed;
+  const double play = std::max({scales.accelerations(s.a.data()), rate * rate});
+  names.unsteady = play > 0 ? most / play : 0;
+  if (where >= 0) {
+    names.accelerated = coordinate_label(m, where).name;
+    names.acceleration = std::abs(s.a[where]);
+  }
+  const double pace = pace_of(system, s.v);
+  const bool rests = names.speed <= still * pace, steady = names.unsteady <= balanced;
+  if (!steady)
+    names.warnings.push_back(
+        fmt::format("the point is {}: '{}' accelerates by {:.3g}, {:.2g} of the accelerations at play",
+                    rests ? "no equilibrium" : "no steady motion", names.accelerated, names.acceleration,
+                    names.unsteady));
+  if (steady && !rests) {
+    names.varies = variation(m, system, out);
+    if (names.varies > constant)
+      names.warnings.push_back(
+          fmt::format("the coefficients vary along the motion, by {:.2g} of the largest after 0.37 rad or as "
+                      "much of its size: "
+                      "eigenvalues of one instant do not decide what happens over a period",
+                      names.varies));
+    else
+      names.varies = 0;
+  }
+  for (Eigen::Index k = 0; k < out.state_rates.size(); ++k)
+    if (out.parameters[static_cast<std::size_t>(k)].kind == Parameter::Kind::block_state &&
+        std::abs(out.state_rates[k]) > 1e-6 * pace)
+      names.warnings.push_back(fmt::format(
+          "the {} still moves, by {:.3g} per s",
+          names.states[static_cast<std::size_t>(2 * names.coordinates + k)].name, out.state_rates[k]));
+  for (const LinearElement& e : out.elements) {
+    const std::string name = element_name(m, m.elements[static_cast<std::size_t>(e.element)]);
+    if (e.by_differences)
+      names.notes.push_back(fmt::format("{} is a law of the user: its derivatives are differences", name));
+    if (!e.settled)
+      names.warnings.push_back(fmt::format("{}: its states have no rates that converge with the step", name));
+  }
+  for (const spec::Block& b : m.spec().blocks)
+    if (b.every > 0)
+      names.notes.push_back(fmt::format(
+          "the signal '{}' is sampled every {} s: it is held, as between two instants", b.name, b.every));
+  for (const spec::Signal& b : m.spec().signals)
+    if (b.every > 0 && b.block < 0)
+      names.notes.push_back(fmt::format(
+          "the signal '{}' is sampled every {} s: it is held, as between two instants", b.name, b.every));
+}
+
+}  // namespace
+
+LinearName coordinate_label(const Compiled& m, int coordinate) {
+  for (const BodyData& b : m.bodies) {
+    const int k = coordinate - b.v;
+    if (k < 0 || k >= b.size()) continue;
+    if (k >= b.joint_velocities)
+      return {fmt::format("{}.mode{}", m.spec().bodies[static_cast<std::size_t>(b.spec)].name,
+                          k - b.joint_velocities + 1),
+              m.flexible[b.flexible].identity_mass ? "m kg^0.5" : "1"};
+    return {with_number(m.spec().joints[static_cast<std::size_t>(b.joint_spec)].name, b.joint_velocities, k),
+            is_angle(b.joint, k) ? "rad" : "m"};
+  }
+  return {"?", ""};
+}
+
+Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions& options) {
+  if (options.delay_order < 1 || options.delay_order > 8)
+    throw InputError(Mark{},
+                     fmt::format("an order of delays of {}: 1 to 8 are possible", options.delay_order));
+  Linearised out;
+  out.model = without_delays(model, options.delay_order, out.names.notes);
+  const Compiled& m = out.model->compiled();
+  relative::RelativeSystem system(m);
+  PointState point;
+  if (options.point.at == LinearPoint::At::time) {
+    point = state_at_time(model, m, options);
+    if (out.model != model) {
+      // What is held lies elsewhere without delays.
+      State s;
+      std::map<std::string, double> inputs;
+      for (std::size_t k = 0; k < m.spec().inputs.size(); ++k)
+        inputs[m.spec().inputs[k].name] =
+            held_input_value(model->compiled(), static_cast<int>(k), point.state);
+      start_signals(m, inputs, s);
+      point.state.u = s.u;
+      out.names.warnings.emplace_back("states of blocks begin anew at the point, as delays were replaced");
+    }
+  } else {
+    point = state_of(m, system, options);
+  }
+  out.state = point.state;
+  out.names.point = point.words;
+  commit(m, system, out.state);
+  linearise_state(m, system, out);
+  drop_idle_inputs(out);
+  fold_bristles(out);
+  describe(m, system, out);
+  return out;
+}
+
+}  // namespace mimbre::linear

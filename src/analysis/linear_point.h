@@ -1,0 +1,36 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "analysis/linear_reduction.h"
+#include "dynamics/relative/system.h"
+#include "mimbre/linearise.h"
+
+/// A model at a point, with everything that linear analyses need of it.
+namespace mimbre::linear {
+
+/// A linearised model; `model` is the given one, with delays replaced where it has any.
+struct Linearised {
+  std::shared_ptr<const Model> model;
+  State state;  ///< relative coordinates; consistent accelerations and multipliers; signals committed
+  Derivatives derivatives;
+  std::vector<int> independent;
+  Reduced reduced;
+  std::vector<LinearElement> elements;
+  std::vector<Parameter> parameters;
+  Eigen::VectorXd state_rates;  ///< of the states among the parameters
+  LinearModel names;            ///< everything but the matrices
+};
+
+/// Throws as linearise() does.
+Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions& options);
+
+/// What a velocity coordinate is called: the joint's name, with its number where it has several, or a body's
+/// mode.
+LinearName coordinate_label(const Compiled& model, int coordinate);
+
+/// Replaces continuous delays by rational functions; the same model where there are none.
+std::shared_ptr<const Model> without_delays(std::shared_ptr<const Model> model, int order,
+                                            std::vector<std::string>& notes);
+
+}  // namespace mimbre::linear

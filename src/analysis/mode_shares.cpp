@@ -1,0 +1,238 @@
+#include "analysis/mode_shares.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compile/element_name.h"
+#include "dynamics/relative/forces.h"
+#include "joints/joint_kind.h"
+#include "simulation/step/energy.h"
+
+namespace mimbre::linear {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double least_share = 1e-3;  ///< that is listed
+constexpr double told = 0.05;         ///< that is put in words
+
+void sort_shares(std::vector<ModeShare>& shares) {
+  std::erase_if(shares, [](const ModeShare& s) { return !(s.share >= least_share); });
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const ModeShare& a, const ModeShare& b) { return a.share > b.share; });
+}
+
+std::string listed(const std::vector<ModeShare>& shares, std::size_t most) {
+  std::string text;
+  for (std::size_t k = 0; k < shares.size() && k < most; ++k) {
+    if (k > 0 && shares[k].share < told) break;
+    text += fmt::format("{}{} {:.0f} %", k > 0 ? ", " : "", shares[k].name, 100 * shares[k].share);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string coordinate_words(const Compiled& m, int coordinate) {
+  for (const BodyData& b : m.bodies) {
+    const int k = coordinate - b.v;
+    if (k < 0 || k >= b.size()) continue;
+    if (k >= b.joint_velocities)
+      return fmt::format("mode {} of '{}'", k - b.joint_velocities + 1,
+                         m.spec().bodies[static_cast<std::size_t>(b.spec)].name);
+    const std::string& joint = m.spec().joints[static_cast<std::size_t>(b.joint_spec)].name;
+    const JointInfo& info = joint_info(b.joint);
+    if (info.velocities == 1) return fmt::format("'{}'", joint);
+    const bool angle = is_angle(b.joint, k);
+    const std::string_view moves = info.moves.empty() ? "xyz" : info.moves;
+    const std::size_t place = moves.size() == static_cast<std::size_t>(info.velocities)
+                                  ? static_cast<std::size_t>(k)
+                                  : static_cast<std::size_t>(k) % moves.size();
+    return fmt::format("'{}' {} {}", joint, angle ? "about" : "along", moves[place]);
+  }
+  return "?";
+}
+
+ModeShares::ModeShares(const Linearised& at)
+    : at_(at), m_(at.model->compiled()), system_(m_), generalised_(m_.velocities) {
+  const State& s = at.state;
+  system_.enter(s.u.data(), s.z.data(), 0);
+  system_.begin_step(s.q.data());
+  system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  relative::forces(m_, system_.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());
+  for (const ElementData& e : m_.elements) {
+    const ElementState<double> on = element_state(e, system_.workspace().elements.data());
+    stiffness_.emplace_back(on.stiffness, on.stiffness + e.count * e.count);
+  }
+  double fastest = 0;
+  for (const Motion<double>& body : system_.workspace().bodies)
+    if (body.omega.norm() > fastest) {
+      fastest = body.omega.norm();
+      axis_ = body.omega / fastest;
+    }
+}
+
+ModeShares::Rates ModeShares::rates(const VectorXd& v) {
+  const State& s = at_.state;
+  const VectorXd zero = VectorXd::Zero(m_.velocities);
+  system_.kinematics(s.time, s.q.data(), v.data(), zero.data());
+  auto& w = system_.workspace();
+  relative::measure_elements(m_, w, s.q.data(), v.data(), zero.data());
+  Rates out;
+  for (const Motion<double>& body : w.bodies) {
+    // Motion is that about the common point's axes; the origin's own velocity is in it.
+    out.velocity.push_back(body.velocity);
+    out.spin.push_back(body.omega);
+  }
+  for (const ElementData& e : m_.elements) {
+    const ElementState<double> on = element_state(e, w.elements.data());
+    out.measured.emplace_back(on.v, on.v + e.count);
+  }
+  return out;
+}
+
+VectorXd ModeShares::body_energies(const VectorXcd& v) {
+  const State& s = at_.state;
+  const VectorXd zero = VectorXd::Zero(m_.velocities);
+  VectorXd energy = VectorXd::Zero(std::ssize(m_.bodies));
+  auto& w = system_.workspace();
+  const auto rest = [&](std::size_t but) {
+    for (std::size_t k = 0; k < m_.bodies.size(); ++k) {
+      if (k == but) continue;
+      w.bodies[k].velocity.setZero();
+      w.bodies[k].omega.setZero();
+    }
+  };
+  for (const VectorXd& part : {VectorXd(v.real()), VectorXd(v.imag())}) {
+    system_.kinematics(s.time, s.q.data(), part.data(), zero.data());
+    const std::vector<Motion<double>> all = w.bodies;
+    rest(all.size());
+    // What elements have is no body's.
+    const double others = kinetic_energy(m_, w, s.q.data(), zero.data());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const BodyData& b = m_.bodies[i];
+      VectorXd own = zero;
+      own.segment(b.v, b.size()) = part.segment(b.v, b.size());
+      w.bodies[i] = all[i];
+      rest(i);
+      energy[static_cast<Eigen::Index>(i)] += kinetic_energy(m_, w, s.q.data(), own.data()) - others;
+    }
+  }
+  return energy;
+}
+
+void ModeShares::add_elastic(const VectorXcd& motion, Mode& mode, double all) {
+  const Rates still = rates(VectorXd::Zero(m_.velocities)), real = rates(motion.real()),
+              imag = rates(motion.imag());
+  double elastic = 0;
+  for (std::size_t k = 0; k < m_.elements.size(); ++k) {
+    const ElementData& e = m_.elements[k];
+    const std::vector<double>& stiffness = stiffness_[k];
+    double energy = 0;
+    const auto n = static_cast<std::size_t>(e.count);
+    for (const Rates* part : {&real, &imag})
+      for (std::size_t r = 0; r < n; ++r)
+        for (std::size_t c = 0; c < n; ++c)
+          energy += 0.5 * stiffness[r * n + c] * (part->measured[k][r] - still.measured[k][r]) *
+                    (part->measured[k][c] - still.measured[k][c]);
+    if (energy == 0) continue;
+    elastic += energy;
+    mode.elastic.push_back({element_name(m_, e), energy});
+  }
+  for (const BodyData& b : m_.bodies) {
+    if (b.modes == 0) continue;
+    const FlexibleData& f = m_.flexible[b.flexible];
+    const VectorXcd y = motion.segment(b.v + b.joint_velocities, b.modes);
+    double energy = 0;
+    for (int r = 0; r < b.modes; ++r)
+      for (int c = 0; c < b.modes; ++c) energy += 0.5 * f.stiffness(r, c) * std::real(std::conj(y[r]) * y[c]);
+    if (energy == 0) continue;
+    elastic += energy;
+    mode.elastic.push_back(
+        {fmt::format("body '{}'", m_.spec().bodies[static_cast<std::size_t>(b.spec)].name), energy});
+  }
+  double size = 0;
+  for (const ModeShare& s : mode.elastic) size += std::abs(s.share);
+  const double whole = std::max(std::abs(all), size);
+  mode.gravity = whole > 0 ? (all - elastic) / whole : 0;
+  if (!(size > 0)) {
+    mode.elastic.clear();
+    return;
+  }
+  for (ModeShare& s : mode.elastic) s.share = std::abs(s.share) / size;
+  sort_shares(mode.elastic);
+}
+
+/// Of the orbits of the bodies' origins and axes about the axis: ∓2 Im(x̄ y)/(|x|² + |y|²), weighed by size.
+double ModeShares::whirl(const VectorXcd& motion) {
+  if (axis_.isZero(0)) return 0;
+  const Rates still = rates(VectorXd::Zero(m_.velocities)), real = rates(motion.real()),
+              imag = rates(motion.imag());
+  const Vec3d first = axis_.unitOrthogonal(), second = axis_.cross(first);
+  double turned = 0, size = 0;
+  for (std::size_t k = 0; k < m_.bodies.size(); ++k)
+    for (const bool spin : {false, true}) {
+      const double length = spin ? m_.length_scale : 1;
+      const auto of = [&](const Rates& r) { return Vec3d(spin ? r.spin[k] : r.velocity[k]); };
+      const Vec3d a = length * (of(real) - of(still)), b = length * (of(imag) - of(still));
+      const std::complex<double> x(a.dot(first), b.dot(first)), y(a.dot(second), b.dot(second));
+      // x cos, y sin with e^{iωt}: y = −i x turns from x to y.
+      turned += -2 * std::imag(std::conj(x) * y);
+      size += std::norm(x) + std::norm(y);
+    }
+  return size > 0 ? turned / size : 0;
+}
+
+std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
+  std::string text;
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  if (mode.kind == Mode::Kind::rigid) add("rigid");
+  if (!mode.coordinates.empty()) add(listed(mode.coordinates, 3));
+  if (mode.coordinates.empty() && at_.reduced.states > 0) {
+    Eigen::Index largest = 0;
+    shape.tail(at_.reduced.states).cwiseAbs().maxCoeff(&largest);
+    add(at_.names.states[static_cast<std::size_t>(2 * at_.reduced.coordinates + largest)].name);
+  }
+  if (mode.kind != Mode::Kind::rigid && !mode.elastic.empty()) add(listed(mode.elastic, 2));
+  if (mode.kind == Mode::Kind::oscillating && std::abs(mode.whirl) > 0.2)
+    add(mode.whirl > 0 ? "forward whirl" : "backward whirl");
+  if (mode.grows) add("grows");
+  return text;
+}
+
+void ModeShares::describe(Mode& mode) {
+  const Reduced& r = at_.reduced;
+  const auto states = r.A.cols();
+  VectorXcd motion = r.position.leftCols(states).cast<std::complex<double>>() * mode.shape,
+            velocity = r.velocity.leftCols(states).cast<std::complex<double>>() * mode.shape;
+  mode.motion = motion;
+  // A rigid motion has no velocity of its own, unless it drifts.
+  const VectorXcd moves = mode.kind == Mode::Kind::rigid && motion.norm() > 0 ? motion : velocity;
+  const VectorXcd momentum = at_.derivatives.mass.cast<std::complex<double>>() * moves;
+  double all = 0;
+  for (Eigen::Index k = 0; k < moves.size(); ++k)
+    all += std::abs(std::real(std::conj(moves[k]) * momentum[k]));
+  if (all > 0)
+    for (Eigen::Index k = 0; k < moves.size(); ++k)
+      mode.coordinates.push_back({coordinate_words(m_, static_cast<int>(k)),
+                                  std::abs(std::real(std::conj(moves[k]) * momentum[k])) / all});
+  sort_shares(mode.coordinates);
+  const VectorXd energies = body_energies(moves);
+  if (const double sum = energies.cwiseAbs().sum(); sum > 0)
+    for (std::size_t k = 0; k < m_.bodies.size(); ++k)
+      mode.bodies.push_back({m_.spec().bodies[static_cast<std::size_t>(m_.bodies[k].spec)].name,
+                             std::abs(energies[static_cast<Eigen::Index>(k)]) / sum});
+  sort_shares(mode.bodies);
+  const VectorXcd y = mode.shape.head(r.coordinates);
+  const double stored = 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y));
+  add_elastic(motion, mode, stored);
+  mode.whirl = mode.kind == Mode::Kind::oscillating ? whirl(motion) : 0;
+  mode.text = words(mode, mode.shape);
+}
+
+}  // namespace mimbre::linear

@@ -1,0 +1,223 @@
+#include "mimbre/modes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "analysis/mode_shares.h"
+#include "base/cpu_time.h"
+#include "math/once/decompositions.h"
+#include "math/once/general_eigen.h"
+
+namespace mimbre {
+
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Shares of the largest entry of a matrix in units of the mechanism: less is round-off.
+constexpr double nothing = 1e-9;
+/// Of the largest eigenvalue: what is real or imaginary but for that is so.
+constexpr double imaginary_round_off = 1e-10;
+
+/// Scales of the states: their sizes where the motion is of the mechanism's size, and as fast as its modes.
+VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coordinate_scales,
+                      const std::vector<int>& independent) {
+  const int f = r.coordinates;
+  VectorXd scale = VectorXd::Ones(r.A.rows());
+  for (int k = 0; k < f; ++k)
+    scale[k] = scale[f + k] =
+        coordinate_scales[static_cast<std::size_t>(independent[static_cast<std::size_t>(k)])];
+  // A pace that makes accelerations by positions as large as velocities.
+  const MatrixXd stiff =
+      scale.head(f).cwiseInverse().asDiagonal() * r.A.block(f, 0, f, f) * scale.head(f).asDiagonal();
+  const double pace = f > 0 ? std::sqrt(stiff.cwiseAbs().maxCoeff()) : 0;
+  if (pace > 0) scale.segment(f, f) *= pace;
+  // States of elements and blocks by what they do.
+  for (Eigen::Index k = 2 * f; k < scale.size(); ++k) {
+    const double acts =
+        f > 0
+            ? (scale.segment(f, f).cwiseInverse().asDiagonal() * r.A.block(f, k, f, 1)).cwiseAbs().maxCoeff()
+            : 0;
+    if (acts > 0 && pace > 0) scale[k] = pace / acts;
+  }
+  return scale;
+}
+
+/// Motions that nothing resists: how often λ = 0 is an eigenvalue, and its vectors.
+struct Zeros {
+  int count = 0;
+  MatrixXd vectors;  ///< of the states
+};
+
+/// At rest in the coordinates, K y + … z = 0 and the rates of z vanish: the rank of that matrix G, along
+/// scales that are sizes of stiffness before anything cancels. A vector begins a chain of two (it may drift)
+/// where the left null vectors see nothing of its damping: Lᵀ [C 0; −A_zs I] X singular.
+Zeros zeros_of(const linear::Linearised& at) {
+  const linear::Reduced& r = at.reduced;
+  const Eigen::Index f = r.coordinates, z = r.states;
+  const MatrixXd N = r.position.leftCols(f).cwiseAbs(), turn = at.derivatives.turn;
+  MatrixXd G(f + z, f + z);
+  // s = W y at rest.
+  const MatrixXd spin = (turn * r.position.leftCols(f))(at.independent, Eigen::all);
+  G.topLeftCorner(f, f) = r.stiffness;
+  G.topRightCorner(f, z) = -r.mass * r.A.block(f, 2 * f, f, z);
+  G.bottomLeftCorner(z, f) = r.A.block(2 * f, 0, z, f) + r.A.block(2 * f, f, z, f) * spin;
+  G.bottomRightCorner(z, z) = r.A.block(2 * f, 2 * f, z, z);
+  VectorXd rows = VectorXd::Ones(f + z), columns = rows;
+  const VectorXd sizes = (N.transpose() * at.derivatives.residual_q.cwiseAbs() * N).diagonal();
+  for (Eigen::Index k = 0; k < f; ++k)
+    if (sizes[k] > 0) rows[k] = columns[k] = 1 / std::sqrt(sizes[k]);
+  for (Eigen::Index k = f; k < f + z; ++k) {
+    const double size = (rows.asDiagonal() * G.col(k)).cwiseAbs().maxCoeff();
+    if (size > 0) columns[k] = 1 / size;
+  }
+  for (Eigen::Index k = f; k < f + z; ++k) {
+    const double size = (G.row(k) * columns.asDiagonal()).cwiseAbs().maxCoeff();
+    if (size > 0) rows[k] = 1 / size;
+  }
+  G = (rows.asDiagonal() * G * columns.asDiagonal()).eval();
+  Zeros out;
+  out.vectors.resize(2 * f + z, 0);
+  if (G.rows() == 0) return out;
+  const bool any = G.cwiseAbs().maxCoeff() > nothing;
+  const MatrixXd right = any ? null_space(G, nothing) : MatrixXd::Identity(f + z, f + z),
+                 left = any ? null_space(G.transpose(), nothing) : right;
+  if (right.cols() == 0) return out;
+  const MatrixXd X = columns.asDiagonal() * right, L = rows.asDiagonal() * left;
+  out.vectors.resize(2 * f + z, X.cols());
+  out.vectors.topRows(f) = X.topRows(f);
+  out.vectors.middleRows(f, f) = spin * X.topRows(f);
+  out.vectors.bottomRows(z) = X.bottomRows(z);
+  MatrixXd H = MatrixXd::Zero(f + z, f + z);
+  H.topLeftCorner(f, f) = r.damping;
+  H.bottomLeftCorner(z, f) = -r.A.block(2 * f, f, z, f);
+  H.bottomRightCorner(z, z).setIdentity();
+  // Less than this share of what there was before it cancelled is round-off.
+  MatrixXd sizes_of_damping = H.cwiseAbs();
+  sizes_of_damping.topLeftCorner(f, f) += N.transpose() * at.derivatives.residual_v.cwiseAbs() * N;
+  const MatrixXd size = L.cwiseAbs().transpose() * sizes_of_damping * X.cwiseAbs();
+  MatrixXd seen = L.transpose() * H * X;
+  for (Eigen::Index k = 0; k < seen.size(); ++k)
+    if (!(std::abs(seen.data()[k]) > nothing * size.data()[k])) seen.data()[k] = 0;
+  out.count = static_cast<int>(X.cols());
+  out.count +=
+      seen.isZero(0) ? static_cast<int>(X.cols()) : static_cast<int>(null_space(seen, nothing).cols());
+  return out;
+}
+
+/// The same motions, each of as few coordinates as possible (reduced echelon form by columns).
+MatrixXd echelon(MatrixXd v) {
+  std::vector<char> used(static_cast<std::size_t>(v.rows()), 0);
+  for (Eigen::Index c = 0; c < v.cols(); ++c) {
+    Eigen::Index pivot = -1, column = c;
+    double most = 0;
+    for (Eigen::Index r = 0; r < v.rows(); ++r)
+      for (Eigen::Index k = c; k < v.cols(); ++k)
+        if (!used[static_cast<std::size_t>(r)] && std::abs(v(r, k)) > most * (1 + 1e-9)) {
+          most = std::abs(v(r, k));
+          pivot = r;
+          column = k;
+        }
+    if (pivot < 0) break;
+    used[static_cast<std::size_t>(pivot)] = 1;
+    v.col(c).swap(v.col(column));
+    v.col(c) /= v(pivot, c);
+    for (Eigen::Index k = 0; k < v.cols(); ++k)
+      if (k != c) v.col(k) -= v(pivot, k) * v.col(c);
+  }
+  for (Eigen::Index k = 0; k < v.size(); ++k)
+    if (std::abs(v.data()[k]) < 1e-9) v.data()[k] = 0;
+  return v;
+}
+
+/// The largest entry of the motion by its scales becomes 1.
+void normalise(VectorXcd& x, int coordinates, const VectorXd& scale) {
+  std::complex<double> largest = 0;
+  double most = 0;
+  const Eigen::Index n = coordinates > 0 && x.head(coordinates).norm() > 0 ? coordinates : x.size();
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (std::abs(x[k]) / scale[k] > most * (1 + 1e-9)) {
+      most = std::abs(x[k]) / scale[k];
+      largest = x[k] / scale[k];
+    }
+  if (most > 0) x /= largest;
+}
+
+std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scale) {
+  const linear::Reduced& r = at.reduced;
+  std::vector<Mode> modes;
+  if (r.A.rows() == 0) return modes;
+  const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
+  const Zeros zeros = zeros_of(at);
+  const MatrixXd free = echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors);
+  for (Eigen::Index k = 0; k < free.cols(); ++k) {
+    Mode mode;
+    mode.kind = Mode::Kind::rigid;
+    mode.shape = (scale.asDiagonal() * free.col(k)).cast<std::complex<double>>();
+    normalise(mode.shape, r.coordinates, scale);
+    mode.left = VectorXcd::Zero(A.rows());
+    modes.push_back(std::move(mode));
+  }
+  const ComplexPairs pairs = general_eigen(A);
+  if (!pairs.ok) throw std::runtime_error("the eigenvalues were not found: the iteration did not converge");
+  const MatrixXcd left = complex_inverse(pairs.vectors);
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return std::abs(pairs.values[a]) < std::abs(pairs.values[b]);
+  });
+  order.erase(order.begin(), order.begin() + std::min<std::ptrdiff_t>(zeros.count, std::ssize(order)));
+  const double largest = order.empty() ? 0 : std::abs(pairs.values[order.back()]);
+  for (const Eigen::Index k : order) {
+    std::complex<double> value = pairs.values[k];
+    if (value.imag() < 0) continue;
+    Mode mode;
+    mode.kind = value.imag() > 0 ? Mode::Kind::oscillating : Mode::Kind::real;
+    mode.value = value;
+    mode.frequency = std::abs(value) / (2 * std::numbers::pi);
+    mode.damped = value.imag() / (2 * std::numbers::pi);
+    mode.damping = std::abs(value) > 0 ? -value.real() / std::abs(value) : 0;
+    mode.grows = value.real() > std::max(imaginary_round_off * largest, 1e-9 * std::abs(value));
+    mode.shape = scale.cast<std::complex<double>>().cwiseProduct(pairs.vectors.col(k));
+    normalise(mode.shape, r.coordinates, scale);
+    VectorXcd w =
+        scale.cwiseInverse().cast<std::complex<double>>().cwiseProduct(left.row(k).adjoint().col(0));
+    if (!w.allFinite()) w.setZero();
+    const std::complex<double> product = w.dot(mode.shape);
+    if (std::abs(product) > 0) w /= std::conj(product);
+    mode.left = w;
+    modes.push_back(std::move(mode));
+  }
+  return modes;
+}
+
+}  // namespace
+
+LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOptions& options) {
+  const double start = thread_cpu_seconds();
+  const linear::Linearised at = linear::linearise_at(std::move(model), options.linear);
+  const Compiled& m = at.model->compiled();
+  LinearisedModes out;
+  out.model = at.names;
+  out.model.A = at.reduced.A;
+  out.model.B = at.reduced.B;
+  out.model.mass = at.reduced.mass;
+  out.model.damping = at.reduced.damping;
+  out.model.stiffness = at.reduced.stiffness;
+  for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(linear::coordinate_label(m, k));
+  const relative::RelativeSystem system(m);
+  out.modes = eigen_modes(at, state_scales(at.reduced, system.scales().coordinates, at.independent));
+  if (options.most > 0 && std::ssize(out.modes) > options.most)
+    out.modes.resize(static_cast<std::size_t>(options.most));
+  linear::ModeShares shares(at);
+  for (Mode& mode : out.modes) shares.describe(mode);
+  out.cpu_seconds = thread_cpu_seconds() - start;
+  return out;
+}
+
+}  // namespace mimbre

@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/commands/campbell_output.h"
+#include "app/commands/point_options.h"
+#include "app/common.h"
+#include "app/json.h"
+#include "app/terminal/busy.h"
+#include "app/terminal/table.h"
+#include "mimbre/modes.h"
+
+/// mimbre modes: eigenvalues about a point, and what each mode consists of.
+namespace mimbre::app {
+namespace {
+
+struct ModesArguments {
+  std::string model;
+  std::vector<std::string> settings;
+  PointArguments point;
+  CampbellArguments campbell;
+  int most = 0;
+  bool json = false, strict = false;
+};
+
+Json to_json(const std::vector<ModeShare>& shares) {
+  Json json = Json::array();
+  for (const ModeShare& s : shares) json.push_back({{"name", s.name}, {"share", s.share}});
+  return json;
+}
+
+Json to_json(const LinearisedModes& found, const std::vector<std::string>& warnings) {
+  Json json = answer("modes");
+  json["point"] = found.model.point;
+  json["time"] = found.model.time;
+  json["coordinates"] = Json::array();
+  for (const LinearName& c : found.coordinates) json["coordinates"].push_back(c.name);
+  json["modes"] = Json::array();
+  for (const Mode& m : found.modes) {
+    Json one;
+    one["kind"] = m.kind == Mode::Kind::rigid ? "rigid" : m.kind == Mode::Kind::real ? "real" : "oscillating";
+    one["real"] = m.value.real();
+    one["imaginary"] = m.value.imag();
+    one["frequency"] = m.frequency;
+    one["damped_frequency"] = m.damped;
+    one["damping_ratio"] = m.damping;
+    one["grows"] = m.grows;
+    one["whirl"] = m.whirl;
+    one["text"] = m.text;
+    one["shares"] = {{"coordinates", to_json(m.coordinates)},
+                     {"bodies", to_json(m.bodies)},
+                     {"elastic", to_json(m.elastic)}};
+    one["gravity"] = m.gravity;
+    one["shape"] = Json::array();
+    for (const std::complex<double>& x : m.motion) one["shape"].push_back({x.real(), x.imag()});
+    json["modes"].push_back(std::move(one));
+  }
+  json["notes"] = found.model.notes;
+  json["warnings"] = warnings;
+  json["cpu_seconds"] = found.cpu_seconds;
+  return json;
+}
+
+std::string to_table(const LinearisedModes& found) {
+  Table table({"mode", "Hz", "damping ratio", "real 1/s", "imaginary 1/s", "consists of"});
+  int number = 0;
+  for (const Mode& m : found.modes)
+    table.add({fmt::format("{}", ++number), fmt::format("{:.6g}", m.frequency),
+               m.kind == Mode::Kind::rigid ? "–" : fmt::format("{:.4g}", m.damping == 0 ? 0 : m.damping),
+               fmt::format("{:.6g}", m.value.real()), fmt::format("{:.6g}", m.value.imag()), m.text});
+  std::string text = fmt::format("point: {}\n", found.model.point) + table.text();
+  for (const std::string& note : found.model.notes) text += note + "\n";
+  return text;
+}
+
+int run_modes(const ModesArguments& a) {
+  if (!a.campbell.over.empty()) {
+    CampbellArguments over = a.campbell;
+    over.most = a.most;
+    return run_campbell(a.model, a.settings, over, a.point, a.json, a.strict);
+  }
+  if (!a.campbell.speed.empty()) throw UsageError("--speed: is a unit of the parameter that --over names");
+  const LoadedModel loaded = load(a.model, a.settings, a.json);
+  ModesOptions options;
+  options.linear = linear_options(a.point, loaded.model->spec().simulation);
+  options.most = a.most;
+  LinearisedModes found;
+  {
+    const Busy busy("looking for the modes", !a.json);
+    try {
+      found = find_modes(loaded.model, options);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw Failure(error.what());
+    }
+  }
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : found.model.warnings) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
+  print_data(a.json ? to_text(to_json(found, warnings)) + '\n' : to_table(found));
+  return done_with(!warnings.empty(), a.strict);
+}
+
+}  // namespace
+
+Command add_modes(CommandLine& program) {
+  Parser parser =
+      program.add_command("modes", "Find the modes about a point, or over a parameter (Campbell diagram)");
+  const auto a = std::make_shared<ModesArguments>();
+  parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
+  add_set_option(parser, a->settings);
+  parser.add_option("--most", a->most, "So many modes, of the lowest frequencies; 0: all")
+      .within(0, 100000)
+      .show_default()
+      .type_name("N");
+  parser
+      .add_option(
+          "--over", a->campbell.over,
+          "A parameter or input from one value to another, with so many values: modes followed by their "
+          "shapes, and where one begins to grow")
+      .type_name("NAME=FROM:TO:COUNT");
+  parser
+      .add_option(
+          "--speed", a->campbell.speed,
+          "The parameter is a speed in this unit: also critical speeds, at which a mode has its frequency")
+      .choice({"rad/s", "rpm", "Hz"});
+  parser.add_flag("--json", a->json, "The same as JSON, with the shapes");
+  add_strict_option(parser, a->strict);
+  add_point_options(parser, a->point);
+  parser.footer(
+      "Examples:\n  mimbre modes car.yaml\n  mimbre modes rotor.yaml --over rpm=0:4000:41 --speed rpm");
+  return {parser, [a] { return run_modes(*a); }};
+}
+
+}  // namespace mimbre::app

@@ -1,0 +1,115 @@
+#include "mimbre/campbell.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+
+#include "support/random_mechanism.h"
+
+/// Modes followed over a parameter.
+namespace mimbre::test::campbell_test {
+namespace {
+
+/// The modes of ẍ + K x = 0, in the order of their frequencies.
+LinearisedModes modes_of(const MatrixXd& K) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(K);
+  const Eigen::Index n = K.rows();
+  LinearisedModes out;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const std::complex<double> lambda(0, std::sqrt(solver.eigenvalues()[k]));
+    const Eigen::VectorXcd phi = solver.eigenvectors().col(k).cast<std::complex<double>>();
+    Mode mode;
+    mode.value = lambda;
+    mode.motion = phi;
+    mode.shape.resize(2 * n);
+    mode.shape << phi, lambda * phi;
+    mode.left.resize(2 * n);
+    mode.left << 0.5 * phi, 0.5 / std::conj(lambda) * phi;
+    mode.text = "mode " + std::to_string(k + 1);
+    out.modes.push_back(mode);
+  }
+  return out;
+}
+
+std::vector<double> from_zero_to_one(int count) {
+  std::vector<double> values;
+  for (int k = 0; k < count; ++k) values.push_back(k / (count - 1.0));
+  return values;
+}
+
+/// K = Q diag(a + b p) Qᵀ: every pair of modes that crosses does so with shapes that stay. Each branch is a
+/// line.
+TEST(Campbell, FollowsModesThroughCrossings) {
+  int crossings = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    constexpr int n = 9;
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(random.values(n * n, 1).reshaped(n, n)).householderQ();
+    const VectorXd a = random.values(n, 1).array() + 3, b = random.values(n, 1.8);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) crossings += (a[i] - a[j]) * (a[i] + b[i] - a[j] - b[j]) < 0 ? 1 : 0;
+    const CampbellDiagram d =
+        campbell([&](double p) { return modes_of(Q * (a + b * p).asDiagonal() * Q.transpose()); },
+                 from_zero_to_one(11));
+    ASSERT_EQ(d.branches.size(), static_cast<std::size_t>(n));
+    EXPECT_TRUE(d.warnings.empty());
+    for (const ModeBranch& branch : d.branches) {
+      const auto square = [&](std::size_t k) { return std::norm(branch.values[k]); };
+      for (std::size_t k = 0; k < d.values.size(); ++k)
+        EXPECT_NEAR(square(k), square(0) + (square(10) - square(0)) * d.values[k], 1e-9);
+    }
+  }
+  EXPECT_GT(crossings, 400);
+}
+
+/// A round body: both its modes are equal at p = 0, and part as gyroscopic terms do.
+TEST(Campbell, PartsEqualModes) {
+  const CampbellDiagram d = campbell(
+      [](double p) {
+        MatrixXd K(3, 3);
+        K << 4 + p, p, 0, p, 4 + p, 0, 0, 0, 9;
+        return modes_of(K);
+      },
+      from_zero_to_one(5));
+  ASSERT_EQ(d.branches.size(), 3u);
+  for (const ModeBranch& branch : d.branches) {
+    const double first = std::norm(branch.values[0]), last = std::norm(branch.values[4]);
+    for (std::size_t k = 0; k < 5; ++k)
+      EXPECT_NEAR(std::norm(branch.values[k]), first + (last - first) * d.values[k], 1e-9);
+  }
+}
+
+/// ω = 3 − Ω/2 and ω = 3 + Ω/2 have the speed at 2 and at 6.
+TEST(Campbell, FindsCriticalSpeeds) {
+  CampbellOptions options;
+  options.parameter = "speed";
+  const CampbellDiagram d = campbell(
+      [](double p) {
+        MatrixXd K = MatrixXd::Zero(2, 2);
+        K.diagonal() << std::pow(3 - p / 2, 2), std::pow(3 + p / 2, 2);
+        return modes_of(K);
+      },
+      {0.1, 1.5, 3, 4, 5, 5.9}, options);
+  ASSERT_EQ(d.criticals.size(), 1u);
+  EXPECT_NEAR(d.criticals[0].value, 2, 1e-6);
+  EXPECT_NEAR(d.criticals[0].frequency, 2, 1e-6);
+}
+
+TEST(Campbell, FindsWhereAModeBeginsToGrow) {
+  const CampbellDiagram d = campbell(
+      [](double p) {
+        LinearisedModes found = modes_of(MatrixXd::Identity(1, 1) * 4);
+        found.modes[0].value = {p - 0.3, 2};
+        return found;
+      },
+      from_zero_to_one(4));
+  ASSERT_EQ(d.onsets.size(), 1u);
+  EXPECT_TRUE(d.onsets[0].grows);
+  EXPECT_NEAR(d.onsets[0].value, 0.3, 1e-6);
+}
+
+}  // namespace
+}  // namespace mimbre::test::campbell_test

@@ -1,0 +1,63 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/output_schema.h"
+#include "app/program.h"
+
+/// mimbre modes and mimbre linearise.
+namespace mimbre::app_test::linear_commands_test {
+namespace {
+
+using testing::HasSubstr;
+
+class LinearCommands : public ProgramTest {
+ protected:
+  std::string pendulum() {
+    const fs::path path = folder / "pendulum.yaml";
+    write_file(path, R"yaml(mimbre: 1
+parameters: {length: 0.5}
+gravity: [0, 0, -9.81]
+bodies: {bob: {mass: 1, com: [0, 0, -length], inertia: [1e-9, 1e-9, 1e-9]}}
+joints: {pin: {type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 1, 0]}}
+inputs: {push: {start: 0, unit: N m}}
+actuators: {motor: {joint: pin, torque: push}}
+outputs: [{name: angle, joint: pin}]
+)yaml");
+    return path.string();
+  }
+};
+
+TEST_F(LinearCommands, ModesPrintsATable) {
+  const Outcome outcome = run({"modes", pendulum()});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("point: equilibrium"));
+  EXPECT_THAT(outcome.out, HasSubstr("0.704968"));  // √(9.81/0.5)/2π
+  EXPECT_THAT(outcome.out, HasSubstr("'pin' 100 %"));
+}
+
+TEST_F(LinearCommands, AnswersFollowTheSchema) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"modes", pendulum(), "--json"},
+        std::vector<std::string>{"modes", pendulum(), "--over", "length=0.3:0.9:4", "--speed", "rpm",
+                                 "--json"},
+        std::vector<std::string>{"linearise", pendulum(), "--json", "--frequencies", "0.1:10:5"}}) {
+    const Outcome outcome = run(words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    expect_schema(outcome.out);
+  }
+}
+
+TEST_F(LinearCommands, RefusesWhatIsNoPoint) {
+  const Outcome outcome = run({"modes", pendulum(), "--at", "noon"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--at noon: equilibrium, steady, start or a time in s is needed"));
+}
+
+TEST_F(LinearCommands, RefusesAnUnknownFormat) {
+  const Outcome outcome = run({"linearise", pendulum(), "-o", "model.txt"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr(".h5, .mat or .json"));
+}
+
+}  // namespace
+}  // namespace mimbre::app_test::linear_commands_test
