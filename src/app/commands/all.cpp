@@ -6,7 +6,7 @@ std::vector<Command> add_commands(CommandLine& program) {
   return {add_run(program),    add_live(program),   add_plan(program),     add_check(program),
           add_static(program), add_report(program), add_compare(program),  add_bench(program),
           add_verify(program), add_reduce(program), add_select(program),   add_convert(program),
-          add_stress(program), add_export(program), add_reproduce(program)};
+          add_stress(program), add_export(program), add_generate(program), add_reproduce(program)};
 }
 
 }  // namespace mimbre::app

@@ -39,24 +39,28 @@ void sense(const Compiled& m, Workspace<T>& w, const T* q) {
       [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
 }
 
-/// Clears the wrenches, then adds those of all elements; `generalised` (size velocities) is set to minus the
-/// forces on coordinates of the tree; of inertia that elements have it takes the force for accelerations a.
-/// Writes the elements' states, whose tangents the matrix uses.
+/// What elements measure and signals see of the motion, at a time.
 template <class T>
-void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
-            T* generalised) {
+void look(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a) {
+  fix_signals(m.signals, time, w.signals);
+  measure_elements(m, w, q, v, a);
+  sense(m, w, q);
+}
+
+/// Of what has been measured and seen: clears the wrenches, then adds those of all elements; `generalised`
+/// (size velocities) is set to minus the forces on coordinates of the tree. Writes the elements' states,
+/// whose tangents the matrix uses. `feedback_of`: as of evaluate_law().
+template <class T, class Feedback>
+void act(const Compiled& m, Workspace<T>& w, T* generalised, const Feedback& feedback_of) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
   }
   for (int k = 0; k < m.velocities; ++k) generalised[k] = T(0);
-  fix_signals(m.signals, time, w.signals);
-  measure_elements(m, w, q, v, a);
-  sense(m, w, q);
   for (const ElementData& e : m.elements) {
     const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
     if (ends.frame_b < 0 && e.pooled) continue;
-    evaluate_law(m, e, w.signals, w.elements.data());
+    evaluate_law(m, e, w.signals, w.elements.data(), feedback_of);
     if (e.measure == Measure::sum) continue;  // its legs act
     const ElementState<T> s = element_state(e, w.elements.data());
     if (e.body >= 0) {
@@ -75,6 +79,14 @@ void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T
       w.wrenches[ends.frame_a].moment += moment + arm.cross(force);
     }
   }
+}
+
+/// Both; of inertia that elements have it takes the force for accelerations a.
+template <class T>
+void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
+            T* generalised) {
+  look(m, w, time, q, v, a);
+  act(m, w, generalised, [&](const ElementData& e) { return feedback(m, e, w.signals); });
 }
 
 }  // namespace mimbre::relative
