@@ -274,8 +274,8 @@ struct LinearCore::Impl {
       return jet;
     });
     relative::evaluate_motion<Dual>(m, work, state.time, at, v.data(), a.data());
-    relative::forces_by<Dual>(m, work, state.time, at, v.data(), a.data(), r.data(),
-                              [&](const ElementData& e) { law(e); });
+    relative::look<Dual>(m, work, state.time, at, v.data(), a.data());
+    relative::act<Dual>(m, work, r.data(), [&](const ElementData& e) { law(e); });
     for (std::size_t k = 0; k < mu.size(); ++k) mu[k] = multipliers[k];
     relative::apply_multipliers<Dual>(m, work, mu.data(), r.data());
     relative::residual<Dual>(m, work, at, v.data(), a.data(), r.data());

@@ -29,6 +29,8 @@ class TangentMarks {
   std::span<double> values() { return values_; }
   double& element(std::size_t k) { return values_[k]; }
   double* ancf() { return values_.data() + ancf_; }
+  /// Changes of an element's mark that ask for a new matrix are larger than this.
+  double small(std::size_t element) const { return small_[element]; }
 
   /// Whether the present tangents differ from these by more than a fiftieth of a body's mean mass, or half of
   /// what one of the bodies resists motion with. `elements`: storage of their states; `amplitudes(i)`: those

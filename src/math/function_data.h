@@ -50,6 +50,8 @@ class FunctionData {
   double antiderivative(double x) const;
   bool is_zero() const { return std::holds_alternative<std::monostate>(kind_); }
   const Pieces* pieces() const { return std::get_if<Pieces>(&kind_); }
+  const OneVariable* formula() const { return std::get_if<OneVariable>(&kind_); }
+  const IntegralFunction* integral() const { return std::get_if<IntegralFunction>(&kind_); }
 
  private:
   std::variant<std::monostate, Pieces, OneVariable, IntegralFunction> kind_;

@@ -27,6 +27,7 @@ class Expression {
   std::pair<double, double> derivatives(const double* variables) const;
   std::size_t variables() const { return variables_; }
   bool is_zero() const { return program_.code.empty(); }
+  const ExpressionProgram& program() const { return program_; }
 
  private:
   ExpressionProgram program_;

@@ -27,11 +27,24 @@ class Pieces {
   double second_derivative(double x) const;
   double antiderivative(double x) const;
 
- private:
   struct Wrap {
     double start = 0, period = 0;  ///< period 0: not wrapped
     double integral = 0;           ///< over one period
   };
+  /// What it evaluates, for code that does the same elsewhere: piece k has coefficients [first[k], first[k +
+  /// 1]).
+  struct Arrays {
+    const Array<double>&breaks, &origins;
+    const Array<std::size_t>& first;
+    const Array<double>&coefficients, &integral_at_origin;
+    double integral_at_zero;
+    Wrap wrap;
+  };
+  Arrays arrays() const {
+    return {breaks_, origins_, first_, coefficients_, integral_at_origin_, integral_at_zero_, wrap_};
+  }
+
+ private:
   struct Wrapped {
     double x;      ///< in [start, start + period)
     double turns;  ///< periods taken off

@@ -7,7 +7,7 @@ std::vector<Command> add_commands(CommandLine& program) {
           add_static(program),   add_modes(program),   add_linearise(program), add_report(program),
           add_compare(program),  add_bench(program),   add_verify(program),    add_reduce(program),
           add_select(program),   add_convert(program), add_stress(program),    add_export(program),
-          add_reproduce(program)};
+          add_generate(program), add_reproduce(program)};
 }
 
 }  // namespace mimbre::app

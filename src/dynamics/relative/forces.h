@@ -39,20 +39,24 @@ void sense(const Compiled& m, Workspace<T>& w, const T* q) {
       [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
 }
 
-/// Clears the wrenches, then adds those of all elements, whose force and tangents `law(e)` finds from what
-/// they measure; `generalised` (size velocities) is set to minus the forces on coordinates of the tree; of
-/// inertia that elements have it takes the force for accelerations a.
+/// What elements measure and signals see of the motion, at a time.
+template <class T>
+void look(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a) {
+  fix_signals(m.signals, time, w.signals);
+  measure_elements(m, w, q, v, a);
+  sense(m, w, q);
+}
+
+/// Of what has been measured and seen: clears the wrenches, then adds those of all elements, whose force and
+/// tangents `law(e)` finds from what they measure; `generalised` (size velocities) is set to minus the forces
+/// on coordinates of the tree.
 template <class T, class Law>
-void forces_by(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
-               T* generalised, const Law& law) {
+void act(const Compiled& m, Workspace<T>& w, T* generalised, const Law& law) {
   for (auto& wrench : w.wrenches) {
     wrench.force.setZero();
     wrench.moment.setZero();
   }
   for (int k = 0; k < m.velocities; ++k) generalised[k] = T(0);
-  fix_signals(m.signals, time, w.signals);
-  measure_elements(m, w, q, v, a);
-  sense(m, w, q);
   for (const ElementData& e : m.elements) {
     const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
     if (ends.frame_b < 0 && e.pooled) continue;
@@ -77,12 +81,13 @@ void forces_by(const Compiled& m, Workspace<T>& w, double time, const T* q, cons
   }
 }
 
-/// The same by the elements' own laws. Writes their states, whose tangents the matrix uses.
+/// Both by the elements' own laws; of inertia that elements have it takes the force for accelerations a. Writes
+/// the elements' states, whose tangents the matrix uses.
 template <class T>
 void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
             T* generalised) {
-  forces_by<T>(m, w, time, q, v, a, generalised,
-               [&](const ElementData& e) { evaluate_law(m, e, w.signals, w.elements.data()); });
+  look(m, w, time, q, v, a);
+  act(m, w, generalised, [&](const ElementData& e) { evaluate_law(m, e, w.signals, w.elements.data()); });
 }
 
 }  // namespace mimbre::relative

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mimbre/method.h"
+#include "mimbre/model.h"
+
+/// Code for one model in another language, that needs nothing of this library.
+namespace mimbre {
+
+/// An input, a tunable parameter or an output of generated code.
+struct GeneratedVariable {
+  std::string name;        ///< the model's
+  std::string identifier;  ///< in the code
+  std::string unit, meaning;
+  double start = 0;
+  double min = 0, max = 0;  ///< of inputs; ±infinity: none
+  bool tunable = false;
+};
+
+/// C99 for a model: what `name.h` and `name.c` contain, see docs/generated-code.md.
+struct GeneratedCode {
+  std::string name, header, source;
+  std::vector<GeneratedVariable> inputs, outputs;
+  std::vector<std::string> left_out;  ///< outputs of the model that the code has not, with their kinds
+  double step = 0;                    ///< s
+  long operations = 0;                ///< in a step at most: sums, products, quotients, functions
+  long bytes = 0;                     ///< of the struct
+};
+
+/// Steps with a fixed cost (RunOptions::fixed_cost, which is implied) of the formulation in relative
+/// coordinates by the formalism index3. `name`: of the files and the prefix of what is in them, an identifier
+/// of C. Throws InputError, with a line for each reason, where code cannot be made.
+GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                            const std::string& name);
+
+/// The file's name as an identifier: "double-four-bar.yaml" is double_four_bar.
+std::string identifier_of(const std::string& file);
+
+/// Writes name.h and name.c into a folder, which is made. Throws InputError where that is not possible.
+void write_code(const GeneratedCode& code, const std::string& folder);
+
+}  // namespace mimbre

@@ -1,0 +1,469 @@
+#include "mimbre/generate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "dynamics/tangent_marks.h"
+#include "integrate/rule.h"
+#include "integrate/stepper.h"
+#include "portable/record.h"
+#include "portable/refusals.h"
+#include "portable/texts.h"
+#include "portable/write_tables.h"
+#include "simulation/start/start.h"
+#include "simulation/step/mechanism.h"
+
+namespace mimbre {
+namespace portable {
+namespace {
+
+std::string identifier(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0]))) out = "m" + out;
+  return out;
+}
+
+/// A comment's text cannot end it.
+std::string comment(std::string text) {
+  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;) text.replace(at, 2, "* /");
+  return text;
+}
+
+/// Everything that is written of one model.
+class Generator {
+ public:
+  Generator(const Compiled& m, const Method& method, const std::map<std::string, double>& inputs,
+            const std::string& name)
+      : m_(m), method_(method), name_(name), mechanism_(m, method) {
+    options_.step = method.step;
+    options_.rule = method.integrator;
+    options_.rho = method.rho;
+    options_.xi = method.xi;
+    options_.tolerance = method.tolerance;
+    options_.penalty = method.penalty;
+    options_.max_iterations = method.max_iterations;
+    rule_ = rule_coefficients(options_);
+    const double h = method.step;
+    scale_ = (1 - rule_.alpha_f) / (1 - rule_.alpha_m) * rule_.beta * h * h;
+    rate_ = rule_.gamma / (rule_.beta * h);
+    start(mechanism_, method, inputs, false);
+    const double* alpha = mechanism_.observer.penalty();
+    penalty_.assign(alpha, alpha + m.equations);
+    const TangentMarks marks(m);
+    for (std::size_t k = 0; k < m.elements.size(); ++k) small_.push_back(marks.small(k));
+    recorded_ = record_model(m, {rate_ * scale_, scale_, method.penalty}, penalty_, h, small_);
+  }
+
+  GeneratedCode write() {
+    out_.name = name_;
+    out_.step = method_.step;
+    out_.left_out = recorded_->left_out;
+    name_variables();
+    const PhaseCode phases = write_phases(recorded_->program, name_);
+    kept_ = phases.kept;
+    count_operations(phases);
+    write_struct();
+    write_header();
+    out_.source = fmt::format(
+        "/* {0}: steps of {1} s with a fixed cost, made by mimbre; see {2}.h. */\n#include "
+        "\"{2}.h\"\n\n#include "
+        "<float.h>\n#include <math.h>\n#include <string.h>\n\ntypedef char {2}_size[sizeof({2}) == {3}_BYTES "
+        "? 1 : -1];\n\n",
+        comment(title()), method_.step, name_, upper());
+    write_constants();
+    out_.source += write_callees(recorded_->program.recording, name_);
+    out_.source += phases.text;
+    write_exchange();
+    out_.source += named(linear_text, name_) + named(integrator_text, name_) + named(interface_text, name_);
+    return std::move(out_);
+  }
+
+ private:
+  std::string title() const { return m_.spec().title.empty() ? name_ : m_.spec().title; }
+  std::string upper() const {
+    std::string out = name_;
+    for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return out;
+  }
+
+  void name_variables() {
+    std::set<std::string> used;
+    const auto unique = [&](const std::string& name) {
+      std::string one = identifier(name);
+      for (char& c : one) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+      while (!used.insert(one).second) one += "_";
+      return one;
+    };
+    for (const spec::Input& i : m_.spec().inputs) {
+      GeneratedVariable v{i.name, unique("in_" + i.name), i.unit, "", 0, i.min, i.max, i.tunable};
+      for (const SignalsData::HeldInput& h : m_.signals.held)
+        if (h.input == static_cast<int>(out_.inputs.size())) v.start = mechanism_.state.u[h.held];
+      out_.inputs.push_back(v);
+    }
+    for (const RecordedOutput& o : recorded_->outputs)
+      out_.outputs.push_back({o.name, unique("out_" + o.name), o.unit, o.meaning});
+  }
+
+  void count_operations(const PhaseCode& phases) {
+    const auto of = [&](std::string_view phase) {
+      for (std::size_t k = 0; k < recorded_->program.phases.size(); ++k)
+        if (recorded_->program.phases[k].name == phase) return phases.operations[k];
+      return 0L;
+    };
+    long factor = 0, solve = 0;
+    for (const linalg::Panel& p : m_.symbolic.panels()) {
+      for (int j = 0; j < p.columns; ++j) factor += static_cast<long>(p.stride) * (2 * j + 2);
+      solve += 4L * p.columns * p.stride;
+      for (int u = p.first_update; u < p.last_update; ++u) {
+        const linalg::PanelUpdate& t = m_.symbolic.updates()[static_cast<std::size_t>(u)];
+        factor += 2L * t.rows * t.columns * p.columns;
+      }
+    }
+    const long n = m_.velocities, j = static_cast<long>(recorded_->jacobian.size());
+    const long evaluation = of("motion") + of("sense_step") + of("forces_step");
+    const long iteration = evaluation + of("retract") + of("compose") + of("assemble") + of("tangents") +
+                           factor + solve + 4 * j + 30 * n;
+    const long projection = 6 * (solve + 4 * j + 4 * n);
+    const bool equations = m_.equations > 0;
+    out_.operations = of("origin") + of("signals_step") + method_.max_iterations * iteration + of("retract") +
+                      of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) +
+                      of("sense_step") + of("commit") + 20 * n;
+  }
+
+  int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
+
+  void write_struct() {
+    const int n = m_.velocities, m = m_.equations, q = m_.positions;
+    const int marked = static_cast<int>(recorded_->marked.size());
+    long doubles = 0, ints = 0;
+    const auto add = [&](std::string& to, const std::string& member, long count,
+                         const std::string& about = "") {
+      const long size = std::max(count, 1L);
+      doubles += size;
+      to += fmt::format("  double {}[{}];{}\n", member, size, about.empty() ? "" : " /* " + about + " */");
+    };
+    add(state_, "q", q, "positions");
+    add(state_, "v", n, "velocities");
+    add(state_, "a", n, "accelerations");
+    add(state_, "algorithmic", n);
+    add(state_, "multipliers", m);
+    add(state_, "z", static_cast<long>(m_.states.size()), "what force elements remember");
+    add(state_, "u", static_cast<long>(m_.signals.start.size()), "inputs, and what signals remember");
+    add(state_, "last", n);
+    add(state_, "before", n);
+    add(state_, "mark_kept", marked);
+    state_ += "  double time;\n  int known, order, started, begun;\n";
+    doubles += 1;
+    ints += 4;
+    std::set<std::string> there;
+    for (std::size_t k = 0; k < memories; ++k) {
+      const Memory memory = static_cast<Memory>(k);
+      const std::string member = name_of(memory);
+      if (member.starts_with("state.") || !there.insert(member).second) continue;
+      long size = size_of(memory);
+      if (memory == Memory::residual || memory == Memory::correction || memory == Memory::v ||
+          memory == Memory::a)
+        size = n;
+      if (memory == Memory::q || memory == Memory::moved) size = q;
+      if (memory == Memory::matrix || memory == Memory::assembled)
+        size =
+            memory == Memory::assembled && marked == 0 ? 0 : m_.symbolic.value_count() + 2 * linalg::kLanes;
+      if (memory == Memory::difference) size = 36;
+      add(work_, member, size);
+    }
+    int stride = 4, columns = 1;
+    for (const linalg::Panel& p : m_.symbolic.panels()) {
+      stride = std::max(stride, p.stride);
+      columns = std::max(columns, p.columns);
+    }
+    add(work_, "kept", kept_);
+    add(work_, "scaled", static_cast<long>(stride) * columns);
+    add(work_, "inverse", n);
+    add(work_, "column", stride);
+    add(work_, "tangent_kept", size_of(Memory::tangent));
+    for (const char* member : {"algorithmic", "start_a", "start_algorithmic", "rest_r", "unprojected",
+                               "nearest_x", "own", "error", "rest", "new_x", "new_d"})
+      add(work_, member, n);
+    for (const char* member : {"start_multipliers", "g", "impulse", "force", "rates", "violation",
+                               "nearest_multipliers", "multipliers_before", "new_y"})
+      add(work_, member, m);
+    for (const auto& [member, size] :
+         {std::pair("mix_x[5]", n), std::pair("mix_y[5]", m), std::pair("mix_d[5]", n)}) {
+      add(work_, member, size);
+      doubles += 4L * std::max(size, 1);
+    }
+    work_ +=
+        "  int iterations, factorisations, unconverged; /* of the last step */\n  int replaced, mixed, "
+        "shown;\n";
+    ints += 6;
+    out_.bytes = 8 * doubles + 4 * ints;
+  }
+
+  void write_header() {
+    std::string& h = out_.header;
+    h = fmt::format(
+        "/* {0}\n *\n * Steps of {1} s with a fixed cost of {2} iterations at most, made by mimbre from "
+        "{3}.\n"
+        " * {4} operations in a step at most. Needs the functions of <math.h>, memcpy and memset; allocates "
+        "nothing,\n"
+        " * opens nothing, and keeps what it knows in one struct of the caller's.\n",
+        comment(title()), method_.step, method_.max_iterations,
+        comment(std::filesystem::path(m_.spec().file).filename().string()), out_.operations);
+    if (!out_.left_out.empty()) {
+      h += " *\n * Outputs of the model that are not here:\n";
+      for (const std::string& name : out_.left_out) h += fmt::format(" *   {}\n", comment(name));
+    }
+    h += fmt::format(" */\n#ifndef {0}_H\n#define {0}_H\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n",
+                     upper());
+    h += fmt::format("#define {}_STEP {} /* s */\n", upper(), literal(method_.step));
+    h += fmt::format("#define {}_BYTES {} /* of the struct */\n", upper(), out_.bytes);
+    h += fmt::format("#define {}_OPERATIONS {}L /* in a step at most */\n", upper(), out_.operations);
+    h += fmt::format("#define {}_INPUTS {}\n#define {}_OUTPUTS {}\n\n", upper(), out_.inputs.size(), upper(),
+                     out_.outputs.size());
+    h += "/* Inputs and tunable parameters. */\n";
+    for (std::size_t k = 0; k < out_.inputs.size(); ++k) {
+      const GeneratedVariable& v = out_.inputs[k];
+      std::string range;
+      if (std::isfinite(v.min) || std::isfinite(v.max)) range = fmt::format(", from {} to {}", v.min, v.max);
+      h += fmt::format("#define {}_{} {} /* {}{}{}, starts at {}{} */\n", upper(), v.identifier, k,
+                       v.tunable ? "parameter " : "", comment(v.name),
+                       v.unit.empty() ? "" : ", " + comment(v.unit), v.start, range);
+    }
+    h += "\n/* Outputs. */\n";
+    for (std::size_t k = 0; k < out_.outputs.size(); ++k) {
+      const GeneratedVariable& v = out_.outputs[k];
+      h += fmt::format("#define {}_{} {} /* {}, {}: {} */\n", upper(), v.identifier, k, comment(v.name),
+                       comment(v.unit), comment(v.meaning));
+    }
+    h += fmt::format(
+        "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; else the state is as before. */\n"
+        "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
+        "  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n  {0}_DRIFTED = 4, /* the loops have come apart */\n"
+        "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6 /* no such input, or no number for it */\n}};\n\n",
+        upper());
+    h += fmt::format(
+        "/* All that the next step depends on: may be copied, kept and given to another instance. "
+        "*/\ntypedef struct "
+        "{{\n{0}}} {1}_state;\n\n/* With the place in which a step is made. */\ntypedef struct {{\n  "
+        "{1}_state "
+        "state;\n{2}}} {1};\n\n",
+        state_, name_, work_);
+    h += named(
+        "/* The model where it starts. */\nvoid @_init(@ *s);\n"
+        "/* An input or a parameter from now on; kept within its range. */\nint @_set_input(@ *s, int input, "
+        "double value);\n"
+        "double @_get_input(const @ *s, int input);\n"
+        "/* One step. */\nint @_step(@ *s);\n"
+        "/* Of the state of now; not a number: there is no such output. */\ndouble @_get_output(@ *s, int "
+        "output);\n"
+        "double @_time(const @ *s);\n"
+        "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
+        name_);
+    h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+  }
+
+  void define(const char* name, const std::string& value) {
+    out_.source += fmt::format("#define {}_{} {}\n", name_, name, value);
+  }
+  void define(const char* name, long value) { define(name, fmt::format("{}", value)); }
+  void define(const char* name, double value) { define(name, literal(value)); }
+
+  void write_constants() {
+    const RecordedModel& r = *recorded_;
+    const Scales& scales = mechanism_.observer.scales();
+    if (name_ != upper())
+      for (const char* same : {"OK", "UNCONVERGED", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED",
+                               "NO_SUCH", "INPUTS", "OUTPUTS"})
+        define(same, upper() + "_" + same);
+    define("N", static_cast<long>(m_.velocities));
+    define("M", static_cast<long>(m_.equations));
+    define("J", static_cast<long>(r.jacobian.size()));
+    define("PANELS", static_cast<long>(m_.symbolic.panels().size()));
+    define("MARKED", static_cast<long>(r.marked.size()));
+    define("SENSES", static_cast<long>(r.senses));
+    define("BLOCKS", static_cast<long>(r.blocks));
+    define("CLOCK", static_cast<long>(m_.signals.clock));
+    define("RESTS", static_cast<long>(r.rests));
+    define("JUMPS", static_cast<long>(r.jumps && r.rests));
+    define("REMEMBERS", static_cast<long>(r.remembers));
+    define("STATES", static_cast<long>(m_.states.size()));
+    define("HOLDS", static_cast<long>(r.blocks || !m_.signals.integrals.empty()));
+    define("ITERATIONS", static_cast<long>(method_.max_iterations));
+    define("START_ROUNDS", 8L);
+    define("DEPTH", 5L);
+    define("NEWMARK", static_cast<long>(method_.integrator == spec::Simulation::Integrator::newmark));
+    define("H", method_.step);
+    define("START_TIME", mechanism_.state.time);
+    define("ALPHA_M", rule_.alpha_m);
+    define("ALPHA_F", rule_.alpha_f);
+    define("BETA", rule_.beta);
+    define("GAMMA", rule_.gamma);
+    define("SCALE", scale_);
+    define("RATE", rate_);
+    define("PENALTY", method_.penalty);
+    define("TOLERANCE", method_.tolerance);
+    define("POSITION_TOLERANCE", options_.position_tolerance);
+    define("VELOCITY_TOLERANCE", options_.velocity_tolerance);
+    define("ACCELERATION_TOLERANCE", options_.acceleration_tolerance);
+    define("DRIFT_LIMIT", options_.drift_limit);
+    define("ROUND_OFF", scales.round_off);
+    define("ACCELERATION", scales.acceleration);
+    std::string& s = out_.source;
+    s += "\n";
+    const auto numbers = [&](const char* name, const auto& values) {
+      s += table(fmt::format("{}_{}", name_, name), std::vector<double>(values.begin(), values.end()));
+    };
+    const auto integers = [&](const char* name, const std::vector<int>& values) {
+      s += table(fmt::format("{}_{}", name_, name), values);
+    };
+    numbers("penalty", penalty_);
+    numbers("equation_scale", scales.equations);
+    numbers("coordinate_scale", scales.coordinates);
+    std::vector<double> temper(static_cast<std::size_t>(m_.velocities), 1.0);
+    mechanism_.observer.temper_prediction(method_.step, temper.data());
+    for (double& x : temper) x = 1 / x;
+    numbers("temper", temper);
+    std::vector<int> rows, columns;
+    for (const JacobianEntry& e : r.jacobian) {
+      rows.push_back(e.equation);
+      columns.push_back(e.coordinate);
+    }
+    integers("j_row", rows);
+    integers("j_column", columns);
+    write_panels();
+    if (!r.marked.empty()) {
+      std::vector<double> small;
+      s += named(
+          "typedef struct {\n  int size, tangent, contact;\n} @_marked;\nstatic const @_marked "
+          "@_marked_elements[] = {\n",
+          name_);
+      for (const MarkedElement& e : r.marked) {
+        s += fmt::format("  {{{}, {}, {}}},\n", e.size, e.tangent, e.contact ? 1 : 0);
+        small.push_back(e.small);
+      }
+      s += "};\n";
+      numbers("mark_small", small);
+    }
+    if (!out_.inputs.empty()) {
+      s += named(
+          "typedef struct {\n  int held, linear;\n  double least, most;\n} @_held_input;\nstatic const "
+          "@_held_input @_held_inputs[] = {\n",
+          name_);
+      for (std::size_t k = 0; k < out_.inputs.size(); ++k)
+        for (const SignalsData::HeldInput& h : m_.signals.held)
+          if (h.input == static_cast<int>(k))
+            s += fmt::format("  {{{}, {}, {}, {}}},\n", h.held, h.linear ? 1 : 0, literal(out_.inputs[k].min),
+                             literal(out_.inputs[k].max));
+      s += "};\n";
+    }
+    const State& state = mechanism_.state;
+    numbers("start_q", state.q);
+    numbers("start_v", state.v);
+    numbers("start_a", state.a);
+    numbers("start_multipliers", state.multipliers);
+    numbers("start_z", state.z);
+    numbers("start_u", state.u);
+    s += "\n";
+  }
+
+  void write_panels() {
+    std::string& s = out_.source;
+    const linalg::BlockSymbolic& b = m_.symbolic;
+    s += named(
+        "typedef struct {\n  long offset;\n  int columns, stride, below, first, first_row, first_update, "
+        "last_update;\n} @_panel;\nstatic const @_panel @_panels[] = {\n",
+        name_);
+    for (const linalg::Panel& p : b.panels())
+      s += fmt::format("  {{{}, {}, {}, {}, {}, {}, {}, {}}},\n", p.offset, p.columns, p.stride, p.below,
+                       p.first, p.first_row, p.first_update, p.last_update);
+    s += named(
+        "};\ntypedef struct {\n  long target;\n  int target_stride, row, column, rows, columns;\n} "
+        "@_update;\nstatic const @_update @_updates[] = {\n",
+        name_);
+    for (const linalg::PanelUpdate& u : b.updates())
+      s += fmt::format("  {{{}, {}, {}, {}, {}, {}}},\n", u.target, u.target_stride, u.row, u.column, u.rows,
+                       u.columns);
+    if (b.updates().empty()) s += "  {0, 0, 0, 0, 0, 0}\n";
+    s += "};\n";
+    s += table(name_ + "_unknown", std::vector<int>(b.unknowns().begin(), b.unknowns().end()));
+    s += table(name_ + "_row", std::vector<int>(b.rows().begin(), b.rows().end()));
+  }
+
+  void write_exchange() {
+    if (recorded_->marked.empty()) return;
+    std::string& s = out_.source;
+    s += named("static void @_exchange(@ *s, int element, int fresh) {\n  switch (element) {\n", name_);
+    for (std::size_t k = 0; k < recorded_->marked.size(); ++k) {
+      s += fmt::format("    case {}:\n", k);
+      if (recorded_->marked[k].contact) s += fmt::format("      if (fresh) {}_rows_{}(s);\n", name_, k);
+      s += fmt::format("      {}_exchange_{}(s);\n      break;\n", name_, k);
+    }
+    s += "    default:\n      break;\n  }\n  (void)fresh;\n}\n\n";
+  }
+
+  const Compiled& m_;
+  const Method& method_;
+  const std::string name_;
+  Mechanism mechanism_;
+  IntegratorOptions options_;
+  RuleCoefficients rule_;
+  double scale_ = 0, rate_ = 0;
+  std::vector<double> penalty_, small_;
+  std::unique_ptr<RecordedModel> recorded_;
+  std::string state_, work_;
+  int kept_ = 0;
+  GeneratedCode out_;
+};
+
+bool is_identifier(const std::string& name) {
+  return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); });
+}
+
+}  // namespace
+}  // namespace portable
+
+std::string identifier_of(const std::string& file) {
+  return portable::identifier(std::filesystem::path(file).stem().string());
+}
+
+GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                            const std::string& name) {
+  if (!portable::is_identifier(name))
+    throw InputError(Mark{}, fmt::format("the name '{}' is no identifier of C: take letters, digits and _, "
+                                         "and begin with a letter",
+                                         name));
+  RunOptions fixed = options;
+  fixed.fixed_cost = true;
+  const Compiled& m = model->compiled();
+  const Method method = resolve_method(m.spec().simulation, fixed);
+  std::vector<Diagnostic> reasons = portable::refusals(m, method);
+  if (!reasons.empty()) throw InputError(std::move(reasons));
+  try {
+    return portable::Generator(m, method, options.inputs, name).write();
+  } catch (const NotRecordable& reason) {
+    throw InputError({m.spec().file, 0, 0},
+                     fmt::format("code cannot be made of this model: it {}", reason.what()));
+  }
+}
+
+void write_code(const GeneratedCode& code, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  for (const auto& [end, text] : {std::pair(".h", &code.header), std::pair(".c", &code.source)}) {
+    const std::filesystem::path path = std::filesystem::path(folder) / (code.name + end);
+    std::ofstream file(path, std::ios::binary);
+    file << *text;
+    file.close();
+    if (!file) throw InputError(Mark{}, fmt::format("cannot write {}", path.string()));
+  }
+}
+
+}  // namespace mimbre

@@ -1,0 +1,90 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "math/recorded.h"
+
+/// What is recorded of a model: phases of a step as operations on numbers in arrays.
+namespace mimbre::portable {
+
+/// The arrays that phases read and write, by their names in the code.
+enum class Memory {
+  origin,  ///< the common point
+  start,   ///< positions at the start of the step
+  q,       ///< of an evaluation, as the next three
+  v,
+  a,
+  multipliers,
+  held,    ///< inputs and what signals remember
+  states,  ///< of force elements
+  time,
+  slot,  ///< signals, with two derivatives by time
+  rate,
+  second,
+  by_measure,  ///< of the signal that an element follows, by its own measure and its rate
+  by_rate,
+  increment,  ///< of the positions
+  correction,
+  moved,     ///< positions that were moved by the increment
+  composed,  ///< the increment with the correction
+  residual,
+  phi,  ///< equations, their rates, and the rates of these
+  phi_dot,
+  phi_ddot,
+  matrix,      ///< in the places of the factorisation
+  jacobian,    ///< of the equations, entry by entry
+  rows,        ///< of what elements measure
+  mark,        ///< size of an element's tangent
+  tangent,     ///< of the elements that have marks
+  difference,  ///< of such a tangent
+  assembled,   ///< the matrix before it was factorised
+  next_states,
+  next_held,
+  output,
+  count
+};
+inline constexpr std::size_t memories = static_cast<std::size_t>(Memory::count);
+/// As in the code.
+const char* name_of(Memory memory);
+
+struct Store {
+  Memory to;
+  int at;
+  Recorded value;
+  bool adds = false;
+};
+
+/// Operations that are made together. `after`: phases whose results are still there when it is made, those
+/// that were made last.
+struct Phase {
+  std::string name;
+  std::vector<Store> stores;
+  std::vector<int> after;
+};
+
+struct Program {
+  Recording recording;
+  std::vector<Phase> phases;
+  std::array<int, memories> sizes{};
+
+  Recorded input(Memory memory, int at);
+  std::vector<Recorded> inputs(Memory memory, int count);
+  /// Begins a phase; its number.
+  int begin(const std::string& name, const std::vector<int>& after);
+  void store(Memory to, int at, const Recorded& value, bool adds = false);
+};
+
+/// C99 of all phases: functions `name_phase(name *s)` of bounded size, and how many numbers they keep in
+/// s->kept. `tables`: the functions that they call.
+struct PhaseCode {
+  std::string text;
+  int kept = 0;
+  std::vector<long> operations;  ///< by phase
+};
+PhaseCode write_phases(const Program& program, const std::string& name);
+
+/// A number of C.
+std::string literal(double x);
+
+}  // namespace mimbre::portable

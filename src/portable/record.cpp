@@ -1,0 +1,619 @@
+#include "portable/recorded_kernels.h"
+// The kernels come behind what they take of recorded scalars.
+#include "portable/record.h"
+
+#include <fmt/format.h>
+
+#include "dynamics/relative/assembly.h"
+#include "dynamics/relative/evaluation.h"
+#include "dynamics/relative/retract.h"
+#include "dynamics/relative/workspace_impl.h"
+#include "dynamics/tangent_marks.h"
+#include "outputs/frame_angles.h"
+#include "signals/blocks/table.h"
+#include "signals/sensors.h"
+#include "spec/output_kind.h"
+
+namespace mimbre::portable {
+namespace {
+
+using T = Recorded;
+
+/// When signals are looked at: before the first step, at rest, and at the end of a step.
+enum class Instant { fresh, rest, step };
+constexpr std::array instants{Instant::fresh, Instant::rest, Instant::step};
+constexpr std::array instant_names{"fresh", "rest", "step"};
+
+class Recorder {
+ public:
+  Recorder(const Compiled& m, const MatrixWeights& weights, const std::vector<double>& penalty, double step,
+           const std::vector<double>& small_marks)
+      : out_(std::make_unique<RecordedModel>()),
+        p_(out_->program),
+        m_(m),
+        weights_(weights),
+        penalty_(penalty),
+        step_(step),
+        small_marks_(small_marks),
+        w_(m),
+        start_(p_.inputs(Memory::start, m.positions)),
+        q_(p_.inputs(Memory::q, m.positions)),
+        v_(p_.inputs(Memory::v, m.velocities)),
+        a_(p_.inputs(Memory::a, m.velocities)),
+        multipliers_(p_.inputs(Memory::multipliers, m.equations)),
+        states_(p_.inputs(Memory::states, static_cast<int>(m.states.size()))),
+        numbers_(m.numbers.begin(), m.numbers.end()),
+        residual_(static_cast<std::size_t>(m.velocities)),
+        slots_(static_cast<std::size_t>(m.signals.slots)) {
+    w_.signals.numbers = numbers_.data();
+    w_.signals.states = states_.data();
+    out_->senses = !m.signals.sensors.empty();
+    out_->blocks = m.signals.clock >= 0;
+    out_->remembers = !m.states.empty() || !m.signals.integrals.empty() || out_->blocks;
+  }
+
+  std::unique_ptr<RecordedModel> record() {
+    record_origin();
+    for (const Instant i : instants)
+      if (i == Instant::step || out_->blocks) record_signals(i);
+    record_motion();
+    for (const Instant i : instants)
+      if (i == Instant::step || out_->blocks) record_senses(i);
+    record_forces();
+    record_outputs();
+    record_matrix();
+    record_exchange();
+    record_steps();
+    return std::move(out_);
+  }
+
+ private:
+  /// The values of signals from here on, of an instant: what is held, and what time decides.
+  void enter(Instant i) {
+    const SignalsData& d = m_.signals;
+    held_ = p_.inputs(Memory::held, static_cast<int>(d.start.size()));
+    for (const SignalsData::Block& b : d.blocks)
+      if (!(b.every > 0)) held_[static_cast<std::size_t>(b.held)] = i == Instant::fresh ? 0 : 1;
+    SignalValues<T>& s = w_.signals;
+    s.held = held_.data();
+    s.step = i == Instant::step ? step_ : 0;
+    s.since = i == Instant::step && out_->blocks ? step_ : 0;
+    s.time = 0;  // what time decides is there
+    if (s.since == 0) return;
+    for (const SignalsData::Block& b : d.blocks)
+      if (const auto prepare = blocks::rows<T>[static_cast<std::size_t>(b.type)].prepare;
+          prepare && !(b.every > 0))
+        prepare(b, d.numbers.data() + b.numbers, s.since, s.matrices.data() + b.matrices);
+  }
+
+  void record_origin() {
+    phase(origin_, "origin", {});
+    relative::set_origin<T>(m_, w_, start_.data());
+    for (int k = 0; k < 3; ++k) {
+      p_.store(Memory::origin, k, w_.origin[k]);
+      if (!w_.origin[k].is_constant()) w_.origin[k] = p_.input(Memory::origin, k);
+    }
+  }
+
+  void phase(int& number, const std::string& name, const std::vector<int>& after) {
+    number = p_.begin(name, after);
+  }
+
+  T time() { return p_.input(Memory::time, 0); }
+
+  JetOf<T> held_jet(const SignalsData::HeldInput& h) {
+    const T* at = held_.data() + h.held;
+    if (!h.linear) return {at[0], 0, 0};
+    const T from = at[0], start = at[1], to = at[2], end = at[3], now = time();
+    const auto there = !(end > start) || now >= end, begins = now <= start;
+    const T rate = (to - from) / (end - start);
+    return {select(there, to, select(begins, from, from + rate * (now - start))),
+            select(there || begins, T(0), rate), 0};
+  }
+
+  /// What fix_signals() does, at a time that is not known.
+  void record_signals(Instant i) {
+    const SignalsData& d = m_.signals;
+    const std::size_t n = static_cast<std::size_t>(i);
+    phase(signals_[n], fmt::format("signals_{}", instant_names[n]), {});
+    enter(i);
+    SignalValues<T>& s = w_.signals;
+    std::fill(s.value.begin(), s.value.end(), T(std::numeric_limits<double>::quiet_NaN()));
+    s.put(0, JetOf<T>{time(), 1, 0});
+    for (const SignalsData::HeldInput& h : d.held) s.put(h.slot, held_jet(h));
+    for (const SignalsData::OfTime& f : d.of_time) s.put(f.slot, jet_at(f.function, time()));
+    make_signals(d, d.fixed, false, s, [&](const SignalsData::Computed& f) {
+      if (f.block < 0)
+        s.put(f.slot, signal_jet(f.law, s));
+      else
+        make_block_jets(d, d.blocks[f.block], s);
+    });
+    for (const SignalsData::Integral& of : d.integrals) {
+      const T from = s.held[of.held], span = time() - s.held[of.held + 1], now = s.value[of.rate];
+      s.put(of.slot, JetOf<T>{from + span * (now - T(0.5) * span * s.rate[of.rate]), now, s.rate[of.rate]});
+    }
+    for (int k = 0; k < d.slots; ++k) {
+      const std::size_t at = static_cast<std::size_t>(k);
+      const bool moves = k >= d.first_moving;
+      if (moves) s.value[at] = s.rate[at] = s.second[at] = T(0);
+      keep_slot(Memory::slot, k, s.value[at], slots_[at].value, moves);
+      keep_slot(Memory::rate, k, s.rate[at], slots_[at].first, moves);
+      keep_slot(Memory::second, k, s.second[at], slots_[at].second, moves);
+    }
+  }
+  /// Later phases read it, but for constants that are the same at all instants.
+  void keep_slot(Memory memory, int k, const T& made, T& read, bool moves) {
+    if (moves) {
+      read = memory == Memory::slot ? p_.input(memory, k) : T(0);
+      return;
+    }
+    if (made.is_constant() && !out_->blocks) {
+      read = made;
+      return;
+    }
+    p_.store(memory, k, made);
+    read = p_.input(memory, k);
+  }
+  void read_slots() {
+    for (std::size_t k = 0; k < slots_.size(); ++k) {
+      w_.signals.value[k] = slots_[k].value;
+      w_.signals.rate[k] = slots_[k].first;
+      w_.signals.second[k] = slots_[k].second;
+    }
+  }
+
+  void record_motion() {
+    phase(motion_, "motion", {origin_});
+    enter(Instant::step);
+    read_slots();
+    relative::kinematics<T>(m_, w_, q_.data(), v_.data(), a_.data());
+    relative::constraints<T>(m_, w_, q_.data(), v_.data(), a_.data());
+    for (int k = 0; k < m_.equations; ++k) {
+      p_.store(Memory::phi, k, w_.phi[static_cast<std::size_t>(k)]);
+      p_.store(Memory::phi_dot, k, w_.phi_dot[static_cast<std::size_t>(k)]);
+      p_.store(Memory::phi_ddot, k, w_.phi_ddot[static_cast<std::size_t>(k)]);
+    }
+  }
+
+  /// Signals that see the motion, and what elements feel of theirs by their own motion.
+  void record_senses(Instant i) {
+    const std::size_t n = static_cast<std::size_t>(i);
+    phase(senses_[n], fmt::format("sense_{}", instant_names[n]), {origin_, motion_});
+    enter(i);
+    read_slots();
+    relative::measure_elements<T>(m_, w_, q_.data(), v_.data(), a_.data());
+    relative::sense<T>(m_, w_, q_.data());
+    for (int k = m_.signals.first_moving; k < m_.signals.slots; ++k)
+      p_.store(Memory::slot, k, w_.signals.value[static_cast<std::size_t>(k)]);
+    feedback_.assign(m_.elements.size(), {T(0), T(0)});
+    for (std::size_t k = 0; k < m_.elements.size(); ++k) {
+      if (m_.elements[k].feedback < 0) continue;
+      const auto [by_x, by_v] = feedback(m_, m_.elements[k], w_.signals);
+      const int at = static_cast<int>(k);
+      p_.store(Memory::by_measure, at, by_x);
+      p_.store(Memory::by_rate, at, by_v);
+      feedback_[k] = {p_.input(Memory::by_measure, at), p_.input(Memory::by_rate, at)};
+    }
+    if (out_->blocks) record_blocks(i);
+  }
+
+  /// What continuous blocks remember from this instant on.
+  void record_blocks(Instant i) {
+    const SignalsData& d = m_.signals;
+    const std::size_t n = static_cast<std::size_t>(i);
+    if (i != Instant::step)
+      phase(blocks_[n], fmt::format("keep_blocks_{}", instant_names[n]), {origin_, motion_, senses_[n]});
+    next_held_ = p_.inputs(Memory::held, static_cast<int>(d.start.size()));
+    next_held_[static_cast<std::size_t>(d.clock)] = time();
+    next_held_[static_cast<std::size_t>(d.clock) + 1] = 0;
+    for (const SignalsData::Block& b : d.blocks)
+      if (!(b.every > 0)) keep_block(b, i);
+    if (i == Instant::step) return;
+    for (std::size_t k = 0; k < next_held_.size(); ++k)
+      p_.store(Memory::next_held, static_cast<int>(k), next_held_[k]);
+  }
+
+  void keep_block(const SignalsData::Block& b, Instant i) {
+    const SignalValues<T>& s = w_.signals;
+    const BlockInputs<T> in = block_inputs(b, s);
+    BlockCall<T> call = block_call(m_.signals, b, s);
+    call.in = in.data();
+    T* to = next_held_.data() + b.held;
+    T* states = to + 1 + b.inputs;
+    const std::string_view type = blocks::infos[static_cast<std::size_t>(b.type)]->name;
+    if (type == "pid") {
+      T integral, filtered;
+      blocks::pid::output_and<T>(call, &integral, &filtered, nullptr);
+      states[blocks::pid::integral] = integral;
+      states[blocks::pid::filtered] = filtered;
+    } else if (type == "rate_limit") {
+      T next;
+      call.out = &next;
+      blocks::rate_limit::output<T>(call);
+      states[0] = next;
+    } else if (type == "transfer_function" || type == "state_space") {
+      const auto next = blocks::linear::states_of<T>(call);
+      for (int k = 0; k < b.states; ++k) states[k] = next[static_cast<std::size_t>(k)];
+    } else if (b.states > 0) {
+      throw NotRecordable(fmt::format("has a block of type {}", type));
+    }
+    // Whether it has begun.
+    to[0] = i == Instant::step ? T(1) : p_.input(Memory::held, b.held);
+    for (int k = 0; k < b.inputs; ++k) to[1 + k] = in[static_cast<std::size_t>(k)];
+  }
+
+  /// The residual, with elements as in a step or at rest.
+  void make_forces(double step) {
+    enter(step > 0 ? Instant::step : Instant::rest);
+    read_slots();
+    relative::measure_elements<T>(m_, w_, q_.data(), v_.data(), a_.data());
+    const auto feedback_of = [&](const ElementData& e) {
+      return feedback_[static_cast<std::size_t>(&e - m_.elements.begin())];
+    };
+    relative::act<T>(m_, w_, residual_.data(), [&](const ElementData& e) {
+      evaluate_law(m_, e, w_.signals, w_.elements.data(), feedback_of);
+    });
+  }
+  void finish_residual() {
+    relative::apply_multipliers<T>(m_, w_, multipliers_.data(), residual_.data());
+    relative::residual<T>(m_, w_, q_.data(), v_.data(), a_.data(), residual_.data());
+    for (int k = 0; k < m_.velocities; ++k)
+      p_.store(Memory::residual, k, residual_[static_cast<std::size_t>(k)]);
+  }
+
+  void record_forces() {
+    if (feedback_.empty()) feedback_.assign(m_.elements.size(), {T(0), T(0)});
+    out_->rests = !m_.states.empty();
+    for (const ElementData& e : m_.elements)
+      out_->jumps = out_->jumps || (e.state_count > 0 && e.argument_count > 0);
+    if (out_->rests) {
+      phase(rest_, "forces_rest", {origin_, motion_});
+      make_forces(0);
+      finish_residual();
+      if (out_->jumps) {
+        int number = 0;
+        phase(number, "keep_laws", {origin_, motion_});
+        std::vector<T> next = states_;
+        for (const ElementData& e : m_.elements)
+          if (e.state_count > 0 && e.argument_count > 0) keep_element(e, next);
+        for (std::size_t k = 0; k < next.size(); ++k)
+          p_.store(Memory::next_states, static_cast<int>(k), next[k]);
+      }
+      record_rest_elements();
+    }
+    phase(forces_, "forces_step", {origin_, motion_});
+    make_forces(step_);
+    finish_residual();
+    record_marks();
+    if (!out_->rests) {
+      rest_ = forces_;
+      record_rest_elements();
+    }
+    if (out_->remembers) record_commit();
+  }
+
+  void record_rest_elements() { rest_elements_ = w_.elements; }
+
+  void keep_element(const ElementData& e, std::vector<T>& next) {
+    const ElementState<T> s = element_state(e, w_.elements.data());
+    std::copy_n(s.states, e.state_count, next.begin() + e.states);
+  }
+
+  void record_marks() {
+    int tangent = 0;
+    for (std::size_t k = 0; k < m_.elements.size(); ++k) {
+      const ElementData& e = m_.elements[k];
+      if (!e.marked) continue;
+      MarkedElement marked{static_cast<int>(k), e.count, tangent, e.measure == Measure::contact,
+                           small_marks_[k]};
+      tangent += e.count * e.count;
+      const ElementState<T> s = element_state(e, w_.elements.data());
+      T sum = 0;
+      for (int c = 0; c < (e.count == 1 ? 1 : 3); ++c)
+        sum += T(weights_.damping) * s.damping[c * (e.count + 1)] +
+               T(weights_.stiffness) * s.stiffness[c * (e.count + 1)];
+      p_.store(Memory::mark, static_cast<int>(out_->marked.size()), sum);
+      out_->marked.push_back(marked);
+    }
+    if (out_->marked.empty()) return;
+    int number = 0;
+    phase(number, "tangents", {origin_, motion_, forces_});
+    for (const MarkedElement& marked : out_->marked) {
+      const ElementState<T> s =
+          element_state(m_.elements[static_cast<std::size_t>(marked.element)], w_.elements.data());
+      for (int c = 0; c < s.count * s.count; ++c)
+        p_.store(Memory::tangent, marked.tangent + c,
+                 T(weights_.damping) * s.damping[c] + T(weights_.stiffness) * s.stiffness[c]);
+    }
+  }
+
+  /// What is remembered from the end of a step on.
+  void record_commit() {
+    int number = 0;
+    std::vector<int> after{origin_, motion_};
+    if (out_->senses) after.push_back(senses_[2]);
+    phase(number, "commit", after);
+    std::vector<T> next = states_;
+    for (const ElementData& e : m_.elements)
+      if (e.state_count > 0) keep_element(e, next);
+    for (const ConstraintData& c : m_.constraints)
+      std::copy_n(w_.constraint_states.begin() + c.next_states, c.state_count, next.begin() + c.states);
+    for (std::size_t k = 0; k < next.size(); ++k) p_.store(Memory::next_states, static_cast<int>(k), next[k]);
+    if (m_.signals.integrals.empty() && !out_->blocks) return;
+    std::vector<T> held =
+        next_held_.empty() ? p_.inputs(Memory::held, static_cast<int>(m_.signals.start.size())) : next_held_;
+    for (const SignalsData::Integral& i : m_.signals.integrals) {
+      held[static_cast<std::size_t>(i.held)] = slots_[static_cast<std::size_t>(i.slot)].value;
+      held[static_cast<std::size_t>(i.held) + 1] = time();
+    }
+    for (std::size_t k = 0; k < held.size(); ++k) p_.store(Memory::next_held, static_cast<int>(k), held[k]);
+  }
+
+  void record_matrix() {
+    phase(matrix_, "assemble", {origin_, motion_, forces_});
+    std::vector<T> values(static_cast<std::size_t>(m_.symbolic.value_count()) + 2 * linalg::kLanes, T(0));
+    relative::assemble<T>(m_, w_, q_.data(), weights_, penalty_.data(), values.data(), relative::NoMarks{});
+    for (std::size_t k = 0; k < static_cast<std::size_t>(m_.symbolic.value_count()); ++k)
+      if (values[k].node >= 0 || values[k].number != 0)
+        p_.store(Memory::matrix, static_cast<int>(k), values[k]);
+    const auto add = [&](int equation, int coordinate, const T& value) {
+      if (value.is_constant() && value.number == 0) return;
+      p_.store(Memory::jacobian, static_cast<int>(out_->jacobian.size()), value);
+      out_->jacobian.push_back({equation, coordinate, value.is_constant() ? value.number : 0});
+    };
+    for_rows(m_, [&](const EquationRows& rows) {
+      for (int r = 0; r < rows.count; ++r)
+        for (const PathEntry& e : rows.path.entries)
+          for (int k = 0; k < e.count; ++k)
+            add(rows.first_equation + r, e.first + k,
+                w_.jacobian[static_cast<std::size_t>(rows.jacobian + r * rows.path.width + e.offset + k)]);
+    });
+    for (const DriveData& d : m_.drives) add(d.equation, d.v, 1);
+    for (const MarkedElement& marked : out_->marked) store_rows(marked);
+  }
+  void store_rows(const MarkedElement& marked) {
+    const ElementData& e = m_.elements[static_cast<std::size_t>(marked.element)];
+    if (e.body >= 0) return;
+    for (int k = 0; k < e.count * e.path.width; ++k) {
+      const T& x = w_.jacobian[static_cast<std::size_t>(e.jacobian + k)];
+      if (x.node >= 0) p_.store(Memory::rows, e.jacobian + k, x);
+    }
+  }
+
+  /// Of each marked element what a change of its tangent adds to the matrix.
+  void record_exchange() {
+    for (std::size_t i = 0; i < out_->marked.size(); ++i) {
+      const MarkedElement& marked = out_->marked[i];
+      const ElementData& e = m_.elements[static_cast<std::size_t>(marked.element)];
+      int number = 0;
+      if (marked.contact) {
+        phase(number, fmt::format("rows_{}", i), {origin_, motion_, forces_, matrix_});
+        store_rows(marked);
+      }
+      phase(number, fmt::format("exchange_{}", i), {});
+      const std::vector<T> difference = p_.inputs(Memory::difference, e.count * e.count);
+      std::vector<T> values(static_cast<std::size_t>(m_.symbolic.value_count()) + 2 * linalg::kLanes, T(0));
+      if (e.body >= 0) {
+        const linalg::BlockPlace& place = m_.diagonal[e.body];
+        values[static_cast<std::size_t>(place.offset + e.local * (place.row_stride + place.col_stride))] =
+            difference[0];
+      } else {
+        std::vector<T> rows, weighted(static_cast<std::size_t>(e.count * e.path.width));
+        for (int k = 0; k < e.count * e.path.width; ++k) {
+          const T& x = w_.jacobian[static_cast<std::size_t>(e.jacobian + k)];
+          rows.push_back(x.node >= 0 ? p_.input(Memory::rows, e.jacobian + k) : x);
+        }
+        relative::weigh_rows<T>(e.count, e.path.width, rows.data(), weighted.data(), [&](int r, int c) {
+          return difference[static_cast<std::size_t>(r * e.count + c)];
+        });
+        relative::add_pairs<T>(e.path, weighted.data(), rows.data(), e.count, values.data());
+      }
+      for (std::size_t k = 0; k < static_cast<std::size_t>(m_.symbolic.value_count()); ++k)
+        if (values[k].node >= 0) p_.store(Memory::assembled, static_cast<int>(k), values[k], true);
+    }
+  }
+
+  /// Positions and increments.
+  void record_steps() {
+    int number = 0;
+    phase(number, "retract", {});
+    const std::vector<T> x = p_.inputs(Memory::increment, m_.velocities);
+    std::vector<T> moved(static_cast<std::size_t>(m_.positions));
+    relative::retract<T>(m_, start_.data(), x.data(), moved.data());
+    for (std::size_t k = 0; k < moved.size(); ++k) p_.store(Memory::moved, static_cast<int>(k), moved[k]);
+    phase(number, "compose", {});
+    std::vector<T> composed = x;
+    const std::vector<T> correction = p_.inputs(Memory::correction, m_.velocities);
+    relative::compose<T>(m_, composed.data(), correction.data());
+    for (std::size_t k = 0; k < composed.size(); ++k)
+      p_.store(Memory::composed, static_cast<int>(k), composed[k]);
+  }
+
+  // Outputs.
+  Motion<T> motion_of(int spec_frame) {
+    const int frame = m_.frame_of_spec[spec_frame];
+    const FrameData& f = m_.frames[frame];
+    if (frame < m_.dynamic_frames && f.full) return w_.frames[static_cast<std::size_t>(frame)];
+    Motion<T> out;
+    if (f.body < 0) {
+      out.rotation = f.rotation.cast<T>();
+      out.position = f.position.cast<T>() - w_.origin;
+      out.velocity = out.omega = out.alpha = Vec3<T>::Zero();
+      out.acceleration = -m_.gravity.cast<T>();
+      return out;
+    }
+    const BodyData& b = m_.bodies[f.body];
+    const int s = b.modes > 0 ? m_.flexible[b.flexible].stride : 0;
+    std::vector<T> y(static_cast<std::size_t>(3 * s), T(0));
+    for (int k = 0; k < b.modes; ++k) {
+      y[static_cast<std::size_t>(k)] = q_[static_cast<std::size_t>(b.q + b.joint_positions + k)];
+      y[static_cast<std::size_t>(s + k)] = v_[static_cast<std::size_t>(b.v + b.joint_velocities + k)];
+      y[static_cast<std::size_t>(2 * s + k)] = a_[static_cast<std::size_t>(b.v + b.joint_velocities + k)];
+    }
+    if (b.modes > 0) {
+      const FlexibleData& flexible = m_.flexible[b.flexible];
+      extend(flexible, y.data());
+      extend(flexible, y.data(), y.data() + s);
+      extend(flexible, y.data(), y.data() + s, y.data() + 2 * s);
+    }
+    relative::frame_motion<T>(f, w_.bodies[static_cast<std::size_t>(f.body)], y.data(), y.data() + s,
+                              y.data() + 2 * s, out);
+    return out;
+  }
+
+  /// A joint's coordinates and their rates.
+  struct Coordinates {
+    std::array<T, 7> positions;
+    std::array<T, 6> rates;
+  };
+  Coordinates coordinates(int joint) {
+    Coordinates out;
+    const spec::Joint& of = m_.spec().joints[static_cast<std::size_t>(joint)];
+    const JointInfo& info = joint_info(of.type);
+    for (const BodyData& b : m_.bodies) {
+      if (b.joint_spec != joint) continue;
+      for (int k = 0; k < info.positions; ++k)
+        out.positions[static_cast<std::size_t>(k)] = q_[static_cast<std::size_t>(b.q + k)];
+      for (int k = 0; k < info.velocities; ++k)
+        out.rates[static_cast<std::size_t>(k)] = v_[static_cast<std::size_t>(b.v + k)];
+      return out;
+    }
+    const Motion<T> a = motion_of(of.frame_a), b = motion_of(of.frame_b);
+    Vec3<T> d, u, w;
+    relative_velocity(a, b, d, u, w);
+    const Mat3<T> At = a.rotation.transpose();
+    joint_coordinates<T>(of.type, At * b.rotation, At * d, out.positions.data());
+    const T rest[6] = {0, 0, 0, 0, 0, 0};
+    JointMotion<T> motion;
+    joint_motion<T>(of.type, out.positions.data(), rest, motion);
+    for (int k = 0; k < info.velocities; ++k)
+      out.rates[static_cast<std::size_t>(k)] =
+          motion.linear.col(k).dot(At * u) + motion.angular.col(k).dot(At * w);
+    return out;
+  }
+
+  T element_force(int element) { return element_state(m_.elements[element], rest_elements_.data()).force[0]; }
+
+  /// The value of an output of the model. Throws NotRecordable where it is of a kind that the code has not.
+  T value(const spec::Output& o) {
+    const std::string& kind = o.kind;
+    const std::size_t c = static_cast<std::size_t>(o.component);
+    if (kind == "position") return motion_of(o.item).position[o.component] + w_.origin[o.component];
+    if (kind == "velocity") return motion_of(o.item).velocity[o.component];
+    if (kind == "acceleration")
+      return motion_of(o.item).acceleration[o.component] + T(m_.gravity[o.component]);
+    if (kind == "angular_velocity")
+      return outputs::AngularVelocity::component(motion_of(o.item), o.own_axes, o.component);
+    if (kind == "angular_acceleration") {
+      const Motion<T> here = motion_of(o.item);
+      return (o.own_axes ? Vec3<T>(here.rotation.transpose() * here.alpha) : here.alpha)[o.component];
+    }
+    if (kind == "roll") return outputs::Roll::angle<T>(motion_of(o.item).rotation);
+    if (kind == "pitch") return outputs::Pitch::angle<T>(motion_of(o.item).rotation);
+    if (kind == "yaw") return outputs::Yaw::angle<T>(motion_of(o.item).rotation);
+    if (kind == "displacement") {
+      const Motion<T> from = motion_of(o.reference), here = motion_of(o.item);
+      const Vec3<T> direction = o.direction.cast<T>();
+      return direction.dot(Vec3<T>(from.rotation.transpose() * Vec3<T>(here.position - from.position))) +
+             T(o.offset);
+    }
+    if (kind == "deflection") {
+      const FrameData& f = m_.frames[m_.frame_of_spec[o.item]];
+      if (f.flexible < 0) return 0;
+      const BodyData& b = m_.bodies[f.body];
+      std::vector<T> y(static_cast<std::size_t>(f.X.cols()), T(0));
+      for (int k = 0; k < b.modes; ++k)
+        y[static_cast<std::size_t>(k)] = q_[static_cast<std::size_t>(b.q + b.joint_positions + k)];
+      extend(m_.flexible[b.flexible], y.data());
+      return o.direction.cast<T>().dot(times(f.X, y.data()));
+    }
+    if (kind == "modal_amplitude") {
+      const BodyData& b = m_.bodies[m_.body_of_spec[o.item]];
+      const spec::Body& body = m_.spec().bodies[static_cast<std::size_t>(o.item)];
+      T sum = 0;
+      if (body.flexible)
+        for (int k = 0; k < b.modes; ++k)
+          sum += T(body.flexible->user_from_modal(o.component, k)) *
+                 q_[static_cast<std::size_t>(b.q + b.joint_positions + k)];
+      return sum;
+    }
+    if (kind == "joint") return coordinates(o.item).positions[c] + T(o.offset);
+    if (kind == "joint_velocity") return coordinates(o.item).rates[c];
+    if (kind == "spring_force") return element_force(o.item);
+    if (kind == "spring_length") return element_state(m_.elements[o.item], rest_elements_.data()).x[0];
+    if (kind == "tyre_force" && o.component == 0) return -element_force(m_.first_tyre + o.item);
+    throw NotRecordable(kind);
+  }
+
+  void add_output(const std::string& name, const std::string& unit, const std::string& meaning,
+                  const T& made) {
+    p_.store(Memory::output, static_cast<int>(out_->outputs.size()), made);
+    out_->outputs.push_back({name, unit, meaning});
+  }
+
+  void record_outputs() {
+    int number = 0;
+    phase(number, "outputs", {origin_, motion_, rest_});
+    enter(Instant::rest);
+    read_slots();
+    for (const spec::Output& o : m_.spec().outputs) {
+      try {
+        const T made = value(o);
+        const ChannelInfo info = output_info(o).describe(m_, o);
+        add_output(info.name, info.unit, info.meaning, made);
+      } catch (const NotRecordable&) {
+        out_->left_out.push_back(fmt::format("{} ({})", o.name, o.kind));
+      }
+    }
+    for (std::size_t k = 0; k < m_.spec().signals.size(); ++k) {
+      const int slot = m_.signals.slot_of_signal[k];
+      if (slot < 0) continue;
+      const spec::Signal& signal = m_.spec().signals[k];
+      if (signal.named)
+        add_output(signal.name, signal.unit.empty() ? "1" : signal.unit,
+                   fmt::format("signal '{}'", signal.name), slots_[static_cast<std::size_t>(slot)].value);
+    }
+    for (std::size_t j = 0; j < m_.spec().joints.size() && m_.spec().outputs.empty(); ++j) {
+      const spec::Joint& joint = m_.spec().joints[j];
+      const JointInfo& info = joint_info(joint.type);
+      const Coordinates of = coordinates(static_cast<int>(j));
+      const int plain = info.quaternion < 0 ? info.velocities : info.quaternion;
+      for (int k = 0; k < plain; ++k)
+        add_output(fmt::format("joint.{}.position{}", joint.name,
+                               info.velocities > 1 ? fmt::format(".{}", k) : std::string()),
+                   is_angle(joint.type, k) ? "rad" : "m",
+                   fmt::format("coordinate {} of joint '{}'", k, joint.name),
+                   of.positions[static_cast<std::size_t>(k)]);
+    }
+  }
+
+  struct Slot {
+    T value, first, second;
+  };
+
+  std::unique_ptr<RecordedModel> out_;
+  Program& p_;
+  const Compiled& m_;
+  const MatrixWeights weights_;
+  const std::vector<double>& penalty_;
+  const double step_;
+  const std::vector<double>& small_marks_;
+  relative::Workspace<T> w_;
+  const std::vector<T> start_, q_, v_, a_, multipliers_, states_, numbers_;
+  std::vector<T> held_, next_held_, residual_;
+  std::vector<Slot> slots_;                ///< as phases read them
+  std::vector<std::pair<T, T>> feedback_;  ///< by element
+  AlignedVector<T> rest_elements_;
+  int origin_ = -1, motion_ = -1, rest_ = -1, forces_ = -1, matrix_ = -1;
+  std::array<int, 3> signals_{}, senses_{}, blocks_{};
+};
+
+}  // namespace
+
+std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixWeights& weights,
+                                            const std::vector<double>& penalty, double step,
+                                            const std::vector<double>& small_marks) {
+  return Recorder(model, weights, penalty, step, small_marks).record();
+}
+
+}  // namespace mimbre::portable

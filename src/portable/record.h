@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "compile/compiled.h"
+#include "dynamics/system.h"
+#include "mimbre/method.h"
+#include "portable/program.h"
+
+namespace mimbre::portable {
+
+/// An output that the code has.
+struct RecordedOutput {
+  std::string name, unit, meaning;
+};
+
+/// A force element whose tangent is exchanged in the matrix when it changes at once.
+struct MarkedElement {
+  int element = -1, size = 1;  ///< components
+  int tangent = 0;             ///< where its size² numbers begin among the tangents
+  bool contact = false;        ///< rows are made anew where it did not touch
+  double small = 0;            ///< changes of its mark that ask for a new matrix
+};
+
+/// A model as phases of operations, and what the integrator has to know of it.
+struct RecordedModel {
+  Program program;
+  std::vector<JacobianEntry> jacobian;  ///< of the equations, in the order of Memory::jacobian
+  std::vector<MarkedElement> marked;
+  std::vector<RecordedOutput> outputs;
+  std::vector<std::string> left_out;  ///< outputs that it has not, with the reason
+  bool senses = false;                ///< signals see the motion
+  bool blocks = false;                ///< signals remember
+  bool remembers = false;             ///< commit is needed
+  bool rests = false;                 ///< laws at rest are others than in a step
+  bool jumps = false;                 ///< laws remember signals where these jump
+};
+
+/// Runs the kernels of a step of `step` seconds once. Throws NotRecordable.
+std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixWeights& weights,
+                                            const std::vector<double>& penalty, double step,
+                                            const std::vector<double>& small_marks);
+
+}  // namespace mimbre::portable

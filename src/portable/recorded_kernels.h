@@ -1,0 +1,54 @@
+#pragma once
+#include "compile/compiled.h"
+#include "math/recorded.h"
+
+namespace mimbre::roads {
+template <class T>
+struct Place;
+/// Before the kernel that calls it.
+Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y);
+}  // namespace mimbre::roads
+
+#include "forces/road_surface.h"
+#include "forces/surfaces/mesh.h"
+#include "forces/user.h"
+#include "math/space_curve.h"
+#include "signals/values.h"
+
+/// What kernels do with the values of other scalars, for recorded ones: before the kernels are instantiated.
+namespace mimbre {
+
+/// Time is the recorder's own.
+template <>
+inline JetOf<Recorded> held_input<Recorded>(const SignalsData::HeldInput&, const Recorded*, double) {
+  throw NotRecordable("has an input whose time is not known");
+}
+
+inline void curve_point(const SpaceCurve&, const Recorded&, CurvePoint<Recorded>&) {
+  throw NotRecordable("has a body on a curve, which code cannot be made of");
+}
+
+namespace forces {
+template <>
+inline void user_law<Recorded>(const LawContext<Recorded>&, ElementState<Recorded>&) {
+  throw NotRecordable("has a law of the user's own");
+}
+}  // namespace forces
+
+namespace surfaces {
+template <>
+inline Touch<Recorded> Mesh::touch<Recorded>(const SurfaceData&, const Vec3<Recorded>&) {
+  throw NotRecordable("has contacts with surfaces of triangles");
+}
+}  // namespace surfaces
+
+namespace roads {
+inline Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y) {
+  if (road.over == spec::Road::Over::time) return {0, 0, 0, road.friction};
+  const std::vector<Recorded> parts =
+      record_call({&road, footprint, static_cast<int>(RecordedCallee::road)}, x, &y, 4);
+  return {parts[0], parts[1], parts[2], parts[3]};
+}
+}  // namespace roads
+
+}  // namespace mimbre

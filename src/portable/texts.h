@@ -1,0 +1,13 @@
+#pragma once
+
+/// Parts of the code that are the same for every model, with '@' for its name:
+/// src/portable/integrator_text.cpp.
+namespace mimbre::portable {
+
+extern const char* const functions_text;   ///< functions of one variable
+extern const char* const roads_text;       ///< heights over a place
+extern const char* const linear_text;      ///< factorisation and solution
+extern const char* const integrator_text;  ///< a step
+extern const char* const interface_text;   ///< what hosts call
+
+}  // namespace mimbre::portable

@@ -1,0 +1,236 @@
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "mimbre/generate.h"
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// Generated code against the library, step by step.
+namespace mimbre::test::generated_code_test {
+namespace {
+
+/// What a command prints; it has to succeed.
+std::string output_of(const std::string& command) {
+  const std::string file = testing::TempDir() + "generated_code_output.txt";
+  EXPECT_EQ(std::system((command + " > " + file + " 2>&1").c_str()), 0) << command;
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// Compiled code of a model, loaded.
+class Code {
+ public:
+  Code(const GeneratedCode& code, const std::string& compiler = "cc") : code_(code) {
+    folder_ = testing::TempDir() + "generated_" + code.name;
+    write_code(code, folder_);
+    const std::string stem = folder_ + "/" + code.name;
+    const std::string made = output_of(compiler + " -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -fPIC -c " +
+                                       stem + ".c -o " + stem + ".o");
+    EXPECT_EQ(made, "");
+    output_of(compiler + " -shared " + stem + ".o -o " + stem + ".so -lm");
+    library_ = dlopen((stem + ".so").c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library_) throw std::runtime_error(dlerror());
+    state_.resize(static_cast<std::size_t>(code.bytes) / 8 + 1);
+    function<void (*)(void*)>("init")(state_.data());
+  }
+  ~Code() { dlclose(library_); }
+  Code(const Code&) = delete;
+  Code& operator=(const Code&) = delete;
+
+  int step() { return function<int (*)(void*)>("step")(state_.data()); }
+  int set_input(int input, double value) {
+    return function<int (*)(void*, int, double)>("set_input")(state_.data(), input, value);
+  }
+  double output(int k) { return function<double (*)(void*, int)>("get_output")(state_.data(), k); }
+  double time() { return function<double (*)(const void*)>("time")(state_.data()); }
+  std::vector<double>& state() { return state_; }
+  void save(std::vector<double>& to) {
+    to.resize(state_.size());
+    function<void (*)(const void*, void*)>("save")(state_.data(), to.data());
+  }
+  void restore(const std::vector<double>& from) {
+    function<void (*)(void*, const void*)>("restore")(state_.data(), from.data());
+  }
+  void init() { function<void (*)(void*)>("init")(state_.data()); }
+  std::string object() const { return folder_ + "/" + code_.name + ".o"; }
+
+ private:
+  template <class F>
+  F function(const std::string& name) {
+    return reinterpret_cast<F>(dlsym(library_, (code_.name + "_" + name).c_str()));
+  }
+  const GeneratedCode& code_;
+  std::string folder_;
+  void* library_ = nullptr;
+  std::vector<double> state_;
+};
+
+RunOptions fixed_cost() {
+  RunOptions options;
+  options.fixed_cost = true;
+  options.energies = options.validity = options.warnings = false;
+  return options;
+}
+
+/// The channel of an output: a signal's has another name.
+Simulation::Channel channel_of(const Simulation& s, const GeneratedVariable& output) {
+  for (const ChannelInfo& channel : s.channels())
+    if (channel.name == output.name) return s.channel(output.name);
+  return s.channel("signal." + output.name);
+}
+
+/// Largest difference of the outputs over a second, by their size or 1.
+double difference(const std::shared_ptr<const Model>& model, const GeneratedCode& code, Code& made,
+                  double seconds = 1) {
+  Simulation s(model, fixed_cost());
+  std::vector<Simulation::Channel> channels;
+  for (const GeneratedVariable& o : code.outputs) channels.push_back(channel_of(s, o));
+  double most = 0;
+  const int steps = static_cast<int>(std::lround(seconds / s.step_size()));
+  for (int step = 0; step <= steps; ++step) {
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+      const double expected = s.value(channels[k]), found = made.output(static_cast<int>(k));
+      const double off = std::abs(found - expected) / std::max(1.0, std::abs(expected));
+      most = off <= most ? most : off;
+    }
+    EXPECT_EQ(made.time(), s.time());
+    // Inputs move, the same in both.
+    for (std::size_t k = 0; k < code.inputs.size(); ++k) {
+      const double value = code.inputs[k].start + 0.2 * std::sin(3 * s.time() + static_cast<double>(k));
+      s.set_input(static_cast<int>(k), value);
+      made.set_input(static_cast<int>(k), value);
+    }
+    EXPECT_TRUE(s.step().ok());
+    EXPECT_LE(made.step(), 1);
+  }
+  return most;
+}
+
+struct Case {
+  const char *name, *path;
+  double tolerance;
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+};
+
+class GeneratedCodeOf : public testing::TestWithParam<Case> {};
+
+TEST_P(GeneratedCodeOf, StepsAsTheLibraryDoes) {
+  const auto model = example(GetParam().path);
+  const GeneratedCode code = generate_code(model, {}, GetParam().name);
+  ASSERT_FALSE(code.outputs.empty());
+  Code made(code);
+  EXPECT_LE(difference(model, code, made), GetParam().tolerance);
+}
+
+TEST_P(GeneratedCodeOf, NeedsOnlyTheMathematicsOfC) {
+  const GeneratedCode code = generate_code(example(GetParam().path), {}, GetParam().name);
+  const Code made(code);
+  std::istringstream symbols(output_of("nm -u " + made.object()));
+  const std::set<std::string> known{
+      "sqrt",  "sin",  "cos",   "tan",    "asin",   "acos",   "atan",
+      "sinh",  "cosh", "tanh",  "asinh",  "acosh",  "atanh",  "exp",
+      "expm1", "log",  "log2",  "log10",  "fabs",   "round",  "floor",
+      "atan2", "pow",  "hypot", "memcpy", "memset", "sincos", "_GLOBAL_OFFSET_TABLE_"};
+  std::string mark, name;
+  while (symbols >> mark >> name) EXPECT_TRUE(known.contains(name)) << name;
+}
+
+TEST_P(GeneratedCodeOf, GoesOnFromASavedState) {
+  const GeneratedCode code = generate_code(example(GetParam().path), {}, GetParam().name);
+  Code made(code), other(code);
+  for (int k = 0; k < 10; ++k) made.step();
+  std::vector<double> saved;
+  made.save(saved);
+  other.restore(saved);
+  for (int k = 0; k < 10; ++k) {
+    made.step();
+    other.step();
+  }
+  EXPECT_EQ(made.time(), other.time());
+  for (int k = 0; k < static_cast<int>(code.outputs.size()); ++k) EXPECT_EQ(made.output(k), other.output(k));
+}
+
+// Where flexible links close loops, round-off is multiplied by the penalty of the constraints: in the last
+// three.
+INSTANTIATE_TEST_SUITE_P(Examples, GeneratedCodeOf,
+                         testing::Values(Case{"pendulum", "tutorial/pendulum.yaml", 1e-13},
+                                         Case{"double_four_bar", "double-four-bar/mechanism.yaml", 1e-10},
+                                         Case{"flexible_pendulum", "pendulum/flexible.yaml", 1e-12},
+                                         Case{"bricard", "bricard/mechanism.yaml", 1e-10},
+                                         Case{"suspension", "iltis/suspension.yaml", 1e-10},
+                                         Case{"slider_crank", "slider-crank/slider-crank.yaml", 1e-9},
+                                         Case{"four_bar", "tutorial/four-bar.yaml", 5e-9}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// Inputs, a controller that remembers, a spring with a law of an input: what jumps, is held and is fed back.
+TEST(GeneratedCode, FollowsInputsAndBlocks) {
+  std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});
+  const auto model = model_of(text + R"yaml(
+inputs:
+  wanted: {start: 0.2, range: [-1, 1]}
+  wind: {start: 1, hold: linear}
+signals:
+  angle: {joint: crank}
+  rate: {joint_velocity: crank}
+  gust: {transfer_function: wind, numerator: [1], denominator: [2e-4, 0.02, 1]}
+  servo: {pid: angle, setpoint: wanted, kp: 2, ki: 3, kd: 0.05, filter: 0.04, upper: 4, lower: -4}
+  slow: {rate_limit: wanted, rising: 2}
+  chosen: "angle > 0 ? sin(rate)*slow : max(gust, wanted^2)"
+actuators:
+  motor: {joint: crank, torque: "servo + 0.1*chosen - 0.2*rate"}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "driven");
+  ASSERT_EQ(code.inputs.size(), 2u);
+  EXPECT_EQ(code.inputs[0].identifier, "IN_WANTED");
+  Code made(code);
+  EXPECT_LE(difference(model, code, made), 1e-10);
+  // Out of range it is kept at the range's end; wrong ones are refused and change nothing.
+  EXPECT_NE(made.set_input(7, 0), 0);
+  EXPECT_NE(made.set_input(-1, 0), 0);
+  EXPECT_NE(made.set_input(0, std::nan("")), 0);
+  EXPECT_TRUE(std::isnan(made.output(1000)));
+}
+
+TEST(GeneratedCode, CompilesWithClang) {
+  if (std::system("command -v clang > /dev/null 2>&1") != 0) GTEST_SKIP() << "there is no clang";
+  const GeneratedCode code = generate_code(example("iltis/suspension.yaml"), {}, "suspension");
+  Code made(code, "clang");
+  EXPECT_EQ(made.step(), 0);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    generate_code(model_of(text), {}, "model");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GeneratedCode, SaysWhatItIsNotMadeOf) {
+  const std::string free = refusal(R"yaml(
+bodies: {top: {mass: 1, inertia: [1, 2, 3]}}
+joints: {free: {type: floating, between: [ground, top]}}
+)yaml");
+  EXPECT_NE(free.find("body 'top' flies freely"), std::string::npos) << free;
+  const std::string natural = refusal(four_bar_text({}) + "simulation: {formulation: natural}\n");
+  EXPECT_NE(natural.find("formulation: relative"), std::string::npos) << natural;
+  EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "no name"), InputError);
+}
+
+TEST(GeneratedCode, NamesAreIdentifiers) {
+  EXPECT_EQ(identifier_of("a/double-four-bar.yaml"), "double_four_bar");
+  EXPECT_EQ(identifier_of("4bar.yaml"), "m4bar");
+}
+
+}  // namespace
+}  // namespace mimbre::test::generated_code_test
