@@ -8,7 +8,8 @@ inputs from a table (held or in a line) and tunable parameters, and some joints 
 step, a half and a quarter of it, and with the fine one; at the same instants in each the imbalance
 (`energy.numerical`) is taken, and its largest size divided by the energy at play: between the highest energy and the
 lowest potential, with what drives, loads and roads turned over. Over a jump within a step velocities are off for a
-few steps, and the balance with them: what counts is what lasts over four of these instants. Prints the orders, the
+few steps, and the balance with them: what counts is what lasts over four of these instants. Models in which a drive
+and loops determine the same motion are left out. Prints the orders, the
 imbalances, and the worst seeds; `--seed N` prints a model and its input instead. Needs h5py.
 """
 
@@ -240,9 +241,7 @@ def imbalance(program, folder, step, every):
     with h5py.File(folder / "run.h5") as file:
         names = [name.decode().rstrip("\0") for name in file["channel_names"][:]]
         columns = {
-            name[len("energy.") :]: file["channels"][:, k]
-            for k, name in enumerate(names)
-            if name.startswith("energy.")
+            name[len("energy.") :]: file["channels"][:, k] for k, name in enumerate(names) if name.startswith("energy.")
         }
     total = sum(columns[name] for name in ("kinetic", "gravitational", "elastic", "springs", "tyres"))
     works = columns["drive_work"] + columns["load_work"] + columns["road_work"]
@@ -254,10 +253,23 @@ def imbalance(program, folder, step, every):
     return lasting.max() / at_play, ""
 
 
+def contradiction(program, folder):
+    """A drive of a motion that loops hold, too: where they contradict each other there is no motion."""
+    model = json.loads((folder / "model.yaml").read_text())
+    done = subprocess.run([program, "check", "model.yaml", "--json"], cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0:
+        return ""
+    redundant = json.loads(done.stdout)["redundant"]
+    driven = [name for name, joint in model["joints"].items() if "drive" in joint and name in redundant]
+    return f"the drive of joint '{driven[0]}' and loops determine a motion twice" if driven else ""
+
+
 def attack(program, seed, steps, every):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write(seed, folder)
+        if error := contradiction(program, folder):
+            return seed, [], error
         found = [imbalance(program, folder, step, every) for step in steps]
     return seed, [one for one, _ in found], next((error for _, error in found if error), "")
 

@@ -222,7 +222,9 @@ struct Contact {
   bool among = false;                   ///< they touch one another
   bool swarm = false;                   ///< of these only those that are near each other are looked at
   double stiffness = 0;                 ///< N/m; needed
-  double exponent = 1, depth = 1e-3, restitution = 1;
+  double exponent = 1;
+  double depth = std::numeric_limits<double>::infinity();  ///< m; infinite: by the mechanism's scales
+  double restitution = 1;
   double friction = 0, static_ratio = 1;
   double stribeck = std::numeric_limits<double>::infinity();  ///< m/s; infinite: by the mechanism's scales
   double tangential = 0.7;

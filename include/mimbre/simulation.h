@@ -43,6 +43,9 @@ struct Validity {
   double axial = 0;     ///< what the modes changed the lines' length by then, likewise (root mean square)
   Peak compression;     ///< load over buckling load, held at the tangent frame
   Peak tension;         ///< geometric over elastic stiffness in the shape that it stiffens most
+  /// Largest error of the deflections, over their range, since vibrations are faster under tension and slower
+  /// under compression than linear theory has them
+  Peak lag;
   /// By how much deflections are too large since bending would stretch the body between what holds it
   Peak held;
   Peak high_modes;  ///< largest energy of the highest third of the dynamic modes over the largest of all

@@ -997,7 +997,7 @@ class Stop(TypedDict, total=False):
     stiffness: Required[Number]
     # Of the force over the depth, from 1; default: 1.
     exponent: Number
-    # At which the stiffness is that, m or rad; default: 0.001.
+    # At which the stiffness is that, m or rad; default: 1e-3 L, on an angle 1e-3 rad.
     depth: Number
     # Coefficient of restitution: the ratio of rebound to impact speed, from 0.01 to 1; default: 1.
     restitution: Number
@@ -1060,7 +1060,7 @@ class Contact(TypedDict, total=False):
     stiffness: Required[Number]
     # Of the force over the depth, from 1; 1.5 of elastic spheres (Hertz); default: 1.
     exponent: Number
-    # At which the stiffness is that, m; default: 0.001.
+    # At which the stiffness is that, m; default: 1e-3 L.
     depth: Number
     # Coefficient of restitution: the ratio of rebound to impact speed, from 0.01 to 1; default: 1.
     restitution: Number

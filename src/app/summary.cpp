@@ -15,11 +15,12 @@
 namespace mimbre::app {
 namespace {
 
-std::array<std::pair<const char*, Validity::Peak>, 6> named(const Validity& v) {
+std::array<std::pair<const char*, Validity::Peak>, 7> named(const Validity& v) {
   return {{{"deflection", v.deflection},
            {"foreshortening", v.foreshortening},
            {"compression", v.compression},
            {"tension", v.tension},
+           {"lag", v.lag},
            {"held", v.held},
            {"high_modes", v.high_modes}}};
 }
@@ -30,7 +31,8 @@ bool stopped_by(const Simulation& simulation, const EventRecord& e) {
 
 /// What linear theory neglected at worst, of all bodies.
 std::string worst(const std::vector<Validity>& bodies) {
-  const char* names[] = {"deflection", "shortening", "compression", "tension", "held", "highest modes"};
+  const char* names[] = {"deflection", "shortening", "compression",  "tension",
+                         "lag",        "held",       "highest modes"};
   std::string text;
   for (std::size_t k = 0; k < std::size(names); ++k) {
     double largest = 0;

@@ -59,19 +59,37 @@ std::vector<char> holding_frames(const Compiled& m) {
   return holds;
 }
 
+/// Of the arm from a body's centre of mass to the joint that carries it what counts: where a guide or a plane
+/// is given along the directions in which the body slides is arbitrary. The place of a pin in its slot is
+/// not.
+Vec3d arm_of_own_joint(const FrameData& frame, spec::JointType type, Vec3d arm) {
+  const JointInfo& joint = joint_info(type);
+  if (type == spec::JointType::pin_slot) return arm;
+  for (std::size_t k = 0; k < joint.moves.size(); ++k) {
+    if (is_angle(type, static_cast<int>(k))) continue;
+    const Vec3d along = frame.rotation.col(joint.moves[k] - 'x');
+    arm -= along.dot(arm) * along;
+  }
+  return arm;
+}
+
 /// How far from its centre of mass a body is held, m, or where that is at its centre its radius of gyration;
 /// 0: it is a point. Distances up to `same` are none.
 double size_of(const Compiled& m, const BodyData& b, const std::vector<char>& holds, double same) {
   const Vec3d centre = centre_of(b);
   const double radius = b.mass > 0 ? std::sqrt(second_moment_about_centre(b) / b.mass) : 0;
   double size = 0;
-  for (int f = b.first_frame; f < b.last_frame; ++f) {
-    if (!holds[static_cast<std::size_t>(f)]) continue;
+  const auto look = [&](int f) {
+    if (!holds[static_cast<std::size_t>(f)]) return;
     const Vec3d& place = m.frames[f].position;
-    const double distance = (place - centre).norm();
-    if (!(distance > same + round_off * (place.norm() + centre.norm()))) continue;
+    const Vec3d arm = place - centre;
+    const double distance =
+        (f == b.outboard_frame ? arm_of_own_joint(m.frames[f], b.joint, arm) : arm).norm();
+    if (!(distance > same + round_off * (place.norm() + centre.norm()))) return;
     size = std::max(size, radius > 0 ? std::min(distance, longest_lever * radius) : distance);
-  }
+  };
+  for (int f = b.first_frame; f < b.last_frame; ++f) look(f);
+  look(b.outboard_frame);
   return size > at_centre * radius ? size : radius;
 }
 

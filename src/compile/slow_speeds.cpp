@@ -22,6 +22,10 @@ MeasureScale measure_scale(const Compiled& m, const ElementData& e) {
 
 double pace_of_gravity(const Compiled& m) { return std::sqrt(m.gravity.norm() / m.length_scale); }
 
+void set_usual_depth(const Compiled& m, const ElementData& e, double& depth) {
+  if (!(depth < by_scales)) depth = usual_depth * measure_scale(m, e).size;
+}
+
 /// f stops the mechanism's mass at the depth d.
 double slow_impact(const Compiled& m, const ElementData& element, double k, double n, double e) {
   const MeasureScale scale = measure_scale(m, element);

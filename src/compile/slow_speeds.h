@@ -24,6 +24,11 @@ MeasureScale measure_scale(const Compiled& model, const ElementData& element);
 /// √(g/L), 1/s; 0 without gravity.
 double pace_of_gravity(const Compiled& model);
 
+/// The depth at which stops and contacts have their stiffness, by the length scale, or in rad.
+constexpr double usual_depth = 1e-3;
+/// Sets a depth that is by_scales.
+void set_usual_depth(const Compiled& model, const ElementData& element, double& depth);
+
 /// The speed of a slow impact on a stiffness k at the depth e, exponent n: f = k e/n (d/e)ⁿ.
 double slow_impact(const Compiled& model, const ElementData& element, double k, double n, double e);
 

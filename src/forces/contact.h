@@ -248,7 +248,11 @@ struct Contact {
        .about = "at 'depth', or anywhere where the exponent is 1",
        .above = 0},
       {.key = "exponent", .about = "of the force over the depth; 1: linear", .otherwise = 1, .least = 1},
-      {.key = "depth", .unit = "m", .about = "at which the stiffness is that", .otherwise = 1e-3, .above = 0},
+      {.key = "depth",
+       .unit = "m",
+       .about = "at which the stiffness is that",
+       .otherwise = by_scales,
+       .above = 0},
       {.key = "restitution",
        .about = "coefficient of restitution: ratio of rebound to impact speed",
        .otherwise = 1,
@@ -294,6 +298,7 @@ struct Contact {
   /// All pairs of a contact share its numbers: that of the least mass settles fastest.
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
     using namespace contact;
+    set_usual_depth(m, e, p[depth]);
     p[slow] = slow_impact(m, e, p[stiffness], p[exponent], p[depth]);
     if (p[stribeck] == by_scales) p[stribeck] = p[slow];
     if (m.spec().contacts[e.spec].numbers[settling] < by_scales) return;

@@ -72,7 +72,7 @@ struct Stop {
       {.key = "depth",
        .unit = "m|rad",
        .about = "at which the stiffness is that",
-       .otherwise = 1e-3,
+       .otherwise = by_scales,
        .above = 0},
       {.key = "restitution",
        .about = "coefficient of restitution: ratio of rebound to impact speed",
@@ -89,6 +89,7 @@ struct Stop {
     behind.insert(behind.end(), {restitution_damping(n[stop::restitution]), 0});
   }
   static void set_scales(const Compiled& m, const ElementData& e, double* p) {
+    set_usual_depth(m, e, p[stop::depth]);
     p[stop::slow] = slow_impact(m, e, p[stop::stiffness], p[stop::exponent], p[stop::depth]);
   }
   static constexpr LawInfo info{.name = "stop",

@@ -62,11 +62,12 @@ Json resolved_of(const Method& method) {
   return json;
 }
 
-std::array<std::pair<const char*, Validity::Peak>, 6> named(const Validity& v) {
+std::array<std::pair<const char*, Validity::Peak>, 7> named(const Validity& v) {
   return {{{"deflection", v.deflection},
            {"foreshortening", v.foreshortening},
            {"compression", v.compression},
            {"tension", v.tension},
+           {"lag", v.lag},
            {"held", v.held},
            {"high_modes", v.high_modes}}};
 }

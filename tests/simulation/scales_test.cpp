@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "compile/compiled.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
@@ -95,6 +96,47 @@ TEST(Scales, APointFarAwayIsNoLength) {
                    formulation),
                 exact, 1e-5);
   }
+}
+
+double length_of(const std::string& text) { return model_of(text)->compiled().length_scale; }
+
+/// A pendulum's length is from its centre of mass to its joint, which nothing but its body sees.
+TEST(Scales, TheJointThatCarriesABodyHoldsIt) {
+  const std::string bodies = R"(
+gravity: [0, 0, -9.81]
+bodies:
+  ball: {mass: 1, com: [0, 0, -1], inertia: [1e-4, 1e-4, 1e-4]}
+joints:
+)";
+  const std::string touching = R"(
+surfaces: {floor: {type: half_space, at: [0, 0, -2]}}
+contacts: {c: {spheres: {on: ball, at: [0, 0, -1], radius: 0.02}, surfaces: [floor], stiffness: 1e5}}
+)";
+  const std::string pivot =
+                        "  j: {type: revolute, between: [ground, ball], at: [0, 0, 0], axis: [0, 1, 0]}\n",
+                    reversed =
+                        "  j: {type: revolute, between: [ball, ground], at: [0, 0, 0], axis: [0, 1, 0]}\n",
+                    pin = "  j: {type: spherical, between: [ground, ball], at: [0, 0, 0]}\n";
+  for (const std::string& joint : {pivot, reversed, pin}) {
+    EXPECT_NEAR(length_of(bodies + joint), 1, 1e-12) << joint;
+    EXPECT_NEAR(length_of(bodies + joint + touching), 1, 1e-12) << joint;
+  }
+  // Where a guide or a plane is given along itself does not count; how far the body is from it does.
+  for (const double along : {0.0, 7.0, -1e5}) {
+    EXPECT_NEAR(
+        length_of(bodies + fmt::format("  j: {{type: prismatic, between: [ground, ball], at: [{}, 0, -0.7], "
+                                       "axis: [1, 0, 0]}}\n",
+                                       along)),
+        0.3, 1e-9);
+    EXPECT_NEAR(
+        length_of(bodies + fmt::format("  j: {{type: planar, between: [ground, ball], at: [{}, 0.2, {}], "
+                                       "axis: [0, 1, 0]}}\n",
+                                       along, 2 * along)),
+        0.2, 1e-9);
+  }
+  // One that leaves everything free holds nothing.
+  EXPECT_NEAR(length_of(bodies + "  j: {type: floating, between: [ground, ball], at: [0, 0, 0]}\n"),
+              std::sqrt(1.5e-4), 1e-9);
 }
 
 std::string numbers(const Eigen::Vector3d& v) {

@@ -145,7 +145,7 @@ Course course(Simulation& s, int steps) {
   c.warnings = s.warnings();
   for (const Validity& v : s.validity())
     for (const Validity::Peak& peak :
-         {v.deflection, v.foreshortening, v.compression, v.tension, v.held, v.high_modes})
+         {v.deflection, v.foreshortening, v.compression, v.tension, v.lag, v.held, v.high_modes})
       c.numbers.insert(c.numbers.end(), {peak.value, peak.time, v.axial});
   const auto end = s.save().bytes();
   c.numbers.resize(c.numbers.size() + end.size() / sizeof(double));

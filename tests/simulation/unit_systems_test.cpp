@@ -285,6 +285,31 @@ outputs:
      {length, length, length},
      150,
      0.004},
+    {"springy",  // depths are not given
+     R"(
+gravity: [0, 0, -9.81*L/(T*T)]
+bodies:
+  a: {mass: M, com: [0, 0, 0.5*L], inertia: [0.02*J, 0.02*J, 0.02*J]}
+  b: {mass: 2*M, com: [0.7*L, 0, 0], inertia: [0.1*J, 0.2*J, 0.2*J]}
+  c: {mass: M, com: [0, L, 0], inertia: [0.1*J, 0.1*J, 0.1*J]}
+joints:
+  free: {type: floating, between: [ground, a], velocity: [0.5*L/T, 0.1*L/T, 0, 1/T, 2/T, 0]}
+  arm: {type: revolute, between: [ground, b], at: [0, 0, 0], axis: [0, 1, 0]}
+  guide: {type: prismatic, between: [ground, c], at: [0, 40*L, 0], axis: [0, 1, 0], velocity: 2*L/T}
+surfaces: {floor: {type: half_space, at: [0, 0, 0.2*L]}}
+contacts: {ball: {spheres: {on: a, radius: 0.2*L}, surfaces: [floor], stiffness: 2000*k, exponent: 1.5, restitution: 0.5}}
+stops:
+  turn: {joint: arm, lower: -0.4, upper: 0.4, stiffness: 3000*F*L, exponent: 1.5, restitution: 0.6}
+  way: {joint: guide, lower: -0.3*L, upper: 0.3*L, stiffness: 1000*k, exponent: 2, restitution: 0.6}
+outputs:
+  - {name: x, position: a, component: x}
+  - {name: z, position: a, component: z}
+  - {name: arm, joint: arm}
+  - {name: guide, joint: guide}
+)",
+     {length, length, angle, length},
+     120,
+     0.004},
     {"elements",
      R"(
 gravity: [0, 0, -9.81*L/(T*T)]

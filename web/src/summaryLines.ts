@@ -40,6 +40,7 @@ const neglected = [
   ["foreshortening", "shortening"],
   ["compression", "compression"],
   ["tension", "tension"],
+  ["lag", "error by tension or compression over time"],
   ["held", "stretching between fixed ends"],
   ["high_modes", "highest modes"],
 ];

@@ -131,6 +131,21 @@ std::string explain_unstable(const Mechanism& mechanism, const StepReport& r, do
 
 }  // namespace
 
+std::string explain_contradiction(const Compiled& m, const Redundancy& redundancy) {
+  for (const DriveData& drive : m.drives) {
+    const std::string& joint = m.spec().joints[m.bodies[drive.body].joint_spec].name;
+    std::vector<std::string> others = redundancy.joints;
+    if (std::erase(others, joint) == 0) continue;
+    others.insert(others.end(), redundancy.constraints.begin(), redundancy.constraints.end());
+    if (others.empty()) continue;
+    return fmt::format(
+        "; the drive of joint '{}' and {} determine a motion twice, which fails where they "
+        "contradict each other",
+        joint, quoted(others));
+  }
+  return {};
+}
+
 std::string explain_undetermined_start(const Compiled& m, const natural::NaturalSystem* natural,
                                        int coordinate) {
   const std::vector<std::string> names = moved_without_mass(m);
@@ -173,7 +188,7 @@ std::string explain_undetermined_start(const Compiled& m, const natural::Natural
 }
 
 std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump,
-                    double stable) {
+                    const std::string& meaningless, double stable) {
   const Compiled& model = mechanism.model;
   const natural::NaturalSystem* const natural = mechanism.natural.get();
   const std::string where = coordinate_name(model, natural, r.coordinate);
@@ -187,6 +202,9 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
             "between both; give it a slope (tanh(v/0.01) for sign(v)), use `frictions` for resistance to "
             "motion, or evaluate a signal at instants (`every`)",
             t, r.iterations, jump);
+      if (!meaningless.empty())
+        return fmt::format("the step to t = {:.6g} s did not converge in {} iterations: {}", t, r.iterations,
+                           meaningless);
       return fmt::format(
           "the step to t = {:.6g} s did not converge in {} iterations, the largest correction in {}; "
           "a smaller step or an integrator with more damping (smaller rho) may help{}",

@@ -10,10 +10,13 @@
 namespace mimbre {
 
 /// What went wrong in the step to `t`, and where, for people. `jump`: of a step that did not converge the law
-/// that jumps (jumping_law), if any. `stable`: of one too long for an explicit integrator the longest stable
-/// step, s; 0: unknown.
+/// that jumps (jumping_law), if any, `meaningless` a body that is bent too far (ValidityMonitor). `stable`:
+/// of one too long for an explicit integrator the longest stable step, s; 0: unknown.
 std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump,
-                    double stable);
+                    const std::string& meaningless, double stable);
+
+/// Of a step that did not converge: a drive and what else holds the motion that it prescribes, if any.
+std::string explain_contradiction(const Compiled& model, const Redundancy& redundancy);
 
 /// Why the accelerations at the start are not determined: the bodies that move without mass, or the
 /// coordinate, -1: unknown, whose inertia is round-off, and what to do.

@@ -31,6 +31,8 @@ class Observers {
   std::vector<Validity> validity();
   /// Of linear theory.
   std::vector<std::string> validity_warnings();
+  /// A body that is bent too far for a step to have a meaning; else empty.
+  std::string meaningless() const { return validity_ ? validity_->meaningless() : std::string(); }
   std::vector<std::string> winch_warnings() const { return winches_.warnings(); }
   /// Of tyres that leave their road.
   std::vector<std::string> road_warnings() const { return roads_.warnings(); }

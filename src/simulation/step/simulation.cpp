@@ -343,11 +343,17 @@ int Simulation::constraints() const { return impl_->mechanism.system.equations()
 
 std::string Simulation::explain(const StepReport& report) const {
   Impl& s = *impl_;
-  std::string jump;
-  if (report.code == StepReport::Code::not_converged) jump = s.law_that_jumps();
+  std::string jump, meaningless;
+  if (report.code == StepReport::Code::not_converged) {
+    jump = s.law_that_jumps();
+    meaningless = s.observers.meaningless();
+  }
   double stable = 0;
   if (report.code == StepReport::Code::unstable && report.part == 0) stable = s.longest_stable_step();
-  std::string text = mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, stable);
+  std::string text =
+      mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, meaningless, stable);
+  if (report.code == StepReport::Code::not_converged && jump.empty() && meaningless.empty())
+    text += explain_contradiction(s.compiled, s.begin.redundancy);
   return report.ok() ? text : text + sunk_wheels(s.compiled, s.steps.contacts());
 }
 

@@ -28,6 +28,7 @@ void LoadWatch::start(const Mechanism& mechanism, ValidityMonitor& validity) {
   reactions_.forget_unresolved();
   steps_ = 0;
   take(mechanism);
+  validity.start_lag(reader_, state_);
   finish(validity);
 }
 

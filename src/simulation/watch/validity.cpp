@@ -9,6 +9,7 @@
 
 #include "math/multiply_add.h"
 #include "math/once/decompositions.h"
+#include "simulation/watch/mechanism_response.h"
 #include "simulation/watch/validity_measures.h"
 
 namespace mimbre {
@@ -22,13 +23,19 @@ using namespace validity;
 constexpr int most_load_modes = 4;
 
 /// Whether more than one joint holds the body, so that its deflections move other bodies, or are held by
-/// them.
+/// them. One that is fixed to the ground, and has no joint to anything else, bends alone.
 bool passes_motion_on(const Compiled& m, int body) {
   int joints = 0;
-  for (const spec::Joint& joint : m.spec().joints)
-    for (const int frame : {joint.frame_a, joint.frame_b})
-      if (m.frames[m.frame_of_spec[frame]].body == body) ++joints;
-  return joints > 1;
+  bool fixed = false, to_others = false;
+  for (const spec::Joint& joint : m.spec().joints) {
+    const auto body_of = [&](int frame) { return m.frames[m.frame_of_spec[frame]].body; };
+    const int a = body_of(joint.frame_a), b = body_of(joint.frame_b);
+    if (a != body && b != body) continue;
+    ++joints;
+    if (a >= 0 && b >= 0) to_others = true;
+    if (joint_info(joint.type).velocities == 0) fixed = true;
+  }
+  return joints > 1 && (to_others || !fixed);
 }
 
 void keep(Validity::Peak& peak, double value, double time) {
@@ -51,6 +58,7 @@ BodyValidity::BodyValidity(const Compiled& m, int index) : body_(index) {
   worst_.body = spec.name;
   modes_ = body.modes;
   first_amplitude_ = b.q + b.joint_positions;
+  first_velocity_ = b.v + b.joint_velocities;
   second_order_ = body.second_order.has_value();
   bars_ = body.triangles.empty();
   piece_ = is_piece(m, index);
@@ -161,6 +169,17 @@ void BodyValidity::add_loads(const Compiled& m, const ReducedBody& body) {
   }
 }
 
+void BodyValidity::start_lag(const Compiled& m, const MatrixXd& response, const double* positions,
+                             double time) {
+  if (load_coefficients_.size() == 0) return;
+  const ReducedBody& body = *m.spec().bodies[m.bodies[body_].spec].flexible;
+  const Eigenmodes modes = eigenmodes(body);
+  lag_.set_modes(body.stiffness, body.damping,
+                 modes.shapes * modes.squares.cwiseSqrt().cwiseInverse().asDiagonal(), response);
+  lag_.start(positions + first_amplitude_, time);
+  worst_.lag.watched = lag_.watched();
+}
+
 void BodyValidity::leave_out_known_loads(const GeometricStiffness& known) {
   feels_stress_ = true;
   if (load_coefficients_.size() > 0) load_coefficients_.leftCols<12>().setZero();
@@ -173,7 +192,7 @@ double BodyValidity::squares(Range range) const {
 
 void BodyValidity::start() {
   for (Validity::Peak* peak : {&worst_.deflection, &worst_.foreshortening, &worst_.compression,
-                               &worst_.tension, &worst_.held, &worst_.high_modes})
+                               &worst_.tension, &worst_.lag, &worst_.held, &worst_.high_modes})
     peak->value = peak->time = 0;
   worst_.axial = 0;
   passed_ = {};
@@ -183,10 +202,11 @@ void BodyValidity::start() {
 
 void BodyValidity::transfer(StateTransfer& transfer) {
   for (Validity::Peak* peak : {&worst_.deflection, &worst_.foreshortening, &worst_.compression,
-                               &worst_.tension, &worst_.held, &worst_.high_modes})
+                               &worst_.tension, &worst_.lag, &worst_.held, &worst_.high_modes})
     transfer(peak->value, peak->time);
   transfer(worst_.axial, passed_.deflection, passed_.foreshortening, passed_.compression, passed_.tension,
-           passed_.held, passed_.high_modes, most_energy_, most_high_energy_, too_stiff_);
+           passed_.lag, passed_.held, passed_.high_modes, most_energy_, most_high_energy_, too_stiff_);
+  lag_.transfer(transfer);
 }
 
 void BodyValidity::watch(const double* positions, double time) {
@@ -210,6 +230,8 @@ void BodyValidity::watch(const double* positions, double time) {
       passed_.foreshortening = time;
   }
 
+  if (lag_.watched()) watch_lag(amplitudes, time);
+
   most_energy_ = std::max(most_energy_, squares(energy_));
   const double high = squares(high_energy_);
   if (high > most_high_energy_) {
@@ -221,6 +243,17 @@ void BodyValidity::watch(const double* positions, double time) {
     passed_.high_modes = -1;
   else if (passed_.high_modes < 0)
     passed_.high_modes = time;
+}
+
+void BodyValidity::watch_lag(const double* amplitudes, double time) {
+  lag_.watch(amplitudes, time);
+  const double value = lag_.value();
+  if (value > worst_.lag.value) worst_.lag.time = time;
+  worst_.lag.value = value;
+  if (!(value > validity_limit::lag && worst_.deflection.value > validity_limit::lag_from))
+    passed_.lag = -1;
+  else if (passed_.lag < 0)
+    passed_.lag = time;
 }
 
 void BodyValidity::watch_held(const HeldStretch::Ratios& ratios, double time) {
@@ -249,9 +282,26 @@ void BodyValidity::watch_loads(const relative::Workspace<double>& work, double t
   Eigen::Matrix4d stiffness = Eigen::Matrix4d::Zero();
   for (int i = 0, pair = 0; i < load_modes_; ++i)
     for (int j = 0; j <= i; ++j, ++pair) stiffness(i, j) = stiffness(j, i) = stiffening_[pair];
+  if (lag_.watched()) lag_.stiffen(stiffness);
   const Eigen::Vector4d shares = eigenvalues4(stiffness);
   keep(worst_.compression, -shares[0], time, validity_limit::load, passed_.compression);
   keep(worst_.tension, shares[3], time, validity_limit::load, passed_.tension);
+}
+
+const char* BodyValidity::nonlinear() const {
+  return piece_          ? "more `substructures`"
+         : second_order_ ? "`substructures`"
+                         : "`stiffening: foreshortening` or `substructures`";
+}
+
+std::string BodyValidity::meaningless() const {
+  if (!(worst_.deflection.value > validity_limit::meaningless_deflection)) return {};
+  return fmt::format(
+      "body '{}' was bent by {:.3g} % of its length (at t = {:.4g} s), far beyond what {} elasticity "
+      "describes; "
+      "use {}{}, or a part that the forces bend less",
+      worst_.body, 100 * worst_.deflection.value, worst_.deflection.time,
+      second_order_ ? "second-order" : "linear", nonlinear(), bars_ ? ", `beam: corotational`" : "");
 }
 
 std::string BodyValidity::warning() const {
@@ -263,21 +313,23 @@ std::string BodyValidity::warning() const {
     if (remedy.find(helps) == std::string::npos)
       remedy += (remedy.empty() ? "" : ", and ") + std::string(helps);
   };
-  const char* nonlinear = piece_          ? "more `substructures`"
-                          : second_order_ ? "`substructures`"
-                                          : "`stiffening: foreshortening` or `substructures`";
-  const char* stressed = feels_stress_ ? "`static_modes` along the bars where forces act" : nonlinear;
+  const char* stressed = feels_stress_ ? "`static_modes` along the bars where forces act" : nonlinear();
   if (passed_.deflection >= 0)
-    add("deflection over length", worst_.deflection.value, deflection_limit_, passed_.deflection, nonlinear);
+    add("deflection over length", worst_.deflection.value, deflection_limit_, passed_.deflection,
+        nonlinear());
   if (!piece_ && passed_.foreshortening >= 0)
     add("shortening by bending over length", worst_.foreshortening.value, validity_limit::foreshortening,
-        passed_.foreshortening, nonlinear);
+        passed_.foreshortening, nonlinear());
   if (!piece_ && passed_.tension >= 0)
     add("stiffening by rotation or tension", worst_.tension.value, validity_limit::load, passed_.tension,
         stressed);
   if (!piece_ && passed_.compression >= 0)
     add("compression over buckling load", worst_.compression.value, validity_limit::load, passed_.compression,
         stressed);
+  if (!piece_ && passed_.lag >= 0)
+    add("error of the deflections, since vibrations are faster or slower under tension or compression, over "
+        "their range about",
+        worst_.lag.value, validity_limit::lag, passed_.lag, stressed);
   if (passed_.held >= 0)
     add(too_stiff_ ? "deflections too small, since held ends and linear modes press the body, by about"
                    : "deflections too large, since held ends or edges stretch the body as it bends, by about",
@@ -325,6 +377,16 @@ void ValidityMonitor::watch(const State& s) {
   for (std::size_t k = 0; k < ratios.size(); ++k) bodies_[of_held_[k]].watch_held(ratios[k], s.time);
 }
 
+void ValidityMonitor::start_lag(relative::RelativeSystem& system, const State& state) {
+  const MatrixXd response = response_at(system, state);
+  for (BodyValidity& b : bodies_) {
+    const Eigen::Index first = b.first_velocity(), modes = b.modes();
+    b.start_lag(system.model(),
+                response.size() > 0 ? MatrixXd(response.block(first, first, modes, modes)) : response,
+                state.q.data(), state.time);
+  }
+}
+
 void ValidityMonitor::watch_loads(const relative::Workspace<double>& work, double time) {
   for (BodyValidity& b : bodies_) b.watch_loads(work, time);
 }
@@ -340,6 +402,14 @@ std::vector<std::string> ValidityMonitor::warnings() const {
   for (const BodyValidity& b : bodies_)
     if (std::string warning = b.warning(); !warning.empty()) all.push_back(std::move(warning));
   return all;
+}
+
+std::string ValidityMonitor::meaningless() const {
+  const auto farthest =
+      std::max_element(bodies_.begin(), bodies_.end(), [](const BodyValidity& a, const BodyValidity& b) {
+        return a.worst().deflection.value < b.worst().deflection.value;
+      });
+  return farthest == bodies_.end() ? std::string() : farthest->meaningless();
 }
 
 }  // namespace mimbre

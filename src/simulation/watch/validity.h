@@ -9,6 +9,7 @@
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "simulation/watch/held_stretch.h"
+#include "simulation/watch/lag.h"
 
 namespace mimbre {
 
@@ -30,6 +31,9 @@ constexpr double deflection_of_link = 0.02;
 /// is left out is then of third order, and as small at twice the deflection (0.2³ against 0.1²).
 constexpr double deflection_of_second_order = 0.2;
 constexpr double deflection_of_second_order_link = 0.1;
+/// Bent by this a cantilever is longer by 5 % of its length than any real one, and 10 % too soft: solutions
+/// of its equations, if there are any, are none of the part.
+constexpr double meaningless_deflection = 0.3;
 /// Shortening by bending, ½∫v'² ds over length, where it is more than what the modes stretch the body by. A
 /// cantilever with a deflection of 9 % of its length under a tip load; bows and waves come to it earlier.
 constexpr double foreshortening = 0.005;
@@ -39,6 +43,9 @@ constexpr double foreshortening = 0.005;
 /// with two hinges the linear description in the tangent frame misses three times load over (pinned) buckling
 /// load, which is three quarters of this ratio.
 constexpr double load = 0.15;
+/// The same that tension or compression leaves out, over time: of deflections by their range. It counts where
+/// they are more than this share of the length: less is what joints and their clearances move a body by.
+constexpr double lag = 0.1, lag_from = 1e-3;
 /// How much deflections are too large where ends or edges are held, so that bending would have to stretch the
 /// body.
 constexpr double held = 0.1;
@@ -67,6 +74,11 @@ class BodyValidity {
   void watch(const double* positions, double time);
   /// Forces and motion: the workspace after the residual of an accepted step. Likewise.
   void watch_loads(const relative::Workspace<double>& work, double time);
+  /// Modes of the body in the mechanism that it starts in, `response`: response_at() of its amplitudes.
+  void start_lag(const Compiled& model, const Eigen::MatrixXd& response, const double* positions,
+                 double time);
+  int first_velocity() const { return first_velocity_; }
+  int modes() const { return modes_; }
   /// The same of a stretch that is neglected, see HeldStretch::find.
   void watch_held(const HeldStretch::Ratios& ratios, double time);
   /// Forgets everything.
@@ -76,6 +88,8 @@ class BodyValidity {
   const Validity& worst() const { return worst_; }
   /// What is beyond its limit and what helps; empty when nothing is.
   std::string warning() const;
+  /// That it is bent so far that its equations mean nothing, and what helps; empty when it is not.
+  std::string meaningless() const;
 
  private:
   /// Rows [first, last) of functionals_.
@@ -84,7 +98,8 @@ class BodyValidity {
   };
   /// When a measure passed its limit first; negative: never.
   struct Passed {
-    double deflection = -1, foreshortening = -1, compression = -1, tension = -1, held = -1, high_modes = -1;
+    double deflection = -1, foreshortening = -1, compression = -1, tension = -1, lag = -1, held = -1,
+           high_modes = -1;
   };
   void add_points(const ReducedBody& body);
   void add_lines(const ReducedBody& body);
@@ -93,11 +108,15 @@ class BodyValidity {
   /// Geometric stiffness knows of stress by inertia and gravity, and of forces where static modes represent
   /// them.
   void leave_out_known_loads(const GeometricStiffness& known);
+  void watch_lag(const double* amplitudes, double time);
   Range add_rows(const Eigen::MatrixXd& rows);
   Range add_form(const Eigen::MatrixXd& form);
   double squares(Range range) const;
+  /// Keys of the model file with which a body may bend farther.
+  const char* nonlinear() const;
 
-  int body_ = 0, first_amplitude_ = 0, modes_ = 0, first_frame_ = 0, last_frame_ = 0, outboard_frame_ = 0;
+  int body_ = 0, first_amplitude_ = 0, first_velocity_ = 0, modes_ = 0, first_frame_ = 0, last_frame_ = 0,
+      outboard_frame_ = 0;
   double length_ = 0, deflection_limit_ = validity_limit::deflection;
   bool second_order_ = false, piece_ = false, feels_stress_ = false, bars_ = false;
   Eigen::MatrixXd functionals_;  ///< rows × modes
@@ -110,6 +129,7 @@ class BodyValidity {
   int load_modes_ = 0;
   Eigen::MatrixXd load_coefficients_;  ///< pairs × (12 + 3 (frames + 1)), the last frame the outboard one
   Eigen::VectorXd load_values_, stiffening_;
+  Lag lag_;
 
   Validity worst_;
   Passed passed_;
@@ -130,9 +150,13 @@ class ValidityMonitor {
   /// After every accepted step, with the state in relative coordinates. Neither allocates nor throws.
   void watch(const State& state);
   void watch_loads(const relative::Workspace<double>& work, double time);
+  /// Before the first loads, with a system that computes at this state.
+  void start_lag(relative::RelativeSystem& system, const State& state);
 
   std::vector<Validity> worst() const;
   std::vector<std::string> warnings() const;
+  /// Of the body that is bent the farthest, where that means nothing; else empty.
+  std::string meaningless() const;
 
  private:
   std::vector<BodyValidity> bodies_;
