@@ -23,6 +23,7 @@ struct OneVariable {
 };
 
 class FunctionData;
+struct FunctionParts;
 
 /// start + ∫ f from 0 to x.
 struct IntegralFunction {
@@ -52,6 +53,7 @@ class FunctionData {
   const Pieces* pieces() const { return std::get_if<Pieces>(&kind_); }
 
  private:
+  friend FunctionParts;
   std::variant<std::monostate, Pieces, OneVariable, IntegralFunction> kind_;
 };
 
