@@ -9,6 +9,7 @@ namespace mimbre {
 
 class Expression;
 class FunctionData;
+struct FunctionParts;  ///< reads and writes what functions are made of (src/spec/function_parts.h)
 
 /// A value with its first and second derivative by one variable.
 struct Jet {
@@ -76,6 +77,7 @@ class Function {
   const FunctionData& data() const;
 
  private:
+  friend FunctionParts;
   explicit Function(FunctionData data);
   std::shared_ptr<const FunctionData> data_;
 };
@@ -101,6 +103,7 @@ class Formula {
   const Expression& data() const;
 
  private:
+  friend FunctionParts;
   std::shared_ptr<const Expression> data_;
 };
 

@@ -23,6 +23,7 @@ struct OneVariable {
 };
 
 class FunctionData;
+struct FunctionParts;
 
 /// start + ∫ f from 0 to x.
 struct IntegralFunction {
@@ -54,6 +55,7 @@ class FunctionData {
   const IntegralFunction* integral() const { return std::get_if<IntegralFunction>(&kind_); }
 
  private:
+  friend FunctionParts;
   std::variant<std::monostate, Pieces, OneVariable, IntegralFunction> kind_;
 };
 

@@ -8,6 +8,8 @@
 
 namespace mimbre {
 
+struct FunctionParts;
+
 /// A formula in some variables, compiled once. Evaluation neither allocates nor throws nor locks, and
 /// any number of threads may share it. Derivatives are exact, those of the branch that `?:` takes; at a kink
 /// of abs, min or max the mean of both sides, across a jump those of either side.
@@ -30,6 +32,7 @@ class Expression {
   const ExpressionProgram& program() const { return program_; }
 
  private:
+  friend FunctionParts;
   ExpressionProgram program_;
   std::size_t variables_ = 0;
 };

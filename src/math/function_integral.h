@@ -8,6 +8,8 @@
 
 namespace mimbre {
 
+struct FunctionParts;
+
 /// ∫ f from 0 to x of a function known by its values only, for an inner loop: the integrals up to the edges
 /// of panels that were halved until halves and whole agree, and Gauss–Legendre (10 points) from the last edge
 /// to x. Error about 1e-13 of ∫|f| within [0, end], for kinks and jumps too. Beyond, panels of mean width, at
@@ -44,6 +46,7 @@ class IntegralTable {
   }
 
  private:
+  friend FunctionParts;
   static constexpr int first_panels = 256, deepest = 40;
   static constexpr std::size_t most_panels = 200000;
 

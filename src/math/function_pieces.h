@@ -5,6 +5,8 @@
 
 namespace mimbre {
 
+struct FunctionParts;
+
 /// Polynomial pieces in flat arrays, ready to be evaluated in an inner loop. Piece k holds on
 /// [breaks[k-1], breaks[k]) and is Σ c[j] (x - origin[k])^j; the first and last go on beyond the ends.
 class Pieces {
