@@ -47,6 +47,7 @@ class Pieces {
   }
 
  private:
+  friend FunctionParts;
   struct Wrapped {
     double x;      ///< in [start, start + period)
     double turns;  ///< periods taken off
