@@ -63,7 +63,7 @@ def cases(folder: pathlib.Path) -> dict[str, Case]:
     stiff = "--integrator radau --accuracy 1e-11"
     return {
         "chain": Case(str(folder / "chain.yaml"), 1.0, (0.02, 0.01, 0.005, 0.0025, 0.00125), 0.1),
-        "ladder": Case(str(folder / "ladder.yaml"), 1.0, (0.02, 0.01, 0.005, 0.0025, 0.00125), 0.1),
+        "ladder": Case(str(folder / "ladder.yaml"), 0.5, (0.02, 0.01, 0.005, 0.0025, 0.00125), 0.1),
         "pendulum": Case(
             str(TOP / "examples/pendulum/flexible.yaml"), 0.5, (0.01, 0.005, 0.002, 0.001, 0.0005, 0.0001), 0.05, stiff
         ),
