@@ -65,6 +65,23 @@ TEST(Campbell, FollowsModesThroughCrossings) {
   EXPECT_GT(crossings, 400);
 }
 
+/// Two modes that come near and part again, weakly coupled, exchange their shapes and never meet: as a family
+/// of one parameter moves in tiny steps, the lower one stays the lower one.
+TEST(Campbell, FollowsModesThroughVeerings) {
+  for (const double coupling : {1e-1, 1e-2, 1e-3, 1e-4}) {
+    const CampbellDiagram d = campbell(
+        [&](double p) {
+          MatrixXd K(2, 2);
+          K << 1 + p, coupling, coupling, 2 - p;
+          return modes_of(K);
+        },
+        from_zero_to_one(4));
+    ASSERT_EQ(d.branches.size(), 2u);
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_LT(d.branches[0].values[k].imag(), d.branches[1].values[k].imag()) << coupling;
+  }
+}
+
 /// A round body: both its modes are equal at p = 0, and part as gyroscopic terms do.
 TEST(Campbell, PartsEqualModes) {
   const CampbellDiagram d = campbell(
