@@ -3,10 +3,23 @@
 namespace mimbre::app {
 
 std::vector<Command> add_commands(CommandLine& program) {
-  return {add_run(program),    add_live(program),   add_plan(program),     add_check(program),
-          add_static(program), add_report(program), add_compare(program),  add_bench(program),
-          add_verify(program), add_reduce(program), add_select(program),   add_convert(program),
-          add_stress(program), add_export(program), add_reproduce(program)};
+  return {add_run(program),
+          add_live(program),
+          add_plan(program),
+          add_check(program),
+          add_static(program),
+          add_report(program),
+          add_compare(program),
+          add_bench(program),
+          add_verify(program),
+          add_reduce(program),
+          add_select(program),
+          add_convert(program),
+          add_stress(program),
+          add_export(program),
+          add_reproduce(program),
+          add_kinematics(program),
+          add_inverse_dynamics(program)};
 }
 
 }  // namespace mimbre::app
