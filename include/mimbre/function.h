@@ -42,6 +42,9 @@ class Function {
   /// Piece k holds on [breaks[k-1], breaks[k]) with Σ c[j] x^j in the ABSOLUTE variable x; breaks ascending,
   /// one fewer than pieces. A point on a break belongs to the piece at its right.
   static Function piecewise(std::vector<double> breaks, std::vector<std::vector<double>> pieces);
+  /// The same with Σ c[j] (x − origins[k])^j, which is accurate far from x = 0.
+  static Function piecewise(const std::vector<double>& breaks, const std::vector<double>& origins,
+                            std::vector<std::vector<double>> pieces);
   enum class Interpolation { linear, cubic };
   /// Through (x, y); x must not decrease, and may repeat once to make a jump (linear only). At least two
   /// points. Cubic: Fritsch–Carlson, monotone where the points are. A linear table with a jump at an end is

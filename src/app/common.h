@@ -50,6 +50,8 @@ Command add_convert(CommandLine& program);
 Command add_stress(CommandLine& program);
 Command add_export(CommandLine& program);
 Command add_generate(CommandLine& program);
+Command add_inverse_dynamics(CommandLine& program);
+Command add_kinematics(CommandLine& program);
 
 /// The computation failed, though the input could be read: exit code 3.
 struct Failure : std::runtime_error {

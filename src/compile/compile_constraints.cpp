@@ -63,6 +63,7 @@ void add_constraint(Compiled& m, int k) {
   c.first_equation = m.equations;
   c.count = info.equations;
   c.lengths = info.lengths;
+  c.rates = info.rates;
   c.state_count = info.states;
   if (info.of_coordinates) {
     couple(m, s, c);

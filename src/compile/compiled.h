@@ -183,6 +183,7 @@ struct ConstraintData : EquationRows {
   int kind = 0;                 ///< row of the list
   bool of_coordinates = false;  ///< a coupling
   unsigned lengths = 0;         ///< bit r: equation r is a length, m, otherwise an angle, rad
+  unsigned rates = 0;           ///< bit r: equation r is one of velocities alone
   Array<ConstraintTerm> terms;
   int covectors = 0;  ///< first of count × terms in the workspace, those of one equation next to each other
   Array<double> numbers;  ///< of its kind
@@ -191,6 +192,7 @@ struct ConstraintData : EquationRows {
   int next_states = 0;              ///< likewise in the workspace
 
   bool is_length(int equation) const { return (lengths >> equation & 1u) != 0; }
+  bool is_rate(int equation) const { return (rates >> equation & 1u) != 0; }
 };
 
 /// A joint coordinate prescribed over time: one equation on one velocity coordinate.

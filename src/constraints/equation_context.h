@@ -14,6 +14,8 @@ struct EquationContext {
   const T* known;   ///< positions of the term's joint in the tree; null elsewhere
   const T* states;  ///< of the constraint, at the step's start,
   T* next;          ///< and at its end
+  /// s: what an equation of velocities alone takes times its rate for its value (System::set_rate_time).
+  double rate_time = 0;
 
   T number(int k) const { return T(data.numbers[k]); }
 };

@@ -4,12 +4,14 @@
 #include "constraints/constant_velocity.h"
 #include "constraints/coupling.h"
 #include "constraints/distance.h"
+#include "constraints/knife_edge.h"
 #include "constraints/on_curve.h"
 #include "constraints/on_line.h"
 #include "constraints/on_plane.h"
 #include "constraints/orientation.h"
 #include "constraints/parallel.h"
 #include "constraints/perpendicular.h"
+#include "constraints/rolling.h"
 #include "constraints/screw.h"
 
 /// The kinds of constraints. A new one is a file like screw.h and its name in this list.
@@ -19,7 +21,7 @@ template <class... Kinds>
 struct KindList {};
 /// In the order of ConstraintData::kind.
 using Kinds = KindList<Coupling, Distance, OnLine, OnPlane, OnCurve, Parallel, Perpendicular,
-                       ConstantVelocity, Screw, Orientation>;
+                       ConstantVelocity, Screw, Orientation, Rolling, KnifeEdge>;
 
 /// The equations of one term of a constraint: `equations` of its kind; of a coupling the term's share.
 template <class T>

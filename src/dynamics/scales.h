@@ -12,6 +12,8 @@ namespace mimbre {
 struct Scales {
   std::vector<double> coordinates, equations;
   std::vector<char> is_angle;  ///< by equation: Φ is in rad, otherwise in m
+  /// By equation: it holds between velocities alone, so that positions are free along it; empty: none is.
+  std::vector<char> is_rate;
   double acceleration = 0;
   double round_off = 0;  ///< what violations cannot be driven below
 

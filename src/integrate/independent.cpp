@@ -14,7 +14,7 @@ IndependentStepper::IndependentStepper(System& system, const IntegratorOptions& 
       mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   for (Eigen::VectorXd* y : {&r_, &delta_}) y->setZero(system.velocities());
-  for (Eigen::VectorXd* y : {&none_, &change_, &violation_, &multipliers_}) y->setZero(system.equations());
+  for (Eigen::VectorXd* y : {&none_, &change_, &violation_, &predicted_, &multipliers_}) y->setZero(system.equations());
 }
 
 void IndependentStepper::set_step(double step) {
@@ -41,6 +41,7 @@ StepCode IndependentStepper::evaluate(const State& s, StepStatus& status) {
   dense_.assemble(motion_.q.data(), weights_);
   if (!dense_.factor(status)) return StepCode::singular;
   if (m == 0) return StepCode::ok;
+  std::copy_n(system_.phi(), m, predicted_.data());
   const auto follow = [&](Eigen::VectorXd& target, const double* violation) {
     for (int k = 0; k < m; ++k) change_[k] = -violation[k];
     partition.particular(change_.data(), delta_.data());
@@ -71,6 +72,7 @@ StepStatus IndependentStepper::step(State& s) {
   dense_.assemble(s.q.data(), weights_);
   if (!dense_.choose(status)) return fail(StepCode::singular);
   const Partition& partition = dense_.partition();
+  const std::vector<char>& is_rate = system_.scales().is_rate;
 
   motion_.predict(s);
   mixing_.reset();
@@ -81,6 +83,9 @@ StepStatus IndependentStepper::step(State& s) {
     const StepCode code = evaluate(s, status);
     if (code != StepCode::ok) return fail(code);
     for (int k = 0; k < m; ++k) violation_[k] = -system_.phi()[k];
+    // Of velocities alone: that of the velocities that the increment makes.
+    for (std::size_t k = 0; k < is_rate.size(); ++k)
+      if (is_rate[k]) violation_[static_cast<Eigen::Index>(k)] = -predicted_[static_cast<Eigen::Index>(k)];
     double violation = 0;
     for (int k = 0; k < partition.rank(); ++k)
       violation = std::max(violation, std::abs(violation_[partition.equation(k)]) /

@@ -29,6 +29,7 @@ class IndependentStepper final : public Stepper {
   MatrixWeights weights_;
   Anderson mixing_;
   Eigen::VectorXd none_, r_, delta_, change_, violation_, multipliers_;
+  Eigen::VectorXd predicted_;  ///< Φ before velocities follow the constraints
 };
 
 }  // namespace mimbre

@@ -70,10 +70,19 @@ VectorXd inverse_equation_scales(const System& system) {
   return Map<const VectorXd>(system.scales().equations.data(), system.equations()).cwiseInverse();
 }
 
-/// Least change of the coordinates that makes up for `b`, where equations count by their scales.
-VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& weight, const VectorXd& b,
-                   double damping = 0, double negligible = 1e-13) {
-  const VectorXd rows = inverse_equation_scales(system), right = rows.cwiseProduct(b);
+/// The same where equations of velocities alone do not count.
+VectorXd inverse_position_scales(const System& system) {
+  VectorXd rows = inverse_equation_scales(system);
+  const std::vector<char>& is_rate = system.scales().is_rate;
+  for (std::size_t k = 0; k < is_rate.size(); ++k)
+    if (is_rate[k]) rows[static_cast<Eigen::Index>(k)] = 0;
+  return rows;
+}
+
+/// Least change of the coordinates that makes up for `b`, where equations count by `rows`.
+VectorXd change_of(System& system, double t, const VectorXd& q, const VectorXd& rows, const VectorXd& weight,
+                   const VectorXd& b, double damping = 0, double negligible = 1e-13) {
+  const VectorXd right = rows.cwiseProduct(b);
   const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(system.velocities()) * system.equations();
   if (damping == 0 && entries > dense_entries)
     return sparse_least_change(system, t, q, rows, weight, right, negligible);
@@ -166,7 +175,8 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
     violation = system.scales().of_equations(phi.data());
     if (!(violation > exactly_closed)) break;
     const double damping = violation > nearly_closed ? caution * violation : 0;
-    VectorXd x = change_of(system, t, q, weight, -phi, damping, negligible);
+    VectorXd x =
+        change_of(system, t, q, inverse_position_scales(system), weight, -phi, damping, negligible);
     const double length = x.cwiseQuotient(coordinate_scales(system)).norm();
     if (!(length > no_change)) break;
     if (length > furthest_change) x *= furthest_change / length;
@@ -185,7 +195,7 @@ double close_velocities(System& system, double t, const VectorXd& q, const Vecto
     const VectorXd phi_dot = copy(system.phi_dot(), m);
     violation = system.scales().of_equations(phi_dot.data());
     if (violation == 0) break;
-    if (round < 2) v += change_of(system, t, q, weight, -phi_dot);
+    if (round < 2) v += change_of(system, t, q, inverse_equation_scales(system), weight, -phi_dot);
   }
   return violation;
 }

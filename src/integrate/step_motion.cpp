@@ -28,6 +28,7 @@ void StepMotion::set_step(double step) {
   h = step;
   scale = (1 - rule.alpha_f) / (1 - rule.alpha_m) * rule.beta * step * step;
   rate = rule.gamma / (rule.beta * step);
+  system.set_rate_time(1 / rate);
 }
 
 StepCode StepMotion::begin(const State& s, StepStatus& status) {

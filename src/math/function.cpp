@@ -70,6 +70,16 @@ Function Function::piecewise(std::vector<double> breaks, std::vector<std::vector
   return Function(FunctionData(Pieces(breaks, absolute)));
 }
 
+Function Function::piecewise(const std::vector<double>& breaks, const std::vector<double>& origins,
+                             std::vector<std::vector<double>> pieces) {
+  if (origins.size() != pieces.size())
+    throw InputError(Mark{}, fmt::format("a function of {} pieces needs as many origins, not {}",
+                                         pieces.size(), origins.size()));
+  std::vector<Pieces::Piece> local;
+  for (std::size_t k = 0; k < pieces.size(); ++k) local.push_back({origins[k], std::move(pieces[k])});
+  return Function(FunctionData(Pieces(breaks, local)));
+}
+
 Function Function::table(std::vector<double> x, std::vector<double> y, Interpolation interpolation) {
   return Function(
       FunctionData(interpolation == Interpolation::cubic ? cubic_table(x, y) : linear_table(x, y)));

@@ -23,6 +23,9 @@ struct ConstraintInfo {
   int equations = 1;
   unsigned lengths = 0;  ///< bit k: equation k is a length (m), otherwise an angle (rad); of coordinates it
                          ///< is what they are
+  /// Bit k: equation k is one of velocities alone (it cannot be integrated): its value is its rate times
+  /// EquationContext::rate_time.
+  unsigned rates = 0;
   bool force = false, moment = false;  ///< that it may exert on its frames
   int states = 0;                      ///< that it remembers; of coordinates as many more as count turns
   bool of_coordinates = false;         ///< of a sum of joints' coordinates; else of two frames

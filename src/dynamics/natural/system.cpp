@@ -44,6 +44,12 @@ Scales scales_of(const Compiled& m, const Layout& l) {
   for (std::size_t k = 0; k < m.constraints.size(); ++k)
     for (int r = 0; r < m.constraints[k].count; ++r)
       if (m.constraints[k].is_length(r)) is_length(l.constraints[k].first_equation + r);
+  for (std::size_t k = 0; k < m.constraints.size(); ++k) {
+    if (m.constraints[k].rates == 0) continue;
+    s.is_rate.resize(s.equations.size(), 0);
+    for (int r = 0; r < m.constraints[k].count; ++r)
+      s.is_rate[l.constraints[k].first_equation + r] = m.constraints[k].is_rate(r);
+  }
   return s;
 }
 

@@ -29,6 +29,7 @@ class NaturalSystem final : public System {
   void enter(const double* held, const double* states, double step) override {
     work_.signals.enter(held, states, step);
   }
+  void set_rate_time(double time) override { work_.rate_time = time; }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override;
   void kinematics(double t, const double* q, const double* v, const double* a) override;

@@ -44,6 +44,7 @@ struct Workspace {
   std::vector<Vec3<T>> constraint_linear;       ///< of constraints' terms at frame b, by constraints
   std::vector<Vec3<T>> constraint_angular;
   std::vector<T> constraint_states;  ///< that they remember at the end of the step, by constraints
+  double rate_time = 0;              ///< System::set_rate_time
   AlignedVector<T> elements;         ///< ElementState of each, by forces
   SignalValues<double> signals;      ///< by kinematics (what time decides) and forces (what motion decides)
   std::vector<T> phi, phi_dot, phi_ddot;

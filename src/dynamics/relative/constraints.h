@@ -29,7 +29,8 @@ void constrain_bodies(const Compiled& m, Workspace<T>& w, const T* q, const T* v
       const RelativeMotion<T> motion = relative_motion<T>(A, B);
       ScalarEquation<T> equation[constraints::most_equations];
       constraints::equations<T>[c.kind](
-          {c, term, motion, nullptr, w.signals.states + c.states, w.constraint_states.data() + c.next_states},
+          {c, term, motion, nullptr, w.signals.states + c.states, w.constraint_states.data() + c.next_states,
+           w.rate_time},
           equation);
       for (int r = 0; r < c.count; ++r) {
         phi[r] += equation[r].value;

@@ -44,6 +44,11 @@ Scales scales_of(const Compiled& m) {
   for (const ConstraintData& c : m.constraints)
     for (int r = 0; r < c.count; ++r)
       if (c.is_length(r)) is_length(c.first_equation + r);
+  for (const ConstraintData& c : m.constraints) {
+    if (c.rates == 0) continue;
+    s.is_rate.resize(s.equations.size(), 0);
+    for (int r = 0; r < c.count; ++r) s.is_rate[c.first_equation + r] = c.is_rate(r);
+  }
   return s;
 }
 

@@ -33,6 +33,7 @@ struct Workspace {
   std::vector<Vec3<T>> constraint_linear;  ///< of constraints' terms about the common point, by constraints
   std::vector<Vec3<T>> constraint_angular;
   std::vector<T> constraint_states;  ///< that they remember at the end of the step, by constraints
+  double rate_time = 0;              ///< System::set_rate_time
 
   AlignedVector<T> elements;  ///< ElementState of each, by forces
   SignalValues<T> signals;    ///< by kinematics (what time decides) and forces (what motion decides)

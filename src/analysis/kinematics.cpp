@@ -1,0 +1,357 @@
+#include "mimbre/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "analysis/driven_motion.h"
+#include "analysis/observed_rows.h"
+#include "joints/joint_kind.h"
+#include "math/once/decompositions.h"
+#include "mimbre/diagnostics.h"
+#include "simulation/start/assembly.h"
+#include "simulation/start/redundancy.h"
+
+namespace mimbre {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Kind = SpecialPosition::Kind;
+
+constexpr double dependent_rows = 1e-9;  ///< of equations, by their scales
+constexpr double singular_share =
+    1e-6;                              ///< of the least singular value, as a share of the largest on the way
+constexpr double near_singular = 0.3;  ///< likewise: minima above are not looked at
+constexpr double shortest_part = 1e-11;  ///< part of the whole time, of the search for a limit
+constexpr double resting = 1e-9;         ///< of rates, as a share of the largest
+
+class Walk {
+ public:
+  Walk(const std::shared_ptr<const Model>& model, const KinematicsOptions& options)
+      : m_(model->compiled()),
+        options_(options),
+        system_(m_),
+        motion_(system_, std::vector<char>(static_cast<std::size_t>(m_.equations), 1)),
+        rows_(m_, false) {
+    for (const BodyData& b : m_.bodies) {
+      const JointInfo& info = joint_info(b.joint);
+      const int scalars = info.quaternion < 0 ? info.velocities : info.rotation;
+      for (int k = 0; k < scalars; ++k)
+        if (b.joint_spec >= 0) coordinates_.push_back({{b.joint_spec, k}, b.q + k, b.v + k});
+      joint_columns_.push_back({b.v, b.joint_velocities});
+    }
+  }
+
+  Kinematics follow();
+
+ private:
+  struct Coordinate {
+    JointCoordinate of;
+    int q, v;
+  };
+
+  /// The Jacobian of the joints' coordinates: modes stay.
+  MatrixXd of_joints(const MatrixXd& jacobian) const {
+    MatrixXd out = jacobian;
+    for (const BodyData& b : m_.bodies) out.middleCols(b.v + b.joint_velocities, b.modes).setZero();
+    return out;
+  }
+  int joint_velocities() const {
+    int sum = 0;
+    for (const auto& [first, count] : joint_columns_) sum += count;
+    return sum;
+  }
+  /// The singular value by which the generic rank ends, and the motion that belongs to it.
+  double least_value(const State& s, VectorXd* motion = nullptr);
+  void count(const State& s, Kinematics& out);
+  bool go(State& s, double to);
+  void look_for_singular(const State& before, double width, Kinematics& out);
+  void look_for_reversals(const State& before, const State& after, Kinematics& out);
+  void add(Kind kind, const State& s, const JointCoordinate& of, double position, Kinematics& out);
+  void limit(const State& s, Kinematics& out);
+
+  const Compiled& m_;
+  const KinematicsOptions& options_;
+  relative::RelativeSystem system_;
+  DrivenMotion motion_;
+  ObservedRows rows_;
+  std::vector<Coordinate> coordinates_;
+  std::vector<std::pair<int, int>> joint_columns_;
+  int rank_ = 0;  ///< of the Jacobian with drives
+};
+
+double Walk::least_value(const State& s, VectorXd* motion) {
+  const MatrixXd jacobian = of_joints(motion_.jacobian(s));
+  if (rank_ == 0) return 1;
+  const EigenPairs pairs = symmetric_eigen(jacobian.transpose() * jacobian);
+  const Eigen::Index at = jacobian.cols() - rank_;
+  if (motion) *motion = pairs.vectors.col(at);
+  return std::sqrt(std::max(0.0, pairs.values[at]));
+}
+
+void Walk::count(const State& s, Kinematics& out) {
+  const MatrixXd all = of_joints(motion_.jacobian(s));
+  MatrixXd loops = all;
+  for (const DriveData& d : m_.drives) loops.row(d.equation).setZero();
+  const auto rank = [](const MatrixXd& jacobian) {
+    if (jacobian.size() == 0 || jacobian.cwiseAbs().maxCoeff() < dependent_rows) return 0;
+    return order_columns(jacobian.transpose(), dependent_rows).rank;
+  };
+  rank_ = rank(all);
+  const int columns = joint_velocities();
+  out.coordinates = columns;
+  out.drives = static_cast<int>(m_.drives.size());
+  out.equations = m_.equations - out.drives;
+  out.mobility = columns - rank(loops);
+  out.free = columns - rank_;
+  if (out.free == 0) return;
+  MatrixXd held = all;  // modes stay
+  MatrixXd N;
+  if (rank_ == 0)
+    N = MatrixXd::Identity(m_.velocities, m_.velocities);
+  else
+    N = null_space(held, dependent_rows);
+  std::set<std::string> names;
+  for (std::size_t b = 0; b < m_.bodies.size(); ++b) {
+    const auto& [first, size] = joint_columns_[b];
+    if (size > 0 && N.middleRows(first, size).cwiseAbs().maxCoeff() > 1e-6)
+      names.insert(m_.spec().joints[static_cast<std::size_t>(m_.bodies[b].joint_spec)].name);
+  }
+  out.free_joints.assign(names.begin(), names.end());
+}
+
+/// From the state to another instant; false, and the state stays, where the loops do not close near it.
+bool Walk::go(State& s, double to) {
+  State next = s;
+  const double h = to - s.time;
+  const VectorXd x = h * s.v + 0.5 * h * h * s.a;
+  system_.retract(s.q.data(), x.data(), next.q.data());
+  next.time = to;
+  const double moved = system_.scales().of_coordinates(x.data());
+  if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * moved) return false;
+  s = next;
+  return true;
+}
+
+void Walk::add(Kind kind, const State& s, const JointCoordinate& of, double position, Kinematics& out) {
+  SpecialPosition found;
+  found.kind = kind;
+  found.time = s.time;
+  found.of = of;
+  found.position = position;
+  if (!m_.drives.empty()) found.driven = s.q[m_.drives.front().q];
+  const std::string name = coordinate_text(m_.spec(), of);
+  found.joint = name;
+  const char* unit =
+      is_angle(m_.spec().joints[static_cast<std::size_t>(of.joint)].type, of.coordinate) ? "rad" : "m";
+  switch (kind) {
+    case Kind::dead_centre:
+      found.text = fmt::format(
+          "dead centre at t = {:.9g} s: the drives do not determine the motion; '{}' could "
+          "move at {:.9g} {} while they stand still",
+          s.time, name, position, unit);
+      break;
+    case Kind::change_point:
+      found.text = fmt::format(
+          "change point at t = {:.9g} s: the loops leave a motion more, in which '{}' "
+          "takes part at {:.9g} {}; the mechanism can go on in another way",
+          s.time, name, position, unit);
+      break;
+    case Kind::limit:
+      found.text = fmt::format(
+          "limit at t = {:.9g} s: the drive of '{}' cannot go beyond {:.9g} {}, where the "
+          "loops do not close",
+          s.time, name, position, unit);
+      break;
+    case Kind::reversal:
+      found.text =
+          fmt::format("'{}' turns back at t = {:.9g} s, at {:.9g} {}: a dead centre of a drive there", name,
+                      s.time, position, unit);
+      break;
+  }
+  out.special.push_back(std::move(found));
+}
+
+/// The least singular value is least somewhere within `width` before and behind the state.
+void Walk::look_for_singular(const State& middle, double width, Kinematics& out) {
+  const auto at = [&](double time, State& s) {
+    s = middle;
+    return go(s, time) ? least_value(s) : least_value(middle);
+  };
+  constexpr double golden = 0.6180339887498949;
+  double low = middle.time - width, high = middle.time + width;
+  State s;
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  double of_left = at(left, s), of_right = at(right, s);
+  while (high - low > 1e-9 * width) {
+    if (of_left < of_right) {
+      high = right;
+      right = left;
+      of_right = of_left;
+      left = high - golden * (high - low);
+      of_left = at(left, s);
+    } else {
+      low = left;
+      left = right;
+      of_left = of_right;
+      right = low + golden * (high - low);
+      of_right = at(right, s);
+    }
+  }
+  VectorXd motion;
+  at((low + high) / 2, s);
+  const double least = least_value(s, &motion);
+  if (!(least <= singular_share * out.regularity.maxCoeff())) return;
+  // Of the loops alone, too?
+  MatrixXd loops = of_joints(motion_.jacobian(s));
+  for (const DriveData& d : m_.drives) loops.row(d.equation).setZero();
+  const bool change = loops.cwiseAbs().maxCoeff() > dependent_rows &&
+                      joint_velocities() - order_columns(loops.transpose(), 1e-5).rank > out.mobility;
+  const Coordinate* of = nullptr;
+  for (const Coordinate& c : coordinates_)
+    if (!of || std::abs(motion[c.v]) > std::abs(motion[of->v]) + 1e-9) of = &c;
+  if (of) add(change ? Kind::change_point : Kind::dead_centre, s, of->of, s.q[of->q], out);
+}
+
+void Walk::look_for_reversals(const State& before, const State& after, Kinematics& out) {
+  const double largest = std::max(system_.scales().of_coordinates(before.v.data()),
+                                  system_.scales().of_coordinates(after.v.data()));
+  for (const Coordinate& c : coordinates_) {
+    const double floor = resting * largest * motion_.scale()[c.v];
+    if (std::any_of(m_.drives.begin(), m_.drives.end(), [&](const DriveData& d) { return d.v == c.v; }))
+      continue;
+    if (!(before.v[c.v] * after.v[c.v] < 0) || std::abs(before.v[c.v]) <= floor ||
+        std::abs(after.v[c.v]) <= floor)
+      continue;
+    State low = before, high = after;
+    for (int k = 0; k < 60 && high.time - low.time > 1e-13 * std::max(1.0, high.time); ++k) {
+      State middle = low;
+      if (!go(middle, (low.time + high.time) / 2)) break;
+      (middle.v[c.v] * before.v[c.v] > 0 ? low : high) = middle;
+    }
+    // Where drives stand still too, it is they who turn back.
+    bool drives_move = false;
+    for (const DriveData& d : m_.drives)
+      drives_move = drives_move || std::abs(low.v[d.v]) > 1e-6 * largest * motion_.scale()[d.v];
+    if (drives_move) add(Kind::reversal, low, c.of, low.q[c.q], out);
+  }
+}
+
+void Walk::limit(const State& s, Kinematics& out) {
+  // The drive that moves fastest.
+  const DriveData* drive = nullptr;
+  const auto speed = [&](const DriveData& d) { return std::abs(s.v[d.v]) / motion_.scale()[d.v]; };
+  for (const DriveData& d : m_.drives)
+    if (!drive || speed(d) > speed(*drive)) drive = &d;
+  if (drive) add(Kind::limit, s, {drive->joint_spec, drive->local}, s.q[drive->q], out);
+}
+
+Kinematics Walk::follow() {
+  Kinematics out;
+  const double end = options_.end.value_or(m_.spec().simulation.end);
+  if (!(options_.steps >= 1)) throw InputError(Mark{}, "steps must be at least 1");
+  if (!(options_.start >= 0) || !(end >= options_.start) || !std::isfinite(end))
+    throw InputError(Mark{}, fmt::format("the motion goes from {} to {} s; it starts at 0 or later and ends "
+                                         "after that",
+                                         options_.start, end));
+  State s = assembled_state(m_, system_, options_.inputs);
+  // To the start by steps, as far as that goes.
+  bool moving = motion_.close(s);
+  for (int k = 1; moving && options_.start > 0 && k <= 100; ++k) moving = go(s, options_.start * k / 100);
+  if (!moving)
+    throw InputError({m_.spec().file, 0, 0},
+                     fmt::format("the drives cannot be followed to t = {} s, where the motion starts: the "
+                                 "loops do not close beyond t = {:.6g} s",
+                                 options_.start, s.time));
+  count(s, out);
+  {
+    // A position in between: at the start several may be singular.
+    State other = s;
+    if (go(other, options_.start + 0.317 * (end - options_.start) / options_.steps)) {
+      Kinematics there;
+      const int rank = rank_;
+      count(other, there);
+      if (rank_ < rank) {
+        rank_ = rank;
+      } else {
+        out.mobility = there.mobility;
+        out.free = there.free;
+        out.free_joints = there.free_joints;
+      }
+    }
+  }
+  const Redundancy redundancy = find_redundancy(system_, s);
+  out.redundant = redundancy.equations;
+  out.redundant_names = redundancy.joints;
+  out.redundant_names.insert(out.redundant_names.end(), redundancy.constraints.begin(),
+                             redundancy.constraints.end());
+  for (const Coordinate& c : coordinates_) out.names.push_back(coordinate_text(m_.spec(), c.of));
+  out.header = rows_.header("");
+
+  std::vector<State> states{s};
+  const double h = (end - options_.start) / options_.steps;
+  for (int k = 1; k <= options_.steps && h > 0; ++k) {
+    const double to = options_.start + h * k;
+    double part = h;
+    while (s.time < to && out.complete) {
+      if (go(s, std::min(to, s.time + part))) {
+        part *= 2;
+        continue;
+      }
+      part /= 2;
+      out.complete = part > shortest_part * (end - options_.start);
+    }
+    if (!out.complete) break;
+    s.time = to;
+    states.push_back(s);
+  }
+  const auto count = static_cast<Eigen::Index>(states.size());
+  out.time.resize(count);
+  out.regularity.resize(count);
+  for (MatrixXd* x : {&out.position, &out.velocity, &out.acceleration})
+    x->resize(count, static_cast<Eigen::Index>(coordinates_.size()));
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const State& now = states[static_cast<std::size_t>(k)];
+    out.time[k] = now.time;
+    out.regularity[k] = least_value(now);
+    for (std::size_t c = 0; c < coordinates_.size(); ++c) {
+      const auto column = static_cast<Eigen::Index>(c);
+      out.position(k, column) = now.q[coordinates_[c].q];
+      out.velocity(k, column) = now.v[coordinates_[c].v];
+      out.acceleration(k, column) = now.a[coordinates_[c].v];
+    }
+    system_.begin_step(now.q.data());
+    system_.kinematics(now.time, now.q.data(), now.v.data(), now.a.data());
+    out.rows.push_back(rows_.row(system_, now));
+  }
+  const double largest = out.regularity.maxCoeff();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double here = out.regularity[k];
+    const bool falls = k == 0 || here <= out.regularity[k - 1],
+               rises = k + 1 == count || here < out.regularity[k + 1];
+    if (falls && rises && here < near_singular * largest)
+      look_for_singular(states[static_cast<std::size_t>(k)], h, out);
+    if (k + 1 < count)
+      look_for_reversals(states[static_cast<std::size_t>(k)], states[static_cast<std::size_t>(k + 1)], out);
+  }
+  if (!out.complete) limit(s, out);
+  std::stable_sort(out.special.begin(), out.special.end(),
+                   [](const SpecialPosition& a, const SpecialPosition& b) { return a.time < b.time; });
+  if (out.free > 0)
+    out.warnings.push_back(
+        fmt::format("{} independent motion{} no drive prescribes; {} moves as little as "
+                    "possible",
+                    out.free, out.free > 1 ? "s" : "", out.free_joints.empty() ? "it" : "what is concerned"));
+  return out;
+}
+
+}  // namespace
+
+Kinematics kinematics(const std::shared_ptr<const Model>& model, const KinematicsOptions& options) {
+  return Walk(model, options).follow();
+}
+
+}  // namespace mimbre
