@@ -35,7 +35,9 @@ PrescribedMotion motion_of(const std::shared_ptr<const Model>& model, const std:
     motion.columns.push_back({find_coordinate(model->spec(), name), {}, {}, {}});
   const Compiled& m = model->compiled();
   for (int k = 0; k <= steps; ++k) {
-    if (k > 0) EXPECT_TRUE(s.step().ok());
+    if (k > 0) {
+      EXPECT_TRUE(s.step().ok());
+    }
     const Simulation::Snapshot now = s.save();
     motion.time.push_back(now.time);
     for (PrescribedMotion::Column& c : motion.columns)
@@ -61,26 +63,26 @@ joints:
 }
 
 TEST(InverseDynamics, ReturnsTheTorquesThatMadeTheMotionOfATree) {
-  const auto driven = model_of(arm(R"(
+  const auto driven = model_of(arm(R"yaml(
 actuators:
   one: {joint: shoulder, torque: "8*sin(3*t) - 5"}
   two: {joint: elbow, torque: "1 + cos(7*t)"}
-)"));
+)yaml"));
   const PrescribedMotion motion = motion_of(driven, {"shoulder", "elbow"}, 0.005, 100);
-const InverseDynamics found = inverse_dynamics(model_of(arm("")), &motion);
-ASSERT_EQ(found.names, (std::vector<std::string>{"shoulder", "elbow"}));
-EXPECT_EQ(found.units[0], "N m");
-EXPECT_EQ(found.free, 0);
-for (Eigen::Index k = 0; k < found.time.size(); ++k) {
-  const double t = found.time[k];
-  EXPECT_NEAR(found.force(k, 0), 8 * std::sin(3 * t) - 5, 1e-8) << t;
-  EXPECT_NEAR(found.force(k, 1), 1 + std::cos(7 * t), 1e-8) << t;
-}
-// Of positions alone, by a spline: with the fourth power of the interval, about.
-PrescribedMotion positions = motion;
-for (auto& c : positions.columns) c.velocity = c.acceleration = {};
-const InverseDynamics near = inverse_dynamics(model_of(arm("")), &positions);
-EXPECT_LT((near.force - found.force).middleRows(3, 95).cwiseAbs().maxCoeff(), 1e-4);
+  const InverseDynamics found = inverse_dynamics(model_of(arm("")), &motion);
+  ASSERT_EQ(found.names, (std::vector<std::string>{"shoulder", "elbow"}));
+  EXPECT_EQ(found.units[0], "N m");
+  EXPECT_EQ(found.free, 0);
+  for (Eigen::Index k = 0; k < found.time.size(); ++k) {
+    const double t = found.time[k];
+    EXPECT_NEAR(found.force(k, 0), 8 * std::sin(3 * t) - 5, 1e-8) << t;
+    EXPECT_NEAR(found.force(k, 1), 1 + std::cos(7 * t), 1e-8) << t;
+  }
+  // Of positions alone, by a spline: with the fourth power of the interval, about.
+  PrescribedMotion positions = motion;
+  for (auto& c : positions.columns) c.velocity = c.acceleration = {};
+  const InverseDynamics near = inverse_dynamics(model_of(arm("")), &positions);
+  EXPECT_LT((near.force - found.force).middleRows(3, 95).cwiseAbs().maxCoeff(), 1e-4);
 }
 
 TEST(InverseDynamics, ReturnsTheTorqueThatMadeTheMotionOfALoop) {
