@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, GeneratedCodeOf,
                                          Case{"suspension", "iltis/suspension.yaml", 1e-10},
                                          Case{"slider_crank", "slider-crank/slider-crank.yaml", 1e-9},
                                          Case{"four_bar", "tutorial/four-bar.yaml", 5e-9}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const testing::TestParamInfo<Case>& c) { return std::string(c.param.name); });
 
 /// Inputs, a controller that remembers, a spring with a law of an input: what jumps, is held and is fed back.
 TEST(GeneratedCode, FollowsInputsAndBlocks) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "app/program.h"
 #include "mimbre/model_file.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
@@ -20,7 +21,7 @@ std::vector<std::string> examples() {
   std::vector<std::string> paths;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".yaml" &&
-        read_file(entry.path()).find("\nsimulation:") != std::string::npos)
+        app_test::read_file(entry.path()).find("\nsimulation:") != std::string::npos)
       paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end());
   return paths;
