@@ -22,7 +22,7 @@ _pages = (
     "src/*/README.md",
     "web/README.md",
 )
-_pictures = ("docs/*.png",)
+_pictures = ("docs/*.png", "docs/*.svg")
 _assets = {
     "assets/katex/katex.min.css": node / "katex/dist/katex.min.css",
     "assets/iframe-worker.js": node / "iframe-worker/shim/index.js",

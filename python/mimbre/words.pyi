@@ -314,7 +314,7 @@ class ConstraintTerms(TypedDict, total=False):
 
 class Constraint(TypedDict, total=False):
     # Kind: of coordinates of joints (the first four), or of two bodies.
-    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation"]]
+    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation", "rolling", "knife_edge"]]
     # Of a gear the two, of a rack pinion and rack, of a differential cage, left and right.
     joints: Sequence[str]
     # Of each of the joints which of its coordinates, where they have several.
@@ -325,8 +325,11 @@ class Constraint(TypedDict, total=False):
     teeth: Sequence[Number] | Array
     # Of a gear with teeth: one of the wheels is a ring, so that both turn the same way.
     internal: Flag
-    # Of a rack's pinion, m.
+    # Of a rack's pinion, or of a rolling wheel from its centre to its rim, m.
     radius: Number
+    # Of a rolling wheel, m: radius of its rim across the wheel; 0, the default: a sharp disc; `radius`
+    # itself: a ball.
+    crown: Number
     # Of a rack for each turn of the pinion, m, instead of the radius.
     travel: Number
     # Of a coupling: the sum of the coordinates times their factors stays equal to `constant`.
@@ -335,11 +338,13 @@ class Constraint(TypedDict, total=False):
     constant: Number
     # Two bodies, frames or nodes.
     between: Between
-    # Where it acts, m, global: one place; of a distance two, one of each body.
+    # Where it acts, m, global: one place; of a distance two, one of each body; of rolling a point of the
+    # plane and the wheel's centre.
     at: Sequence[Number | Vector | None] | Array
-    # On the first, global: direction of a line, a plane's normal, an axis, a shaft.
+    # On the first, global: direction of a line, a plane's normal, an axis, a shaft; of a knife edge, on
+    # the second: across the edge.
     axis: Vector
-    # On the second, likewise; default but for perpendicular axes: `axis`.
+    # On the second, likewise; of rolling the wheel's axis; default but for perpendicular axes: `axis`.
     axis2: Vector
     # Of a distance, m; default: as assembled.
     length: Number

@@ -196,7 +196,7 @@ TEST_P(Formalisms, RandomLoopsConvergeToTheSameMotion) {
     RandomMechanism mechanism;
     State start, end;
   };
-  constexpr double duration = 0.1, step = 0.002;
+  constexpr double duration = 0.1, step = 0.001;
   static const std::vector<Reference> references = [] {
     std::vector<Reference> all;
     for (unsigned seed = 1; seed < 40 && all.size() < 8; ++seed) {

@@ -1,5 +1,6 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,16 @@
 namespace mimbre::test::generated_code_test {
 namespace {
 
+/// Of this process alone: tests of one model run beside each other.
+std::string folder() {
+  const std::string made = testing::TempDir() + "generated_code_" + std::to_string(getpid()) + "/";
+  std::filesystem::create_directories(made);
+  return made;
+}
+
 /// What a command prints; it has to succeed.
 std::string output_of(const std::string& command) {
-  const std::string file = testing::TempDir() + "generated_code_output.txt";
+  const std::string file = folder() + "output.txt";
   EXPECT_EQ(std::system((command + " > " + file + " 2>&1").c_str()), 0) << command;
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
@@ -30,7 +38,7 @@ std::string output_of(const std::string& command) {
 class Code {
  public:
   Code(const GeneratedCode& code, const std::string& compiler = "cc") : code_(code) {
-    folder_ = testing::TempDir() + "generated_" + code.name;
+    folder_ = folder() + code.name;
     write_code(code, folder_);
     const std::string stem = folder_ + "/" + code.name;
     const std::string made = output_of(compiler + " -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -fPIC -c " +
@@ -218,7 +226,7 @@ std::string refusal(const std::string& text) {
 
 TEST(GeneratedCode, SaysWhatItIsNotMadeOf) {
   const std::string free = refusal(R"yaml(
-bodies: {top: {mass: 1, inertia: [1, 2, 3]}}
+bodies: {top: {mass: 1, com: [0, 0, 0], inertia: [1, 2, 3]}}
 joints: {free: {type: floating, between: [ground, top]}}
 )yaml");
   EXPECT_NE(free.find("body 'top' flies freely"), std::string::npos) << free;

@@ -490,7 +490,7 @@ const std::vector<Mistake>& mistakes() {
       in_simulation("formulation", "formulation", [](S& s) { s.formulation = static_cast<S::Formulation>(2); }),
       in_simulation("inertia", "inertia", [](S& s) { s.inertia = static_cast<S::Inertia>(-1); }),
       in_simulation("formalism", "formalism", [](S& s) { s.formalism = static_cast<S::Formalism>(66); }),
-      in_simulation("integrator", "integrator", [](S& s) { s.integrator = static_cast<S::Integrator>(6); }),
+      in_simulation("integrator", "integrator", [](S& s) { s.integrator = static_cast<S::Integrator>(66); }),
       in_simulation("accuracy", "accuracy", [](S& s) { s.accuracy = 1e-6; }),
       in_simulation("tolerance", "tolerance", [](S& s) { s.tolerance = -1e-3; }),
       in_simulation("penalty", "penalty", [](S& s) { s.penalty = infinity; }),
