@@ -14,7 +14,8 @@ IndependentStepper::IndependentStepper(System& system, const IntegratorOptions& 
       mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   for (Eigen::VectorXd* y : {&r_, &delta_}) y->setZero(system.velocities());
-  for (Eigen::VectorXd* y : {&none_, &change_, &violation_, &predicted_, &multipliers_}) y->setZero(system.equations());
+  for (Eigen::VectorXd* y : {&none_, &change_, &violation_, &predicted_, &multipliers_})
+    y->setZero(system.equations());
 }
 
 void IndependentStepper::set_step(double step) {
