@@ -42,8 +42,8 @@ class System {
   /// the start of a step of that length (State::z; 0: at rest). Both have to stay where they are.
   virtual void enter(const double* held, const double* states, double step) = 0;
   /// Equations of velocities alone (rolling) have no value by positions. Where an integrator makes velocities
-  /// of an increment x by ∂v/∂x = 1/`time`, their value is Φ = time · Φ̇, whose derivative by x is the Jacobian
-  /// as of any other equation. With 0, as at first, they hold in velocities and accelerations only.
+  /// of an increment x by ∂v/∂x = 1/`time`, their value is Φ = time · Φ̇, whose derivative by x is the
+  /// Jacobian as of any other equation. With 0, as at first, they hold in velocities and accelerations only.
   virtual void set_rate_time(double time) = 0;
   /// r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q). Also evaluates the equations.
   virtual void residual(double t, const double* q, const double* v, const double* a,

@@ -175,8 +175,7 @@ double close_positions(System& system, double t, const VectorXd& weight, VectorX
     violation = system.scales().of_equations(phi.data());
     if (!(violation > exactly_closed)) break;
     const double damping = violation > nearly_closed ? caution * violation : 0;
-    VectorXd x =
-        change_of(system, t, q, inverse_position_scales(system), weight, -phi, damping, negligible);
+    VectorXd x = change_of(system, t, q, inverse_position_scales(system), weight, -phi, damping, negligible);
     const double length = x.cwiseQuotient(coordinate_scales(system)).norm();
     if (!(length > no_change)) break;
     if (length > furthest_change) x *= furthest_change / length;

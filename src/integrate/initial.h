@@ -14,8 +14,8 @@ Eigen::MatrixXd dense_jacobian(System& system, double t, const Eigen::VectorXd& 
 /// all. Returns the violation that is left, max |Φ| by the scales of the equations. Equations that are
 /// redundant on the constraints seem to be independent off them, by a little, and what they ask for there may
 /// move the mechanism far; `caution` > 0 (30 for gaps that are small) keeps it near. Where no coordinate that
-/// moves by its weight moves any equation, by its scale, by more than `negligible` they hold nothing. Positions
-/// are free along equations of velocities alone.
+/// moves by its weight moves any equation, by its scale, by more than `negligible` they hold nothing.
+/// Positions are free along equations of velocities alone.
 double close_positions(System& system, double t, const Eigen::VectorXd& weight, Eigen::VectorXd& q,
                        double caution = 0, double negligible = 1e-13);
 

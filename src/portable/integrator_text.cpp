@@ -1,7 +1,7 @@
 #include "portable/texts.h"
 
-/// What IndexThree (src/integrate/index3.cpp) does with a fixed cost, by hand in C99. '@' stands for the model's name;
-/// constants and tables come before it, and the phases of the recorded model.
+/// What IndexThree (src/integrate/index3.cpp) does with a fixed cost, by hand in C99. '@' stands for the
+/// model's name; constants and tables come before it, and the phases of the recorded model.
 namespace mimbre::portable {
 
 const char* const linear_text = R"c(

@@ -81,8 +81,8 @@ void act(const Compiled& m, Workspace<T>& w, T* generalised, const Law& law) {
   }
 }
 
-/// Both by the elements' own laws; of inertia that elements have it takes the force for accelerations a. Writes
-/// the elements' states, whose tangents the matrix uses.
+/// Both by the elements' own laws; of inertia that elements have it takes the force for accelerations a.
+/// Writes the elements' states, whose tangents the matrix uses.
 template <class T>
 void forces(const Compiled& m, Workspace<T>& w, double time, const T* q, const T* v, const T* a,
             T* generalised) {

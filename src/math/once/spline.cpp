@@ -150,7 +150,7 @@ SplinePoints quintic_spline(const std::vector<double>& x, const std::vector<doub
     equations.add(2 * k + 1, k, -cube * least * of[k].fourth);
   }
   const auto same_fifth = [&](std::size_t equation, std::size_t k) {
-    const double fifth = std::pow(std::min(h[k], h[k + 1]), 5);
+    const double least = std::min(h[k], h[k + 1]), fifth = least * least * least * least * least;
     equations.add(equation, k, fifth * of[k].fifth);
     equations.add(equation, k + 1, -fifth * of[k + 1].fifth);
   };
@@ -178,7 +178,8 @@ std::vector<double> smoothed(const std::vector<double>& x, const std::vector<dou
   const std::size_t n = x.size();
   if (n < 4) return y;
   const double unit = (x.back() - x.front()) / static_cast<double>(n - 1);
-  const double strength = std::pow(period / (2 * std::numbers::pi * unit), 6);
+  const double ratio = period / (2 * std::numbers::pi * unit), cube = ratio * ratio * ratio,
+               strength = cube * cube;
   std::vector<double> t(n), weight(n, 0.0);
   for (std::size_t k = 0; k < n; ++k) t[k] = (x[k] - x[0]) / unit;
   for (std::size_t k = 0; k + 1 < n; ++k) {
