@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live test bench bench-peers lint format clean
+.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live page test bench bench-peers lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 20
@@ -63,6 +63,13 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 	@echo "  make live           drive the vehicle yourself, in the browser"
 	@echo "  docs/tutorial.md    a model of your own: $(PROGRAM) run MODEL.yaml -o RUN.h5, then $(PROGRAM) report RUN.h5"
 	@echo "  docs/gallery.md     robots, rotors, mechanisms, contact: pictures and the commands that make them"
+
+page: packages ## Build `mimbre page`: the solver as WebAssembly (installs emscripten), and the program with it
+	@scripts/install-packages emscripten
+	@JOBS=$(JOBS) scripts/wasm
+	@$(MAKE) --no-print-directory configure
+	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program
+	@echo "Made build/wasm/mimbre.wasm, which the program has in it:  $(PROGRAM) page examples/iltis/drive.yaml -o drive.html"
 
 live: configure ## Drive a vehicle in the browser
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program

@@ -20,6 +20,7 @@
 #include "fe_files/mesh_formats.h"
 #include "fe_files/nastran/nastran.h"
 #include "fe_files/node_table.h"
+#include "fmu/package.h"
 #include "mimbre/input_table.h"
 #include "mimbre/model.h"
 #include "mimbre/model_file.h"
@@ -355,6 +356,10 @@ const std::vector<Reader>& readers() {
        [](const std::string& s) {
          return files(s, {"tests/data/scipy/mass-coo.npz", "tests/data/scipy/mass-csc.npz",
                           "tests/data/scipy/stiffness-csr.npz"});
+       }},
+      {"fmu", [](const std::string& bytes) { fmu::Package::open(written(bytes, "block.fmu")); },
+       [](const std::string& s) {
+         return files(s, {"tests/data/fmu/unit-2.fmu", "tests/data/fmu/unit-3.fmu"});
        }},
       {"node_table",
        [](const std::string& bytes) {

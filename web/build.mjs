@@ -1,6 +1,6 @@
-// Bundles each page into one HTML file: dist/report.html, dist/live.html.
+// Bundles each page into one HTML file: dist/report.html, dist/live.html, dist/model.html.
 //   node build.mjs                the pages
-//   node build.mjs --cpp FOLDER   also each page as a C++ source there: report_page.cpp, live_page.cpp
+//   node build.mjs --cpp FOLDER   also each page as a C++ source there: report_page.cpp, live_page.cpp, model_page.cpp
 //   node build.mjs --tests        the tests instead, for node --test
 import { build } from "esbuild";
 import { mkdir, readdir, readFile, writeFile } from "node:fs/promises";
@@ -11,6 +11,7 @@ const placeholder = "%MIMBRE_DATA%";
 /** `data`: how often the placeholder stands in it; `header` and `defines`: of the C++ source. */
 const pages = {
   report: { entry: "src/main.ts", template: "src/template.html", data: 1, header: "results/report_page.h", defines: "mimbre::results::report_page" },
+  model: { entry: "src/page.ts", template: "src/pageTemplate.html", worker: "src/pageWorker.ts", data: 1, header: "live/live_page.h", defines: "mimbre::live::model_page" },
   live: { entry: "src/live.ts", template: "src/liveTemplate.html", data: 0, header: "live/live_page.h", defines: "mimbre::live::live_page" },
 };
 
@@ -39,12 +40,13 @@ async function licences() {
   return `<!--\nThis page contains the following software.\n\n${texts.join("\n\n").trim().replaceAll("--", "- -")}\n-->`;
 }
 
-async function page({ entry, template: file, data }) {
+async function page({ entry, template: file, worker, data }) {
   const { script, style } = await bundle(entry, true);
-  if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) throw new Error("the bundle would end its element");
+  const code = worker ? (await bundle(worker, true)).script : "";
+  if (/<\/script|<!--/i.test(script + code) || /<\/style/i.test(style)) throw new Error("the bundle would end its element");
   const template = await readFile(file, "utf8");
   // Functions as replacements: "$" in the bundle means nothing then.
-  const parts = { "<!--LICENCES-->": await licences(), "/*STYLE*/": style, "/*SCRIPT*/": script };
+  const parts = { "<!--LICENCES-->": await licences(), "/*STYLE*/": style, "/*SCRIPT*/": script, "/*WORKER*/": code };
   const html = Object.entries(parts).reduce((text, [mark, part]) => text.replace(mark, () => part), template);
   if (html.split(placeholder).length !== 1 + data) throw new Error(`${file} with its bundle must hold ${placeholder} ${data} times`);
   return html;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import json
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -27,6 +29,7 @@ _assets = {
     "assets/katex/katex.min.css": node / "katex/dist/katex.min.css",
     "assets/iframe-worker.js": node / "iframe-worker/shim/index.js",
 }
+_simulated = top / "build/docs-simulated"  # by simulated.py; empty without the solver for pages
 _wide = ("docs/coming-from.md",)  # whose tables take the place of the contents beside them
 _languages = {".yaml": "yaml", ".py": "python", ".cpp": "cpp", ".geo": "text"}
 
@@ -59,14 +62,28 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for name, text in _headers().items():
         files.append(File.generated(config, _header_page(name), content=text))
     fonts = {f"assets/katex/fonts/{font.name}": font for font in (node / "katex/dist/fonts").glob("*.woff2")}
-    for name, path in {**_assets, **fonts}.items():
+    simulated = {f"docs/simulated/{path.name}": path for path in sorted(_simulated.glob("*.html"))}
+    for name, path in {**_assets, **fonts, **simulated}.items():
         files.append(File.generated(config, name, abs_src_path=str(path), inclusion=InclusionLevel.NOT_IN_NAV))
     return files
 
 
-def on_page_markdown(markdown: str, page: Any, **_: Any) -> None:
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     if page.file.src_uri in _wide:
         page.meta["hide"] = ["toc"]
+    if page.file.src_uri == "docs/page.md":
+        return markdown.replace("<!-- the pages that simulate -->", _simulated_list())
+    if page.file.src_uri == "README.md" and (_simulated / "iltis.html").exists():
+        picture = "](docs/report.png)]"
+        return markdown.replace(f"{picture}(docs/page.md)", f"{picture}(docs/simulated/iltis.html)", 1)
+    return markdown
+
+
+def _simulated_list() -> str:
+    """Links to the pages that simulate. They are files of their own, which Markdown's links do not know."""
+    file = _simulated / "titles.json"
+    titles = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    return "\n".join(f'- <a href="simulated/{name}.html">{html.escape(title)}</a>' for name, title in titles.items())
 
 
 def _examples() -> list[Path]:

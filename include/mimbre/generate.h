@@ -17,6 +17,7 @@ struct GeneratedVariable {
   double start = 0;
   double min = 0, max = 0;  ///< of inputs; ±infinity: none
   bool tunable = false;
+  std::vector<int> inputs{};  ///< of outputs: which inputs they show at once, not only after a step
 };
 
 /// C99 for a model: what `name.h` and `name.c` contain, see docs/generated-code.md.

@@ -46,6 +46,8 @@ struct LinearName {
 ///
 /// Of the motion alone M ÿ + (C + G) ẏ + K y = 0: `mass`, `damping` (with gyroscopic terms), `stiffness`
 /// (with those of loads, prestress and constraint forces, and circulatory terms). Units: SI, radians.
+/// Constraints on velocities (rolling) leave fewer velocities s than coordinates y; then
+/// M ṡ + (C + G) s + K y = 0 with K speeds × coordinates.
 struct LinearModel {
   std::string title;
   std::string point;  ///< in words: "equilibrium", "start", "steady motion", "t = 0.3 s"
@@ -54,8 +56,9 @@ struct LinearModel {
   Eigen::MatrixXd mass, damping, stiffness;  ///< f × f
   std::vector<LinearName> states, inputs, outputs;
   std::vector<double> input_values, output_values;  ///< at the point
-  int coordinates = 0;                              ///< f: the first f states are y, the next f are s
-  int redundant = 0;                                ///< constraint equations that repeat others
+  int coordinates = 0;                              ///< f: the first f states are y
+  int speeds = 0;     ///< so many states behind them are s: f, but with rolling fewer
+  int redundant = 0;  ///< constraint equations that repeat others
 
   /// How far the point is from an equilibrium: the largest rate of a relative coordinate by its scale, 1/s,
   /// and which; 0: it is at rest.

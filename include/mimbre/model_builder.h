@@ -136,7 +136,7 @@ struct Signal {
 };
 
 /// What makes signals of others and of what it remembers, by one of the types of src/signals/blocks:
-/// pid, transfer_function, state_space, table, table_2d, rate_limit, delay, hysteresis, noise.
+/// pid, transfer_function, state_space, table, table_2d, rate_limit, delay, hysteresis, noise, fmu.
 struct Block {
   std::string type{};                       ///< needed
   std::vector<std::string> inputs{};        ///< formulas: of pid what is measured, then the setpoint
@@ -149,6 +149,7 @@ struct Block {
   double every = 0;                    ///< s: sampled that often; 0: continuous
   std::vector<std::string> outputs{};  ///< names of its signals, where there are several
   std::string unit{};
+  std::shared_ptr<const OutsideBlock> outside{};  ///< of type fmu: load_fmu() (mimbre/fmu_import.h)
 };
 
 /// What happens when a value crosses zero.

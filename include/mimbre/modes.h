@@ -40,6 +40,13 @@ struct Mode {
   /// Sense in which points of the mechanism circle the axis of its fastest turning: +1 with it (forward
   /// whirl), −1 against it (backward), 0: neither.
   double whirl = 0;
+  /// λ as seen from the ground. Where the whole mechanism turns steadily about one fixed axis with Ω,
+  /// coordinates turn with it; a mode whose points circle that axis evenly has λ ± iΩ from the ground, which
+  /// `whirl` then refers to, and one along or about the axis has λ. NaN: no single one (Ω shows in two
+  /// frequencies, as where the rotor is not round). In all other cases λ itself.
+  std::complex<double> fixed = 0;
+  /// `fixed` where there is one, else λ.
+  std::complex<double> seen() const { return fixed == 0. || fixed != fixed ? value : fixed; }
   std::string text;  ///< the largest shares in words
 };
 
@@ -52,6 +59,7 @@ struct LinearisedModes {
   LinearModel model;  ///< without C, D and outputs
   std::vector<LinearName> coordinates;
   std::vector<Mode> modes;  ///< rigid ones first, then by |λ|
+  double turning = 0;  ///< Ω, rad/s, where the whole mechanism turns about one fixed axis (Mode::fixed); or 0
   double cpu_seconds = 0;
 };
 

@@ -18,7 +18,15 @@ namespace mimbre {
 
 /// How a step ended. Everything but ok leaves the state as it was before the step.
 struct StepReport : Violations {
-  enum class Code { ok, not_converged, not_finite, singular, drifted, unstable } code = Code::ok;
+  enum class Code {
+    ok,
+    not_converged,
+    not_finite,
+    singular,
+    drifted,
+    unstable,
+    block_failed
+  } code = Code::ok;
   int iterations = 0;
   int factorisations = 0;
   int coordinate = -1;            ///< where it went wrong
@@ -149,7 +157,11 @@ class Simulation {
   Snapshot save() const;
   /// The same into memory that is reused: does not allocate where `snapshot` is one of this model.
   void save(Snapshot& snapshot) const;
-  /// Throws InputError, and changes nothing, when the snapshot is of another model or method.
+  /// Why restore() will refuse the snapshots of a run that has begun: a block that is computed by code from
+  /// elsewhere cannot save its state. Empty: it will not.
+  std::string not_saved() const;
+  /// Throws InputError, and changes nothing, when the snapshot is of another model or method, or when it
+  /// lacks the state of a block that cannot save it.
   void restore(const Snapshot& snapshot);
   /// Goes on from the motion of a snapshot, which may be made by hand, and observes anew: energies and
   /// warnings count from there. Throws InputError when its sizes are not the model's.

@@ -16,6 +16,7 @@
 #include "mimbre/road_file.h"
 
 namespace mimbre {
+class OutsideBlock;
 struct ReducedBody;
 struct SurfaceMesh;
 }  // namespace mimbre
@@ -120,8 +121,9 @@ struct Block {
   std::vector<Law> inputs;  ///< without variables of their own
   std::vector<double> numbers;
   std::vector<Eigen::MatrixXd> matrices;
-  Function function;  ///< of a table of one variable
-  double every = 0;   ///< s: sampled that often and kept in between; 0: continuous
+  Function function;                            ///< of a table of one variable
+  double every = 0;                             ///< s: sampled that often and kept in between; 0: continuous
+  std::shared_ptr<const OutsideBlock> outside;  ///< of type fmu: what computes it (mimbre/outside_block.h)
 };
 
 /// What happens when a value crosses zero.

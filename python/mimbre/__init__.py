@@ -29,7 +29,9 @@ from .builder import ModelBuilder, Subsystem
 from .ensemble import samples, sweep
 from .errors import Diagnostic, InputError, Interrupted, SimulationError, SweepInterrupted, UnknownName
 from .laws import law_signature
+from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, ModeBranch, Modes, Onset
 from .model import Model
+from .motion import InverseDynamics, Kinematics, SpecialPosition
 from .reduction import Check, Interface, ReducedBody, reduce
 from .run import Channel, Run
 from .simulation import Simulation
@@ -38,23 +40,33 @@ __version__ = _version()
 
 __all__ = [
     "Apart",
+    "CampbellDiagram",
     "Channel",
     "Check",
+    "CriticalSpeed",
     "Diagnostic",
     "Difference",
+    "EigenMode",
     "Equilibrium",
     "HotSpot",
     "InputError",
     "Interface",
     "Interrupted",
+    "InverseDynamics",
+    "Kinematics",
+    "LinearModel",
     "Mode",
+    "ModeBranch",
     "Model",
     "ModelBuilder",
+    "Modes",
+    "Onset",
     "ReducedBody",
     "Run",
     "Selection",
     "Simulation",
     "SimulationError",
+    "SpecialPosition",
     "StressHistory",
     "Subsystem",
     "SweepInterrupted",

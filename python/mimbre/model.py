@@ -5,15 +5,18 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from . import _checks, _core, analysis, laws
+from . import _checks, _core, analysis, laws, linear
+from . import motion as motions
 from .analysis import Verification
 from .errors import Diagnostic, InputError, Interrupted, SimulationError
+from .linear import CampbellDiagram, LinearModel, Modes
 from .method import Method
 from .run import Run
 from .simulation import Simulation, checked_method
@@ -21,6 +24,8 @@ from .simulation import Simulation, checked_method
 if TYPE_CHECKING:
     import numpy.typing as npt
     from typing_extensions import Unpack
+
+    from .linear import Point
 
     #: What an input has: a value, times and values, a table's file, or a function of time that is asked at every step.
     Input = float | tuple[npt.ArrayLike, npt.ArrayLike] | str | os.PathLike[str] | Callable[[float], float]
@@ -314,6 +319,192 @@ class Model:
         """
         return analysis.verify(self, until=until, refine=refine, progress=progress, **method)
 
+    def linearise(
+        self,
+        *,
+        at: Point = None,
+        inputs: Mapping[str, float] | None = None,
+        delay_order: int = 4,
+        **method: Unpack[Method],
+    ) -> LinearModel:
+        """The linear model about a point, as `mimbre linearise`.
+
+        Args:
+            at: "equilibrium", "steady" (the velocities of the start, kept), "start", or a time of a run in s; None: the
+                equilibrium where there is one, else steady motion, else the start.
+            inputs: of inputs and tunable parameters, by name, in place of the model's start values.
+            delay_order: of the rational functions that replace delays, 1 to 8.
+            **method: of a run to a time, see `Method`.
+
+        Returns:
+            A, B, C, D, mass, damping, stiffness, names and units.
+
+        Raises:
+            SimulationError: the point was not found or is a singular position, or a motion moves no mass.
+
+        Example:
+            ```python
+            linear = model.linearise()
+            omega, gain, phase = linear.to_scipy().bode()
+            ```
+        """
+        return linear.linearise(self, at=at, inputs=inputs, delay_order=delay_order, **method)
+
+    def modes(
+        self,
+        *,
+        at: Point = None,
+        most: int | None = None,
+        inputs: Mapping[str, float] | None = None,
+        delay_order: int = 4,
+        **method: Unpack[Method],
+    ) -> Modes:
+        """The modes about a point, as `mimbre modes`: frequencies, damping, shapes, and what each mode consists of.
+
+        Args:
+            at: see `linearise`.
+            most: so many, of the lowest frequencies; None: all.
+            inputs: see `linearise`.
+            delay_order: see `linearise`.
+            **method: of a run to a time, see `Method`.
+
+        Returns:
+            The modes, rigid ones first, then by |λ|.
+
+        Raises:
+            SimulationError: as `linearise`.
+
+        Example:
+            ```python
+            print([(mode.frequency, mode.damping, mode.text) for mode in model.modes(most=10)])
+            ```
+        """
+        return linear.modes(self, at=at, most=most, inputs=inputs, delay_order=delay_order, **method)
+
+    def campbell(
+        self,
+        parameter: str,
+        values: npt.ArrayLike,
+        *,
+        speed: Literal["rad/s", "rpm", "Hz"] | None = None,
+        orders: Sequence[float] = (1.0,),
+        at: Point = None,
+        most: int | None = None,
+        inputs: Mapping[str, float] | None = None,
+        delay_order: int = 4,
+        **method: Unpack[Method],
+    ) -> CampbellDiagram:
+        """Modes followed by their shapes over a parameter of the file or an input, as `mimbre modes --over`.
+
+        Args:
+            parameter: its name.
+            values: two or more, each larger than the one before.
+            speed: the unit of the parameter where it is a speed: also critical speeds.
+            orders: of the speed, whose crossings with modes are critical.
+            at: see `linearise`.
+            most: so many modes, of the lowest frequencies; None: all.
+            inputs: see `linearise`.
+            delay_order: see `linearise`.
+            **method: of a run to a time, see `Method`.
+
+        Returns:
+            Branches with eigenvalues over the values, critical speeds, and where modes begin to grow.
+
+        Raises:
+            InputError: there is no such parameter or input.
+            SimulationError: as `linearise`.
+
+        Example:
+            ```python
+            diagram = model.campbell("rpm", range(0, 4001, 100), speed="rpm", at="steady")
+            for branch in diagram.branches:
+                print(branch.name, abs(branch.values.imag))
+            ```
+        """
+        return linear.campbell(
+            self,
+            parameter,
+            values,
+            speed=speed,
+            orders=orders,
+            at=at,
+            most=most,
+            inputs=inputs,
+            delay_order=delay_order,
+            **method,
+        )
+
+    def kinematics(
+        self,
+        *,
+        start: float = 0,
+        end: float | None = None,
+        steps: int = 200,
+        inputs: Mapping[str, float] | None = None,
+    ) -> motions.Kinematics:
+        """Positions, velocities and accelerations that the drives prescribe, as `mimbre kinematics`.
+
+        Args:
+            start: s.
+            end: s; default: the model's.
+            steps: intervals between these.
+            inputs: values of inputs and tunable parameters, by name.
+
+        Returns:
+            The motion, the mobility, redundant equations and singular positions on the way.
+
+        Raises:
+            InputError: an option does not fit, or the model cannot be assembled.
+        """
+        return motions.kinematics(self, start=start, end=end, steps=steps, inputs=inputs)
+
+    def inverse_dynamics(
+        self,
+        motion: motions.Motion | None = None,
+        *,
+        smooth: float = 0,
+        forces: Sequence[str] = (),
+        flexible: Literal["dynamic", "quasistatic"] = "dynamic",
+        step: float | None = None,
+        start: float = 0,
+        end: float | None = None,
+        steps: int = 200,
+        inputs: Mapping[str, float] | None = None,
+    ) -> motions.InverseDynamics:
+        """Forces along joint coordinates that make a motion, in trees and loops, as `mimbre inverse-dynamics`.
+
+        Args:
+            motion: a table's file, or times and coordinates by name; default: the motion of the drives.
+            smooth: s; the smoothing spline halves motions of this period; default: none.
+            forces: joint coordinates along which forces act; default: those that are prescribed.
+            flexible: flexible bodies, and joints held by springs, follow by their dynamics, or are in balance at
+                each instant as if they were at rest in the motion.
+            step: step of `dynamic`, s; default: the model's.
+            start: s, without a table.
+            end: s, without a table; default: the model's.
+            steps: intervals between these.
+            inputs: values of inputs and tunable parameters, by name.
+
+        Returns:
+            The forces, with all channels of the motion.
+
+        Raises:
+            InputError: an option or the motion does not fit the model.
+            SimulationError: the motion or the balance cannot be made; the message has the time.
+        """
+        return motions.inverse_dynamics(
+            self,
+            motion,
+            smooth=smooth,
+            forces=forces,
+            flexible=flexible,
+            step=step,
+            start=start,
+            end=end,
+            steps=steps,
+            inputs=inputs,
+        )
+
     # Elsewhere
 
     def to_yaml(self, path: str | os.PathLike[str] | None = None) -> str:
@@ -347,6 +538,81 @@ class Model:
             target.write_bytes(self._text.encode())
         return self._text
 
+    def generate(self, folder: str | os.PathLike[str], *, name: str = "", **method: Unpack[Method]) -> Path:
+        """Writes C99 that steps the model and needs no library, as `mimbre generate` (docs/generated-code.md).
+
+        Args:
+            folder: for NAME.h and NAME.c; it is made.
+            name: of the files and of all that is in them; default: the model file's.
+            **method: step and method in place of the model's, see `Method`.
+
+        Returns:
+            The path of the source.
+
+        Raises:
+            InputError: with all reasons why code cannot be made of the model, or the folder cannot be written.
+        """
+        path, left_out = _core.generate(
+            self._compiled, checked_method(method), _checks.path("folder", folder), _checks.text("name", name)
+        )
+        _left_out(left_out, "code")
+        return Path(path)
+
+    def fmu(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        version: Literal[2, 3] = 3,
+        name: str = "",
+        binary_only: bool = False,
+        **method: Unpack[Method],
+    ) -> Path:
+        """Writes an FMU for co-simulation, as `mimbre fmu` (docs/fmu.md): sources, and a binary for this machine where
+        there is a C compiler; without one there is a warning.
+
+        Args:
+            path: of the file.
+            version: of the standard, FMI 2.0 or 3.0.
+            name: the model identifier; default: the model file's name.
+            binary_only: without the sources.
+            **method: step and method in place of the model's, see `Method`.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: with all reasons why an FMU cannot be made of the model, or the file cannot be written.
+
+        Example:
+            ```python
+            model.fmu("vehicle.fmu", version=2)
+            ```
+        """
+        left_out, without_binary = _core.fmu(
+            self._compiled,
+            checked_method(method),
+            _checks.path("path", path),
+            _checks.whole("version", version),
+            _checks.text("name", name),
+            _checks.flag("binary_only", binary_only),
+        )
+        _left_out(left_out, "FMU")
+        if without_binary:
+            warnings.warn(f"the FMU has sources alone, and no binary: {without_binary}", stacklevel=2)
+        return Path(path)
+
+    def page(self, path: str | os.PathLike[str]) -> None:
+        """Writes one HTML file that simulates the model in the browser, as `mimbre page` does (docs/page.md).
+
+        Args:
+            path: of the page.
+
+        Raises:
+            InputError: the model has laws that are functions, which a page cannot call.
+            RuntimeError: mimbre was built without the solver for pages; `make page` builds it.
+        """
+        _core.write_page(self._compiled, _checks.path("path", path))
+
     def _files(self) -> tuple[Path, dict[str, bytes]]:
         """A folder that has the model's and all files that it names, and these by their names from there."""
         paths = [Path(os.path.normpath(Path(file).absolute())) for file in self._compiled.other_files]
@@ -357,6 +623,11 @@ class Model:
         top, files = self._files()
         place = str(self._folder.relative_to(top))
         return _unpickled, (self._text, self._compiled.file, self.parameters, place, files, self._laws)
+
+
+def _left_out(outputs: Sequence[str], of: str) -> None:
+    for output in outputs:
+        warnings.warn(f"output {output} is not in the {of}", stacklevel=3)
 
 
 def _write(files: Mapping[str, bytes], folder: Path) -> None:

@@ -877,8 +877,9 @@ class SignalKeys(TypedDict, total=False):
     D: Number | Sequence[Number | Sequence[Number] | Array] | Array
     # States at the start; default: 0.
     initial: Number | Sequence[Number | Sequence[Number] | Array] | Array
-    # Names of several outputs: their signals are NAME.OUTPUT.
-    outputs: Sequence[str]
+    # Names of several outputs: their signals are NAME.OUTPUT. Of an FMU: the names of its variables, or
+    # {OUTPUT: variable}; of a variable alone the signal is NAME.
+    outputs: Mapping[str, str]
     # A table: its input, with `points`; or two, with `x`, `y` and `values`.
     table: str | float | Sequence[str | float]
     # [[x, y], ..] of a table.
@@ -921,6 +922,20 @@ class SignalKeys(TypedDict, total=False):
     deviation: Number
     # Of noise, a whole number; default: 0.
     seed: Number
+    # File of an FMU for co-simulation, FMI 2 or 3, that computes it: docs/fmu-import.md.
+    fmu: str
+    # Of an FMU: its inputs by their names, and expressions of what they get.
+    inputs: Mapping[str, str | float]
+    # Of an FMU: start values of its parameters and other variables by their names.
+    parameters: Mapping[str, str | float | bool]
+    # Of an FMU: its step from one instant to the next sees the inputs of the first (default) or of the
+    # second.
+    inputs_at: Literal["start", "end"]
+    # Of an FMU: it runs in a process of its own, so that a crash or a hang there ends nothing else;
+    # default: false.
+    process: bool
+    # Of an FMU in a process of its own: how long a call may take, s of the clock; default: 30.
+    timeout: Number
     # A flexible body made of bars: N, Vy, Vz, T, My, Mz or von_mises in the section at the node of its
     # bars at the place `at`.
     section_force: str

@@ -17,7 +17,10 @@ struct Failure : std::runtime_error {
 void bind_analysis(nb::module_& module);
 void bind_errors(nb::module_& module);
 void bind_histories(nb::module_& module);
+void bind_linear(nb::module_& module);
 void bind_model(nb::module_& module);
+void bind_portable(nb::module_& module);
+void bind_motion(nb::module_& module);
 void bind_reduction(nb::module_& module);
 void bind_results(nb::module_& module);
 void bind_run(nb::module_& module);

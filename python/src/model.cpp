@@ -23,6 +23,7 @@
 #include "mimbre/build.h"
 #include "mimbre/input_table.h"
 #include "mimbre/model_file.h"
+#include "mimbre/page.h"
 #include "mimbre/run_option.h"
 #include "mimbre/urdf.h"
 #include "user_law.h"
@@ -168,6 +169,9 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("constraints", [](const LoadedModel& m) { return m.model->constraints(); })
       .def_prop_ro("starts_at_equilibrium",
                    [](const LoadedModel& m) { return m.model->spec().simulation.start_at_equilibrium; });
+  module.def(
+      "write_page", [](const LoadedModel& m, const std::string& path) { write_page(m.model, path); },
+      nb::arg("model"), nb::arg("path"));
   module.def("load", &load, nb::arg("path"), nb::arg("parameters"));
   module.def("read_input_table", &input_table, nb::arg("model"), nb::arg("path"), nb::arg("name"));
   module.def("robot", &robot, nb::arg("path"), nb::arg("folder"), nb::arg("floating"), nb::arg("keep_fixed"),

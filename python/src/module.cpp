@@ -19,5 +19,8 @@ NB_MODULE(_core, module) {
   mimbre::python::bind_histories(module);
   mimbre::python::bind_simulation(module);
   mimbre::python::bind_analysis(module);
+  mimbre::python::bind_portable(module);
+  mimbre::python::bind_linear(module);
+  mimbre::python::bind_motion(module);
   mimbre::python::bind_yaml(module);
 }

@@ -64,6 +64,14 @@ def test_the_gallery(quiet):
         assert f"(../examples/{folder.name})" in page
 
 
+@pytest.mark.filterwarnings("ignore:output .* is not in the FMU")
+def test_the_page_of_fmus(quiet):
+    pytest.importorskip("fmpy")
+    (quiet / "examples").symlink_to(top / "examples")
+    assert run_blocks("fmu.md", {}) == 0
+    assert (quiet / "pendulum.fmu").is_file()
+
+
 def test_coming_from_other_programs(quiet):
     (quiet / "examples").symlink_to(top / "examples")
     names: dict[str, object] = {}

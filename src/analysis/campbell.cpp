@@ -42,8 +42,11 @@ double alike(const Mode& a, const Mode& b) {
   const bool rigid = a.kind == Mode::Kind::rigid;
   if (rigid != (b.kind == Mode::Kind::rigid)) return 0;
   if (rigid) return std::abs(a.shape.dot(b.shape)) / (a.shape.norm() * b.shape.norm() + 1e-300);
-  const double forth = std::abs(a.left.dot(b.shape)), back = std::abs(b.left.dot(a.shape));
-  return std::sqrt(forth * back);
+  const auto with = [&](const Eigen::VectorXcd& shape, const Eigen::VectorXcd& left) {
+    return std::sqrt(std::abs(a.left.dot(shape)) * std::abs(left.dot(a.shape)));
+  };
+  // In axes that turn, λ may go through the real axis: its conjugate is the one that is listed then.
+  return std::max(with(b.shape, b.left), with(b.shape.conjugate(), b.left.conjugate()));
 }
 
 /// Modes of equal eigenvalues, which have no shapes of their own.
@@ -103,7 +106,15 @@ void align(std::vector<Mode>& modes, const std::vector<Mode>& to) {
         // wᴴ ← B⁻¹ wᴴ.
         mode.left += std::conj(back(c, r)) * of.left;
       }
-      mode.whirl = to[nearest[static_cast<std::size_t>(c)].second].whirl;
+      const Mode& like = to[nearest[static_cast<std::size_t>(c)].second];
+      mode.whirl = like.whirl;
+      // Where nothing turns here, the ground sees the same.
+      const bool turns = std::any_of(cluster.begin(), cluster.end(),
+                                     [&](std::size_t k) { return modes[k].fixed != modes[k].value; });
+      if (like.fixed == 0.)
+        mode.fixed = like.fixed;
+      else
+        mode.fixed = turns ? mode.value + (like.fixed - like.value) : mode.value;
       turned.push_back(std::move(mode));
     }
     for (std::size_t k = 0; k < cluster.size(); ++k) modes[cluster[k]] = std::move(turned[k]);
@@ -164,7 +175,7 @@ class Tracking {
       ModeBranch& b = out_.branches[static_cast<std::size_t>(at.branch[i])];
       b.values.resize(k + 1, nowhere());
       b.whirl.resize(k + 1, 0);
-      b.values[k] = at.modes[i].value;
+      b.values[k] = at.modes[i].seen();
       b.whirl[k] = at.modes[i].whirl;
       if (b.name.empty()) b.name = at.modes[i].text;
     }
@@ -264,9 +275,9 @@ class Tracking {
       std::complex<double> nearest = expected;
       double least = std::numeric_limits<double>::infinity();
       for (const Mode& mode : there.modes)
-        if (const double off = std::abs(mode.value - expected); off < least) {
+        if (const double off = std::abs(mode.seen() - expected); off < least) {
           least = off;
-          nearest = mode.value;
+          nearest = mode.seen();
         }
       if (f(nearest, place) == 0) break;
       if ((f(nearest, place) > 0) == (a > 0)) {

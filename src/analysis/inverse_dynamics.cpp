@@ -103,9 +103,8 @@ class InverseProblem {
   const DriveData& drive(const JointCoordinate& of) const {
     for (const DriveData& d : m_.drives)
       if (d.joint_spec == of.joint && d.local == of.coordinate) return d;
-    throw InputError(Mark{},
-                     fmt::format("joint '{}' is cut, so that no drive can act there; write cut: never",
-                                 m_.spec().joints[static_cast<std::size_t>(of.joint)].name));
+    throw InputError(Mark{}, fmt::format("joint '{}' is cut, so that no drive can act there; set cut: never",
+                                         m_.spec().joints[static_cast<std::size_t>(of.joint)].name));
   }
   std::vector<char> leads() const {
     std::vector<char> all(static_cast<std::size_t>(m_.equations), 1);

@@ -228,6 +228,7 @@ std::string linear_model_json(const LinearModel& m, const std::vector<double>& f
   json["input_values"] = m.input_values;
   json["output_values"] = m.output_values;
   json["coordinates"] = m.coordinates;
+  json["speeds"] = m.speeds;
   json["redundant"] = m.redundant;
   json["speed"] = m.speed;
   json["unsteady"] = m.unsteady;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "analysis/linear_turning.h"
 #include "base/random_numbers.h"
 #include "compile/element_name.h"
 #include "dynamics/relative/forces.h"
@@ -20,6 +21,7 @@
 #include "simulation/observe/channels.h"
 #include "simulation/start/assembly.h"
 #include "simulation/step/signal_state.h"
+#include "simulation/watch/validity.h"
 
 namespace mimbre::linear {
 
@@ -318,7 +320,7 @@ void drop_idle_inputs(Linearised& out) {
 void fold_bristles(Linearised& out) {
   Reduced& r = out.reduced;
   const int f = r.coordinates;
-  if (out.state.v.cwiseAbs().maxCoeff() > 0) return;
+  if (f != r.speeds || out.state.v.size() == 0 || out.state.v.cwiseAbs().maxCoeff() > 0) return;
   std::vector<int> folded;
   const Eigen::Index n = r.A.cols();
   for (int k = 0; k < r.states; ++k) {
@@ -369,25 +371,32 @@ void linearise_state(const Compiled& m, const relative::RelativeSystem& system, 
   State& s = out.state;
   LinearCore core(m, s, pace_of(system, s.v));
   core.find_mass(out.derivatives);
-  const Independent independent(out.derivatives.jacobian, system.scales());
+  // Those of another point may be given.
+  const Independent independent(out.derivatives.jacobian, system.scales(), false, out.moving);
   refuse_singular(m, system, core, independent);
   int massless = -1;
   if (!consistent_accelerations(out.derivatives, independent, system.scales(), s.a, s.multipliers, massless))
     refuse_massless(m, massless);
   core.find_derivatives(s.a, s.multipliers, out.derivatives);
   const LinearCore::Rates rates = core.rates();
-  out.reduced = reduce(out.derivatives, rates, independent, system.scales(), massless);
+  const std::vector<char>& is_rate = system.scales().is_rate;
+  const bool rolls = std::find(is_rate.begin(), is_rate.end(), 1) != is_rate.end();
+  const Independent positions(out.derivatives.jacobian, system.scales(), rolls, out.independent);
+  out.reduced = reduce(out.derivatives, rates, positions, independent, system.scales(), massless);
   if (massless >= 0) refuse_massless(m, massless);
-  out.independent = independent.coordinates();
+  out.independent = positions.coordinates();
+  out.moving = independent.coordinates();
   out.elements = core.elements();
   out.parameters = core.parameters();
   out.state_rates = rates.value;
   out.names.redundant = m.equations - independent.rank();
 }
 
-/// By how much A differs a little further along the motion, of its largest entry; 0 where the mechanism moves
-/// through no other shapes.
-double variation(const Compiled& m, const relative::RelativeSystem& system, const Linearised& at) {
+/// By how much A differs a little further along the motion, of its largest entry: 0 where the mechanism moves
+/// through no other shapes. In each of several axes.
+std::vector<double> variation(const Compiled& m, const relative::RelativeSystem& system, const Linearised& at,
+                              const std::vector<TurnedAxes>& choices) {
+  std::vector<double> out(choices.size(), 1);
   const double speed = system.scales().of_coordinates(at.state.v.data());
   Linearised next;
   next.state = at.state;
@@ -395,25 +404,51 @@ double variation(const Compiled& m, const relative::RelativeSystem& system, cons
   const VectorXd x = dt * at.state.v;
   system.retract(at.state.q.data(), x.data(), next.state.q.data());
   next.state.time += dt;
+  next.independent = at.independent;
+  next.moving = at.moving;
   try {
     linearise_state(m, system, next);
   } catch (const std::runtime_error&) {
-    return 1;
+    return out;
   }
-  if (next.reduced.A.rows() != at.reduced.A.rows() || next.independent != at.independent) return 1;
+  if (next.reduced.A.rows() != at.reduced.A.rows()) return out;
   const double size = at.reduced.A.cwiseAbs().maxCoeff();
-  return size > 0 ? (next.reduced.A - at.reduced.A).cwiseAbs().maxCoeff() / size : 0;
+  if (!(size > 0)) return std::vector<double>(choices.size(), 0);
+  for (std::size_t k = 0; k < choices.size(); ++k) out[k] = change_in_axes(choices[k], at, dt, next) / size;
+  return out;
 }
 
-void describe(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
+/// What linear flexible bodies neglect at the point, as in a run: stiffening by rotation above all.
+void check_validity(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
+  ValidityMonitor monitor(m);
+  if (monitor.empty()) return;
+  const State& s = out.state;
+  VectorXd r(m.velocities);
+  monitor.start(s, s);
+  // Amplitudes of round-off have no shape.
+  double deflection = 0;
+  for (const BodyData& b : m.bodies)
+    for (int k = 0; k < b.modes; ++k)
+      deflection =
+          std::max(deflection,
+                   std::abs(s.q[b.q + b.joint_positions + k]) /
+                       system.scales().coordinates[static_cast<std::size_t>(b.v + b.joint_velocities + k)]);
+  if (deflection > 1e-6) monitor.watch(s);
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+  monitor.watch_loads(system.workspace(), s.time);
+  for (std::string& warning : monitor.warnings()) out.names.warnings.push_back(std::move(warning));
+}
+
+void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
   LinearModel& names = out.names;
   const State& s = out.state;
   const Scales& scales = system.scales();
   names.title = m.spec().title;
   names.time = s.time;
   names.coordinates = out.reduced.coordinates;
+  names.speeds = out.reduced.speeds;
   for (const int k : out.independent) names.states.push_back(coordinate_label(m, k));
-  for (const int k : out.independent) {
+  for (const int k : out.moving) {
     const LinearName label = coordinate_label(m, k);
     names.states.push_back({"d/dt " + label.name, label.unit + "/s"});
   }
@@ -443,8 +478,30 @@ void describe(const Compiled& m, const relative::RelativeSystem& system, Lineari
                     rests ? "no equilibrium" : "no steady motion", names.accelerated, names.acceleration,
                     names.unsteady));
   if (steady && !rests) {
-    names.varies = variation(m, system, out);
-    if (names.varies > constant)
+    system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+    const Turning turning = find_turning(m, system);
+    const std::vector<TurnedAxes> choices{{}, axes_that_turn(m, turning), axes_before_joints(m, s.v)};
+    const std::vector<double> varies = variation(m, system, out, choices);
+    const auto best = std::find_if(varies.begin(), varies.end(), [](double by) { return by <= constant; });
+    names.varies = varies.front();
+    if (best != varies.end()) {
+      names.varies = 0;
+      out.axes = choices[static_cast<std::size_t>(best - varies.begin())];
+      const bool turns = best - varies.begin() < 2 && turning.speed > 0;
+      if (turns) {
+        out.turning = turning.speed;
+        out.turning_axis = turning.axis;
+        out.turning_place = turning.place;
+      }
+      if (!out.axes.empty())
+        names.notes.push_back(
+            turns ? fmt::format("the mechanism turns as a whole with {:.6g} rad/s: A is that of the instant; "
+                                "modes are those in axes that turn with it, where A is constant",
+                                turning.speed)
+                  : "A is that of the instant, in axes of bodies that turn; modes are those in axes that do "
+                    "not "
+                    "turn with them, where A is constant");
+    } else if (names.varies > constant)
       names.warnings.push_back(
           fmt::format("the coefficients vary along the motion, by {:.2g} of the largest after 0.37 rad or as "
                       "much of its size: "
@@ -458,7 +515,7 @@ void describe(const Compiled& m, const relative::RelativeSystem& system, Lineari
         std::abs(out.state_rates[k]) > 1e-6 * pace)
       names.warnings.push_back(fmt::format(
           "the {} still moves, by {:.3g} per s",
-          names.states[static_cast<std::size_t>(2 * names.coordinates + k)].name, out.state_rates[k]));
+          names.states[static_cast<std::size_t>(out.reduced.first_state() + k)].name, out.state_rates[k]));
   for (const LinearElement& e : out.elements) {
     const std::string name = element_name(m, m.elements[static_cast<std::size_t>(e.element)]);
     if (e.by_differences)
@@ -524,6 +581,7 @@ Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions&
   drop_idle_inputs(out);
   fold_bristles(out);
   describe(m, system, out);
+  check_validity(m, system, out);
   return out;
 }
 

@@ -9,17 +9,29 @@
 /// A model at a point, with everything that linear analyses need of it.
 namespace mimbre::linear {
 
+/// Three velocity coordinates from `first` on, in axes that turn: T with Ṫ = [rate]× T, T = I at the point.
+struct TurnedVector {
+  int first = 0;
+  Vec3d rate = Vec3d::Zero();  ///< rad/s
+};
+
 /// A linearised model; `model` is the given one, with delays replaced where it has any.
 struct Linearised {
   std::shared_ptr<const Model> model;
   State state;  ///< relative coordinates; consistent accelerations and multipliers; signals committed
   Derivatives derivatives;
-  std::vector<int> independent;
+  std::vector<int> independent;  ///< coordinates y
+  std::vector<int> moving;       ///< velocities s: the same, but with rolling fewer
   Reduced reduced;
   std::vector<LinearElement> elements;
   std::vector<Parameter> parameters;
   Eigen::VectorXd state_rates;  ///< of the states among the parameters
   LinearModel names;            ///< everything but the matrices
+  /// Where the whole mechanism turns steadily about one fixed axis: its angular speed, and the axis.
+  double turning = 0;
+  Vec3d turning_axis = Vec3d::UnitX(), turning_place = Vec3d::Zero();
+  /// Axes in which the coefficients are constant along the motion (linear_turning.h); none: as they are.
+  std::vector<TurnedVector> axes;
 };
 
 /// Throws as linearise() does.

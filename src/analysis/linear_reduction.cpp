@@ -40,12 +40,19 @@ int massless_coordinate(const MatrixXd& mass, const VectorXd& scale) {
 
 }  // namespace
 
-Independent::Independent(const MatrixXd& jacobian, const Scales& scales)
+Independent::Independent(const MatrixXd& jacobian, const Scales& scales, bool positions,
+                         const std::vector<int>& chosen)
     : rows_(scales_of(scales.equations).cwiseInverse()), columns_(scales_of(scales.coordinates)) {
+  if (positions)
+    for (std::size_t k = 0; k < scales.is_rate.size(); ++k)
+      if (scales.is_rate[k]) rows_[static_cast<Eigen::Index>(k)] = 0;
   const auto n = static_cast<int>(jacobian.cols());
   scaled_ = rows_.asDiagonal() * jacobian * columns_.asDiagonal();
   std::vector<char> is_dependent(static_cast<std::size_t>(n), 0);
-  if (scaled_.size() > 0 && scaled_.cwiseAbs().maxCoeff() > 1e-13) {
+  if (!chosen.empty()) {
+    is_dependent.assign(static_cast<std::size_t>(n), 1);
+    for (const int k : chosen) is_dependent[static_cast<std::size_t>(k)] = 0;
+  } else if (scaled_.size() > 0 && scaled_.cwiseAbs().maxCoeff() > 1e-13) {
     const ColumnOrder order = order_columns(scaled_, repeated);
     for (int k = 0; k < order.rank; ++k)
       is_dependent[static_cast<std::size_t>(order.order[static_cast<std::size_t>(k)])] = 1;
@@ -99,12 +106,14 @@ bool consistent_accelerations(const Derivatives& d, const Independent& independe
   return true;
 }
 
-Reduced reduce(const Derivatives& d, const LinearCore::Rates& rates, const Independent& independent,
-               const Scales& scales, int& massless) {
+Reduced reduce(const Derivatives& d, const LinearCore::Rates& rates, const Independent& positions,
+               const Independent& independent, const Scales& scales, int& massless) {
   const MatrixXd& N = independent.motions();
-  const auto n = N.rows(), f = N.cols(), p = d.residual_p.cols(), z = rates.value.size(), all = 2 * f + p;
+  const auto n = N.rows(), f = N.cols(), y = positions.motions().cols(), p = d.residual_p.cols(),
+             z = rates.value.size(), all = y + f + p;
   Reduced out;
-  out.coordinates = static_cast<int>(f);
+  out.coordinates = static_cast<int>(y);
+  out.speeds = static_cast<int>(f);
   out.states = static_cast<int>(z);
   out.inputs = static_cast<int>(p - z);
   const std::vector<int>& free = independent.coordinates();
@@ -116,12 +125,12 @@ Reduced reduce(const Derivatives& d, const LinearCore::Rates& rates, const Indep
   }
   // Columns: y, s, parameters.
   MatrixXd position = MatrixXd::Zero(n, all), velocity = position;
-  position.leftCols(f) = N;
-  position.rightCols(p) = independent.particular(-d.phi_p);
+  position.leftCols(y) = positions.motions();
+  position.rightCols(p) = positions.particular(-d.phi_p);
   MatrixXd rate = d.rate_q * position;
   rate.rightCols(p) += d.rate_p;
   velocity = independent.particular(-rate);
-  velocity.middleCols(f, f) += N;
+  velocity.middleCols(y, f) += N;
   MatrixXd second = d.second_q * position + d.second_v * velocity;
   second.rightCols(p) += d.second_p;
   MatrixXd acceleration = independent.particular(-second);
@@ -132,28 +141,32 @@ Reduced reduce(const Derivatives& d, const LinearCore::Rates& rates, const Indep
   if (f > 0) alpha = -solve(mass, reduced_force);
   acceleration += N * alpha;
   // Rates of x.
-  MatrixXd x(2 * f + z, all);
+  MatrixXd x(y + f + z, all);
   const MatrixXd moved = velocity - d.turn * position;
-  x.topRows(f) = moved(free, Eigen::all);
-  x.middleRows(f, f) = alpha;
+  x.topRows(y) = moved(positions.coordinates(), Eigen::all);
+  x.middleRows(y, f) = alpha;
   if (z > 0) {
     MatrixXd seen = d.seen_q * position + d.seen_v * velocity;
     seen.rightCols(p) += d.seen_p;
     x.bottomRows(z) = rates.by_seen * seen;
     x.bottomRightCorner(z, p) += rates.by_parameters;
   }
-  out.A = x.leftCols(2 * f + z);
+  out.A = x.leftCols(y + f + z);
   out.B = x.rightCols(p - z);
   force += d.mass * (N * alpha);
   out.multipliers = independent.multipliers(MatrixXd(-force));
   out.position = std::move(position);
   out.velocity = std::move(velocity);
   out.acceleration = std::move(acceleration);
-  // s = ẏ + W y, so that M ṡ + C s + K y gives the second-order form.
-  const MatrixXd turn = (d.turn * N)(free, Eigen::all);
-  const MatrixXd by_y = reduced_force.leftCols(f), by_s = reduced_force.middleCols(f, f);
-  out.damping = by_s + mass * turn;
-  out.stiffness = by_y + by_s * turn;
+  const MatrixXd by_y = reduced_force.leftCols(y), by_s = reduced_force.middleCols(y, f);
+  out.damping = by_s;
+  out.stiffness = by_y;
+  if (y == f) {
+    // s = ẏ + W y, so that M ṡ + C s + K y gives the second-order form.
+    const MatrixXd turn = (d.turn * N)(free, Eigen::all);
+    out.damping += mass * turn;
+    out.stiffness += by_s * turn;
+  }
   out.mass = std::move(mass);
   return out;
 }

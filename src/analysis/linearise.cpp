@@ -42,7 +42,7 @@ class OutputsNearPoint {
       state_.v += by * r.velocity.col(column);
       state_.a += by * r.acceleration.col(column);
       state_.multipliers += by * r.multipliers.col(column);
-      if (const Eigen::Index p = column - 2 * r.coordinates; p >= 0)
+      if (const Eigen::Index p = column - r.first_state(); p >= 0)
         vary(at_.parameters[static_cast<std::size_t>(p)], by);
     }
     system_.enter(state_.u.data(), state_.z.data(), 0);

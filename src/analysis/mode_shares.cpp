@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compile/element_name.h"
 #include "dynamics/relative/forces.h"
@@ -75,6 +76,7 @@ ModeShares::ModeShares(const Linearised& at)
       fastest = body.omega.norm();
       axis_ = body.omega / fastest;
     }
+  if (at.turning > 0) axis_ = at.turning_axis;
 }
 
 ModeShares::Rates ModeShares::rates(const VectorXd& v) {
@@ -168,24 +170,68 @@ void ModeShares::add_elastic(const VectorXcd& motion, Mode& mode, double all) {
   sort_shares(mode.elastic);
 }
 
-/// Of the orbits of the bodies' origins and axes about the axis: ∓2 Im(x̄ y)/(|x|² + |y|²), weighed by size.
-double ModeShares::whirl(const VectorXcd& motion) {
-  if (axis_.isZero(0)) return 0;
-  const Rates still = rates(VectorXd::Zero(m_.velocities)), real = rates(motion.real()),
-              imag = rates(motion.imag());
+/// Velocities and angular velocities (times the length scale) of bodies and of frames on flexible bodies, of
+/// the points that lie on the axis.
+std::vector<Vec3d> ModeShares::velocities_on_axis(const VectorXd& v) {
+  const State& s = at_.state;
+  const VectorXd zero = VectorXd::Zero(m_.velocities);
+  system_.kinematics(s.time, s.q.data(), v.data(), zero.data());
+  std::vector<Vec3d> out;
+  const auto add = [&](const Motion<double>& x) {
+    const Vec3d off = x.position - at_.turning_place, across = off - axis_ * axis_.dot(off);
+    out.emplace_back(x.velocity - x.omega.cross(across));
+    out.emplace_back(m_.length_scale * x.omega);
+  };
+  for (const Motion<double>& body : system_.workspace().bodies) add(body);
+  for (int k = 0; k < static_cast<int>(m_.frames.size()); ++k)
+    if (m_.frames[k].flexible >= 0)
+      add(relative::output_motion(system_, k, s.q.data(), v.data(), zero.data()));
+  return out;
+}
+
+/// With x + i y of the transverse components, x = Re(X e^{λt}): ½ (X + i Y) e^{λt} + ½ conj(X − i Y) e^{λ̄t}.
+ModeShares::Orbits ModeShares::orbits(const VectorXcd& motion) {
+  Orbits out;
+  if (axis_.isZero(0)) return out;
+  const std::vector<Vec3d> still = velocities_on_axis(VectorXd::Zero(m_.velocities)),
+                           real = velocities_on_axis(motion.real()), imag = velocities_on_axis(motion.imag());
   const Vec3d first = axis_.unitOrthogonal(), second = axis_.cross(first);
-  double turned = 0, size = 0;
-  for (std::size_t k = 0; k < m_.bodies.size(); ++k)
-    for (const bool spin : {false, true}) {
-      const double length = spin ? m_.length_scale : 1;
-      const auto of = [&](const Rates& r) { return Vec3d(spin ? r.spin[k] : r.velocity[k]); };
-      const Vec3d a = length * (of(real) - of(still)), b = length * (of(imag) - of(still));
-      const std::complex<double> x(a.dot(first), b.dot(first)), y(a.dot(second), b.dot(second));
-      // x cos, y sin with e^{iωt}: y = −i x turns from x to y.
-      turned += -2 * std::imag(std::conj(x) * y);
-      size += std::norm(x) + std::norm(y);
-    }
-  return size > 0 ? turned / size : 0;
+  const std::complex<double> i(0, 1);
+  for (std::size_t k = 0; k < still.size(); ++k) {
+    const Vec3d a = real[k] - still[k], b = imag[k] - still[k];
+    const auto along = [&](const Vec3d& e) { return std::complex<double>(a.dot(e), b.dot(e)); };
+    const std::complex<double> x = along(first), y = along(second);
+    out.forward += 0.5 * std::norm(x + i * y);
+    out.backward += 0.5 * std::norm(x - i * y);
+    out.axial += std::norm(along(axis_));
+  }
+  return out;
+}
+
+void ModeShares::find_whirl(const VectorXcd& motion, Mode& mode) {
+  mode.fixed = mode.value;
+  const Orbits o = orbits(motion);
+  const double across = o.forward + o.backward;
+  mode.whirl = mode.kind == Mode::Kind::oscillating && across > 0 ? (o.forward - o.backward) / across : 0;
+  if (!(at_.turning > 0)) return;
+  constexpr double none = 1e-6;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (!(across + o.axial > 0)) {
+    mode.fixed = {nan, nan};
+  } else if (across <= none * o.axial) {
+    mode.whirl = 0;
+  } else if (mode.kind != Mode::Kind::oscillating) {
+    // Both senses at once: the ground sees Ω.
+    if (mode.kind == Mode::Kind::real) mode.fixed = {mode.value.real(), at_.turning};
+  } else if (o.backward <= none * across && o.axial <= none * across) {
+    mode.fixed = mode.value + std::complex<double>(0, at_.turning);
+  } else if (o.forward <= none * across && o.axial <= none * across) {
+    const double seen = at_.turning - mode.value.imag();
+    mode.fixed = {mode.value.real(), std::abs(seen)};
+    mode.whirl = seen >= 0 ? 1 : -1;
+  } else {
+    mode.fixed = {nan, nan};
+  }
 }
 
 std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
@@ -196,7 +242,7 @@ std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
   if (mode.coordinates.empty() && at_.reduced.states > 0) {
     Eigen::Index largest = 0;
     shape.tail(at_.reduced.states).cwiseAbs().maxCoeff(&largest);
-    add(at_.names.states[static_cast<std::size_t>(2 * at_.reduced.coordinates + largest)].name);
+    add(at_.names.states[static_cast<std::size_t>(at_.reduced.first_state() + largest)].name);
   }
   if (mode.kind != Mode::Kind::rigid && !mode.elastic.empty()) add(listed(mode.elastic, 2));
   if (mode.kind == Mode::Kind::oscillating && std::abs(mode.whirl) > 0.2)
@@ -229,9 +275,12 @@ void ModeShares::describe(Mode& mode) {
                              std::abs(energies[static_cast<Eigen::Index>(k)]) / sum});
   sort_shares(mode.bodies);
   const VectorXcd y = mode.shape.head(r.coordinates);
-  const double stored = 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y));
-  add_elastic(motion, mode, stored);
-  mode.whirl = mode.kind == Mode::Kind::oscillating ? whirl(motion) : 0;
+  // With rolling, K is not square: no energy goes by it.
+  const bool square = r.coordinates == r.speeds;
+  add_elastic(motion, mode,
+              square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0);
+  if (!square) mode.gravity = 0;
+  find_whirl(motion, mode);
   mode.text = words(mode, mode.shape);
 }
 

@@ -25,7 +25,14 @@ class ModeShares {
   /// Mean kinetic energy of each body.
   Eigen::VectorXd body_energies(const Eigen::VectorXcd& v);
   void add_elastic(const Eigen::VectorXcd& motion, Mode& mode, double all);
-  double whirl(const Eigen::VectorXcd& motion);
+  /// Orbits of the bodies' origins and axes about the axis: mean squares of what goes with the turning, of
+  /// what goes against it, and of what is along or about the axis.
+  struct Orbits {
+    double forward = 0, backward = 0, axial = 0;
+  };
+  Orbits orbits(const Eigen::VectorXcd& motion);
+  void find_whirl(const Eigen::VectorXcd& motion, Mode& mode);
+  std::vector<Vec3d> velocities_on_axis(const Eigen::VectorXd& v);
   std::string words(const Mode& mode, const Eigen::VectorXcd& shape) const;
 
   const Linearised& at_;
@@ -34,7 +41,6 @@ class ModeShares {
   Eigen::VectorXd generalised_;
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
   Vec3d axis_ = Vec3d::Zero();                  ///< of the fastest turning of a body, zero: none
-  std::vector<Vec3d> still_;                    ///< velocities without v
 };
 
 /// What a velocity coordinate is in words: "revolute joint's name", "chassis along z", "mode 2 of arm".

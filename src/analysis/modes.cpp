@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "analysis/linear_turning.h"
 #include "analysis/mode_shares.h"
 #include "base/cpu_time.h"
 #include "math/once/decompositions.h"
@@ -21,27 +22,31 @@ namespace {
 
 /// Shares of the largest entry of a matrix in units of the mechanism: less is round-off.
 constexpr double nothing = 1e-9;
+/// Of a stiffness before it cancels: less is the residual of the equilibrium.
+constexpr double no_stiffness = 1e-8;
 /// Of the largest eigenvalue: what is real or imaginary but for that is so.
 constexpr double imaginary_round_off = 1e-10;
 
 /// Scales of the states: their sizes where the motion is of the mechanism's size, and as fast as its modes.
 VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coordinate_scales,
-                      const std::vector<int>& independent) {
-  const int f = r.coordinates;
+                      const std::vector<int>& independent, const std::vector<int>& moving) {
+  const int y = r.coordinates, f = r.speeds;
   VectorXd scale = VectorXd::Ones(r.A.rows());
-  for (int k = 0; k < f; ++k)
-    scale[k] = scale[f + k] =
-        coordinate_scales[static_cast<std::size_t>(independent[static_cast<std::size_t>(k)])];
+  const auto of = [&](const std::vector<int>& chosen, int k) {
+    return coordinate_scales[static_cast<std::size_t>(chosen[static_cast<std::size_t>(k)])];
+  };
+  for (int k = 0; k < y; ++k) scale[k] = of(independent, k);
+  for (int k = 0; k < f; ++k) scale[y + k] = of(moving, k);
   // A pace that makes accelerations by positions as large as velocities.
   const MatrixXd stiff =
-      scale.head(f).cwiseInverse().asDiagonal() * r.A.block(f, 0, f, f) * scale.head(f).asDiagonal();
+      scale.segment(y, f).cwiseInverse().asDiagonal() * r.A.block(y, 0, f, y) * scale.head(y).asDiagonal();
   const double pace = f > 0 ? std::sqrt(stiff.cwiseAbs().maxCoeff()) : 0;
-  if (pace > 0) scale.segment(f, f) *= pace;
+  if (pace > 0) scale.segment(y, f) *= pace;
   // States of elements and blocks by what they do.
-  for (Eigen::Index k = 2 * f; k < scale.size(); ++k) {
+  for (Eigen::Index k = y + f; k < scale.size(); ++k) {
     const double acts =
         f > 0
-            ? (scale.segment(f, f).cwiseInverse().asDiagonal() * r.A.block(f, k, f, 1)).cwiseAbs().maxCoeff()
+            ? (scale.segment(y, f).cwiseInverse().asDiagonal() * r.A.block(y, k, f, 1)).cwiseAbs().maxCoeff()
             : 0;
     if (acts > 0 && pace > 0) scale[k] = pace / acts;
   }
@@ -85,8 +90,8 @@ Zeros zeros_of(const linear::Linearised& at) {
   out.vectors.resize(2 * f + z, 0);
   if (G.rows() == 0) return out;
   const bool any = G.cwiseAbs().maxCoeff() > nothing;
-  const MatrixXd right = any ? null_space(G, nothing) : MatrixXd::Identity(f + z, f + z),
-                 left = any ? null_space(G.transpose(), nothing) : right;
+  const MatrixXd right = any ? null_space(G, no_stiffness) : MatrixXd::Identity(f + z, f + z),
+                 left = any ? null_space(G.transpose(), no_stiffness) : right;
   if (right.cols() == 0) return out;
   const MatrixXd X = columns.asDiagonal() * right, L = rows.asDiagonal() * left;
   out.vectors.resize(2 * f + z, X.cols());
@@ -99,14 +104,40 @@ Zeros zeros_of(const linear::Linearised& at) {
   H.bottomRightCorner(z, z).setIdentity();
   // Less than this share of what there was before it cancelled is round-off.
   MatrixXd sizes_of_damping = H.cwiseAbs();
-  sizes_of_damping.topLeftCorner(f, f) += N.transpose() * at.derivatives.residual_v.cwiseAbs() * N;
+  sizes_of_damping.topLeftCorner(f, f) +=
+      N.transpose() * at.derivatives.residual_v.cwiseAbs() * N + at.names.speed * r.mass.cwiseAbs();
+  // Null vectors are as exact as their rank: errors of them see the damping of everything else.
+  const double none = nothing * (rows.asDiagonal() * sizes_of_damping * columns.asDiagonal()).maxCoeff();
   const MatrixXd size = L.cwiseAbs().transpose() * sizes_of_damping * X.cwiseAbs();
   MatrixXd seen = L.transpose() * H * X;
   for (Eigen::Index k = 0; k < seen.size(); ++k)
-    if (!(std::abs(seen.data()[k]) > nothing * size.data()[k])) seen.data()[k] = 0;
+    if (!(std::abs(seen.data()[k]) > std::max(nothing * size.data()[k], none))) seen.data()[k] = 0;
   out.count = static_cast<int>(X.cols());
   out.count +=
       seen.isZero(0) ? static_cast<int>(X.cols()) : static_cast<int>(null_space(seen, nothing).cols());
+  return out;
+}
+
+/// The same where constraints on velocities leave more coordinates than velocities. Chains are longer there:
+/// a disc's path goes by its heading, and its heading by its speed. `A` is in units of the mechanism. Null
+/// vectors are taken out by an orthogonal transformation until none is left: those of the rest are the next
+/// ones of the chains.
+Zeros staircase_zeros(const MatrixXd& A) {
+  constexpr double rank_round_off = 1e-12;
+  Zeros out;
+  out.vectors.resize(A.rows(), 0);
+  MatrixXd rest = A;
+  while (rest.rows() > 0) {
+    const bool any = rest.cwiseAbs().maxCoeff() > nothing * A.cwiseAbs().maxCoeff();
+    const MatrixXd free =
+        any ? null_space(rest, rank_round_off) : MatrixXd::Identity(rest.rows(), rest.rows());
+    if (free.cols() == 0) break;
+    if (out.count == 0) out.vectors = free;
+    out.count += static_cast<int>(free.cols());
+    if (free.cols() == rest.rows()) break;
+    const MatrixXd other = null_space(free.transpose(), rank_round_off);
+    rest = (other.transpose() * rest * other).eval();
+  }
   return out;
 }
 
@@ -153,8 +184,9 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
   std::vector<Mode> modes;
   if (r.A.rows() == 0) return modes;
   const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
-  const Zeros zeros = zeros_of(at);
-  const MatrixXd free = echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors);
+  const bool rolls = r.coordinates != r.speeds;
+  const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
+  const MatrixXd free = echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors);
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
@@ -200,7 +232,8 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
 
 LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOptions& options) {
   const double start = thread_cpu_seconds();
-  const linear::Linearised at = linear::linearise_at(std::move(model), options.linear);
+  linear::Linearised at = linear::linearise_at(std::move(model), options.linear);
+  if (!at.axes.empty()) linear::put_in_axes(at.axes, at);
   const Compiled& m = at.model->compiled();
   LinearisedModes out;
   out.model = at.names;
@@ -211,11 +244,13 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   out.model.stiffness = at.reduced.stiffness;
   for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(linear::coordinate_label(m, k));
   const relative::RelativeSystem system(m);
-  out.modes = eigen_modes(at, state_scales(at.reduced, system.scales().coordinates, at.independent));
+  out.modes =
+      eigen_modes(at, state_scales(at.reduced, system.scales().coordinates, at.independent, at.moving));
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
   linear::ModeShares shares(at);
   for (Mode& mode : out.modes) shares.describe(mode);
+  out.turning = at.turning;
   out.cpu_seconds = thread_cpu_seconds() - start;
   return out;
 }

@@ -34,6 +34,7 @@ struct Command {
 std::vector<Command> add_commands(CommandLine& program);
 Command add_run(CommandLine& program);
 Command add_live(CommandLine& program);
+Command add_page(CommandLine& program);
 Command add_plan(CommandLine& program);
 Command add_check(CommandLine& program);
 Command add_static(CommandLine& program);
@@ -50,6 +51,7 @@ Command add_convert(CommandLine& program);
 Command add_stress(CommandLine& program);
 Command add_export(CommandLine& program);
 Command add_generate(CommandLine& program);
+Command add_fmu(CommandLine& program);
 Command add_inverse_dynamics(CommandLine& program);
 Command add_kinematics(CommandLine& program);
 

@@ -340,6 +340,7 @@ struct RealTimeLoop::Impl {
 
   Simulation& simulation;
   const std::string worst_case = worst_case_of(simulation);
+  const std::string not_saved = simulation.not_saved();
   const RealTimeOptions options;
   const double period;  ///< s of the clock
   std::int64_t most_steps = 0;
@@ -376,6 +377,7 @@ bool RealTimeLoop::request(const RealTimeRequest& request) {
   if (of_place && (request.place < 0 || request.place >= impl_->options.snapshots))
     throw std::out_of_range(fmt::format("request: there is no place {}; they are counted from 0 to {}",
                                         request.place, impl_->options.snapshots - 1));
+  if (of_place && !impl_->not_saved.empty()) throw InputError(Mark{}, impl_->not_saved);
   return impl_->requests.push(request);
 }
 RealTimeLoop::State RealTimeLoop::state() const { return impl_->state; }

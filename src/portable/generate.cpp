@@ -11,6 +11,7 @@
 #include "dynamics/tangent_marks.h"
 #include "integrate/rule.h"
 #include "integrate/stepper.h"
+#include "portable/dependencies.h"
 #include "portable/record.h"
 #include "portable/refusals.h"
 #include "portable/texts.h"
@@ -106,8 +107,11 @@ class Generator {
         if (h.input == static_cast<int>(out_.inputs.size())) v.start = mechanism_.state.u[h.held];
       out_.inputs.push_back(v);
     }
-    for (const RecordedOutput& o : recorded_->outputs)
+    const std::vector<std::vector<int>> inputs = inputs_of_outputs(*recorded_, m_.signals);
+    for (const RecordedOutput& o : recorded_->outputs) {
       out_.outputs.push_back({o.name, unique("out_" + o.name), o.unit, o.meaning});
+      out_.outputs.back().inputs = inputs[out_.outputs.size() - 1];
+    }
   }
 
   void count_operations(const PhaseCode& phases) {

@@ -68,6 +68,13 @@ std::vector<Diagnostic> refusals(const Compiled& m, const Method& method) {
   if (d.fixed_loops || d.moving_loops)
     refuse(file, "code is not made of signals that go around in loops; break the loop by a sampled block");
   for (const spec::Block& b : m.spec().blocks) {
+    if (b.outside) {
+      refuse(b.mark,
+             fmt::format("signal '{}' is computed by an FMU, whose code is not ours to write: leave it to "
+                         "`mimbre run`, or write it as a block of the model file",
+                         b.name));
+      continue;
+    }
     if (b.every > 0)
       refuse(b.mark,
              fmt::format("signal '{}' is sampled, which code is not yet: leave 'every' away", b.name));

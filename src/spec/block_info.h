@@ -38,6 +38,7 @@ struct BlockInfo {
   std::span<const char* const> words = {};
   bool named_outputs = false;  ///< it may have several outputs, each of which has a name
   bool continuous = true;      ///< it may be; sampled all of them may
+  bool outside = false;        ///< code from elsewhere computes it (spec::Block::outside)
   bool relay = false;          ///< a continuous one switches between steps, at a threshold
   /// Its outputs have derivatives by time where its inputs have.
   bool smooth = false;

@@ -49,6 +49,7 @@ void ModelBuilder::add_block(const std::string& name, const build::Block& given)
   block.type = given.type;
   block.every = given.every;
   block.function = given.function;
+  block.outside = given.outside;
   block.numbers = numbers_of_block(addition, info, given);
   block.matrices = matrices_of(addition, info, given);
   std::vector<std::string> formulas = given.inputs;

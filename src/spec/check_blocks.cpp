@@ -21,7 +21,7 @@ void check_block(const spec::Model& model, const CheckedItem& item, const spec::
   if (info.inputs >= 0 && inputs != info.inputs)
     return item.error(
         fmt::format("a block '{}' has {} inputs, {} are given", block.type, info.inputs, inputs));
-  if (info.inputs < 0 && (inputs < 1 || inputs > most_block_inputs))
+  if (info.inputs < 0 && !info.outside && (inputs < 1 || inputs > most_block_inputs))
     return item.error(fmt::format("has {} inputs; 1 to {} are possible", inputs, most_block_inputs));
   for (const spec::Law& law : block.inputs) {
     if (law.formula.is_zero()) item.error("has an input without a formula");
@@ -30,6 +30,8 @@ void check_block(const spec::Model& model, const CheckedItem& item, const spec::
   if (block.numbers.size() != info.numbers.size())
     return item.error(fmt::format("a block '{}' has {} numbers, {} are given", block.type,
                                   info.numbers.size(), block.numbers.size()));
+  if (!info.outside && block.outside)
+    item.error(fmt::format("a block '{}' has no code from elsewhere; one of type 'fmu' has", block.type));
   bool good = true;
   for (std::size_t k = 0; k < info.numbers.size(); ++k)
     if (const LawNumber& number = info.numbers[k]; !number.allows(block.numbers[k])) {

@@ -36,6 +36,12 @@ std::vector<std::byte> model_bytes(const spec::Model& model) {
            fmt::format("'{}' has a force law of the user's own, which is code and cannot be written with the "
                        "model",
                        element.name)});
+  for (const spec::Block& block : model.blocks)
+    if (block.outside)
+      refused.push_back(
+          {block.mark, fmt::format("signal '{}' is computed by code from elsewhere, which cannot "
+                                   "be written with the model",
+                                   block.name)});
   if (!refused.empty()) throw InputError(std::move(refused));
   archive::Writer writer;
   writer(model);

@@ -182,9 +182,11 @@ void members(A& archive, Of<spec::Signal> auto& x) {
   auto& [name, mark, unit, law, every, named, block, output] = x;
   archive(name, mark, unit, law, every, named, block, output);
 }
+/// Without the code of blocks from elsewhere: model_bytes() refuses them.
 template <class A>
 void members(A& archive, Of<spec::Block> auto& x) {
-  auto& [name, mark, type, inputs, numbers, matrices, function, every] = x;
+  auto& [name, mark, type, inputs, numbers, matrices, function, every, outside] = x;
+  static_cast<void>(outside);
   archive(name, mark, type, inputs, numbers, matrices, function, every);
 }
 template <class A>

@@ -65,6 +65,39 @@ TEST(Campbell, FollowsModesThroughCrossings) {
   EXPECT_GT(crossings, 400);
 }
 
+/// A family of two parameters, K = Q diag(a + b p + c p') Qᵀ along random lines through it: more than 1000
+/// crossings, each branch a line as it is by continuation in tiny steps.
+TEST(Campbell, KeepsNamesThroughAThousandCrossingsOfAFamilyOfTwoParameters) {
+  int crossings = 0, lines = 0;
+  for (unsigned seed = 1; crossings < 1000; ++seed, ++lines) {
+    Random random(7000 + seed);
+    constexpr int n = 12;
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(random.values(n * n, 1).reshaped(n, n)).householderQ();
+    const VectorXd a = random.values(n, 1).array() + 4, b = random.values(n, 1.5), c = random.values(n, 1.5);
+    const double from = random.number(-0.5, 0.5), to = random.number(-0.5, 0.5);
+    const auto square = [&](double p, int k) { return a[k] + b[k] * p + c[k] * (from + (to - from) * p); };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j)
+        crossings += (square(0, i) - square(0, j)) * (square(1, i) - square(1, j)) < 0 ? 1 : 0;
+    const CampbellDiagram d = campbell(
+        [&](double p) {
+          VectorXd squares(n);
+          for (int k = 0; k < n; ++k) squares[k] = square(p, k);
+          return modes_of(Q * squares.asDiagonal() * Q.transpose());
+        },
+        from_zero_to_one(6));
+    ASSERT_EQ(d.branches.size(), static_cast<std::size_t>(n));
+    EXPECT_TRUE(d.warnings.empty());
+    for (const ModeBranch& branch : d.branches) {
+      const double first = std::norm(branch.values.front()), last = std::norm(branch.values.back());
+      bool known = false;
+      for (int k = 0; k < n; ++k)
+        known = known || (std::abs(square(0, k) - first) < 1e-9 && std::abs(square(1, k) - last) < 1e-9);
+      EXPECT_TRUE(known) << seed;
+    }
+  }
+}
+
 /// Two modes that come near and part again, weakly coupled, exchange their shapes and never meet: as a family
 /// of one parameter moves in tiny steps, the lower one stays the lower one.
 TEST(Campbell, FollowsModesThroughVeerings) {

@@ -86,8 +86,9 @@ TEST_F(JsonOutput, AgainstTheClockKeepsTheSchema) {
 
 /// They answer before any file is read.
 TEST_F(JsonOutput, OfWrongUseKeepsTheSchema) {
-  for (const char* command : {"run", "check", "static", "report", "compare", "bench", "verify", "reduce",
-                              "select", "convert", "stress", "export", "generate", "live", "plan"}) {
+  for (const char* command :
+       {"run", "check", "static", "report", "compare", "bench", "verify", "reduce", "select", "convert",
+        "stress", "export", "generate", "fmu", "page", "live", "plan"}) {
     answer({command}, 2, "error");
     answer({command, "--no-such-option"}, 2, "error");
   }

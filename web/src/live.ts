@@ -3,8 +3,9 @@ import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import "./live.css";
 import { element } from "./dom";
+import type { Socket } from "./liveLink";
 import { LivePage } from "./livePage";
-import { decodeLiveScene, type PackedLiveScene } from "./liveProtocol";
+import { decodeLiveScene, protocol, type PackedLiveScene } from "./liveProtocol";
 
 const page = document.getElementById("page")!;
 
@@ -25,10 +26,18 @@ async function ask(path: string): Promise<Response> {
 
 const fetchScene = async () => (await (await ask("/scene")).json()) as PackedLiveScene;
 
+function open(): Socket {
+  const address = addressOf("/ws");
+  address.protocol = address.protocol.replace("http", "ws");
+  const socket = new WebSocket(address, protocol);
+  socket.binaryType = "arraybuffer";
+  return socket as Socket;
+}
+
 async function start(): Promise<void> {
   const packed = await fetchScene();
   document.title = `${packed.title || "Untitled model"} – mimbre live`;
-  page.append(...new LivePage(packed, decodeLiveScene(packed), fetchScene, async () => (await ask("/inputs")).text(), addressOf("/ws")).parts);
+  page.append(...new LivePage(packed, decodeLiveScene(packed), fetchScene, async () => (await ask("/inputs")).text(), open).parts);
 }
 
 start().catch((error: unknown) => {

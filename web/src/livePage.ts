@@ -8,7 +8,7 @@ import { LiveLink, type Socket } from "./liveLink";
 import { Monitor } from "./liveMonitor";
 import { touchPads } from "./livePads";
 import { PictureBuffer } from "./livePictures";
-import { decodePicture, mostChannels, protocol, sameModel, type LiveScene, type Order, type PackedLiveScene, type Picture, type Said } from "./liveProtocol";
+import { decodePicture, mostChannels, sameModel, type LiveScene, type Order, type PackedLiveScene, type Picture, type Said } from "./liveProtocol";
 import { InputSender } from "./liveSender";
 import { announcement, atFirst, mayDrive, seenIn, stateWord, type Situation } from "./liveSituation";
 import { StripRecord } from "./liveStrip";
@@ -66,7 +66,9 @@ export class LivePage {
     live: LiveScene,
     fetchScene: () => Promise<PackedLiveScene>,
     driven: () => Promise<string>,
-    address: URL,
+    /** Connects to the server, or to the solver in the page. */
+    open: () => Socket,
+    at: "server" | "page" = "server",
   ) {
     const order = (one: Order) => this.order(one);
     this.places = new Map(live.channels.map(({ name }, k) => [name, k]));
@@ -76,7 +78,7 @@ export class LivePage {
     this.transport = new Transport(order, live.record);
     this.inputs = new Inputs(live.inputs, this.driver, (take) => this.requestControl(take), (name, value) => this.sender.set(name, value));
     this.strips = new Strips(live.channels, live.shown.length > 0 ? live.shown : firstSelection(live.channels), this.record, () => this.ask());
-    this.recordedInputs = new RecordedInputs(live.inputs, order, driven, () => this.toStart());
+    this.recordedInputs = new RecordedInputs(live.inputs, order, driven, () => this.toStart(), at);
     this.pads = touchPads(this.driver);
     this.view.holder.after(this.transport.root);
     const model = element("details", { class: "card model" }, element("summary", {}, element("h2", {}, "Model")), element("pre", { tabindex: 0 }, live.model));
@@ -86,13 +88,8 @@ export class LivePage {
     this.parts = [header, element("main", {}, left, right), ...(this.pads ? [this.pads] : [])];
     this.listen();
 
-    address.protocol = address.protocol.replace("http", "ws");
     this.link = new LiveLink({
-      open: () => {
-        const socket = new WebSocket(address, protocol);
-        socket.binaryType = "arraybuffer";
-        return socket as Socket;
-      },
+      open,
       picture: (message) => this.add(decodePicture(message, live.scene.bodies.length, live.scene.animation.amplitudes), live),
       said: (said) => this.hear(said),
       connected: () => {

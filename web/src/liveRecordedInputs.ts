@@ -23,6 +23,7 @@ export class RecordedInputs {
     private driven: () => Promise<string>,
     /** Resets the simulation, and leaves it paused. */
     private reset: () => Promise<void>,
+    at: "server" | "page" = "server",
   ) {
     const json = element("button", { title: "For this page" }, "Save JSON");
     const csv = element("button", { title: "All inputs or one of them; for this page, spreadsheets and mimbre run --input" }, "Save CSV");
@@ -42,7 +43,7 @@ export class RecordedInputs {
       "section",
       { class: "card recorded-inputs" },
       element("h2", {}, "Recorded inputs"),
-      element("p", { class: "hint" }, "The server records all inputs since the last reset. Playing them back reproduces the motion."),
+      element("p", { class: "hint" }, `The ${at} records all inputs since the last reset. Playing them back reproduces the motion.`),
       element("div", { class: "row" }, json, csv, which),
       element("div", { class: "row" }, this.again, this.open, this.end, this.file, element("label", {}, this.fresh, element("span", {}, " reset first"))),
       this.words,

@@ -47,9 +47,9 @@ std::vector<double> frequencies_of(const std::string& text) {
 
 std::string summary(const LinearModel& m) {
   std::string text = fmt::format(
-      "point: {}\n{} states: {} coordinates, as many velocities, {} others; {} inputs, {} outputs\n", m.point,
-      m.states.size(), m.coordinates, static_cast<int>(m.states.size()) - 2 * m.coordinates, m.inputs.size(),
-      m.outputs.size());
+      "point: {}\n{} states: {} coordinates, {} velocities, {} others; {} inputs, {} outputs\n", m.point,
+      m.states.size(), m.coordinates, m.speeds == m.coordinates ? "as many" : fmt::format("{}", m.speeds),
+      static_cast<int>(m.states.size()) - m.coordinates - m.speeds, m.inputs.size(), m.outputs.size());
   Table table({"state", "unit"});
   for (const LinearName& s : m.states) table.add({s.name, s.unit});
   return text + table.text();

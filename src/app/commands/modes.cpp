@@ -37,6 +37,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
   json["time"] = found.model.time;
   json["coordinates"] = Json::array();
   for (const LinearName& c : found.coordinates) json["coordinates"].push_back(c.name);
+  if (found.turning > 0) json["turning"] = found.turning;
   json["modes"] = Json::array();
   for (const Mode& m : found.modes) {
     Json one;
@@ -48,6 +49,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
     one["damping_ratio"] = m.damping;
     one["grows"] = m.grows;
     one["whirl"] = m.whirl;
+    if (found.turning > 0) one["from_ground"] = {m.fixed.real(), m.fixed.imag()};
     one["text"] = m.text;
     one["shares"] = {{"coordinates", to_json(m.coordinates)},
                      {"bodies", to_json(m.bodies)},
@@ -64,13 +66,29 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
 }
 
 std::string to_table(const LinearisedModes& found) {
-  Table table({"mode", "Hz", "damping ratio", "real 1/s", "imaginary 1/s", "consists of"});
+  const bool turns = found.turning > 0;
+  std::vector<std::string> heading{"mode", "Hz", "damping ratio", "real 1/s", "imaginary 1/s"};
+  if (turns) heading.emplace_back("from the ground 1/s");
+  heading.emplace_back("consists of");
+  Table table(heading);
   int number = 0;
-  for (const Mode& m : found.modes)
-    table.add({fmt::format("{}", ++number), fmt::format("{:.6g}", m.frequency),
-               m.kind == Mode::Kind::rigid ? "–" : fmt::format("{:.4g}", m.damping == 0 ? 0 : m.damping),
-               fmt::format("{:.6g}", m.value.real()), fmt::format("{:.6g}", m.value.imag()), m.text});
+  for (const Mode& m : found.modes) {
+    std::vector<std::string> row{
+        fmt::format("{}", ++number), fmt::format("{:.6g}", m.frequency),
+        m.kind == Mode::Kind::rigid ? "–" : fmt::format("{:.4g}", m.damping == 0 ? 0 : m.damping),
+        fmt::format("{:.6g}", m.value.real()), fmt::format("{:.6g}", m.value.imag())};
+    if (turns)
+      row.push_back(std::isfinite(m.fixed.imag()) ? fmt::format("{:.6g}", m.fixed.imag())
+                                                  : "two frequencies");
+    row.push_back(m.text);
+    table.add(row);
+  }
   std::string text = fmt::format("point: {}\n", found.model.point) + table.text();
+  if (turns)
+    text += fmt::format(
+        "The mechanism turns as a whole with {:.6g} rad/s; its coordinates turn with it. From the ground its "
+        "whirling modes have\nfrequencies that differ from those in these axes by that speed.\n",
+        found.turning);
   for (const std::string& note : found.model.notes) text += note + "\n";
   return text;
 }

@@ -214,6 +214,8 @@ int run_model(const RunArguments& given_arguments) {
   const std::unique_ptr<Simulation> owner = assembled(loaded, options, arguments.quiet);
   Simulation& simulation = *owner;
   inputs.attach(simulation);
+  if (const std::string why = simulation.not_saved(); !why.empty() && !arguments.state.empty())
+    throw InputError(Mark{arguments.model, 0, 0}, why + "; run without --save-state");
   if (!arguments.quiet) {
     if (simulation.method().default_end)
       fmt::print(stderr,

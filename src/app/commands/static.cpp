@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "app/common.h"
@@ -6,9 +7,11 @@
 #include "app/method_options.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
+#include "mimbre/buckling.h"
 #include "mimbre/statics.h"
+#include "mimbre/usage_error.h"
 
-/// mimbre static: the model's outputs at its static equilibrium.
+/// mimbre static: the model's outputs at its static equilibrium, or its buckling loads.
 namespace mimbre::app {
 namespace {
 
@@ -16,7 +19,9 @@ struct StaticArguments {
   std::string model;
   std::vector<std::string> settings;
   RunOptions method;
-  bool json = false, strict = false;
+  std::vector<std::string> loads;
+  int count = 3;
+  bool json = false, strict = false, buckling = false;
 };
 
 Json to_json(const StaticResult& result, const Json& method, const std::vector<std::string>& warnings) {
@@ -56,8 +61,59 @@ StaticResult equilibrium(const LoadedModel& loaded, const RunOptions& options) {
   }
 }
 
+Buckling buckling_of(const LoadedModel& loaded, const BucklingOptions& options) {
+  const Busy busy("looking for buckling loads");
+  try {
+    return buckling(loaded.model, options);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Failure(error.what());
+  }
+}
+
+Json to_json(const Buckling& found, const std::vector<std::string>& warnings) {
+  Json json = answer("static");
+  json["loads"] = found.loads;
+  json["buckling"] = Json::array();
+  for (const BucklingMode& mode : found.modes) {
+    Json one{{"factor", mode.factor}, {"text", mode.text}, {"shape", Json::object()}};
+    for (std::size_t k = 0; k < found.coordinates.size(); ++k)
+      one["shape"][found.coordinates[k]] = mode.shape[static_cast<Eigen::Index>(k)];
+    json["buckling"].push_back(std::move(one));
+  }
+  json["nonlinear"] = found.nonlinear;
+  json["warnings"] = warnings;
+  return json;
+}
+
+std::string to_table(const Buckling& found) {
+  Table table({"factor", "of", "shares of the elastic energy"});
+  for (const BucklingMode& mode : found.modes)
+    table.add(
+        {fmt::format("{:.6g}", mode.factor), fmt::format("{}", fmt::join(found.loads, ", ")), mode.text});
+  return table.text();
+}
+
+int run_buckling(const LoadedModel& loaded, const StaticArguments& arguments) {
+  BucklingOptions options;
+  options.loads = arguments.loads;
+  options.count = arguments.count;
+  const Buckling found = buckling_of(loaded, options);
+  std::vector<std::string> warnings = loaded.warnings;
+  for (const std::string& warning : found.warnings) {
+    print_warning(warning);
+    warnings.push_back(warning);
+  }
+  print_data(arguments.json ? to_text(to_json(found, warnings)) + '\n' : to_table(found));
+  return done_with(!warnings.empty(), arguments.strict);
+}
+
 int run_static(const StaticArguments& arguments) {
+  if (!arguments.buckling && !arguments.loads.empty())
+    throw UsageError("--load selects the loads of --buckling, which is missing");
   const LoadedModel loaded = load(arguments.model, arguments.settings);
+  if (arguments.buckling) return run_buckling(loaded, arguments);
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
   const StaticResult result = equilibrium(loaded, options);
@@ -78,11 +134,22 @@ Command add_static(CommandLine& program) {
   const auto arguments = std::make_shared<StaticArguments>();
   parser.add_option("model", arguments->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, arguments->settings);
+  parser.add_flag("--buckling", arguments->buckling, "Find the factors of the loads at which it buckles");
+  parser
+      .add_option("--load", arguments->loads,
+                  "With --buckling: a load that grows, or gravity; default: all loads, gravity without any")
+      .repeated()
+      .type_name("LOAD");
+  parser.add_option("--count", arguments->count, "With --buckling: factors at most, of each sign")
+      .within(1, 1000)
+      .show_default();
   parser.add_flag("--json", arguments->json, "The same as JSON");
   add_strict_option(parser, arguments->strict);
   // At rest it does not matter how constraints and steps are made.
   add_method_options(parser, arguments->method, {.steps = false});
-  parser.footer("Example:\n  mimbre static suspension.yaml --json");
+  parser.footer(
+      "Example:\n  mimbre static suspension.yaml --json\n  mimbre static column.yaml --buckling --load "
+      "press");
   return {parser, [arguments] { return run_static(*arguments); }};
 }
 

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/zip_file.h"
 #include "fe_files/matrices/matrix_files.h"
-#include "fe_files/matrices/zip_file.h"
 #include "fe_files/node_table.h"
 #include "fe_files/text.h"
 #include "fe_files/text_file.h"

@@ -2,8 +2,8 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "base/zip_file.h"
 #include "fe_files/matrices/symmetric_entries.h"
-#include "fe_files/matrices/zip_file.h"
 #include "fe_files/text_file.h"
 
 namespace mimbre::fe {

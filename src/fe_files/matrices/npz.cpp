@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/zip_file.h"
 #include "fe_files/matrices/matrix_files.h"
-#include "fe_files/matrices/zip_file.h"
 #include "fe_files/text.h"
 
 // Format: NumPy Enhancement Proposal 1 (.npy), scipy.sparse.save_npz.

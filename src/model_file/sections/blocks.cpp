@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "model_file/sections/fmu_block.h"
 #include "spec/block_info.h"
 
 namespace mimbre::model_file {
@@ -112,7 +113,12 @@ std::vector<std::string> keys_of(const BlockInfo& info) {
     if (!is_word(info, number)) keys.emplace_back(number.key);
   for (const BlockMatrix& matrix : info.matrices) keys.emplace_back(matrix.key);
   if (!info.second.empty()) keys.emplace_back(info.second);
-  if (info.named_outputs) keys.emplace_back("outputs");
+  if (info.outside) {
+    const std::vector<std::string> further = fmu_keys();
+    keys.insert(keys.end(), further.begin(), further.end());
+  } else if (info.named_outputs) {
+    keys.emplace_back("outputs");
+  }
   if (info.points) keys.insert(keys.end(), {"points", "interpolation"});
   return keys;
 }
@@ -145,6 +151,7 @@ int block_of(const Tree& description) {
 std::vector<std::string> output_names(const Tree& description) {
   std::vector<std::string> names;
   const int type = block_of(description);
+  if (type >= 0 && block_info(type).outside) return fmu_output_names(description);
   const Tree::Entry* outputs =
       type >= 0 && block_info(type).named_outputs ? description.find("outputs") : nullptr;
   if (outputs && outputs->value->kind == Tree::Kind::list)
@@ -164,7 +171,12 @@ void read_block(Builder& builder, const Part& part, const Value& value, const st
   if (const auto every = fields.get("every")) block.every = every->positive(quantity::time).value_or(1);
   const auto main = fields.need(std::string(info.key), "angle");
   if (!main) return;
-  read_inputs_of(builder, part, fields, *main, info, block);
+  if (info.outside) {
+    for (const Value& text : read_fmu(builder, fields, block))
+      if (auto law = input_formula(builder, part, text)) block.inputs.push_back(std::move(*law));
+  } else {
+    read_inputs_of(builder, part, fields, *main, info, block);
+  }
   read_numbers(info, fields, block);
   read_matrices(info, fields, block);
   if (info.points) block.function = read_points_of(fields);

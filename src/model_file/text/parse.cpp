@@ -6,6 +6,7 @@
 
 #include "model_file/sections/contacts.h"
 #include "model_file/sections/elements.h"
+#include "model_file/sections/fmu_block.h"
 #include "model_file/sections/signals.h"
 #include "model_file/text/builder.h"
 #include "model_file/text/degrees.h"
@@ -102,6 +103,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   for (Part& part : builder.parts) read_events(builder, part);
   resolve_sensors(builder);
   read_simulation(builder, model);
+  complete_fmu_intervals(builder.model);
   if (builder.model.bodies.empty())
     builder.errors.add(model.tree->mark, "the model has no body; add one under 'bodies'");
   builder.errors.throw_if_any();

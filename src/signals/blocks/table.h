@@ -3,6 +3,7 @@
 
 #include "signals/blocks/block.h"
 #include "signals/blocks/delay.h"
+#include "signals/blocks/fmu.h"
 #include "signals/blocks/hysteresis.h"
 #include "signals/blocks/noise.h"
 #include "signals/blocks/pid.h"
@@ -19,7 +20,7 @@ template <class... Types>
 struct BlockList {};
 /// In the order of SignalsData::Block::type.
 using Blocks =
-    BlockList<Pid, TransferFunction, StateSpace, Table, Table2d, RateLimit, Delay, Hysteresis, Noise>;
+    BlockList<Pid, TransferFunction, StateSpace, Table, Table2d, RateLimit, Delay, Hysteresis, Noise, Fmu>;
 
 template <class T, class... Type>
 constexpr std::array<BlockRow<T>, sizeof...(Type)> rows_of(BlockList<Type...>) {

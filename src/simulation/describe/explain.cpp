@@ -195,6 +195,8 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
   switch (r.code) {
     case StepReport::Code::ok:
       return "ok";
+    case StepReport::Code::block_failed:
+      return "a block from elsewhere failed";
     case StepReport::Code::not_converged:
       if (!jump.empty())
         return fmt::format(

@@ -101,7 +101,8 @@ std::vector<std::string> locking_warnings(relative::RelativeSystem& system, cons
   for (const auto& [k, by] : freed_without)
     if (by.size() > 1) locked[by].push_back(m.spec().joints[at_rest[k]].name);
   std::vector<std::string> warnings;
-  for (const auto& [by, joints] : locked) {
+  for (const auto& lock : locked) {
+    const std::vector<std::string>&by = lock.first, &joints = lock.second;
     // What others pass on of that is no contradiction of their own.
     const auto holds = [&](const auto& other) {
       return other.first.size() < by.size() &&

@@ -2,6 +2,7 @@
 
 #include "base/hash64.h"
 #include "compile/image.h"
+#include "mimbre/outside_block.h"
 #include "mimbre/run_option.h"
 
 namespace mimbre {
@@ -13,6 +14,8 @@ std::uint64_t fingerprint(const Model& model, const Method& method,
   for (const ChannelInfo& channel : channels)
     hash.add(channel.name + '\n' + channel.unit + '\n' + channel.meaning);
   hash.add(model.image().hash());
+  for (const spec::Block& block : model.spec().blocks)
+    if (block.outside) hash.add(block.outside->identity());
   for (const spec::Event& event : model.spec().events) hash.add(event.name);
   for (const RunOption& option : run_option_table())
     if (option.changes_states) hash.add(value_in(option, method));

@@ -35,8 +35,8 @@ bool keep_block(const SignalsData::Block& b, const BlockCall<double>& call, doub
   return jumps;
 }
 
-/// What is due more often than there are steps would be late, without a word.
-void check_intervals(const Compiled& m, double step) {
+/// The model. What is due more often than there are steps would be late, without a word: throws InputError.
+const Compiled& with_intervals(const Compiled& m, double step) {
   const auto check = [&](const std::string& name, const Mark& mark, double every) {
     if (every > 0 && step > every * (1 + 1e-6))
       throw InputError(mark, fmt::format("signal '{}' is evaluated every {} s, and the steps are of {} s: "
@@ -46,6 +46,7 @@ void check_intervals(const Compiled& m, double step) {
   for (const spec::Block& b : m.spec().blocks) check(b.name, b.mark, b.every);
   for (const spec::Signal& s : m.spec().signals)
     if (s.block < 0) check(s.name, s.mark, s.every);
+  return m;
 }
 
 }  // namespace
@@ -155,8 +156,7 @@ double Seen::value(const Channels& channels, relative::RelativeSystem& system, c
   return data_.formula.value(x.data());
 }
 
-Sampler::Sampler(const Compiled& m, double step) : model_(m) {
-  check_intervals(m, step);
+Sampler::Sampler(const Compiled& m, double step) : model_(m), outside_(with_intervals(m, step), step) {
   for (const SignalsData::Sampled& s : m.signals.sampled) {
     signals_.push_back({&s, {}});
     for (const SignalsData::Seen& input : s.inputs) signals_.back().inputs.emplace_back(m, input);
@@ -192,7 +192,7 @@ void Sampler::make_block(const SignalsData::Sampled& s, const double* in, double
   keep_block(b, call, held);
 }
 
-void Sampler::sample(const Channels& channels, relative::RelativeSystem& system, const State& seen,
+bool Sampler::sample(const Channels& channels, relative::RelativeSystem& system, const State& seen,
                      double step, State& state) {
   auto& w = system.workspace();
   for (const Signal& s : signals_) {
@@ -200,12 +200,15 @@ void Sampler::sample(const Channels& channels, relative::RelativeSystem& system,
     double *at = state.u.data() + data.held, &due = at[data.values], &made = at[data.values + 1];
     // Sums of steps are off their multiples by round-off.
     if (state.time < due - 1e-6 * data.every) continue;
-    std::array<double, most_block_inputs> in;
-    std::array<double, most_block_outputs> out;
+    static_assert(most_outside_values >= most_block_inputs && most_outside_values >= most_block_outputs);
+    std::array<double, most_outside_values> in;
+    std::array<double, most_outside_values> out;
     for (std::size_t k = 0; k < s.inputs.size(); ++k) in[k] = s.inputs[k].value(channels, system, seen);
     if (data.block < 0)
       out[0] = in[0];
-    else
+    else if (model_.spec().blocks[static_cast<std::size_t>(data.block)].outside) {
+      if (!outside_.exchange(data, in.data(), made, state, out.data())) return false;
+    } else
       make_block(data, in.data(), made, state, out.data());
     for (int k = 0; k < data.values; ++k) {
       if (out[k] == at[k]) continue;
@@ -229,6 +232,7 @@ void Sampler::sample(const Channels& channels, relative::RelativeSystem& system,
     std::copy_n(answer.force, e.count, own);
     std::copy_n(next.data(), context.user().states.size(), own + e.count);
   }
+  return true;
 }
 
 }  // namespace mimbre

@@ -7,6 +7,7 @@
 #include "dynamics/relative/system.h"
 #include "dynamics/state.h"
 #include "simulation/observe/channels.h"
+#include "simulation/step/outside_blocks.h"
 
 /// What the state keeps of inputs, sampled signals and force elements, from step to step.
 namespace mimbre {
@@ -49,13 +50,17 @@ class Seen {
 /// Evaluates signals at instants, and laws that are sampled.
 class Sampler {
  public:
-  /// Throws InputError where something is due more often than there are steps of that length, s.
+  /// Throws InputError where something is due more often than there are steps of that length, s, and where a
+  /// block from elsewhere cannot be loaded.
   Sampler(const Compiled& model, double step);
   bool none() const { return signals_.empty() && laws_.empty(); }
   /// Before a step of that length: what is due is evaluated from the system's last residual, which is of
-  /// `seen`, and kept in `state`. Allocates nothing that the outputs that it sees do not.
-  void sample(const Channels& channels, relative::RelativeSystem& system, const State& seen, double step,
+  /// `seen`, and kept in `state`. Allocates nothing that the outputs that it sees do not, nor blocks from
+  /// elsewhere. False where one of these fails.
+  bool sample(const Channels& channels, relative::RelativeSystem& system, const State& seen, double step,
               State& state);
+  OutsideBlocks& outside() { return outside_; }
+  const OutsideBlocks& outside() const { return outside_; }
 
  private:
   struct Signal {
@@ -68,6 +73,7 @@ class Sampler {
   const Compiled& model_;
   std::vector<Signal> signals_;
   std::vector<int> laws_;  ///< elements
+  OutsideBlocks outside_;
 };
 
 }  // namespace mimbre

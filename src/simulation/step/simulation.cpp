@@ -106,11 +106,12 @@ struct Simulation::Impl {
   }
 
   /// Signals and laws that are evaluated at instants, before the step that sees them.
-  void sample_signals() {
-    if (sampler.none()) return;
+  /// False: a block from elsewhere failed.
+  bool sample_signals() {
+    if (sampler.none()) return true;
     show_motion();
     relative::RelativeSystem& evaluated = reactions.find(mechanism);
-    sampler.sample(channels, evaluated, reactions.state(), method.step, mechanism.state);
+    return sampler.sample(channels, evaluated, reactions.state(), method.step, mechanism.state);
   }
 
   /// What has jumped since the last step is what blocks start from.
@@ -127,7 +128,12 @@ struct Simulation::Impl {
   StepReport step(double length) {
     stopped = false;
     jump.reset();
-    sample_signals();
+    if (!sample_signals()) {
+      look_anew();
+      StepReport failed;
+      failed.code = StepReport::Code::block_failed;
+      return failed;
+    }
     take_jumps();
     look_anew();
     const auto start = method.profile ? Clock::now() : Clock::time_point();
@@ -343,6 +349,7 @@ int Simulation::constraints() const { return impl_->mechanism.system.equations()
 
 std::string Simulation::explain(const StepReport& report) const {
   Impl& s = *impl_;
+  if (report.code == StepReport::Code::block_failed) return s.sampler.outside().failure();
   std::string jump, meaningless;
   if (report.code == StepReport::Code::not_converged) {
     jump = s.law_that_jumps();
@@ -390,6 +397,19 @@ void Simulation::save(Snapshot& out) const {
   out.memory.resize(i.memory_size());
   StateTransfer to = StateTransfer::to({out.memory.data(), static_cast<std::size_t>(out.memory.size())});
   i.transfer(to);
+  if (i.sampler.outside().none()) return;
+  const std::vector<double> outside = i.sampler.outside().save();
+  out.memory.conservativeResize(out.memory.size() + std::ssize(outside));
+  std::copy(outside.begin(), outside.end(), out.memory.end() - std::ssize(outside));
+}
+
+std::string Simulation::not_saved() const { return impl_->sampler.outside().not_saved(); }
+
+/// What of a snapshot's memory belongs to blocks from elsewhere; nothing where it is not of this model.
+static std::span<const double> outside_of(const Simulation::Snapshot& c, Eigen::Index own) {
+  return c.memory.size() > own
+             ? std::span<const double>(c.memory.data() + own, static_cast<std::size_t>(c.memory.size() - own))
+             : std::span<const double>();
 }
 
 void Simulation::restart(const Snapshot& c) {
@@ -409,14 +429,24 @@ void Simulation::restart(const Snapshot& c) {
     if (size.first != size.second)
       throw InputError(Mark{},
                        fmt::format("the state has {} {}, the model {}", size.first, what, size.second));
+  if (const auto states = outside_of(c, i.memory_size()); !states.empty() && !i.sampler.outside().none())
+    i.sampler.outside().check(states);
   s = {c.time, c.q, c.v, c.a, c.algorithmic, c.multipliers, c.z, c.u, c.energy_error, c.started};
   std::copy(c.marks.begin(), c.marks.end(), marks.begin());
   // The same motion: with the integrator's memory, where the snapshot has that of this model.
-  if (c.memory.size() == i.memory_size()) {
-    StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(c.memory.size())});
+  OutsideBlocks& outside = i.sampler.outside();
+  const Eigen::Index own = i.memory_size();
+  if (outside.none() ? c.memory.size() == own : c.memory.size() > own) {
+    StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(own)});
     i.steps.transfer_integrator(from);
   } else {
     i.steps.forget();
+  }
+  if (!outside.none()) {
+    if (const auto states = outside_of(c, own); !states.empty())
+      outside.restore(states);
+    else
+      outside.restart(s);
   }
   i.mechanism.enter(0);
   i.mechanism.observe_afresh();
@@ -429,11 +459,12 @@ void Simulation::restore(const Snapshot& c) {
     throw InputError(Mark{},
                      "the saved state is of another model, or of another method (step, formulation, "
                      "integrator, tolerances, ...): it goes on only with what it was saved with");
-  if (c.memory.size() != i.memory_size())
-    throw InputError(Mark{}, fmt::format("the state remembers {} numbers, the model {}", c.memory.size(),
-                                         i.memory_size()));
+  const Eigen::Index own = i.memory_size();
+  if (i.sampler.outside().none() ? c.memory.size() != own : c.memory.size() <= own)
+    throw InputError(Mark{},
+                     fmt::format("the state remembers {} numbers, the model {}", c.memory.size(), own));
   restart(c);
-  StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(c.memory.size())});
+  StateTransfer from = StateTransfer::from({c.memory.data(), static_cast<std::size_t>(own)});
   i.transfer(from);
 }
 
@@ -534,6 +565,7 @@ std::vector<std::string> Simulation::warnings() const {
   for (const std::string& text : s.observers.turn_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.road_warnings()) all.push_back(text);
   for (const std::string& text : s.ranges.warnings()) all.push_back(text);
+  for (const std::string& text : s.sampler.outside().warnings()) all.push_back(text);
   for (const std::string& text : contact_warnings(s.compiled, s.steps.contacts(), s.method.substeps))
     all.push_back(text);
   if (const double end = std::max(s.compiled.spec().simulation.end, time()); end > s.drives_until) {

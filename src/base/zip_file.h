@@ -2,8 +2,9 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
-namespace mimbre::fe {
+namespace mimbre {
 
 /// The files within a ZIP archive, stored or deflated, archives beyond 4 GB (ZIP64) included.
 class ZipFile {
@@ -12,6 +13,8 @@ class ZipFile {
   ZipFile(std::string bytes, std::string name);
 
   bool has(std::string_view member) const;
+  /// Names of all members, in the order of the archive. Throws InputError.
+  std::vector<std::string> members() const;
   /// The bytes of a member. Throws InputError when there is none or it is damaged.
   std::string read(std::string_view member) const;
 
@@ -31,4 +34,4 @@ class ZipFile {
   std::uint64_t directory_ = 0, count_ = 0;
 };
 
-}  // namespace mimbre::fe
+}  // namespace mimbre

@@ -1,4 +1,4 @@
-#include "fe_files/matrices/zip_file.h"
+#include "base/zip_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -10,7 +10,7 @@
 
 // Format: PKWARE, .ZIP File Format Specification (APPNOTE.TXT), 4.3 and 4.5.3.
 
-namespace mimbre::fe {
+namespace mimbre {
 
 namespace {
 
@@ -34,11 +34,11 @@ std::uint64_t ZipFile::number(std::uint64_t offset, int bytes) const {
 
 ZipFile::ZipFile(std::string bytes, std::string name) : bytes_(std::move(bytes)), name_(std::move(name)) {
   // The end record stands last, before a comment of at most 65535 bytes.
-  if (bytes_.size() < kEndSize) fail("is no ZIP archive (.npz)");
+  if (bytes_.size() < kEndSize) fail("is no ZIP archive");
   std::uint64_t end = bytes_.size() - kEndSize;
   const std::uint64_t lowest = end > 65535 ? end - 65535 : 0;
   while (number(end, 4) != 0x06054b50) {
-    if (end == lowest) fail("is no ZIP archive (.npz), or not a whole one");
+    if (end == lowest) fail("is no ZIP archive, or not a whole one");
     --end;
   }
   count_ = number(end + 10, 2);
@@ -83,6 +83,19 @@ bool ZipFile::find(std::string_view member, Entry& entry) const {
     at += kHeaderSize + name_length + extra_length + number(at + 32, 2);
   }
   return false;
+}
+
+std::vector<std::string> ZipFile::members() const {
+  std::vector<std::string> names;
+  std::uint64_t at = directory_;
+  for (std::uint64_t i = 0; i < count_; ++i) {
+    if (number(at, 4) != 0x02014b50) fail("is damaged: its directory is not whole");
+    const std::uint64_t name_length = number(at + 28, 2), extra_length = number(at + 30, 2);
+    number(at + kHeaderSize + name_length + extra_length, 0);
+    names.push_back(bytes_.substr(at + kHeaderSize, name_length));
+    at += kHeaderSize + name_length + extra_length + number(at + 32, 2);
+  }
+  return names;
 }
 
 bool ZipFile::has(std::string_view member) const {
@@ -136,4 +149,4 @@ std::string ZipFile::read(std::string_view member) const {
   return result;
 }
 
-}  // namespace mimbre::fe
+}  // namespace mimbre

@@ -1,0 +1,56 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mimbre/generate.h"
+
+/// A model as a functional mock-up unit (FMU), which other programs simulate together with theirs.
+namespace mimbre {
+
+struct FmuOptions {
+  int version = 3;           ///< of the standard: 2 (2.0.4) or 3 (3.0.2)
+  std::string name{};        ///< the model identifier, an identifier of C; empty: of the model's file
+  bool binary_only = false;  ///< without the sources
+  double reference = 1;      ///< s of a run whose result goes along; 0: none
+};
+
+/// A variable of an FMU.
+struct FmuVariable {
+  std::string name, unit, meaning;
+  unsigned reference = 0;
+  enum class Role { time, input, parameter, output, count } role = Role::output;  ///< count: a whole number
+  double start = 0, min = 0, max = 0;    ///< of inputs and parameters; ±infinity: no bound
+  std::vector<unsigned> dependencies{};  ///< of outputs: the inputs that they show at once
+};
+
+/// What an FMU is made of: the code, with the functions of the standard around it.
+struct FmuCode {
+  GeneratedCode code;
+  int version = 3;
+  std::string token;    ///< by which a model description and a binary know each other
+  std::string wrapper;  ///< C99, the file fmi2.c or fmi3.c
+  std::vector<FmuVariable> variables;
+};
+
+/// Co-simulation with steps of a fixed cost, of what `generate_code` makes code of. Variables have the names
+/// of the model's inputs, tunable parameters and outputs. Throws InputError as generate_code does, and for a
+/// version that is neither 2 nor 3.
+FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                     const FmuOptions& fmu = {});
+
+/// modelDescription.xml.
+std::string fmu_description(const FmuCode& fmu, const Model& model, bool with_sources);
+
+struct WrittenFmu {
+  std::vector<std::string> files;     ///< in the archive
+  std::vector<std::string> left_out;  ///< outputs of the model that it has not, with their kinds
+  std::string without_binary;         ///< why it has none; empty: it has one
+};
+/// Writes the archive: model description, sources, a binary for this machine where there is a C compiler
+/// ($CC, else `cc`), a page of documentation and a reference result. An older file stands until the new one
+/// is whole. Throws InputError where the file cannot be written, where `binary_only` finds no compiler, and
+/// as generate_code does.
+WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                     const FmuOptions& fmu, const std::string& path);
+
+}  // namespace mimbre

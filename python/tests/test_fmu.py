@@ -1,0 +1,153 @@
+"""FMUs and code of models, as another program reads, compiles and simulates them."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import mimbre
+import numpy as np
+import pytest
+from conftest import program
+
+fmpy = pytest.importorskip("fmpy")
+
+models = {
+    "pendulum": "tutorial/pendulum.yaml",
+    "double_four_bar": "double-four-bar/mechanism.yaml",
+    "suspension": "iltis/suspension.yaml",
+}
+
+
+def simulated(fmu: str, names: list[str], step: float, end: float, **more: Any) -> np.ndarray:
+    result = fmpy.simulate_fmu(fmu, stop_time=end, step_size=step, output_interval=step, output=names, **more)
+    return np.column_stack([result[name] for name in names])
+
+
+def of_the_run(run: mimbre.Run, names: list[str]) -> np.ndarray:
+    return np.column_stack([run[name] for name in names])
+
+
+def difference(a: np.ndarray, b: np.ndarray) -> float:
+    assert a.shape == b.shape
+    return float((np.abs(a - b) / np.maximum(1, np.abs(b))).max())
+
+
+def outputs_of(fmu: str) -> list[str]:
+    found = fmpy.read_model_description(fmu)
+    return [v.name for v in found.modelVariables if v.causality == "output" and v.type in ("Real", "Float64")]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("name", models)
+@pytest.mark.filterwarnings("ignore:output .* is not in the FMU")
+def test_fmpy_validates_and_simulates(examples: Path, tmp_path: Path, name: str, version: Any) -> None:
+    model = mimbre.Model.from_file(examples / models[name])
+    path = str(model.fmu(tmp_path / f"{name}.fmu", version=version, name=name))
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(path) == []
+    run = model.run(until=1, fixed_cost=True)
+    step = float(run.time[1] - run.time[0])
+    names = outputs_of(path)
+    assert difference(simulated(path, names, step, 1), of_the_run(run, names)) < 1e-10
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_fmpy_compiles_the_sources(pendulum: mimbre.Model, tmp_path: Path, version: Any) -> None:
+    if not shutil.which("cmake"):
+        pytest.skip("there is no cmake")
+    from fmpy.build import build_platform_binary
+
+    path = pendulum.fmu(tmp_path / "pendulum.fmu", version=version, name="pendulum")
+    folder = str(fmpy.extract(str(path), tmp_path / "extracted"))
+    shutil.rmtree(Path(folder, "binaries"))
+    build_platform_binary(folder)
+    run = pendulum.run(until=1, fixed_cost=True)
+    names = outputs_of(folder)
+    assert difference(simulated(folder, names, 0.01, 1), of_the_run(run, names)) < 1e-10
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_inputs_and_parameters_are_set(pendulum: mimbre.Model, tmp_path: Path, version: Any) -> None:
+    path = str(pendulum.fmu(tmp_path / "pendulum.fmu", version=version, name="pendulum"))
+    times = np.arange(101) * 0.01
+    torque = np.round(np.sin(3 * times), 6)
+    signal = np.array(list(zip(times, torque, strict=True)), dtype=[("time", float), ("torque", float)])
+    found = simulated(path, ["angle"], 0.01, 1, input=signal, start_values={"k": 3.0})
+    simulation = pendulum.simulation(fixed_cost=True)
+    simulation.input("k").value = 3.0
+    expected = [simulation.channel("angle").value]
+    for value in torque[:-1]:
+        simulation.input("torque").value = value
+        simulation.step()
+        expected.append(simulation.channel("angle").value)
+    assert np.abs(found[:, 0] - expected).max() < 1e-10
+
+
+_on = """
+import sys
+import numpy as np
+from fmpy import extract, instantiate_fmu, read_model_description
+folder, state = sys.argv[1], open(sys.argv[2], "rb").read()
+f = instantiate_fmu(folder, read_model_description(folder), "CoSimulation")
+f.enterInitializationMode()
+f.exitInitializationMode()
+f.setFMUState(f.deserializeFMUState(state))
+for k in range(50, 100):
+    f.doStep(currentCommunicationPoint=k * 0.01, communicationStepSize=0.01)
+print(f.getFloat64([3])[0].hex())
+f.terminate()
+f.freeInstance()
+"""
+
+
+def test_another_process_goes_on_to_the_same_bits(pendulum: mimbre.Model, tmp_path: Path) -> None:
+    path = str(pendulum.fmu(tmp_path / "pendulum.fmu", name="pendulum"))
+    folder = str(fmpy.extract(path, tmp_path / "extracted"))
+    f = fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
+    f.enterInitializationMode()
+    f.exitInitializationMode()
+    for k in range(50):
+        f.doStep(currentCommunicationPoint=k * 0.01, communicationStepSize=0.01)
+    state = f.getFMUState()
+    (tmp_path / "state").write_bytes(bytes(f.serializeFMUState(state)))
+    f.freeFMUState(state)
+    for k in range(50, 100):
+        f.doStep(currentCommunicationPoint=k * 0.01, communicationStepSize=0.01)
+    last = f.getFloat64([3])[0]
+    f.terminate()
+    f.freeInstance()
+    arguments = [sys.executable, "-c", _on, folder, str(tmp_path / "state")]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert done.stdout.strip().splitlines()[-1:] == [last.hex()], done.stderr
+
+
+def test_the_program_writes_the_same_fmu(examples: Path, tmp_path: Path) -> None:
+    file = examples / "tutorial/pendulum.yaml"
+    program("fmu", file, "-o", tmp_path / "a.fmu", "--fmi", "2")
+    with pytest.warns(UserWarning, match="hinge"):
+        mimbre.Model.from_file(file).fmu(tmp_path / "b.fmu", version=2)
+    assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
+    program("fmu", file, "-o", tmp_path / "c.fmu", "--fmi", "4", code=2)
+    program("fmu", file, "-o", tmp_path / "c.fmu", "--kind", "me", code=2)
+
+
+def test_wrong_use_is_refused(pendulum: mimbre.Model, tmp_path: Path) -> None:
+    with pytest.raises(mimbre.InputError, match="version 1"):
+        pendulum.fmu(tmp_path / "a.fmu", version=1)  # type: ignore[arg-type]
+    with pytest.raises(mimbre.InputError, match="identifier"):
+        pendulum.fmu(tmp_path / "a.fmu", name="no name")
+    with pytest.raises(mimbre.InputError, match="cannot write"):
+        pendulum.fmu(tmp_path / "no" / "folder" / "a.fmu", name="a")
+    with pytest.raises(mimbre.InputError, match="formulation"):
+        pendulum.fmu(tmp_path / "a.fmu", name="a", formulation="natural")
+
+
+def test_code_is_written(pendulum: mimbre.Model, tmp_path: Path) -> None:
+    path = pendulum.generate(tmp_path / "code", name="swing")
+    assert path == tmp_path / "code" / "swing.c"
+    assert "swing_step" in path.with_suffix(".h").read_text()

@@ -1,0 +1,148 @@
+"""Linear models, modes and Campbell diagrams: the program's, and closed forms."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import mimbre
+import numpy as np
+import pytest
+from conftest import program
+
+CART = """mimbre: 1
+title: Cart
+gravity: [0, 0, 0]
+parameters: {stiffness: 100}
+bodies: {cart: {mass: 4, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints:
+  rail: {type: prismatic, between: [ground, cart], at: [0, 0, 0], axis: [1, 0, 0],
+         spring: {stiffness: stiffness, damping: 8}}
+inputs: {push: {start: 0, unit: N}}
+actuators: {motor: {joint: rail, force: 3*push}}
+outputs:
+  - {name: x, joint: rail}
+  - {name: a, joint_acceleration: rail}
+"""
+
+
+@pytest.fixture
+def cart():
+    return mimbre.Model.from_text(CART)
+
+
+def test_the_linear_model_of_a_cart(cart):
+    linear = cart.linearise()
+    assert linear.point == "equilibrium"
+    np.testing.assert_allclose(linear.A, [[0, 1], [-25, -2]], atol=1e-12)
+    np.testing.assert_allclose(linear.B, [[0], [0.75]], atol=1e-12)
+    np.testing.assert_allclose(linear.C, [[1, 0], [-25, -2]], atol=1e-9)
+    np.testing.assert_allclose(linear.D, [[0], [0.75]], atol=1e-9)
+    assert (linear.states, linear.state_units) == (["rail", "d/dt rail"], ["m", "m/s"])
+    assert (linear.inputs, linear.input_units, linear.outputs) == (["push"], ["N"], ["x", "a"])
+    assert (linear.coordinates, linear.speeds, linear.input_values) == (1, 1, [0])
+    s = 2j * math.pi * 3
+    np.testing.assert_allclose(linear.response([3])[0, :, 0], np.array([3, 3 * s**2]) / (4 * s**2 + 8 * s + 100))
+
+
+def test_scipy_s_object(cart):
+    system = cart.linearise().to_scipy()
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(system.A)), np.sort_complex(np.roots([4, 8, 100])))
+    no_inputs = mimbre.Model.from_text(CART.replace("inputs: {push: {start: 0, unit: N}}\n", "").replace("3*push", "1"))
+    with pytest.raises(mimbre.InputError, match="has no inputs"):
+        no_inputs.linearise().to_scipy()
+
+
+def test_control_s_object(cart):
+    control = pytest.importorskip("control")
+    system = cart.linearise().to_control()
+    assert isinstance(system, control.StateSpace)
+    assert system.input_labels == ["push"]
+    assert system.output_labels == ["x", "a"]
+
+
+def test_files_are_those_of_the_program(cart, tmp_path):
+    (tmp_path / "cart.yaml").write_text(CART)
+    said = json.loads(program("linearise", tmp_path / "cart.yaml", "--json"))
+    cart.linearise().save(tmp_path / "cart.json")
+    saved = json.loads((tmp_path / "cart.json").read_text())
+    assert {**said, "title": ""} == {**saved, "title": ""}
+    with pytest.raises(mimbre.InputError, match="no format that is known"):
+        cart.linearise().save(tmp_path / "cart.txt")
+
+
+def test_modes_are_those_of_the_program(examples):
+    path = examples / "double-wishbone/model.yaml"
+    modes = mimbre.Model.from_file(path).modes(most=4)
+    said = json.loads(program("modes", path, "--most", 4, "--json"))
+    assert modes.point == said["point"]
+    assert modes.coordinates == said["coordinates"]
+    assert len(modes) == len(said["modes"])
+    for mode, other in zip(modes, said["modes"], strict=True):
+        assert mode.value == complex(other["real"], other["imaginary"])
+        assert mode.text == other["text"]
+        assert mode.kind == other["kind"]
+        np.testing.assert_array_equal(mode.shape, [complex(*x) for x in other["shape"]])
+
+
+def test_modes_of_a_cart(cart):
+    (mode,) = cart.modes()
+    assert mode.value == pytest.approx(complex(-1, math.sqrt(24)))
+    assert (mode.frequency, mode.damping) == pytest.approx((5 / (2 * math.pi), 0.2))
+    assert mode.coordinates == {"'rail'": pytest.approx(1)}
+    assert cart.modes().values == pytest.approx([mode.value])
+    assert cart.modes(at=0.5).point == "t = 0.5 s"
+
+
+def test_modes_over_a_parameter(cart):
+    values = [50, 100, 200]
+    diagram = cart.campbell("stiffness", values)
+    (branch,) = diagram.branches
+    np.testing.assert_allclose(branch.values, -1 + 1j * np.sqrt(np.array(values) / 4 - 1))
+    assert diagram.criticals == diagram.onsets == []
+
+
+def test_friswell_s_rotor_over_the_speed(examples):
+    """Seen from the ground, at 4000 rpm: Friswell et al., Dynamics of Rotating Machines (2010)."""
+    model = mimbre.Model.from_file(examples / "rotor/two-discs.yaml")
+    diagram = model.campbell("rpm", np.linspace(0, 4000, 9), speed="rpm", at="steady")
+    last = sorted(abs(branch.values[-1].imag) for branch in diagram.branches)
+    for published in (85.39, 87.80, 251.78, 294.71, 600.18, 650.41):
+        assert min(abs(value - published) for value in last) < 1e-3 * published
+    first = sorted(abs(branch.values[0].imag) for branch in diagram.branches)
+    for published in (86.66, 274.31, 650.41, 716.78):
+        assert sum(abs(value - published) < 3e-4 * published for value in first) == (1 if published == 650.41 else 2)
+    # Each speed is the frequency of the mode there.
+    assert [round(c.value) for c in diagram.criticals if c.value > 100][:2] == pytest.approx([822, 833], abs=8)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"at": "noon"}, "equilibrium"),
+        ({"at": -1.0}, "a time from 0 on"),
+        ({"delay_order": 9}, "1 to 8"),
+        ({"inputs": {"pull": 1}}, "pull"),
+        ({"inputs": {"push": "much"}}, "a number is needed"),
+    ],
+)
+def test_what_is_no_point_is_refused(cart, arguments, message):
+    with pytest.raises(mimbre.InputError, match=message):
+        cart.linearise(**arguments)
+    with pytest.raises(mimbre.InputError, match=message):
+        cart.modes(**arguments)
+
+
+def test_what_cannot_be_followed_is_refused(cart):
+    with pytest.raises(mimbre.InputError, match="each larger"):
+        cart.campbell("stiffness", [3, 2])
+    with pytest.raises(mimbre.InputError, match="stiffnes"):
+        cart.campbell("stiffnes", [2, 3])
+    with pytest.raises(mimbre.InputError, match="rpm"):
+        cart.campbell("stiffness", [2, 3], speed="rpms")
+
+
+def test_a_motion_without_mass_is_named():
+    text = CART.replace("mass: 4", "mass: 0").replace("[1, 1, 1]", "[0, 0, 0]")
+    with pytest.raises(mimbre.SimulationError, match="'rail' moves no mass"):
+        mimbre.Model.from_text(text).modes(at="start")

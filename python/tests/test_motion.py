@@ -1,0 +1,109 @@
+"""Motions of drives and the forces that make them, as the program computes them."""
+
+from __future__ import annotations
+
+import json
+
+import mimbre
+import numpy as np
+import pytest
+from conftest import made_pendulum, program
+
+
+def driven(law: str) -> mimbre.Model:
+    m = mimbre.ModelBuilder("Driven")
+    m.add_body("bar", mass=0.6, com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
+    m.add_joint(
+        "hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0], drive={"position": law}
+    )
+    m.set_simulation(step=0.01, end=2)
+    return m.compile()
+
+
+def torque(angle: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """About y, with the bar along x at angle 0: the weight turns it on."""
+    return (0.05 + 0.6 * 0.25) * acceleration - 0.6 * 9.81 * 0.5 * np.cos(angle)
+
+
+def test_drives_move_and_load_a_pendulum():
+    model = driven("0.3*sin(4*t)")
+    found = model.kinematics(steps=50)
+    t = found.time
+    assert (found.names, found.mobility, found.free, found.complete) == (["hinge"], 1, 0, True)
+    np.testing.assert_allclose(found.of("hinge"), 0.3 * np.sin(4 * t), atol=1e-13)
+    np.testing.assert_allclose(found.acceleration[:, 0], -4.8 * np.sin(4 * t), atol=1e-12)
+    assert found.run["joint.hinge.position"] == pytest.approx(found.of("hinge"))
+    forces = model.inverse_dynamics(steps=50)
+    assert (forces.names, forces.units) == (["hinge"], ["N m"])
+    np.testing.assert_allclose(forces["hinge"], torque(0.3 * np.sin(4 * t), -4.8 * np.sin(4 * t)), atol=1e-12)
+    assert len(forces.run.time) == 51
+
+
+def test_the_forces_of_a_run_are_those_that_made_it():
+    m = mimbre.ModelBuilder("Pushed")
+    m.add_body("bar", mass=0.6, com=[0.5, 0, 0], inertia=[1e-5, 0.05, 0.05])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_actuator("motor", joint="hinge", torque="2*sin(3*t)")
+    m.add_output("angle", joint="hinge")
+    m.add_output("rate", joint_velocity="hinge")
+    m.add_output("acceleration", angular_acceleration="bar", component="y")
+    m.set_simulation(step=0.005, end=1)
+    run = m.compile().run()
+    motion = (run.time, {"hinge": (run["angle"], run["rate"], run["acceleration"])})
+    found = driven("0").inverse_dynamics(motion)
+    np.testing.assert_allclose(found["hinge"], 2 * np.sin(3 * run.time), atol=1e-8)
+
+
+def test_a_table_is_the_program_s(tmp_path):
+    t = np.linspace(0, 1, 101)
+    table = tmp_path / "motion.csv"
+    np.savetxt(table, np.column_stack([t, t**5]), delimiter=",", header="time,hinge", comments="")
+    model = made_pendulum()
+    found = model.inverse_dynamics(table)
+    np.testing.assert_allclose(
+        found["hinge"], torque(t**5, 20 * t**3) + 2 * t**5, atol=1e-7
+    )  # a spline of degree 5 is exact
+    assert model.inverse_dynamics((t, {"hinge": t**5}))["hinge"] == pytest.approx(found["hinge"], abs=1e-9)
+    model.to_yaml(tmp_path / "model.yaml")
+    said = json.loads(program("inverse-dynamics", tmp_path / "model.yaml", "--motion", table, "--json"))
+    assert said["forces"]["hinge"]["largest"] == found["hinge"].max()
+
+
+def test_a_dead_centre_is_named():
+    """A bar whose end slides along x stops the drive of the slider where the bar is stretched."""
+    m = mimbre.ModelBuilder("Ladder")
+    one = {"mass": 1, "inertia": [1, 1, 1]}
+    m.add_body("crank", com=[0.05, 0, 0], **one)
+    m.add_body("rod", com=[0.2, 0, 0], **one)
+    m.add_body("slider", com=[0.4, 0, 0], **one)
+    m.add_joint(
+        "crank", type="revolute", between=["ground", "crank"], at=[0, 0, 0], axis=[0, -1, 0], drive={"position": "t"}
+    )
+    m.add_joint("pin", type="revolute", between=["crank", "rod"], at=[0.1, 0, 0], axis=[0, -1, 0])
+    m.add_joint("slide", type="prismatic", between=["ground", "slider"], at=[0.4, 0, 0], axis=[1, 0, 0])
+    m.add_joint("wrist", type="revolute", between=["rod", "slider"], at=[0.4, 0, 0], axis=[0, -1, 0], cut="always")
+    m.set_simulation(end=6)
+    found = m.compile().kinematics(start=0.5)
+    turns = [s for s in found.special if s.kind == "reversal" and s.joint == "slide"]
+    assert [s.time for s in turns] == [pytest.approx(np.pi, abs=1e-7)]
+    assert "dead centre" in turns[0].text
+    with pytest.raises(KeyError, match="did you mean 'slide'"):
+        found.of("slid")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"motion": ([0, 1], {"hing": [0, 1]})}, "did you mean 'hinge'"),
+        ({"motion": ([0, 1], {"hinge": ([0, 1], [0, 1])})}, "positions, velocities, accelerations"),
+        ({"motion": ([0, 1], {})}, "no joint coordinate"),
+        ({"motion": ([0, np.nan], {"hinge": [0, 1]})}, "not finite"),
+        ({"flexible": "stiff"}, "'dynamic' or 'quasistatic'"),
+        ({"smooth": -1, "motion": ([0, 1], {"hinge": [0, 1]})}, "smooth"),
+        ({"steps": 0}, "steps"),
+        ({"inputs": {"x": 1}}, "x"),
+    ],
+)
+def test_refuses(arguments, message):
+    with pytest.raises((mimbre.InputError, mimbre.UnknownName), match=message):
+        driven("t").inverse_dynamics(**arguments)

@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <pugixml.hpp>
+#include <set>
+#include <sstream>
+
+#include "mimbre/build.h"
+#include "mimbre/spec.h"
+#include "portable/fmu/parts.h"
+
+namespace mimbre {
+namespace portable {
+namespace {
+
+using Role = FmuVariable::Role;
+
+std::string text_of(const pugi::xml_document& document) {
+  std::ostringstream out;
+  document.save(out, "  ", pugi::format_indent, pugi::encoding_utf8);
+  return out.str();
+}
+
+void set(pugi::xml_node node, const char* name, const std::string& value) {
+  node.append_attribute(name).set_value(value.c_str());
+}
+void set(pugi::xml_node node, const char* name, double value) { set(node, name, fmt::format("{}", value)); }
+void set_true(pugi::xml_node node, std::initializer_list<const char*> names) {
+  for (const char* name : names) set(node, name, std::string("true"));
+}
+
+pugi::xml_node begin(pugi::xml_document& document, const char* root) {
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  set(declaration, "version", std::string("1.0"));
+  set(declaration, "encoding", std::string("UTF-8"));
+  return document.append_child(root);
+}
+
+/// Of a text that has to be one line.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  return text;
+}
+
+class Description {
+ public:
+  Description(const FmuCode& fmu, const Model& model, bool with_sources)
+      : fmu_(fmu), model_(model), with_sources_(with_sources) {}
+
+  std::string text() {
+    root_ = begin(document_, "fmiModelDescription");
+    set(root_, "fmiVersion", std::string(two() ? "2.0" : "3.0"));
+    set(root_, "modelName", one_line(model_.spec().title.empty() ? fmu_.code.name : model_.spec().title));
+    set(root_, two() ? "guid" : "instantiationToken", fmu_.token);
+    set(root_, "description", one_line(model_.spec().title));
+    set(root_, "generationTool", fmt::format("mimbre {}", build_info().version));
+    set(root_, "variableNamingConvention", std::string("flat"));
+    interface();
+    units();
+    categories();
+    pugi::xml_node experiment = root_.append_child("DefaultExperiment");
+    set(experiment, "startTime", 0.0);
+    set(experiment, "stopTime", model_.spec().simulation.end);
+    set(experiment, "stepSize", fmu_.code.step);
+    pugi::xml_node variables = root_.append_child("ModelVariables");
+    for (const FmuVariable& v : fmu_.variables)
+      two() ? variable_of_2(variables, v) : variable_of_3(variables, v);
+    structure();
+    return text_of(document_);
+  }
+
+ private:
+  bool two() const { return fmu_.version == 2; }
+
+  void interface() {
+    pugi::xml_node cs = root_.append_child("CoSimulation");
+    set(cs, "modelIdentifier", fmu_.code.name);
+    set_true(cs, {"canHandleVariableCommunicationStepSize"});
+    if (two()) {
+      set_true(cs, {"canGetAndSetFMUstate", "canSerializeFMUstate"});
+      if (!with_sources_) return;
+      pugi::xml_node files = cs.append_child("SourceFiles");
+      set(files.append_child("File"), "name", fmu_.code.name + ".c");
+      set(files.append_child("File"), "name", fmu_wrapper_file(fmu_));
+    } else {
+      set_true(cs, {"canGetAndSetFMUState", "canSerializeFMUState"});
+      set(cs, "fixedInternalStepSize", fmu_.code.step);
+    }
+  }
+
+  void units() {
+    std::set<std::string> names;
+    for (const FmuVariable& v : fmu_.variables)
+      if (!v.unit.empty()) names.insert(v.unit);
+    pugi::xml_node list = root_.append_child("UnitDefinitions");
+    for (const std::string& name : names) {
+      const SiUnit of = si_unit(name);
+      pugi::xml_node unit = list.append_child("Unit");
+      set(unit, "name", one_line(name));
+      if (!of.known) continue;
+      pugi::xml_node base = unit.append_child("BaseUnit");
+      for (const auto& [word, exponent] :
+           {std::pair("kg", of.kg), {"m", of.m}, {"s", of.s}, {"A", of.A}, {"rad", of.rad}})
+        if (exponent != 0) base.append_attribute(word).set_value(exponent);
+      if (of.factor != 1) set(base, "factor", of.factor);
+      for (const auto& [other, factor] : of.others) {
+        pugi::xml_node shown = unit.append_child("DisplayUnit");
+        set(shown, "name", other);
+        set(shown, "factor", factor);
+      }
+    }
+  }
+
+  void categories() {
+    pugi::xml_node list = root_.append_child("LogCategories");
+    for (const auto& [name, meaning] :
+         {std::pair("logStatusWarning", "what is made, but not quite as it was asked for"),
+          {"logStatusDiscard", "steps that the model cannot make"},
+          {"logStatusError", "calls that are refused"}}) {
+      pugi::xml_node category = list.append_child("Category");
+      set(category, "name", std::string(name));
+      set(category, "description", std::string(meaning));
+    }
+  }
+
+  static const char* causality(Role role) {
+    switch (role) {
+      case Role::time:
+        return "independent";
+      case Role::input:
+        return "input";
+      case Role::parameter:
+        return "parameter";
+      default:
+        return "output";
+    }
+  }
+  static const char* variability(Role role) {
+    return role == Role::parameter ? "tunable" : role == Role::count ? "discrete" : "continuous";
+  }
+  static const char* initial(Role role) {
+    return role == Role::parameter                       ? "exact"
+           : role == Role::output || role == Role::count ? "calculated"
+                                                         : "";
+  }
+  static bool starts(Role role) { return role == Role::input || role == Role::parameter; }
+
+  void common(pugi::xml_node node, const FmuVariable& v) {
+    set(node, "name", one_line(v.name));
+    node.append_attribute("valueReference").set_value(v.reference);
+    if (!v.meaning.empty()) set(node, "description", one_line(v.meaning));
+    set(node, "causality", std::string(causality(v.role)));
+    set(node, "variability", std::string(variability(v.role)));
+    if (*initial(v.role)) set(node, "initial", std::string(initial(v.role)));
+  }
+  void value(pugi::xml_node node, const FmuVariable& v) {
+    if (v.role == Role::count) return;
+    if (!v.unit.empty()) set(node, "unit", one_line(v.unit));
+    if (v.unit == "rad") set(node, "displayUnit", std::string("deg"));
+    if (!starts(v.role)) return;
+    if (std::isfinite(v.min)) set(node, "min", v.min);
+    if (std::isfinite(v.max)) set(node, "max", v.max);
+    set(node, "start", v.start);
+  }
+  void variable_of_2(pugi::xml_node list, const FmuVariable& v) {
+    pugi::xml_node node = list.append_child("ScalarVariable");
+    common(node, v);
+    value(node.append_child(v.role == Role::count ? "Integer" : "Real"), v);
+  }
+  void variable_of_3(pugi::xml_node list, const FmuVariable& v) {
+    pugi::xml_node node = list.append_child(v.role == Role::count ? "Int32" : "Float64");
+    common(node, v);
+    value(node, v);
+  }
+
+  /// FMI 2 counts variables from 1 in their order, FMI 3 has their references.
+  std::string listed(const std::vector<unsigned>& references) const {
+    std::string text;
+    for (const unsigned r : references)
+      text += fmt::format("{}{}", text.empty() ? "" : " ", two() ? r + 1 : r);
+    return text;
+  }
+  void unknown(pugi::xml_node node, const FmuVariable& v, bool with_dependencies) {
+    if (two())
+      node.append_attribute("index").set_value(v.reference + 1);
+    else
+      node.append_attribute("valueReference").set_value(v.reference);
+    if (with_dependencies) set(node, "dependencies", listed(v.dependencies));
+  }
+  void structure() {
+    pugi::xml_node all = root_.append_child("ModelStructure");
+    pugi::xml_node outputs = two() ? all.append_child("Outputs") : all;
+    const auto each = [&](pugi::xml_node list, const char* name, bool with_dependencies) {
+      for (const FmuVariable& v : fmu_.variables)
+        if (v.role == Role::output || v.role == Role::count)
+          unknown(list.append_child(name), v, with_dependencies);
+    };
+    each(outputs, two() ? "Unknown" : "Output", true);
+    each(two() ? all.append_child("InitialUnknowns") : all, two() ? "Unknown" : "InitialUnknown", false);
+  }
+
+  const FmuCode& fmu_;
+  const Model& model_;
+  const bool with_sources_;
+  pugi::xml_document document_;
+  pugi::xml_node root_;
+};
+
+}  // namespace
+
+std::string fmu_build_description(const FmuCode& fmu) {
+  pugi::xml_document document;
+  pugi::xml_node root = begin(document, "fmiBuildDescription");
+  set(root, "fmiVersion", std::string("3.0"));
+  pugi::xml_node build = root.append_child("BuildConfiguration");
+  set(build, "modelIdentifier", fmu.code.name);
+  pugi::xml_node sources = build.append_child("SourceFileSet");
+  set(sources, "language", std::string("C99"));
+  set(sources.append_child("SourceFile"), "name", fmu.code.name + ".c");
+  set(sources.append_child("SourceFile"), "name", fmu_wrapper_file(fmu));
+  return text_of(document);
+}
+
+}  // namespace portable
+
+std::string fmu_description(const FmuCode& fmu, const Model& model, bool with_sources) {
+  return portable::Description(fmu, model, with_sources).text();
+}
+
+}  // namespace mimbre

@@ -1,0 +1,126 @@
+#include "mimbre/fmu.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include "base/output_place.h"
+#include "base/sha256.h"
+#include "mimbre/diagnostics.h"
+#include "mimbre/method_names.h"
+#include "portable/fmu/parts.h"
+
+namespace mimbre {
+namespace {
+
+using Role = FmuVariable::Role;
+
+/// References are the places in the list.
+std::vector<FmuVariable> variables_of(const GeneratedCode& code) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::vector<FmuVariable> list;
+  std::set<std::string> names;
+  const auto add = [&](FmuVariable v, const std::string& otherwise) {
+    if (names.contains(v.name)) v.name = otherwise + v.name;
+    while (!names.insert(v.name).second) v.name += "_";
+    list.push_back(std::move(v));
+  };
+  // Where a model calls something so, that has the name.
+  const auto is_called = [&](const std::string& name) {
+    const auto same = [&](const GeneratedVariable& v) { return v.name == name; };
+    return std::any_of(code.inputs.begin(), code.inputs.end(), same) ||
+           std::any_of(code.outputs.begin(), code.outputs.end(), same);
+  };
+  add({is_called("time") ? "fmu.time" : "time", "s", "time", 0, Role::time, 0, -none, none}, "");
+  for (const GeneratedVariable& v : code.inputs)
+    add({v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, v.tunable ? Role::parameter : Role::input,
+         v.start, v.min, v.max},
+        "input.");
+  for (const GeneratedVariable& v : code.outputs) {
+    FmuVariable output{v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, Role::output, 0, -none, none};
+    // Parameters are no knowns of what the standard calls dependencies.
+    for (const int input : v.inputs)
+      if (!code.inputs[static_cast<std::size_t>(input)].tunable)
+        output.dependencies.push_back(1 + static_cast<unsigned>(input));
+    add(std::move(output), "output.");
+  }
+  for (const auto& [name, meaning] :
+       {std::pair("solver.steps", "steps of the model so far"),
+        std::pair("solver.iterations", "iterations of the last communication step"),
+        std::pair("solver.unconverged_steps",
+                  "steps so far that were taken before their iterations had converged")})
+    add({name, "", meaning, 0, Role::count, 0, -none, none}, "fmu.");
+  for (std::size_t k = 0; k < list.size(); ++k) list[k].reference = static_cast<unsigned>(k);
+  return list;
+}
+
+/// Of all that the code is, in the form of a UUID.
+std::string token_of(const GeneratedCode& code, int version) {
+  Sha256 digest;
+  digest.add(code.header);
+  digest.add(code.source);
+  digest.add(fmt::format("{}", version));
+  const std::string hex = digest.hex();
+  return fmt::format("{{{}-{}-{}-{}-{}}}", hex.substr(0, 8), hex.substr(8, 4), hex.substr(12, 4),
+                     hex.substr(16, 4), hex.substr(20, 12));
+}
+
+}  // namespace
+
+FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                     const FmuOptions& fmu) {
+  if (fmu.version != 2 && fmu.version != 3)
+    throw InputError(Mark{},
+                     fmt::format("there is no version {} of FMI here: 2 or 3 is needed", fmu.version));
+  FmuCode out;
+  out.version = fmu.version;
+  out.code = generate_code(model, options, fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name);
+  out.token = token_of(out.code, fmu.version);
+  out.variables = variables_of(out.code);
+  out.wrapper = portable::fmu_wrapper(out);
+  return out;
+}
+
+WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                     const FmuOptions& fmu, const std::string& path) {
+  const FmuCode made = generate_fmu(model, options, fmu);
+  const portable::FmuBinary binary = portable::compile_fmu(made);
+  if (binary.bytes.empty() && fmu.binary_only)
+    throw InputError(
+        Mark{}, fmt::format("the FMU cannot have a binary, and is to have nothing else: {}", binary.message));
+  portable::ArchiveFiles files;
+  files.emplace_back("modelDescription.xml", fmu_description(made, *model, !fmu.binary_only));
+  if (!fmu.binary_only) {
+    files.emplace_back(fmt::format("sources/{}.h", made.code.name), made.code.header);
+    files.emplace_back(fmt::format("sources/{}.c", made.code.name), made.code.source);
+    files.emplace_back("sources/" + portable::fmu_wrapper_file(made), made.wrapper);
+    if (made.version == 3)
+      files.emplace_back("sources/buildDescription.xml", portable::fmu_build_description(made));
+  }
+  if (!binary.bytes.empty()) files.emplace_back(binary.file, binary.bytes);
+  const Method method = resolve_method(model->spec().simulation, options);
+  files.emplace_back("documentation/index.html",
+                     portable::fmu_page(made, *model,
+                                        fmt::format("integrator {}, at most {} iterations a step",
+                                                    name_of(method.integrator), method.max_iterations)));
+  if (fmu.reference > 0)
+    files.emplace_back("extra/mimbre/reference.csv",
+                       portable::fmu_reference(made, model, options, std::min(fmu.reference, method.end)));
+  try {
+    OutputPlace place(path);
+    portable::write_archive(place.path(), files);
+    place.commit();
+  } catch (const std::runtime_error& error) {
+    throw InputError(Mark{}, fmt::format("cannot write {}: {}", path, error.what()));
+  }
+  WrittenFmu out;
+  out.without_binary = binary.message;
+  out.left_out = made.code.left_out;
+  for (const auto& [name, bytes] : files) out.files.push_back(name);
+  return out;
+}
+
+}  // namespace mimbre

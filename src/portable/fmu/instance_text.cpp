@@ -1,0 +1,388 @@
+#include "portable/fmu/texts.h"
+
+/// One instance of a co-simulation FMU, by hand in C99, for both versions of the standard. Constants come
+/// before it:
+/// @_FMU_TOKEN, @_FMU_STEP, the number of inputs and outputs, and the tables of the inputs.
+namespace mimbre::portable {
+
+const char* const fmu_instance_text = R"c(
+/* Results of calls; the same numbers in all versions of FMI. */
+enum { @_FMU_OK = 0, @_FMU_WARNING = 1, @_FMU_DISCARD = 2, @_FMU_ERROR = 3, @_FMU_FATAL = 4 };
+
+/* What was called so far. */
+enum {
+  @_FMU_MADE = 1,
+  @_FMU_STARTS = 2,     /* initialization mode */
+  @_FMU_RUNS = 4,       /* step mode */
+  @_FMU_STOPPED = 8,    /* a step could not be made */
+  @_FMU_TERMINATED = 16
+};
+
+/* References: the time; inputs and parameters; outputs; counts. */
+#define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
+#define @_FMU_FIRST_COUNT (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
+enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU_COUNTS };
+
+/* With the state of the model all that later calls depend on. */
+typedef struct {
+  double begin; /* the importer's time where the model starts */
+  double now;   /* where the last step of the importer ended */
+  double stop;
+  double steps;  /* of the model, so far */
+  double weight; /* between the last two of them, where now is between */
+  double given[@_FMU_INPUTS + 1];
+  double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
+  int mode, between, iterations, unconverged;
+} @_fmu_progress;
+
+typedef struct @_fmu_saved {
+  struct @_fmu_saved *next;
+  @_fmu_progress progress;
+  @_state state;
+} @_fmu_saved;
+
+typedef struct {
+  @_fmu_host host;
+  int logs; /* whether warnings are wanted */
+  @_fmu_saved *saved;
+  @_fmu_progress progress;
+  @ model;
+} @_fmu;
+
+#define @_FMU_HEAD 64 /* bytes of the token in a serialized state */
+#define @_FMU_SERIALIZED (@_FMU_HEAD + 8 + sizeof(@_fmu_progress) + sizeof(@_state))
+
+static int @_fmu_tell(const @_fmu *f, int status, const char *message) {
+  if (status != @_FMU_WARNING || f->logs)
+    @_fmu_log(&f->host, status,
+              status == @_FMU_WARNING   ? "logStatusWarning"
+              : status == @_FMU_DISCARD ? "logStatusDiscard"
+                                        : "logStatusError",
+              message);
+  return status;
+}
+static int @_fmu_wrong(const @_fmu *f, const char *message) { return @_fmu_tell(f, @_FMU_ERROR, message); }
+
+static int @_fmu_finite(double x) { return x - x == 0.0; }
+
+/* Whether a call has its turn. */
+static int @_fmu_turn(const @_fmu *f, int modes) {
+  if (f->progress.mode & modes) return 1;
+  @_fmu_wrong(f, "the function has not its turn here; nothing was done");
+  return 0;
+}
+
+static int @_fmu_go(@_fmu *f, int from, int to) {
+  if (!@_fmu_turn(f, from)) return @_FMU_ERROR;
+  f->progress.mode = to;
+  return @_FMU_OK;
+}
+
+static void @_fmu_begin(@_fmu *f) {
+  int k;
+  @_init(&f->model);
+  memset(&f->progress, 0, sizeof f->progress);
+  f->progress.mode = @_FMU_MADE;
+  f->progress.stop = HUGE_VAL;
+  f->progress.begin = f->progress.now = @_time(&f->model);
+  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
+}
+
+/* Why an instance cannot be made; NULL: it can. */
+static const char *@_fmu_refusal(const char *instance_name, const char *token) {
+  const char *c = instance_name;
+  while (c && *c == ' ') ++c;
+  if (!c || !*c) return "the instance has no name";
+  if (!token || strcmp(token, @_FMU_TOKEN) != 0)
+    return "the token is not that of this FMU: the model description and the binary do not belong together";
+  return NULL;
+}
+
+/* The model starts at the importer's time `start`. */
+static int @_fmu_experiment(@_fmu *f, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
+  if (has_tolerance && !(@_fmu_finite(tolerance) && tolerance > 0.0))
+    return @_fmu_wrong(f, "the tolerance is no positive number");
+  if (!@_fmu_finite(start)) return @_fmu_wrong(f, "the start time is no number");
+  if (has_stop && !(@_fmu_finite(stop) && stop >= start))
+    return @_fmu_wrong(f, "the stop time is no number, or before the start time");
+  f->progress.begin = f->progress.now = start;
+  f->progress.stop = has_stop ? stop : HUGE_VAL;
+  if (start != @_time(&f->model))
+    @_fmu_tell(f, @_FMU_WARNING, "functions of time in the model count from its own start, not from the start time");
+  return @_FMU_OK;
+}
+
+static int @_fmu_known(unsigned long reference, unsigned long first, unsigned long count) {
+  return reference >= first && reference - first < count;
+}
+
+static double @_fmu_output(@_fmu *f, int output) {
+  const @_fmu_progress *const p = &f->progress;
+  if (!p->between) return @_get_output(&f->model, output);
+  return p->before[output] + p->weight*(p->after[output] - p->before[output]);
+}
+
+static double @_fmu_real(@_fmu *f, unsigned long reference) {
+  if (reference == 0) return f->progress.now;
+  if (reference < @_FMU_FIRST_OUTPUT) return f->progress.given[reference - 1];
+  return @_fmu_output(f, (int)(reference - @_FMU_FIRST_OUTPUT));
+}
+
+static int @_fmu_count(const @_fmu *f, unsigned long reference) {
+  const @_fmu_progress *const p = &f->progress;
+  switch (reference - @_FMU_FIRST_COUNT) {
+    case @_FMU_COUNT_STEPS:
+      return p->steps < 2147483647.0 ? (int)p->steps : 2147483647;
+    case @_FMU_COUNT_ITERATIONS:
+      return p->iterations;
+    default:
+      return p->unconverged;
+  }
+}
+
+/* Whether a list of references is one of variables of a kind; `values` as many values as references. */
+static int @_fmu_list(const @_fmu *f, const void *references, size_t count, const void *values, size_t value_count) {
+  if (count != value_count) {
+    @_fmu_wrong(f, "there have to be as many values as references: all variables are scalars");
+    return 0;
+  }
+  if (count > 0 && (!references || !values)) {
+    @_fmu_wrong(f, "references or values are missing");
+    return 0;
+  }
+  return 1;
+}
+
+static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t count, double *values) {
+  size_t k;
+  for (k = 0; k < count; ++k)
+    if (!@_fmu_known(references[k], 0, @_FMU_FIRST_COUNT))
+      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
+  for (k = 0; k < count; ++k) values[k] = @_fmu_real(f, references[k]);
+  return @_FMU_OK;
+}
+
+static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t count, @_fmu_integer *values) {
+  size_t k;
+  for (k = 0; k < count; ++k)
+    if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS))
+      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
+  for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
+  return @_FMU_OK;
+}
+
+static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t count, const double *values) {
+  size_t k;
+  int limited = 0;
+  if (!@_fmu_turn(f, @_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)) return @_FMU_ERROR;
+  for (k = 0; k < count; ++k) {
+    if (!@_fmu_known(references[k], 1, @_FMU_INPUTS))
+      return @_fmu_wrong(f, "a reference is of no input and no parameter; nothing was set");
+    if (!@_fmu_finite(values[k])) return @_fmu_wrong(f, "a value is no finite number; nothing was set");
+  }
+  for (k = 0; k < count; ++k) {
+    const int input = (int)references[k] - 1;
+    double value = values[k];
+    if (value < @_fmu_least[input]) value = @_fmu_least[input];
+    if (value > @_fmu_most[input]) value = @_fmu_most[input];
+    limited = limited || value != values[k];
+    f->progress.given[input] = value;
+    @_set_input(&f->model, input, value);
+  }
+  if (limited) return @_fmu_tell(f, @_FMU_WARNING, "a value is out of the variable's range and was set to its end");
+  return @_FMU_OK;
+}
+
+/* None of the FMU's variables is of the type. */
+static int @_fmu_none(const @_fmu *f, size_t count) {
+  return count > 0 ? @_fmu_wrong(f, "the FMU has no variables of this type") : @_FMU_OK;
+}
+
+static void @_fmu_outputs(@_fmu *f, double *values) {
+  int k;
+  for (k = 0; k < @_FMU_OUTPUTS; ++k) values[k] = @_get_output(&f->model, k);
+}
+
+static int @_fmu_step_failed(@_fmu *f, int status) {
+  @_fmu_progress *const p = &f->progress;
+  p->mode = @_FMU_STOPPED;
+  p->between = 0;
+  p->now = p->begin + p->steps*@_FMU_STEP;
+  switch (status) {
+    case @_FMU_NOT_FINITE:
+      return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model gives no finite numbers");
+    case @_FMU_SINGULAR:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the matrix of a step of the model is singular");
+    case @_FMU_DRIFTED:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the loops of the model have come apart in a step");
+    default:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the iterations of a step of the model did not converge");
+  }
+}
+
+/* To from + length: steps of the model until it is there or behind, then between the last two. */
+static int @_fmu_do_step(@_fmu *f, double from, double length) {
+  @_fmu_progress *const p = &f->progress;
+  const double end = from + length;
+  double counted, nearest, target;
+  int whole; /* a whole number of the model's steps */
+  if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
+  if (!@_fmu_finite(from) || !@_fmu_finite(length) || !@_fmu_finite(end))
+    return @_fmu_wrong(f, "the communication point or the step is no finite number");
+  if (!(length > 0.0)) return @_fmu_wrong(f, "the communication step is not positive");
+  if (!(fabs(from - p->now) <= 1e-6*@_FMU_STEP + 1e-12*fabs(p->now)))
+    return @_fmu_wrong(f, "the step does not begin where the last one ended");
+  if (!(end > p->now)) return @_fmu_wrong(f, "the communication step is too short for the time to change");
+  if (end > p->stop + 1e-6*@_FMU_STEP + 1e-12*fabs(p->stop)) return @_fmu_wrong(f, "the step ends behind the stop time");
+  counted = (end - p->begin)/@_FMU_STEP;
+  nearest = floor(counted + 0.5);
+  whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
+  target = whole ? nearest : ceil(counted);
+  if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step is of more than 1e9 steps of the model");
+  if (p->steps < target) p->iterations = 0;
+  while (p->steps < target) {
+    int status;
+    if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
+    status = @_step(&f->model);
+    if (status > @_FMU_UNCONVERGED) return @_fmu_step_failed(f, status);
+    p->steps += 1.0;
+    p->iterations += f->model.iterations;
+    if (status == @_FMU_UNCONVERGED && p->unconverged < 2147483647) ++p->unconverged;
+    if (!whole && p->steps >= target) @_fmu_outputs(f, p->after);
+  }
+  p->between = !whole;
+  p->weight = counted - (p->steps - 1.0);
+  p->now = end;
+  return @_FMU_OK;
+}
+)c"
+                                      R"c(
+static @_fmu_saved *@_fmu_find(const @_fmu *f, const void *state) {
+  @_fmu_saved *one = f->saved;
+  while (one && one != state) one = one->next;
+  return one;
+}
+
+static @_fmu_saved *@_fmu_new_state(@_fmu *f) {
+  @_fmu_saved *const one = (@_fmu_saved *)@_fmu_allocate(&f->host, sizeof *one);
+  if (!one) {
+    @_fmu_wrong(f, "there is no memory for a state");
+    return NULL;
+  }
+  one->next = f->saved;
+  f->saved = one;
+  return one;
+}
+
+static int @_fmu_get_state(@_fmu *f, void **state) {
+  @_fmu_saved *one;
+  if (!state) return @_fmu_wrong(f, "there is no place for the state");
+  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state is none of this instance");
+  one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
+  if (!one) return @_FMU_ERROR;
+  memcpy(&one->progress, &f->progress, sizeof f->progress);
+  @_save(&f->model, &one->state);
+  *state = one;
+  return @_FMU_OK;
+}
+
+static int @_fmu_set_state(@_fmu *f, const void *state) {
+  const @_fmu_saved *const one = @_fmu_find(f, state);
+  if (!one) return @_fmu_wrong(f, "the state is none of this instance");
+  memcpy(&f->progress, &one->progress, sizeof f->progress);
+  @_restore(&f->model, &one->state);
+  return @_FMU_OK;
+}
+
+static void @_fmu_take_out(@_fmu *f, @_fmu_saved *state) {
+  @_fmu_saved **link = &f->saved;
+  while (*link != state) link = &(*link)->next;
+  *link = state->next;
+  @_fmu_release(&f->host, state);
+}
+
+static int @_fmu_free_state(@_fmu *f, void **state) {
+  @_fmu_saved *one;
+  if (!state || !*state) return @_FMU_OK;
+  one = @_fmu_find(f, *state);
+  if (!one) return @_fmu_wrong(f, "the state is none of this instance");
+  @_fmu_take_out(f, one);
+  *state = NULL;
+  return @_FMU_OK;
+}
+
+/* FNV-1a */
+static uint64_t @_fmu_checksum(const unsigned char *bytes, size_t count) {
+  uint64_t sum = 14695981039346656037u;
+  size_t k;
+  for (k = 0; k < count; ++k) sum = (sum ^ bytes[k])*1099511628211u;
+  return sum;
+}
+
+static int @_fmu_state_size(@_fmu *f, const void *state, size_t *size) {
+  if (!size || !@_fmu_find(f, state)) return @_fmu_wrong(f, "the state is none of this instance, or the size has no place");
+  *size = @_FMU_SERIALIZED;
+  return @_FMU_OK;
+}
+
+static int @_fmu_write_state(@_fmu *f, const void *state, unsigned char *bytes, size_t size) {
+  const @_fmu_saved *const one = @_fmu_find(f, state);
+  unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
+  uint64_t sum;
+  if (!one || !bytes) return @_fmu_wrong(f, "the state is none of this instance, or its bytes have no place");
+  if (size < @_FMU_SERIALIZED) return @_fmu_wrong(f, "the place is too small for the state");
+  memset(bytes, 0, size);
+  memcpy(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN);
+  memcpy(data, &one->progress, sizeof one->progress);
+  memcpy(data + sizeof one->progress, &one->state, sizeof one->state);
+  sum = @_fmu_checksum(data, sizeof one->progress + sizeof one->state);
+  memcpy(bytes + @_FMU_HEAD, &sum, sizeof sum);
+  return @_FMU_OK;
+}
+
+static int @_fmu_read_state(@_fmu *f, const unsigned char *bytes, size_t size, void **state) {
+  const unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
+  @_fmu_saved *one;
+  uint64_t sum;
+  if (!bytes || !state) return @_fmu_wrong(f, "there are no bytes of a state, or it has no place");
+  if (size < @_FMU_SERIALIZED || memcmp(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN) != 0)
+    return @_fmu_wrong(f, "the bytes are of no state of this FMU");
+  memcpy(&sum, bytes + @_FMU_HEAD, sizeof sum);
+  if (sum != @_fmu_checksum(data, sizeof one->progress + sizeof one->state))
+    return @_fmu_wrong(f, "the bytes of the state are damaged");
+  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state is none of this instance");
+  one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
+  if (!one) return @_FMU_ERROR;
+  memcpy(&one->progress, data, sizeof one->progress);
+  memcpy(&one->state, data + sizeof one->progress, sizeof one->state);
+  *state = one;
+  return @_FMU_OK;
+}
+
+/* Warnings are logged, or not; of what the model description calls categories. */
+static int @_fmu_set_logging(@_fmu *f, int on, size_t count, const char *const *categories) {
+  size_t k;
+  int warnings = count == 0;
+  if (count > 0 && !categories) return @_fmu_wrong(f, "the categories are missing");
+  for (k = 0; k < count; ++k) {
+    const char *const name = categories[k];
+    if (!name) return @_fmu_wrong(f, "a category is missing");
+    if (strcmp(name, "logStatusWarning") == 0 || strcmp(name, "logAll") == 0)
+      warnings = 1;
+    else if (strcmp(name, "logStatusDiscard") != 0 && strcmp(name, "logStatusError") != 0)
+      return @_fmu_wrong(f, "there is no such category of messages");
+  }
+  if (warnings) f->logs = on;
+  return @_FMU_OK;
+}
+
+static void @_fmu_end(@_fmu *f) {
+  @_fmu_host host;
+  while (f->saved) @_fmu_take_out(f, f->saved);
+  host = f->host;
+  @_fmu_forget(&host);
+  @_fmu_release(&host, f);
+}
+)c";
+
+}  // namespace mimbre::portable

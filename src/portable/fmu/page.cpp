@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "mimbre/build.h"
+#include "mimbre/simulation.h"
+#include "portable/fmu/parts.h"
+
+namespace mimbre::portable {
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text)
+    out += c == '&'   ? "&amp;"
+           : c == '<' ? "&lt;"
+           : c == '>' ? "&gt;"
+           : c == '"' ? "&quot;"
+                      : std::string(1, c);
+  return out;
+}
+
+std::string range(const FmuVariable& v) {
+  const auto end = [](double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string("…"); };
+  return std::isfinite(v.min) || std::isfinite(v.max) ? end(v.min) + " to " + end(v.max) : std::string();
+}
+
+/// A field of CSV.
+std::string field(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+}  // namespace
+
+std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& method) {
+  using Role = FmuVariable::Role;
+  const std::string title = escaped(model.spec().title.empty() ? fmu.code.name : model.spec().title);
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
+      "charset=\"utf-8\"><title>{0}</title>\n<style>body{{font-family:"
+      "sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
+      "1rem}}table{{border-collapse:collapse}}td,th{{padding:"
+      ".2rem .8rem;border-bottom:1px solid #ccc;text-align:left}}</style></head>\n<body><h1>{0}</h1>\n"
+      "<p>FMI {1}.0, co-simulation. Made by mimbre {2} as C99: {3}. Steps of {4} s with a fixed cost, {5} "
+      "operations "
+      "at most; {6} bytes an instance.</p>\n",
+      title, fmu.version, escaped(build_info().version), escaped(method), fmu.code.step, fmu.code.operations,
+      fmu.code.bytes);
+  page += fmt::format(
+      "<p>Communication steps may have any positive length. At whole multiples of {0} s outputs are those of "
+      "the model, "
+      "exactly. Elsewhere the model has gone on to the end of its step: outputs are on the straight line "
+      "between the "
+      "last two of its instants, off by {1:.3g} s² times their second derivative at most, and inputs count "
+      "from the end "
+      "of that step on.</p>\n",
+      fmu.code.step, fmu.code.step * fmu.code.step / 8);
+  page += "<table><tr><th>variable</th><th>unit</th><th>what it is</th><th>start</th><th>range</th></tr>\n";
+  for (const FmuVariable& v : fmu.variables) {
+    const bool starts = v.role == Role::input || v.role == Role::parameter;
+    page += fmt::format("<tr><td>{}</td><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>\n",
+                        escaped(v.name), escaped(v.unit),
+                        v.role == Role::input       ? "input"
+                        : v.role == Role::parameter ? "tunable parameter"
+                        : v.role == Role::time      ? ""
+                                                    : "output: ",
+                        v.role == Role::input || v.role == Role::parameter ? "" : escaped(v.meaning),
+                        starts ? fmt::format("{}", v.start) : "", range(v));
+  }
+  page += "</table>\n";
+  if (!fmu.code.left_out.empty()) {
+    page += "<p>Outputs of the model that are not here:</p><ul>\n";
+    for (const std::string& name : fmu.code.left_out) page += fmt::format("<li>{}</li>\n", escaped(name));
+    page += "</ul>\n";
+  }
+  return page + "</body></html>\n";
+}
+
+std::string fmu_reference(const FmuCode& fmu, const std::shared_ptr<const Model>& model,
+                          const RunOptions& options, double seconds) {
+  RunOptions fixed = options;
+  fixed.fixed_cost = true;
+  fixed.energies = fixed.validity = fixed.warnings = false;
+  Simulation simulation(model, fixed);
+  std::vector<Simulation::Channel> channels;
+  std::string text = "\"time\"";
+  for (std::size_t k = 0; k < fmu.code.outputs.size(); ++k) {
+    const std::string& name = fmu.code.outputs[k].name;
+    const bool own = std::any_of(simulation.channels().begin(), simulation.channels().end(),
+                                 [&](const ChannelInfo& c) { return c.name == name; });
+    channels.push_back(simulation.channel(own ? name : "signal." + name));
+    text += "," + field(fmu.variables[1 + fmu.code.inputs.size() + k].name);
+  }
+  const auto row = [&] {
+    text += fmt::format("\n{}", simulation.time());
+    for (const Simulation::Channel c : channels) text += fmt::format(",{}", simulation.value(c));
+  };
+  row();
+  const long steps = std::lround(seconds / fmu.code.step);
+  for (long k = 0; k < steps && simulation.step().ok(); ++k) row();
+  return text + "\n";
+}
+
+}  // namespace mimbre::portable

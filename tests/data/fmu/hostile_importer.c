@@ -1,0 +1,210 @@
+/* Calls the functions of an FMU at random, with wrong arguments as often as right ones, and wants a status of the standard
+ * each time. Compiled under the sanitizers with FMI (2 or 3), WRAPPER (its file), TOKEN and INSTANCE_STEP. */
+#include WRAPPER
+
+#include <stdio.h>
+
+static uint64_t seed = 88172645463325252u;
+static uint64_t draw(void) {
+  seed ^= seed << 13;
+  seed ^= seed >> 7;
+  seed ^= seed << 17;
+  return seed;
+}
+static int one_of(int count) { return (int)(draw() % (uint64_t)count); }
+
+static double number(void) {
+  static const double odd[] = {0.0,  -0.0,     1.0,       -1.0, NAN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 1e-300, DBL_MIN,
+                               1e16, 0.1, INSTANCE_STEP};
+  const int k = one_of(28);
+  return k < 14 ? odd[k] : (double)one_of(2000)/1000.0 - 1.0;
+}
+
+static unsigned reference(void) { return one_of(8) ? (unsigned)one_of(16) : (unsigned)draw(); }
+
+static const void *maybe(const void *p) { return one_of(20) ? p : NULL; }
+
+#if FMI == 2
+static void told(void *e, const char *name, fmi2Status s, const char *category, const char *message, ...) {
+#else
+static void told(void *e, fmi3Status s, const char *category, const char *message) {
+  const char *name = "";
+#endif
+  (void)e;
+  if (!name || !category || !message || (int)s < 1 || (int)s > 3) abort();
+}
+
+#if FMI == 2
+#define F(name) fmi2##name
+typedef fmi2Byte byte;
+static void *make(void) {
+  static fmi2CallbackFunctions calls;
+  calls.logger = one_of(5) ? told : NULL;
+  calls.allocateMemory = one_of(5) ? calloc : NULL;
+  calls.freeMemory = calls.allocateMemory ? free : NULL;
+  return fmi2Instantiate(one_of(9) ? "one" : NULL, one_of(9) ? fmi2CoSimulation : fmi2ModelExchange,
+                         one_of(9) ? TOKEN : "other", NULL, one_of(20) ? &calls : NULL, 0, one_of(2));
+}
+#define GetFMUState GetFMUstate
+#else
+#define F(name) fmi3##name
+typedef fmi3Byte byte;
+static void *make(void) {
+  return fmi3InstantiateCoSimulation(one_of(9) ? "one" : NULL, one_of(9) ? TOKEN : NULL, NULL, false, one_of(2) != 0,
+                                     one_of(9) == 0, one_of(2) != 0, NULL, one_of(9) == 0 ? 3 : 0, NULL,
+                                     one_of(5) ? told : NULL, NULL);
+}
+#endif
+
+enum { most = 6, handles = 4 };
+
+static int call(void *c, void **state, byte **bytes, size_t *size, double *now) {
+  unsigned refs[most];
+  double values[most];
+  int wholes[most], k;
+  const size_t count = (size_t)one_of(most + 1);
+  void **const handle = state + one_of(handles);
+  for (k = 0; k < most; ++k) {
+    refs[k] = reference();
+    values[k] = number();
+    wholes[k] = one_of(5);
+  }
+  switch (one_of(22)) {
+    case 0:
+#if FMI == 2
+      return fmi2SetupExperiment(c, one_of(2), number(), one_of(3) ? 0.0 : number(), one_of(4) == 0, number());
+    case 1:
+      return fmi2EnterInitializationMode(c);
+#else
+    case 1:
+      return fmi3EnterInitializationMode(c, one_of(5) == 0, number(), one_of(3) ? 0.0 : number(), one_of(4) == 0,
+                                         number());
+#endif
+    case 2:
+      return F(ExitInitializationMode)(c);
+    case 3:
+      return one_of(10) ? 0 : F(Terminate)(c);
+    case 4:
+      return one_of(10) ? 0 : F(Reset)(c);
+#if FMI == 2
+    case 5:
+      return fmi2GetReal(c, maybe(refs), count, (double *)maybe(values));
+    case 6:
+    case 7:
+      return fmi2SetReal(c, maybe(refs), count, maybe(values));
+    case 8:
+      return fmi2GetInteger(c, maybe(refs), count, (int *)maybe(wholes));
+    case 9:
+      return fmi2SetInteger(c, maybe(refs), count, maybe(wholes));
+    case 10:
+      return fmi2GetString(c, refs, count, NULL);
+    case 11:
+      return fmi2GetFMUstate(c, one_of(9) ? handle : NULL);
+    case 12:
+      return fmi2SetFMUstate(c, one_of(9) ? *handle : (void *)refs);
+    case 13:
+      return fmi2FreeFMUstate(c, one_of(9) ? handle : NULL);
+    case 14:
+      return fmi2SetRealInputDerivatives(c, refs, count, wholes, values);
+    case 15:
+      return fmi2GetStatus(c, fmi2DoStepStatus, NULL);
+#else
+    case 5:
+      return fmi3GetFloat64(c, maybe(refs), count, (double *)maybe(values), one_of(5) ? count : 3);
+    case 6:
+    case 7:
+      return fmi3SetFloat64(c, maybe(refs), count, maybe(values), one_of(5) ? count : 7);
+    case 8:
+      return fmi3GetInt32(c, maybe(refs), count, (int *)maybe(wholes), one_of(5) ? count : 0);
+    case 9:
+      return fmi3SetInt32(c, maybe(refs), count, maybe(wholes), count);
+    case 10:
+      return fmi3GetString(c, refs, count, NULL, count);
+    case 11:
+      return fmi3GetFMUState(c, one_of(9) ? handle : NULL);
+    case 12:
+      return fmi3SetFMUState(c, one_of(9) ? *handle : (void *)refs);
+    case 13:
+      return fmi3FreeFMUState(c, one_of(9) ? handle : NULL);
+    case 14:
+      return fmi3EnterEventMode(c);
+    case 15:
+      return fmi3UpdateDiscreteStates(c, NULL, NULL, NULL, NULL, NULL, NULL);
+#endif
+    case 16: {
+      const char *names[2] = {one_of(2) ? "logStatusWarning" : "nothing", one_of(9) ? "logAll" : NULL};
+      return F(SetDebugLogging)(c, one_of(2), count % 3, one_of(9) ? names : NULL);
+    }
+    case 17: {
+      size_t wanted = 0;
+      int status;
+#if FMI == 2
+      status = fmi2SerializedFMUstateSize(c, *handle, &wanted);
+#else
+      status = fmi3SerializedFMUStateSize(c, *handle, &wanted);
+#endif
+      if (status != 0) return status;
+      free(*bytes);
+      *size = one_of(4) ? wanted : wanted/2;
+      *bytes = (byte *)calloc(1, *size);
+#if FMI == 2
+      return fmi2SerializeFMUstate(c, *handle, *bytes, *size);
+#else
+      return fmi3SerializeFMUState(c, *handle, *bytes, *size);
+#endif
+    }
+    case 18:
+      if (*size > 0 && one_of(2)) (*bytes)[draw() % *size] ^= (byte)(1 << one_of(7));
+#if FMI == 2
+      return fmi2DeSerializeFMUstate(c, *bytes, *size - (size_t)(*size > 0 && one_of(9) == 0), handle);
+#else
+      return fmi3DeserializeFMUState(c, *bytes, *size - (size_t)(*size > 0 && one_of(9) == 0), handle);
+#endif
+    default: {
+      const double from = one_of(9) ? *now : number();
+      const double length = one_of(4) ? INSTANCE_STEP*(double)one_of(400)/100.0 : number();
+      int status;
+#if FMI == 2
+      status = fmi2DoStep(c, from, length, one_of(2));
+      fmi2GetRealStatus(c, fmi2LastSuccessfulTime, now);
+#else
+      fmi3Boolean a, b, d;
+      double last = *now;
+      status = fmi3DoStep(c, from, length, false, one_of(9) ? &a : NULL, &b, &d, &last);
+      *now = last;
+#endif
+      return status;
+    }
+  }
+}
+
+int main(int count, char **words) {
+  const long rounds = count > 1 ? atol(words[1]) : 1000;
+  long done = 0, round, good = 0;
+  for (round = 0; round < rounds/200; ++round) {
+    void *const c = make();
+    void *state[handles] = {NULL, NULL, NULL, NULL};
+    byte *bytes = NULL;
+    size_t size = 0;
+    double now = 0.0;
+    int k, begin = one_of(3);
+    if (c && begin) {
+#if FMI == 2
+      fmi2EnterInitializationMode(c);
+#else
+      fmi3EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0);
+#endif
+      F(ExitInitializationMode)(c);
+    }
+    for (k = 0; k < 200; ++k) {
+      const int status = call(one_of(50) ? c : NULL, state, &bytes, &size, &now);
+      if (status < 0 || status > 3) return 1;
+      if (status == 0) ++good;
+      ++done;
+    }
+    free(bytes);
+    F(FreeInstance)(c);
+  }
+  printf("%ld calls, %ld of them good\n", done, good);
+  return 0;
+}

@@ -1,0 +1,204 @@
+#pragma once
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "mimbre/fmu.h"
+
+/// A program that imports FMUs, of both versions of the standard, for tests.
+namespace mimbre::test {
+
+enum FmiStatus : int { fmi_ok, fmi_warning, fmi_discard, fmi_error, fmi_fatal };
+
+/// What a command prints; it has to succeed.
+inline std::string printed_by(const std::string& command) {
+  const std::string file = testing::TempDir() + "fmu_printed_" + std::to_string(getpid());
+  EXPECT_EQ(std::system((command + " > " + file + " 2>&1").c_str()), 0) << command;
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  std::filesystem::remove(file);
+  return text.str();
+}
+
+/// The sources in a folder.
+inline std::string fmu_sources(const FmuCode& fmu, const std::string& label) {
+  const std::string folder =
+      testing::TempDir() + "fmu_" + label + "_" + fmu.code.name + std::to_string(fmu.version);
+  write_code(fmu.code, folder);
+  std::ofstream(folder + "/fmi" + std::to_string(fmu.version) + ".c") << fmu.wrapper;
+  return folder;
+}
+
+/// A compiled FMU, loaded.
+class FmuLibrary {
+ public:
+  explicit FmuLibrary(FmuCode fmu, const std::string& label) : fmu_(std::move(fmu)) {
+    const std::string folder = fmu_sources(fmu_, label), file = folder + "/library.so";
+    EXPECT_EQ(
+        printed_by("cc -std=c99 -O0 -Wall -Wextra -Wpedantic -Werror -fPIC -shared -fvisibility=hidden -o " +
+                   file + " " + folder + "/" + fmu_.code.name + ".c " + folder + "/fmi" +
+                   std::to_string(fmu_.version) + ".c -lm"),
+        "");
+    library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library_) throw std::runtime_error(dlerror());
+  }
+  ~FmuLibrary() { dlclose(library_); }
+  FmuLibrary(const FmuLibrary&) = delete;
+  FmuLibrary& operator=(const FmuLibrary&) = delete;
+
+  const FmuCode& fmu() const { return fmu_; }
+  bool two() const { return fmu_.version == 2; }
+
+  /// Calls a function by its name without fmi2 or fmi3; arguments have the types of the standard.
+  template <class Result = int, class... Arguments>
+  Result call(const std::string& name, Arguments... arguments) const {
+    void* const found = dlsym(library_, ((two() ? "fmi2" : "fmi3") + name).c_str());
+    if (!found) throw std::runtime_error("the FMU has no function " + name);
+    return reinterpret_cast<Result (*)(Arguments...)>(found)(arguments...);
+  }
+  bool has(const std::string& name) const { return dlsym(library_, name.c_str()) != nullptr; }
+
+ private:
+  FmuCode fmu_;
+  void* library_ = nullptr;
+};
+
+/// Messages and memory of FMI 2, and messages of FMI 3.
+struct FmuCallbacks {
+  void (*logger)(void*, const char*, int, const char*, const char*, ...) = nullptr;
+  void* (*allocate)(std::size_t, std::size_t) = std::calloc;
+  void (*release)(void*) = std::free;
+  void (*finished)(void*, int) = nullptr;
+  void* environment = nullptr;
+};
+
+/// An instance.
+class FmuInstance {
+ public:
+  explicit FmuInstance(const FmuLibrary& library, FmuCallbacks callbacks = {}, const char* token = nullptr,
+                       const char* name = "one")
+      : library_(library), callbacks_(callbacks) {
+    if (!token) token = library.fmu().token.c_str();
+    callbacks_.logger = &FmuInstance::log2;
+    callbacks_.environment = this;
+    c_ = library.two() ? library.call<void*>("Instantiate", name, 1, token, "",
+                                             static_cast<const FmuCallbacks*>(&callbacks_), 0, 1)
+                       : library.call<void*>("InstantiateCoSimulation", name, token, "", false, true, false,
+                                             false, static_cast<const unsigned*>(nullptr), std::size_t{0},
+                                             static_cast<void*>(this), &FmuInstance::log3,
+                                             static_cast<void (*)()>(nullptr));
+  }
+  ~FmuInstance() { library_.call<void>("FreeInstance", c_); }
+  FmuInstance(const FmuInstance&) = delete;
+  FmuInstance& operator=(const FmuInstance&) = delete;
+
+  void* handle() const { return c_; }
+  const std::string& messages() const { return messages_; }
+
+  int enter(double start = 0, bool has_stop = false, double stop = 0) {
+    if (!library_.two())
+      return library_.call("EnterInitializationMode", c_, false, 0.0, start, has_stop, stop);
+    const int status = library_.call("SetupExperiment", c_, 0, 0.0, start, has_stop ? 1 : 0, stop);
+    return status <= fmi_warning ? std::max(status, simple("EnterInitializationMode")) : status;
+  }
+  int exit() { return simple("ExitInitializationMode"); }
+  void start() {
+    EXPECT_EQ(enter(), fmi_ok);
+    EXPECT_EQ(exit(), fmi_ok);
+  }
+  int simple(const std::string& name) { return library_.call(name, c_); }
+
+  int step(double from, double length) {
+    if (library_.two()) return library_.call("DoStep", c_, from, length, 1);
+    bool event = true, terminate = true, early = true;
+    const int status = library_.call("DoStep", c_, from, length, true, &event, &terminate, &early, &last_);
+    // Without an instance nothing is reported.
+    EXPECT_TRUE(!c_ || !(event || terminate || early));
+    return status;
+  }
+  double last() {
+    if (library_.two()) {
+      EXPECT_EQ(library_.call("GetRealStatus", c_, 2, &last_), fmi_ok);
+    }
+    return last_;
+  }
+
+  int get(std::vector<unsigned> references, double* values) {
+    const unsigned* const of = references.data();
+    if (library_.two()) return library_.call("GetReal", c_, of, references.size(), values);
+    return library_.call("GetFloat64", c_, of, references.size(), values, references.size());
+  }
+  double get(unsigned reference) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(get({reference}, &value), fmi_ok);
+    return value;
+  }
+  int count(unsigned reference) {
+    int value = -1;
+    const unsigned* const of = &reference;
+    EXPECT_EQ(library_.two() ? library_.call("GetInteger", c_, of, std::size_t{1}, &value)
+                             : library_.call("GetInt32", c_, of, std::size_t{1}, &value, std::size_t{1}),
+              fmi_ok);
+    return value;
+  }
+  int set(unsigned reference, double value) {
+    const unsigned* const of = &reference;
+    const double* const from = &value;
+    if (library_.two()) return library_.call("SetReal", c_, of, std::size_t{1}, from);
+    return library_.call("SetFloat64", c_, of, std::size_t{1}, from, std::size_t{1});
+  }
+  /// All outputs.
+  std::vector<double> outputs() {
+    std::vector<double> values;
+    for (const FmuVariable& v : library_.fmu().variables)
+      if (v.role == FmuVariable::Role::output) values.push_back(get(v.reference));
+    return values;
+  }
+
+  int get_state(void** state) {
+    return library_.call(library_.two() ? "GetFMUstate" : "GetFMUState", c_, state);
+  }
+  int set_state(void* state) {
+    return library_.call(library_.two() ? "SetFMUstate" : "SetFMUState", c_, state);
+  }
+  int free_state(void** state) {
+    return library_.call(library_.two() ? "FreeFMUstate" : "FreeFMUState", c_, state);
+  }
+  std::size_t state_size(void* state) {
+    std::size_t size = 0;
+    EXPECT_EQ(
+        library_.call(library_.two() ? "SerializedFMUstateSize" : "SerializedFMUStateSize", c_, state, &size),
+        fmi_ok);
+    return size;
+  }
+  int write_state(void* state, char* bytes, std::size_t size) {
+    return library_.call(library_.two() ? "SerializeFMUstate" : "SerializeFMUState", c_, state, bytes, size);
+  }
+  int read_state(const char* bytes, std::size_t size, void** state) {
+    return library_.call(library_.two() ? "DeSerializeFMUstate" : "DeserializeFMUState", c_, bytes, size,
+                         state);
+  }
+
+ private:
+  static void log2(void* of, const char* name, int, const char* category, const char* message, ...) {
+    EXPECT_TRUE(name && category);
+    static_cast<FmuInstance*>(of)->messages_ += std::string(message) + "\n";
+  }
+  static void log3(void* of, int, const char*, const char* message) {
+    static_cast<FmuInstance*>(of)->messages_ += std::string(message) + "\n";
+  }
+
+  const FmuLibrary& library_;
+  FmuCallbacks callbacks_;
+  std::string messages_;
+  void* c_ = nullptr;
+  double last_ = 0;
+};
+
+}  // namespace mimbre::test
