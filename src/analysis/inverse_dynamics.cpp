@@ -43,6 +43,32 @@ struct Driven {
   std::vector<JointCoordinate> prescribed, forces;
 };
 
+/// Drives that only exert forces: they start with the position and the rate that the mechanism has there, and
+/// what they prescribe afterwards is not looked at.
+void drive_along(spec::Model& spec, const std::vector<JointCoordinate>& coordinates, const Options& options) {
+  if (coordinates.empty()) return;
+  const auto joint = [&](const JointCoordinate& of) -> spec::Joint& {
+    return spec.joints[static_cast<std::size_t>(of.joint)];
+  };
+  for (const JointCoordinate& of : coordinates)
+    if (joint(of).cut == spec::Joint::Cut::automatic) joint(of).cut = spec::Joint::Cut::never;
+  const auto model = Model::compile(spec);
+  const Compiled& m = model->compiled();
+  relative::RelativeSystem system(m);
+  const State start = assembled_state(m, system, options.inputs);
+  for (const JointCoordinate& of : coordinates)
+    for (const BodyData& b : m.bodies) {
+      if (b.joint_spec != of.joint) continue;
+      spec::Drive drive;
+      drive.coordinate = of.coordinate;
+      drive.law = Function::linear(start.v[b.v + of.coordinate], start.q[b.q + of.coordinate]);
+      joint(of).drives.push_back(std::move(drive));
+      for (auto* given : {&joint(of).initial_position, &joint(of).initial_velocity})
+        if (static_cast<int>(given->size()) > of.coordinate)
+          (*given)[static_cast<std::size_t>(of.coordinate)].reset();
+    }
+}
+
 Driven driven_model(const Model& model, const PrescribedMotion* motion, const Options& options) {
   Driven out;
   spec::Model spec = motion ? with_motion(model.spec(), *motion, options.smooth) : model.spec();
@@ -54,6 +80,7 @@ Driven driven_model(const Model& model, const PrescribedMotion* motion, const Op
                      "nothing prescribes a motion: give joints a drive, or a table of their coordinates over "
                      "time");
   out.forces = options.forces.empty() ? out.prescribed : options.forces;
+  std::vector<JointCoordinate> free;  ///< of forces, which nothing prescribes
   for (const JointCoordinate& of : out.forces) {
     if (of.joint < 0 || of.joint >= static_cast<int>(spec.joints.size()))
       throw InputError(Mark{},
@@ -62,24 +89,14 @@ Driven driven_model(const Model& model, const PrescribedMotion* motion, const Op
       throw InputError(Mark{},
                        fmt::format("the force of '{}' is looked for twice", coordinate_text(spec, of)));
     if (std::find(out.prescribed.begin(), out.prescribed.end(), of) != out.prescribed.end()) continue;
-    spec::Joint& joint = spec.joints[static_cast<std::size_t>(of.joint)];
+    const spec::Joint& joint = spec.joints[static_cast<std::size_t>(of.joint)];
     const JointInfo& info = joint_info(joint.type);
     if (of.coordinate < 0 || of.coordinate >= (info.quaternion < 0 ? info.velocities : info.rotation))
       throw InputError(joint.mark,
                        fmt::format("joint '{}' has no scalar coordinate {}", joint.name, of.coordinate));
-    // Its position is free: what it prescribes is not looked at.
-    spec::Drive drive;
-    drive.coordinate = of.coordinate;
-    const auto given = [&](const std::vector<std::optional<double>>& values) {
-      const auto k = static_cast<std::size_t>(of.coordinate);
-      return values.size() > k && values[k] ? *values[k] : 0.0;
-    };
-    drive.law =
-        Function::constant(given(joint.initial_position.empty() ? joint.near : joint.initial_position));
-    joint.drives.push_back(std::move(drive));
-    if (static_cast<int>(joint.initial_velocity.size()) > of.coordinate)
-      joint.initial_velocity[static_cast<std::size_t>(of.coordinate)].reset();
+    free.push_back(of);
   }
+  drive_along(spec, free, options);
   out.model = Model::compile(std::move(spec));
   return out;
 }

@@ -69,7 +69,9 @@ class Walk {
   void count(const State& s, Kinematics& out);
   bool go(State& s, double to);
   void look_for_singular(const State& before, double width, Kinematics& out);
-  void look_for_reversals(const State& before, const State& after, Kinematics& out);
+  void look_for_reversals(const std::vector<State>& states, Kinematics& out);
+  void look_for_reversal(const State& before, const State& after, const Coordinate& of, double largest,
+                         Kinematics& out);
   void add(Kind kind, const State& s, const JointCoordinate& of, double position, Kinematics& out);
   void limit(const State& s, Kinematics& out);
 
@@ -216,28 +218,36 @@ void Walk::look_for_singular(const State& middle, double width, Kinematics& out)
   if (of) add(change ? Kind::change_point : Kind::dead_centre, s, of->of, s.q[of->q], out);
 }
 
-void Walk::look_for_reversals(const State& before, const State& after, Kinematics& out) {
-  const double largest = std::max(system_.scales().of_coordinates(before.v.data()),
-                                  system_.scales().of_coordinates(after.v.data()));
+/// From the last instant at which a coordinate moved to the next one at which it moves back.
+void Walk::look_for_reversals(const std::vector<State>& states, Kinematics& out) {
+  double largest = 0;
+  for (const State& s : states) largest = std::max(largest, system_.scales().of_coordinates(s.v.data()));
   for (const Coordinate& c : coordinates_) {
-    const double floor = resting * largest * motion_.scale()[c.v];
     if (std::any_of(m_.drives.begin(), m_.drives.end(), [&](const DriveData& d) { return d.v == c.v; }))
       continue;
-    if (!(before.v[c.v] * after.v[c.v] < 0) || std::abs(before.v[c.v]) <= floor ||
-        std::abs(after.v[c.v]) <= floor)
-      continue;
-    State low = before, high = after;
-    for (int k = 0; k < 60 && high.time - low.time > 1e-13 * std::max(1.0, high.time); ++k) {
-      State middle = low;
-      if (!go(middle, (low.time + high.time) / 2)) break;
-      (middle.v[c.v] * before.v[c.v] > 0 ? low : high) = middle;
+    const double floor = resting * largest * motion_.scale()[c.v];
+    const State* before = nullptr;
+    for (const State& after : states) {
+      if (std::abs(after.v[c.v]) <= floor) continue;
+      if (before && before->v[c.v] * after.v[c.v] < 0) look_for_reversal(*before, after, c, largest, out);
+      before = &after;
     }
-    // Where drives stand still too, it is they who turn back.
-    bool drives_move = false;
-    for (const DriveData& d : m_.drives)
-      drives_move = drives_move || std::abs(low.v[d.v]) > 1e-6 * largest * motion_.scale()[d.v];
-    if (drives_move) add(Kind::reversal, low, c.of, low.q[c.q], out);
   }
+}
+
+void Walk::look_for_reversal(const State& before, const State& after, const Coordinate& c, double largest,
+                             Kinematics& out) {
+  State low = before, high = after;
+  for (int k = 0; k < 60 && high.time - low.time > 1e-13 * std::max(1.0, high.time); ++k) {
+    State middle = low;
+    if (!go(middle, (low.time + high.time) / 2)) break;
+    (middle.v[c.v] * before.v[c.v] > 0 ? low : high) = middle;
+  }
+  // Where drives stand still too, it is they who turn back.
+  bool drives_move = false;
+  for (const DriveData& d : m_.drives)
+    drives_move = drives_move || std::abs(low.v[d.v]) > 1e-6 * largest * motion_.scale()[d.v];
+  if (drives_move) add(Kind::reversal, low, c.of, low.q[c.q], out);
 }
 
 void Walk::limit(const State& s, Kinematics& out) {
@@ -334,9 +344,8 @@ Kinematics Walk::follow() {
                rises = k + 1 == count || here < out.regularity[k + 1];
     if (falls && rises && here < near_singular * largest)
       look_for_singular(states[static_cast<std::size_t>(k)], h, out);
-    if (k + 1 < count)
-      look_for_reversals(states[static_cast<std::size_t>(k)], states[static_cast<std::size_t>(k + 1)], out);
   }
+  look_for_reversals(states, out);
   if (!out.complete) limit(s, out);
   std::stable_sort(out.special.begin(), out.special.end(),
                    [](const SpecialPosition& a, const SpecialPosition& b) { return a.time < b.time; });

@@ -6,6 +6,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "app/start_inputs.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
 #include "mimbre/inverse_dynamics.h"
@@ -18,7 +19,7 @@ namespace {
 
 struct InverseArguments {
   std::string model, motion, output, flexible = "dynamic";
-  std::vector<std::string> settings, forces;
+  std::vector<std::string> settings, inputs, forces;
   double smooth = 0, from = 0;
   std::optional<double> to, step;
   int steps = 200;
@@ -31,6 +32,7 @@ InverseDynamicsOptions options_of(const InverseArguments& given, const spec::Mod
   options.start = given.from;
   options.end = given.to;
   options.steps = given.steps;
+  options.inputs = start_inputs(given.inputs);
   if (given.step) options.step = *given.step;
   options.flexible = given.flexible == "quasistatic" ? InverseDynamicsOptions::Flexible::quasistatic
                                                      : InverseDynamicsOptions::Flexible::dynamic;
@@ -138,6 +140,7 @@ Command add_inverse_dynamics(CommandLine& program) {
   const auto given = std::make_shared<InverseArguments>();
   parser.add_option("model", given->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, given->settings);
+  add_start_inputs_option(parser, given->inputs);
   parser.add_option("--motion", given->motion, "Table of joint coordinates over time, besides drives")
       .type_name("FILE.csv");
   parser.add_option("--smooth", given->smooth, "Smooth motions of the table that are shorter than this, s")

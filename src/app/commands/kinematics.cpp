@@ -6,6 +6,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "app/start_inputs.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
 #include "mimbre/kinematics.h"
@@ -18,7 +19,7 @@ namespace {
 
 struct KinematicsArguments {
   std::string model, output;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, inputs;
   double from = 0;
   std::optional<double> to;
   int steps = 200;
@@ -33,6 +34,7 @@ Kinematics follow(const LoadedModel& loaded, const KinematicsArguments& given) {
   options.start = given.from;
   options.end = given.to;
   options.steps = given.steps;
+  options.inputs = start_inputs(given.inputs);
   return kinematics(loaded.model, options);
 }
 
@@ -129,6 +131,7 @@ Command add_kinematics(CommandLine& program) {
   const auto given = std::make_shared<KinematicsArguments>();
   parser.add_option("model", given->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, given->settings);
+  add_start_inputs_option(parser, given->inputs);
   parser.add_option("--from", given->from, "Start, s").from(0).show_default().type_name("T");
   parser.add_option("--to", given->to, "End, s; default: the model's").from(0).type_name("T");
   parser.add_option("--steps", given->steps, "Intervals between these").within(1, 10000000).show_default();
