@@ -61,7 +61,7 @@ void drive_along(spec::Model& spec, const std::vector<JointCoordinate>& coordina
       if (b.joint_spec != of.joint) continue;
       spec::Drive drive;
       drive.coordinate = of.coordinate;
-      drive.law = Function::linear(start.v[b.v + of.coordinate], start.q[b.q + of.coordinate]);
+      drive.law = Function::polynomial({start.q[b.q + of.coordinate], start.v[b.v + of.coordinate]});
       joint(of).drives.push_back(std::move(drive));
       for (auto* given : {&joint(of).initial_position, &joint(of).initial_velocity})
         if (static_cast<int>(given->size()) > of.coordinate)
