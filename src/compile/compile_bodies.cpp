@@ -33,6 +33,10 @@ void compile_bodies(Compiled& c, const Topology& topology) {
     b.reversed = branch.reversed;
     b.joint_velocities = info.velocities;
     b.joint_positions = info.positions;
+    b.joint_lengths = info.lengths;
+    b.joint_biased = info.biased;
+    for (int k = 0; k < info.velocities; ++k)
+      b.joint_axes[static_cast<std::size_t>(k)] = static_cast<signed char>(info.fixed_axis(k));
     b.q = c.positions;
     b.v = c.velocities;
     if (s.flexible) {

@@ -62,6 +62,8 @@ FrameData frame_data(const Compiled& c, int k) {
   f.body = tree_body(c, s);
   f.position = s.pose.position;
   f.rotation = s.pose.rotation;
+  f.central = f.position.isZero(0);
+  f.aligned = f.rotation == Mat3d::Identity();
   if (f.body < 0 || c.bodies[f.body].flexible < 0) return f;
   if (s.node >= 0) {
     const ReducedBody& body = *c.spec().bodies[s.body].flexible;

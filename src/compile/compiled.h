@@ -89,8 +89,9 @@ struct FrameData {
   bool turns = false;                  ///< modes turn the frame too
   FrameTurn turn = FrameTurn::exponential;
   Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
-  bool full = true;   ///< the step needs axes and accelerations, not only position and velocity
-  Rows X, X_theta;    ///< 3 × stride
+  bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
+  bool central = false, aligned = false;  ///< modes do not move it: at its body's origin; along its axes
+  Rows X, X_theta;                        ///< 3 × stride
   int subspace = -1;  ///< its motion subspace: velocity of the frame per coordinate of its body
   int spec = -1;      ///< index into spec::Model::frames
 };
@@ -107,6 +108,10 @@ struct BodyData {
   int v = 0;                ///< first velocity coordinate: joint, then modal amplitudes
   int joint_velocities = 0;
   int joint_positions = 0;
+  unsigned joint_lengths = 0;  ///< JointInfo::lengths
+  bool joint_biased = false;   ///< JointInfo::biased
+  /// Of each velocity coordinate: along or about which axis of the joint's frame a it always is, -1 for none.
+  std::array<signed char, 6> joint_axes{-1, -1, -1, -1, -1, -1};
   int modes = 0;
   int flexible = -1;
   int first_frame = 0, last_frame = 0;  ///< frames that dynamics needs: [first, last)

@@ -53,8 +53,7 @@ T coordinate_acceleration(const ElementData& e, const Motion<T>& a, const Motion
   for (int k = 0; k < joint_info(e.joint).velocities; ++k)
     rates[k] = motion.linear.col(k).dot(At * u) + motion.angular.col(k).dot(At * w);
   joint_motion<T>(e.joint, q, rates, motion);
-  return motion.linear.col(e.local).dot(du - motion.linear_bias) +
-         motion.angular.col(e.local).dot(dw - motion.angular_bias);
+  return motion.linear.col(e.local).dot(du) + motion.angular.col(e.local).dot(dw - motion.angular_bias);
 }
 
 /// A coordinate of a joint that is cut, whose angles count turns from `last` on.

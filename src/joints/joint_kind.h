@@ -37,7 +37,8 @@ struct JointInfo {
   int rotation = 0;      ///< index of its three angular velocities among the velocities
   unsigned lengths = 0;  ///< bit k: velocity coordinate k is a translation (m), otherwise a rotation (rad)
   std::string_view moves = {};  ///< along or about which axis of the frames each coordinate moves: "xyz"
-  int equations = 0;            ///< equations when cut:
+  bool biased = false;  ///< its motion subspace changes in a's axes but by turning with b: angular_bias
+  int equations = 0;    ///< equations when cut:
   std::array<LoopClosure, 6> closure = {};
 
   /// Rigid between flexible bodies, which get all six static modes for it.
@@ -56,6 +57,11 @@ struct JointInfo {
   constexpr bool free() const { return velocities == 6; }
   int axes() const { return given[0] < 0 ? 0 : given[1] < 0 ? 1 : 2; }
   int rotations() const { return velocities - std::popcount(lengths); }
+  /// The axis of frame a (0 for x) along or about which velocity coordinate k always moves b; -1: none.
+  constexpr int fixed_axis(int k) const {
+    const auto at = static_cast<std::size_t>(k);
+    return biased || at >= moves.size() ? -1 : moves[at] - 'x';
+  }
   bool is_vector(int axis) const { return (vectors >> axis & 1u) != 0; }
 };
 

@@ -6,8 +6,9 @@ namespace mimbre {
 
 /// What a joint contributes to kinematics: the motion of its frame b relative to its frame a, in a's axes.
 /// Its motion subspace (Roberson and Wittenburg's joint Jacobian): column j is the angular velocity
-/// `angular.col(j)` and the velocity of b's origin `linear.col(j)` per unit velocity coordinate j. The
-/// biases, or velocity-product accelerations, are Σ_j ċol_j v_j, the derivative taken in a's axes.
+/// `angular.col(j)` and the velocity of b's origin `linear.col(j)` per unit velocity coordinate j; one of the
+/// two is zero, as JointInfo::lengths says. The bias, or velocity-product acceleration, is Σ_j ċol_j v_j, the
+/// derivative taken in a's axes; no joint has a linear one.
 template <class T>
 struct JointMotion {
   Mat3<T> rotation;  ///< b's axes to a's axes
@@ -15,7 +16,6 @@ struct JointMotion {
   Eigen::Matrix<T, 3, 6> angular;
   Eigen::Matrix<T, 3, 6> linear;
   Vec3<T> angular_bias;
-  Vec3<T> linear_bias;
 
   void reset() {
     rotation.setIdentity();
@@ -23,7 +23,6 @@ struct JointMotion {
     angular.setZero();
     linear.setZero();
     angular_bias.setZero();
-    linear_bias.setZero();
   }
 };
 

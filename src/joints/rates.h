@@ -31,7 +31,7 @@ void joint_rates(spec::JointType type, int velocities, const RelativeMotion<T>& 
   joint_motion<T>(type, q, out.v, out.motion);
   for (int k = 0; k < velocities; ++k)
     out.a[k] = out.motion.angular.col(k).dot(r.alpha - out.motion.angular_bias) +
-               out.motion.linear.col(k).dot(r.acceleration - out.motion.linear_bias);
+               out.motion.linear.col(k).dot(r.acceleration);
 }
 
 }  // namespace mimbre

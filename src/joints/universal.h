@@ -13,6 +13,7 @@ struct Universal {
                                   .velocities = 2,
                                   .positions = 2,
                                   .moves = "xy",
+                                  .biased = true,
                                   .equations = 4,
                                   .closure = {closure::dx, closure::dy, closure::dz, closure::xy},
                                   .given = {0, 1}};

@@ -166,6 +166,7 @@ class Recorder {
     phase(motion_, "motion", {origin_});
     enter(Instant::step);
     read_slots();
+    relative::move_origin<T>(m_, w_, Vec3<T>(w_.origin));
     relative::kinematics<T>(m_, w_, q_.data(), v_.data(), a_.data());
     relative::constraints<T>(m_, w_, q_.data(), v_.data(), a_.data());
     for (int k = 0; k < m_.equations; ++k) {

@@ -17,7 +17,7 @@ void set_origin(const Compiled& m, Workspace<T>& w, const T* q) {
   const FrameData& base = m.frames[root.inboard_frame];
   Vec3<T> at = Vec3<T>::Zero();
   if (joint_info(root.joint).free() && !root.reversed) at = Vec3<T>(q[root.q], q[root.q + 1], q[root.q + 2]);
-  w.origin = base.position.template cast<T>() + base.rotation.template cast<T>() * at;
+  move_origin<T>(m, w, base.position.template cast<T>() + base.rotation.template cast<T>() * at);
 }
 
 /// Positions, velocities, accelerations and the equations at time t.

@@ -13,14 +13,20 @@ void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T
                   Motion<T>& out) {
   const Mat3<T>& A = body.rotation;
   if (f.flexible < 0) {
+    out.rotation = f.aligned ? A : composed<T>(A, Mat3<T>(f.rotation.template cast<T>()));
+    out.omega = body.omega;
+    out.alpha = body.alpha;
+    if (f.central) {
+      out.position = body.position;
+      out.velocity = body.velocity;
+      out.acceleration = body.acceleration;
+      return;
+    }
     const Vec3<T> r = turned<T>(A, f.position.template cast<T>());
     const Vec3<T> wr = body.omega.cross(r);
-    out.rotation = composed<T>(A, Mat3<T>(f.rotation.template cast<T>()));
     out.position = body.position + r;
     out.velocity = body.velocity + wr;
-    out.omega = body.omega;
     out.acceleration = body.acceleration + body.alpha.cross(r) + body.omega.cross(wr);
-    out.alpha = body.alpha;
     return;
   }
   Deformation<T> d;
@@ -57,14 +63,22 @@ template <class T>
 void body_motion(const FrameData& f, const Motion<T>& frame, const T* y, const T* yd, const T* ydd,
                  Motion<T>& out) {
   if (f.flexible < 0) {
-    out.rotation = composed<T>(frame.rotation, Mat3<T>(f.rotation.transpose().template cast<T>()));
+    out.rotation = f.aligned
+                       ? frame.rotation
+                       : composed<T>(frame.rotation, Mat3<T>(f.rotation.transpose().template cast<T>()));
+    out.omega = frame.omega;
+    out.alpha = frame.alpha;
+    if (f.central) {
+      out.position = frame.position;
+      out.velocity = frame.velocity;
+      out.acceleration = frame.acceleration;
+      return;
+    }
     const Vec3<T> r = turned<T>(out.rotation, f.position.template cast<T>());
     const Vec3<T> wr = frame.omega.cross(r);
     out.position = frame.position - r;
     out.velocity = frame.velocity - wr;
-    out.omega = frame.omega;
     out.acceleration = frame.acceleration - frame.alpha.cross(r) - frame.omega.cross(wr);
-    out.alpha = frame.alpha;
     return;
   }
   Deformation<T> d;
@@ -90,49 +104,54 @@ void joint_step(const BodyData& b, const Motion<T>& inboard, const T* q, const T
   JointMotion<T> m;
   joint_motion<T>(b.joint, q, v, m);
   const int n = b.joint_velocities;
-  Vec3<T> w = Vec3<T>::Zero(), u = Vec3<T>::Zero();
-  Vec3<T> wd = m.angular_bias, ud = m.linear_bias;
-  for (int j = 0; j < n; ++j) {
-    w += v[j] * m.angular.col(j);
-    u += v[j] * m.linear.col(j);
-    wd += a[j] * m.angular.col(j);
-    ud += a[j] * m.linear.col(j);
-  }
-  // A: axes of frame a. r: from origin a to origin b.
+  const auto is_length = [&](int j) { return (b.joint_lengths >> j & 1U) != 0; };
+  const T sign = b.reversed ? T(-1) : T(1);
+  // A: axes of frame a.
   const Mat3<T> A =
       b.reversed ? composed<T>(inboard.rotation, Mat3<T>(m.rotation.transpose())) : inboard.rotation;
-  const Vec3<T> r = turned<T>(A, m.displacement);
-  w = turned<T>(A, w);
-  u = turned<T>(A, u);
-  wd = turned<T>(A, wd);
-  ud = turned<T>(A, ud);
-  Vec3<T> position_b;
+  Vec3<T> w = Vec3<T>::Zero(), wd = Vec3<T>::Zero();  // of b in a: angular velocity and its rate
+  Vec3<T> u = Vec3<T>::Zero(), ud = Vec3<T>::Zero();  // velocity of b's origin and its rate
+  if (b.joint_biased) wd = turned<T>(A, m.angular_bias);
+  for (int j = 0; j < n; ++j) {
+    const int axis = b.joint_axes[static_cast<std::size_t>(j)];
+    if (is_length(j)) {
+      const Vec3<T> column = axis >= 0 ? Vec3<T>(A.col(axis)) : turned<T>(A, m.linear.col(j));
+      u += v[j] * column;
+      ud += a[j] * column;
+      linear[j] = sign * column;
+      angular[j].setZero();
+    } else {
+      const Vec3<T> column = axis >= 0 ? Vec3<T>(A.col(axis)) : turned<T>(A, m.angular.col(j));
+      w += v[j] * column;
+      wd += a[j] * column;
+      angular[j] = sign * column;
+    }
+  }
   if (!b.reversed) {
-    const Vec3<T> wr = inboard.omega.cross(r);
     outboard.rotation = composed<T>(A, m.rotation);
-    outboard.position = inboard.position + r;
-    outboard.velocity = inboard.velocity + wr + u;
     outboard.omega = inboard.omega + w;
-    outboard.acceleration =
-        inboard.acceleration + inboard.alpha.cross(r) + inboard.omega.cross(wr + T(2) * u) + ud;
     outboard.alpha = inboard.alpha + inboard.omega.cross(w) + wd;
-    position_b = outboard.position;
   } else {
     outboard.rotation = A;
-    outboard.position = inboard.position - r;
     outboard.omega = inboard.omega - w;
     outboard.alpha = inboard.alpha - outboard.omega.cross(w) - wd;
-    const Vec3<T> wr = outboard.omega.cross(r);
-    outboard.velocity = inboard.velocity - wr - u;
+  }
+  if (b.joint_lengths == 0) {  // the origins of both frames are one point
+    outboard.position = inboard.position;
+    outboard.velocity = inboard.velocity;
+    outboard.acceleration = inboard.acceleration;
+  } else {
+    const Vec3<T> r = turned<T>(A, m.displacement);  // from origin a to origin b
+    const Motion<T>& of_a = b.reversed ? outboard : inboard;
+    const Vec3<T> wr = of_a.omega.cross(r);
+    outboard.position = inboard.position + sign * r;
+    outboard.velocity = inboard.velocity + sign * (wr + u);
     outboard.acceleration =
-        inboard.acceleration - outboard.alpha.cross(r) - outboard.omega.cross(wr + T(2) * u) - ud;
-    position_b = inboard.position;
+        inboard.acceleration + sign * (of_a.alpha.cross(r) + of_a.omega.cross(wr + T(2) * u) + ud);
   }
-  const T sign = b.reversed ? T(-1) : T(1);
-  for (int j = 0; j < n; ++j) {
-    angular[j] = sign * turned<T>(A, m.angular.col(j));
-    linear[j] = sign * turned<T>(A, m.linear.col(j)) + position_b.cross(angular[j]);
-  }
+  const Vec3<T>& position_b = b.reversed ? inboard.position : outboard.position;
+  for (int j = 0; j < n; ++j)
+    if (!is_length(j)) linear[j] = position_b.cross(angular[j]);
 }
 
 /// The body's padded modal values copied into `out`.
@@ -142,20 +161,11 @@ void copy_modes(const BodyData& b, const T* values, int stride, T* out) {
   for (int k = b.modes; k < stride; ++k) out[k] = T(0);
 }
 
-/// Motion of all bodies and of the dynamic frames (of those that are not `full`, position and velocity) at
-/// positions q, velocities v, accelerations a. Writes: bodies, frames, joint_angular, joint_linear.
+/// Motion of all bodies and of their dynamic frames (of those that are not `full`, position and velocity) at
+/// positions q, velocities v, accelerations a. Writes: bodies, frames, joint_angular, joint_linear. Those of
+/// the ground have to be in place.
 template <class T>
 void kinematics(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const T* a) {
-  const Vec3<T> no_gravity = -m.gravity.template cast<T>();
-  for (int k = m.first_ground_frame; k < m.last_ground_frame; ++k) {
-    Motion<T>& f = w.frames[k];
-    f.rotation = m.frames[k].rotation.template cast<T>();
-    f.position = m.frames[k].position.template cast<T>() - w.origin;
-    f.velocity.setZero();
-    f.omega.setZero();
-    f.acceleration = no_gravity;
-    f.alpha.setZero();
-  }
   T* y = w.scratch.data();
   for (std::size_t i = 0; i < m.bodies.size(); ++i) {
     const BodyData& b = m.bodies[i];

@@ -88,29 +88,43 @@ void motion_subspaces(const Compiled& m, Workspace<T>& w, const T* q) {
   }
 }
 
-/// One column of the product below. Reads, and writes back unchanged, up to three values beyond the last row.
-inline void add_column(const double* left, int left_stride, int rows, const double* right, int right_stride,
-                       int count, double* out) {
-  const auto add = [&](int r, const Four& sum) {
-    const Four old = load_four(out + r), fresh = old + sum;
-    store_four(out + r, rows - r >= 4 ? fresh : first_lanes(rows - r, fresh, old));
-  };
-  int r = 0;
-  for (; rows - r > 4; r += 8) {
-    Four low{}, high{};
-    for (int k = 0; k < count; ++k) {
-      const Four x = four_of(right[k * right_stride]);
-      low = multiply_add(load_four(left + k * left_stride + r), x, low);
-      high = multiply_add(load_four(left + k * left_stride + r + 4), x, high);
+/// The product below for rows that lie next to each other, of a count that the compiler knows: the left side
+/// stays in registers. Reads, and writes back unchanged, up to three values beyond the last row.
+template <int count>
+void add_columns(const double* left, int left_stride, int rows, const double* right, int right_stride,
+                 int cols, double* values, int col_stride) {
+  for (int r = 0; r < rows; r += 4) {
+    Four side[count];
+    for (int k = 0; k < count; ++k) side[k] = load_four(left + k * left_stride + r);
+    for (int c = 0; c < cols; ++c) {
+      Four sum{};
+      for (int k = 0; k < count; ++k) sum = multiply_add(side[k], four_of(right[k * right_stride + c]), sum);
+      double* out = values + c * col_stride + r;
+      const Four old = load_four(out), fresh = old + sum;
+      store_four(out, rows - r >= 4 ? fresh : first_lanes(rows - r, fresh, old));
     }
-    add(r, low);
-    add(r + 4, high);
   }
-  if (r >= rows) return;
-  Four sum{};
-  for (int k = 0; k < count; ++k)
-    sum = multiply_add(load_four(left + k * left_stride + r), four_of(right[k * right_stride]), sum);
-  add(r, sum);
+}
+
+/// f(std::integral_constant) of a count from 0 to 6, as of the rows of one element or of a motion subspace.
+template <class F>
+void with_count(int count, const F& f) {
+  switch (count) {
+    case 1:
+      return f(std::integral_constant<int, 1>());
+    case 2:
+      return f(std::integral_constant<int, 2>());
+    case 3:
+      return f(std::integral_constant<int, 3>());
+    case 4:
+      return f(std::integral_constant<int, 4>());
+    case 5:
+      return f(std::integral_constant<int, 5>());
+    case 6:
+      return f(std::integral_constant<int, 6>());
+    default:
+      return;
+  }
 }
 
 /// out(r, c) += Σ_k left(k, r) right(k, c), k < count, into the sparse matrix; rows padded to the strides.
@@ -120,12 +134,13 @@ void add_product(const T* left, int left_stride, int rows, const T* right, int r
   if (place.row_stride != 1)  // the columns lie next to each other: exchange the roles
     return add_product(right, right_stride, cols, left, left_stride, rows, count, values,
                        {place.offset, place.col_stride, place.row_stride});
+  if constexpr (std::is_same_v<T, double>)
+    return with_count(count, [&](auto known) {
+      add_columns<known>(left, left_stride, rows, right, right_stride, cols, values + place.offset,
+                         place.col_stride);
+    });
   for (int c = 0; c < cols; ++c) {
     T* out = values + place.offset + c * place.col_stride;
-    if constexpr (std::is_same_v<T, double>) {
-      add_column(left, left_stride, rows, right + c, right_stride, count, out);
-      continue;
-    }
     for (int r = 0; r < rows; r += 4) {
       T sum[4];
       for (int j = 0; j < 4; ++j) sum[j] = T(0);
@@ -517,20 +532,30 @@ PairRows<T> add_pair(const Compiled& m, Workspace<T>& w, const ElementData& e, c
   return rows;
 }
 
-/// Adds weight · Jᵀ x of one row to a vector of velocity coordinates.
-template <class T>
-void add_row_transposed(const Path& path, const T* row, const T& x, T* out) {
-  for (const PathEntry& e : path.entries)
-    for (int k = 0; k < e.count; ++k) out[e.first + k] = multiply_add(x, row[e.offset + k], out[e.first + k]);
+/// Adds Σ_r x[r] J_r of n rows of a path to a vector of velocity coordinates.
+template <int n, class T>
+void add_rows_transposed(const Path& path, const T* rows, const T* x, T* out) {
+  for (const PathEntry& e : path.entries) {
+    const T* at = rows + e.offset;
+    for (int k = 0; k < e.count; ++k) {
+      T sum = out[e.first + k];
+      for (int r = 0; r < n; ++r) sum = multiply_add(x[r], at[r * path.width + k], sum);
+      out[e.first + k] = sum;
+    }
+  }
 }
 
-/// J_row · x.
-template <class T>
-T row_times(const Path& path, const T* row, const T* x) {
-  T sum = T(0);
-  for (const PathEntry& e : path.entries)
-    for (int k = 0; k < e.count; ++k) sum = multiply_add(row[e.offset + k], x[e.first + k], sum);
-  return sum;
+/// sums[r] = J_r · x of n rows of a path.
+template <int n, class T>
+void rows_times(const Path& path, const T* rows, const T* x, T* sums) {
+  T sum[n];
+  for (int r = 0; r < n; ++r) sum[r] = T(0);
+  for (const PathEntry& e : path.entries) {
+    const T* at = rows + e.offset;
+    for (int k = 0; k < e.count; ++k)
+      for (int r = 0; r < n; ++r) sum[r] = multiply_add(at[r * path.width + k], x[e.first + k], sum[r]);
+  }
+  for (int r = 0; r < n; ++r) sums[r] = sum[r];
 }
 
 }  // namespace mimbre::relative

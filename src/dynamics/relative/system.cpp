@@ -229,18 +229,20 @@ void RelativeSystem::multiply(const double* x, double* y) const {
 
 void RelativeSystem::add_jacobian_transposed(const double* y, double weight, double* out) const {
   for_rows(model_, [&](const EquationRows& e) {
-    for (int r = 0; r < e.count; ++r)
-      add_row_transposed<double>(e.path, work_.jacobian.data() + e.jacobian + r * e.path.width,
-                                 weight * y[e.first_equation + r], out);
+    with_count(e.count, [&](auto n) {
+      double weighted[n];
+      for (int r = 0; r < n; ++r) weighted[r] = weight * y[e.first_equation + r];
+      add_rows_transposed<n>(e.path, work_.jacobian.data() + e.jacobian, weighted, out);
+    });
   });
   for (const DriveData& d : model_.drives) out[d.v] += weight * y[d.equation];
 }
 
 void RelativeSystem::jacobian_times(const double* x, double* out) const {
   for_rows(model_, [&](const EquationRows& e) {
-    for (int r = 0; r < e.count; ++r)
-      out[e.first_equation + r] =
-          row_times<double>(e.path, work_.jacobian.data() + e.jacobian + r * e.path.width, x);
+    with_count(e.count, [&](auto n) {
+      rows_times<n>(e.path, work_.jacobian.data() + e.jacobian, x, out + e.first_equation);
+    });
   });
   for (const DriveData& d : model_.drives) out[d.equation] = x[d.v];
 }

@@ -15,9 +15,10 @@ template <class T>
 struct Workspace {
   explicit Workspace(const Compiled& model);
 
-  Vec3<T> origin = Vec3<T>::Zero();    ///< the common point, global; by set_origin
-  std::vector<Motion<T>> bodies;       ///< by kinematics
-  std::vector<Motion<T>> frames;       ///< by kinematics (dynamic ones), by frame_motion (others)
+  Vec3<T> origin = Vec3<T>::Zero();  ///< the common point, global; by move_origin
+  std::vector<Motion<T>> bodies;     ///< by kinematics
+  /// By kinematics (dynamic ones), by move_origin (those of the ground), by frame_motion (others).
+  std::vector<Motion<T>> frames;
   std::vector<Vec3<T>> joint_angular;  ///< velocities × 1: column of a joint coordinate, by kinematics
   std::vector<Vec3<T>> joint_linear;   ///< likewise: velocity of the point of the body at the common point
   std::vector<Wrench<T>>
@@ -67,6 +68,22 @@ struct Workspace {
   std::vector<projection::Constants> projections;
   projection::Work projection;
 };
+
+/// Makes `to` (global) the common point, and places the frames of the ground, which do not move in a step.
+template <class T>
+void move_origin(const Compiled& m, Workspace<T>& w, const Vec3<T>& to) {
+  w.origin = to;
+  const Vec3<T> no_gravity = -m.gravity.template cast<T>();
+  for (int k = m.first_ground_frame; k < m.last_ground_frame; ++k) {
+    Motion<T>& f = w.frames[k];
+    f.rotation = m.frames[k].rotation.template cast<T>();
+    f.position = m.frames[k].position.template cast<T>() - to;
+    f.velocity.setZero();
+    f.omega.setZero();
+    f.acceleration = no_gravity;
+    f.alpha.setZero();
+  }
+}
 
 /// What a flexible body's inertia does not change with the motion, by shape integrals or by projection.
 struct ConstantInertia {

@@ -16,6 +16,7 @@ Workspace<T>::Workspace(const Compiled& m) : signals(m) {
   const Mat3<T> nan33 = Mat3<T>::Constant(nan);
   bodies.assign(m.bodies.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
   frames.assign(m.frames.size(), {nan33, nan3, nan3, nan3, nan3, nan3});
+  move_origin<T>(m, *this, Vec3<T>::Zero());
   joint_angular.assign(m.velocities, nan3);
   joint_linear.assign(m.velocities, nan3);
   wrenches.assign(m.frames.size(), {nan3, nan3});

@@ -65,7 +65,7 @@ JointCoordinates JointObserver::coordinates(int joint, const relative::RelativeS
   joint_motion<double>(of.type, out.positions.data(), out.rates.data(), subspace);
   for (int k = 0; k < info.velocities; ++k)
     out.accelerations[k] = subspace.angular.col(k).dot(r.alpha - subspace.angular_bias) +
-                           subspace.linear.col(k).dot(r.acceleration - subspace.linear_bias);
+                           subspace.linear.col(k).dot(r.acceleration);
   return out;
 }
 
