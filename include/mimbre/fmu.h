@@ -8,6 +8,9 @@
 namespace mimbre {
 
 struct FmuOptions {
+  /// Co-simulation: it makes steps by itself. Model exchange: it has derivatives, and the importer's solver
+  /// makes the steps.
+  enum class Kind { co_simulation, model_exchange } kind = Kind::co_simulation;
   int version = 3;           ///< of the standard: 2 (2.0.4) or 3 (3.0.2)
   std::string name{};        ///< the model identifier, an identifier of C; empty: of the model's file
   bool binary_only = false;  ///< without the sources
@@ -18,23 +21,27 @@ struct FmuOptions {
 struct FmuVariable {
   std::string name, unit, meaning;
   unsigned reference = 0;
-  enum class Role { time, input, parameter, output, count } role = Role::output;  ///< count: a whole number
+  /// count: a whole number; state, derivative, indicator: of model exchange.
+  enum class Role { time, input, parameter, output, count, state, derivative, indicator } role = Role::output;
   double start = 0, min = 0, max = 0;    ///< of inputs and parameters; ±infinity: no bound
-  std::vector<unsigned> dependencies{};  ///< of outputs: the inputs that they show at once
+  std::vector<unsigned> dependencies{};  ///< of outputs: the inputs, and states, that they show at once
+  bool depends_on_all = false;           ///< instead: on all inputs and states
+  unsigned state = 0;                    ///< of derivatives: the reference of the state
 };
 
 /// What an FMU is made of: the code, with the functions of the standard around it.
 struct FmuCode {
   GeneratedCode code;
+  FmuOptions::Kind kind = FmuOptions::Kind::co_simulation;
   int version = 3;
   std::string token;    ///< by which a model description and a binary know each other
   std::string wrapper;  ///< C99, the file fmi2.c or fmi3.c
   std::vector<FmuVariable> variables;
 };
 
-/// Co-simulation with steps of a fixed cost, of what `generate_code` makes code of. Variables have the names
-/// of the model's inputs, tunable parameters and outputs. Throws InputError as generate_code does, and for a
-/// version that is neither 2 nor 3.
+/// Co-simulation with steps of a fixed cost, of what `generate_code` makes code of, or model exchange, of
+/// what `generate_exchange_code` does. Variables have the names of the model's inputs, tunable parameters and
+/// outputs. Throws InputError as these do, and for a version that is neither 2 nor 3.
 FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
                      const FmuOptions& fmu = {});
 

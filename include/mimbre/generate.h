@@ -17,17 +17,26 @@ struct GeneratedVariable {
   double start = 0;
   double min = 0, max = 0;  ///< of inputs; ±infinity: none
   bool tunable = false;
-  std::vector<int> inputs{};  ///< of outputs: which inputs they show at once, not only after a step
+  std::vector<int> inputs{};     ///< of outputs: which inputs they show at once, not only after a step
+  bool by_acceleration = false;  ///< of outputs: they show accelerations, which all inputs may decide
+};
+
+/// A continuous state of code for derivatives.
+struct GeneratedState {
+  std::string meaning;
+  std::string unit, rate_unit;  ///< empty: not known, or other ones after a change of coordinates
 };
 
 /// C99 for a model: what `name.h` and `name.c` contain, see docs/generated-code.md.
 struct GeneratedCode {
   std::string name, header, source;
   std::vector<GeneratedVariable> inputs, outputs;
-  std::vector<std::string> left_out;  ///< outputs of the model that the code has not, with their kinds
-  double step = 0;                    ///< s
-  long operations = 0;                ///< in a step at most: sums, products, quotients, functions
-  long bytes = 0;                     ///< of the struct
+  std::vector<std::string> left_out;   ///< outputs of the model that the code has not, with their kinds
+  std::vector<GeneratedState> states;  ///< of code for derivatives: positions, their rates, others
+  int indicators = 0;                  ///< likewise: of events
+  double step = 0;                     ///< s
+  long operations = 0;                 ///< in a step at most: sums, products, quotients, functions
+  long bytes = 0;                      ///< of the struct
 };
 
 /// Steps with a fixed cost (RunOptions::fixed_cost, which is implied) of the formulation in relative
@@ -35,6 +44,13 @@ struct GeneratedCode {
 /// of C. Throws InputError, with a line for each reason, where code cannot be made.
 GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                             const std::string& name);
+
+/// Derivatives of the state by time instead of steps, for solvers of ordinary differential equations: of
+/// independent coordinates, which are changed by an event where they become singular, of their rates, and of
+/// what force elements and controllers remember. Throws InputError, with a line for each reason, where a
+/// model has no such equations, and as generate_code does.
+GeneratedCode generate_exchange_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                                     const std::string& name);
 
 /// The file's name as an identifier: "double-four-bar.yaml" is double_four_bar.
 std::string identifier_of(const std::string& file);

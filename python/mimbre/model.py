@@ -563,16 +563,19 @@ class Model:
         path: str | os.PathLike[str],
         *,
         version: Literal[2, 3] = 3,
+        kind: Literal["cs", "me"] = "cs",
         name: str = "",
         binary_only: bool = False,
         **method: Unpack[Method],
     ) -> Path:
-        """Writes an FMU for co-simulation, as `mimbre fmu` (docs/fmu.md): sources, and a binary for this machine where
-        there is a C compiler; without one there is a warning.
+        """Writes an FMU, as `mimbre fmu` (docs/fmu.md): sources, and a binary for this machine where there is a C
+        compiler; without one there is a warning.
 
         Args:
             path: of the file.
             version: of the standard, FMI 2.0 or 3.0.
+            kind: "cs" for co-simulation: it makes its steps by itself; "me" for model exchange: the other program's
+                solver makes the steps of independent coordinates.
             name: the model identifier; default: the model file's name.
             binary_only: without the sources.
             **method: step and method in place of the model's, see `Method`.
@@ -593,6 +596,7 @@ class Model:
             checked_method(method),
             _checks.path("path", path),
             _checks.whole("version", version),
+            _checks.known("kind", kind, ("cs", "me")),
             _checks.text("name", name),
             _checks.flag("binary_only", binary_only),
         )

@@ -31,10 +31,12 @@ std::tuple<std::string, std::vector<std::string>> generate(const LoadedModel& m,
 /// What is not in the FMU, and why it has no binary.
 std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, const MethodChoice& method,
                                                       const std::string& path, int version,
-                                                      const std::string& name, bool binary_only) {
+                                                      const std::string& kind, const std::string& name,
+                                                      bool binary_only) {
   const nb::gil_scoped_release others_run;
   FmuOptions options;
   options.version = version;
+  options.kind = kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;
   options.name = name_or(m, name);
   options.binary_only = binary_only;
   const WrittenFmu written = write_fmu(m.model, method.options(m.model->spec().simulation), options, path);
@@ -46,7 +48,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
 void bind_portable(nb::module_& module) {
   module.def("generate", &generate, nb::arg("model"), nb::arg("method"), nb::arg("folder"), nb::arg("name"));
   module.def("fmu", &fmu, nb::arg("model"), nb::arg("method"), nb::arg("path"), nb::arg("version"),
-             nb::arg("name"), nb::arg("binary_only"));
+             nb::arg("kind"), nb::arg("name"), nb::arg("binary_only"));
 }
 
 }  // namespace mimbre::python

@@ -25,6 +25,7 @@ class Search {
   std::vector<int> inputs_behind(int node) {
     seen_.clear();
     found_.clear();
+    by_acceleration_ = false;
     wait_.assign(1, node);
     while (!wait_.empty()) {
       const int next = wait_.back();
@@ -32,6 +33,10 @@ class Search {
       if (next >= 0 && seen_.insert(next).second) look(nodes_[static_cast<std::size_t>(next)]);
     }
     return {found_.begin(), found_.end()};
+  }
+  bool acceleration_behind(int node) {
+    inputs_behind(node);
+    return by_acceleration_;
   }
 
  private:
@@ -55,6 +60,7 @@ class Search {
     }
   }
   void read(Memory memory, int at) {
+    by_acceleration_ = by_acceleration_ || memory == Memory::a || memory == Memory::multipliers;
     if (memory == Memory::held) {
       for (const SignalsData::HeldInput& h : signals_.held)
         if (h.input >= 0 && at >= h.held && at < h.held + (h.linear ? 4 : 2)) found_.insert(h.input);
@@ -69,18 +75,56 @@ class Search {
   std::map<std::pair<Memory, int>, std::vector<int>> stores_;
   std::set<int> seen_, found_;
   std::vector<int> wait_;
+  bool by_acceleration_ = false;
 };
+
+/// Calls f with each store of all phases.
+template <class F>
+void for_stores(const RecordedModel& recorded, const F& f) {
+  for (const Phase& phase : recorded.program.phases)
+    for (const Store& store : phase.stores) f(store);
+}
 
 }  // namespace
 
 std::vector<std::vector<int>> inputs_of_outputs(const RecordedModel& recorded, const SignalsData& signals) {
   Search search(recorded, signals);
   std::vector<std::vector<int>> inputs(recorded.outputs.size());
-  for (const Phase& phase : recorded.program.phases)
-    for (const Store& store : phase.stores)
-      if (store.to == Memory::output)
-        inputs[static_cast<std::size_t>(store.at)] = search.inputs_behind(store.value.node);
+  for_stores(recorded, [&](const Store& store) {
+    if (store.to == Memory::output)
+      inputs[static_cast<std::size_t>(store.at)] = search.inputs_behind(store.value.node);
+  });
   return inputs;
+}
+
+std::vector<bool> outputs_by_acceleration(const RecordedModel& recorded, const SignalsData& signals) {
+  Search search(recorded, signals);
+  std::vector<bool> all(recorded.outputs.size());
+  for_stores(recorded, [&](const Store& store) {
+    if (store.to == Memory::output)
+      all[static_cast<std::size_t>(store.at)] = search.acceleration_behind(store.value.node);
+  });
+  return all;
+}
+
+std::vector<int> equations_of_inputs(const RecordedModel& recorded, const SignalsData& signals) {
+  Search search(recorded, signals);
+  std::set<int> equations;
+  for_stores(recorded, [&](const Store& store) {
+    const bool equation =
+        store.to == Memory::phi || store.to == Memory::phi_dot || store.to == Memory::phi_ddot;
+    if (equation && !search.inputs_behind(store.value.node).empty()) equations.insert(store.at);
+  });
+  return {equations.begin(), equations.end()};
+}
+
+bool signals_see_accelerations(const RecordedModel& recorded, const SignalsData& signals) {
+  Search search(recorded, signals);
+  bool any = false;
+  for_stores(recorded, [&](const Store& store) {
+    if (store.to == Memory::slot) any = any || search.acceleration_behind(store.value.node);
+  });
+  return any;
 }
 
 }  // namespace mimbre::portable

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -11,7 +10,7 @@
 #include "dynamics/tangent_marks.h"
 #include "integrate/rule.h"
 #include "integrate/stepper.h"
-#include "portable/dependencies.h"
+#include "portable/code_parts.h"
 #include "portable/record.h"
 #include "portable/refusals.h"
 #include "portable/texts.h"
@@ -22,19 +21,6 @@
 namespace mimbre {
 namespace portable {
 namespace {
-
-std::string identifier(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0]))) out = "m" + out;
-  return out;
-}
-
-/// A comment's text cannot end it.
-std::string comment(std::string text) {
-  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;) text.replace(at, 2, "* /");
-  return text;
-}
 
 /// Everything that is written of one model.
 class Generator {
@@ -65,7 +51,7 @@ class Generator {
     out_.name = name_;
     out_.step = method_.step;
     out_.left_out = recorded_->left_out;
-    name_variables();
+    name_variables(m_, mechanism_.state, *recorded_, out_);
     const PhaseCode phases = write_phases(recorded_->program, name_);
     kept_ = phases.kept;
     count_operations(phases);
@@ -87,32 +73,7 @@ class Generator {
 
  private:
   std::string title() const { return m_.spec().title.empty() ? name_ : m_.spec().title; }
-  std::string upper() const {
-    std::string out = name_;
-    for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    return out;
-  }
-
-  void name_variables() {
-    std::set<std::string> used;
-    const auto unique = [&](const std::string& name) {
-      std::string one = identifier(name);
-      for (char& c : one) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-      while (!used.insert(one).second) one += "_";
-      return one;
-    };
-    for (const spec::Input& i : m_.spec().inputs) {
-      GeneratedVariable v{i.name, unique("in_" + i.name), i.unit, "", 0, i.min, i.max, i.tunable};
-      for (const SignalsData::HeldInput& h : m_.signals.held)
-        if (h.input == static_cast<int>(out_.inputs.size())) v.start = mechanism_.state.u[h.held];
-      out_.inputs.push_back(v);
-    }
-    const std::vector<std::vector<int>> inputs = inputs_of_outputs(*recorded_, m_.signals);
-    for (const RecordedOutput& o : recorded_->outputs) {
-      out_.outputs.push_back({o.name, unique("out_" + o.name), o.unit, o.meaning});
-      out_.outputs.back().inputs = inputs[out_.outputs.size() - 1];
-    }
-  }
+  std::string upper() const { return upper_case(name_); }
 
   void count_operations(const PhaseCode& phases) {
     const auto of = [&](std::string_view phase) {
@@ -145,31 +106,23 @@ class Generator {
   void write_struct() {
     const int n = m_.velocities, m = m_.equations, q = m_.positions;
     const int marked = static_cast<int>(recorded_->marked.size());
-    long doubles = 0, ints = 0;
-    const auto add = [&](std::string& to, const std::string& member, long count,
-                         const std::string& about = "") {
-      const long size = std::max(count, 1L);
-      doubles += size;
-      to += fmt::format("  double {}[{}];{}\n", member, size, about.empty() ? "" : " /* " + about + " */");
-    };
-    add(state_, "q", q, "positions");
-    add(state_, "v", n, "velocities");
-    add(state_, "a", n, "accelerations");
-    add(state_, "algorithmic", n);
-    add(state_, "multipliers", m);
-    add(state_, "z", static_cast<long>(m_.states.size()), "what force elements remember");
-    add(state_, "u", static_cast<long>(m_.signals.start.size()), "inputs, and what signals remember");
-    add(state_, "last", n);
-    add(state_, "before", n);
-    add(state_, "mark_kept", marked);
-    state_ += "  double time;\n  int known, order, started, begun;\n";
-    doubles += 1;
-    ints += 4;
+    StructText state, work;
+    state.add("q", q, "positions");
+    state.add("v", n, "velocities");
+    state.add("a", n, "accelerations");
+    state.add("algorithmic", n);
+    state.add("multipliers", m);
+    state.add("z", static_cast<long>(m_.states.size()), "what force elements remember");
+    state.add("u", static_cast<long>(m_.signals.start.size()), "inputs, and what signals remember");
+    state.add("last", n);
+    state.add("before", n);
+    state.add("mark_kept", marked);
+    state_ = state.text + "  double time;\n  int known, order, started, begun;\n";
     std::set<std::string> there;
     for (std::size_t k = 0; k < memories; ++k) {
       const Memory memory = static_cast<Memory>(k);
       const std::string member = name_of(memory);
-      if (member.starts_with("state.") || !there.insert(member).second) continue;
+      if (member.starts_with("state.") || of_exchange(memory) || !there.insert(member).second) continue;
       long size = size_of(memory);
       if (memory == Memory::residual || memory == Memory::correction || memory == Memory::v ||
           memory == Memory::a)
@@ -179,34 +132,33 @@ class Generator {
         size =
             memory == Memory::assembled && marked == 0 ? 0 : m_.symbolic.value_count() + 2 * linalg::kLanes;
       if (memory == Memory::difference) size = 36;
-      add(work_, member, size);
+      work.add(member, size);
     }
     int stride = 4, columns = 1;
     for (const linalg::Panel& p : m_.symbolic.panels()) {
       stride = std::max(stride, p.stride);
       columns = std::max(columns, p.columns);
     }
-    add(work_, "kept", kept_);
-    add(work_, "scaled", static_cast<long>(stride) * columns);
-    add(work_, "inverse", n);
-    add(work_, "column", stride);
-    add(work_, "tangent_kept", size_of(Memory::tangent));
+    work.add("kept", kept_);
+    work.add("scaled", static_cast<long>(stride) * columns);
+    work.add("inverse", n);
+    work.add("column", stride);
+    work.add("tangent_kept", size_of(Memory::tangent));
     for (const char* member : {"algorithmic", "start_a", "start_algorithmic", "rest_r", "unprojected",
                                "nearest_x", "own", "error", "rest", "new_x", "new_d"})
-      add(work_, member, n);
+      work.add(member, n);
     for (const char* member : {"start_multipliers", "g", "impulse", "force", "rates", "violation",
                                "nearest_multipliers", "multipliers_before", "new_y"})
-      add(work_, member, m);
+      work.add(member, m);
     for (const auto& [member, size] :
          {std::pair("mix_x[5]", n), std::pair("mix_y[5]", m), std::pair("mix_d[5]", n)}) {
-      add(work_, member, size);
-      doubles += 4L * std::max(size, 1);
+      work.add(member, size);
+      work.doubles += 4L * std::max(size, 1);
     }
-    work_ +=
-        "  int iterations, factorisations, unconverged; /* of the last step */\n  int replaced, mixed, "
-        "shown;\n";
-    ints += 6;
-    out_.bytes = 8 * doubles + 4 * ints;
+    work_ = work.text +
+            "  int iterations, factorisations, unconverged; /* of the last step */\n  int replaced, mixed, "
+            "shown;\n";
+    out_.bytes = 8 * (state.doubles + work.doubles + 1) + 4 * (4 + 6);
   }
 
   void write_header() {
@@ -230,21 +182,7 @@ class Generator {
     h += fmt::format("#define {}_OPERATIONS {}L /* in a step at most */\n", upper(), out_.operations);
     h += fmt::format("#define {}_INPUTS {}\n#define {}_OUTPUTS {}\n\n", upper(), out_.inputs.size(), upper(),
                      out_.outputs.size());
-    h += "/* Inputs and tunable parameters. */\n";
-    for (std::size_t k = 0; k < out_.inputs.size(); ++k) {
-      const GeneratedVariable& v = out_.inputs[k];
-      std::string range;
-      if (std::isfinite(v.min) || std::isfinite(v.max)) range = fmt::format(", from {} to {}", v.min, v.max);
-      h += fmt::format("#define {}_{} {} /* {}{}{}, starts at {}{} */\n", upper(), v.identifier, k,
-                       v.tunable ? "parameter " : "", comment(v.name),
-                       v.unit.empty() ? "" : ", " + comment(v.unit), v.start, range);
-    }
-    h += "\n/* Outputs. */\n";
-    for (std::size_t k = 0; k < out_.outputs.size(); ++k) {
-      const GeneratedVariable& v = out_.outputs[k];
-      h += fmt::format("#define {}_{} {} /* {}, {}: {} */\n", upper(), v.identifier, k, comment(v.name),
-                       comment(v.unit), comment(v.meaning));
-    }
+    h += variable_names(out_);
     h += fmt::format(
         "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; else the state is as before. */\n"
         "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
@@ -354,18 +292,7 @@ class Generator {
       s += "};\n";
       numbers("mark_small", small);
     }
-    if (!out_.inputs.empty()) {
-      s += named(
-          "typedef struct {\n  int held, linear;\n  double least, most;\n} @_held_input;\nstatic const "
-          "@_held_input @_held_inputs[] = {\n",
-          name_);
-      for (std::size_t k = 0; k < out_.inputs.size(); ++k)
-        for (const SignalsData::HeldInput& h : m_.signals.held)
-          if (h.input == static_cast<int>(k))
-            s += fmt::format("  {{{}, {}, {}, {}}},\n", h.held, h.linear ? 1 : 0, literal(out_.inputs[k].min),
-                             literal(out_.inputs[k].max));
-      s += "};\n";
-    }
+    s += held_inputs(m_, out_);
     const State& state = mechanism_.state;
     numbers("start_q", state.q);
     numbers("start_v", state.v);
@@ -425,12 +352,6 @@ class Generator {
   GeneratedCode out_;
 };
 
-bool is_identifier(const std::string& name) {
-  return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-         std::all_of(name.begin(), name.end(),
-                     [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); });
-}
-
 }  // namespace
 }  // namespace portable
 
@@ -440,10 +361,7 @@ std::string identifier_of(const std::string& file) {
 
 GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                             const std::string& name) {
-  if (!portable::is_identifier(name))
-    throw InputError(Mark{}, fmt::format("the name '{}' is no identifier of C: take letters, digits and _, "
-                                         "and begin with a letter",
-                                         name));
+  portable::check_identifier(name);
   RunOptions fixed = options;
   fixed.fixed_cost = true;
   const Compiled& m = model->compiled();

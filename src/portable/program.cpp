@@ -4,10 +4,11 @@ namespace mimbre::portable {
 
 const char* name_of(Memory memory) {
   static constexpr std::array names{
-      "origin", "state.q",  "q",       "v",          "a",          "multipliers", "state.u", "state.z",
-      "now",    "slot",     "rate",    "second",     "by_measure", "by_rate",     "x",       "r",
-      "moved",  "composed", "r",       "phi",        "phi_dot",    "phi_ddot",    "matrix",  "jacobian",
-      "rows",   "mark",     "tangent", "difference", "assembled",  "next_z",      "next_u",  "output"};
+      "origin",    "state.q", "q",        "v",        "a",      "multipliers", "state.u",
+      "state.z",   "now",     "slot",     "rate",     "second", "by_measure",  "by_rate",
+      "x",         "r",       "moved",    "composed", "r",      "phi",         "phi_dot",
+      "phi_ddot",  "matrix",  "jacobian", "rows",     "mark",   "tangent",     "difference",
+      "assembled", "next_z",  "next_u",   "output",   "mass",   "x_rate",      "w_rate"};
   static_assert(names.size() == memories);
   return names[static_cast<std::size_t>(memory)];
 }

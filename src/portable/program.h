@@ -42,9 +42,14 @@ enum class Memory {
   next_states,
   next_held,
   output,
+  // Of model exchange alone.
+  mass,            ///< entry by entry, the lower triangle
+  increment_rate,  ///< of x
+  state_rate,      ///< of what force elements and signals remember
   count
 };
 inline constexpr std::size_t memories = static_cast<std::size_t>(Memory::count);
+inline bool of_exchange(Memory memory) { return memory >= Memory::mass; }
 /// As in the code.
 const char* name_of(Memory memory);
 

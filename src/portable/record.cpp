@@ -4,12 +4,15 @@
 
 #include <fmt/format.h>
 
+#include "compile/element_name.h"
 #include "dynamics/relative/assembly.h"
 #include "dynamics/relative/evaluation.h"
 #include "dynamics/relative/retract.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "dynamics/tangent_marks.h"
+#include "linalg/block_factor_impl.h"
 #include "outputs/frame_angles.h"
+#include "portable/continuous_rates.h"
 #include "signals/blocks/table.h"
 #include "signals/sensors.h"
 #include "spec/output_kind.h"
@@ -64,6 +67,29 @@ class Recorder {
     record_matrix();
     record_exchange();
     record_steps();
+    return std::move(out_);
+  }
+
+  std::unique_ptr<RecordedModel> record_instant() {
+    record_origin();
+    const std::vector<Instant> looks =
+        out_->blocks ? std::vector{Instant::fresh, Instant::rest} : std::vector{Instant::step};
+    for (const Instant i : looks) record_signals(i);
+    record_motion();
+    record_rows();
+    for (const Instant i : looks) record_sight(i);
+    if (out_->blocks) record_blocks(Instant::fresh);
+    feedback_.assign(m_.elements.size(), {T(0), T(0)});
+    phase(rest_, "forces", {origin_, motion_});
+    make_forces(0);
+    finish_residual();
+    record_rest_elements();
+    record_turns();
+    record_rates();
+    record_outputs();
+    record_mass();
+    record_retract();
+    record_increment_rate();
     return std::move(out_);
   }
 
@@ -176,8 +202,8 @@ class Recorder {
     }
   }
 
-  /// Signals that see the motion, and what elements feel of theirs by their own motion.
-  void record_senses(Instant i) {
+  /// Signals that see the motion.
+  void record_sight(Instant i) {
     const std::size_t n = static_cast<std::size_t>(i);
     phase(senses_[n], fmt::format("sense_{}", instant_names[n]), {origin_, motion_});
     enter(i);
@@ -186,6 +212,10 @@ class Recorder {
     relative::sense<T>(m_, w_, q_.data());
     for (int k = m_.signals.first_moving; k < m_.signals.slots; ++k)
       p_.store(Memory::slot, k, w_.signals.value[static_cast<std::size_t>(k)]);
+  }
+  /// And what elements feel of theirs by their own motion.
+  void record_senses(Instant i) {
+    record_sight(i);
     feedback_.assign(m_.elements.size(), {T(0), T(0)});
     for (std::size_t k = 0; k < m_.elements.size(); ++k) {
       if (m_.elements[k].feedback < 0) continue;
@@ -357,6 +387,10 @@ class Recorder {
     for (std::size_t k = 0; k < static_cast<std::size_t>(m_.symbolic.value_count()); ++k)
       if (values[k].node >= 0 || values[k].number != 0)
         p_.store(Memory::matrix, static_cast<int>(k), values[k]);
+    store_jacobian();
+    for (const MarkedElement& marked : out_->marked) store_rows(marked);
+  }
+  void store_jacobian() {
     const auto add = [&](int equation, int coordinate, const T& value) {
       if (value.is_constant() && value.number == 0) return;
       p_.store(Memory::jacobian, static_cast<int>(out_->jacobian.size()), value);
@@ -370,8 +404,88 @@ class Recorder {
                 w_.jacobian[static_cast<std::size_t>(rows.jacobian + r * rows.path.width + e.offset + k)]);
     });
     for (const DriveData& d : m_.drives) add(d.equation, d.v, 1);
-    for (const MarkedElement& marked : out_->marked) store_rows(marked);
   }
+
+  // Of an instant.
+  void record_rows() {
+    phase(matrix_, "jacobian", {origin_, motion_});
+    relative::motion_subspaces<T>(m_, w_, q_.data());
+    relative::jacobian<T>(m_, w_);
+    store_jacobian();
+  }
+  /// M: the entries that are there.
+  void record_mass() {
+    int number = 0;
+    phase(number, "inertia", {origin_, motion_, matrix_});
+    const std::vector<double> none(static_cast<std::size_t>(m_.equations), 0.0);
+    std::vector<T> values(static_cast<std::size_t>(m_.symbolic.value_count()) + 2 * linalg::kLanes, T(0));
+    relative::assemble<T>(m_, w_, q_.data(), {0, 0, 0}, none.data(), values.data(), relative::NoMarks{});
+    const std::size_t n = static_cast<std::size_t>(m_.velocities);
+    std::vector<T> dense(n * n);
+    linalg::to_dense<T>(m_.symbolic, values.data(), dense.data());
+    for (int c = 0; c < m_.velocities; ++c)
+      for (int r = c; r < m_.velocities; ++r) {
+        const T& x = dense[static_cast<std::size_t>(c) * n + static_cast<std::size_t>(r)];
+        if (x.is_constant() && x.number == 0) continue;
+        p_.store(Memory::mass, static_cast<int>(out_->mass.size()), x);
+        out_->mass.push_back({r, c, x.is_constant() ? x.number : 0});
+      }
+  }
+  /// What counts turns of elements follows their motion at once.
+  void record_turns() {
+    int number = 0;
+    phase(number, "keep_turns", {origin_, motion_, rest_});
+    for (const ElementData& e : m_.elements)
+      for (int k = 0; k < e.own_states; ++k)
+        p_.store(Memory::next_states, e.states + k, element_state(e, w_.elements.data()).states[k]);
+  }
+  void record_increment_rate() {
+    int number = 0;
+    phase(number, "increment_rate", {});
+    const std::vector<T> x = p_.inputs(Memory::increment, m_.velocities);
+    std::vector<T> rate(static_cast<std::size_t>(m_.velocities));
+    relative::increment_rate<T>(m_, x.data(), v_.data(), rate.data());
+    for (std::size_t k = 0; k < rate.size(); ++k)
+      p_.store(Memory::increment_rate, static_cast<int>(k), rate[k]);
+  }
+
+  void add_rate(bool held, int at, const T& rate, const std::string& meaning) {
+    p_.store(Memory::state_rate, static_cast<int>(out_->states.size()), rate);
+    out_->states.push_back({held, at, meaning});
+  }
+  /// Of what force elements and signals remember.
+  void record_rates() {
+    int number = 0;
+    phase(number, "rates", {origin_, motion_, rest_});
+    enter(Instant::rest);
+    read_slots();
+    for (const ElementData& e : m_.elements) {
+      int k = 0;
+      for (const auto& [at, rate] : element_rates(e, element_state(e, w_.elements.data()), states_, numbers_))
+        add_rate(false, e.states + e.own_states + at, rate,
+                 fmt::format("state {} of {}", ++k, element_name(m_, e)));
+    }
+    const SignalsData& d = m_.signals;
+    for (const SignalsData::Block& b : d.blocks) {
+      const BlockInputs<T> in = block_inputs(b, w_.signals);
+      BlockCall<T> call = block_call(d, b, w_.signals);
+      call.in = in.data();
+      const std::vector<T> rates = block_rates(call, blocks::infos[static_cast<std::size_t>(b.type)]->name);
+      for (std::size_t k = 0; k < rates.size(); ++k)
+        add_rate(true, b.held + 1 + b.inputs + static_cast<int>(k), rates[k],
+                 fmt::format("state {} of {}", k + 1, signal_name(b.slot)));
+    }
+    for (const SignalsData::Integral& i : d.integrals)
+      add_rate(true, i.held, slots_[static_cast<std::size_t>(i.rate)].value, "an integral over time");
+  }
+  std::string signal_name(int slot) const {
+    const auto& slots = m_.signals.slot_of_signal;
+    for (std::size_t k = 0; k < m_.spec().signals.size(); ++k)
+      if (slots[k] == slot) return fmt::format("signal '{}'", m_.spec().signals[k].name);
+    return "a block";
+  }
+
+  // Of a step.
   void store_rows(const MarkedElement& marked) {
     const ElementData& e = m_.elements[static_cast<std::size_t>(marked.element)];
     if (e.body >= 0) return;
@@ -415,15 +529,19 @@ class Recorder {
   }
 
   /// Positions and increments.
-  void record_steps() {
+  void record_retract() {
     int number = 0;
     phase(number, "retract", {});
     const std::vector<T> x = p_.inputs(Memory::increment, m_.velocities);
     std::vector<T> moved(static_cast<std::size_t>(m_.positions));
     relative::retract<T>(m_, start_.data(), x.data(), moved.data());
     for (std::size_t k = 0; k < moved.size(); ++k) p_.store(Memory::moved, static_cast<int>(k), moved[k]);
+  }
+  void record_steps() {
+    record_retract();
+    int number = 0;
     phase(number, "compose", {});
-    std::vector<T> composed = x;
+    std::vector<T> composed = p_.inputs(Memory::increment, m_.velocities);
     const std::vector<T> correction = p_.inputs(Memory::correction, m_.velocities);
     relative::compose<T>(m_, composed.data(), correction.data());
     for (std::size_t k = 0; k < composed.size(); ++k)
@@ -615,6 +733,11 @@ std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixW
                                             const std::vector<double>& penalty, double step,
                                             const std::vector<double>& small_marks) {
   return Recorder(model, weights, penalty, step, small_marks).record();
+}
+
+std::unique_ptr<RecordedModel> record_instant(const Compiled& model) {
+  const std::vector<double> none;
+  return Recorder(model, {0, 0, 0}, none, 1, none).record_instant();
 }
 
 }  // namespace mimbre::portable

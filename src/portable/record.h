@@ -22,23 +22,37 @@ struct MarkedElement {
   double small = 0;            ///< changes of its mark that ask for a new matrix
 };
 
+/// A continuous state besides positions and velocities: number `at` of what signals remember (held), or of
+/// what force elements remember.
+struct RememberedState {
+  bool held = false;
+  int at = 0;
+  std::string meaning;
+};
+
 /// A model as phases of operations, and what the integrator has to know of it.
 struct RecordedModel {
   Program program;
   std::vector<JacobianEntry> jacobian;  ///< of the equations, in the order of Memory::jacobian
   std::vector<MarkedElement> marked;
   std::vector<RecordedOutput> outputs;
-  std::vector<std::string> left_out;  ///< outputs that it has not, with the reason
-  bool senses = false;                ///< signals see the motion
-  bool blocks = false;                ///< signals remember
-  bool remembers = false;             ///< commit is needed
-  bool rests = false;                 ///< laws at rest are others than in a step
-  bool jumps = false;                 ///< laws remember signals where these jump
+  std::vector<std::string> left_out;    ///< outputs that it has not, with the reason
+  std::vector<RememberedState> states;  ///< of an instant, in the order of Memory::state_rate
+  std::vector<JacobianEntry> mass;      ///< likewise, rows and columns in the order of Memory::mass
+  bool senses = false;                  ///< signals see the motion
+  bool blocks = false;                  ///< signals remember
+  bool remembers = false;               ///< commit is needed
+  bool rests = false;                   ///< laws at rest are others than in a step
+  bool jumps = false;                   ///< laws remember signals where these jump
 };
 
 /// Runs the kernels of a step of `step` seconds once. Throws NotRecordable.
 std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixWeights& weights,
                                             const std::vector<double>& penalty, double step,
                                             const std::vector<double>& small_marks);
+
+/// The same of what an instant takes alone, without a step: equations, forces, mass, outputs, and the rates
+/// of what is remembered. Throws NotRecordable.
+std::unique_ptr<RecordedModel> record_instant(const Compiled& model);
 
 }  // namespace mimbre::portable

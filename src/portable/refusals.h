@@ -11,4 +11,7 @@ namespace mimbre::portable {
 /// instead.
 std::vector<Diagnostic> refusals(const Compiled& model, const Method& method);
 
+/// Likewise of a model whose state an importer's solver integrates.
+std::vector<Diagnostic> exchange_refusals(const Compiled& model, const Method& method);
+
 }  // namespace mimbre::portable

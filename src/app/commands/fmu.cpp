@@ -22,6 +22,7 @@ int run_fmu(const FmuArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   FmuOptions fmu = a.fmu;
   fmu.version = a.version == "2" ? 2 : 3;
+  fmu.kind = a.kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;
   if (fmu.name.empty()) fmu.name = identifier_of(a.model);
   const RunOptions method = run_options(a.method, loaded.model->spec().simulation);
   const WrittenFmu written = write_fmu(loaded.model, method, fmu, a.file);
@@ -41,7 +42,9 @@ Command add_fmu(CommandLine& program) {
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   parser.add_option("-o,--output", a->file, "File of the FMU").required().type_name("FILE.fmu");
   parser.add_option("--fmi", a->version, "Version of the standard").choice({"2", "3"}).show_default();
-  parser.add_option("--kind", a->kind, "Of FMU: for co-simulation").choice({"cs"}).show_default();
+  parser.add_option("--kind", a->kind, "Of FMU: cs, for co-simulation, or me, for model exchange")
+      .choice({"cs", "me"})
+      .show_default();
   parser.add_option("--name", a->fmu.name, "Model identifier; default: the model file's name")
       .type_name("NAME");
   parser.add_flag("--binary-only", a->fmu.binary_only, "Without the sources");
@@ -49,7 +52,9 @@ Command add_fmu(CommandLine& program) {
   parser.add_flag("--json", a->json, "The name of the file as JSON");
   add_method_options(parser, a->method);
   parser.footer(
-      "Steps are those of `mimbre run --fixed-cost` (docs/fmu.md). The sources are compiled with `cc`, or "
+      "Steps for co-simulation are those of `mimbre run --fixed-cost`; for model exchange the importer's "
+      "solver "
+      "makes the steps (docs/fmu.md). The sources are compiled with `cc`, or "
       "what CC "
       "names.\nExample:\n  mimbre fmu suspension.yaml -o suspension.fmu --fmi 3");
   return {parser, [a] { return run_fmu(*a); }};

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -58,37 +59,44 @@ class Description {
     set(root_, "description", one_line(model_.spec().title));
     set(root_, "generationTool", fmt::format("mimbre {}", build_info().version));
     set(root_, "variableNamingConvention", std::string("flat"));
+    if (two() && exchange()) set(root_, "numberOfEventIndicators", fmt::format("{}", fmu_.code.indicators));
     interface();
     units();
     categories();
     pugi::xml_node experiment = root_.append_child("DefaultExperiment");
     set(experiment, "startTime", 0.0);
     set(experiment, "stopTime", model_.spec().simulation.end);
-    set(experiment, "stepSize", fmu_.code.step);
+    if (!exchange()) set(experiment, "stepSize", fmu_.code.step);
     pugi::xml_node variables = root_.append_child("ModelVariables");
     for (const FmuVariable& v : fmu_.variables)
-      two() ? variable_of_2(variables, v) : variable_of_3(variables, v);
+      if (!two() || v.role != Role::indicator)
+        two() ? variable_of_2(variables, v) : variable_of_3(variables, v);
     structure();
     return text_of(document_);
   }
 
  private:
   bool two() const { return fmu_.version == 2; }
+  bool exchange() const { return fmu_.kind == FmuOptions::Kind::model_exchange; }
 
   void interface() {
-    pugi::xml_node cs = root_.append_child("CoSimulation");
-    set(cs, "modelIdentifier", fmu_.code.name);
-    set_true(cs, {"canHandleVariableCommunicationStepSize"});
-    if (two()) {
-      set_true(cs, {"canGetAndSetFMUstate", "canSerializeFMUstate"});
-      if (!with_sources_) return;
-      pugi::xml_node files = cs.append_child("SourceFiles");
-      set(files.append_child("File"), "name", fmu_.code.name + ".c");
-      set(files.append_child("File"), "name", fmu_wrapper_file(fmu_));
-    } else {
-      set_true(cs, {"canGetAndSetFMUState", "canSerializeFMUState"});
-      set(cs, "fixedInternalStepSize", fmu_.code.step);
+    pugi::xml_node kind = root_.append_child(exchange() ? "ModelExchange" : "CoSimulation");
+    set(kind, "modelIdentifier", fmu_.code.name);
+    if (exchange())
+      set(kind, two() ? "completedIntegratorStepNotNeeded" : "needsCompletedIntegratorStep",
+          std::string(two() ? "true" : "false"));
+    else
+      set_true(kind, {"canHandleVariableCommunicationStepSize"});
+    if (!two()) {
+      set_true(kind, {"canGetAndSetFMUState", "canSerializeFMUState"});
+      if (!exchange()) set(kind, "fixedInternalStepSize", fmu_.code.step);
+      return;
     }
+    set_true(kind, {"canGetAndSetFMUstate", "canSerializeFMUstate"});
+    if (!with_sources_) return;
+    pugi::xml_node files = kind.append_child("SourceFiles");
+    set(files.append_child("File"), "name", fmu_.code.name + ".c");
+    set(files.append_child("File"), "name", fmu_wrapper_file(fmu_));
   }
 
   void units() {
@@ -134,6 +142,10 @@ class Description {
         return "input";
       case Role::parameter:
         return "parameter";
+      case Role::state:
+      case Role::derivative:
+      case Role::indicator:
+        return "local";
       default:
         return "output";
     }
@@ -142,9 +154,7 @@ class Description {
     return role == Role::parameter ? "tunable" : role == Role::count ? "discrete" : "continuous";
   }
   static const char* initial(Role role) {
-    return role == Role::parameter                       ? "exact"
-           : role == Role::output || role == Role::count ? "calculated"
-                                                         : "";
+    return role == Role::parameter ? "exact" : role == Role::time || role == Role::input ? "" : "calculated";
   }
   static bool starts(Role role) { return role == Role::input || role == Role::parameter; }
 
@@ -160,6 +170,7 @@ class Description {
     if (v.role == Role::count) return;
     if (!v.unit.empty()) set(node, "unit", one_line(v.unit));
     if (v.unit == "rad") set(node, "displayUnit", std::string("deg"));
+    if (v.role == Role::derivative) set(node, "derivative", listed({v.state}));
     if (!starts(v.role)) return;
     if (std::isfinite(v.min)) set(node, "min", v.min);
     if (std::isfinite(v.max)) set(node, "max", v.max);
@@ -188,18 +199,24 @@ class Description {
       node.append_attribute("index").set_value(v.reference + 1);
     else
       node.append_attribute("valueReference").set_value(v.reference);
-    if (with_dependencies) set(node, "dependencies", listed(v.dependencies));
+    if (with_dependencies && !v.depends_on_all) set(node, "dependencies", listed(v.dependencies));
+  }
+  /// `group`: in FMI 2 the unknowns are in such an element, in FMI 3 they are called `name`.
+  void unknowns(pugi::xml_node all, const char* group, const char* name, bool with_dependencies,
+                std::initializer_list<Role> roles) {
+    pugi::xml_node list = two() ? all.append_child(group) : all;
+    for (const FmuVariable& v : fmu_.variables)
+      if (std::find(roles.begin(), roles.end(), v.role) != roles.end())
+        unknown(list.append_child(two() ? "Unknown" : name), v, with_dependencies);
   }
   void structure() {
     pugi::xml_node all = root_.append_child("ModelStructure");
-    pugi::xml_node outputs = two() ? all.append_child("Outputs") : all;
-    const auto each = [&](pugi::xml_node list, const char* name, bool with_dependencies) {
-      for (const FmuVariable& v : fmu_.variables)
-        if (v.role == Role::output || v.role == Role::count)
-          unknown(list.append_child(name), v, with_dependencies);
-    };
-    each(outputs, two() ? "Unknown" : "Output", true);
-    each(two() ? all.append_child("InitialUnknowns") : all, two() ? "Unknown" : "InitialUnknown", false);
+    unknowns(all, "Outputs", "Output", true, {Role::output, Role::count});
+    if (exchange() && !fmu_.code.states.empty())
+      unknowns(all, "Derivatives", "ContinuousStateDerivative", true, {Role::derivative});
+    unknowns(all, "InitialUnknowns", "InitialUnknown", false,
+             {Role::output, Role::count, Role::state, Role::derivative});
+    if (!two()) unknowns(all, "", "EventIndicator", true, {Role::indicator});
   }
 
   const FmuCode& fmu_;

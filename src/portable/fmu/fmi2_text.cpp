@@ -1,6 +1,6 @@
 #include "portable/fmu/texts.h"
 
-/// FMI 2.0 for co-simulation, written from the public standard (fmi-standard.org, version 2.0.4).
+/// FMI 2.0, written from the public standard (fmi-standard.org, version 2.0.4).
 namespace mimbre::portable {
 
 const char* const fmi2_types_text = R"c(
@@ -71,7 +71,7 @@ const char* const fmi2_text = R"c(
     host.calls.allocateMemory = calloc;
     host.calls.freeMemory = free;
   }
-  if (!refusal && type != fmi2CoSimulation) refusal = "the FMU is for co-simulation only";
+  if (!refusal && type != @_FMU_KIND) refusal = "the FMU is of the other kind";
   f = refusal ? NULL : (@_fmu *)@_fmu_allocate(&host, sizeof *f);
   if (f) host.name = (char *)@_fmu_allocate(&host, strlen(instance_name) + 1);
   if (!refusal && !(f && host.name)) refusal = "there is no memory for an instance";
@@ -109,10 +109,10 @@ const char* const fmi2_text = R"c(
   return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_MADE, @_FMU_STARTS));
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2ExitInitializationMode)(fmi2Component c) {
-  return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_STARTS, @_FMU_RUNS));
+  return @_FMU_OF(c, @_fmu_run((@_fmu *)c));
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2Terminate)(fmi2Component c) {
-  return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_RUNS | @_FMU_STOPPED, @_FMU_TERMINATED));
+  return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_ENDS, @_FMU_TERMINATED));
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2Reset)(fmi2Component c) {
   if (!c) return fmi2Error;
@@ -187,7 +187,9 @@ const char* const fmi2_text = R"c(
                                                 fmi2FMUstate *state) {
   return @_FMU_OF(c, @_fmu_read_state((@_fmu *)c, (const unsigned char *)bytes, size, state));
 }
+)c";
 
+const char* const fmi2_steps_text = R"c(
 /* What the model description says the FMU cannot do. */
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                                      size_t unknown_count, const fmi2ValueReference knowns[],

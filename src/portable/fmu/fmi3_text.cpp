@@ -1,6 +1,6 @@
 #include "portable/fmu/texts.h"
 
-/// FMI 3.0 for co-simulation, written from the public standard (fmi-standard.org, version 3.0.2).
+/// FMI 3.0, written from the public standard (fmi-standard.org, version 3.0.2).
 namespace mimbre::portable {
 
 const char* const fmi3_types_text = R"c(
@@ -62,28 +62,15 @@ const char* const fmi3_text = R"c(
 
 @_FMU_EXPORT fmi3String @_FMU_NAME(fmi3GetVersion)(void) { return "3.0"; }
 
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,
-                                            const fmi3String categories[]) {
-  return @_FMU_OF(instance, @_fmu_set_logging((@_fmu *)instance, on, count, categories));
-}
-
-@_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateCoSimulation)(
-    fmi3String instance_name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
-    fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference intermediate[],
-    size_t intermediate_count, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3IntermediateUpdateCallback update) {
+/* An instance, or none where there is a refusal. */
+static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean logs, fmi3InstanceEnvironment environment,
+                         fmi3LogMessageCallback log, const char *refusal) {
   @_fmu *f;
   @_fmu_host host;
-  const char *refusal = @_fmu_refusal(instance_name, token);
-  (void)resources;
-  (void)visible;
-  (void)early_return;
-  (void)intermediate;
-  (void)update;
+  const char *const first = @_fmu_refusal(instance_name, token);
   host.log = log;
   host.environment = environment;
-  if (!refusal && event_mode) refusal = "the FMU has no event mode";
-  if (!refusal && intermediate_count > 0) refusal = "the FMU has no intermediate variables";
+  if (first) refusal = first;
   f = refusal ? NULL : (@_fmu *)@_fmu_allocate(&host, sizeof *f);
   if (!refusal && !f) refusal = "there is no memory for an instance";
   if (refusal) {
@@ -96,18 +83,12 @@ const char* const fmi3_text = R"c(
   @_fmu_begin(f);
   return f;
 }
-@_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateModelExchange)(fmi3String instance_name, fmi3String token,
-                                                       fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
-                                                       fmi3InstanceEnvironment environment,
-                                                       fmi3LogMessageCallback log) {
-  (void)instance_name;
-  (void)token;
-  (void)resources;
-  (void)visible;
-  (void)logs;
-  if (log) log(environment, fmi3Error, "logStatusError", "the FMU is for co-simulation only");
-  return NULL;
+
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,
+                                            const fmi3String categories[]) {
+  return @_FMU_OF(instance, @_fmu_set_logging((@_fmu *)instance, on, count, categories));
 }
+
 @_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateScheduledExecution)(
     fmi3String instance_name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3ClockUpdateCallback update,
@@ -120,7 +101,7 @@ const char* const fmi3_text = R"c(
   (void)update;
   (void)lock;
   (void)unlock;
-  if (log) log(environment, fmi3Error, "logStatusError", "the FMU is for co-simulation only");
+  if (log) log(environment, fmi3Error, "logStatusError", "the FMU is not for scheduled execution");
   return NULL;
 }
 @_FMU_EXPORT void @_FMU_NAME(fmi3FreeInstance)(fmi3Instance instance) {
@@ -138,10 +119,10 @@ const char* const fmi3_text = R"c(
   return (fmi3Status)status;
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3ExitInitializationMode)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_go((@_fmu *)instance, @_FMU_STARTS, @_FMU_RUNS));
+  return @_FMU_OF(instance, @_fmu_run((@_fmu *)instance));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3Terminate)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_go((@_fmu *)instance, @_FMU_RUNS | @_FMU_STOPPED, @_FMU_TERMINATED));
+  return @_FMU_OF(instance, @_fmu_go((@_fmu *)instance, @_FMU_ENDS, @_FMU_TERMINATED));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3Reset)(fmi3Instance instance) {
   if (!instance) return fmi3Error;
@@ -341,40 +322,11 @@ const char* const fmi3_text = R"c(
   return @_FMU_OF(instance, @_fmu_read_state((@_fmu *)instance, bytes, size, state));
 }
 
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3DoStep)(fmi3Instance instance, fmi3Float64 from, fmi3Float64 length, fmi3Boolean no_return,
-                                   fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early_return,
-                                   fmi3Float64 *last) {
-  @_fmu *const f = (@_fmu *)instance;
-  int status;
-  (void)no_return;
-  if (!f) return fmi3Error;
-  if (!event || !terminate || !early_return || !last)
-    return (fmi3Status)@_fmu_wrong(f, "there is no place for what a step tells");
-  *event = *terminate = *early_return = false;
-  status = @_fmu_do_step(f, from, length);
-  *last = f->progress.now;
-  return (fmi3Status)status;
-}
 )c"
                               R"c(
 /* What the model description says the FMU cannot do. */
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterEventMode)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
-}
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterStepMode)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
-}
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EvaluateDiscreteStates)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
-}
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update, fmi3Boolean *terminate, fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *has_next, fmi3Float64 *next) {
-  (void)need_update;
-  (void)terminate;
-  (void)nominals_changed;
-  (void)values_changed;
-  (void)has_next;
-  (void)next;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no discrete states"));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterConfigurationMode)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no structural parameters"));
@@ -396,17 +348,6 @@ const char* const fmi3_text = R"c(
   (void)number;
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "dependencies are in the model description alone"));
 }
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)seed_count;
-  (void)result;
-  (void)result_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
-}
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetAdjointDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
   (void)unknowns;
   (void)unknown_count;
@@ -416,14 +357,6 @@ const char* const fmi3_text = R"c(
   (void)seed_count;
   (void)result;
   (void)result_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
-}
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
-  (void)vr;
-  (void)number;
-  (void)orders;
-  (void)values;
-  (void)value_count;
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetIntervalDecimal)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]) {
@@ -480,6 +413,92 @@ const char* const fmi3_text = R"c(
   (void)resolutions;
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no clocks"));
 }
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3ActivateModelPartition)(fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time) {
+  (void)clock;
+  (void)time;
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no clocks"));
+}
+)c";
+
+const char* const fmi3_steps_text = R"c(
+@_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateCoSimulation)(
+    fmi3String instance_name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
+    fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference intermediate[],
+    size_t intermediate_count, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3IntermediateUpdateCallback update) {
+  (void)resources;
+  (void)visible;
+  (void)early_return;
+  (void)intermediate;
+  (void)update;
+  return @_fmu_make(instance_name, token, logs, environment, log,
+                    event_mode               ? "the FMU has no event mode"
+                    : intermediate_count > 0 ? "the FMU has no intermediate variables"
+                                             : NULL);
+}
+@_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateModelExchange)(fmi3String instance_name, fmi3String token,
+                                                       fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
+                                                       fmi3InstanceEnvironment environment,
+                                                       fmi3LogMessageCallback log) {
+  (void)instance_name;
+  (void)token;
+  (void)resources;
+  (void)visible;
+  (void)logs;
+  if (log) log(environment, fmi3Error, "logStatusError", "the FMU is for co-simulation only");
+  return NULL;
+}
+
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3DoStep)(fmi3Instance instance, fmi3Float64 from, fmi3Float64 length, fmi3Boolean no_return,
+                                   fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early_return,
+                                   fmi3Float64 *last) {
+  @_fmu *const f = (@_fmu *)instance;
+  int status;
+  (void)no_return;
+  if (!f) return fmi3Error;
+  if (!event || !terminate || !early_return || !last)
+    return (fmi3Status)@_fmu_wrong(f, "there is no place for what a step tells");
+  *event = *terminate = *early_return = false;
+  status = @_fmu_do_step(f, from, length);
+  *last = f->progress.now;
+  return (fmi3Status)status;
+}
+
+/* What the model description says the FMU cannot do. */
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterEventMode)(fmi3Instance instance) {
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+}
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterStepMode)(fmi3Instance instance) {
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+}
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update, fmi3Boolean *terminate, fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *has_next, fmi3Float64 *next) {
+  (void)need_update;
+  (void)terminate;
+  (void)nominals_changed;
+  (void)values_changed;
+  (void)has_next;
+  (void)next;
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+}
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
+  (void)unknowns;
+  (void)unknown_count;
+  (void)knowns;
+  (void)known_count;
+  (void)seed;
+  (void)seed_count;
+  (void)result;
+  (void)result_count;
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+}
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
+  (void)vr;
+  (void)number;
+  (void)orders;
+  (void)values;
+  (void)value_count;
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+}
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterContinuousTimeMode)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU is for co-simulation only"));
 }
@@ -525,11 +544,6 @@ const char* const fmi3_text = R"c(
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetNumberOfContinuousStates)(fmi3Instance instance, size_t *number) {
   (void)number;
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU is for co-simulation only"));
-}
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3ActivateModelPartition)(fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time) {
-  (void)clock;
-  (void)time;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no clocks"));
 }
 )c";
 

@@ -18,9 +18,40 @@ namespace {
 
 using Role = FmuVariable::Role;
 
+constexpr double none = std::numeric_limits<double>::infinity();
+
+/// Continuous states, their derivatives, and event indicators, by `add`; the first has the reference `first`.
+template <class Add>
+void add_states(const GeneratedCode& code, const Add& add, unsigned first) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < code.states.size(); ++k) names.push_back(fmt::format("state.{}", k + 1));
+  for (std::size_t k = 0; k < code.states.size(); ++k)
+    add({names[k], code.states[k].unit, code.states[k].meaning, 0, Role::state, 0, -none, none}, "fmu.");
+  for (std::size_t k = 0; k < code.states.size(); ++k) {
+    FmuVariable v{
+        fmt::format("der({})", names[k]), code.states[k].rate_unit, "", 0, Role::derivative, 0, -none, none};
+    v.depends_on_all = true;
+    v.state = first + static_cast<unsigned>(k);
+    add(std::move(v), "fmu.");
+  }
+  for (int k = 0; k < code.indicators; ++k) {
+    FmuVariable v{fmt::format("indicator.{}", k + 1),
+                  "",
+                  "positive while the continuous states are well chosen",
+                  0,
+                  Role::indicator,
+                  0,
+                  -none,
+                  none};
+    v.depends_on_all = true;
+    add(std::move(v), "fmu.");
+  }
+}
+
 /// References are the places in the list.
-std::vector<FmuVariable> variables_of(const GeneratedCode& code) {
-  constexpr double none = std::numeric_limits<double>::infinity();
+std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kind kind) {
+  const bool exchange = kind == FmuOptions::Kind::model_exchange;
+  const unsigned first_state = static_cast<unsigned>(1 + code.inputs.size() + code.outputs.size());
   std::vector<FmuVariable> list;
   std::set<std::string> names;
   const auto add = [&](FmuVariable v, const std::string& otherwise) {
@@ -45,14 +76,20 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code) {
     for (const int input : v.inputs)
       if (!code.inputs[static_cast<std::size_t>(input)].tunable)
         output.dependencies.push_back(1 + static_cast<unsigned>(input));
+    output.depends_on_all = exchange && v.by_acceleration;
+    for (unsigned k = 0; exchange && k < code.states.size(); ++k)
+      output.dependencies.push_back(first_state + k);
     add(std::move(output), "output.");
   }
-  for (const auto& [name, meaning] :
-       {std::pair("solver.steps", "steps of the model so far"),
-        std::pair("solver.iterations", "iterations of the last communication step"),
-        std::pair("solver.unconverged_steps",
-                  "steps so far that were taken before their iterations had converged")})
-    add({name, "", meaning, 0, Role::count, 0, -none, none}, "fmu.");
+  if (exchange)
+    add_states(code, add, first_state);
+  else
+    for (const auto& [name, meaning] :
+         {std::pair("solver.steps", "steps of the model so far"),
+          std::pair("solver.iterations", "iterations of the last communication step"),
+          std::pair("solver.unconverged_steps",
+                    "steps so far that were taken before their iterations had converged")})
+      add({name, "", meaning, 0, Role::count, 0, -none, none}, "fmu.");
   for (std::size_t k = 0; k < list.size(); ++k) list[k].reference = static_cast<unsigned>(k);
   return list;
 }
@@ -77,9 +114,12 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
                      fmt::format("there is no version {} of FMI here: 2 or 3 is needed", fmu.version));
   FmuCode out;
   out.version = fmu.version;
-  out.code = generate_code(model, options, fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name);
+  out.kind = fmu.kind;
+  const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
+  out.code = fmu.kind == FmuOptions::Kind::model_exchange ? generate_exchange_code(model, options, name)
+                                                          : generate_code(model, options, name);
   out.token = token_of(out.code, fmu.version);
-  out.variables = variables_of(out.code);
+  out.variables = variables_of(out.code, fmu.kind);
   out.wrapper = portable::fmu_wrapper(out);
   return out;
 }

@@ -1,39 +1,13 @@
 #include "portable/fmu/texts.h"
 
-/// One instance of a co-simulation FMU, by hand in C99, for both versions of the standard. Constants come
-/// before it:
-/// @_FMU_TOKEN, @_FMU_STEP, the number of inputs and outputs, and the tables of the inputs.
+/// One instance of an FMU, by hand in C99, for both versions of the standard and both kinds of FMUs. Before
+/// it come constants (@_FMU_TOKEN, the number of inputs and outputs), the tables of the inputs, and of its
+/// kind what it keeps (@_fmu_progress), its modes and the masks @_FMU_SETTABLE and @_FMU_FIXED.
 namespace mimbre::portable {
 
 const char* const fmu_instance_text = R"c(
 /* Results of calls; the same numbers in all versions of FMI. */
 enum { @_FMU_OK = 0, @_FMU_WARNING = 1, @_FMU_DISCARD = 2, @_FMU_ERROR = 3, @_FMU_FATAL = 4 };
-
-/* What was called so far. */
-enum {
-  @_FMU_MADE = 1,
-  @_FMU_STARTS = 2,     /* initialization mode */
-  @_FMU_RUNS = 4,       /* step mode */
-  @_FMU_STOPPED = 8,    /* a step could not be made */
-  @_FMU_TERMINATED = 16
-};
-
-/* References: the time; inputs and parameters; outputs; counts. */
-#define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
-#define @_FMU_FIRST_COUNT (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
-enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU_COUNTS };
-
-/* With the state of the model all that later calls depend on. */
-typedef struct {
-  double begin; /* the importer's time where the model starts */
-  double now;   /* where the last step of the importer ended */
-  double stop;
-  double steps;  /* of the model, so far */
-  double weight; /* between the last two of them, where now is between */
-  double given[@_FMU_INPUTS + 1];
-  double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
-  int mode, between, iterations, unconverged;
-} @_fmu_progress;
 
 typedef struct @_fmu_saved {
   struct @_fmu_saved *next;
@@ -78,16 +52,6 @@ static int @_fmu_go(@_fmu *f, int from, int to) {
   return @_FMU_OK;
 }
 
-static void @_fmu_begin(@_fmu *f) {
-  int k;
-  @_init(&f->model);
-  memset(&f->progress, 0, sizeof f->progress);
-  f->progress.mode = @_FMU_MADE;
-  f->progress.stop = HUGE_VAL;
-  f->progress.begin = f->progress.now = @_time(&f->model);
-  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
-}
-
 /* Why an instance cannot be made; NULL: it can. */
 static const char *@_fmu_refusal(const char *instance_name, const char *token) {
   const char *c = instance_name;
@@ -116,30 +80,6 @@ static int @_fmu_known(unsigned long reference, unsigned long first, unsigned lo
   return reference >= first && reference - first < count;
 }
 
-static double @_fmu_output(@_fmu *f, int output) {
-  const @_fmu_progress *const p = &f->progress;
-  if (!p->between) return @_get_output(&f->model, output);
-  return p->before[output] + p->weight*(p->after[output] - p->before[output]);
-}
-
-static double @_fmu_real(@_fmu *f, unsigned long reference) {
-  if (reference == 0) return f->progress.now;
-  if (reference < @_FMU_FIRST_OUTPUT) return f->progress.given[reference - 1];
-  return @_fmu_output(f, (int)(reference - @_FMU_FIRST_OUTPUT));
-}
-
-static int @_fmu_count(const @_fmu *f, unsigned long reference) {
-  const @_fmu_progress *const p = &f->progress;
-  switch (reference - @_FMU_FIRST_COUNT) {
-    case @_FMU_COUNT_STEPS:
-      return p->steps < 2147483647.0 ? (int)p->steps : 2147483647;
-    case @_FMU_COUNT_ITERATIONS:
-      return p->iterations;
-    default:
-      return p->unconverged;
-  }
-}
-
 /* Whether a list of references is one of variables of a kind; `values` as many values as references. */
 static int @_fmu_list(const @_fmu *f, const void *references, size_t count, const void *values, size_t value_count) {
   if (count != value_count) {
@@ -153,31 +93,33 @@ static int @_fmu_list(const @_fmu *f, const void *references, size_t count, cons
   return 1;
 }
 
-static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t count, double *values) {
-  size_t k;
-  for (k = 0; k < count; ++k)
-    if (!@_fmu_known(references[k], 0, @_FMU_FIRST_COUNT))
-      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
-  for (k = 0; k < count; ++k) values[k] = @_fmu_real(f, references[k]);
-  return @_FMU_OK;
+/* None of the FMU's variables is of the type. */
+static int @_fmu_none(const @_fmu *f, size_t count) {
+  return count > 0 ? @_fmu_wrong(f, "the FMU has no variables of this type") : @_FMU_OK;
 }
 
-static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t count, @_fmu_integer *values) {
+/* The value of a variable of real numbers. */
+static int @_fmu_real(@_fmu *f, unsigned long reference, double *value);
+
+static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t count, double *values) {
   size_t k;
+  int status = @_FMU_OK;
   for (k = 0; k < count; ++k)
-    if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS))
+    if (!@_fmu_known(references[k], 0, @_FMU_REALS))
       return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
-  for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
-  return @_FMU_OK;
+  for (k = 0; k < count && status == @_FMU_OK; ++k) status = @_fmu_real(f, references[k], values + k);
+  return status;
 }
 
 static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t count, const double *values) {
   size_t k;
   int limited = 0;
-  if (!@_fmu_turn(f, @_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)) return @_FMU_ERROR;
+  if (!@_fmu_turn(f, @_FMU_SETTABLE)) return @_FMU_ERROR;
   for (k = 0; k < count; ++k) {
     if (!@_fmu_known(references[k], 1, @_FMU_INPUTS))
       return @_fmu_wrong(f, "a reference is of no input and no parameter; nothing was set");
+    if ((f->progress.mode & @_FMU_FIXED) && @_fmu_tunable[references[k] - 1])
+      return @_fmu_wrong(f, "parameters can be set before the start and at events alone; nothing was set");
     if (!@_fmu_finite(values[k])) return @_fmu_wrong(f, "a value is no finite number; nothing was set");
   }
   for (k = 0; k < count; ++k) {
@@ -193,70 +135,6 @@ static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t c
   return @_FMU_OK;
 }
 
-/* None of the FMU's variables is of the type. */
-static int @_fmu_none(const @_fmu *f, size_t count) {
-  return count > 0 ? @_fmu_wrong(f, "the FMU has no variables of this type") : @_FMU_OK;
-}
-
-static void @_fmu_outputs(@_fmu *f, double *values) {
-  int k;
-  for (k = 0; k < @_FMU_OUTPUTS; ++k) values[k] = @_get_output(&f->model, k);
-}
-
-static int @_fmu_step_failed(@_fmu *f, int status) {
-  @_fmu_progress *const p = &f->progress;
-  p->mode = @_FMU_STOPPED;
-  p->between = 0;
-  p->now = p->begin + p->steps*@_FMU_STEP;
-  switch (status) {
-    case @_FMU_NOT_FINITE:
-      return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model gives no finite numbers");
-    case @_FMU_SINGULAR:
-      return @_fmu_tell(f, @_FMU_DISCARD, "the matrix of a step of the model is singular");
-    case @_FMU_DRIFTED:
-      return @_fmu_tell(f, @_FMU_DISCARD, "the loops of the model have come apart in a step");
-    default:
-      return @_fmu_tell(f, @_FMU_DISCARD, "the iterations of a step of the model did not converge");
-  }
-}
-
-/* To from + length: steps of the model until it is there or behind, then between the last two. */
-static int @_fmu_do_step(@_fmu *f, double from, double length) {
-  @_fmu_progress *const p = &f->progress;
-  const double end = from + length;
-  double counted, nearest, target;
-  int whole; /* a whole number of the model's steps */
-  if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
-  if (!@_fmu_finite(from) || !@_fmu_finite(length) || !@_fmu_finite(end))
-    return @_fmu_wrong(f, "the communication point or the step is no finite number");
-  if (!(length > 0.0)) return @_fmu_wrong(f, "the communication step is not positive");
-  if (!(fabs(from - p->now) <= 1e-6*@_FMU_STEP + 1e-12*fabs(p->now)))
-    return @_fmu_wrong(f, "the step does not begin where the last one ended");
-  if (!(end > p->now)) return @_fmu_wrong(f, "the communication step is too short for the time to change");
-  if (end > p->stop + 1e-6*@_FMU_STEP + 1e-12*fabs(p->stop)) return @_fmu_wrong(f, "the step ends behind the stop time");
-  counted = (end - p->begin)/@_FMU_STEP;
-  nearest = floor(counted + 0.5);
-  whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
-  target = whole ? nearest : ceil(counted);
-  if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step is of more than 1e9 steps of the model");
-  if (p->steps < target) p->iterations = 0;
-  while (p->steps < target) {
-    int status;
-    if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
-    status = @_step(&f->model);
-    if (status > @_FMU_UNCONVERGED) return @_fmu_step_failed(f, status);
-    p->steps += 1.0;
-    p->iterations += f->model.iterations;
-    if (status == @_FMU_UNCONVERGED && p->unconverged < 2147483647) ++p->unconverged;
-    if (!whole && p->steps >= target) @_fmu_outputs(f, p->after);
-  }
-  p->between = !whole;
-  p->weight = counted - (p->steps - 1.0);
-  p->now = end;
-  return @_FMU_OK;
-}
-)c"
-                                      R"c(
 static @_fmu_saved *@_fmu_find(const @_fmu *f, const void *state) {
   @_fmu_saved *one = f->saved;
   while (one && one != state) one = one->next;

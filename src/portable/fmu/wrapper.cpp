@@ -1,29 +1,21 @@
 #include <fmt/format.h>
 
-#include <cctype>
-
+#include "portable/code_parts.h"
 #include "portable/fmu/parts.h"
 #include "portable/fmu/texts.h"
 #include "portable/program.h"
 #include "portable/write_tables.h"
 
 namespace mimbre::portable {
-namespace {
-
-std::string upper_case(std::string name) {
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
-}
-
-}  // namespace
 
 std::string fmu_wrapper_file(const FmuCode& fmu) { return fmt::format("fmi{}.c", fmu.version); }
 
 std::string fmu_wrapper(const FmuCode& fmu) {
   const std::string &name = fmu.code.name, upper = upper_case(name);
+  const bool exchange = fmu.kind == FmuOptions::Kind::model_exchange;
   const std::string fmi = fmt::format("FMI{}", fmu.version);
   std::string s = fmt::format(
-      "/* The functions of FMI {0}.0 for co-simulation around {1}.c, made by mimbre. Compile both, C99, as "
+      "/* The functions of FMI {0}.0 for {3} around {1}.c, made by mimbre. Compile both, C99, as "
       "one shared\n"
       " * library; they need the C library alone. Functions have the names of the standard; "
       "{2}_FUNCTION_PREFIX, or\n"
@@ -32,7 +24,7 @@ std::string fmu_wrapper(const FmuCode& fmu) {
       "#include <float.h>\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n#include "
       "<stdint.h>\n"
       "#include <stdlib.h>\n#include <string.h>\n\n#include \"{1}.h\"\n\n",
-      fmu.version, name, fmi);
+      fmu.version, name, fmi, exchange ? "model exchange" : "co-simulation");
   s += named(
       fmt::format("#if !defined({0}_OVERRIDE_FUNCTION_PREFIX) && defined({0}_FUNCTION_PREFIX)\n"
                   "#define {0}_ACTUAL_FUNCTION_PREFIX {0}_FUNCTION_PREFIX\n#endif\n"
@@ -46,23 +38,39 @@ std::string fmu_wrapper(const FmuCode& fmu) {
                   "#else\n#define @_FMU_EXPORT\n#endif\n\n",
                   fmi),
       name);
-  s += named(fmt::format("#define @_FMU_TOKEN \"{}\"\n#define @_FMU_STEP {}_STEP\n#define @_FMU_INPUTS {}\n"
-                         "#define @_FMU_OUTPUTS {}\n",
-                         fmu.token, upper, fmu.code.inputs.size(), fmu.code.outputs.size()),
-             name);
-  for (const char* status : {"UNCONVERGED", "NOT_FINITE", "SINGULAR", "DRIFTED"})
-    s += fmt::format("#define {0}_FMU_{2} {1}_{2}\n", name, upper, status);
+  const auto define = [&](const char* what, const std::string& value) {
+    s += fmt::format("#define {}_FMU_{} {}\n", name, what, value);
+  };
+  define("TOKEN", '"' + fmu.token + '"');
+  define("INPUTS", fmt::format("{}", fmu.code.inputs.size()));
+  define("OUTPUTS", fmt::format("{}", fmu.code.outputs.size()));
+  if (exchange) {
+    define("STATES", fmt::format("{}", fmu.code.states.size()));
+    define("INDICATORS", fmt::format("{}", fmu.code.indicators));
+    define("MODEL_OK", upper + "_OK");
+  } else {
+    define("STEP", upper + "_STEP");
+    define("UNCONVERGED", upper + "_UNCONVERGED");
+  }
+  if (fmu.version == 2) define("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
+  for (const char* status : {"NOT_FINITE", "SINGULAR", "DRIFTED"}) define(status, upper + "_" + status);
   std::vector<double> least, most, start;
+  std::vector<int> tunable;
   for (const GeneratedVariable& v : fmu.code.inputs) {
     least.push_back(v.min);
     most.push_back(v.max);
     start.push_back(v.start);
+    tunable.push_back(v.tunable ? 1 : 0);
   }
-  s +=
-      table(name + "_fmu_least", least) + table(name + "_fmu_most", most) + table(name + "_fmu_start", start);
-  s += named(fmu.version == 2 ? fmi2_types_text : fmi3_types_text, name);
-  s += named(fmu_instance_text, name);
-  s += named(fmu.version == 2 ? fmi2_text : fmi3_text, name);
+  s += table(name + "_fmu_least", least) + table(name + "_fmu_most", most) +
+       table(name + "_fmu_start", start) + table(name + "_fmu_tunable", tunable);
+  const bool two = fmu.version == 2;
+  for (const char* text :
+       {two ? fmi2_types_text : fmi3_types_text, exchange ? fmu_exchange_head_text : fmu_steps_head_text,
+        fmu_instance_text, exchange ? fmu_exchange_text : fmu_steps_text, two ? fmi2_text : fmi3_text,
+        exchange ? (two ? fmi2_exchange_text : fmi3_exchange_text)
+                 : (two ? fmi2_steps_text : fmi3_steps_text)})
+    s += named(text, name);
   return s;
 }
 

@@ -1,0 +1,114 @@
+#include "portable/code_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "mimbre/diagnostics.h"
+#include "portable/dependencies.h"
+#include "portable/program.h"
+#include "portable/write_tables.h"
+
+namespace mimbre::portable {
+
+std::string identifier(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0]))) out = "m" + out;
+  return out;
+}
+
+void check_identifier(const std::string& name) {
+  if (!name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
+      std::all_of(name.begin(), name.end(),
+                  [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); }))
+    return;
+  throw InputError(Mark{}, fmt::format("the name '{}' is no identifier of C: take letters, digits and _, "
+                                       "and begin with a letter",
+                                       name));
+}
+
+std::string upper_case(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string comment(std::string text) {
+  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;) text.replace(at, 2, "* /");
+  return text;
+}
+
+void name_variables(const Compiled& m, const State& start, const RecordedModel& recorded,
+                    GeneratedCode& out) {
+  std::set<std::string> used;
+  const auto unique = [&](const std::string& name) {
+    std::string one = upper_case(identifier(name));
+    while (!used.insert(one).second) one += "_";
+    return one;
+  };
+  for (const spec::Input& i : m.spec().inputs) {
+    GeneratedVariable v{i.name, unique("in_" + i.name), i.unit, "", 0, i.min, i.max, i.tunable};
+    for (const SignalsData::HeldInput& h : m.signals.held)
+      if (h.input == static_cast<int>(out.inputs.size())) v.start = start.u[h.held];
+    out.inputs.push_back(v);
+  }
+  const std::vector<std::vector<int>> inputs = inputs_of_outputs(recorded, m.signals);
+  const std::vector<bool> by_acceleration = outputs_by_acceleration(recorded, m.signals);
+  for (const RecordedOutput& o : recorded.outputs) {
+    const std::size_t k = out.outputs.size();
+    out.outputs.push_back({o.name, unique("out_" + o.name), o.unit, o.meaning});
+    out.outputs.back().inputs = inputs[k];
+    out.outputs.back().by_acceleration = by_acceleration[k];
+  }
+}
+
+std::string variable_names(const GeneratedCode& code) {
+  const std::string upper = upper_case(code.name);
+  std::string h = "/* Inputs and tunable parameters. */\n";
+  for (std::size_t k = 0; k < code.inputs.size(); ++k) {
+    const GeneratedVariable& v = code.inputs[k];
+    std::string range;
+    if (std::isfinite(v.min) || std::isfinite(v.max)) range = fmt::format(", from {} to {}", v.min, v.max);
+    h += fmt::format("#define {}_{} {} /* {}{}{}, starts at {}{} */\n", upper, v.identifier, k,
+                     v.tunable ? "parameter " : "", comment(v.name),
+                     v.unit.empty() ? "" : ", " + comment(v.unit), v.start, range);
+  }
+  h += "\n/* Outputs. */\n";
+  for (std::size_t k = 0; k < code.outputs.size(); ++k) {
+    const GeneratedVariable& v = code.outputs[k];
+    h += fmt::format("#define {}_{} {} /* {}, {}: {} */\n", upper, v.identifier, k, comment(v.name),
+                     comment(v.unit), comment(v.meaning));
+  }
+  return h;
+}
+
+std::string held_inputs(const Compiled& m, const GeneratedCode& code) {
+  if (code.inputs.empty()) return "";
+  std::string s = named(
+      "typedef struct {\n  int held, linear;\n  double least, most;\n} @_held_input;\nstatic const "
+      "@_held_input @_held_inputs[] = {\n",
+      code.name);
+  for (std::size_t k = 0; k < code.inputs.size(); ++k)
+    for (const SignalsData::HeldInput& h : m.signals.held)
+      if (h.input == static_cast<int>(k))
+        s += fmt::format("  {{{}, {}, {}, {}}},\n", h.held, h.linear ? 1 : 0, literal(code.inputs[k].min),
+                         literal(code.inputs[k].max));
+  return s + "};\n";
+}
+
+void StructText::add(const std::string& member, long count, const std::string& about) {
+  const long size = std::max(count, 1L);
+  doubles += size;
+  text += fmt::format("  double {}[{}];{}\n", member, size, about.empty() ? "" : " /* " + about + " */");
+}
+
+void StructText::add_ints(const std::string& member, long count) {
+  const long size = std::max(count, 1L);
+  ints += size;
+  text += fmt::format("  int {}[{}];\n", member, size);
+}
+
+}  // namespace mimbre::portable

@@ -1,0 +1,35 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "dynamics/state.h"
+#include "mimbre/generate.h"
+#include "portable/record.h"
+
+/// Parts that both kinds of code have, of steps and of derivatives.
+namespace mimbre::portable {
+
+/// The same with letters, digits and _ alone.
+std::string identifier(const std::string& text);
+/// Throws InputError where it is no identifier of C.
+void check_identifier(const std::string& name);
+std::string upper_case(std::string name);
+/// A comment's text, which cannot end it.
+std::string comment(std::string text);
+
+/// Inputs and outputs, with their numbers' names. `start`: the state that inputs start from.
+void name_variables(const Compiled& m, const State& start, const RecordedModel& recorded, GeneratedCode& out);
+/// The part of a header that has these names.
+std::string variable_names(const GeneratedCode& code);
+/// The table of where inputs are held, and their ranges.
+std::string held_inputs(const Compiled& m, const GeneratedCode& code);
+
+/// The members of a struct, and their numbers.
+struct StructText {
+  std::string text;
+  long doubles = 0, ints = 0;
+  void add(const std::string& member, long count, const std::string& about = "");
+  void add_ints(const std::string& member, long count);
+};
+
+}  // namespace mimbre::portable

@@ -1,0 +1,642 @@
+#include "portable/texts.h"
+
+/// The equations of motion as ordinary differential equations, by hand in C99. '@' stands for the model's
+/// name; constants and tables come before it, and the phases of a recorded instant.
+///
+/// Of the N coordinates z, R depend on the other F = N − R by chosen equations Φ = 0 (coordinate
+/// partitioning: Wehage, Haug 1982; second velocity transformation: Serna, Avilés, García de Jalón 1982):
+///
+///     Φ(z) = 0 by Newton's method,   ż = N żi + c with Φz N = 0,   z̈ = N z̈i + d with Φz d = −γ,
+///     Nᵀ M N z̈i = −Nᵀ (M d − Q)
+///
+/// Positions are increments x from a reference (retract); rotations are rotation vectors, ẋ = dexp⁻¹(x) ω.
+/// The Jacobian by x is Φz dexp(x).
+namespace mimbre::portable {
+
+const char* const exchange_text = R"c(
+/* Positions that move dependent coordinates further than this, by the scales, are approached in parts. */
+#define @_FURTHEST 0.3
+/* Another set is chosen where the one that is chosen has become so much worse. */
+#define @_WORSE 0.3
+/* Squared rotation vectors of independent rotations that are counted from a new reference. */
+#define @_TURNED 4.0
+
+static int @_all_finite(const double *x, int n) {
+  int k;
+  for (k = 0; k < n; ++k)
+    if (!(x[k] - x[k] == 0.0)) return 0;
+  return 1;
+}
+
+/* Signals of a time, and of the motion: 0 before blocks have begun, 1 later. */
+static void @_signals(@ *s, double time) {
+  s->now[0] = time;
+#if @_BLOCKS
+  if (!s->state.begun)
+    @_signals_fresh(s);
+  else
+    @_signals_rest(s);
+#else
+  @_signals_step(s);
+#endif
+}
+static void @_see(@ *s) {
+#if @_SENSES && @_BLOCKS
+  if (!s->state.begun)
+    @_sense_fresh(s);
+  else
+    @_sense_rest(s);
+#elif @_SENSES
+  @_sense_step(s);
+#else
+  (void)s;
+#endif
+}
+
+/* The time that functions of time see: on this side of the events. */
+static double @_side(const @_state *state, double time) {
+  if (time < state->last_event) return state->last_event;
+  return time < state->next_event ? time : nextafter(state->next_event, -HUGE_VAL);
+}
+
+/* The first instant after a time at which a function of time jumps or has a kink. */
+static double @_next_event(double time) {
+  double next = HUGE_VAL;
+  int k;
+  for (k = 0; k < @_EVENTS; ++k) {
+    const @_event *const e = @_events + k;
+    double at = e->time;
+    if (e->period > 0.0) {
+      at += ceil((time - at)/e->period)*e->period;
+      if (!(at > time)) at += e->period;
+    }
+    if (at > time && at < next) next = at;
+  }
+  return next;
+}
+
+/* The continuous states, a share of the way from those of the last motion to those that are set. */
+static void @_place(@ *s, double share) {
+  const double whole = share < 1.0 ? share : 1.0;
+  int k;
+  double time = s->state.time;
+  if (whole < 1.0) time = s->state.at_time + whole*(time - s->state.at_time);
+  time = @_side(&s->state, time);
+  for (k = 0; k < @_F; ++k) {
+    const int j = s->state.independent[k], p = @_position_of[j];
+    double y = s->state.c[k];
+    if (whole < 1.0) y = s->state.at[k] + whole*(y - s->state.at[k]);
+    s->x[j] = p < 0 ? y : y - s->state.q[p];
+  }
+  for (k = 0; k < @_W; ++k) {
+    double w = s->state.c[2*@_F + k];
+    if (whole < 1.0) w = s->state.at[2*@_F + k] + whole*(w - s->state.at[2*@_F + k]);
+    if (@_remembered[k].held)
+      s->state.u[@_remembered[k].at] = w;
+    else
+      s->state.z[@_remembered[k].at] = w;
+    if (@_remembered[k].integral) s->state.u[@_remembered[k].at + 1] = time;
+  }
+  @_signals(s, time);
+}
+
+static void @_geometry(@ *s) {
+  int k;
+  @_retract(s);
+  memcpy(s->q, s->moved, sizeof s->q);
+  @_motion(s);
+  @_jacobian(s);
+  memset(s->dense, 0, sizeof s->dense);
+  for (k = 0; k < @_J; ++k) s->dense[@_j_row[k]*@_N + @_j_column[k]] += s->jacobian[k];
+}
+
+#if @_R > 0
+/* A row of the Jacobian by x: g dexp(x) = g − A g × x + B (g × x) × x of rotations. */
+static void @_turn_row(const @ *s, double *row) {
+  int k;
+  for (k = 0; k < @_ROTATIONS; ++k) {
+    const double *const x = s->x + @_rotation[k];
+    double *const g = row + @_rotation[k];
+    const double y = x[0]*x[0] + x[1]*x[1] + x[2]*x[2], r = sqrt(y);
+    const double a = y < 1e-4 ? 0.5 - y*(1.0/24.0 - y/720.0) : (1.0 - cos(r))/y;
+    const double b = y < 1e-4 ? 1.0/6.0 - y*(1.0/120.0 - y/5040.0) : (r - sin(r))/(y*r);
+    const double h0 = g[1]*x[2] - g[2]*x[1], h1 = g[2]*x[0] - g[0]*x[2], h2 = g[0]*x[1] - g[1]*x[0];
+    g[0] += b*(h1*x[2] - h2*x[1]) - a*h0;
+    g[1] += b*(h2*x[0] - h0*x[2]) - a*h1;
+    g[2] += b*(h0*x[1] - h1*x[0]) - a*h2;
+  }
+}
+
+/* L U of the chosen rows and the dependent columns, scaled; by x where `turned`. Returns whether it can be divided by. */
+static int @_factor(@ *s, int turned) {
+  int i, j, k, p;
+  for (p = 0; p < @_R; ++p) {
+    double *const row = s->rows_of + p*@_N;
+    memcpy(row, s->dense + s->state.row[p]*@_N, @_N*sizeof *row);
+    if (turned) @_turn_row(s, row);
+    for (j = 0; j < @_R; ++j) {
+      const int c = s->state.dependent[j];
+      s->lu[p*@_R + j] = row[c]*@_coordinate_scale[c]/@_equation_scale[s->state.row[p]];
+    }
+  }
+  for (k = 0; k < @_R; ++k) {
+    double most = 0.0;
+    p = k;
+    for (i = k; i < @_R; ++i)
+      if (fabs(s->lu[i*@_R + k]) > most) {
+        most = fabs(s->lu[i*@_R + k]);
+        p = i;
+      }
+    if (!(most > 1e-14)) return 0;
+    s->pivot[k] = p;
+    if (p != k)
+      for (j = 0; j < @_R; ++j) {
+        const double kept = s->lu[k*@_R + j];
+        s->lu[k*@_R + j] = s->lu[p*@_R + j];
+        s->lu[p*@_R + j] = kept;
+      }
+    for (i = k + 1; i < @_R; ++i) {
+      const double factor = s->lu[i*@_R + k]/s->lu[k*@_R + k];
+      s->lu[i*@_R + k] = factor;
+      if (factor != 0.0)
+        for (j = k + 1; j < @_R; ++j) s->lu[i*@_R + j] -= factor*s->lu[k*@_R + j];
+    }
+  }
+  return 1;
+}
+
+/* b: by chosen rows; becomes that by dependent coordinates. */
+static void @_solve(const @ *s, double *b) {
+  int i, k;
+  for (k = 0; k < @_R; ++k) b[k] /= @_equation_scale[s->state.row[k]];
+  for (k = 0; k < @_R; ++k) {
+    const double kept = b[s->pivot[k]];
+    b[s->pivot[k]] = b[k];
+    b[k] = kept;
+  }
+  for (k = 0; k < @_R; ++k)
+    for (i = 0; i < k; ++i) b[k] -= s->lu[k*@_R + i]*b[i];
+  for (k = @_R; k-- > 0;) {
+    for (i = k + 1; i < @_R; ++i) b[k] -= s->lu[k*@_R + i]*b[i];
+    b[k] /= s->lu[k*@_R + k];
+  }
+  for (k = 0; k < @_R; ++k) b[k] *= @_coordinate_scale[s->state.dependent[k]];
+}
+
+/* The transposed: g by dependent coordinates, becomes that by chosen rows. */
+static void @_solve_transposed(const @ *s, double *g) {
+  int i, k;
+  for (k = 0; k < @_R; ++k) g[k] *= @_coordinate_scale[s->state.dependent[k]];
+  for (k = 0; k < @_R; ++k) {
+    for (i = 0; i < k; ++i) g[k] -= s->lu[i*@_R + k]*g[i];
+    g[k] /= s->lu[k*@_R + k];
+  }
+  for (k = @_R; k-- > 0;)
+    for (i = k + 1; i < @_R; ++i) g[k] -= s->lu[i*@_R + k]*g[i];
+  for (k = @_R; k-- > 0;) {
+    const double kept = g[k];
+    g[k] = g[s->pivot[k]];
+    g[s->pivot[k]] = kept;
+  }
+  for (k = 0; k < @_R; ++k) g[k] /= @_equation_scale[s->state.row[k]];
+}
+
+/* Newton's method for the dependent coordinates from where they are. */
+static int @_close(@ *s) {
+  double before = HUGE_VAL;
+  int k, round;
+  for (round = 0; round < 12; ++round) {
+    double size = 0.0;
+    @_geometry(s);
+    if (!@_all_finite(s->phi, @_M)) return @_NOT_FINITE;
+    if (!@_factor(s, @_ROTATIONS > 0)) return @_SINGULAR;
+    for (k = 0; k < @_R; ++k) s->b[k] = -s->phi[s->state.row[k]];
+    @_solve(s, s->b);
+    for (k = 0; k < @_R; ++k) {
+      const double x = fabs(s->b[k])/@_coordinate_scale[s->state.dependent[k]];
+      if (!(x <= @_FURTHEST)) return @_NOT_CONVERGED;
+      if (x > size) size = x;
+    }
+    if (size <= 1e-14 || (size <= 1e-10 && size > 0.25*before)) {
+      for (k = 0; k < @_M; ++k)
+        if (!(fabs(s->phi[k]) <= 1e-6*@_equation_scale[k])) return @_DRIFTED;
+      return @_OK;
+    }
+    before = size;
+    for (k = 0; k < @_R; ++k) s->x[s->state.dependent[k]] += s->b[k];
+  }
+  return @_NOT_CONVERGED;
+}
+
+/* Positions of the continuous states, in parts where these are far from the last ones. */
+static int @_find_positions(@ *s) {
+  double done = 0.0, part, most, way = 0.0;
+  int k, tries;
+  memcpy(s->x, s->state.x, sizeof s->x);
+  memcpy(s->good_x, s->state.x, sizeof s->good_x);
+  if (s->state.closed && s->state.time == s->state.at_time && memcmp(s->state.c, s->state.at, sizeof s->state.c) == 0) {
+    @_place(s, 1.0);
+    @_geometry(s);
+    return @_factor(s, 0) ? @_OK : @_SINGULAR;
+  }
+  for (k = 0; k < @_F; ++k) {
+    const double by = fabs(s->state.c[k] - s->state.at[k])/@_coordinate_scale[s->state.independent[k]];
+    if (!(by - by == 0.0)) return @_NOT_FINITE;
+    if (by > way) way = by;
+  }
+  most = way > @_FURTHEST ? @_FURTHEST/way : 1.0;
+  if (most < 1e-4) return @_NOT_CONVERGED; /* thousands of turns away */
+  part = most;
+  for (tries = 0; tries < 20000; ++tries) {
+    const double share = done + part < 1.0 ? done + part : 1.0;
+    int status;
+    memcpy(s->x, s->good_x, sizeof s->x);
+    @_place(s, share);
+    status = @_close(s);
+    if (status == @_OK) {
+      if (share >= 1.0) return @_OK;
+      memcpy(s->good_x, s->x, sizeof s->good_x);
+      done = share;
+      part = 2.0*part < most ? 2.0*part : most;
+    } else {
+      part *= 0.5;
+      if (part < most/1024.0) return status;
+    }
+  }
+  return @_NOT_CONVERGED;
+}
+#else
+static int @_find_positions(@ *s) {
+  memcpy(s->x, s->state.x, sizeof s->x);
+  @_place(s, 1.0);
+  @_geometry(s);
+  return @_all_finite(s->q, @_Q) ? @_OK : @_NOT_FINITE;
+}
+#endif
+
+/* How fast dependent coordinates follow independent ones, and the motions N. */
+static void @_find_motions(@ *s) {
+  double sum = 0.0;
+  int c;
+#if @_R > 0
+  int k, p;
+#endif
+  memset(s->motions, 0, sizeof s->motions);
+  for (c = 0; c < @_F; ++c) {
+    const int j = s->state.independent[c];
+    s->motions[j*@_F + c] = 1.0;
+#if @_R > 0
+    for (p = 0; p < @_R; ++p) s->b[p] = -s->rows_of[p*@_N + j];
+    @_solve(s, s->b);
+    for (k = 0; k < @_R; ++k) {
+      const int i = s->state.dependent[k];
+      const double scaled = s->b[k]*@_weight[j]/@_weight[i];
+      s->motions[i*@_F + c] = s->b[k];
+      sum += scaled*scaled;
+    }
+#endif
+  }
+  s->quality = 1.0/sqrt(1.0 + sum/(@_F > 0 ? @_F : 1));
+}
+
+/* L D L^T of the projected mass, and the accelerations of the independent coordinates. */
+static int @_accelerate(@ *s) {
+  int c, i, j, k;
+  memset(s->momentum, 0, sizeof s->momentum);
+  for (k = 0; k < @_MASS; ++k) {
+    const int row = @_mass_row[k], column = @_mass_column[k];
+    const double m = s->mass[k];
+    for (c = 0; c < @_F; ++c) s->momentum[row*@_F + c] += m*s->motions[column*@_F + c];
+    if (row != column)
+      for (c = 0; c < @_F; ++c) s->momentum[column*@_F + c] += m*s->motions[row*@_F + c];
+  }
+  memset(s->projected, 0, sizeof s->projected);
+  for (c = 0; c < @_F; ++c) s->acceleration[c] = 0.0;
+  for (i = 0; i < @_N; ++i)
+    for (c = 0; c < @_F; ++c) {
+      const double n = s->motions[i*@_F + c];
+      if (n == 0.0) continue;
+      s->acceleration[c] -= n*s->r[i];
+      for (j = 0; j <= c; ++j) s->projected[c*@_F + j] += n*s->momentum[i*@_F + j];
+    }
+  for (c = 0; c < @_F; ++c) {
+    const double least = 1e-14*s->projected[c*@_F + c];
+    double d = s->projected[c*@_F + c];
+    for (j = 0; j < c; ++j) {
+      double l = s->projected[c*@_F + j];
+      for (k = 0; k < j; ++k) l -= s->projected[c*@_F + k]*s->projected[j*@_F + k]*s->projected[k*@_F + k];
+      l /= s->projected[j*@_F + j];
+      s->projected[c*@_F + j] = l;
+      d -= l*l*s->projected[j*@_F + j];
+      s->acceleration[c] -= l*s->acceleration[j];
+    }
+    if (!(d > least)) return @_SINGULAR;
+    s->projected[c*@_F + c] = d;
+  }
+  for (c = 0; c < @_F; ++c) s->acceleration[c] /= s->projected[c*@_F + c];
+  for (c = @_F; c-- > 0;)
+    for (j = c + 1; j < @_F; ++j) s->acceleration[c] -= s->projected[j*@_F + c]*s->acceleration[j];
+  return @_OK;
+}
+
+/* Where rotations of dependent coordinates have gone far, a new reference. */
+static void @_renew_references(@ *s) {
+  int k, c;
+  for (k = 0; k < @_ROTATIONS; ++k) {
+    double *const x = s->x + @_rotation[k];
+    int chosen = 0;
+    for (c = 0; c < @_F; ++c)
+      chosen = chosen || (s->state.independent[c] >= @_rotation[k] && s->state.independent[c] < @_rotation[k] + 3);
+    if (chosen || !(x[0]*x[0] + x[1]*x[1] + x[2]*x[2] > 1.0)) continue;
+    memcpy(s->state.q + @_quaternion[k], s->q + @_quaternion[k], 4*sizeof *s->q);
+    x[0] = x[1] = x[2] = 0.0;
+  }
+}
+
+/* Motion and derivatives of the continuous states at the time; what of it is there already stays. */
+static int @_find_motion(@ *s) {
+  int c, i, k, status;
+  if (s->ready) return s->status;
+  s->ready = 1;
+  s->shown = 0;
+  for (k = 0; k < @_N; ++k) s->v[k] = s->a[k] = 0.0;
+  for (k = 0; k < @_M; ++k) s->multipliers[k] = 0.0;
+  @_origin(s);
+  s->status = @_find_positions(s);
+  if (s->status != @_OK) return s->status;
+  for (k = 0; k < @_F; ++k) s->v[s->state.independent[k]] = s->state.c[@_F + k];
+#if @_R > 0
+  @_motion(s);
+  if (@_ROTATIONS > 0 && !@_factor(s, 0)) return s->status = @_SINGULAR;
+  for (k = 0; k < @_R; ++k) s->b[k] = -s->phi_dot[s->state.row[k]];
+  @_solve(s, s->b);
+  for (k = 0; k < @_R; ++k) s->v[s->state.dependent[k]] = s->b[k];
+#endif
+  @_find_motions(s);
+#if @_R > 0
+  @_motion(s);
+  for (k = 0; k < @_R; ++k) s->b[k] = -s->phi_ddot[s->state.row[k]];
+  @_solve(s, s->b);
+  for (k = 0; k < @_R; ++k) s->a[s->state.dependent[k]] = s->b[k];
+#endif
+  @_motion(s);
+  @_see(s);
+  @_forces(s);
+  @_inertia(s);
+  status = @_accelerate(s);
+  if (status != @_OK) return s->status = status;
+  for (i = 0; i < @_N; ++i)
+    for (c = 0; c < @_F; ++c) {
+      s->a[i] += s->motions[i*@_F + c]*s->acceleration[c];
+      s->r[i] += s->momentum[i*@_F + c]*s->acceleration[c];
+    }
+#if @_R > 0
+  for (k = 0; k < @_R; ++k) s->b[k] = -s->r[s->state.dependent[k]];
+  @_solve_transposed(s, s->b);
+  for (k = 0; k < @_R; ++k) s->multipliers[s->state.row[k]] = s->b[k];
+#endif
+  @_increment_rate(s);
+  @_rates(s);
+  for (k = 0; k < @_F; ++k) {
+    s->derivative[k] = s->x_rate[s->state.independent[k]];
+    s->derivative[@_F + k] = s->acceleration[k];
+  }
+  for (k = 0; k < @_W; ++k) s->derivative[2*@_F + k] = s->w_rate[k];
+  if (!@_all_finite(s->derivative, @_C)) return s->status = @_NOT_FINITE;
+  @_keep_turns(s);
+  for (k = 0; k < @_TURNS; ++k) s->state.z[@_turn[k]] = s->next_z[@_turn[k]];
+  @_renew_references(s);
+  memcpy(s->state.x, s->x, sizeof s->x);
+  memcpy(s->state.at, s->state.c, sizeof s->state.c);
+  s->state.at_time = s->state.time;
+  s->state.closed = 1;
+  return @_OK;
+}
+
+/* The continuous states of positions q and velocities v, counted from there. */
+static void @_take(@ *s) {
+  int k;
+  memcpy(s->state.q, s->q, sizeof s->q);
+  for (k = 0; k < @_N; ++k) s->x[k] = s->state.x[k] = 0.0;
+  for (k = 0; k < @_F; ++k) {
+    const int j = s->state.independent[k], p = @_position_of[j];
+    s->state.c[k] = p < 0 ? 0.0 : s->q[p];
+    s->state.c[@_F + k] = s->v[j];
+  }
+  for (k = 0; k < @_W; ++k)
+    s->state.c[2*@_F + k] = @_remembered[k].held ? s->state.u[@_remembered[k].at] : s->state.z[@_remembered[k].at];
+  memcpy(s->state.at, s->state.c, sizeof s->state.c);
+  s->state.at_time = s->state.time;
+  s->state.closed = 0;
+  s->ready = 0;
+}
+
+/* Chooses dependent coordinates and equations for them, by complete pivoting, at the last positions. Returns whether
+ * there are as many as there should be. */
+static int @_choose(@ *s) {
+  double first = 0.0;
+  int c, i, j, p, count = 0;
+  for (i = 0; i < @_M; ++i)
+    for (j = 0; j < @_N; ++j) s->dense[i*@_N + j] *= @_weight[j]/@_equation_scale[i];
+  for (i = 0; i < @_M; ++i) s->used_row[i] = 0;
+  for (j = 0; j < @_N; ++j) s->used_column[j] = 0;
+  for (p = 0; p < @_R; ++p) {
+    double most = 0.0;
+    int row = -1, column = -1;
+    for (i = 0; i < @_M; ++i)
+      for (j = 0; j < @_N && !s->used_row[i]; ++j)
+        if (!s->used_column[j] && fabs(s->dense[i*@_N + j]) > most) {
+          most = fabs(s->dense[i*@_N + j]);
+          row = i;
+          column = j;
+        }
+    if (p == 0) first = most;
+    if (!(most > 1e-9*first)) return 0;
+    s->used_row[row] = s->used_column[column] = 1;
+    s->state.row[p] = row;
+    s->state.dependent[p] = column;
+    for (i = 0; i < @_M; ++i) {
+      const double factor = s->dense[i*@_N + column]/s->dense[row*@_N + column];
+      if (s->used_row[i] || factor == 0.0) continue;
+      for (j = 0; j < @_N; ++j)
+        if (!s->used_column[j]) s->dense[i*@_N + j] -= factor*s->dense[row*@_N + j];
+    }
+  }
+  for (c = 0; c < @_N; ++c)
+    if (!s->used_column[c] && count < @_F) s->state.independent[count++] = c;
+  return 1;
+}
+
+/* As good as the set that is chosen was when it was chosen. */
+static int @_settle(@ *s) {
+  const int status = @_find_motion(s);
+  if (status == @_OK) s->state.quality = s->quality;
+  return status;
+}
+
+/* Blocks begin with their inputs of now. */
+static int @_begin(@ *s) {
+  int k, status = @_OK;
+  if (s->state.begun) return @_OK;
+  s->state.last_event = -HUGE_VAL;
+  s->state.next_event = @_next_event(s->state.time);
+  s->ready = 0;
+#if @_BLOCKS
+  status = @_settle(s);
+  if (status != @_OK) return status;
+  @_motion(s);
+  @_see(s);
+  @_keep_blocks_fresh(s);
+  memcpy(s->state.u, s->next_u, sizeof s->next_u);
+  for (k = 0; k < @_W; ++k)
+    if (@_remembered[k].held) s->state.c[2*@_F + k] = s->state.u[@_remembered[k].at];
+  s->ready = 0;
+#else
+  (void)k;
+#endif
+  s->state.begun = 1;
+  status = @_settle(s);
+  if (status != @_OK) s->state.begun = 0;
+  return status;
+}
+
+void @_init(@ *s) {
+  memset(s, 0, sizeof *s);
+  s->state.time = @_START_TIME;
+  s->state.last_event = -HUGE_VAL;
+  s->state.next_event = HUGE_VAL;
+  memcpy(s->state.q, @_start_q, sizeof @_start_q);
+  memcpy(s->state.z, @_start_z, sizeof @_start_z);
+  memcpy(s->state.u, @_start_u, sizeof @_start_u);
+  memcpy(s->v, @_start_v, sizeof @_start_v);
+  @_origin(s);
+  @_signals(s, s->state.time);
+  @_geometry(s);
+  s->state.lost = !@_choose(s);
+  @_take(s);
+}
+
+int @_set_input(@ *s, int input, double value) {
+#if @_INPUTS > 0
+  const @_held_input *h;
+  double *u;
+  if (input < 0 || input >= @_INPUTS || !(value - value == 0.0)) return @_NO_SUCH;
+  h = @_held_inputs + input;
+  value = value < h->least ? h->least : value > h->most ? h->most : value;
+  u = s->state.u + h->held;
+  u[0] = value;
+  if (h->linear) u[2] = value;
+  s->ready = 0;
+  return @_OK;
+#else
+  (void)s;
+  (void)input;
+  (void)value;
+  return @_NO_SUCH;
+#endif
+}
+
+int @_set_time(@ *s, double time) {
+  if (!(time - time == 0.0)) return @_NO_SUCH;
+  if (time != s->state.time) s->ready = 0;
+  s->state.time = time;
+  return @_OK;
+}
+
+int @_set_states(@ *s, const double *states) {
+  if (!@_all_finite(states, @_C)) return @_NO_SUCH;
+  if (memcmp(states, s->state.c, @_C*sizeof *states) != 0) s->ready = 0;
+  memcpy(s->state.c, states, @_C*sizeof *states);
+  return @_OK;
+}
+
+static int @_now(@ *s) {
+  const int status = s->state.lost ? @_SINGULAR : @_begin(s);
+  return status == @_OK ? @_find_motion(s) : status;
+}
+
+int @_get_states(@ *s, double *states) {
+  const int status = s->state.lost ? @_SINGULAR : @_begin(s);
+  if (status != @_OK) return status;
+  memcpy(states, s->state.c, @_C*sizeof *states);
+  return @_OK;
+}
+
+int @_get_nominals(const @ *s, double *nominals) {
+  int k;
+  for (k = 0; k < @_F; ++k) {
+    nominals[k] = @_coordinate_scale[s->state.independent[k]];
+    nominals[@_F + k] = @_PACE*nominals[k];
+  }
+  for (k = 2*@_F; k < @_C; ++k) nominals[k] = 1.0;
+  return @_OK;
+}
+
+int @_get_derivatives(@ *s, double *derivatives) {
+  const int status = @_now(s);
+  if (status != @_OK) return status;
+  memcpy(derivatives, s->derivative, @_C*sizeof *derivatives);
+  return @_OK;
+}
+
+int @_get_indicators(@ *s, double *indicators) {
+  const int status = @_now(s);
+  int k, c, count = 0;
+  if (status != @_OK) return status;
+  if (@_R > 0 && @_F > 0) indicators[count++] = s->quality/s->state.quality - @_WORSE;
+  for (k = 0; k < @_ROTATIONS; ++k) {
+    const double *const x = s->state.x + @_rotation[k];
+    double left = 1.0;
+    for (c = 0; c < @_F; ++c)
+      if (s->state.independent[c] >= @_rotation[k] && s->state.independent[c] < @_rotation[k] + 3)
+        left = 1.0 - (x[0]*x[0] + x[1]*x[1] + x[2]*x[2])/@_TURNED;
+    indicators[count++] = left;
+  }
+  return @_OK;
+}
+
+int @_get_outputs(@ *s) {
+  const int status = @_now(s);
+  if (status != @_OK || s->shown) return status;
+  memcpy(s->x, s->state.x, sizeof s->x);
+  @_motion(s);
+  @_see(s);
+  @_forces(s);
+  @_outputs(s);
+  s->shown = 1;
+  return @_OK;
+}
+
+int @_update(@ *s, int *changed) {
+  double indicators[@_INDICATORS + 1];
+  int k, renew = 0, status = @_now(s);
+  *changed = 0;
+  if (status != @_OK) return status;
+  if (s->state.time >= s->state.next_event - 1e-9*(1.0 + fabs(s->state.time))) {
+    s->state.last_event = s->state.next_event;
+    s->state.next_event = @_next_event(s->state.last_event);
+    s->ready = 0;
+    status = @_now(s);
+    if (status != @_OK) return status;
+  }
+  status = @_get_indicators(s, indicators);
+  if (status != @_OK) return status;
+  for (k = 0; k < @_INDICATORS; ++k) renew = renew || indicators[k] <= 0.05;
+  if (!renew) return @_OK;
+  if (!@_choose(s)) return @_SINGULAR;
+  @_take(s);
+  *changed = 1;
+  return @_settle(s);
+}
+
+double @_get_next_event(const @ *s) { return s->state.next_event; }
+double @_time(const @ *s) { return s->state.time; }
+
+void @_save(const @ *s, @_state *state) { *state = s->state; }
+void @_restore(@ *s, const @_state *state) {
+  s->state = *state;
+  s->ready = 0;
+}
+)c";
+
+}  // namespace mimbre::portable

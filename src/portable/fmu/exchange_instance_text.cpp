@@ -1,0 +1,175 @@
+#include "portable/fmu/texts.h"
+
+/// An instance for model exchange, by hand in C99, for both versions of the standard. Constants come before
+/// it: the numbers of states and indicators, and what the model's functions return.
+namespace mimbre::portable {
+
+const char* const fmu_exchange_head_text = R"c(
+/* What was called so far. */
+enum {
+  @_FMU_MADE = 1,
+  @_FMU_STARTS = 2, /* initialization mode */
+  @_FMU_EVENTS = 4, /* event mode */
+  @_FMU_RUNS = 8,   /* continuous-time mode */
+  @_FMU_TERMINATED = 16
+};
+#define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS)
+#define @_FMU_FIXED @_FMU_RUNS /* where parameters cannot be set */
+#define @_FMU_ENDS (@_FMU_EVENTS | @_FMU_RUNS)
+
+/* References: the time; inputs and parameters; outputs; continuous states; their derivatives; event indicators. */
+#define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
+#define @_FMU_FIRST_STATE (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
+#define @_FMU_FIRST_DERIVATIVE (@_FMU_FIRST_STATE + @_FMU_STATES)
+#define @_FMU_FIRST_INDICATOR (@_FMU_FIRST_DERIVATIVE + @_FMU_STATES)
+#define @_FMU_REALS (@_FMU_FIRST_INDICATOR + @_FMU_INDICATORS)
+
+/* With the state of the model all that later calls depend on. */
+typedef struct {
+  double begin; /* the importer's time where the model starts */
+  double first; /* the model's own there */
+  double now;
+  double stop;
+  double given[@_FMU_INPUTS + 1];
+  int mode, spare;
+} @_fmu_progress;
+)c";
+
+const char* const fmu_exchange_text = R"c(
+static void @_fmu_begin(@_fmu *f) {
+  int k;
+  @_init(&f->model);
+  memset(&f->progress, 0, sizeof f->progress);
+  f->progress.mode = @_FMU_MADE;
+  f->progress.stop = HUGE_VAL;
+  f->progress.first = f->progress.begin = f->progress.now = @_time(&f->model);
+  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
+}
+
+static int @_fmu_failed(@_fmu *f, int status) {
+  switch (status) {
+    case @_FMU_NOT_FINITE:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the derivatives of these states are no finite numbers");
+    case @_FMU_SINGULAR:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the mechanism is singular at these states");
+    case @_FMU_DRIFTED:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the loops of the model do not close at these states");
+    default:
+      return @_fmu_tell(f, @_FMU_DISCARD, "no positions of the dependent coordinates belong to these states");
+  }
+}
+
+/* Until it has started, blocks begin anew with what is set. */
+static @ *@_fmu_model(@_fmu *f) {
+  if (f->progress.mode & (@_FMU_MADE | @_FMU_STARTS)) f->model.state.begun = 0;
+  return &f->model;
+}
+
+static int @_fmu_real(@_fmu *f, unsigned long reference, double *value) {
+  double values[@_FMU_STATES + @_FMU_INDICATORS + 1];
+  int status = @_FMU_MODEL_OK;
+  if (reference == 0) {
+    *value = f->progress.now;
+  } else if (reference < @_FMU_FIRST_OUTPUT) {
+    *value = f->progress.given[reference - 1];
+  } else if (reference < @_FMU_FIRST_STATE) {
+    status = @_get_outputs(@_fmu_model(f));
+    if (status == @_FMU_MODEL_OK) *value = f->model.output[reference - @_FMU_FIRST_OUTPUT];
+  } else if (reference < @_FMU_FIRST_DERIVATIVE) {
+    status = @_get_states(@_fmu_model(f), values);
+    if (status == @_FMU_MODEL_OK) *value = values[reference - @_FMU_FIRST_STATE];
+  } else if (reference < @_FMU_FIRST_INDICATOR) {
+    status = @_get_derivatives(@_fmu_model(f), values);
+    if (status == @_FMU_MODEL_OK) *value = values[reference - @_FMU_FIRST_DERIVATIVE];
+  } else {
+    status = @_get_indicators(@_fmu_model(f), values);
+    if (status == @_FMU_MODEL_OK) *value = values[reference - @_FMU_FIRST_INDICATOR];
+  }
+  return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
+}
+
+static int @_fmu_get_counts(const @_fmu *f, const @_fmu_reference *references, size_t count, @_fmu_integer *values) {
+  (void)references;
+  (void)values;
+  return @_fmu_none(f, count);
+}
+
+/* After the initialization. */
+static int @_fmu_run(@_fmu *f) {
+  double derivatives[@_FMU_STATES + 1];
+  int status;
+  if (!@_fmu_turn(f, @_FMU_STARTS)) return @_FMU_ERROR;
+  status = @_get_derivatives(@_fmu_model(f), derivatives);
+  if (status != @_FMU_MODEL_OK) return @_fmu_failed(f, status);
+  f->progress.mode = @_FMU_EVENTS;
+  return @_FMU_OK;
+}
+
+/* Whether there are places for so many numbers. */
+static int @_fmu_places(const @_fmu *f, const void *values, size_t count, size_t wanted) {
+  if (count == wanted && (values || count == 0)) return 1;
+  @_fmu_wrong(f, "there are not as many places as numbers; nothing was done");
+  return 0;
+}
+
+static int @_fmu_update(@_fmu *f, int *changed, int *has_next, double *next) {
+  int status;
+  double event;
+  if (!@_fmu_turn(f, @_FMU_EVENTS)) return @_FMU_ERROR;
+  status = @_update(&f->model, changed);
+  if (status != @_FMU_MODEL_OK) return @_fmu_failed(f, status);
+  event = @_get_next_event(&f->model);
+  *has_next = event < HUGE_VAL;
+  *next = *has_next ? event - f->progress.first + f->progress.begin : 0.0;
+  return @_FMU_OK;
+}
+
+static int @_fmu_set_time(@_fmu *f, double time) {
+  if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
+  if (!@_fmu_finite(time) || !@_fmu_finite(time - f->progress.begin)) return @_fmu_wrong(f, "the time is no finite number");
+  f->progress.now = time;
+  @_set_time(&f->model, f->progress.first + (time - f->progress.begin));
+  return @_FMU_OK;
+}
+
+static int @_fmu_set_states(@_fmu *f, const double *states, size_t count) {
+  size_t k;
+  if (!@_fmu_turn(f, @_FMU_RUNS) || !@_fmu_places(f, states, count, @_FMU_STATES)) return @_FMU_ERROR;
+  for (k = 0; k < count; ++k)
+    if (!@_fmu_finite(states[k])) return @_fmu_wrong(f, "a state is no finite number; nothing was set");
+  if (count > 0) @_set_states(&f->model, states);
+  return @_FMU_OK;
+}
+
+static int @_fmu_get_states(@_fmu *f, double *states, size_t count) {
+  int status;
+  if (!@_fmu_places(f, states, count, @_FMU_STATES)) return @_FMU_ERROR;
+  if (count == 0) return @_FMU_OK;
+  status = @_get_states(@_fmu_model(f), states);
+  return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
+}
+
+static int @_fmu_get_nominals(@_fmu *f, double *nominals, size_t count) {
+  if (!@_fmu_places(f, nominals, count, @_FMU_STATES)) return @_FMU_ERROR;
+  if (count > 0) @_get_nominals(&f->model, nominals);
+  return @_FMU_OK;
+}
+
+static int @_fmu_get_derivatives(@_fmu *f, double *derivatives, size_t count) {
+  int status;
+  if (!@_fmu_places(f, derivatives, count, @_FMU_STATES)) return @_FMU_ERROR;
+  if (count == 0) return @_FMU_OK;
+  status = @_get_derivatives(@_fmu_model(f), derivatives);
+  return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
+}
+
+static int @_fmu_get_indicators(@_fmu *f, double *indicators, size_t count) {
+  int status;
+  if (!@_fmu_places(f, indicators, count, @_FMU_INDICATORS)) return @_FMU_ERROR;
+  if (count == 0) return @_FMU_OK;
+  status = @_get_indicators(@_fmu_model(f), indicators);
+  return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
+}
+)c";
+
+}  // namespace mimbre::portable

@@ -1,0 +1,151 @@
+#include "portable/fmu/texts.h"
+
+/// An instance for co-simulation, by hand in C99, for both versions of the standard. Constants come before
+/// it:
+/// @_FMU_STEP, and what a step of the model returns.
+namespace mimbre::portable {
+
+const char* const fmu_steps_head_text = R"c(
+/* What was called so far. */
+enum {
+  @_FMU_MADE = 1,
+  @_FMU_STARTS = 2,     /* initialization mode */
+  @_FMU_RUNS = 4,       /* step mode */
+  @_FMU_STOPPED = 8,    /* a step could not be made */
+  @_FMU_TERMINATED = 16
+};
+
+#define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)
+#define @_FMU_FIXED 0 /* where parameters cannot be set */
+#define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED)
+
+/* References: the time; inputs and parameters; outputs; counts. */
+#define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
+#define @_FMU_FIRST_COUNT (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
+#define @_FMU_REALS @_FMU_FIRST_COUNT
+enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU_COUNTS };
+
+/* With the state of the model all that later calls depend on. */
+typedef struct {
+  double begin; /* the importer's time where the model starts */
+  double now;   /* where the last step of the importer ended */
+  double stop;
+  double steps;  /* of the model, so far */
+  double weight; /* between the last two of them, where now is between */
+  double given[@_FMU_INPUTS + 1];
+  double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
+  int mode, between, iterations, unconverged;
+} @_fmu_progress;
+)c";
+
+const char* const fmu_steps_text = R"c(
+static void @_fmu_begin(@_fmu *f) {
+  int k;
+  @_init(&f->model);
+  memset(&f->progress, 0, sizeof f->progress);
+  f->progress.mode = @_FMU_MADE;
+  f->progress.stop = HUGE_VAL;
+  f->progress.begin = f->progress.now = @_time(&f->model);
+  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
+}
+
+static double @_fmu_output(@_fmu *f, int output) {
+  const @_fmu_progress *const p = &f->progress;
+  if (!p->between) return @_get_output(&f->model, output);
+  return p->before[output] + p->weight*(p->after[output] - p->before[output]);
+}
+
+static int @_fmu_real(@_fmu *f, unsigned long reference, double *value) {
+  if (reference == 0)
+    *value = f->progress.now;
+  else if (reference < @_FMU_FIRST_OUTPUT)
+    *value = f->progress.given[reference - 1];
+  else
+    *value = @_fmu_output(f, (int)(reference - @_FMU_FIRST_OUTPUT));
+  return @_FMU_OK;
+}
+
+static int @_fmu_count(const @_fmu *f, unsigned long reference) {
+  const @_fmu_progress *const p = &f->progress;
+  switch (reference - @_FMU_FIRST_COUNT) {
+    case @_FMU_COUNT_STEPS:
+      return p->steps < 2147483647.0 ? (int)p->steps : 2147483647;
+    case @_FMU_COUNT_ITERATIONS:
+      return p->iterations;
+    default:
+      return p->unconverged;
+  }
+}
+
+static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t count, @_fmu_integer *values) {
+  size_t k;
+  for (k = 0; k < count; ++k)
+    if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS))
+      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
+  for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
+  return @_FMU_OK;
+}
+
+/* After the initialization. */
+static int @_fmu_run(@_fmu *f) { return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS); }
+
+static void @_fmu_outputs(@_fmu *f, double *values) {
+  int k;
+  for (k = 0; k < @_FMU_OUTPUTS; ++k) values[k] = @_get_output(&f->model, k);
+}
+
+static int @_fmu_step_failed(@_fmu *f, int status) {
+  @_fmu_progress *const p = &f->progress;
+  p->mode = @_FMU_STOPPED;
+  p->between = 0;
+  p->now = p->begin + p->steps*@_FMU_STEP;
+  switch (status) {
+    case @_FMU_NOT_FINITE:
+      return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model gives no finite numbers");
+    case @_FMU_SINGULAR:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the matrix of a step of the model is singular");
+    case @_FMU_DRIFTED:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the loops of the model have come apart in a step");
+    default:
+      return @_fmu_tell(f, @_FMU_DISCARD, "the iterations of a step of the model did not converge");
+  }
+}
+
+/* To from + length: steps of the model until it is there or behind, then between the last two. */
+static int @_fmu_do_step(@_fmu *f, double from, double length) {
+  @_fmu_progress *const p = &f->progress;
+  const double end = from + length;
+  double counted, nearest, target;
+  int whole; /* a whole number of the model's steps */
+  if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
+  if (!@_fmu_finite(from) || !@_fmu_finite(length) || !@_fmu_finite(end))
+    return @_fmu_wrong(f, "the communication point or the step is no finite number");
+  if (!(length > 0.0)) return @_fmu_wrong(f, "the communication step is not positive");
+  if (!(fabs(from - p->now) <= 1e-6*@_FMU_STEP + 1e-12*fabs(p->now)))
+    return @_fmu_wrong(f, "the step does not begin where the last one ended");
+  if (!(end > p->now)) return @_fmu_wrong(f, "the communication step is too short for the time to change");
+  if (end > p->stop + 1e-6*@_FMU_STEP + 1e-12*fabs(p->stop)) return @_fmu_wrong(f, "the step ends behind the stop time");
+  counted = (end - p->begin)/@_FMU_STEP;
+  nearest = floor(counted + 0.5);
+  whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
+  target = whole ? nearest : ceil(counted);
+  if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step is of more than 1e9 steps of the model");
+  if (p->steps < target) p->iterations = 0;
+  while (p->steps < target) {
+    int status;
+    if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
+    status = @_step(&f->model);
+    if (status > @_FMU_UNCONVERGED) return @_fmu_step_failed(f, status);
+    p->steps += 1.0;
+    p->iterations += f->model.iterations;
+    if (status == @_FMU_UNCONVERGED && p->unconverged < 2147483647) ++p->unconverged;
+    if (!whole && p->steps >= target) @_fmu_outputs(f, p->after);
+  }
+  p->between = !whole;
+  p->weight = counted - (p->steps - 1.0);
+  p->now = end;
+  return @_FMU_OK;
+}
+)c";
+
+}  // namespace mimbre::portable

@@ -1,0 +1,55 @@
+#include "portable/time_events.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mimbre::portable {
+namespace {
+
+/// Differences below this share of both values are round-off.
+constexpr double round_off = 1e-9;
+
+/// Value and two derivatives of a piece.
+Jet at(const Pieces::Arrays& p, std::size_t piece, double x) {
+  double v = 0, d = 0, half = 0;
+  const double s = x - p.origins[piece];
+  for (std::size_t i = p.first[piece + 1]; i-- > p.first[piece];) {
+    half = half * s + d;
+    d = d * s + v;
+    v = v * s + p.coefficients[i];
+  }
+  return {v, d, 2 * half};
+}
+
+bool differ(double a, double b) { return std::abs(a - b) > round_off * (std::abs(a) + std::abs(b)); }
+bool breaks(const Jet& before, const Jet& after, bool second) {
+  return differ(before.value, after.value) || differ(before.first, after.first) ||
+         (second && differ(before.second, after.second));
+}
+
+}  // namespace
+
+std::vector<TimeEvent> time_events(const Compiled& m) {
+  std::vector<TimeEvent> all;
+  for (const SignalsData::OfTime& f : m.signals.of_time) {
+    if (!f.function.pieces()) continue;
+    const bool drives =
+        std::any_of(m.drives.begin(), m.drives.end(), [&](const DriveData& d) { return d.slot == f.slot; });
+    const Pieces::Arrays p = f.function.pieces()->arrays();
+    const double start = p.wrap.start, period = p.wrap.period;
+    std::size_t first = 0, last = p.breaks.size();  // pieces at both ends of a period
+    for (std::size_t k = 0; k < p.breaks.size(); ++k) {
+      const double x = p.breaks[k];
+      if (period > 0 && x <= start) first = k + 1;
+      if (period > 0 && x >= start + period) last = std::min(last, k);
+      if (period > 0 && !(x > start && x < start + period)) continue;
+      if (breaks(at(p, k, x), at(p, k + 1, x), drives)) all.push_back({x, period});
+    }
+    if (period > 0 && breaks(at(p, last, start + period), at(p, first, start), drives))
+      all.push_back({start, period});
+  }
+  std::sort(all.begin(), all.end(), [](const TimeEvent& a, const TimeEvent& b) { return a.time < b.time; });
+  return all;
+}
+
+}  // namespace mimbre::portable
