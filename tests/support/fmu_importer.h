@@ -87,12 +87,15 @@ class FmuInstance {
     if (!token) token = library.fmu().token.c_str();
     callbacks_.logger = &FmuInstance::log2;
     callbacks_.environment = this;
-    c_ = library.two() ? library.call<void*>("Instantiate", name, 1, token, "",
+    const bool exchange = library.fmu().kind == FmuOptions::Kind::model_exchange;
+    c_ = library.two() ? library.call<void*>("Instantiate", name, exchange ? 0 : 1, token, "",
                                              static_cast<const FmuCallbacks*>(&callbacks_), 0, 1)
+         : exchange    ? library.call<void*>("InstantiateModelExchange", name, token, "", false, true,
+                                          static_cast<void*>(this), &FmuInstance::log3)
                        : library.call<void*>("InstantiateCoSimulation", name, token, "", false, true, false,
-                                             false, static_cast<const unsigned*>(nullptr), std::size_t{0},
-                                             static_cast<void*>(this), &FmuInstance::log3,
-                                             static_cast<void (*)()>(nullptr));
+                                          false, static_cast<const unsigned*>(nullptr), std::size_t{0},
+                                          static_cast<void*>(this), &FmuInstance::log3,
+                                          static_cast<void (*)()>(nullptr));
   }
   ~FmuInstance() { library_.call<void>("FreeInstance", c_); }
   FmuInstance(const FmuInstance&) = delete;
@@ -185,6 +188,9 @@ class FmuInstance {
                          state);
   }
 
+ protected:
+  const FmuLibrary& library() const { return library_; }
+
  private:
   static void log2(void* of, const char* name, int, const char* category, const char* message, ...) {
     EXPECT_TRUE(name && category);
@@ -199,6 +205,79 @@ class FmuInstance {
   std::string messages_;
   void* c_ = nullptr;
   double last_ = 0;
+};
+
+/// An instance for model exchange.
+class ExchangeInstance : public FmuInstance {
+ public:
+  using FmuInstance::FmuInstance;
+
+  struct Update {
+    int status = fmi_error;
+    bool changed = false, has_next = false;
+    double next = 0;
+  };
+  Update update() {
+    Update out;
+    if (library().two()) {
+      struct {
+        int needed, terminate, nominals, values, has_next;
+        double next;
+      } info{1, 1, 1, 1, 1, 0};
+      out.status = library().call("NewDiscreteStates", handle(), static_cast<void*>(&info));
+      EXPECT_FALSE(info.needed || info.terminate);
+      return {out.status, info.values != 0, info.has_next != 0, info.next};
+    }
+    bool needed = true, terminate = true, nominals = true;
+    out.status = library().call("UpdateDiscreteStates", handle(), &needed, &terminate, &nominals,
+                                &out.changed, &out.has_next, &out.next);
+    EXPECT_FALSE(needed || terminate);
+    return out;
+  }
+  /// Initialization and the first update.
+  Update start_continuous() {
+    start();
+    const Update out = update();
+    EXPECT_EQ(out.status, fmi_ok) << messages();
+    EXPECT_EQ(simple("EnterContinuousTimeMode"), fmi_ok);
+    return out;
+  }
+  Update event() {
+    EXPECT_EQ(simple("EnterEventMode"), fmi_ok);
+    const Update out = update();
+    EXPECT_EQ(out.status, fmi_ok) << messages();
+    EXPECT_EQ(simple("EnterContinuousTimeMode"), fmi_ok);
+    return out;
+  }
+
+  int set_time(double time) { return library().call("SetTime", handle(), time); }
+  int set_states(const std::vector<double>& x) { return set_states(x.data(), x.size()); }
+  int set_states(const double* x, std::size_t count) {
+    return library().call("SetContinuousStates", handle(), x, count);
+  }
+  int read(const std::string& function, double* to, std::size_t count) {
+    return library().call(function, handle(), to, count);
+  }
+  std::vector<double> read(const std::string& function, std::size_t count) {
+    std::vector<double> out(count);
+    EXPECT_EQ(read(function, out.data(), count), fmi_ok) << messages();
+    return out;
+  }
+  std::size_t size() const { return library().fmu().code.states.size(); }
+  std::vector<double> states() { return read("GetContinuousStates", size()); }
+  std::vector<double> nominals() { return read("GetNominalsOfContinuousStates", size()); }
+  std::vector<double> indicators() {
+    return read("GetEventIndicators", static_cast<std::size_t>(library().fmu().code.indicators));
+  }
+  std::string derivatives_function() const {
+    return library().two() ? "GetDerivatives" : "GetContinuousStateDerivatives";
+  }
+  std::vector<double> derivatives() { return read(derivatives_function(), size()); }
+  std::vector<double> derivatives(double time, const std::vector<double>& x) {
+    EXPECT_EQ(set_time(time), fmi_ok);
+    EXPECT_EQ(set_states(x), fmi_ok);
+    return derivatives();
+  }
 };
 
 }  // namespace mimbre::test

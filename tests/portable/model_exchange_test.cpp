@@ -1,0 +1,485 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <pugixml.hpp>
+#include <set>
+
+#include "mimbre/diagnostics.h"
+#include "mimbre/fmu.h"
+#include "mimbre/simulation.h"
+#include "support/fmu_importer.h"
+#include "support/models.h"
+
+/// FMUs for model exchange: their derivatives, integrated here by an explicit rule, against fine runs of the
+/// library; changes of coordinates, events in time, and importers that call wrongly.
+namespace mimbre::test::model_exchange_test {
+namespace {
+
+using testing::HasSubstr;
+using Role = FmuVariable::Role;
+
+constexpr const char* double_pendulum = R"yaml(
+bodies:
+  upper: {mass: 1, inertia: [0.02, 0.02, 0.001], com: [0, 0, -0.4]}
+  lower: {mass: 0.6, inertia: [0.01, 0.01, 0.001], com: [0, 0, -1.1]}
+joints:
+  shoulder: {type: revolute, between: [ground, upper], at: [0, 0, 0], axis: [0, 1, 0], position: 1.2}
+  elbow: {type: revolute, between: [upper, lower], at: [0, 0, -0.8], axis: [0, 1, 0], position: 0.7}
+outputs:
+  - {name: shoulder, joint: shoulder}
+  - {name: elbow, joint: elbow}
+  - {name: tip, acceleration: lower, component: x}
+)yaml";
+
+FmuCode fmu_of(const std::shared_ptr<const Model>& model, int version, const std::string& name) {
+  FmuOptions options;
+  options.kind = FmuOptions::Kind::model_exchange;
+  options.version = version;
+  options.name = name;
+  return generate_fmu(model, {}, options);
+}
+
+unsigned reference(const FmuCode& fmu, const std::string& name) {
+  for (const FmuVariable& v : fmu.variables)
+    if (v.name == name) return v.reference;
+  throw std::runtime_error("no variable " + name);
+}
+
+/// A solver as importers have them: Runge-Kutta's rule with steps of h, events in time at their instants, and
+/// of states at the ends of steps.
+class Solver {
+ public:
+  Solver(const FmuLibrary& library, double h) : f_(library), h_(h) {
+    const ExchangeInstance::Update first = f_.start_continuous();
+    next_ = first.has_next ? first.next : HUGE_VAL;
+    x_ = f_.states();
+  }
+
+  void go_to(double end) {
+    while (time_ < end - 1e-12) {
+      const double to = std::min({time_ + h_, end, next_});
+      step(to - time_);
+      time_ = to;
+      f_.set_time(time_);
+      f_.set_states(x_);
+      const std::vector<double> indicators = f_.indicators();
+      const bool event = std::any_of(indicators.begin(), indicators.end(), [](double z) { return z < 0; });
+      if (event || time_ >= next_) update();
+    }
+  }
+  ExchangeInstance& instance() { return f_; }
+  int changes() const { return changes_; }
+  int times() const { return times_; }
+
+ private:
+  void step(double h) {
+    const auto at = [&](double ahead, const std::vector<double>& k) {
+      std::vector<double> x = x_;
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += ahead * k[i];
+      return f_.derivatives(time_ + ahead, x);
+    };
+    const std::vector<double> a = f_.derivatives(time_, x_), b = at(h / 2, a), c = at(h / 2, b), d = at(h, c);
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+  }
+  void update() {
+    times_ += time_ >= next_ ? 1 : 0;
+    const ExchangeInstance::Update u = f_.event();
+    next_ = u.has_next ? u.next : HUGE_VAL;
+    EXPECT_GT(next_, time_);
+    if (!u.changed) return;
+    ++changes_;
+    x_ = f_.states();
+    for (const double z : f_.indicators()) EXPECT_GT(z, 0);
+  }
+
+  ExchangeInstance f_;
+  double h_, time_ = 0, next_ = HUGE_VAL;
+  std::vector<double> x_;
+  int changes_ = 0, times_ = 0;
+};
+
+/// Outputs of a run with steps of h, every `every` seconds.
+std::vector<std::vector<double>> run(const std::shared_ptr<const Model>& model, const FmuCode& fmu,
+                                     RunOptions options, double end, double every) {
+  options.end = end;
+  options.energies = options.validity = options.warnings = false;
+  Simulation s(model, options);
+  std::vector<Simulation::Channel> channels;
+  for (const GeneratedVariable& o : fmu.code.outputs) {
+    const bool own = std::any_of(s.channels().begin(), s.channels().end(),
+                                 [&](const ChannelInfo& c) { return c.name == o.name; });
+    channels.push_back(s.channel(own ? o.name : "signal." + o.name));
+  }
+  std::vector<std::vector<double>> out;
+  for (double t = 0; t < end + every / 2; t += every) {
+    while (s.time() < t - s.step_size() / 2) EXPECT_TRUE(s.step().ok());
+    out.emplace_back();
+    for (const Simulation::Channel c : channels) out.back().push_back(s.value(c));
+  }
+  return out;
+}
+/// From steps of h and h/2, whose errors are of second order.
+std::vector<std::vector<double>> extrapolated_run(const std::shared_ptr<const Model>& model,
+                                                  const FmuCode& fmu, double h, double end, double every) {
+  RunOptions coarse, fine;
+  coarse.tolerance = fine.tolerance = 1e-10;
+  coarse.step = h;
+  fine.step = h / 2;
+  const auto a = run(model, fmu, coarse, end, every);
+  auto b = run(model, fmu, fine, end, every);
+  for (std::size_t k = 0; k < b.size(); ++k)
+    for (std::size_t i = 0; i < b[k].size(); ++i) b[k][i] += (b[k][i] - a[k][i]) / 3;
+  return b;
+}
+std::vector<std::vector<double>> accurate_run(const std::shared_ptr<const Model>& model, const FmuCode& fmu,
+                                              double end, double every) {
+  RunOptions options;
+  options.accuracy = 1e-11;
+  return run(model, fmu, options, end, every);
+}
+
+/// Largest difference over both of the outputs, by their size or 1.
+double difference(Solver& solver, const std::vector<std::vector<double>>& expected, double every) {
+  double most = 0;
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    solver.go_to(static_cast<double>(k) * every);
+    const std::vector<double> found = solver.instance().outputs();
+    for (std::size_t o = 0; o < found.size(); ++o) {
+      const double off = std::abs(found[o] - expected[k][o]) / std::max(1.0, std::abs(expected[k][o]));
+      most = off <= most ? most : off;
+    }
+  }
+  return most;
+}
+
+class ModelExchange : public testing::TestWithParam<int> {
+ protected:
+  /// Compiled once in a process.
+  const FmuLibrary& library(const std::shared_ptr<const Model>& model, const std::string& name) const {
+    static std::map<std::pair<std::string, int>, std::unique_ptr<FmuLibrary>> made;
+    std::unique_ptr<FmuLibrary>& one = made[{name, GetParam()}];
+    if (!one) one = std::make_unique<FmuLibrary>(fmu_of(model, GetParam(), name), "exchange");
+    return *one;
+  }
+};
+
+/// A loop, controllers, and elements that remember.
+std::shared_ptr<const Model> driven() {
+  return model_of(four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}}) + R"yaml(
+inputs:
+  wanted: {start: 0.2, range: [-1, 1]}
+  wind: {start: 1, hold: linear}
+parameters: {k: {value: 3, tunable: true}}
+signals:
+  angle: {joint: crank}
+  rate: {joint_velocity: crank}
+  gust: {transfer_function: wind, numerator: [1], denominator: [2e-3, 0.05, 1]}
+  servo: {pid: angle, setpoint: wanted, kp: 2, ki: 30, kd: 0.05, filter: 0.04, upper: 2, lower: -2}
+  shown: "2*wanted"
+actuators:
+  motor: {joint: crank, torque: "servo + 0.1*gust - 0.2*rate - 0.1*k*sin(9*t)"}
+hydraulic_dampers:
+  d: {between: [ground, coupler], at: [[0.3, 0, 0.9], [0.3, 0, 0.35]], damping: 20, quadratic: 5, area: 0.5 cm^2, length: 10 cm, bulk_modulus: 1e6}
+bushings:
+  mount:
+    between: [crank, coupler]
+    at: [0.1, 0, 0.3]
+    stiffness: [40, 40, 60, 1, 1, 1]
+    damping: [1, 1, 1, 0.1, 0.1, 0.1]
+    maxwell: [{stiffness: [50, 30, 20, 1, 1, 1], relaxation: 0.03}]
+)yaml");
+}
+
+/// What validators look for.
+TEST_P(ModelExchange, IsDescribedAsTheStandardWantsIt) {
+  const auto model = driven();
+  const FmuCode fmu = fmu_of(model, GetParam(), "driven");
+  const bool two = GetParam() == 2;
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(fmu_description(fmu, *model, true).c_str()));
+  const pugi::xml_node root = document.child("fmiModelDescription");
+  EXPECT_TRUE(root.child("ModelExchange"));
+  EXPECT_FALSE(root.child("CoSimulation"));
+  std::map<std::string, std::string> known;  // by name
+  std::set<std::string> states, derivatives, outputs;
+  int index = 0;
+  for (const pugi::xml_node node : root.child("ModelVariables")) {
+    ++index;
+    const std::string name = node.attribute("name").value();
+    const std::string id = two ? std::to_string(index) : node.attribute("valueReference").value();
+    EXPECT_TRUE(known.emplace(name, id).second) << name;
+    const pugi::xml_node type = two ? node.first_child() : node;
+    if (type.attribute("derivative")) {
+      derivatives.insert(id);
+      EXPECT_TRUE(states.insert(type.attribute("derivative").value()).second);
+      EXPECT_STREQ(node.attribute("causality").value(), "local");
+    }
+    if (std::string(node.attribute("causality").value()) == "output") outputs.insert(id);
+  }
+  EXPECT_EQ(states.size(), fmu.code.states.size());
+  EXPECT_EQ(known["state.1"], *states.begin());
+  const pugi::xml_node structure = root.child("ModelStructure");
+  const auto listed = [&](const pugi::xml_node list, const char* element) {
+    std::set<std::string> all;
+    for (const pugi::xml_node unknown : list.children(element))
+      EXPECT_TRUE(all.insert(unknown.attribute(two ? "index" : "valueReference").value()).second);
+    return all;
+  };
+  const char* const unknown = two ? "Unknown" : nullptr;
+  EXPECT_EQ(listed(two ? structure.child("Outputs") : structure, two ? unknown : "Output"), outputs);
+  EXPECT_EQ(
+      listed(two ? structure.child("Derivatives") : structure, two ? unknown : "ContinuousStateDerivative"),
+      derivatives);
+  std::set<std::string> initial = outputs;
+  initial.insert(states.begin(), states.end());
+  initial.insert(derivatives.begin(), derivatives.end());
+  EXPECT_EQ(listed(two ? structure.child("InitialUnknowns") : structure, two ? unknown : "InitialUnknown"),
+            initial);
+  if (two)
+    EXPECT_EQ(root.attribute("numberOfEventIndicators").as_int(), fmu.code.indicators);
+  else
+    EXPECT_EQ(listed(structure, "EventIndicator").size(), static_cast<std::size_t>(fmu.code.indicators));
+}
+
+TEST_P(ModelExchange, KnowsWhatOutputsShowAtOnce) {
+  const FmuCode fmu = fmu_of(driven(), GetParam(), "driven");
+  const auto of = [&](const std::string& name) { return fmu.variables[reference(fmu, name)]; };
+  EXPECT_EQ(of("shown").dependencies.front(), reference(fmu, "wanted"));
+  EXPECT_EQ(of("angle").dependencies.front(), reference(fmu, "state.1"));
+  EXPECT_FALSE(of("angle").depends_on_all);
+  const FmuCode pendulum = fmu_of(model_of(double_pendulum), GetParam(), "double_pendulum");
+  EXPECT_TRUE(pendulum.variables[reference(pendulum, "tip")].depends_on_all);
+}
+
+TEST_P(ModelExchange, DoublePendulumSwingsAsInTheLibrary) {
+  const auto model = model_of(double_pendulum);
+  const FmuLibrary& of = library(model, "double_pendulum");
+  EXPECT_EQ(of.fmu().code.states.size(), 4u);
+  EXPECT_EQ(of.fmu().code.indicators, 0);
+  EXPECT_EQ(of.fmu().code.states[0].unit, "rad");
+  Solver solver(of, 5e-4);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 2, 0.1), 0.1), 1e-8);
+}
+
+TEST_P(ModelExchange, LoopsControllersAndElementsThatRememberMoveAsInTheLibrary) {
+  const auto model = driven();
+  const FmuLibrary& of = library(model, "driven");
+  Solver solver(of, 1e-4);
+  EXPECT_LE(difference(solver, extrapolated_run(model, of.fmu(), 1e-4, 0.5, 0.05), 0.05), 1e-6);
+}
+
+/// A four-bar that swings over: no coordinate is independent all the way.
+std::shared_ptr<const Model> swinging() {
+  return model_of(R"yaml(
+bodies:
+  crank: {mass: 1, com: [0.25, 0, 0], inertia: [0.01, 0.02, 0.02]}
+  coupler: {mass: 1, com: [0.7, 0, 0.15], inertia: [0.01, 0.02, 0.02]}
+  rocker: {mass: 1, com: [0.95, 0, 0.15], inertia: [0.01, 0.02, 0.02]}
+joints:
+  crank: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0], velocity: 9}
+  crank_pin: {type: revolute, between: [crank, coupler], at: [0.5, 0, 0], axis: [0, 1, 0]}
+  rocker_pin: {type: revolute, between: [coupler, rocker], at: [0.9, 0, 0.3], axis: [0, 1, 0]}
+  rocker: {type: revolute, between: [ground, rocker], at: [1, 0, 0], axis: [0, 1, 0], cut: always}
+outputs:
+  - {name: crank, joint: crank}
+  - {name: rocker, joint: rocker}
+)yaml");
+}
+
+TEST_P(ModelExchange, ChangesCoordinatesWhereTheyBecomeSingular) {
+  const auto model = swinging();
+  const FmuLibrary& of = library(model, "swinging");
+  Solver solver(of, 1e-4);
+  EXPECT_LE(difference(solver, extrapolated_run(model, of.fmu(), 5e-5, 2, 0.1), 0.1), 1e-6);
+  EXPECT_GE(solver.changes(), 2);
+}
+
+/// Rotations are counted from a reference that follows them; a body may fly, which co-simulation leaves out.
+TEST_P(ModelExchange, RotationsGoOnThroughAnyNumberOfTurns) {
+  const auto model = model_of(R"yaml(
+bodies:
+  top: {mass: 1, com: [0, 0, 0.2], inertia: [0.02, 0.03, 0.01]}
+  flier: {mass: 2, com: [1, 0, 0], inertia: [0.1, 0.2, 0.25]}
+joints:
+  ball: {type: spherical, between: [ground, top], at: [0, 0, 0], velocity: [3, 1, 12]}
+  free: {type: floating, between: [ground, flier], at: [1, 0, 0], velocity: [0, 0.2, 1, 0.1, 7, 0.2]}
+outputs:
+  - {name: x, position: top, component: x}
+  - {name: z, position: top, component: z}
+  - {name: flier.x, position: flier, component: x}
+  - {name: flier.spin, angular_velocity: flier, component: x}
+)yaml");
+  const FmuLibrary& of = library(model, "turning");
+  EXPECT_EQ(of.fmu().code.indicators, 2);
+  Solver solver(of, 2e-4);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 2, 0.1), 0.1), 1e-7);
+  EXPECT_GE(solver.changes(), 4);
+}
+
+/// A road drops, another has kinks that come again, and a load has some.
+TEST_P(ModelExchange, KnowsWhenFunctionsOfTimeJump) {
+  const auto model = model_of(R"yaml(
+bodies:
+  front: {mass: 10, inertia: [1, 1, 1], com: [0, 0, 0.3]}
+  rear: {mass: 10, inertia: [1, 1, 1], com: [1, 0, 0.3]}
+joints:
+  front: {type: prismatic, between: [ground, front], at: [0, 0, 0.3], axis: [0, 0, 1]}
+  rear: {type: prismatic, between: [ground, rear], at: [1, 0, 0.3], axis: [0, 0, 1]}
+roads:
+  drop: {over: time, points: [[0, 0], [0.25, 0], [0.25, -0.05], [2, -0.05]]}
+  teeth: {over: time, points: [[0, 0], [0.1, 0.01], [0.2, 0]], repeat: 0.2}
+tyres:
+  front: {on: front, road: drop, stiffness: 2e4, radius: 0.31}
+  rear: {on: rear, road: teeth, stiffness: 2e4, radius: 0.32}
+loads: {push: {on: rear, force: [0, 0, 1], scale: {table: [[0, 0], [0.33, 9], [0.4, 9]], interpolation: linear}}}
+outputs:
+  - {name: z, position: front, component: z}
+  - {name: rear, position: rear, component: z}
+)yaml");
+  const FmuLibrary& of = library(model, "timed");
+  Solver solver(of, 1e-4);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 0.45, 0.05), 0.05), 1e-6);
+  EXPECT_EQ(solver.times(), 6);  // 0.1, 0.2, 0.25, 0.3, 0.33, 0.4
+}
+
+TEST_P(ModelExchange, RefusesWhatHasNoDerivatives) {
+  const auto refusal = [&](const std::string& text) -> std::string {
+    try {
+      fmu_of(model_of(text), GetParam(), "refused");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string slider = R"yaml(
+bodies: {block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}}
+joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]MORE}}
+)yaml";
+  const auto with = [&](const std::string& joint, const std::string& rest) {
+    std::string text = slider;
+    return text.replace(text.find("MORE"), 4, joint) + rest;
+  };
+  EXPECT_EQ(refusal(with("", "")), "");
+  EXPECT_THAT(refusal(with("", "frictions: {base: {joint: guide, force: 3}}")),
+              testing::AllOf(HasSubstr("base"), HasSubstr("friction")));
+  EXPECT_THAT(refusal(with(", drive: {position: place}", "inputs: {place: 0}")),
+              testing::AllOf(HasSubstr("guide"), HasSubstr("input")));
+  EXPECT_THAT(refusal(with("", "signals: {x: {joint: guide}, slow: {rate_limit: x, rising: 2}}")),
+              testing::AllOf(HasSubstr("slow"), HasSubstr("rate_limit")));
+}
+
+TEST_P(ModelExchange, RefusesWrongCalls) {
+  const FmuLibrary& of = library(driven(), "driven");
+  const double nan = std::nan("");
+  ExchangeInstance f(of);
+  const std::size_t n = f.size();
+  std::vector<double> x(n + 1, 0.0);
+  EXPECT_EQ(f.set_time(0), fmi_error);
+  EXPECT_EQ(f.set_states(x.data(), n), fmi_error);
+  EXPECT_EQ(f.simple("EnterContinuousTimeMode"), fmi_error);
+  EXPECT_EQ(f.simple("EnterEventMode"), fmi_error);
+  f.start();
+  EXPECT_EQ(f.set(reference(of.fmu(), "k"), 2), fmi_ok);  // at an event
+  EXPECT_EQ(f.update().status, fmi_ok);
+  EXPECT_EQ(f.set_time(0), fmi_error);
+  EXPECT_EQ(f.simple("EnterContinuousTimeMode"), fmi_ok);
+  EXPECT_EQ(f.update().status, fmi_error);
+  const std::vector<double> before = f.derivatives(), states = f.states();
+  EXPECT_EQ(f.set(reference(of.fmu(), "k"), 1), fmi_error);
+  EXPECT_THAT(f.messages(), HasSubstr("events"));
+  EXPECT_EQ(f.set(reference(of.fmu(), "wanted"), nan), fmi_error);
+  EXPECT_EQ(f.set(reference(of.fmu(), "state.1"), 1), fmi_error);
+  EXPECT_EQ(f.set_time(nan), fmi_error);
+  EXPECT_EQ(f.set_states(states.data(), n - 1), fmi_error);
+  EXPECT_EQ(f.set_states(nullptr, n), fmi_error);
+  std::vector<double> wrong = states;
+  wrong[0] = nan;
+  EXPECT_EQ(f.set_states(wrong), fmi_error);
+  for (const char* function : {"GetContinuousStates", "GetNominalsOfContinuousStates", "GetEventIndicators"})
+    EXPECT_EQ(f.read(function, x.data(), n + 1), fmi_error) << function;
+  EXPECT_EQ(f.read(f.derivatives_function(), x.data(), n + 1), fmi_error);
+  EXPECT_EQ(f.read(f.derivatives_function(), nullptr, n), fmi_error);
+  EXPECT_EQ(f.derivatives(), before);
+  EXPECT_EQ(f.simple("Terminate"), fmi_ok);
+  EXPECT_EQ(f.set_time(1), fmi_error);
+  EXPECT_EQ(f.simple("Reset"), fmi_ok);
+  f.start_continuous();
+  EXPECT_NE(f.derivatives(), std::vector<double>(n, 0.0));
+}
+
+/// Positions that the loop cannot reach: the importer may try a shorter step.
+TEST_P(ModelExchange, DiscardsStatesOutOfReach) {
+  const FmuLibrary& of = library(swinging(), "swinging");
+  ExchangeInstance f(of);
+  f.start_continuous();
+  const std::vector<double> before = f.derivatives(), states = f.states();
+  std::vector<double> far = states, found(f.size());
+  far[0] += 3;
+  EXPECT_EQ(f.set_states(far), fmi_ok);
+  EXPECT_EQ(f.read(f.derivatives_function(), found.data(), f.size()), fmi_discard);
+  EXPECT_THAT(f.messages(), HasSubstr("dependent"));
+  EXPECT_EQ(f.get({reference(of.fmu(), "crank")}, found.data()), fmi_discard);
+  EXPECT_EQ(f.set_states(states), fmi_ok);
+  const std::vector<double> after = f.derivatives();
+  for (std::size_t k = 0; k < f.size(); ++k) EXPECT_NEAR(after[k], before[k], 1e-12 * std::abs(before[k]));
+}
+
+TEST_P(ModelExchange, GoesOnFromSavedStates) {
+  const FmuLibrary& of = library(driven(), "driven");
+  Solver solver(of, 1e-3);
+  solver.go_to(0.1);
+  ExchangeInstance& f = solver.instance();
+  void* state = nullptr;
+  ASSERT_EQ(f.get_state(&state), fmi_ok);
+  const std::vector<double> x = f.states();
+  const auto ahead = [&](ExchangeInstance& g) {
+    std::vector<double> y = g.states();
+    for (double& z : y) z += 1e-3;
+    std::vector<double> out = g.derivatives(0.101, y);
+    y[0] += 1e-3;
+    const std::vector<double> more = g.derivatives(0.102, y);
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+  };
+  const std::vector<double> first = ahead(f);
+  ASSERT_EQ(f.set_state(state), fmi_ok);
+  EXPECT_EQ(f.states(), x);
+  EXPECT_EQ(ahead(f), first);
+  std::vector<char> bytes(f.state_size(state));
+  ASSERT_EQ(f.write_state(state, bytes.data(), bytes.size()), fmi_ok);
+  ExchangeInstance other(of);
+  void* read = nullptr;
+  ASSERT_EQ(other.read_state(bytes.data(), bytes.size(), &read), fmi_ok);
+  ASSERT_EQ(other.set_state(read), fmi_ok);
+  EXPECT_EQ(ahead(other), first);
+}
+
+/// Random calls with wrong arguments, under the sanitizers.
+TEST_P(ModelExchange, StandsHostileImporters) {
+  const FmuCode fmu = fmu_of(driven(), GetParam(), "hostile_exchange");
+  const std::string folder = fmu_sources(fmu, "hostile");
+  const std::string version = std::to_string(GetParam());
+  const std::string flags = "-std=c99 -g -O0 -fsanitize=address,undefined -fno-sanitize-recover=all";
+  if (std::system(("echo 'int main(void){return 0;}' > " + folder + "/probe.c && cc " + flags + " " + folder +
+                   "/probe.c -o " + folder + "/probe > /dev/null 2>&1")
+                      .c_str()) != 0)
+    GTEST_SKIP() << "the compiler has no sanitizers";
+  EXPECT_EQ(
+      printed_by("cc " + flags + " -DFMI=" + version + " -DWRAPPER='\"" + folder + "/fmi" + version +
+                 ".c\"' -DTOKEN='\"" + fmu.token + "\"' -DSTATES=" + std::to_string(fmu.code.states.size()) +
+                 " -I" + folder + " " + MIMBRE_SOURCE_DIR + "/tests/data/fmu/hostile_exchange.c " + folder +
+                 "/hostile_exchange.c -o " + folder + "/hostile -lm"),
+      "");
+  EXPECT_THAT(printed_by(folder + "/hostile 20000"), HasSubstr("calls"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, ModelExchange, testing::Values(2, 3),
+                         [](const testing::TestParamInfo<int>& version) {
+                           return "Fmi" + std::to_string(version.param);
+                         });
+
+}  // namespace
+}  // namespace mimbre::test::model_exchange_test
