@@ -596,7 +596,7 @@ class Model:
             checked_method(method),
             _checks.path("path", path),
             _checks.whole("version", version),
-            _checks.known("kind", kind, ("cs", "me")),
+            _checks.known("kind of FMU", kind, ("cs", "me")),
             _checks.text("name", name),
             _checks.flag("binary_only", binary_only),
         )

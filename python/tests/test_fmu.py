@@ -133,12 +133,18 @@ def test_the_program_writes_the_same_fmu(examples: Path, tmp_path: Path) -> None
         mimbre.Model.from_file(file).fmu(tmp_path / "b.fmu", version=2)
     assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
     program("fmu", file, "-o", tmp_path / "c.fmu", "--fmi", "4", code=2)
-    program("fmu", file, "-o", tmp_path / "c.fmu", "--kind", "me", code=2)
+    program("fmu", file, "-o", tmp_path / "c.fmu", "--kind", "se", code=2)
+    program("fmu", file, "-o", tmp_path / "a.fmu", "--fmi", "2", "--kind", "me")
+    with pytest.warns(UserWarning, match="hinge"):
+        mimbre.Model.from_file(file).fmu(tmp_path / "b.fmu", version=2, kind="me")
+    assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
 
 
 def test_wrong_use_is_refused(pendulum: mimbre.Model, tmp_path: Path) -> None:
     with pytest.raises(mimbre.InputError, match="version 1"):
         pendulum.fmu(tmp_path / "a.fmu", version=1)  # type: ignore[arg-type]
+    with pytest.raises(mimbre.UnknownName, match="cs, me"):
+        pendulum.fmu(tmp_path / "a.fmu", kind="both")  # type: ignore[arg-type]
     with pytest.raises(mimbre.InputError, match="identifier"):
         pendulum.fmu(tmp_path / "a.fmu", name="no name")
     with pytest.raises(mimbre.InputError, match="cannot write"):

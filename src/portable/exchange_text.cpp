@@ -110,6 +110,15 @@ static void @_geometry(@ *s) {
   for (k = 0; k < @_J; ++k) s->dense[@_j_row[k]*@_N + @_j_column[k]] += s->jacobian[k];
 }
 
+#if @_R > 0 || @_VARIES
+/* Of dexp(x) v = v - a x cross v + b x cross (x cross v). */
+static void @_turn_series(const double *x, double *a, double *b) {
+  const double y = x[0]*x[0] + x[1]*x[1] + x[2]*x[2], r = sqrt(y);
+  *a = y < 1e-4 ? 0.5 - y*(1.0/24.0 - y/720.0) : (1.0 - cos(r))/y;
+  *b = y < 1e-4 ? 1.0/6.0 - y*(1.0/120.0 - y/5040.0) : (r - sin(r))/(y*r);
+}
+#endif
+
 #if @_R > 0
 /* A row of the Jacobian by x: g dexp(x) = g − A g × x + B (g × x) × x of rotations. */
 static void @_turn_row(const @ *s, double *row) {
@@ -117,10 +126,9 @@ static void @_turn_row(const @ *s, double *row) {
   for (k = 0; k < @_ROTATIONS; ++k) {
     const double *const x = s->x + @_rotation[k];
     double *const g = row + @_rotation[k];
-    const double y = x[0]*x[0] + x[1]*x[1] + x[2]*x[2], r = sqrt(y);
-    const double a = y < 1e-4 ? 0.5 - y*(1.0/24.0 - y/720.0) : (1.0 - cos(r))/y;
-    const double b = y < 1e-4 ? 1.0/6.0 - y*(1.0/120.0 - y/5040.0) : (r - sin(r))/(y*r);
+    double a, b;
     const double h0 = g[1]*x[2] - g[2]*x[1], h1 = g[2]*x[0] - g[0]*x[2], h2 = g[0]*x[1] - g[1]*x[0];
+    @_turn_series(x, &a, &b);
     g[0] += b*(h1*x[2] - h2*x[1]) - a*h0;
     g[1] += b*(h2*x[0] - h0*x[2]) - a*h1;
     g[2] += b*(h0*x[1] - h1*x[0]) - a*h2;
@@ -299,6 +307,16 @@ static void @_find_motions(@ *s) {
   s->quality = 1.0/sqrt(1.0 + sum/(@_F > 0 ? @_F : 1));
 }
 
+/* By the projected mass, L D L^T. */
+static void @_divide(const @ *s, double *x) {
+  int c, j;
+  for (c = 0; c < @_F; ++c)
+    for (j = 0; j < c; ++j) x[c] -= s->projected[c*@_F + j]*x[j];
+  for (c = 0; c < @_F; ++c) x[c] /= s->projected[c*@_F + c];
+  for (c = @_F; c-- > 0;)
+    for (j = c + 1; j < @_F; ++j) x[c] -= s->projected[j*@_F + c]*x[j];
+}
+
 /* L D L^T of the projected mass, and the accelerations of the independent coordinates. */
 static int @_accelerate(@ *s) {
   int c, i, j, k;
@@ -328,14 +346,11 @@ static int @_accelerate(@ *s) {
       l /= s->projected[j*@_F + j];
       s->projected[c*@_F + j] = l;
       d -= l*l*s->projected[j*@_F + j];
-      s->acceleration[c] -= l*s->acceleration[j];
     }
     if (!(d > least)) return @_SINGULAR;
     s->projected[c*@_F + c] = d;
   }
-  for (c = 0; c < @_F; ++c) s->acceleration[c] /= s->projected[c*@_F + c];
-  for (c = @_F; c-- > 0;)
-    for (j = c + 1; j < @_F; ++j) s->acceleration[c] -= s->projected[j*@_F + c]*s->acceleration[j];
+  @_divide(s, s->acceleration);
   return @_OK;
 }
 
@@ -628,6 +643,148 @@ int @_update(@ *s, int *changed) {
   *changed = 1;
   return @_settle(s);
 }
+
+#if @_VARIES
+static void @_vary_seen(@ *s) {
+#if @_SENSES && @_BLOCKS
+  @_d_sense_rest(s);
+#elif @_SENSES
+  @_d_sense_step(s);
+#endif
+  @_d_forces(s);
+}
+
+/* Positions: from d_x, increments from the reference, to d_q. */
+static void @_vary_positions(@ *s) {
+  int k;
+  for (k = 0; k < @_N; ++k)
+    if (@_position_of[k] >= 0) s->d_q[@_position_of[k]] = s->d_x[k];
+  for (k = 0; k < @_ROTATIONS; ++k) {
+    const double *const x = s->x + @_rotation[k], *const q = s->q + @_quaternion[k], *const d = s->d_x + @_rotation[k];
+    double *const out = s->d_q + @_quaternion[k];
+    double t[3], a, b;
+    const double c0 = x[1]*d[2] - x[2]*d[1], c1 = x[2]*d[0] - x[0]*d[2], c2 = x[0]*d[1] - x[1]*d[0];
+    @_turn_series(x, &a, &b);
+    t[0] = d[0] - a*c0 + b*(x[1]*c2 - x[2]*c1);
+    t[1] = d[1] - a*c1 + b*(x[2]*c0 - x[0]*c2);
+    t[2] = d[2] - a*c2 + b*(x[0]*c1 - x[1]*c0);
+    out[0] = -0.5*(q[1]*t[0] + q[2]*t[1] + q[3]*t[2]);
+    out[1] = 0.5*(q[0]*t[0] + q[2]*t[2] - q[3]*t[1]);
+    out[2] = 0.5*(q[0]*t[1] + q[3]*t[0] - q[1]*t[2]);
+    out[3] = 0.5*(q[0]*t[2] + q[1]*t[1] - q[2]*t[0]);
+  }
+}
+
+/* Event indicators by differences: they are no part of the motion. */
+static int @_vary_indicators(@ *s, const double *states, double *indicators) {
+  const @_state kept = s->state;
+  double size = 0.0, other[@_INDICATORS + 1];
+  int k, status;
+  for (k = 0; k < @_INDICATORS; ++k) indicators[k] = 0.0;
+  for (k = 0; k < @_F; ++k) {
+    const double by = fabs(states[k])/@_coordinate_scale[s->state.independent[k]];
+    if (by > size) size = by;
+  }
+  if (@_INDICATORS == 0 || !(size > 0.0)) return @_OK;
+  size = 1e-5/size;
+  for (k = 0; k < @_F; ++k) s->state.c[k] = kept.c[k] + size*states[k];
+  s->ready = 0;
+  status = @_get_indicators(s, indicators);
+  if (status == @_OK) {
+    for (k = 0; k < @_F; ++k) s->state.c[k] = kept.c[k] - size*states[k];
+    s->ready = 0;
+    status = @_get_indicators(s, other);
+    for (k = 0; k < @_INDICATORS; ++k) indicators[k] = (indicators[k] - other[k])/(2.0*size);
+  }
+  s->state = kept;
+  s->ready = 0;
+  return status;
+}
+
+/* The linear equations of the motion: exact derivatives of what was recorded. */
+int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, double *outputs, double *indicators) {
+  int c, i, k, status = @_now(s);
+  if (status == @_OK && indicators) status = @_vary_indicators(s, states, indicators);
+  if (status == @_OK) status = @_now(s);
+  if (status != @_OK) return status;
+  memcpy(s->x, s->state.x, sizeof s->x);
+  memset(s->d_u, 0, sizeof s->d_u);
+  memset(s->d_z, 0, sizeof s->d_z);
+  memset(s->d_q, 0, sizeof s->d_q);
+  memset(s->d_v, 0, sizeof s->d_v);
+  memset(s->d_a, 0, sizeof s->d_a);
+  memset(s->d_x, 0, sizeof s->d_x);
+  memset(s->d_multipliers, 0, sizeof s->d_multipliers);
+#if @_INPUTS > 0
+  for (k = 0; k < @_INPUTS; ++k) {
+    s->d_u[@_held_inputs[k].held] = inputs[k];
+    if (@_held_inputs[k].linear) s->d_u[@_held_inputs[k].held + 2] = inputs[k];
+  }
+#else
+  (void)inputs;
+#endif
+  for (k = 0; k < @_W; ++k)
+    if (@_remembered[k].held)
+      s->d_u[@_remembered[k].at] = states[2*@_F + k];
+    else
+      s->d_z[@_remembered[k].at] = states[2*@_F + k];
+#if @_BLOCKS
+  @_d_signals_rest(s);
+#else
+  @_d_signals_step(s);
+#endif
+  for (k = 0; k < @_F; ++k) s->d_x[s->state.independent[k]] = states[k];
+#if @_R > 0
+  @_d_motion(s);
+  if (@_ROTATIONS > 0 && !@_factor(s, 1)) return @_SINGULAR;
+  for (k = 0; k < @_R; ++k) {
+    s->b[k] = -s->d_phi[s->state.row[k]];
+    for (i = 0; i < @_N; ++i) s->b[k] -= s->rows_of[k*@_N + i]*s->d_x[i];
+  }
+  @_solve(s, s->b);
+  for (k = 0; k < @_R; ++k) s->d_x[s->state.dependent[k]] = s->b[k];
+  if (@_ROTATIONS > 0 && !@_factor(s, 0)) return @_SINGULAR;
+#endif
+  @_vary_positions(s);
+  for (k = 0; k < @_F; ++k) s->d_v[s->state.independent[k]] = states[@_F + k];
+#if @_R > 0
+  @_d_motion(s);
+  for (k = 0; k < @_R; ++k) s->b[k] = -s->d_phi_dot[s->state.row[k]];
+  @_solve(s, s->b);
+  for (k = 0; k < @_R; ++k) s->d_v[s->state.dependent[k]] = s->b[k];
+#endif
+  @_d_motion(s);
+  @_vary_seen(s);
+  @_d_increment_rate(s);
+  @_d_rates(s);
+#if @_R > 0
+  for (k = 0; k < @_R; ++k) s->b[k] = -s->d_phi_ddot[s->state.row[k]];
+  @_solve(s, s->b);
+  for (k = 0; k < @_R; ++k) s->d_a[s->state.dependent[k]] = s->b[k];
+  for (k = 0; k < @_MASS; ++k) {
+    const int row = @_mass_row[k], column = @_mass_column[k];
+    s->d_r[row] += s->mass[k]*s->d_a[column];
+    if (row != column) s->d_r[column] += s->mass[k]*s->d_a[row];
+  }
+#endif
+  for (c = 0; c < @_F; ++c) s->acceleration[c] = 0.0;
+  for (i = 0; i < @_N; ++i)
+    for (c = 0; c < @_F; ++c) s->acceleration[c] -= s->motions[i*@_F + c]*s->d_r[i];
+  @_divide(s, s->acceleration);
+  for (k = 0; k < @_F; ++k) {
+    derivatives[k] = s->d_x_rate[s->state.independent[k]];
+    derivatives[@_F + k] = s->acceleration[k];
+  }
+  for (k = 0; k < @_W; ++k) derivatives[2*@_F + k] = s->d_w_rate[k];
+  for (i = 0; i < @_N; ++i)
+    for (c = 0; c < @_F; ++c) s->d_a[i] += s->motions[i*@_F + c]*s->acceleration[c];
+  @_d_motion(s);
+  @_vary_seen(s);
+  @_d_outputs(s);
+  for (k = 0; k < @_OUTPUTS; ++k) outputs[k] = s->d_output[k];
+  return @_all_finite(derivatives, @_C) ? @_OK : @_NOT_FINITE;
+}
+#endif
 
 double @_get_next_event(const @ *s) { return s->state.next_event; }
 double @_time(const @ *s) { return s->state.time; }

@@ -83,6 +83,7 @@ class ExchangeGenerator {
     out_.name = name_;
     out_.step = method_.step;
     out_.left_out = recorded_->left_out;
+    out_.varies = recorded_->without_variations.empty();
     name_variables(m_, mechanism_.state, *recorded_, out_);
     name_states();
     const PhaseCode phases = write_phases(recorded_->program, name_);
@@ -243,6 +244,24 @@ class ExchangeGenerator {
     for (const Memory memory : {Memory::slot, Memory::rate, Memory::second, Memory::jacobian, Memory::mass,
                                 Memory::state_rate, Memory::output})
       s.add(name_of(memory), size_of(memory));
+    if (recorded_->without_variations.empty()) {
+      for (const auto& [member, size] : {std::pair("d_q", long{m_.positions}),
+                                         {"d_v", n},
+                                         {"d_a", n},
+                                         {"d_x", n},
+                                         {"d_x_rate", n},
+                                         {"d_r", n},
+                                         {"d_multipliers", m},
+                                         {"d_phi", m},
+                                         {"d_phi_dot", m},
+                                         {"d_phi_ddot", m},
+                                         {"d_u", long(std::ssize(m_.signals.start))},
+                                         {"d_z", long(std::ssize(m_.states))}})
+        s.add(member, size);
+      for (const Memory memory :
+           {Memory::d_slot, Memory::d_rate, Memory::d_second, Memory::d_state_rate, Memory::d_output})
+        s.add(name_of(memory), size_of(memory));
+    }
     s.text += "  double quality;\n";
     ++s.doubles;
     s.add_ints("pivot", r);
@@ -292,21 +311,30 @@ class ExchangeGenerator {
         "which "
         "motions are found. */\ntypedef struct {{\n  {1}_state state;\n{2}}} {1};\n\n",
         state.text, name_, work.text);
+    const std::string vary =
+        out_.varies ? "/* How derivatives, outputs and, unless NULL, event indicators vary where states and "
+                      "inputs do so. */\n"
+                      "int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, "
+                      "double *outputs,\n            double *indicators);\n"
+                    : "";
     h += named(
-        "/* The model where it starts. */\nvoid @_init(@ *s);\n"
-        "/* An input or a parameter from now on; kept within its range. Before the start: state.begun = 0. "
-        "*/\n"
-        "int @_set_input(@ *s, int input, double value);\n"
-        "int @_set_time(@ *s, double time);\nint @_set_states(@ *s, const double *states);\n"
-        "int @_get_states(@ *s, double *states);\nint @_get_nominals(const @ *s, double *nominals);\n"
-        "int @_get_derivatives(@ *s, double *derivatives);\n"
-        "/* They are positive; where one becomes negative, @_update has to be called. */\n"
-        "int @_get_indicators(@ *s, double *indicators);\n"
-        "/* At an event. `changed`: whether the continuous states are others now. */\n"
-        "int @_update(@ *s, int *changed);\n"
-        "/* HUGE_VAL: there is none. */\ndouble @_get_next_event(const @ *s);\n"
-        "/* Writes s->output. */\nint @_get_outputs(@ *s);\ndouble @_time(const @ *s);\n"
-        "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
+        std::string(
+            "/* The model where it starts. */\nvoid @_init(@ *s);\n"
+            "/* An input or a parameter from now on; kept within its range. Before the start: state.begun = "
+            "0. "
+            "*/\n"
+            "int @_set_input(@ *s, int input, double value);\n"
+            "int @_set_time(@ *s, double time);\nint @_set_states(@ *s, const double *states);\n"
+            "int @_get_states(@ *s, double *states);\nint @_get_nominals(const @ *s, double *nominals);\n"
+            "int @_get_derivatives(@ *s, double *derivatives);\n"
+            "/* They are positive; where one becomes negative, @_update has to be called. */\n"
+            "int @_get_indicators(@ *s, double *indicators);\n"
+            "/* At an event. `changed`: whether the continuous states are others now. */\n"
+            "int @_update(@ *s, int *changed);\n") +
+            vary +
+            "/* HUGE_VAL: there is none. */\ndouble @_get_next_event(const @ *s);\n"
+            "/* Writes s->output. */\nint @_get_outputs(@ *s);\ndouble @_time(const @ *s);\n"
+            "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
         name_);
     h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
@@ -334,6 +362,7 @@ class ExchangeGenerator {
     define("TURNS", std::ssize(turns()));
     define("EVENTS", std::ssize(time_events(m_)));
     if (name_ != upper()) define("INDICATORS", upper() + "_INDICATORS");
+    define("VARIES", long{recorded_->without_variations.empty()});
     define("SENSES", long{recorded_->senses});
     define("BLOCKS", long{recorded_->blocks});
     define("START_TIME", literal(mechanism_.state.time));

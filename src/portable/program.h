@@ -46,6 +46,24 @@ enum class Memory {
   mass,            ///< entry by entry, the lower triangle
   increment_rate,  ///< of x
   state_rate,      ///< of what force elements and signals remember
+  // How numbers vary along a direction: those that others vary with, and those that vary.
+  d_q,
+  d_v,
+  d_a,
+  d_multipliers,
+  d_held,
+  d_states,
+  d_increment,
+  d_slot,
+  d_rate,
+  d_second,
+  d_phi,
+  d_phi_dot,
+  d_phi_ddot,
+  d_residual,
+  d_increment_rate,
+  d_state_rate,
+  d_output,
   count
 };
 inline constexpr std::size_t memories = static_cast<std::size_t>(Memory::count);

@@ -13,6 +13,7 @@
 #include "linalg/block_factor_impl.h"
 #include "outputs/frame_angles.h"
 #include "portable/continuous_rates.h"
+#include "portable/differentiate.h"
 #include "signals/blocks/table.h"
 #include "signals/sensors.h"
 #include "spec/output_kind.h"
@@ -90,6 +91,7 @@ class Recorder {
     record_mass();
     record_retract();
     record_increment_rate();
+    record_variations(looks.back());
     return std::move(out_);
   }
 
@@ -447,6 +449,21 @@ class Recorder {
     relative::increment_rate<T>(m_, x.data(), v_.data(), rate.data());
     for (std::size_t k = 0; k < rate.size(); ++k)
       p_.store(Memory::increment_rate, static_cast<int>(k), rate[k]);
+  }
+
+  /// How all of that varies, where this is known.
+  void record_variations(Instant at) {
+    const std::string name = instant_names[static_cast<std::size_t>(at)];
+    std::vector<std::string> phases{"signals_" + name, "motion"};
+    if (out_->senses) phases.push_back("sense_" + name);
+    for (const char* other : {"forces", "rates", "outputs", "increment_rate"}) phases.emplace_back(other);
+    const std::size_t before = p_.phases.size();
+    try {
+      differentiate(p_, phases, {origin_});
+    } catch (const NotRecordable& reason) {
+      p_.phases.resize(before);
+      out_->without_variations = reason.what();
+    }
   }
 
   void add_rate(bool held, int at, const T& rate, const std::string& meaning) {

@@ -181,7 +181,10 @@ class Writer {
 
   void write_phase(std::size_t p) {
     const Phase& phase = program_.phases[p];
-    const std::vector<int> all(live_[p].begin(), live_[p].end());
+    // Parts come next to their calls.
+    std::vector<int> all(live_[p].begin(), live_[p].end());
+    const auto place = [&](int k) { return node(k).op == Op::part ? node(k).a : k; };
+    std::stable_sort(all.begin(), all.end(), [&](int a, int b) { return place(a) < place(b); });
     // Functions, each from a node on.
     std::vector<std::size_t> begins{0};
     for (std::size_t k = 0; k < all.size(); ++k)

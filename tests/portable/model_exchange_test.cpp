@@ -193,6 +193,23 @@ bushings:
 )yaml");
 }
 
+/// A top, and a body that flies.
+std::shared_ptr<const Model> turning() {
+  return model_of(R"yaml(
+bodies:
+  top: {mass: 1, com: [0, 0, 0.2], inertia: [0.02, 0.03, 0.01]}
+  flier: {mass: 2, com: [1, 0, 0], inertia: [0.1, 0.2, 0.25]}
+joints:
+  ball: {type: spherical, between: [ground, top], at: [0, 0, 0], velocity: [3, 1, 12]}
+  free: {type: floating, between: [ground, flier], at: [1, 0, 0], velocity: [0, 0.2, 1, 0.1, 7, 0.2]}
+outputs:
+  - {name: x, position: top, component: x}
+  - {name: z, position: top, component: z}
+  - {name: flier.x, position: flier, component: x}
+  - {name: flier.spin, angular_velocity: flier, component: x}
+)yaml");
+}
+
 /// What validators look for.
 TEST_P(ModelExchange, IsDescribedAsTheStandardWantsIt) {
   const auto model = driven();
@@ -299,19 +316,7 @@ TEST_P(ModelExchange, ChangesCoordinatesWhereTheyBecomeSingular) {
 
 /// Rotations are counted from a reference that follows them; a body may fly, which co-simulation leaves out.
 TEST_P(ModelExchange, RotationsGoOnThroughAnyNumberOfTurns) {
-  const auto model = model_of(R"yaml(
-bodies:
-  top: {mass: 1, com: [0, 0, 0.2], inertia: [0.02, 0.03, 0.01]}
-  flier: {mass: 2, com: [1, 0, 0], inertia: [0.1, 0.2, 0.25]}
-joints:
-  ball: {type: spherical, between: [ground, top], at: [0, 0, 0], velocity: [3, 1, 12]}
-  free: {type: floating, between: [ground, flier], at: [1, 0, 0], velocity: [0, 0.2, 1, 0.1, 7, 0.2]}
-outputs:
-  - {name: x, position: top, component: x}
-  - {name: z, position: top, component: z}
-  - {name: flier.x, position: flier, component: x}
-  - {name: flier.spin, angular_velocity: flier, component: x}
-)yaml");
+  const auto model = turning();
   const FmuLibrary& of = library(model, "turning");
   EXPECT_EQ(of.fmu().code.indicators, 2);
   Solver solver(of, 2e-4);
@@ -425,6 +430,90 @@ TEST_P(ModelExchange, DiscardsStatesOutOfReach) {
   EXPECT_EQ(f.set_states(states), fmi_ok);
   const std::vector<double> after = f.derivatives();
   for (std::size_t k = 0; k < f.size(); ++k) EXPECT_NEAR(after[k], before[k], 1e-12 * std::abs(before[k]));
+}
+
+std::vector<unsigned> references(const FmuCode& fmu, std::set<Role> roles) {
+  std::vector<unsigned> out;
+  for (const FmuVariable& v : fmu.variables)
+    if (roles.contains(v.role)) out.push_back(v.reference);
+  return out;
+}
+
+/// Derivatives, outputs and indicators along random directions of states and inputs, by differences of
+/// fourth order; largest difference by the size of each.
+double difference_of_directions(ExchangeInstance& f, const FmuCode& fmu, double step) {
+  const std::vector<double> x = f.states(), nominals = f.nominals();
+  const std::vector<unsigned> inputs = references(fmu, {Role::input}),
+                              states = references(fmu, {Role::state});
+  const std::vector<unsigned> unknowns = references(fmu, {Role::derivative, Role::output, Role::indicator});
+  std::vector<unsigned> knowns = states;
+  knowns.insert(knowns.end(), inputs.begin(), inputs.end());
+  std::vector<double> given;
+  for (const unsigned input : inputs) given.push_back(f.get(input));
+  double most = 0;
+  for (int direction = 0; direction < 6; ++direction) {
+    std::vector<double> seed, exact(unknowns.size());
+    for (std::size_t k = 0; k < knowns.size(); ++k)
+      seed.push_back(std::sin(1.7 * static_cast<double>(k) + direction) * (k < x.size() ? nominals[k] : 1));
+    EXPECT_EQ(f.vary(unknowns, knowns, seed, exact.data()), fmi_ok) << f.messages();
+    const auto at = [&](double ahead) {
+      std::vector<double> y = x, out(unknowns.size());
+      for (std::size_t k = 0; k < x.size(); ++k) y[k] += ahead * seed[k];
+      for (std::size_t k = 0; k < inputs.size(); ++k)
+        EXPECT_EQ(f.set(inputs[k], given[k] + ahead * seed[x.size() + k]), fmi_ok);
+      EXPECT_EQ(f.set_states(y), fmi_ok);
+      if (fmu.version == 3) {
+        EXPECT_EQ(f.get(unknowns, out.data()), fmi_ok) << f.messages();
+        return out;
+      }
+      for (std::size_t k = 0; k < unknowns.size(); ++k)
+        if (fmu.variables[unknowns[k]].role != Role::indicator) out[k] = f.get(unknowns[k]);
+      return out;
+    };
+    const std::vector<double> a = at(step), b = at(-step), c = at(2 * step), d = at(-2 * step);
+    at(0);
+    for (std::size_t k = 0; k < unknowns.size(); ++k) {
+      if (fmu.version == 2 && fmu.variables[unknowns[k]].role == Role::indicator) continue;
+      const double found = (8 * (a[k] - b[k]) - (c[k] - d[k])) / (12 * step);
+      const double off = std::abs(found - exact[k]) / std::max(1.0, std::abs(exact[k]));
+      EXPECT_LE(off, 1e-4) << fmu.variables[unknowns[k]].name << " " << found << " " << exact[k];
+      most = off <= most ? most : off;
+    }
+  }
+  return most;
+}
+
+TEST_P(ModelExchange, DirectionalDerivativesAreThoseOfDifferences) {
+  for (const auto& [model, name, tolerance] : {std::tuple(model_of(double_pendulum), "double_pendulum", 1e-9),
+                                               {driven(), "driven", 1e-7},
+                                               {swinging(), "swinging", 1e-8},
+                                               {turning(), "turning", 1e-8}}) {
+    SCOPED_TRACE(name);
+    const FmuLibrary& of = library(model, name);
+    EXPECT_TRUE(of.fmu().code.varies);
+    Solver solver(of, 5e-4);
+    solver.go_to(0.15);
+    EXPECT_LE(difference_of_directions(solver.instance(), of.fmu(), 1e-4), tolerance);
+  }
+}
+
+TEST_P(ModelExchange, RefusesWrongDirections) {
+  const FmuLibrary& of = library(driven(), "driven");
+  const unsigned state = reference(of.fmu(), "state.1"), rate = reference(of.fmu(), "der(state.1)"),
+                 speed = reference(of.fmu(), "state.2");
+  ExchangeInstance f(of);
+  double result = 7;
+  EXPECT_EQ(f.vary({rate}, {speed}, {1}, &result), fmi_error);
+  f.start_continuous();
+  EXPECT_EQ(f.vary({state}, {speed}, {1}, &result), fmi_error);
+  EXPECT_EQ(f.vary({rate}, {rate}, {1}, &result), fmi_error);
+  EXPECT_EQ(f.vary({rate}, {0}, {1}, &result), fmi_error);
+  EXPECT_EQ(f.vary({rate}, {4000000000u}, {1}, &result), fmi_error);
+  EXPECT_EQ(f.vary({rate}, {speed}, {std::nan("")}, &result), fmi_error);
+  EXPECT_EQ(f.vary({rate}, {speed}, {1}, nullptr), fmi_error);
+  EXPECT_EQ(result, 7);
+  EXPECT_EQ(f.vary({rate}, {speed}, {3}, &result), fmi_ok);
+  EXPECT_EQ(result, 3);
 }
 
 TEST_P(ModelExchange, GoesOnFromSavedStates) {

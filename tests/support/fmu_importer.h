@@ -269,6 +269,17 @@ class ExchangeInstance : public FmuInstance {
   std::vector<double> indicators() {
     return read("GetEventIndicators", static_cast<std::size_t>(library().fmu().code.indicators));
   }
+  /// How unknowns vary where knowns vary by the seed.
+  int vary(const std::vector<unsigned>& unknowns, const std::vector<unsigned>& knowns,
+           const std::vector<double>& seed, double* result) {
+    const unsigned *u = unknowns.data(), *k = knowns.data();
+    const double* s = seed.data();
+    if (library().two())
+      return library().call("GetDirectionalDerivative", handle(), u, unknowns.size(), k, knowns.size(), s,
+                            result);
+    return library().call("GetDirectionalDerivative", handle(), u, unknowns.size(), k, knowns.size(), s,
+                          seed.size(), result, unknowns.size());
+  }
   std::string derivatives_function() const {
     return library().two() ? "GetDerivatives" : "GetContinuousStateDerivatives";
   }

@@ -85,6 +85,8 @@ class Description {
     if (exchange())
       set(kind, two() ? "completedIntegratorStepNotNeeded" : "needsCompletedIntegratorStep",
           std::string(two() ? "true" : "false"));
+    if (exchange() && fmu_.code.varies)
+      set_true(kind, {two() ? "providesDirectionalDerivative" : "providesDirectionalDerivatives"});
     else
       set_true(kind, {"canHandleVariableCommunicationStepSize"});
     if (!two()) {

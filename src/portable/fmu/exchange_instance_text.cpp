@@ -170,6 +170,54 @@ static int @_fmu_get_indicators(@_fmu *f, double *indicators, size_t count) {
   status = @_get_indicators(@_fmu_model(f), indicators);
   return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
 }
+
+/* How unknowns (derivatives, outputs, event indicators) vary where knowns (states, inputs) vary by the seed. */
+static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
+                      size_t known_count, const double *seed, double *result) {
+#if @_FMU_VARIES
+  double states[@_FMU_STATES + 1], inputs[@_FMU_INPUTS + 1];
+  double derivatives[@_FMU_STATES + 1], outputs[@_FMU_OUTPUTS + 1], indicators[@_FMU_INDICATORS + 1];
+  size_t k;
+  int status, wanted = 0; /* indicators */
+  if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS | @_FMU_TERMINATED)) return @_FMU_ERROR;
+  if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
+    return @_fmu_wrong(f, "references, the seed or places for the result are missing");
+  memset(states, 0, sizeof states);
+  memset(inputs, 0, sizeof inputs);
+  for (k = 0; k < unknown_count; ++k) {
+    const int indicator = @_fmu_known(unknowns[k], @_FMU_FIRST_INDICATOR, @_FMU_INDICATORS);
+    wanted = wanted || indicator;
+    if (!indicator && !@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) &&
+        !@_fmu_known(unknowns[k], @_FMU_FIRST_DERIVATIVE, @_FMU_STATES))
+      return @_fmu_wrong(f, "an unknown is no derivative, no output and no event indicator; nothing was read");
+  }
+  for (k = 0; k < known_count; ++k) {
+    const int input = @_fmu_known(knowns[k], 1, @_FMU_INPUTS);
+    if (!input && !@_fmu_known(knowns[k], @_FMU_FIRST_STATE, @_FMU_STATES))
+      return @_fmu_wrong(f, "a known is no input and no state; nothing was read");
+    if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is no finite number; nothing was read");
+    if (input)
+      inputs[knowns[k] - 1] += seed[k];
+    else
+      states[knowns[k] - @_FMU_FIRST_STATE] += seed[k];
+  }
+  status = @_vary(@_fmu_model(f), states, inputs, derivatives, outputs, wanted ? indicators : NULL);
+  if (status != @_FMU_MODEL_OK) return @_fmu_failed(f, status);
+  for (k = 0; k < unknown_count; ++k)
+    result[k] = unknowns[k] < @_FMU_FIRST_STATE       ? outputs[unknowns[k] - @_FMU_FIRST_OUTPUT]
+                : unknowns[k] < @_FMU_FIRST_INDICATOR ? derivatives[unknowns[k] - @_FMU_FIRST_DERIVATIVE]
+                                                      : indicators[unknowns[k] - @_FMU_FIRST_INDICATOR];
+  return @_FMU_OK;
+#else
+  (void)unknowns;
+  (void)unknown_count;
+  (void)knowns;
+  (void)known_count;
+  (void)seed;
+  (void)result;
+  return @_fmu_wrong(f, "the FMU has no directional derivatives");
+#endif
+}
 )c";
 
 }  // namespace mimbre::portable

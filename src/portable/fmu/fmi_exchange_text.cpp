@@ -57,17 +57,10 @@ typedef struct {
   return @_FMU_OF(c, @_fmu_get_nominals((@_fmu *)c, nominals, count));
 }
 
-/* What the model description says the FMU cannot do. */
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                                      size_t unknown_count, const fmi2ValueReference knowns[],
                                                      size_t known_count, const fmi2Real seed[], fmi2Real result[]) {
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)result;
-  return @_FMU_OF(c, @_fmu_wrong((@_fmu *)c, "the FMU has no directional derivatives"));
+  return @_FMU_OF(c, @_fmu_vary((@_fmu *)c, unknowns, unknown_count, knowns, known_count, seed, result));
 }
 )c";
 
@@ -156,18 +149,15 @@ const char* const fmi3_exchange_text = R"c(
   return fmi3OK;
 }
 
-/* What the model description says the FMU cannot do. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)seed_count;
-  (void)result;
-  (void)result_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+  @_fmu *const f = (@_fmu *)instance;
+  if (!f) return fmi3Error;
+  if (seed_count != known_count || result_count != unknown_count)
+    return (fmi3Status)@_fmu_wrong(f, "there have to be as many seeds as knowns and as many results as unknowns");
+  return (fmi3Status)@_fmu_vary(f, unknowns, unknown_count, knowns, known_count, seed, result);
 }
+
+/* What the model description says the FMU cannot do. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
   (void)vr;
   (void)number;

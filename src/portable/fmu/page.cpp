@@ -25,6 +25,46 @@ std::string range(const FmuVariable& v) {
   return std::isfinite(v.min) || std::isfinite(v.max) ? end(v.min) + " to " + end(v.max) : std::string();
 }
 
+const char* kind(FmuVariable::Role role) {
+  using Role = FmuVariable::Role;
+  switch (role) {
+    case Role::time:
+      return "";
+    case Role::input:
+      return "input";
+    case Role::parameter:
+      return "tunable parameter";
+    case Role::state:
+      return "state: ";
+    case Role::derivative:
+      return "derivative";
+    case Role::indicator:
+      return "event indicator: ";
+    default:
+      return "output: ";
+  }
+}
+
+std::string text_of_steps(const FmuCode& fmu) {
+  return fmt::format(
+      "<p>Communication steps may have any positive length. At whole multiples of {0} s outputs are those of "
+      "the model, "
+      "exactly. Elsewhere the model has gone on to the end of its step: outputs are on the straight line "
+      "between the "
+      "last two of its instants, off by {1:.3g} s² times their second derivative at most, and inputs count "
+      "from the end "
+      "of that step on.</p>\n",
+      fmu.code.step, fmu.code.step * fmu.code.step / 8);
+}
+
+std::string text_of_exchange() {
+  return "<p>The importer's solver makes the steps. States are independent coordinates, their rates, and "
+         "what "
+         "controllers and force elements remember. Where an event indicator becomes negative, an event "
+         "chooses "
+         "other coordinates; functions of time announce their jumps and kinks.</p>\n";
+}
+
 /// A field of CSV.
 std::string field(const std::string& text) {
   std::string out = "\"";
@@ -36,6 +76,7 @@ std::string field(const std::string& text) {
 
 std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& method) {
   using Role = FmuVariable::Role;
+  const bool exchange = fmu.kind == FmuOptions::Kind::model_exchange;
   const std::string title = escaped(model.spec().title.empty() ? fmu.code.name : model.spec().title);
   std::string page = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
@@ -43,29 +84,18 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
       "sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
       "1rem}}table{{border-collapse:collapse}}td,th{{padding:"
       ".2rem .8rem;border-bottom:1px solid #ccc;text-align:left}}</style></head>\n<body><h1>{0}</h1>\n"
-      "<p>FMI {1}.0, co-simulation. Made by mimbre {2} as C99: {3}. Steps of {4} s with a fixed cost, {5} "
-      "operations "
-      "at most; {6} bytes an instance.</p>\n",
-      title, fmu.version, escaped(build_info().version), escaped(method), fmu.code.step, fmu.code.operations,
+      "<p>FMI {1}.0, {2}. Made by mimbre {3} as C99{4}; {5} bytes an instance.</p>\n",
+      title, fmu.version, exchange ? "model exchange" : "co-simulation", escaped(build_info().version),
+      exchange ? std::string()
+               : fmt::format(": {}. Steps of {} s with a fixed cost, {} operations at most", escaped(method),
+                             fmu.code.step, fmu.code.operations),
       fmu.code.bytes);
-  page += fmt::format(
-      "<p>Communication steps may have any positive length. At whole multiples of {0} s outputs are those of "
-      "the model, "
-      "exactly. Elsewhere the model has gone on to the end of its step: outputs are on the straight line "
-      "between the "
-      "last two of its instants, off by {1:.3g} s² times their second derivative at most, and inputs count "
-      "from the end "
-      "of that step on.</p>\n",
-      fmu.code.step, fmu.code.step * fmu.code.step / 8);
+  page += exchange ? text_of_exchange() : text_of_steps(fmu);
   page += "<table><tr><th>variable</th><th>unit</th><th>what it is</th><th>start</th><th>range</th></tr>\n";
   for (const FmuVariable& v : fmu.variables) {
     const bool starts = v.role == Role::input || v.role == Role::parameter;
     page += fmt::format("<tr><td>{}</td><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>\n",
-                        escaped(v.name), escaped(v.unit),
-                        v.role == Role::input       ? "input"
-                        : v.role == Role::parameter ? "tunable parameter"
-                        : v.role == Role::time      ? ""
-                                                    : "output: ",
+                        escaped(v.name), escaped(v.unit), kind(v.role),
                         v.role == Role::input || v.role == Role::parameter ? "" : escaped(v.meaning),
                         starts ? fmt::format("{}", v.start) : "", range(v));
   }

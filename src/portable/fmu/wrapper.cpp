@@ -47,6 +47,7 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   if (exchange) {
     define("STATES", fmt::format("{}", fmu.code.states.size()));
     define("INDICATORS", fmt::format("{}", fmu.code.indicators));
+    define("VARIES", fmu.code.varies ? "1" : "0");
     define("MODEL_OK", upper + "_OK");
   } else {
     define("STEP", upper + "_STEP");
