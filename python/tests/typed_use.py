@@ -19,6 +19,8 @@ sim: mimbre.Simulation = model.simulation(step=0.01)
 sim.step()
 sim.input("u").value = 1.0
 model.fmu("typed.fmu", version=2, step=0.01).unlink()
+model.fmu("typed.fmu", kind="me").unlink()
+model.fmu("typed.fmu", kind="both")  # type: ignore[arg-type]
 model.fmu("typed.fmu", version=1)  # type: ignore[arg-type]
 model.generate("code").unlink()
 state: bytes = sim.clone().save()

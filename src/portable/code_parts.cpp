@@ -22,6 +22,14 @@ std::string identifier(const std::string& text) {
 }
 
 void check_identifier(const std::string& name) {
+  // The words of C99 that a model may be called; what it declares would not compile.
+  static const std::set<std::string> words{
+      "auto",   "break",    "case",     "char",     "const", "continue", "default", "do",     "double",
+      "else",   "enum",     "extern",   "float",    "for",   "goto",     "if",      "inline", "int",
+      "long",   "register", "restrict", "return",   "short", "signed",   "sizeof",  "static", "struct",
+      "switch", "typedef",  "union",    "unsigned", "void",  "volatile", "while"};
+  if (words.contains(name))
+    throw InputError(Mark{}, fmt::format("the name '{}' is a word of C: take another one", name));
   if (!name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
       std::all_of(name.begin(), name.end(),
                   [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); }))

@@ -580,7 +580,7 @@ int @_get_states(@ *s, double *states) {
 int @_get_nominals(const @ *s, double *nominals) {
   int k;
   for (k = 0; k < @_F; ++k) {
-    nominals[k] = @_coordinate_scale[s->state.independent[k]];
+    nominals[k] = @_nominal[s->state.independent[k]];
     nominals[@_F + k] = @_PACE*nominals[k];
   }
   for (k = 2*@_F; k < @_C; ++k) nominals[k] = 1.0;
@@ -680,7 +680,8 @@ static int @_vary_indicators(@ *s, const double *states, double *indicators) {
   const @_state kept = s->state;
   double size = 0.0, other[@_INDICATORS + 1];
   int k, status;
-  for (k = 0; k < @_INDICATORS; ++k) indicators[k] = 0.0;
+  memset(other, 0, sizeof other);
+  memcpy(indicators, other, @_INDICATORS*sizeof *indicators);
   for (k = 0; k < @_F; ++k) {
     const double by = fabs(states[k])/@_coordinate_scale[s->state.independent[k]];
     if (by > size) size = by;

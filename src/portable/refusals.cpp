@@ -16,7 +16,10 @@ class Refusals {
  public:
   explicit Refusals(const Compiled& m) : m_(m), file_{m.spec().file, 0, 0} {}
 
-  void add(const Mark& mark, const std::string& text) { all_.push_back({mark, text}); }
+  /// Once, where several elements are one of the model.
+  void add(const Mark& mark, const std::string& text) {
+    if (all_.empty() || all_.back().message != text) all_.push_back({mark, text});
+  }
   void add(const std::string& text) { add(file_, text); }
   std::vector<Diagnostic> all() { return std::move(all_); }
 
@@ -32,9 +35,6 @@ class Refusals {
     add_of_bodies();
     add_of_elements();
     add_of_signals();
-    for (const spec::Event& e : m_.spec().events)
-      add(e.mark,
-          fmt::format("event '{}' would end steps early, which code with a fixed step does not", e.name));
   }
 
  private:
@@ -113,6 +113,9 @@ std::vector<Diagnostic> refusals(const Compiled& m, const Method& method) {
   if (method.integrator == Rule::conserve || method.integrator == Rule::rk4 ||
       method.integrator == Rule::dopri853)
     all.add("code is made of the integrators generalized-alpha, hht and newmark only");
+  for (const spec::Event& e : m.spec().events)
+    all.add(e.mark,
+            fmt::format("event '{}' would end steps early, which code with a fixed step does not", e.name));
   for (const FreeGroup& group : free_groups(m)) {
     const BodyData& root = m.bodies[static_cast<std::size_t>(group.root)];
     const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(root.spec)];
@@ -128,6 +131,8 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
   Refusals all(m);
   all.add_of_model(method);
   const char* const instead = "write an FMU for co-simulation";
+  for (const spec::Event& e : m.spec().events)
+    all.add(e.mark, fmt::format("event '{}' ends steps of the library early, which FMUs do not yet", e.name));
   for (const ElementData& e : m.elements) {
     if (e.user || e.pooled || e.leg) continue;
     if (e.measure == Measure::contact)
@@ -140,10 +145,10 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
           "vertical",
           element_name(m, e), instead));
     else if (!has_rates(e))
-      all.add(fmt::format(
-          "{} remembers the step before, as dry friction does that sticks or a winch that reels in: "
-          "a rule over steps, no differential equation; {}",
-          element_name(m, e), instead));
+      all.add(
+          fmt::format("{} remembers the step before (sticking, an impact, a rate of a signal) by a rule over "
+                      "steps, which is no differential equation; {}",
+                      element_name(m, e), instead));
   }
   for (const ConstraintData& c : m.constraints) {
     if (c.rates == 0) continue;

@@ -233,6 +233,7 @@ joints: {free: {type: floating, between: [ground, top]}}
   const std::string natural = refusal(four_bar_text({}) + "simulation: {formulation: natural}\n");
   EXPECT_NE(natural.find("formulation: relative"), std::string::npos) << natural;
   EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "no name"), InputError);
+  EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "double"), InputError);
 }
 
 TEST(GeneratedCode, NamesAreIdentifiers) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <pugixml.hpp>
 #include <set>
+#include <thread>
 
 #include "mimbre/diagnostics.h"
 #include "mimbre/fmu.h"
@@ -376,6 +377,67 @@ joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis:
               testing::AllOf(HasSubstr("slow"), HasSubstr("rate_limit")));
 }
 
+TEST_P(ModelExchange, RefusesMotionsWithoutMass) {
+  try {
+    fmu_of(model_of(R"yaml(
+bodies: {hub: {mass: 0, inertia: [0, 0, 0], com: [0, 0, 0]}, arm: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0.5, 0, 0]}}
+joints:
+  slide: {type: prismatic, between: [ground, hub], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 10}}
+  lift: {type: prismatic, between: [ground, arm], at: [0.5, 0, 0], axis: [0, 0, 1]}
+)yaml"),
+           GetParam(), "refused");
+    FAIL() << "the model has an FMU";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("slide"), HasSubstr("mass")));
+  }
+}
+
+/// The C library's mathematics and memory alone.
+TEST_P(ModelExchange, NeedsOnlyTheMathematicsOfC) {
+  const std::string folder = fmu_sources(fmu_of(driven(), GetParam(), "symbols"), "symbols");
+  const std::string wrapper = "fmi" + std::to_string(GetParam());
+  for (const std::string& file : {std::string("symbols"), wrapper})
+    EXPECT_EQ(printed_by("cc -std=c99 -O2 -Wall -Wextra -Wpedantic -Werror -c " + folder + "/" + file +
+                         ".c -o " + folder + "/" + file + ".o"),
+              "");
+  std::istringstream symbols(printed_by("nm -u " + folder + "/symbols.o"));
+  const std::set<std::string> known{"sqrt",
+                                    "sin",
+                                    "cos",
+                                    "tan",
+                                    "atan2",
+                                    "exp",
+                                    "pow",
+                                    "log",
+                                    "fabs",
+                                    "ceil",
+                                    "round",
+                                    "floor",
+                                    "hypot",
+                                    "memcpy",
+                                    "memset",
+                                    "memcmp",
+                                    "nextafter",
+                                    "sincos",
+                                    "_GLOBAL_OFFSET_TABLE_"};
+  std::string mark, name;
+  while (symbols >> mark >> name) EXPECT_TRUE(known.contains(name)) << name;
+}
+
+TEST_P(ModelExchange, EightThreadsHaveTheSameBits) {
+  const FmuLibrary& of = library(driven(), "driven");
+  std::vector<std::vector<double>> found(8);
+  std::vector<std::thread> threads;
+  for (std::vector<double>& one : found)
+    threads.emplace_back([&] {
+      Solver solver(of, 1e-3);
+      solver.go_to(0.05);
+      one = solver.instance().states();
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::vector<double>& one : found) EXPECT_EQ(one, found[0]);
+}
+
 TEST_P(ModelExchange, RefusesWrongCalls) {
   const FmuLibrary& of = library(driven(), "driven");
   const double nan = std::nan("");
@@ -495,6 +557,23 @@ TEST_P(ModelExchange, DirectionalDerivativesAreThoseOfDifferences) {
     solver.go_to(0.15);
     EXPECT_LE(difference_of_directions(solver.instance(), of.fmu(), 1e-4), tolerance);
   }
+}
+
+TEST_P(ModelExchange, DrivesOverRoadsAsInTheLibrary) {
+  const auto model = model_of(R"yaml(
+bodies: {car: {mass: 10, inertia: [1, 1, 1], com: [0, 0, 0.3]}, wheel: {mass: 1, inertia: [1, 1, 1], com: [0, 0, 0.3]}}
+joints:
+  way: {type: prismatic, between: [ground, car], at: [0, 0, 0.3], axis: [1, 0, 0], velocity: 3}
+  column: {type: prismatic, between: [car, wheel], at: [0, 0, 0.3], axis: [0, 0, 1]}
+roads: {track: {over: distance, points: [[-9, -0.45], [9, 0.45]]}}
+tyres: {tyre: {on: wheel, road: track, stiffness: 981, radius: 0.31}}
+outputs: [{name: z, position: wheel, component: z}]
+)yaml");
+  const FmuLibrary& of = library(model, "uphill");
+  Solver solver(of, 2e-4);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 0.5, 0.1), 0.1), 1e-7);
+  EXPECT_TRUE(of.fmu().code.varies);
+  EXPECT_LE(difference_of_directions(solver.instance(), of.fmu(), 1e-4), 1e-8);
 }
 
 TEST_P(ModelExchange, RefusesWrongDirections) {

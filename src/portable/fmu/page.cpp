@@ -111,7 +111,7 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
 std::string fmu_reference(const FmuCode& fmu, const std::shared_ptr<const Model>& model,
                           const RunOptions& options, double seconds) {
   RunOptions fixed = options;
-  fixed.fixed_cost = true;
+  if (fmu.kind == FmuOptions::Kind::co_simulation) fixed.fixed_cost = true;
   fixed.energies = fixed.validity = fixed.warnings = false;
   Simulation simulation(model, fixed);
   std::vector<Simulation::Channel> channels;
