@@ -580,7 +580,7 @@ int @_get_states(@ *s, double *states) {
 int @_get_nominals(const @ *s, double *nominals) {
   int k;
   for (k = 0; k < @_F; ++k) {
-    nominals[k] = @_nominal[s->state.independent[k]];
+    nominals[k] = @_coordinate_scale[s->state.independent[k]];
     nominals[@_F + k] = @_PACE*nominals[k];
   }
   for (k = 2*@_F; k < @_C; ++k) nominals[k] = 1.0;

@@ -34,7 +34,6 @@ constexpr double no_inertia = 1e-13;
 struct CoordinateInfo {
   int position = -1;
   double weight = 1;
-  double nominal = 1;  ///< of its scale
   bool angle = false, length = false;
   std::string meaning;
 };
@@ -42,8 +41,6 @@ struct CoordinateInfo {
 std::vector<CoordinateInfo> coordinate_infos(const Compiled& m) {
   // Amplitudes are stiff: rather independent. Rotations have a reference that states should not follow.
   constexpr double rotation = 2, amplitude = 0.1;
-  // Amplitudes are small beside what would move the body by its length.
-  constexpr double usual_amplitude = 1e-2;
   std::vector<CoordinateInfo> all(static_cast<std::size_t>(m.velocities));
   for (const BodyData& b : m.bodies) {
     const JointInfo& info = joint_info(b.joint);
@@ -63,7 +60,6 @@ std::vector<CoordinateInfo> coordinate_infos(const Compiled& m) {
       CoordinateInfo& c = all[static_cast<std::size_t>(b.v + b.joint_velocities + k)];
       c.position = b.q + b.joint_positions + k;
       c.weight = amplitude;
-      c.nominal = usual_amplitude;
       c.meaning = fmt::format("amplitude {} of body '{}'", k + 1,
                               m.spec().bodies[static_cast<std::size_t>(b.spec)].name);
     }
@@ -392,11 +388,10 @@ class ExchangeGenerator {
     };
     s += "\n";
     std::vector<int> position, first, quaternion, rows, columns, mass_rows, mass_columns;
-    std::vector<double> weight, nominal;
+    std::vector<double> weight;
     for (std::size_t k = 0; k < coordinates_.size(); ++k) {
       position.push_back(coordinates_[k].position);
       weight.push_back(coordinates_[k].weight * scales().coordinates[k]);
-      nominal.push_back(coordinates_[k].nominal * scales().coordinates[k]);
     }
     for (const auto& [v, q] : rotations()) {
       first.push_back(v);
@@ -421,7 +416,6 @@ class ExchangeGenerator {
     numbers("equation_scale", scales().equations);
     numbers("coordinate_scale", scales().coordinates);
     numbers("weight", weight);
-    numbers("nominal", nominal);
     s += named(
         "typedef struct {\n  int held, at, integral;\n} @_remembered_state;\nstatic const @_remembered_state "
         "@_remembered[] = {\n",
