@@ -66,7 +66,10 @@ class Description {
     pugi::xml_node experiment = root_.append_child("DefaultExperiment");
     set(experiment, "startTime", 0.0);
     set(experiment, "stopTime", model_.spec().simulation.end);
-    if (!exchange()) set(experiment, "stepSize", fmu_.code.step);
+    if (exchange())
+      set(experiment, "tolerance", 1e-8);
+    else
+      set(experiment, "stepSize", fmu_.code.step);
     pugi::xml_node variables = root_.append_child("ModelVariables");
     for (const FmuVariable& v : fmu_.variables)
       if (!two() || v.role != Role::indicator)
