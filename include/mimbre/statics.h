@@ -19,7 +19,9 @@ struct StaticResult {
   int iterations = 0;
   double cpu_seconds = 0;
   double residual = 0;
-  bool stable = true;  ///< no small disturbance grows
+  bool stable = true;   ///< no small disturbance grows
+  bool sparse = false;  ///< by sparse matrices: of large mechanisms, and where the dense search found nothing
+  int load_steps = 0;   ///< in which the forces that are not balanced at the start were applied; 0: at once
   std::vector<std::string> warnings;
 };
 StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOptions& options = {});

@@ -186,6 +186,8 @@ void bind_analysis(nb::module_& module) {
       .def_ro("iterations", &StaticResult::iterations)
       .def_ro("residual", &StaticResult::residual)
       .def_ro("stable", &StaticResult::stable)
+      .def_ro("sparse", &StaticResult::sparse)
+      .def_ro("load_steps", &StaticResult::load_steps)
       .def_ro("warnings", &StaticResult::warnings);
   module.def("static_equilibrium", &equilibrium, nb::arg("model"), nb::arg("method"));
 

@@ -49,6 +49,8 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   result.output_count = channels.output_count();
   result.iterations = status.iterations;
   result.residual = status.residual;
+  result.sparse = status.sparse;
+  result.load_steps = status.load_steps;
   result.cpu_seconds = thread_cpu_seconds() - start;
   return result;
 }

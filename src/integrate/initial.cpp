@@ -1,4 +1,5 @@
 #include "integrate/initial.h"
+#include "integrate/sparse_statics.h"
 #include "linalg/once/sparse_qr.h"
 #include "math/once/decompositions.h"
 
@@ -203,6 +204,7 @@ void find_multipliers(System& system, State& s, double negligible) {
   const int n = system.velocities(), m = system.equations();
   s.multipliers.setZero(m);
   if (m == 0) return;
+  if (static_cast<std::ptrdiff_t>(n) * m > 100 * dense_entries) return find_sparse_multipliers(system, s);
   const MatrixXd jacobian = dense_jacobian(system, s.time, s.q);
   VectorXd r(n);
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());

@@ -90,10 +90,10 @@ class EquilibriumSearch {
   EquilibriumSearch(System& system, State& s);
   /// `careful`: shorter steps after one that was too long; for friction that slides, which leaves directions
   /// without stiffness.
-  StaticsStatus run(bool careful);
+  StaticsStatus run(bool careful, int most_steps);
 
  private:
-  static constexpr int most_steps = 400, closing_rounds = 30;
+  static constexpr int closing_rounds = 30;
   static constexpr double most_growth = 10, most_shrinking = 0.5;  ///< of τ from step to step
 
   /// The work that is not balanced by accelerations a, at q.
@@ -167,7 +167,7 @@ MatrixXd EquilibriumSearch::permitted_motions() {
   return MatrixXd::Identity(n_, n_);
 }
 
-StaticsStatus EquilibriumSearch::run(bool careful) {
+StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
   StaticsStatus status;
   system_.begin_step(s_.q.data());
   VectorXd r = forces(s_.q, zero_);
@@ -229,12 +229,12 @@ StaticsStatus EquilibriumSearch::run(bool careful) {
 
 }  // namespace
 
-StaticsStatus find_equilibrium(System& system, State& s) {
+StaticsStatus find_equilibrium(System& system, State& s, int most_steps) {
   const State start = s;
-  const StaticsStatus status = EquilibriumSearch(system, s).run(false);
+  const StaticsStatus status = EquilibriumSearch(system, s).run(false, most_steps);
   if (status.converged) return status;
   State other = start;
-  StaticsStatus next = EquilibriumSearch(system, other).run(true);
+  StaticsStatus next = EquilibriumSearch(system, other).run(true, most_steps);
   if (!next.converged) return status;
   next.iterations += status.iterations;
   s = std::move(other);

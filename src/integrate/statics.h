@@ -13,7 +13,9 @@ struct StaticsStatus {
   /// neutral: λ² of the least eigenvalue −λ² of the tangent stiffness along the motions that the constraints
   /// leave, by their mass.
   double growth = 0;
-  int growing = -1;  ///< the coordinate that then moves most
+  int growing = -1;     ///< the coordinate that then moves most
+  bool sparse = false;  ///< found by find_sparse_equilibrium()
+  int load_steps = 0;   ///< in which unbalanced forces were applied; 0: at once
 };
 
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.
@@ -22,6 +24,7 @@ struct StaticsStatus {
 /// that does not touch yet falls until it does. Where that leads nowhere, once more from the start with τ
 /// that gets smaller where a step leads too far. On return velocities and accelerations are zero. Everything
 /// is measured by the mechanism's own scales (Scales): similar mechanisms take the same iterations.
-StaticsStatus find_equilibrium(System& system, State& state);
+/// `most_steps`: in each of the two attempts.
+StaticsStatus find_equilibrium(System& system, State& state, int most_steps = 400);
 
 }  // namespace mimbre

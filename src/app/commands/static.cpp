@@ -36,6 +36,8 @@ Json to_json(const StaticResult& result, const Json& method, const std::vector<s
   json["iterations"] = result.iterations;
   json["residual"] = result.residual;
   json["stable"] = result.stable;
+  json["search"] = result.sparse ? "sparse" : "dense";
+  json["load_steps"] = result.load_steps;
   json["warnings"] = warnings;
   json["cpu_seconds"] = result.cpu_seconds;
   return json;
@@ -47,6 +49,12 @@ std::string to_table(const StaticResult& result) {
     const ChannelInfo& channel = result.channels[k];
     table.add({channel.name, fmt::format("{:.9g}", result.values[k]), channel.unit, channel.meaning});
   }
+  if (result.load_steps > 0)
+    return table.text() +
+           fmt::format(
+               "found by applying the forces in {} steps: the search with all of them at once did not "
+               "converge\n",
+               result.load_steps);
   return table.text();
 }
 

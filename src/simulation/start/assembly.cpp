@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "dynamics/natural/column_groups.h"
 #include "dynamics/relative/forces.h"
 #include "forces/measure_wheel.h"
 #include "integrate/initial.h"
+#include "integrate/sparse_statics.h"
 #include "joints/joint_kind.h"
 #include "mimbre/diagnostics.h"
 #include "simulation/describe/explain.h"
@@ -26,6 +29,9 @@ constexpr double alike = 1e-8;         ///< of the length scale, of how carcasse
 /// of a road which is no plane, under a car that comes down a slope.
 constexpr double little_of_bend = 0.01, hardly_smaller = 0.9;
 constexpr int most_rounds = 30;
+/// Coordinates up to which dense matrices are tried first, and up to which these are fast.
+constexpr int most_dense_unknowns = 150, few_unknowns = 60;
+constexpr int many_steps = 400, few_steps = 60;
 /// How readily the softest mode moves against joints, and the stiffest ones at least against that.
 constexpr double readiest_mode = 1e-2, stiffest_mode = 1e-4;
 
@@ -35,15 +41,87 @@ struct Bends {
   double change = std::numeric_limits<double>::infinity();
 };
 
-StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
-  if (!natural) return find_equilibrium(observer, s);
+int argmax(const Eigen::VectorXd& x) {
+  int where = 0;
+  x.cwiseAbs().maxCoeff(&where);
+  return where;
+}
+
+/// The coordinate with the largest entry by the scales, of a vector along velocities.
+int largest_by_scale(const System& system, const Eigen::VectorXd& x) {
+  int where = -1;
+  system.scales().of_coordinates(x.data(), &where);
+  return where;
+}
+
+/// The sparse search in natural coordinates. Coordinates in the status are those of `observer`, but for those
+/// of a search in the natural formulation, `of_natural`.
+StaticsStatus find_sparse(natural::NaturalSystem& natural, relative::RelativeSystem& observer, State& s,
+                          bool of_natural) {
+  State n = natural_state(natural, observer, s);
+  natural.enter(s.u.data(), s.z.data(), 0);
+  const linalg::ColumnColours colours(natural.velocities(), natural::column_groups(natural.layout()));
+  Eigen::VectorXd growing;
+  StaticsStatus status = find_sparse_equilibrium(natural, colours, n, &growing);
+  if (growing.size() > 0 && !of_natural) {
+    State moving = n, as_relative = s;
+    moving.v = growing;
+    natural.to_relative(moving, as_relative);
+    status.growing = largest_by_scale(observer, as_relative.v);
+  }
+  natural.to_relative(n, s);
+  observer.begin_step(s.q.data());
+  find_multipliers(observer, s, 1e-9);
+  if (!status.converged && !of_natural) {
+    Eigen::VectorXd r(observer.velocities());
+    observer.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+    const Eigen::VectorXd work =
+        r.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(observer.scales().coordinates.data(), r.size()));
+    if (work.size() > 0) status.residual = std::abs(r[status.coordinate = argmax(work)]);
+  }
+  return status;
+}
+
+StaticsStatus find_dense(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s,
+                         int most_steps) {
+  if (!natural) return find_equilibrium(observer, s, most_steps);
   State n = natural_state(*natural, observer, s);
   natural->enter(s.u.data(), s.z.data(), 0);
-  const StaticsStatus status = find_equilibrium(*natural, n);
+  const StaticsStatus status = find_equilibrium(*natural, n, most_steps);
   natural->to_relative(n, s);
   observer.begin_step(s.q.data());
   find_multipliers(observer, s, 1e-9);
   return status;
+}
+
+/// Small mechanisms by dense matrices, large ones by sparse ones; the latter also where the former find
+/// nothing (soon, where they are slow).
+StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
+  const State start = s;
+  const int size = natural ? natural->velocities() : observer.velocities();
+  StaticsStatus dense;
+  if (size <= most_dense_unknowns) {
+    dense = find_dense(natural, observer, s, size <= few_unknowns ? many_steps : few_steps);
+    if (dense.converged) return dense;
+  }
+  const State there = s;
+  std::optional<natural::NaturalSystem> own;
+  if (!natural) {
+    try {
+      own.emplace(observer.model());
+    } catch (const InputError&) {
+      s = start;
+      return find_dense(natural, observer, s, many_steps);
+    }
+  }
+  s = start;
+  StaticsStatus sparse = find_sparse(natural ? *natural : *own, observer, s, natural != nullptr);
+  sparse.iterations += dense.iterations;
+  if (sparse.converged || size > most_dense_unknowns) return sparse;
+  s = start;
+  if (size > few_unknowns) return find_dense(natural, observer, s, many_steps);
+  s = there;
+  return dense;
 }
 
 /// Puts the footprints of wheels that stand in an equilibrium to where these are, so that their carcasses are
