@@ -50,20 +50,32 @@ struct Mode {
   std::string text;  ///< the largest shares in words
 };
 
+/// How modes are computed.
+enum class ModesSolver {
+  automatic,  ///< `sparse` where a few modes of a large mechanism at rest are asked for and it is possible
+  dense,      ///< all eigenvalues of A
+  sparse      ///< the lowest modes of an equilibrium by shift and invert, with sparse matrices
+};
+
 struct ModesOptions {
   LinearOptions linear;
   int most = 0;  ///< so many modes, of the lowest frequencies; 0: all
+  ModesSolver solver = ModesSolver::automatic;
 };
 
 struct LinearisedModes {
-  LinearModel model;  ///< without C, D and outputs
+  /// Without C, D and outputs. Of the sparse solver without matrices and states, too: a mode's `shape` is
+  /// then its motion above λ times its motion, and its `left` vector is missing.
+  LinearModel model;
+  bool sparse = false;  ///< by the sparse solver
   std::vector<LinearName> coordinates;
   std::vector<Mode> modes;  ///< rigid ones first, then by |λ|
   double turning = 0;  ///< Ω, rad/s, where the whole mechanism turns about one fixed axis (Mode::fixed); or 0
   double cpu_seconds = 0;
 };
 
-/// Throws as linearise() does.
+/// Throws as linearise() does; std::runtime_error where the sparse solver is asked for and not possible:
+/// force elements or signals have states, the point is no equilibrium, or its iteration does not converge.
 LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOptions& options = {});
 
 }  // namespace mimbre

@@ -549,7 +549,7 @@ LinearName coordinate_label(const Compiled& m, int coordinate) {
   return {"?", ""};
 }
 
-Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions& options) {
+Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& options) {
   if (options.delay_order < 1 || options.delay_order > 8)
     throw InputError(Mark{},
                      fmt::format("an order of delays of {}: 1 to 8 are possible", options.delay_order));
@@ -577,12 +577,23 @@ Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions&
   out.state = point.state;
   out.names.point = point.words;
   commit(m, system, out.state);
+  return out;
+}
+
+Linearised linearise_located(Linearised out) {
+  const Compiled& m = out.model->compiled();
+  relative::RelativeSystem system(m);
+  commit(m, system, out.state);
   linearise_state(m, system, out);
   drop_idle_inputs(out);
   fold_bristles(out);
   describe(m, system, out);
   check_validity(m, system, out);
   return out;
+}
+
+Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions& options) {
+  return linearise_located(locate(std::move(model), options));
 }
 
 }  // namespace mimbre::linear

@@ -36,6 +36,9 @@ struct Linearised {
 
 /// Throws as linearise() does.
 Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions& options);
+/// Its two parts: the point, with model, state and names.point; and the matrices there.
+Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& options);
+Linearised linearise_located(Linearised at);
 
 /// What a velocity coordinate is called: the joint's name, with its number where it has several, or a body's
 /// mode.

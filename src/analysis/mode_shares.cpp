@@ -37,6 +37,13 @@ std::string listed(const std::vector<ModeShare>& shares, std::size_t most) {
   return text;
 }
 
+double rigid_energy(const BodyData& b, const Motion<double>& motion) {
+  const Vec3d u = motion.rotation.transpose() * motion.velocity,
+              omega = motion.rotation.transpose() * motion.omega;
+  return 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(b.first_moment)) +
+         0.5 * omega.dot(b.inertia * omega);
+}
+
 }  // namespace
 
 std::string coordinate_words(const Compiled& m, int coordinate) {
@@ -77,6 +84,7 @@ ModeShares::ModeShares(const Linearised& at)
       axis_ = body.omega / fastest;
     }
   if (at.turning > 0) axis_ = at.turning_axis;
+  for (const BodyData& b : m_.bodies) flexible_ = flexible_ || b.modes > 0;
 }
 
 ModeShares::Rates ModeShares::rates(const VectorXd& v) {
@@ -113,11 +121,15 @@ VectorXd ModeShares::body_energies(const VectorXcd& v) {
   for (const VectorXd& part : {VectorXd(v.real()), VectorXd(v.imag())}) {
     system_.kinematics(s.time, s.q.data(), part.data(), zero.data());
     const std::vector<Motion<double>> all = w.bodies;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (m_.bodies[i].modes == 0) energy[static_cast<Eigen::Index>(i)] += rigid_energy(m_.bodies[i], all[i]);
+    if (!flexible_) continue;
     rest(all.size());
     // What elements have is no body's.
     const double others = kinetic_energy(m_, w, s.q.data(), zero.data());
     for (std::size_t i = 0; i < all.size(); ++i) {
       const BodyData& b = m_.bodies[i];
+      if (b.modes == 0) continue;
       VectorXd own = zero;
       own.segment(b.v, b.size()) = part.segment(b.v, b.size());
       w.bodies[i] = all[i];
@@ -251,22 +263,54 @@ std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
   return text;
 }
 
+/// M v, of each part.
+VectorXcd ModeShares::momentum(const VectorXcd& v) {
+  const State& s = at_.state;
+  const VectorXd zero = VectorXd::Zero(m_.velocities), none = VectorXd::Zero(m_.equations);
+  VectorXd without(m_.velocities), with(m_.velocities);
+  VectorXcd out(m_.velocities);
+  const auto inertia = [&](const VectorXd& a, VectorXd& r) {
+    system_.residual(s.time, s.q.data(), zero.data(), a.data(), none.data(), 0, r.data());
+  };
+  inertia(zero, without);
+  inertia(v.real(), with);
+  out.real() = with - without;
+  inertia(v.imag(), with);
+  out.imag() = with - without;
+  return out;
+}
+
 void ModeShares::describe(Mode& mode) {
   const Reduced& r = at_.reduced;
   const auto states = r.A.cols();
-  VectorXcd motion = r.position.leftCols(states).cast<std::complex<double>>() * mode.shape,
-            velocity = r.velocity.leftCols(states).cast<std::complex<double>>() * mode.shape;
-  mode.motion = motion;
-  // A rigid motion has no velocity of its own, unless it drifts.
-  const VectorXcd moves = mode.kind == Mode::Kind::rigid && motion.norm() > 0 ? motion : velocity;
-  const VectorXcd momentum = at_.derivatives.mass.cast<std::complex<double>>() * moves;
+  mode.motion = r.position.leftCols(states).cast<std::complex<double>>() * mode.shape;
+  const VectorXcd velocity = r.velocity.leftCols(states).cast<std::complex<double>>() * mode.shape;
+  // A rigid motion has no velocity of its own, unless it drifts; nor has one that only the turning axes see.
+  const bool still =
+      mode.kind == Mode::Kind::rigid || velocity.norm() <= 1e-6 * std::abs(mode.value) * mode.motion.norm();
+  const VectorXcd moves = still && mode.motion.norm() > 0 ? mode.motion : velocity;
+  const VectorXcd y = mode.shape.head(r.coordinates);
+  // With rolling, K is not square: no energy goes by it.
+  const bool square = r.coordinates == r.speeds;
+  describe(mode, moves, at_.derivatives.mass.cast<std::complex<double>>() * moves,
+           square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0);
+  if (!square) mode.gravity = 0;
+}
+
+void ModeShares::describe_motion(Mode& mode, double stiffness_energy) {
+  describe(mode, mode.motion, momentum(mode.motion), stiffness_energy);
+}
+
+void ModeShares::describe(Mode& mode, const VectorXcd& moves, const VectorXcd& momentum,
+                          double stiffness_energy) {
   double all = 0;
   for (Eigen::Index k = 0; k < moves.size(); ++k)
     all += std::abs(std::real(std::conj(moves[k]) * momentum[k]));
   if (all > 0)
     for (Eigen::Index k = 0; k < moves.size(); ++k)
-      mode.coordinates.push_back({coordinate_words(m_, static_cast<int>(k)),
-                                  std::abs(std::real(std::conj(moves[k]) * momentum[k])) / all});
+      if (const double share = std::abs(std::real(std::conj(moves[k]) * momentum[k])) / all;
+          share >= least_share)
+        mode.coordinates.push_back({coordinate_words(m_, static_cast<int>(k)), share});
   sort_shares(mode.coordinates);
   const VectorXd energies = body_energies(moves);
   if (const double sum = energies.cwiseAbs().sum(); sum > 0)
@@ -274,13 +318,8 @@ void ModeShares::describe(Mode& mode) {
       mode.bodies.push_back({m_.spec().bodies[static_cast<std::size_t>(m_.bodies[k].spec)].name,
                              std::abs(energies[static_cast<Eigen::Index>(k)]) / sum});
   sort_shares(mode.bodies);
-  const VectorXcd y = mode.shape.head(r.coordinates);
-  // With rolling, K is not square: no energy goes by it.
-  const bool square = r.coordinates == r.speeds;
-  add_elastic(motion, mode,
-              square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0);
-  if (!square) mode.gravity = 0;
-  find_whirl(motion, mode);
+  add_elastic(mode.motion, mode, stiffness_energy);
+  find_whirl(mode.motion, mode);
   mode.text = words(mode, mode.shape);
 }
 

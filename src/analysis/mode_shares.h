@@ -14,8 +14,14 @@ class ModeShares {
 
   /// Fills shares, whirl and text of a mode whose shape, kind and eigenvalue are set.
   void describe(Mode& mode);
+  /// The same of a mode whose motion, kind and eigenvalue are set, at rest: no matrices are needed.
+  /// `stiffness_energy`: its mean energy by the whole stiffness, J.
+  void describe_motion(Mode& mode, double stiffness_energy);
 
  private:
+  void describe(Mode& mode, const Eigen::VectorXcd& moves, const Eigen::VectorXcd& momentum,
+                double stiffness_energy);
+  Eigen::VectorXcd momentum(const Eigen::VectorXcd& v);
   /// Velocities of bodies (origin and angular, global) and rates of what elements measure at velocities v.
   struct Rates {
     std::vector<Vec3d> velocity, spin;
@@ -39,6 +45,7 @@ class ModeShares {
   const Compiled& m_;
   relative::RelativeSystem system_;
   Eigen::VectorXd generalised_;
+  bool flexible_ = false;                       ///< some body is
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
   Vec3d axis_ = Vec3d::Zero();                  ///< of the fastest turning of a body, zero: none
 };

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "analysis/linear_turning.h"
 #include "analysis/mode_shares.h"
+#include "analysis/sparse_modes.h"
 #include "base/cpu_time.h"
 #include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
@@ -232,7 +234,20 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
 
 LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOptions& options) {
   const double start = thread_cpu_seconds();
-  linear::Linearised at = linear::linearise_at(std::move(model), options.linear);
+  linear::Linearised located = linear::locate(std::move(model), options.linear);
+  const int most = options.most;
+  if (const bool asked = options.solver == ModesSolver::sparse;
+      asked || (options.solver == ModesSolver::automatic && most > 0 &&
+                located.model->compiled().velocities >= linear::least_sparse)) {
+    std::string why;
+    if (std::optional<LinearisedModes> sparse = linear::sparse_modes(located, most, why)) {
+      sparse->cpu_seconds = thread_cpu_seconds() - start;
+      return std::move(*sparse);
+    }
+    if (asked) throw std::runtime_error("the sparse solver cannot find these modes: " + why);
+    located.names.notes.push_back("the modes are those of dense matrices: " + why);
+  }
+  linear::Linearised at = linear::linearise_located(std::move(located));
   if (!at.axes.empty()) linear::put_in_axes(at.axes, at);
   const Compiled& m = at.model->compiled();
   LinearisedModes out;

@@ -109,6 +109,7 @@ int run_campbell(const std::string& path, const std::vector<std::string>& settin
   ModesOptions options;
   options.linear = linear_options(point, loaded.model->spec().simulation);
   options.most = over.most;
+  options.solver = ModesSolver::dense;  // left vectors too
   bool is_input = false;
   for (const spec::Input& input : loaded.model->spec().inputs)
     is_input = is_input || input.name == range.name;

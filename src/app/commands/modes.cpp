@@ -22,6 +22,7 @@ struct ModesArguments {
   PointArguments point;
   CampbellArguments campbell;
   int most = 0;
+  std::string solver = "automatic";
   bool json = false, strict = false;
 };
 
@@ -35,6 +36,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
   Json json = answer("modes");
   json["point"] = found.model.point;
   json["time"] = found.model.time;
+  json["solver"] = found.sparse ? "sparse" : "dense";
   json["coordinates"] = Json::array();
   for (const LinearName& c : found.coordinates) json["coordinates"].push_back(c.name);
   if (found.turning > 0) json["turning"] = found.turning;
@@ -104,6 +106,8 @@ int run_modes(const ModesArguments& a) {
   ModesOptions options;
   options.linear = linear_options(a.point, loaded.model->spec().simulation);
   options.most = a.most;
+  if (a.solver == "dense") options.solver = ModesSolver::dense;
+  if (a.solver == "sparse") options.solver = ModesSolver::sparse;
   LinearisedModes found;
   {
     const Busy busy("looking for the modes", !a.json);
@@ -136,6 +140,13 @@ Command add_modes(CommandLine& program) {
       .within(0, 100000)
       .show_default()
       .type_name("N");
+  parser
+      .add_option(
+          "--solver", a->solver,
+          "dense: all modes; sparse: the lowest ones of an equilibrium by shift and invert. By default "
+          "sparse where --most asks for a few of a large model")
+      .choice({"automatic", "dense", "sparse"})
+      .show_default();
   parser
       .add_option(
           "--over", a->campbell.over,

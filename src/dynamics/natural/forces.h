@@ -23,13 +23,14 @@ Motion<T> motion_of_frame(const FrameMotion<T>& f, bool turning) {
 }
 
 /// What an element measures: of a joint in the tree its coordinate, which counts turns.
-inline void measure_element(const Compiled& m, const Layout& l, Workspace<double>& w, const ElementData& e,
-                            const double* q, ElementState<double>& s) {
+template <class T>
+void measure_element(const Compiled& m, const Layout& l, Workspace<T>& w, const ElementData& e, const T* q,
+                     ElementState<T>& s) {
   if (e.body >= 0) {
     const JointCoordinate& c = l.joint_coordinates[e.body];
-    const FrameMotion<double>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
-    JointRates<double> rates;
-    joint_rates<double>(e.joint, m.bodies[e.body].joint_velocities, A, B, q + c.q, rates);
+    const FrameMotion<T>&A = w.frames[c.frame_a], &B = w.frames[c.frame_b];
+    JointRates<T> rates;
+    joint_rates<T>(e.joint, m.bodies[e.body].joint_velocities, A, B, q + c.q, rates);
     s.x[0] = q[c.q + e.local];
     s.v[0] = rates.v[e.local];
     *s.acceleration = rates.a[e.local];
@@ -40,40 +41,45 @@ inline void measure_element(const Compiled& m, const Layout& l, Workspace<double
   const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
   if (ends.frame_b < 0) return leave_free(e, s);
   const bool turning = needs_axes(e.measure);
-  const Motion<double> b = motion_of_frame(w.frames[ends.frame_b], turning);
-  Motion<double> a;
+  const Motion<T> b = motion_of_frame(w.frames[ends.frame_b], turning);
+  Motion<T> a;
   if (ends.frame_a >= 0) a = motion_of_frame(w.frames[ends.frame_a], turning);
-  measure(m, e, &a, b, l.origin, w.signals.value.data(), w.signals.states + e.states, s, w.signals.step);
+  measure(m, e, &a, b, Vec3<T>(l.origin.template cast<T>()), w.signals.value.data(),
+          w.signals.states + e.states, s, w.signals.step);
 }
 
-inline void sense(const Compiled& m, const Layout& l, Workspace<double>& w) {
+template <class T>
+void sense(const Compiled& m, const Layout& l, Workspace<T>& w) {
   if (m.signals.sensors.empty()) return;
   mimbre::sense(
-      m, l.origin, [&](int frame) { return motion_of_frame(w.frames[frame], true); },
+      m, Vec3<T>(l.origin.template cast<T>()),
+      [&](int frame) { return motion_of_frame(w.frames[frame], true); },
       [&](int element) { return element_state(m.elements[element], w.elements.data()); },
       [&](int body) { return w.y.data() + l.bodies[body].amplitudes; }, w.signals);
 }
 
 /// Puts `factor` times the covector of an element's component on its two bodies.
-inline void act_by_element(const Compiled& m, const Workspace<double>& w, const ElementData& e, int frame_a,
-                           int frame_b, const ElementState<double>& s, int component, double factor,
-                           const Covector<double>& on_a, const Covector<double>& on_b) {
-  const FrameMotion<double>& B = w.frames[frame_b];
+template <class T>
+void act_by_element(const Compiled& m, const Workspace<T>& w, const ElementData& e, int frame_a, int frame_b,
+                    const ElementState<T>& s, int component, const T& factor, const Covector<T>& on_a,
+                    const Covector<T>& on_b) {
+  const FrameMotion<T>& B = w.frames[frame_b];
   const bool turning = has_moment(e.measure);
-  const Vec3d force = factor * s.linear_of(component);
-  const Vec3d moment = turning ? Vec3d(factor * s.angular_of(component)) : Vec3d(Vec3d::Zero());
+  const Vec3<T> force = factor * s.linear_of(component);
+  const Vec3<T> moment = turning ? Vec3<T>(factor * s.angular_of(component)) : Vec3<T>(Vec3<T>::Zero());
   if (turning && frame_a >= 0)
-    return act_between<double>(m, frame_a, frame_b, w.frames[frame_a], B, force, moment, on_a, on_b);
-  act_on_point<double>(m.frames[frame_b], B, force, on_b);
-  if (turning) act_by_moment<double>(m.frames[frame_b], B, moment, on_b);
-  if (frame_a >= 0) act_on_point<double>(m.frames[frame_a], w.frames[frame_a], -force, on_a);
+    return act_between<T>(m, frame_a, frame_b, w.frames[frame_a], B, force, moment, on_a, on_b);
+  act_on_point<T>(m.frames[frame_b], B, force, on_b);
+  if (turning) act_by_moment<T>(m.frames[frame_b], B, moment, on_b);
+  if (frame_a >= 0) act_on_point<T>(m.frames[frame_a], w.frames[frame_a], -force, on_a);
 }
 
 /// After kinematics; writes the elements' states, whose tangents the matrix uses.
-inline void forces(const Compiled& m, const Layout& l, Workspace<double>& w, const double* q) {
+template <class T>
+void forces(const Compiled& m, const Layout& l, Workspace<T>& w, const T* q) {
   for (const ElementData& e : m.elements) {
     if (e.measure == Measure::sum) continue;
-    ElementState<double> s = element_state(e, w.elements.data());
+    ElementState<T> s = element_state(e, w.elements.data());
     measure_element(m, l, w, e, q, s);
   }
   measure_sums(m, w.elements.data());
@@ -84,10 +90,10 @@ inline void forces(const Compiled& m, const Layout& l, Workspace<double>& w, con
     if (ends.frame_b < 0 && e.pooled) continue;
     evaluate_law(m, e, w.signals, w.elements.data());
     if (e.measure == Measure::sum) continue;  // its legs act
-    const ElementState<double> s = element_state(e, w.elements.data());
+    const ElementState<T> s = element_state(e, w.elements.data());
     const int body_a = e.pooled ? m.frames[ends.frame_a].body : l.elements[i].body_a,
               body_b = e.pooled ? m.frames[ends.frame_b].body : l.elements[i].body_b;
-    const Covector<double> on_a = collector(m, l, w, body_a), on_b = collector(m, l, w, body_b);
+    const Covector<T> on_a = collector<T>(m, l, w, body_a), on_b = collector<T>(m, l, w, body_b);
     for (int k = 0; k < s.count; ++k)
       act_by_element(m, w, e, ends.frame_a, ends.frame_b, s, k, s.force[k], on_a, on_b);
   }

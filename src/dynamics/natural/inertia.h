@@ -1,4 +1,6 @@
 #pragma once
+#include <type_traits>
+
 #include "dynamics/elasticity.h"
 #include "dynamics/flexible.h"
 #include "dynamics/geometric.h"
@@ -73,11 +75,13 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
                                      elastic);
       geometric::add_boundary_forces(f.geometric, y, w.geometric_scratch.data(), elastic);
     }
-    if (!w.projections.empty()) {
-      projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
-                        elastic);
-      add_elasticity(f, y, yd, elastic);
-      continue;
+    if constexpr (std::is_same_v<T, double>) {
+      if (!w.projections.empty()) {
+        projected_inertia(w.projections[data.flexible], w.projection, w.bodies[i], second, y, yd, ydd, out,
+                          elastic);
+        add_elasticity(f, y, yd, elastic);
+        continue;
+      }
     }
     T* integrals = w.integrals.data();
     deformed_integrals<T>(f, y, integrals);

@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "compile/find_scales.h"
-#include "dynamics/frame_turn.h"
-#include "dynamics/natural/constraints.h"
-#include "dynamics/natural/forces.h"
-#include "dynamics/natural/inertia.h"
-#include "dynamics/natural/kinematics.h"
+#include "dynamics/natural/joint_positions.h"
 #include "dynamics/natural/matrix.h"
+#include "dynamics/natural/residual.h"
 
 namespace mimbre::natural {
 namespace {
@@ -108,25 +104,8 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
 [[gnu::flatten]] void NaturalSystem::residual(double t, const double* q, const double* v, const double* a,
                                               const double* multipliers, double factor, double* r) {
   kinematics(t, q, v, a);
-  for (Base<double>& f : work_.forces) f.setZero();
-  std::fill(work_.modal.begin(), work_.modal.end(), 0.0);
-  forces(model_, layout_, work_, q);
   for (int k = 0; k < layout_.equations; ++k) mu_[k] = multipliers[k] + factor * penalty_[k] * work_.phi[k];
-  apply_multipliers<double>(model_, layout_, work_, q, mu_.data());
-  inertia<double>(model_, layout_, work_);
-  std::fill(r, r + layout_.unknowns, 0.0);
-  for (std::size_t i = 0; i < layout_.bodies.size(); ++i) {
-    const Body& b = layout_.bodies[i];
-    for (int k = 0; k < b.unknown; ++k) {
-      const Vec3d f = work_.forces[i] * b.base.col(k);
-      double* out = r + 3 * b.variables[k];
-      for (int c = 0; c < 3; ++c) out[c] += f[c];
-    }
-    if (model_.bodies[i].modes == 0) continue;
-    fold(model_.flexible[model_.bodies[i].flexible], work_.y.data() + b.amplitudes,
-         work_.modal.data() + b.amplitudes);
-    for (int k = 0; k < model_.bodies[i].modes; ++k) r[b.q + k] = work_.modal[b.amplitudes + k];
-  }
+  natural::residual<double>(model_, layout_, work_, q, mu_.data(), r);
 }
 
 [[gnu::flatten]] void NaturalSystem::assemble(const double* q, const MatrixWeights& weights) {
@@ -286,58 +265,8 @@ void NaturalSystem::retract(const double* q, const double* x, double* out) const
   joint_positions(out);
 }
 
-/// Joint coordinates that belong to the unknowns in q; angles are taken within half a turn of those in q.
 [[gnu::flatten]] void NaturalSystem::joint_positions(double* q) const {
-  for (int k = 0; k < layout_.unknown_variables; ++k)
-    work_.values[k] = Vec3d(q[3 * k], q[3 * k + 1], q[3 * k + 2]);
-  for (std::size_t i = 0; i < layout_.bodies.size(); ++i)
-    combine(layout_.bodies[i], work_.values, static_cast<int>(layout_.bodies[i].variables.size()),
-            work_.poses[i]);
-  const auto pose = [&](int frame, Vec3d& position, Mat3d& axes) {
-    const FrameData& f = model_.frames[frame];
-    if (f.body < 0) {
-      position = f.position - layout_.origin;
-      axes = f.rotation;
-      return;
-    }
-    const Base<double>& base = work_.poses[f.body];
-    Vec3d place = f.position;
-    Mat3d rotation = f.rotation;
-    if (f.flexible >= 0) {
-      double* y = work_.row_modal.data();
-      const int stride = model_.flexible[f.flexible].stride, modes = model_.bodies[f.body].modes;
-      for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[layout_.bodies[f.body].q + k] : 0;
-      extend(model_.flexible[f.flexible], y);
-      place += times(f.X, y);
-      if (f.turns) rotation = turn_rotation<double>(f, times(f.X_theta, y)) * f.rotation;
-    }
-    position = base.col(0) + base.rightCols<3>() * place;
-    axes = base.rightCols<3>() * rotation;
-  };
-  for (const JointCoordinate& c : layout_.joint_coordinates) {
-    if (model_.bodies[c.body].joint_positions == 0) continue;
-    Vec3d ra, rb;
-    Mat3d Aa, Ab;
-    pose(c.frame_a, ra, Aa);
-    pose(c.frame_b, rb, Ab);
-    const spec::JointType type = model_.bodies[c.body].joint;
-    const JointInfo& info = joint_info(type);
-    double fresh[7];
-    joint_coordinates<double>(type, Aa.transpose() * Ab, Aa.transpose() * (rb - ra), fresh);
-    double* x = q + c.q;
-    if (info.quaternion >= 0) {
-      // Of the two that mean the same, the one nearer to the last.
-      double product = 0;
-      for (int k = info.quaternion; k < info.quaternion + 4; ++k) product += x[k] * fresh[k];
-      for (int k = info.quaternion; k < info.quaternion + 4; ++k) x[k] = product < 0 ? -fresh[k] : fresh[k];
-      for (int k = 0; k < info.quaternion; ++k) x[k] = fresh[k];
-      continue;
-    }
-    for (int k = 0; k < info.positions; ++k) {
-      constexpr double turn = 2 * std::numbers::pi;
-      x[k] = is_angle(type, k) ? fresh[k] + turn * std::round((x[k] - fresh[k]) / turn) : fresh[k];
-    }
-  }
+  natural::joint_positions<double>(model_, layout_, work_, q);
 }
 
 void NaturalSystem::compose(double* x, const double* d) const {

@@ -46,7 +46,7 @@ struct Workspace {
   std::vector<T> constraint_states;  ///< that they remember at the end of the step, by constraints
   double rate_time = 0;              ///< System::set_rate_time
   AlignedVector<T> elements;         ///< ElementState of each, by forces
-  SignalValues<double> signals;      ///< by kinematics (what time decides) and forces (what motion decides)
+  SignalValues<T> signals;           ///< by kinematics (what time decides) and forces (what motion decides)
   std::vector<T> phi, phi_dot, phi_ddot;
   AlignedVector<T> jacobian;   ///< rows over the stencils' columns, by jacobian()
   AlignedVector<T> local;      ///< a stencil's dense matrix
