@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,28 @@ struct LinearPoint {
     start,        ///< as a run begins
     time,         ///< the state of a run at `time`
     equilibrium,  ///< at rest, with all forces in balance
-    steady  ///< the velocities of the start, positions in which they are steady: no relative acceleration
+    steady,  ///< the velocities of the start, positions in which they are steady: no relative acceleration
+    trim     ///< steady driving (LinearOptions::trim)
   } at = At::automatic;
   double time = 0;  ///< s
 };
 
+/// Steady driving of what moves on a floating joint: straight on, or around a circle. As many conditions of
+/// speed and turn as inputs to find.
+struct TrimConditions {
+  std::string body;  ///< whose speed it is; empty: the first one on a floating joint to the ground
+  std::optional<double>
+      speed;  ///< of its origin along the plane across gravity, m/s; none: that of the start
+  /// One of these at most; none: the turn follows from the inputs. To the left positive.
+  std::optional<double> lateral_acceleration;  ///< yaw rate times speed, m/s²
+  std::optional<double> yaw_rate;              ///< rad/s
+  std::optional<double> radius;                ///< speed over yaw rate, m
+  std::vector<std::string> find;               ///< inputs whose values are sought; others stay
+};
+
 struct LinearOptions {
   LinearPoint point;
+  TrimConditions trim;  ///< of the point `trim`
   /// Inputs; and of a run to a time its method. The linear model is always that of relative coordinates with
   /// inertia by shape integrals.
   RunOptions run;

@@ -29,7 +29,7 @@ from .builder import ModelBuilder, Subsystem
 from .ensemble import samples, sweep
 from .errors import Diagnostic, InputError, Interrupted, SimulationError, SweepInterrupted, UnknownName
 from .laws import law_signature
-from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, ModeBranch, Modes, Onset
+from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, ModeBranch, Modes, Onset, Trim
 from .model import Model
 from .motion import InverseDynamics, Kinematics, SpecialPosition
 from .reduction import Check, Interface, ReducedBody, reduce
@@ -70,6 +70,7 @@ __all__ = [
     "StressHistory",
     "Subsystem",
     "SweepInterrupted",
+    "Trim",
     "UnknownName",
     "Verification",
     "compare",

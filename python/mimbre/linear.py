@@ -388,6 +388,60 @@ def modes(
     return Modes(found.point, names, listed, found.turning, found.notes, found.warnings)
 
 
+@dataclass(frozen=True)
+class Trim:
+    """Steady driving: `trim.inputs["steering"]` is what the input must be, `trim["rack"]` an output."""
+
+    body: str
+    """Whose motion it is."""
+    speed: float
+    """Of its origin along the plane across gravity, m/s."""
+    yaw_rate: float
+    """To the left, rad/s."""
+    lateral_acceleration: float
+    """Yaw rate times speed, m/s²."""
+    sideslip: float
+    """From the x axis of the body to its velocity, to the left, rad."""
+    inputs: dict[str, float]
+    """Those that were found."""
+    outputs: dict[str, float]
+    """Values of the model's outputs, by name."""
+    units: dict[str, str]
+    """Their units."""
+
+    def __getitem__(self, name: str) -> float:
+        return self.outputs[_checks.known("output", name, self.outputs)]
+
+
+def trim(
+    model: Model,
+    *,
+    find: Sequence[str],
+    speed: float | None = None,
+    lateral_acceleration: float | None = None,
+    yaw_rate: float | None = None,
+    radius: float | None = None,
+    body: str | None = None,
+    inputs: Mapping[str, float] | None = None,
+) -> Trim:
+    """Inputs of steady driving, as `mimbre trim`; see `Model.trim`."""
+    found = _core.trim(
+        compiled(model), body or "", speed, lateral_acceleration, yaw_rate, radius, list(find), _inputs(inputs)
+    )
+    outputs = {name: value for name, value, _ in found.outputs}
+    units = {name: unit for name, _, unit in found.outputs}
+    return Trim(
+        found.body,
+        found.speed,
+        found.yaw_rate,
+        found.lateral_acceleration,
+        found.sideslip,
+        found.inputs,
+        outputs,
+        units,
+    )
+
+
 def campbell(
     model: Model,
     parameter: str,

@@ -16,7 +16,7 @@ from . import _checks, _core, analysis, laws, linear
 from . import motion as motions
 from .analysis import Verification
 from .errors import Diagnostic, InputError, Interrupted, SimulationError
-from .linear import CampbellDiagram, LinearModel, Modes
+from .linear import CampbellDiagram, LinearModel, Modes, Trim
 from .method import Method
 from .run import Run
 from .simulation import Simulation, checked_method
@@ -380,6 +380,51 @@ class Model:
             ```
         """
         return linear.modes(self, at=at, most=most, inputs=inputs, delay_order=delay_order, **method)
+
+    def trim(
+        self,
+        *,
+        find: Sequence[str],
+        speed: float | None = None,
+        lateral_acceleration: float | None = None,
+        yaw_rate: float | None = None,
+        radius: float | None = None,
+        body: str | None = None,
+        inputs: Mapping[str, float] | None = None,
+    ) -> Trim:
+        """Inputs with which a vehicle goes straight on or around a circle, as `mimbre trim`.
+
+        Args:
+            find: inputs to find, as many as conditions are given.
+            speed: m/s; None: that of the start.
+            lateral_acceleration: m/s², to the left.
+            yaw_rate: rad/s, likewise; instead of it.
+            radius: m, likewise.
+            body: whose speed it is; None: the first body on a floating joint.
+            inputs: values of other inputs.
+
+        Returns:
+            The inputs, and the outputs of that motion.
+
+        Raises:
+            SimulationError: there is none near the start.
+
+        Example:
+            ```python
+            turn = model.trim(speed=20, radius=100, find=["steering", "throttle"])
+            print(turn.inputs["steering"], turn.sideslip)
+            ```
+        """
+        return linear.trim(
+            self,
+            find=find,
+            speed=speed,
+            lateral_acceleration=lateral_acceleration,
+            yaw_rate=yaw_rate,
+            radius=radius,
+            body=body,
+            inputs=inputs,
+        )
 
     def campbell(
         self,

@@ -19,6 +19,7 @@
 #include "mimbre/campbell.h"
 #include "mimbre/linearise.h"
 #include "mimbre/modes.h"
+#include "mimbre/trim.h"
 
 /// Linear models, modes and Campbell diagrams: mimbre/linear.py gives them names.
 namespace mimbre::python {
@@ -97,6 +98,7 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
     ModesOptions here;
     here.linear = options_of(*loaded, method, at, time, given, delay_order);
     here.most = most;
+    here.solver = ModesSolver::dense;  // left vectors too
     return find_modes(loaded->model, here);
   };
   CampbellDiagram found;
@@ -182,6 +184,38 @@ void bind_linear(nb::module_& module) {
       },
       nb::arg("model"), nb::arg("method"), nb::arg("at"), nb::arg("time"), nb::arg("inputs"),
       nb::arg("delay_order"), nb::arg("most"));
+
+  nb::class_<TrimResult>(module, "TrimResult")
+      .def_ro("body", &TrimResult::body)
+      .def_ro("speed", &TrimResult::speed)
+      .def_ro("yaw_rate", &TrimResult::yaw_rate)
+      .def_ro("lateral_acceleration", &TrimResult::lateral_acceleration)
+      .def_ro("sideslip", &TrimResult::sideslip)
+      .def_ro("residual", &TrimResult::residual)
+      .def_prop_ro("inputs",
+                   [](const TrimResult& r) {
+                     std::map<std::string, double> found;
+                     for (const TrimResult::Input& input : r.found) found[input.name] = input.value;
+                     return found;
+                   })
+      .def_prop_ro("outputs", [](const TrimResult& r) {
+        std::vector<std::tuple<std::string, double, std::string>> list;
+        for (int k = 0; k < r.output_count; ++k)
+          list.emplace_back(r.channels[k].name, r.values[k], r.channels[k].unit);
+        return list;
+      });
+  module.def(
+      "trim",
+      [](const LoadedModel& loaded, const std::string& body, std::optional<double> speed,
+         std::optional<double> lateral_acceleration, std::optional<double> yaw_rate,
+         std::optional<double> radius, const std::vector<std::string>& find, const Inputs& inputs) {
+        const TrimConditions conditions{body, speed, lateral_acceleration, yaw_rate, radius, find};
+        RunOptions options;
+        options.inputs = inputs;
+        return computed([&] { return trim(loaded.model, conditions, options); });
+      },
+      nb::arg("model"), nb::arg("body"), nb::arg("speed").none(), nb::arg("lateral_acceleration").none(),
+      nb::arg("yaw_rate").none(), nb::arg("radius").none(), nb::arg("find"), nb::arg("inputs"));
 
   nb::class_<CampbellDiagram>(module, "CampbellDiagram")
       .def_ro("values", &CampbellDiagram::values)

@@ -146,3 +146,17 @@ def test_a_motion_without_mass_is_named():
     text = CART.replace("mass: 4", "mass: 0").replace("[1, 1, 1]", "[0, 0, 0]")
     with pytest.raises(mimbre.SimulationError, match="'rail' moves no mass"):
         mimbre.Model.from_text(text).modes(at="start")
+
+
+def test_steady_driving_is_that_of_the_program(examples):
+    path = examples / "iltis" / "steady.yaml"
+    rigid = {"arms": "rigid", "links": "rigid", "rods": "rigid"}
+    turn = mimbre.Model.from_file(path, **rigid).trim(speed=20, radius=200, find=["steering", "throttle"])
+    settings = [text for name, value in rigid.items() for text in ("--set", f"{name}={value}")]
+    conditions = ["--hold", "speed=20", "--hold", "radius=200", "--find", "steering", "--find", "throttle"]
+    said = json.loads(program("trim", path, *settings, *conditions, "--json"))
+    assert turn.inputs == said["inputs"]
+    assert turn["rack"] == said["outputs"]["rack"]
+    assert turn.yaw_rate == pytest.approx(0.1, rel=1e-9)
+    with pytest.raises(mimbre.InputError, match="to find"):
+        mimbre.Model.from_file(path, **rigid).trim(speed=20, find=["steering", "throttle"])

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/linear_turning.h"
+#include "analysis/trim_point.h"
 #include "base/random_numbers.h"
 #include "compile/element_name.h"
 #include "dynamics/relative/forces.h"
@@ -28,6 +29,16 @@ namespace mimbre::linear {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
+  system.enter(s.u.data(), s.z.data(), 0);
+  system.begin_step(s.q.data());
+  system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+  VectorXd generalised(m.velocities);
+  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
+  commit_signals(m, system, s);
+  system.enter(s.u.data(), s.z.data(), 0);
+}
+
 namespace {
 
 // Shares of the mechanism's scales.
@@ -39,18 +50,8 @@ constexpr double singular = 1e-6;  ///< of equations that repeat others, off the
 struct PointState {
   State state;
   std::string words;
+  std::optional<Trim> trim;
 };
-
-/// What force elements and signals remember is that of the state.
-void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
-  system.enter(s.u.data(), s.z.data(), 0);
-  system.begin_step(s.q.data());
-  system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
-  VectorXd generalised(m.velocities);
-  relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
-  commit_signals(m, system, s);
-  system.enter(s.u.data(), s.z.data(), 0);
-}
 
 double pace_of(const System& system, const VectorXd& v) {
   const Scales& scales = system.scales();
@@ -174,9 +175,17 @@ PointState state_at_time(std::shared_ptr<const Model> model, const Compiled& m,
 PointState state_of(const Compiled& m, relative::RelativeSystem& system, const LinearOptions& options) {
   using At = LinearPoint::At;
   const At at = options.point.at;
-  PointState out{start_state(m, system, options), "start"};
+  PointState out{start_state(m, system, options), "start", {}};
   State& s = out.state;
   if (at == At::start) return out;
+  if (at == At::trim) {
+    out.trim = find_trim(m, system, s, options.run.inputs, options.trim);
+    s = out.trim->state;
+    out.words = fmt::format("steady driving at {:.6g} m/s", out.trim->speed);
+    if (const double across = out.trim->yaw_rate * out.trim->speed; std::abs(across) > 1e-9)
+      out.words += fmt::format(", {:.6g} m/s² to the {}", std::abs(across), across > 0 ? "left" : "right");
+    return out;
+  }
   if (at == At::equilibrium || at == At::automatic) {
     if (can_rest(system, s)) {
       State found = s;
@@ -189,7 +198,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
       if (status && status->converged) {
         found.v.setZero();
         found.a.setZero();
-        return {found, "equilibrium"};
+        return {found, "equilibrium", {}};
       }
       if (at == At::equilibrium) throw std::runtime_error(explain_imbalance(m, nullptr, *status));
     } else if (at == At::equilibrium) {
@@ -203,7 +212,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
     return out;
   }
   State steady = s;
-  if (find_steady(m, system, steady)) return {steady, "steady motion"};
+  if (find_steady(m, system, steady)) return {steady, "steady motion", {}};
   if (at == At::steady)
     throw std::runtime_error(
         "no steady motion was found near the start: no positions in which the velocities of the start stay. "
@@ -366,7 +375,8 @@ void fold_bristles(Linearised& out) {
   out.state_rates = rates;
 }
 
-/// The linear equations at a state; its accelerations and multipliers become the consistent ones.
+}  // namespace
+
 void linearise_state(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
   State& s = out.state;
   LinearCore core(m, s, pace_of(system, s.v));
@@ -391,6 +401,8 @@ void linearise_state(const Compiled& m, const relative::RelativeSystem& system, 
   out.state_rates = rates.value;
   out.names.redundant = m.equations - independent.rank();
 }
+
+namespace {
 
 /// By how much A differs a little further along the motion, of its largest entry: 0 where the mechanism moves
 /// through no other shapes. In each of several axes.
@@ -463,12 +475,14 @@ void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& o
   names.speed = scales.of_coordinates(s.v.data(), &where);
   if (where >= 0) names.fastest = coordinate_label(m, where).name;
   where = -1;
-  const double most = scales.of_coordinates(s.a.data(), &where), rate = names.speed;
+  VectorXd unsteady = s.a;
+  if (out.trimmed) unsteady -= out.steady_accelerations;
+  const double most = scales.of_coordinates(unsteady.data(), &where), rate = names.speed;
   const double play = std::max({scales.accelerations(s.a.data()), rate * rate});
   names.unsteady = play > 0 ? most / play : 0;
   if (where >= 0) {
     names.accelerated = coordinate_label(m, where).name;
-    names.acceleration = std::abs(s.a[where]);
+    names.acceleration = std::abs(unsteady[where]);
   }
   const double pace = pace_of(system, s.v);
   const bool rests = names.speed <= still * pace, steady = names.unsteady <= balanced;
@@ -477,7 +491,19 @@ void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& o
         fmt::format("the point is {}: '{}' accelerates by {:.3g}, {:.2g} of the accelerations at play",
                     rests ? "no equilibrium" : "no steady motion", names.accelerated, names.acceleration,
                     names.unsteady));
-  if (steady && !rests) {
+  if (steady && out.trimmed) {
+    // On a plane nothing depends on where the mechanism is and where it heads.
+    Turning turning;
+    turning.speed = std::abs(out.yaw_rate);
+    turning.axis = out.yaw_rate < 0 ? Vec3d(-out.up) : out.up;
+    if (turning.speed * m.length_scale > still * scales.of_coordinates(s.v.data())) {
+      out.axes = axes_that_turn(m, turning);
+      names.notes.push_back(fmt::format(
+          "the mechanism drives around a circle with {:.6g} rad/s: A is that of the instant; modes are "
+          "those in axes that turn with it, where A is constant on a level road",
+          out.yaw_rate));
+    }
+  } else if (steady && !rests) {
     system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
     const Turning turning = find_turning(m, system);
     const std::vector<TurnedAxes> choices{{}, axes_that_turn(m, turning), axes_before_joints(m, s.v)};
@@ -576,6 +602,12 @@ Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& optio
   }
   out.state = point.state;
   out.names.point = point.words;
+  if (point.trim) {
+    out.trimmed = true;
+    out.yaw_rate = point.trim->yaw_rate;
+    out.up = point.trim->up;
+    out.steady_accelerations = point.trim->accelerations;
+  }
   commit(m, system, out.state);
   return out;
 }

@@ -30,6 +30,11 @@ struct Linearised {
   /// Where the whole mechanism turns steadily about one fixed axis: its angular speed, and the axis.
   double turning = 0;
   Vec3d turning_axis = Vec3d::UnitX(), turning_place = Vec3d::Zero();
+  /// Of steady driving: the yaw rate, the vertical, and the relative accelerations of that motion.
+  bool trimmed = false;
+  double yaw_rate = 0;
+  Vec3d up = Vec3d::UnitZ();
+  Eigen::VectorXd steady_accelerations;
   /// Axes in which the coefficients are constant along the motion (linear_turning.h); none: as they are.
   std::vector<TurnedVector> axes;
 };
@@ -39,6 +44,12 @@ Linearised linearise_at(std::shared_ptr<const Model> model, const LinearOptions&
 /// Its two parts: the point, with model, state and names.point; and the matrices there.
 Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& options);
 Linearised linearise_located(Linearised at);
+
+/// The linear equations at out.state, whose accelerations and multipliers become the consistent ones.
+/// Independent coordinates and velocities that are given stay. Its elements and signals must be committed.
+void linearise_state(const Compiled& model, const relative::RelativeSystem& system, Linearised& out);
+/// What force elements and signals remember is that of the state.
+void commit(const Compiled& model, relative::RelativeSystem& system, State& state);
 
 /// What a velocity coordinate is called: the joint's name, with its number where it has several, or a body's
 /// mode.

@@ -186,7 +186,8 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
   std::vector<Mode> modes;
   if (r.A.rows() == 0) return modes;
   const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
-  const bool rolls = r.coordinates != r.speeds;
+  // On wheels the path goes by the heading, too.
+  const bool rolls = r.coordinates != r.speeds || at.trimmed;
   const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
   const MatrixXd free = echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors);
   for (Eigen::Index k = 0; k < free.cols(); ++k) {

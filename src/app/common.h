@@ -53,6 +53,7 @@ Command add_export(CommandLine& program);
 Command add_generate(CommandLine& program);
 Command add_fmu(CommandLine& program);
 Command add_inverse_dynamics(CommandLine& program);
+Command add_trim(CommandLine& program);
 Command add_kinematics(CommandLine& program);
 
 /// The computation failed, though the input could be read: exit code 3.

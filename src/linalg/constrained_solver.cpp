@@ -17,7 +17,8 @@ constexpr double penalty = 1e6;
 constexpr double softness = 1e-9;
 /// Of the right side: solved; and hardly.
 constexpr double solved = 1e-14, roughly = 1e-4;
-constexpr double not_symmetric = 1e-12;
+/// Of the largest entry: less comes of differences.
+constexpr double not_symmetric = 1e-8;
 
 double largest_entry(const SparseMatrix& A) {
   double most = 0;

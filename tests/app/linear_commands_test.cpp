@@ -4,7 +4,7 @@
 #include "app/output_schema.h"
 #include "app/program.h"
 
-/// mimbre modes and mimbre linearise.
+/// mimbre modes, mimbre linearise and mimbre trim.
 namespace mimbre::app_test::linear_commands_test {
 namespace {
 
@@ -45,6 +45,28 @@ TEST_F(LinearCommands, AnswersFollowTheSchema) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     expect_schema(outcome.out);
   }
+}
+
+TEST_F(LinearCommands, TrimFollowsTheSchemaAndModesTakeItsPoint) {
+  std::vector<std::string> words{"trim", MIMBRE_SOURCE_DIR "/examples/iltis/steady.yaml"};
+  for (const char* part : {"arms=rigid", "links=rigid", "rods=rigid"})
+    words.insert(words.end(), {"--set", part});
+  words.insert(words.end(),
+               {"--hold", "speed=20", "--hold", "radius=200", "--find", "steering", "--find", "throttle"});
+  const Outcome table = run(words);
+  ASSERT_EQ(table.code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("steering"));
+  words.emplace_back("--json");
+  const Outcome outcome = run(words);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  expect_schema(outcome.out);
+  words[0] = "modes";
+  const Outcome modes = run(words);
+  ASSERT_EQ(modes.code, 0) << modes.err;
+  EXPECT_THAT(modes.out, HasSubstr("steady driving at 20 m/s, 2 m/s² to the left"));
+  words.back() = "--at";
+  words.emplace_back("start");
+  EXPECT_EQ(run(words).code, 2);
 }
 
 TEST_F(LinearCommands, RefusesWhatIsNoPoint) {

@@ -13,7 +13,14 @@ struct PointArguments {
   std::vector<std::string> inputs;
   RunOptions method;
   int delay_order = 4;
+  std::vector<std::string> hold, find;  ///< of steady driving
+  std::string body;
 };
+
+/// --hold, --find and --body of steady driving.
+void add_trim_options(Parser& parser, PointArguments& arguments);
+/// Throws UsageError for conditions that are none.
+TrimConditions trim_conditions(const PointArguments& arguments);
 
 void add_point_options(Parser& parser, PointArguments& arguments);
 /// Throws UsageError for what is no point.

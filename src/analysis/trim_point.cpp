@@ -1,0 +1,460 @@
+#include "analysis/trim_point.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "analysis/linear_point.h"
+#include "dynamics/relative/forces.h"
+#include "integrate/initial.h"
+#include "joints/joint_kind.h"
+#include "math/elementary.h"
+#include "math/once/decompositions.h"
+#include "math/rotation.h"
+#include "mimbre/diagnostics.h"
+#include "simulation/step/signal_state.h"
+
+namespace mimbre::linear {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Shares of the scales of coordinates, velocities and accelerations.
+constexpr double trim_step = 1e-10;     ///< of the last step
+constexpr double trim_balanced = 1e-7;  ///< of accelerations
+constexpr double trim_furthest = 0.3;   ///< of positions in one step
+constexpr double trim_turning = 1e-6;   ///< of the largest rate: a joint turns
+constexpr double trim_degenerate = 1e-9;
+constexpr int trim_rounds = 60;
+/// In which states of force elements settle, of the mechanism's own time.
+constexpr double settling_time = 1e5;
+
+/// A body on a floating joint to the ground.
+struct Rover {
+  int body = 0;
+  int position = 0, rotation = 0;  ///< first velocity coordinates
+  int quaternion = 0;              ///< in q
+  Vec3d up;                        ///< in the axes of the joint's frame on the ground
+};
+
+std::vector<Rover> rovers_of(const Compiled& m, const Vec3d& up) {
+  std::vector<Rover> out;
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+    const BodyData& b = m.bodies[k];
+    if (b.parent >= 0 || b.reversed || b.joint != spec::JointType::floating) continue;
+    const JointInfo& info = joint_info(b.joint);
+    out.push_back({static_cast<int>(k), b.v + (info.rotation == 0 ? 3 : 0), b.v + info.rotation,
+                   b.q + info.quaternion, m.frames[b.inboard_frame].rotation.transpose() * up});
+  }
+  return out;
+}
+
+const std::string& name_of_body(const Compiled& m, int body) {
+  return m.spec().bodies[static_cast<std::size_t>(m.bodies[static_cast<std::size_t>(body)].spec)].name;
+}
+
+class TrimSearch {
+ public:
+  TrimSearch(const Compiled& m, relative::RelativeSystem& system, const State& start,
+             const std::map<std::string, double>& inputs, const TrimConditions& conditions);
+  Trim run();
+
+ private:
+  /// Values and derivatives by (y, s, z, u; Ω) of what has to vanish.
+  struct Equations {
+    MatrixXd by;
+    VectorXd values;
+    VectorXd accelerations;
+  };
+
+  Vec3d upright(const Rover& r, const State& s) const;
+  /// `as`: with its independent coordinates.
+  Linearised at(const State& s, const std::map<std::string, double>& inputs, const Linearised* as = nullptr);
+  void settle(State& s) const;
+  void set_inputs(const std::map<std::string, double>& inputs, State& s) const;
+  Equations equations(const Linearised& l, double yaw_rate) const;
+  VectorXd by_differences(const Linearised& l, const std::map<std::string, double>& inputs, int input,
+                          Index column, double yaw_rate);
+
+  const Compiled& m_;
+  relative::RelativeSystem& system_;
+  const Scales& scales_;
+  const TrimConditions& wanted_;
+  State start_;
+  std::map<std::string, double> inputs_;
+  Vec3d up_;
+  std::vector<Rover> rovers_;
+  std::size_t main_ = 0;     ///< of rovers_
+  std::vector<char> turns_;  ///< by velocity coordinate
+  std::vector<int> found_;   ///< inputs
+  double pace_ = 1, speed_ = 0;
+};
+
+TrimSearch::TrimSearch(const Compiled& m, relative::RelativeSystem& system, const State& start,
+                       const std::map<std::string, double>& inputs, const TrimConditions& conditions)
+    : m_(m),
+      system_(system),
+      scales_(system.scales()),
+      wanted_(conditions),
+      start_(start),
+      inputs_(inputs),
+      up_(m.gravity.norm() > 0 ? Vec3d(-m.gravity.normalized()) : Vec3d(Vec3d::UnitZ())),
+      rovers_(rovers_of(m, up_)),
+      turns_(static_cast<std::size_t>(m.velocities), 0) {
+  const auto refuse = [&](const std::string& text) { return InputError(Mark{m.spec().file, 0, 0}, text); };
+  if (rovers_.empty())
+    throw refuse(
+        "steady driving: no body is on a floating joint to the ground; for what turns about fixed axes use "
+        "the point 'steady'");
+  if (!wanted_.body.empty()) {
+    const auto found = std::find_if(rovers_.begin(), rovers_.end(),
+                                    [&](const Rover& r) { return name_of_body(m, r.body) == wanted_.body; });
+    if (found == rovers_.end()) {
+      std::vector<std::string> names;
+      for (const Rover& r : rovers_) names.push_back(name_of_body(m, r.body));
+      throw refuse(
+          fmt::format("steady driving: body '{}' is not on a floating joint to the ground; these are: {}",
+                      wanted_.body, fmt::join(names, ", ")));
+    }
+    main_ = static_cast<std::size_t>(found - rovers_.begin());
+  }
+  const int turns =
+      (wanted_.lateral_acceleration ? 1 : 0) + (wanted_.radius ? 1 : 0) + (wanted_.yaw_rate ? 1 : 0);
+  if (turns > 1) throw refuse("steady driving: give one of lateral acceleration, radius and yaw rate");
+  if (wanted_.radius && *wanted_.radius == 0) throw refuse("steady driving: a radius of 0");
+  const int conditions_given = turns + (wanted_.speed ? 1 : 0);
+  if (conditions_given != static_cast<int>(wanted_.find.size()))
+    throw refuse(
+        fmt::format("steady driving: {} condition{} of speed and turn, and {} input{} to find: as many are "
+                    "needed, such as the steering for a turn and the throttle for a speed",
+                    conditions_given, conditions_given == 1 ? "" : "s", wanted_.find.size(),
+                    wanted_.find.size() == 1 ? "" : "s"));
+  for (const std::string& name : wanted_.find) found_.push_back(find_input(m, name));
+  for (const int input : found_) {
+    const spec::Input& of = m.spec().inputs[static_cast<std::size_t>(input)];
+    if (!inputs_.contains(of.name)) inputs_[of.name] = held_input_value(m, input, start_);
+  }
+  const Rover& r = rovers_[main_];
+  const Vec3d v = start_.v.segment<3>(r.position), along = v - r.up * r.up.dot(v);
+  if (!(along.norm() > 0))
+    throw refuse(
+        fmt::format("steady driving: body '{}' stands at the start; give it a velocity, and its wheels the "
+                    "rates that belong to it",
+                    name_of_body(m, r.body)));
+  speed_ = wanted_.speed.value_or(along.norm());
+  if (!(speed_ > 0) || !std::isfinite(speed_))
+    throw refuse(fmt::format("steady driving: a speed of {} m/s", speed_));
+  double fastest = 0;
+  for (int k = 0; k < m.velocities; ++k)
+    fastest = std::max(fastest, std::abs(start_.v[k]) / scales_.coordinates[static_cast<std::size_t>(k)]);
+  for (const BodyData& b : m.bodies) {
+    if (b.joint == spec::JointType::floating && b.parent < 0) continue;
+    for (int k = 0; k < b.joint_velocities; ++k)
+      if (is_angle(b.joint, k) && std::abs(start_.v[b.v + k]) > trim_turning * fastest)
+        turns_[static_cast<std::size_t>(b.v + k)] = 1;
+  }
+  start_.v *= speed_ / along.norm();
+  pace_ = std::max(speed_ / m.length_scale, scales_.acceleration > 0 ? std::sqrt(scales_.acceleration) : 0.0);
+}
+
+/// The vertical in the axes of a body on a floating joint.
+Vec3d TrimSearch::upright(const Rover& r, const State& s) const {
+  const Quat<double> p(s.q.segment<4>(r.quaternion));
+  return rotation_matrix<double>(p).transpose() * r.up;
+}
+
+/// States of force elements where they stay at this motion, by two steps that are very long.
+void TrimSearch::settle(State& s) const {
+  VectorXd generalised(m_.velocities);
+  for (int twice = 0; twice < 2; ++twice) {
+    system_.enter(s.u.data(), s.z.data(), settling_time / pace_);
+    system_.begin_step(s.q.data());
+    system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
+    relative::forces(m_, system_.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
+    for (const ElementData& e : m_.elements) {
+      if (e.state_count == 0 || e.user) continue;
+      const ElementState<double> is = element_state(e, system_.workspace().elements.data());
+      bool finite = true;
+      for (int k = 0; k < e.state_count; ++k) finite = finite && std::isfinite(is.states[k]);
+      if (finite) std::copy_n(is.states, e.state_count, s.z.data() + e.states);
+    }
+  }
+  system_.enter(s.u.data(), s.z.data(), 0);
+}
+
+void TrimSearch::set_inputs(const std::map<std::string, double>& inputs, State& s) const {
+  State fresh;
+  start_signals(m_, inputs, fresh);
+  // On the way a value may be out of its range.
+  for (const SignalsData::HeldInput& h : m_.signals.held)
+    if (std::find(found_.begin(), found_.end(), h.input) != found_.end()) {
+      const double value = inputs.at(m_.spec().inputs[static_cast<std::size_t>(h.input)].name);
+      fresh.u[h.held] = value;
+      if (h.linear) fresh.u[h.held + 2] = value;
+    }
+  s.u = fresh.u;
+}
+
+Linearised TrimSearch::at(const State& s, const std::map<std::string, double>& inputs, const Linearised* as) {
+  Linearised l;
+  if (as) {
+    l.independent = as->independent;
+    l.moving = as->moving;
+  }
+  l.state = s;
+  set_inputs(inputs, l.state);
+  commit(m_, system_, l.state);
+  settle(l.state);
+  commit(m_, system_, l.state);
+  linearise_state(m_, system_, l);
+  return l;
+}
+
+TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate) const {
+  const Reduced& r = l.reduced;
+  if (r.coordinates != r.speeds)
+    throw std::runtime_error("steady driving of models with constraints on velocities alone is not possible");
+  const Index all = r.position.cols();
+  const State& s = l.state;
+  std::vector<RowVectorXd> rows;
+  std::vector<double> values;
+  const double W = yaw_rate;
+  const auto add = [&](const RowVectorXd& by, double by_rate, double value, double scale) {
+    RowVectorXd row(all + 1);
+    row << by, by_rate;
+    rows.push_back(row / scale);
+    values.push_back(value / scale);
+  };
+  std::vector<char> done(static_cast<std::size_t>(m_.velocities), 0);
+  Equations out;
+  out.accelerations = VectorXd::Zero(m_.velocities);
+  const double L = m_.length_scale;
+  for (const Rover& c : rovers_) {
+    for (int k = 0; k < 3; ++k)
+      done[static_cast<std::size_t>(c.position + k)] = done[static_cast<std::size_t>(c.rotation + k)] = 1;
+    const Vec3d v = s.v.segment<3>(c.position), omega = s.v.segment<3>(c.rotation), n = upright(c, s),
+                a = s.a.segment<3>(c.position), alpha = s.a.segment<3>(c.rotation);
+    const MatrixXd V = r.velocity.middleRows(c.position, 3), turned = r.position.middleRows(c.rotation, 3),
+                   spin = r.velocity.middleRows(c.rotation, 3), A = r.acceleration.middleRows(c.position, 3),
+                   spin_rate = r.acceleration.middleRows(c.rotation, 3);
+    add(c.up.transpose() * V, 0, c.up.dot(v), L * pace_);
+    // ω = Ω n, and n turns with the body: δn = −δθ × n.
+    const MatrixXd rotation = spin - W * (skew<double>(n) * turned);
+    const Vec3d off = omega - W * n;
+    const MatrixXd turning = A - W * (skew<double>(c.up) * V);
+    const Vec3d round = c.up.cross(v), wrong = a - W * round;
+    out.accelerations.segment<3>(c.position) = W * round;
+    for (int k = 0; k < 3; ++k) {
+      add(rotation.row(k), -n[k], off[k], pace_);
+      add(turning.row(k), -round[k], wrong[k], L * pace_ * pace_);
+      add(spin_rate.row(k), 0, alpha[k], pace_ * pace_);
+    }
+  }
+  for (const int k : l.independent) {
+    const auto i = static_cast<std::size_t>(k);
+    if (done[i]) continue;
+    const double scale = scales_.coordinates[i];
+    if (!turns_[i]) add(r.velocity.row(k), 0, s.v[k], scale * pace_);
+    add(r.acceleration.row(k), 0, s.a[k], scale * pace_ * pace_);
+  }
+  const int first = r.first_state();
+  for (int k = 0; k < r.states; ++k) {
+    if (l.parameters[static_cast<std::size_t>(k)].kind == Parameter::Kind::integral) continue;
+    RowVectorXd by(all);
+    by << r.A.row(first + k), r.B.row(first + k);
+    const double own = std::abs(r.A(first + k, first + k)), size = by.cwiseAbs().maxCoeff();
+    if (!(size > 0)) continue;
+    // By what moves it in the mechanism's own time.
+    add(by, 0, l.state_rates[k], std::max(own, size));
+  }
+  const Rover& c = rovers_[main_];
+  const Vec3d v = s.v.segment<3>(c.position), along = v - c.up * c.up.dot(v);
+  const double speed = along.norm();
+  const RowVectorXd by_speed = (along / speed).transpose() * r.velocity.middleRows(c.position, 3);
+  const RowVectorXd none = RowVectorXd::Zero(all);
+  if (wanted_.speed) add(by_speed, 0, speed - speed_, L * pace_);
+  if (wanted_.lateral_acceleration)
+    add(W * by_speed, speed, W * speed - *wanted_.lateral_acceleration, L * pace_ * pace_);
+  if (wanted_.yaw_rate) add(none, 1, W - *wanted_.yaw_rate, pace_);
+  if (wanted_.radius)
+    add(by_speed, -*wanted_.radius, speed - W * *wanted_.radius,
+        std::max(L, std::abs(*wanted_.radius)) * pace_);
+  out.by.resize(std::ssize(rows), all + 1);
+  out.values.resize(std::ssize(rows));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    out.by.row(static_cast<Index>(k)) = rows[k];
+    out.values[static_cast<Index>(k)] = values[k];
+  }
+  return out;
+}
+
+/// The column of an input that moves a drive by a formula, whose second derivative by time has no derivative.
+VectorXd TrimSearch::by_differences(const Linearised& l, const std::map<std::string, double>& inputs,
+                                    int input, Index column, double yaw_rate) {
+  const std::string& name = m_.spec().inputs[static_cast<std::size_t>(input)].name;
+  const double width = 1e-5 * std::max(1.0, std::abs(inputs.at(name)));
+  VectorXd values[2];
+  for (const int side : {0, 1}) {
+    const double by = side == 0 ? -width : width;
+    State s = l.state;
+    const VectorXd step = by * l.reduced.position.col(column);
+    system_.retract(l.state.q.data(), step.data(), s.q.data());
+    s.v += by * l.reduced.velocity.col(column);
+    std::map<std::string, double> with = inputs;
+    with[name] += by;
+    values[side] = equations(at(s, with, &l), yaw_rate).values;
+  }
+  return (values[1] - values[0]) / (2 * width);
+}
+
+Trim TrimSearch::run() {
+  const VectorXd ready = Eigen::Map<const VectorXd>(scales_.coordinates.data(), m_.velocities);
+  double W = wanted_.yaw_rate               ? *wanted_.yaw_rate
+             : wanted_.lateral_acceleration ? *wanted_.lateral_acceleration / speed_
+             : wanted_.radius               ? speed_ / *wanted_.radius
+                                            : 0;
+  State s = start_;
+  std::map<std::string, double> inputs = inputs_;
+  Linearised l = at(s, inputs);
+  Equations e = equations(l, W);
+  Trim out;
+  bool done = false;
+  for (out.iterations = 1; out.iterations <= trim_rounds && !done; ++out.iterations) {
+    const Reduced& r = l.reduced;
+    const Index all = r.position.cols(), first = r.first_state(), coordinates = r.coordinates,
+                speeds = r.speeds, states = r.states;
+    // Units of the unknowns; inputs that are not looked for stay.
+    VectorXd unit = VectorXd::Zero(all + 1);
+    for (int k = 0; k < r.coordinates; ++k) unit[k] = ready[l.independent[static_cast<std::size_t>(k)]];
+    for (int k = 0; k < r.speeds; ++k)
+      unit[r.coordinates + k] = pace_ * ready[l.moving[static_cast<std::size_t>(k)]];
+    for (Index k = first; k < first + r.states; ++k) {
+      const double acts = e.by.col(k).cwiseAbs().maxCoeff();
+      unit[k] = acts > 0 ? 1 / acts : 1;
+    }
+    std::vector<Index> columns;
+    for (const int input : found_)
+      for (std::size_t p = 0; p < l.parameters.size(); ++p)
+        if (l.parameters[p].kind == Parameter::Kind::input && l.parameters[p].item == input) {
+          columns.push_back(first + static_cast<Index>(p));
+          if (!e.by.col(columns.back()).allFinite())
+            e.by.col(columns.back()) = by_differences(l, inputs, input, columns.back(), W);
+          const double acts = e.by.col(columns.back()).cwiseAbs().maxCoeff();
+          if (!(acts > 0))
+            throw std::runtime_error(fmt::format("steady driving: the input '{}' moves nothing",
+                                                 m_.spec().inputs[static_cast<std::size_t>(input)].name));
+          unit[columns.back()] = 1 / acts;
+        }
+    unit[all] = pace_;
+    MatrixXd by = MatrixXd::Zero(e.by.rows(), all + 1);
+    for (Index k = 0; k <= all; ++k)
+      if (unit[k] > 0) by.col(k) = unit[k] * e.by.col(k);
+    // Rows of stiff parts are no larger than others, so that none of them seems to depend on others.
+    const VectorXd sizes = by.rowwise().norm().cwiseMax(1e-300).cwiseInverse();
+    by = (sizes.asDiagonal() * by).eval();
+    const auto newton = [&](const VectorXd& values) {
+      return VectorXd(shortest_solution(by, MatrixXd(-sizes.cwiseProduct(values)), trim_degenerate));
+    };
+    VectorXd scaled = newton(e.values);
+    if (!scaled.allFinite()) break;
+    const VectorXd x = unit.cwiseProduct(scaled);
+    scaled.segment(first, states).setZero();
+    const VectorXd dq = r.position * x.head(all), dv = r.velocity * x.head(all);
+    const double length = scales_.of_coordinates(dq.data());
+    double share = length > trim_furthest ? trim_furthest / length : 1;
+    // Stiff parts have large accelerations where little is wrong: steps are compared, not those (Deuflhard
+    // 2004).
+    const double before = scaled.norm();
+    double now = before;
+    for (int halving = 0;; ++halving, share /= 2) {
+      State next = l.state;
+      const VectorXd step = share * dq;
+      system_.retract(l.state.q.data(), step.data(), next.q.data());
+      next.v += share * dv;
+      for (int k = 0; k < r.states; ++k) {
+        const Parameter& p = l.parameters[static_cast<std::size_t>(k)];
+        if (p.kind != Parameter::Kind::element_state) continue;
+        const LinearElement& of = l.elements[static_cast<std::size_t>(p.item)];
+        next.z[m_.elements[static_cast<std::size_t>(of.element)].states +
+               of.states[static_cast<std::size_t>(p.index)]] += share * x[first + k];
+      }
+      std::map<std::string, double> with = inputs;
+      for (std::size_t k = 0; k < found_.size(); ++k)
+        with[m_.spec().inputs[static_cast<std::size_t>(found_[k])].name] += share * x[columns[k]];
+      // What drives follow.
+      set_inputs(with, next);
+      system_.enter(next.u.data(), next.z.data(), 0);
+      system_.begin_step(next.q.data());
+      if (m_.equations > 0) {
+        close_positions(system_, next.time, ready, next.q);
+        close_velocities(system_, next.time, next.q, ready, next.v);
+      }
+      Linearised tried = at(next, with, &l);
+      const double rate = W + share * x[all];
+      Equations there = equations(tried, rate);
+      VectorXd again = newton(there.values);
+      again.segment(first, states).setZero();
+      now = again.norm();
+      const bool small = share * length < 1e-6;
+      if (std::isfinite(now) && (now < (1 - share / 4) * before || small || halving >= 8)) {
+        l = std::move(tried);
+        e = std::move(there);
+        inputs = std::move(with);
+        W = rate;
+        break;
+      }
+      if (halving >= 12) throw std::runtime_error("no steady driving was found: forces are not finite");
+    }
+    const double moved = scaled.head(coordinates + speeds).cwiseAbs().maxCoeff();
+    done = share == 1 && (moved < trim_step || (moved < 1e-7 && now >= 0.5 * before));
+  }
+  out.residual = e.values.cwiseAbs().maxCoeff();
+  if (!done || out.residual > trim_balanced)
+    throw std::runtime_error(
+        fmt::format("no steady driving was found: after {} iterations {:.2g} of the accelerations at play "
+                    "are left; start near it, with "
+                    "velocities that belong together, or ask for less",
+                    out.iterations, out.residual));
+  for (const int input : found_) {
+    const spec::Input& of = m_.spec().inputs[static_cast<std::size_t>(input)];
+    const double value = inputs[of.name];
+    if (value < of.min || value > of.max)
+      throw std::runtime_error(
+          fmt::format("steady driving needs '{}' = {:.6g}, which is out of its range of {:g} to {:g}",
+                      of.name, value, of.min, of.max));
+  }
+  out.state = l.state;
+  out.body = rovers_[main_].body;
+  out.yaw_rate = W;
+  out.up = up_;
+  out.inputs = inputs;
+  out.accelerations = e.accelerations;
+  const Rover& c = rovers_[main_];
+  const Vec3d v = out.state.v.segment<3>(c.position), along = v - c.up * c.up.dot(v);
+  out.speed = along.norm();
+  const Quat<double> p(out.state.q.segment<4>(c.quaternion));
+  const Vec3d ahead =
+      rotation_matrix<double>(p) *
+      m_.frames[m_.bodies[static_cast<std::size_t>(c.body)].outboard_frame].rotation.transpose().col(0);
+  const Vec3d level = ahead - c.up * c.up.dot(ahead);
+  out.sideslip = mimbre::atan2(c.up.dot(level.cross(along)), level.dot(along));
+  return out;
+}
+
+}  // namespace
+
+Trim find_trim(const Compiled& m, relative::RelativeSystem& system, const State& start,
+               const std::map<std::string, double>& inputs, const TrimConditions& conditions) {
+  return TrimSearch(m, system, start, inputs, conditions).run();
+}
+
+}  // namespace mimbre::linear
