@@ -86,7 +86,7 @@ class System {
   virtual int matrices() const { return 0; }
   /// Whether the factorised matrix can be saved and is worth keeping over steps.
   virtual bool keeps_matrix() const { return false; }
-  /// Saves it, or assembles the saved one anew; for systems without equations.
+  /// Saves it with its Jacobian, or factorises the saved one anew.
   virtual void transfer_matrix(StateTransfer&) {}
   /// Jacobian of the equations as of the last factor() or dense_matrix(): out += weight Φzᵀ y, and out = Φz
   /// x.

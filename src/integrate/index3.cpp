@@ -26,10 +26,17 @@ constexpr double precise_penalty = 1e4, precise_violation = 1e-13;
 // round-off. Forces that corrected these would go by the square of the part, and redundant constraints would
 // keep them.
 constexpr double short_part = 1e-3;
+// Steps at most that a matrix leads through with equations, and what they may project away, as shares of
+// velocities and accelerations, less the more steps it has led through.
+constexpr int most_uses = 5;
+constexpr double projected_velocities = 1e-7, projected_accelerations = 1e-5;
 // Steps at most before a matrix is kept again.
 constexpr int longest_pause = 15;
 // An iteration that fails after a correction of this size fails because it diverges.
 constexpr double lost_correction = 1;
+
+/// 0 of nothing, infinite of something to nothing.
+double ratio(double part, double of) { return part > 0 ? part / of : 0; }
 
 }  // namespace
 
@@ -40,7 +47,8 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       usual_step_(options.step),
       motion_(system, options),
       prediction_(system.velocities()),
-      keeps_(system.equations() == 0 && !options.fixed_cost && system.keeps_matrix()),
+      keeps_(!options.fixed_cost && system.keeps_matrix() &&
+             (system.equations() == 0 || motion_.rule.gamma > 0.5)),
       mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
@@ -160,13 +168,19 @@ IndexThree::Attempt IndexThree::begin(State& s, bool precise) {
 }
 
 /// Whether the matrix leads through the next step too: as long as it contracts well and does not cost more
-/// corrections than when it was new.
+/// corrections than when it was new. With equations velocities and accelerations are projected by it, with an
+/// old one along directions that are wrong by its age: it may be as old as a few steps, while what is
+/// projected away hardly counts. Over a motion by the mechanism's length that adds up to its share times the
+/// age.
 void IndexThree::judge_matrix(const Attempt& t) {
   const bool fresh = t.status.factorisations > 0;
   if (t.by_kept && fresh) pause_keeping();
   if (t.by_kept && !fresh) pause_ = 0;
   if (fresh) kept_corrections_ = t.newton.corrections;
-  kept_ = waits_ == 0 && !t.newton.refactor && !t.newton.slow && t.newton.corrections <= kept_corrections_;
+  uses_ = t.assembled ? 1 : uses_ + 1;
+  const bool young = system_.equations() == 0 || (uses_ < most_uses && uses_ * t.projected_away <= 1);
+  kept_ = young && waits_ == 0 && !t.newton.refactor && !t.newton.slow &&
+          t.newton.corrections <= kept_corrections_;
   if (waits_ > 0) --waits_;
   kept_weights_ = weights_;
   kept_matrix_ = system_.matrices();
@@ -179,7 +193,7 @@ void IndexThree::pause_keeping() {
 
 void IndexThree::transfer_matrix(StateTransfer& transfer) {
   if (!keeps_) return;
-  transfer(kept_, kept_corrections_, pause_, waits_, kept_weights_.damping, kept_weights_.stiffness,
+  transfer(kept_, kept_corrections_, uses_, pause_, waits_, kept_weights_.damping, kept_weights_.stiffness,
            kept_weights_.penalty);
   system_.transfer_matrix(transfer);
   if (transfer.restoring()) kept_matrix_ = system_.matrices();
@@ -258,6 +272,7 @@ bool IndexThree::fail(Attempt& t, StepCode code, int coordinate) {
 bool IndexThree::find_correction(Attempt& t) {
   const int n = system_.velocities(), m = system_.equations();
   t.refactored = t.precise || t.newton.refactor;
+  t.assembled = t.assembled || t.refactored;
   if (t.refactored || system_.tangent_changed(motion_.q.data(), weights_)) {
     // With a new matrix in every iteration corrections depend on the iterate alone, and may be mixed.
     if (!t.precise) mixing_.reset();
@@ -318,6 +333,7 @@ void IndexThree::project_velocities(Attempt& t) {
   unprojected_ -= v;
 
   const double change = scales_.of_coordinates(unprojected_.data());
+  t.projected_away = ratio(change, projected_velocities * scales_.of_coordinates(v.data()));
   const bool satisfied = scales_.of_equations(system_.phi_dot()) <= accepted;
   t.near_singular = !satisfied || (change > singular_amplification * t.rate_violation &&
                                    change > singular_change * scales_.of_coordinates(v.data()));
@@ -335,7 +351,7 @@ void IndexThree::project_velocities(Attempt& t) {
 
 /// Accelerations onto the constraints; the multipliers follow, so that they balance the projected ones:
 /// M δ + Φzᵀ Δλ = 0. Near singular positions this would amplify the velocities' remaining error.
-void IndexThree::project_accelerations(const Attempt& t) {
+void IndexThree::project_accelerations(Attempt& t) {
   Eigen::VectorXd& a = motion_.a;
   unprojected_ = a;
   const double share = (1 - motion_.rule.alpha_f) / (1 - motion_.rule.alpha_m);
@@ -344,6 +360,9 @@ void IndexThree::project_accelerations(const Attempt& t) {
     force_.setZero();
     project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * t.accelerations);
     lambda_ += force_;
+    r_ = unprojected_ - a;
+    t.projected_away = std::max(t.projected_away, ratio(scales_.of_coordinates(r_.data()),
+                                                        projected_accelerations * t.accelerations));
   }
   motion_.algorithmic += a * share;
 }

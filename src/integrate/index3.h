@@ -26,7 +26,7 @@ class IndexThree final : public Stepper {
   void forget() override {
     prediction_.forget();
     kept_ = false;
-    pause_ = waits_ = 0;
+    uses_ = pause_ = waits_ = 0;
   }
 
  private:
@@ -43,6 +43,7 @@ class IndexThree final : public Stepper {
     double accelerations = 0;  ///< the largest, Scales::accelerations
     bool refactored = false;   ///< the last correction is by a new matrix
     bool by_kept = false;      ///< the first ones are by that of an earlier step
+    bool assembled = false;    ///< one is by a matrix of the step, not only by exchanged tangents
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
     bool lost = false;       ///< by a matrix of an earlier step
@@ -53,6 +54,7 @@ class IndexThree final : public Stepper {
     bool projected = false;  ///< before they were evaluated
     double rate_violation = 0, velocity_tolerance = 0;
     bool near_singular = false;
+    double projected_away = 0;  ///< of velocities or accelerations, by what a kept matrix may
     StepStatus status;
   };
   Attempt attempt(State& state, bool precise);
@@ -78,7 +80,7 @@ class IndexThree final : public Stepper {
   bool accept_positions(Attempt& t);
   // After it.
   void project_velocities(Attempt& t);
-  void project_accelerations(const Attempt& t);
+  void project_accelerations(Attempt& t);
   void project(double* target, const double* violation, double tolerance);
   void judge_matrix(const Attempt& t);
   void pause_keeping();
@@ -89,14 +91,14 @@ class IndexThree final : public Stepper {
   StepMotion motion_;
   Prediction prediction_;
   MatrixWeights weights_;
-  /// Without equations the matrix only decides how fast the iterations converge, not where to, and is kept
-  /// over steps. With equations velocities and accelerations are projected by it: with an old one by the
-  /// wrong directions, always to the same side.
+  /// The matrix decides how fast the iterations converge, not where to, and is kept over steps; with
+  /// equations over a few (judge_matrix), and by a rule that damps what an old one projects wrongly.
   const bool keeps_;
   bool kept_ = false;    ///< it may be used in the next step,
   int kept_matrix_ = 0;  ///< if it is still this one
   MatrixWeights kept_weights_;
   int kept_corrections_ = 0;  ///< of the step that made it
+  int uses_ = 0;              ///< steps that it has led through
   /// Steps that make their own matrices before one is kept again: more, the more often a kept one has not led
   /// through a step.
   int pause_ = 0, waits_ = 0;

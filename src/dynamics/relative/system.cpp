@@ -100,8 +100,8 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   for (const DriveData& d : model.drives) penalty_[d.equation] = model.mass_scale * d.scale;
 
   // What spheres of a pool feel of each other is not in the matrix.
-  keeps_matrix_ = model.equations == 0 && std::none_of(model.elements.begin(), model.elements.end(),
-                                                       [](const ElementData& e) { return e.pooled; });
+  keeps_matrix_ = std::none_of(model.elements.begin(), model.elements.end(),
+                               [](const ElementData& e) { return e.pooled; });
 
   if (splits_by_bodies(model)) articulated_ = std::make_unique<ArticulatedBodies<double>>(model);
   always_by_bodies_ = model.velocities > 0 && model.symbolic.size() == 0;
