@@ -103,7 +103,7 @@ class FmuBlock : public OutsideBlock {
     };
     Plan plan = plan_;
     const Package::Unpacked& unpacked = package_->unpacked();
-    plan.library = unpacked.library;
+    plan.binary = unpacked.binary;
     plan.resources = unpacked.resources;
     plan.instance = name;
     if (settings_.process) {

@@ -177,7 +177,7 @@ bool Calls::find(F& function, const char* name) {
 bool Calls::open() {
   const KeepFloatingPoint keep;
   std::string why;
-  library_ = load_library(plan_.library, why);
+  library_ = load_library(plan_.binary, why);
   if (!library_) return fail("its library cannot be loaded: " + why);
   const bool three = plan_.version == 3;
   fmi2::GetText version = nullptr;

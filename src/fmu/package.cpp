@@ -119,7 +119,7 @@ void Package::refuse(const std::string& why) const { throw InputError({file_, 0,
 
 const Package::Unpacked& Package::unpacked() const {
   const std::lock_guard guard(guard_);
-  if (unpacked_.library.empty()) unpack();
+  if (unpacked_.binary.empty()) unpack();
   return unpacked_;
 }
 
@@ -184,7 +184,7 @@ void Package::unpack() const {
     fs::create_directories(folder / "resources", status);
     unpacked_.resources = (folder / "resources").string();
   }
-  unpacked_.library =
+  unpacked_.binary =
       library.empty() ? compile_sources(folder.string(), description_, file_) : (folder / library).string();
   bytes_ = {};
 }

@@ -23,7 +23,7 @@ class Package {
 
   /// Paths of what was unpacked.
   struct Unpacked {
-    std::string folder, library, resources;  ///< resources: empty where there are none
+    std::string folder, binary, resources;  ///< resources: empty where there are none
   };
   /// Unpacks it at the first call, and compiles its sources where it has no library for this platform. Throws
   /// InputError.

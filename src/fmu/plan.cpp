@@ -82,7 +82,7 @@ void of_setting(S& s, Each&& each) {
 template <class P, class Each>
 void of_plan(P& p, Each&& each) {
   each(p.version);
-  for (auto* text : {&p.library, &p.resources, &p.token, &p.identifier, &p.instance}) each(*text);
+  for (auto* text : {&p.binary, &p.resources, &p.token, &p.identifier, &p.instance}) each(*text);
   each(p.saves);
   each(p.inputs_of_the_end);
   each(p.inputs);

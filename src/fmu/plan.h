@@ -43,7 +43,7 @@ struct Setting {
 
 struct Plan {
   int version = 2;  ///< of FMI
-  std::string library, resources, token, identifier, instance;
+  std::string binary, resources, token, identifier, instance;
   bool saves = false;  ///< its state can be saved as bytes
   bool inputs_of_the_end = false;
   std::vector<Slot> inputs, outputs;

@@ -171,7 +171,7 @@ TEST(DamagedFmus, ElementsOfArraysAreFound) {
 TEST(DamagedFmus, PlansAreBytesAndBack) {
   fmu::Plan plan;
   plan.version = 3;
-  plan.library = "/tmp/a.so";
+  plan.binary = "/tmp/a.so";
   plan.inputs = {{"y", 7, fmu::Type::int16, 2, {1, 2, 3}}};
   plan.outputs = {{"u", 8, fmu::Type::float64, 0, {0}}};
   plan.settings = {{"name", 9, fmu::Type::string, {"text", ""}}};
