@@ -53,24 +53,41 @@ static void @_see(@ *s) {
 #endif
 }
 
+/* By how much the instant of an event, and its place in a period, are off by round-off at most. */
+static double @_about(double event) { return event - event == 0.0 ? 1e-14*(1.0 + fabs(event)) : 0.0; }
+
 /* The time that functions of time see: on this side of the events. */
 static double @_side(const @_state *state, double time) {
-  if (time < state->last_event) return state->last_event;
-  return time < state->next_event ? time : nextafter(state->next_event, -HUGE_VAL);
+  const double after = state->last_event + @_about(state->last_event);
+  const double before = state->next_event - @_about(state->next_event);
+  return time < after ? after : time < before ? time : before;
 }
 
-/* The first instant after a time at which a function of time jumps or has a kink. */
-static double @_next_event(double time) {
+/* Events up to here belong to an event at the time. */
+static double @_until(double time) { return time + 1e-9*(1.0 + fabs(time)); }
+
+/* The last instant at which a function of time jumps or has a kink, up to `until`, and the first one behind that. */
+static double @_last_event(double until) {
+  double last = -HUGE_VAL;
+  int k;
+  for (k = 0; k < @_EVENTS; ++k) {
+    const @_event *const e = @_events + k;
+    double at = e->time;
+    if (e->period > 0.0) at += floor((until - e->time)/e->period)*e->period;
+    if (at > until) at -= e->period;
+    if (at <= until && at > last) last = at;
+  }
+  return last;
+}
+static double @_next_event(double until) {
   double next = HUGE_VAL;
   int k;
   for (k = 0; k < @_EVENTS; ++k) {
     const @_event *const e = @_events + k;
     double at = e->time;
-    if (e->period > 0.0) {
-      at += ceil((time - at)/e->period)*e->period;
-      if (!(at > time)) at += e->period;
-    }
-    if (at > time && at < next) next = at;
+    if (e->period > 0.0) at += (floor((until - e->time)/e->period) + 1.0)*e->period;
+    if (!(at > until)) at += e->period;
+    if (at > until && at < next) next = at;
   }
   return next;
 }
@@ -494,7 +511,7 @@ static int @_begin(@ *s) {
   int k, status = @_OK;
   if (s->state.begun) return @_OK;
   s->state.last_event = -HUGE_VAL;
-  s->state.next_event = @_next_event(s->state.time);
+  s->state.next_event = @_next_event(@_until(s->state.time));
   s->ready = 0;
 #if @_BLOCKS
   status = @_settle(s);
@@ -623,13 +640,15 @@ int @_get_outputs(@ *s) {
 }
 
 int @_update(@ *s, int *changed) {
+  const double until = @_until(s->state.time);
   double indicators[@_INDICATORS + 1];
   int k, renew = 0, status = @_now(s);
   *changed = 0;
   if (status != @_OK) return status;
-  if (s->state.time >= s->state.next_event - 1e-9*(1.0 + fabs(s->state.time))) {
-    s->state.last_event = s->state.next_event;
-    s->state.next_event = @_next_event(s->state.last_event);
+  if (s->state.next_event <= until) {
+    const double last = @_last_event(until);
+    s->state.last_event = last > s->state.next_event ? last : s->state.next_event;
+    s->state.next_event = @_next_event(until);
     s->ready = 0;
     status = @_now(s);
     if (status != @_OK) return status;
