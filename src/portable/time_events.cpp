@@ -27,27 +27,42 @@ bool breaks(const Jet& before, const Jet& after, bool second) {
          (second && differ(before.second, after.second));
 }
 
+/// Those of one function; `second`: where its second derivative jumps, too.
+void add_events(const FunctionData& function, bool second, std::vector<TimeEvent>& all) {
+  if (!function.pieces()) return;
+  const Pieces::Arrays p = function.pieces()->arrays();
+  const double start = p.wrap.start, period = p.wrap.period;
+  std::size_t first = 0, last = p.breaks.size();  // pieces at both ends of a period
+  for (std::size_t k = 0; k < p.breaks.size(); ++k) {
+    const double x = p.breaks[k];
+    if (period > 0 && x <= start) first = k + 1;
+    if (period > 0 && x >= start + period) last = std::min(last, k);
+    if (period > 0 && !(x > start && x < start + period)) continue;
+    if (breaks(at(p, k, x), at(p, k + 1, x), second)) all.push_back({x, period});
+  }
+  if (period > 0 && breaks(at(p, last, start + period), at(p, first, start), second))
+    all.push_back({start, period});
+}
+
+/// Whether a law is the time alone.
+bool is_time(const LawData& law) {
+  const auto& code = law.formula.program().code;
+  return code.size() == 1 && code[0].op == ExpressionProgram::Op::variable && law.slots[code[0].at] == 0;
+}
+
 }  // namespace
 
 std::vector<TimeEvent> time_events(const Compiled& m) {
   std::vector<TimeEvent> all;
-  for (const SignalsData::OfTime& f : m.signals.of_time) {
-    if (!f.function.pieces()) continue;
-    const bool drives =
-        std::any_of(m.drives.begin(), m.drives.end(), [&](const DriveData& d) { return d.slot == f.slot; });
-    const Pieces::Arrays p = f.function.pieces()->arrays();
-    const double start = p.wrap.start, period = p.wrap.period;
-    std::size_t first = 0, last = p.breaks.size();  // pieces at both ends of a period
-    for (std::size_t k = 0; k < p.breaks.size(); ++k) {
-      const double x = p.breaks[k];
-      if (period > 0 && x <= start) first = k + 1;
-      if (period > 0 && x >= start + period) last = std::min(last, k);
-      if (period > 0 && !(x > start && x < start + period)) continue;
-      if (breaks(at(p, k, x), at(p, k + 1, x), drives)) all.push_back({x, period});
-    }
-    if (period > 0 && breaks(at(p, last, start + period), at(p, first, start), drives))
-      all.push_back({start, period});
-  }
+  for (const SignalsData::OfTime& f : m.signals.of_time)
+    add_events(f.function,
+               std::any_of(m.drives.begin(), m.drives.end(),
+                           [&](const DriveData& d) { return d.slot == f.slot; }),
+               all);
+  // What a block makes may come to a drive by way of other signals.
+  for (const SignalsData::Block& b : m.signals.blocks)
+    if (b.function >= 0 && b.laws.size() == 1 && is_time(b.laws[0]))
+      add_events(m.signals.functions[static_cast<std::size_t>(b.function)], !m.drives.empty(), all);
   std::sort(all.begin(), all.end(), [](const TimeEvent& a, const TimeEvent& b) { return a.time < b.time; });
   return all;
 }

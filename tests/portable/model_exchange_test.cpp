@@ -390,6 +390,17 @@ loads: {push: {on: block, force: [1, 0, 0], scale: {table: [[0, 0], [0.1, 1], [0
   EXPECT_FALSE(f.event().has_next);
 }
 
+TEST_P(ModelExchange, TablesOfTheTimeTellTheirKinks) {
+  const auto model = pushed(R"yaml(
+signals: {force: {table: t, points: [[0, 0], [0.1037, 8], [0.1037, 0], [0.3021, 5]]}}
+actuators: {motor: {joint: guide, force: force}}
+)yaml");
+  const FmuLibrary& of = library(model, "tabled");
+  Solver solver(of, 5e-3);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 0.4, 0.05), 0.05), 1e-8);
+  EXPECT_EQ(solver.times(), 1);  // beyond its ends a table goes on
+}
+
 TEST_P(ModelExchange, RefusesWhatHasNoDerivatives) {
   const auto refusal = [&](const std::string& text) -> std::string {
     try {
