@@ -639,11 +639,10 @@ int @_get_outputs(@ *s) {
   return @_OK;
 }
 
-int @_update(@ *s, int *changed) {
+static int @_pass_event(@ *s, int *changed) {
   const double until = @_until(s->state.time);
   double indicators[@_INDICATORS + 1];
   int k, renew = 0, status = @_now(s);
-  *changed = 0;
   if (status != @_OK) return status;
   if (s->state.next_event <= until) {
     const double last = @_last_event(until);
@@ -661,6 +660,17 @@ int @_update(@ *s, int *changed) {
   @_take(s);
   *changed = 1;
   return @_settle(s);
+}
+
+int @_update(@ *s, int *changed) {
+  const @_state kept = s->state;
+  int status;
+  *changed = 0;
+  status = @_pass_event(s, changed);
+  if (status == @_OK) return status;
+  @_restore(s, &kept);
+  *changed = 0;
+  return status;
 }
 
 #if @_VARIES

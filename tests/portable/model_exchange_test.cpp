@@ -401,6 +401,29 @@ actuators: {motor: {joint: guide, force: force}}
   EXPECT_EQ(solver.times(), 1);  // beyond its ends a table goes on
 }
 
+/// Behind the event the force is infinite.
+TEST_P(ModelExchange, UpdatesThatFailChangeNothing) {
+  const FmuLibrary& of = library(pushed(R"yaml(
+signals: {level: {table: t, points: [[0, 1], [0.1, 1], [0.1, 0], [0.2, 0], [0.2, 1], [0.3, 1]]}}
+actuators: {motor: {joint: guide, force: 1/level}}
+)yaml"),
+                                 "failing_update");
+  ExchangeInstance f(of);
+  EXPECT_EQ(f.start_continuous().next, 0.1);
+  EXPECT_EQ(f.set_time(0.1), fmi_ok);
+  const std::vector<double> before = f.derivatives(), states = f.states();
+  EXPECT_EQ(f.simple("EnterEventMode"), fmi_ok);
+  const ExchangeInstance::Update failed = f.update();
+  EXPECT_EQ(failed.status, fmi_discard);
+  EXPECT_FALSE(failed.changed);
+  EXPECT_EQ(f.states(), states);
+  EXPECT_EQ(f.derivatives(), before);
+  EXPECT_EQ(f.set_time(0.05), fmi_ok);
+  EXPECT_EQ(f.update().next, 0.1);
+  EXPECT_EQ(f.set_time(0.2), fmi_ok);  // over what cannot be
+  EXPECT_EQ(f.update().status, fmi_ok);
+}
+
 TEST_P(ModelExchange, RefusesWhatHasNoDerivatives) {
   const auto refusal = [&](const std::string& text) -> std::string {
     try {
