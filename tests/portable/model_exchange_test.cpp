@@ -150,6 +150,7 @@ double difference(Solver& solver, const std::vector<std::vector<double>>& expect
     const std::vector<double> found = solver.instance().outputs();
     for (std::size_t o = 0; o < found.size(); ++o) {
       const double off = std::abs(found[o] - expected[k][o]) / std::max(1.0, std::abs(expected[k][o]));
+      EXPECT_TRUE(std::isfinite(off)) << found[o] << " " << expected[k][o];
       most = off <= most ? most : off;
     }
   }
@@ -611,6 +612,7 @@ double difference_of_directions(ExchangeInstance& f, const FmuCode& fmu, double 
       if (fmu.version == 2 && fmu.variables[unknowns[k]].role == Role::indicator) continue;
       const double found = (8 * (a[k] - b[k]) - (c[k] - d[k])) / (12 * step);
       const double off = std::abs(found - exact[k]) / std::max(1.0, std::abs(exact[k]));
+      EXPECT_TRUE(std::isfinite(off));
       EXPECT_LE(off, 1e-4) << fmu.variables[unknowns[k]].name << " " << found << " " << exact[k];
       most = off <= most ? most : off;
     }
