@@ -124,8 +124,10 @@ static int @_fmu_update(@_fmu *f, int *changed, int *has_next, double *next) {
   return @_FMU_OK;
 }
 
+/* FMI 2.0.4 names event mode only for FMUs without continuous time, FMI 3.0.2 continuous-time mode alone. Importers set
+ * the time at events, too, and that changes nothing else. */
 static int @_fmu_set_time(@_fmu *f, double time) {
-  if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
+  if (!@_fmu_turn(f, @_FMU_EVENTS | @_FMU_RUNS)) return @_FMU_ERROR;
   if (!@_fmu_finite(time) || !@_fmu_finite(time - f->progress.begin)) return @_fmu_wrong(f, "the time is no finite number");
   f->progress.now = time;
   @_set_time(&f->model, f->progress.first + (time - f->progress.begin));

@@ -10,8 +10,9 @@ typedef struct {
   fmi2Real nextEventTime;
 } fmi2EventInfo;
 
+/* Allowed in event mode as well, unlike in FMI 3. */
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2EnterEventMode)(fmi2Component c) {
-  return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_RUNS, @_FMU_EVENTS));
+  return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_RUNS | @_FMU_EVENTS, @_FMU_EVENTS));
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2EnterContinuousTimeMode)(fmi2Component c) {
   return @_FMU_OF(c, @_fmu_go((@_fmu *)c, @_FMU_EVENTS, @_FMU_RUNS));
