@@ -55,10 +55,10 @@ bool is_time(const LawData& law) {
 std::vector<TimeEvent> time_events(const Compiled& m) {
   std::vector<TimeEvent> all;
   for (const SignalsData::OfTime& f : m.signals.of_time)
-    add_events(f.function,
-               std::any_of(m.drives.begin(), m.drives.end(),
-                           [&](const DriveData& d) { return d.slot == f.slot; }),
-               all);
+    add_events(
+        f.function,
+        std::any_of(m.drives.begin(), m.drives.end(), [&](const DriveData& d) { return d.slot == f.slot; }),
+        all);
   // What a block makes may come to a drive by way of other signals.
   for (const SignalsData::Block& b : m.signals.blocks)
     if (b.function >= 0 && b.laws.size() == 1 && is_time(b.laws[0]))

@@ -11,9 +11,9 @@ struct TimeEvent {
   double period = 0;  ///< s, after which it comes again; 0: it does not
 };
 
-/// Jumps and kinks of the model's functions of time by points or pieces, and of signals that are tables of the
-/// time; of those that drive a joint also jumps of the second derivative. Formulas of time are taken to be
-/// smooth.
+/// Jumps and kinks of the model's functions of time by points or pieces, and of signals that are tables of
+/// the time; of those that drive a joint also jumps of the second derivative. Formulas of time are taken to
+/// be smooth.
 std::vector<TimeEvent> time_events(const Compiled& model);
 
 }  // namespace mimbre::portable
