@@ -263,6 +263,59 @@ TEST_P(ModelExchange, IsDescribedAsTheStandardWantsIt) {
     EXPECT_EQ(listed(structure, "EventIndicator").size(), static_cast<std::size_t>(fmu.code.indicators));
 }
 
+/// The schemas of the standards have these attributes, and no others.
+TEST_P(ModelExchange, DeclaresWhatItCanDo) {
+  const auto model = model_of(double_pendulum);
+  const bool two = GetParam() == 2;
+  const auto declared = [&](FmuOptions::Kind kind, bool varies) {
+    FmuOptions options;
+    options.kind = kind;
+    options.version = GetParam();
+    options.name = "declared";
+    FmuCode fmu = generate_fmu(model, {}, options);
+    fmu.code.varies = varies;
+    pugi::xml_document document;
+    EXPECT_TRUE(document.load_string(fmu_description(fmu, *model, true).c_str()));
+    const bool exchange = kind == FmuOptions::Kind::model_exchange;
+    const pugi::xml_node node =
+        document.child("fmiModelDescription").child(exchange ? "ModelExchange" : "CoSimulation");
+    std::set<std::string> names;
+    for (const pugi::xml_attribute a : node.attributes()) EXPECT_TRUE(names.insert(a.name()).second);
+    return names;
+  };
+  std::set<std::string> both{"modelIdentifier", two ? "canGetAndSetFMUstate" : "canGetAndSetFMUState",
+                             two ? "canSerializeFMUstate" : "canSerializeFMUState"};
+  std::set<std::string> steps = both;
+  steps.insert("canHandleVariableCommunicationStepSize");
+  if (!two) steps.insert("fixedInternalStepSize");
+  EXPECT_EQ(declared(FmuOptions::Kind::co_simulation, false), steps);
+  both.insert(two ? "completedIntegratorStepNotNeeded" : "needsCompletedIntegratorStep");
+  EXPECT_EQ(declared(FmuOptions::Kind::model_exchange, false), both);
+  both.insert(two ? "providesDirectionalDerivative" : "providesDirectionalDerivatives");
+  EXPECT_EQ(declared(FmuOptions::Kind::model_exchange, true), both);
+}
+
+/// The schema of FMI 2 has no empty lists: of a mechanism without states, and of one without outputs.
+TEST_P(ModelExchange, ListsNothingWhereThereIsNothing) {
+  for (const auto& [rest, states, outputs] :
+       {std::tuple(", drive: {position: \"sin(t)\"}}}\noutputs: [{name: x, joint: guide}]", 0u, 1u),
+        {"}}\noutputs: [{name: push, joint_force: guide, component: fz}]", 2u, 0u}}) {
+    const auto model = model_of(
+        "bodies: {block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}}\n"
+        "joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]" +
+        std::string(rest));
+    const FmuCode fmu = fmu_of(model, GetParam(), "sparse");
+    EXPECT_EQ(fmu.code.states.size(), states);
+    EXPECT_EQ(fmu.code.outputs.size(), outputs);
+    pugi::xml_document document;
+    ASSERT_TRUE(document.load_string(fmu_description(fmu, *model, true).c_str()));
+    const pugi::xml_node structure = document.child("fmiModelDescription").child("ModelStructure");
+    for (const pugi::xml_node list : structure) EXPECT_TRUE(GetParam() == 3 || list.first_child());
+    EXPECT_EQ(structure.select_nodes("//Outputs | //Output").empty(), outputs == 0);
+    EXPECT_EQ(structure.select_nodes("//Derivatives | //ContinuousStateDerivative").empty(), states == 0);
+  }
+}
+
 TEST_P(ModelExchange, KnowsWhatOutputsShowAtOnce) {
   const FmuCode fmu = fmu_of(driven(), GetParam(), "driven");
   const auto of = [&](const std::string& name) { return fmu.variables[reference(fmu, name)]; };

@@ -88,10 +88,10 @@ class Description {
     if (exchange())
       set(kind, two() ? "completedIntegratorStepNotNeeded" : "needsCompletedIntegratorStep",
           std::string(two() ? "true" : "false"));
-    if (exchange() && fmu_.code.varies)
-      set_true(kind, {two() ? "providesDirectionalDerivative" : "providesDirectionalDerivatives"});
-    else
+    if (!exchange())
       set_true(kind, {"canHandleVariableCommunicationStepSize"});
+    else if (fmu_.code.varies)
+      set_true(kind, {two() ? "providesDirectionalDerivative" : "providesDirectionalDerivatives"});
     if (!two()) {
       set_true(kind, {"canGetAndSetFMUState", "canSerializeFMUState"});
       if (!exchange()) set(kind, "fixedInternalStepSize", fmu_.code.step);
@@ -206,19 +206,21 @@ class Description {
       node.append_attribute("valueReference").set_value(v.reference);
     if (with_dependencies && !v.depends_on_all) set(node, "dependencies", listed(v.dependencies));
   }
-  /// `group`: in FMI 2 the unknowns are in such an element, in FMI 3 they are called `name`.
+  /// `group`: in FMI 2 the unknowns are in such an element, which must not be empty; in FMI 3 they are called
+  /// `name`.
   void unknowns(pugi::xml_node all, const char* group, const char* name, bool with_dependencies,
                 std::initializer_list<Role> roles) {
-    pugi::xml_node list = two() ? all.append_child(group) : all;
-    for (const FmuVariable& v : fmu_.variables)
-      if (std::find(roles.begin(), roles.end(), v.role) != roles.end())
-        unknown(list.append_child(two() ? "Unknown" : name), v, with_dependencies);
+    pugi::xml_node list = two() ? pugi::xml_node() : all;
+    for (const FmuVariable& v : fmu_.variables) {
+      if (std::find(roles.begin(), roles.end(), v.role) == roles.end()) continue;
+      if (!list) list = all.append_child(group);
+      unknown(list.append_child(two() ? "Unknown" : name), v, with_dependencies);
+    }
   }
   void structure() {
     pugi::xml_node all = root_.append_child("ModelStructure");
     unknowns(all, "Outputs", "Output", true, {Role::output, Role::count});
-    if (exchange() && !fmu_.code.states.empty())
-      unknowns(all, "Derivatives", "ContinuousStateDerivative", true, {Role::derivative});
+    unknowns(all, "Derivatives", "ContinuousStateDerivative", true, {Role::derivative});
     unknowns(all, "InitialUnknowns", "InitialUnknown", false,
              {Role::output, Role::count, Role::state, Role::derivative});
     if (!two()) unknowns(all, "", "EventIndicator", true, {Role::indicator});
