@@ -23,10 +23,12 @@ struct FmuVariable {
   unsigned reference = 0;
   /// count: a whole number; state, derivative, indicator: of model exchange.
   enum class Role { time, input, parameter, output, count, state, derivative, indicator } role = Role::output;
-  double start = 0, min = 0, max = 0;    ///< of inputs and parameters; ±infinity: no bound
-  std::vector<unsigned> dependencies{};  ///< of outputs: the inputs, and states, that they show at once
-  bool depends_on_all = false;           ///< instead: on all inputs and states
-  unsigned state = 0;                    ///< of derivatives: the reference of the state
+  double start = 0, min = 0, max = 0;  ///< of inputs and parameters; ±infinity: no bound
+  /// Of outputs: the variables that they are computed from directly, ascending: the time, inputs, in FMI 3
+  /// parameters, and for model exchange states.
+  std::vector<unsigned> dependencies{};
+  bool depends_on_all = false;  ///< instead: on all of these
+  unsigned state = 0;           ///< of derivatives: the reference of the state
 };
 
 /// What an FMU is made of: the code, with the functions of the standard around it.

@@ -17,8 +17,11 @@ struct GeneratedVariable {
   double start = 0;
   double min = 0, max = 0;  ///< of inputs; ±infinity: none
   bool tunable = false;
-  std::vector<int> inputs{};     ///< of outputs: which inputs they show at once, not only after a step
-  bool by_acceleration = false;  ///< of outputs: they show accelerations, which all inputs may decide
+  // Of outputs: the values that they are computed from directly, not by way of a step.
+  std::vector<int> inputs{};
+  bool by_time = false;          ///< explicitly, by a function of time
+  bool by_state = false;         ///< positions, velocities, or states of controllers and force elements
+  bool by_acceleration = false;  ///< accelerations, which may depend on all inputs
 };
 
 /// A continuous state of code for derivatives.

@@ -63,13 +63,14 @@ void name_variables(const Compiled& m, const State& start, const RecordedModel& 
       if (h.input == static_cast<int>(out.inputs.size())) v.start = start.u[h.held];
     out.inputs.push_back(v);
   }
-  const std::vector<std::vector<int>> inputs = inputs_of_outputs(recorded, m.signals);
-  const std::vector<bool> by_acceleration = outputs_by_acceleration(recorded, m.signals);
+  const std::vector<Dependencies> dependencies = dependencies_of_outputs(recorded, m.signals);
   for (const RecordedOutput& o : recorded.outputs) {
     const std::size_t k = out.outputs.size();
     out.outputs.push_back({o.name, unique("out_" + o.name), o.unit, o.meaning});
-    out.outputs.back().inputs = inputs[k];
-    out.outputs.back().by_acceleration = by_acceleration[k];
+    out.outputs.back().inputs = dependencies[k].inputs;
+    out.outputs.back().by_time = dependencies[k].time;
+    out.outputs.back().by_state = dependencies[k].motion || dependencies[k].memory;
+    out.outputs.back().by_acceleration = dependencies[k].acceleration;
   }
 }
 

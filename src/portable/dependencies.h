@@ -5,17 +5,22 @@
 
 namespace mimbre::portable {
 
-/// For each output the inputs of the model (their numbers, ascending) whose value of now it shows at once,
-/// not only by what a step makes of them: what is fed through.
-std::vector<std::vector<int>> inputs_of_outputs(const RecordedModel& recorded, const SignalsData& signals);
+/// The values that a number is computed from directly, without a step or a solution in between.
+struct Dependencies {
+  std::vector<int> inputs;  ///< of the model, by number, ascending
+  bool time = false;        ///< explicitly: a function of time, or in an instant's code a position by a drive
+  bool motion = false;      ///< positions or velocities
+  bool memory = false;      ///< states of controllers and force elements
+  bool acceleration = false;  ///< accelerations or multipliers, which depend on all forces
+};
 
-/// For each output whether it shows accelerations or multipliers, which all forces decide.
-std::vector<bool> outputs_by_acceleration(const RecordedModel& recorded, const SignalsData& signals);
+/// Of each output.
+std::vector<Dependencies> dependencies_of_outputs(const RecordedModel& recorded, const SignalsData& signals);
 
-/// The equations in which an input of the model is, ascending.
+/// The equations that depend on an input of the model, ascending.
 std::vector<int> equations_of_inputs(const RecordedModel& recorded, const SignalsData& signals);
 
-/// Whether a signal that forces may follow shows accelerations or multipliers.
+/// Whether a signal that a force may follow depends on accelerations or multipliers.
 bool signals_see_accelerations(const RecordedModel& recorded, const SignalsData& signals);
 
 }  // namespace mimbre::portable

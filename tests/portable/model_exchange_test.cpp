@@ -316,14 +316,67 @@ TEST_P(ModelExchange, ListsNothingWhereThereIsNothing) {
   }
 }
 
+std::vector<unsigned> references(const FmuCode& fmu, std::set<Role> roles) {
+  std::vector<unsigned> out;
+  for (const FmuVariable& v : fmu.variables)
+    if (roles.contains(v.role)) out.push_back(v.reference);
+  return out;
+}
+
+std::vector<unsigned> operator+(std::vector<unsigned> a, const std::vector<unsigned>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 TEST_P(ModelExchange, KnowsWhatOutputsShowAtOnce) {
   const FmuCode fmu = fmu_of(driven(), GetParam(), "driven");
   const auto of = [&](const std::string& name) { return fmu.variables[reference(fmu, name)]; };
-  EXPECT_EQ(of("shown").dependencies.front(), reference(fmu, "wanted"));
-  EXPECT_EQ(of("angle").dependencies.front(), reference(fmu, "state.1"));
-  EXPECT_FALSE(of("angle").depends_on_all);
+  const std::vector<unsigned> states = references(fmu, {Role::state}), wanted{reference(fmu, "wanted")};
+  EXPECT_EQ(of("shown").dependencies, wanted);
+  EXPECT_EQ(of("angle").dependencies, states);
+  EXPECT_EQ(of("rate").dependencies, states);
+  EXPECT_EQ(of("gust").dependencies, states);  // without feedthrough
+  EXPECT_EQ(of("servo").dependencies, wanted + states);
+  for (const FmuVariable& v : fmu.variables)
+    EXPECT_EQ(v.depends_on_all, v.role == Role::derivative || v.role == Role::indicator);
   const FmuCode pendulum = fmu_of(model_of(double_pendulum), GetParam(), "double_pendulum");
   EXPECT_TRUE(pendulum.variables[reference(pendulum, "tip")].depends_on_all);
+}
+
+/// Functions of time in signals and in a drive, and a parameter.
+std::shared_ptr<const Model> timed_outputs() {
+  return model_of(R"yaml(
+bodies:
+  block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
+  slider: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
+joints:
+  guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 30}, velocity: 1}
+  rail: {type: prismatic, between: [block, slider], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: "0.1*sin(7*t)"}}
+inputs: {ramp: {start: 0.2, hold: linear}}
+parameters: {gain: {value: 3, tunable: true}}
+signals:
+  clock: sin(3*t)
+  scaled: gain*t
+  twice: 2*gain
+  held: 2*ramp
+  place: {joint: rail}
+outputs: [{name: x, joint: guide}]
+actuators: {motor: {joint: guide, force: "ramp + gain*cos(5*t)"}}
+)yaml");
+}
+
+/// Both versions count the time among the knowns, and FMI 3 parameters, too.
+TEST_P(ModelExchange, DependenciesNameTheTimeAndParameters) {
+  const FmuCode fmu = fmu_of(timed_outputs(), GetParam(), "timed_outputs");
+  const auto of = [&](const std::string& name) { return fmu.variables[reference(fmu, name)].dependencies; };
+  const std::vector<unsigned> time{0},
+      states = references(fmu, {Role::state}),
+      gain = GetParam() == 2 ? std::vector<unsigned>{} : std::vector<unsigned>{reference(fmu, "gain")};
+  EXPECT_EQ(of("clock"), time);
+  EXPECT_EQ(of("scaled"), time + gain);
+  EXPECT_EQ(of("twice"), gain);
+  EXPECT_EQ(of("held"), std::vector<unsigned>{reference(fmu, "ramp")});
+  EXPECT_EQ(of("place"), time + states);
 }
 
 TEST_P(ModelExchange, DoublePendulumSwingsAsInTheLibrary) {
@@ -621,13 +674,6 @@ TEST_P(ModelExchange, DiscardsStatesOutOfReach) {
   EXPECT_EQ(f.set_states(states), fmi_ok);
   const std::vector<double> after = f.derivatives();
   for (std::size_t k = 0; k < f.size(); ++k) EXPECT_NEAR(after[k], before[k], 1e-12 * std::abs(before[k]));
-}
-
-std::vector<unsigned> references(const FmuCode& fmu, std::set<Role> roles) {
-  std::vector<unsigned> out;
-  for (const FmuVariable& v : fmu.variables)
-    if (roles.contains(v.role)) out.push_back(v.reference);
-  return out;
 }
 
 /// Derivatives, outputs and indicators along random directions of states and inputs, by differences of

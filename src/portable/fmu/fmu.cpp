@@ -49,7 +49,7 @@ void add_states(const GeneratedCode& code, const Add& add, unsigned first) {
 }
 
 /// References are the places in the list.
-std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kind kind) {
+std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kind kind, int version) {
   const bool exchange = kind == FmuOptions::Kind::model_exchange;
   const unsigned first_state = static_cast<unsigned>(1 + code.inputs.size() + code.outputs.size());
   std::vector<FmuVariable> list;
@@ -72,12 +72,13 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
         "input.");
   for (const GeneratedVariable& v : code.outputs) {
     FmuVariable output{v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, Role::output, 0, -none, none};
-    // Parameters are no knowns of what the standard calls dependencies.
+    // Both versions count the time among the knowns, parameters FMI 3 alone.
+    if (v.by_time) output.dependencies.push_back(0);
     for (const int input : v.inputs)
-      if (!code.inputs[static_cast<std::size_t>(input)].tunable)
+      if (version == 3 || !code.inputs[static_cast<std::size_t>(input)].tunable)
         output.dependencies.push_back(1 + static_cast<unsigned>(input));
     output.depends_on_all = exchange && v.by_acceleration;
-    for (unsigned k = 0; exchange && k < code.states.size(); ++k)
+    for (unsigned k = 0; exchange && v.by_state && k < code.states.size(); ++k)
       output.dependencies.push_back(first_state + k);
     add(std::move(output), "output.");
   }
@@ -119,7 +120,7 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
   out.code = fmu.kind == FmuOptions::Kind::model_exchange ? generate_exchange_code(model, options, name)
                                                           : generate_code(model, options, name);
   out.token = token_of(out.code, fmu.version);
-  out.variables = variables_of(out.code, fmu.kind);
+  out.variables = variables_of(out.code, fmu.kind, fmu.version);
   out.wrapper = portable::fmu_wrapper(out);
   return out;
 }
