@@ -814,6 +814,45 @@ int @_vary(@ *s, const double *states, const double *inputs, double *derivatives
   for (k = 0; k < @_OUTPUTS; ++k) outputs[k] = s->d_output[k];
   return @_all_finite(derivatives, @_C) ? @_OK : @_NOT_FINITE;
 }
+
+static int @_look(@ *s, double time, double *derivatives, double *outputs, double *indicators) {
+  int status;
+  @_set_time(s, time);
+  status = @_get_derivatives(s, derivatives);
+  if (status == @_OK) status = @_get_outputs(s);
+  if (status == @_OK && indicators) status = @_get_indicators(s, indicators);
+  if (status == @_OK) memcpy(outputs, s->output, @_OUTPUTS*sizeof *outputs);
+  return status;
+}
+static void @_difference(double *a, const double *b, int n, double span) {
+  int k;
+  for (k = 0; k < n; ++k) a[k] = (a[k] - b[k])/span;
+}
+
+/* Central differences, since functions of time are not differentiated; one-sided beside events in time. */
+int @_vary_time(@ *s, double *derivatives, double *outputs, double *indicators) {
+  double other_derivatives[@_C + 1], other_outputs[@_OUTPUTS + 1], other_indicators[@_INDICATORS + 1];
+  const double way = 1e-6*(1.0 + fabs(s->state.time));
+  double before = s->state.time - way, after = s->state.time + way;
+  int status = @_now(s);
+  const @_state kept = s->state;
+  if (status != @_OK) return status;
+  if (before < s->state.last_event) before = s->state.last_event;
+  if (after > s->state.next_event) after = s->state.next_event;
+  if (!(after > before)) {
+    before = s->state.time - way;
+    after = s->state.time + way;
+  }
+  status = @_look(s, before, other_derivatives, other_outputs, indicators ? other_indicators : NULL);
+  if (status == @_OK) status = @_look(s, after, derivatives, outputs, indicators);
+  s->state = kept;
+  s->ready = 0;
+  if (status != @_OK) return status;
+  @_difference(derivatives, other_derivatives, @_C, after - before);
+  @_difference(outputs, other_outputs, @_OUTPUTS, after - before);
+  if (indicators) @_difference(indicators, other_indicators, @_INDICATORS, after - before);
+  return @_OK;
+}
 #endif
 
 double @_get_next_event(const @ *s) { return s->state.next_event; }

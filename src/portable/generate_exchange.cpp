@@ -316,6 +316,8 @@ class ExchangeGenerator {
                       "inputs do so. */\n"
                       "int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, "
                       "double *outputs,\n            double *indicators);\n"
+                      "/* Likewise where the time does so. */\n"
+                      "int @_vary_time(@ *s, double *derivatives, double *outputs, double *indicators);\n"
                     : "";
     h += named(
         std::string(

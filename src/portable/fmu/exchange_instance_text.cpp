@@ -173,12 +173,29 @@ static int @_fmu_get_indicators(@_fmu *f, double *indicators, size_t count) {
   return status == @_FMU_MODEL_OK ? @_FMU_OK : @_fmu_failed(f, status);
 }
 
-/* How unknowns (derivatives, outputs, event indicators) vary where knowns (states, inputs) vary by the seed. */
+#if @_FMU_VARIES
+static void @_fmu_add(double *to, const double *by, int count, double factor) {
+  int k;
+  for (k = 0; k < count; ++k) to[k] += factor*by[k];
+}
+static int @_fmu_add_time(@_fmu *f, double seed, double *derivatives, double *outputs, double *indicators) {
+  double by_derivatives[@_FMU_STATES + 1], by_outputs[@_FMU_OUTPUTS + 1], by_indicators[@_FMU_INDICATORS + 1];
+  const int status = @_vary_time(@_fmu_model(f), by_derivatives, by_outputs, indicators ? by_indicators : NULL);
+  if (status != @_FMU_MODEL_OK) return status;
+  @_fmu_add(derivatives, by_derivatives, @_FMU_STATES, seed);
+  @_fmu_add(outputs, by_outputs, @_FMU_OUTPUTS, seed);
+  if (indicators) @_fmu_add(indicators, by_indicators, @_FMU_INDICATORS, seed);
+  return status;
+}
+#endif
+
+/* The directional derivatives of unknowns (derivatives, outputs, event indicators) along the seed of knowns (states,
+ * inputs, parameters, time). */
 static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
                       size_t known_count, const double *seed, double *result) {
 #if @_FMU_VARIES
   double states[@_FMU_STATES + 1], inputs[@_FMU_INPUTS + 1];
-  double derivatives[@_FMU_STATES + 1], outputs[@_FMU_OUTPUTS + 1], indicators[@_FMU_INDICATORS + 1];
+  double derivatives[@_FMU_STATES + 1], outputs[@_FMU_OUTPUTS + 1], indicators[@_FMU_INDICATORS + 1], time = 0.0;
   size_t k;
   int status, wanted = 0; /* indicators */
   if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS | @_FMU_TERMINATED)) return @_FMU_ERROR;
@@ -195,15 +212,19 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   }
   for (k = 0; k < known_count; ++k) {
     const int input = @_fmu_known(knowns[k], 1, @_FMU_INPUTS);
-    if (!input && !@_fmu_known(knowns[k], @_FMU_FIRST_STATE, @_FMU_STATES))
-      return @_fmu_wrong(f, "a known is no input and no state; nothing was read");
+    if (!input && knowns[k] != 0 && !@_fmu_known(knowns[k], @_FMU_FIRST_STATE, @_FMU_STATES))
+      return @_fmu_wrong(f, "a known is no input, no state and not the time; nothing was read");
     if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is no finite number; nothing was read");
-    if (input)
+    if (knowns[k] == 0)
+      time += seed[k];
+    else if (input)
       inputs[knowns[k] - 1] += seed[k];
     else
       states[knowns[k] - @_FMU_FIRST_STATE] += seed[k];
   }
   status = @_vary(@_fmu_model(f), states, inputs, derivatives, outputs, wanted ? indicators : NULL);
+  if (status == @_FMU_MODEL_OK && time != 0.0)
+    status = @_fmu_add_time(f, time, derivatives, outputs, wanted ? indicators : NULL);
   if (status != @_FMU_MODEL_OK) return @_fmu_failed(f, status);
   for (k = 0; k < unknown_count; ++k)
     result[k] = unknowns[k] < @_FMU_FIRST_STATE       ? outputs[unknowns[k] - @_FMU_FIRST_OUTPUT]
