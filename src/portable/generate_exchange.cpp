@@ -77,6 +77,7 @@ class ExchangeGenerator {
     recorded_ = record_instant(m);
     refuse_unknown_rates();
     find_independent();
+    if (!reasons_.empty()) throw InputError(std::move(reasons_));
   }
 
   GeneratedCode write() {
@@ -107,25 +108,32 @@ class ExchangeGenerator {
   const Scales& scales() const { return mechanism_.observer.scales(); }
   int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
 
-  [[noreturn]] void refuse(const std::string& text) const { throw InputError({m_.spec().file, 0, 0}, text); }
+  /// For one list of all reasons; each reason once.
+  void refuse(const std::string& text) {
+    const auto same = [&](const Diagnostic& d) { return d.message == text; };
+    if (std::none_of(reasons_.begin(), reasons_.end(), same))
+      reasons_.push_back({{m_.spec().file, 0, 0}, text});
+  }
 
-  /// Importers give no derivatives of inputs, and accelerations follow from forces.
-  void refuse_unknown_rates() const {
+  /// Importers provide no derivatives of inputs, and accelerations follow from forces.
+  void refuse_unknown_rates() {
     for (const int equation : equations_of_inputs(*recorded_, m_.signals)) {
-      for (const DriveData& d : m_.drives)
-        if (d.equation == equation)
-          refuse(
-              fmt::format("the drive of joint '{}' follows an input, whose rate and acceleration importers "
-                          "do not give: let an actuator's force follow it, or write an FMU for co-simulation",
-                          m_.spec().joints[static_cast<std::size_t>(d.joint_spec)].name));
-      refuse(
-          "an equation follows an input, whose rate and acceleration importers do not give; write an FMU "
-          "for co-simulation");
+      const auto drive = std::find_if(m_.drives.begin(), m_.drives.end(),
+                                      [&](const DriveData& d) { return d.equation == equation; });
+      if (drive == m_.drives.end())
+        refuse(
+            "an equation depends on an input, whose rate and acceleration importers do not provide; write "
+            "an FMU for co-simulation");
+      else
+        refuse(fmt::format(
+            "the drive of joint '{}' follows an input, whose rate and acceleration importers do not "
+            "provide: let an actuator's force follow it, or write an FMU for co-simulation",
+            m_.spec().joints[static_cast<std::size_t>(drive->joint_spec)].name));
     }
     if (signals_see_accelerations(*recorded_, m_.signals))
       refuse(
-          "signals see accelerations, which follow from the forces that these decide; write an FMU for "
-          "co-simulation");
+          "a signal depends on accelerations, which follow from the forces that signals decide; write an "
+          "FMU for co-simulation");
   }
 
   /// How many coordinates depend on the others, at the start; and that all motions move some mass.
@@ -154,14 +162,24 @@ class ExchangeGenerator {
     free_ = n - rank_;
     if (free_ == 0) return;
     const MatrixXd projected = motions.transpose() * scale.asDiagonal() * mass * scale.asDiagonal() * motions;
-    const EigenPairs pairs = symmetric_eigen(MatrixXd(0.5 * (projected + projected.transpose())));
-    if (pairs.ok && pairs.values[0] > no_inertia * pairs.values[pairs.values.size() - 1]) return;
-    Eigen::Index where = 0;
-    (motions * pairs.vectors.col(0)).cwiseAbs().maxCoeff(&where);
-    refuse(
-        fmt::format("{} moves no mass, so that it has no acceleration; give its body a mass, or write an "
-                    "FMU for co-simulation",
-                    coordinates_[static_cast<std::size_t>(where)].meaning));
+    refuse_massless(motions, symmetric_eigen(MatrixXd(0.5 * (projected + projected.transpose()))));
+  }
+
+  /// Of the motions that the equations leave free, those whose inertia is zero, by coordinates that span
+  /// them.
+  void refuse_massless(const MatrixXd& motions, const EigenPairs& inertia) {
+    Eigen::Index count = 0;
+    while (count < inertia.values.size() &&
+           !(inertia.values[count] > no_inertia * inertia.values[inertia.values.size() - 1]))
+      ++count;
+    if (inertia.ok && count == 0) return;
+    const MatrixXd massless = motions * inertia.vectors.leftCols(std::max<Eigen::Index>(count, 1));
+    const std::vector<int> coordinates = order_columns(massless.transpose()).order;
+    for (Eigen::Index k = 0; k < massless.cols(); ++k)
+      refuse(fmt::format(
+          "{} moves no mass, so that it has no acceleration; give its body a mass, or write an "
+          "FMU for co-simulation",
+          coordinates_[static_cast<std::size_t>(coordinates[static_cast<std::size_t>(k)])].meaning));
   }
 
   void name_states() {
@@ -453,6 +471,7 @@ class ExchangeGenerator {
   std::vector<CoordinateInfo> coordinates_;
   std::unique_ptr<RecordedModel> recorded_;
   int rank_ = 0, free_ = 0;
+  std::vector<Diagnostic> reasons_;  ///< why there is no code
   GeneratedCode out_;
 };
 
