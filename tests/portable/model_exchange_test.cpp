@@ -869,6 +869,61 @@ TEST_P(ModelExchange, RefusesWrongDirections) {
   EXPECT_EQ(result, 7);
   EXPECT_EQ(f.vary({rate}, {speed}, {3}, &result), fmi_ok);
   EXPECT_EQ(result, 3);
+  EXPECT_EQ(f.vary({rate}, {0}, {1}, &result), fmi_ok);  // by the time, the states held
+  EXPECT_EQ(result, 0);
+}
+
+TEST_P(ModelExchange, NamesDirectionalDerivativesWhereAdjointOnesAreCalled) {
+  const FmuLibrary& of = library(driven(), "driven");
+  ExchangeInstance f(of);
+  f.start_continuous();
+  if (of.two()) {
+    EXPECT_FALSE(of.has("fmi2GetAdjointDerivative"));  // FMI 3 has introduced them
+    return;
+  }
+  const unsigned unknown = reference(of.fmu(), "der(state.1)"), known = reference(of.fmu(), "state.1");
+  const double seed = 1;
+  double result = 7;
+  EXPECT_EQ(of.call("GetAdjointDerivative", f.handle(), &unknown, std::size_t{1}, &known, std::size_t{1},
+                    &seed, std::size_t{1}, &result, std::size_t{1}),
+            fmi_error);
+  EXPECT_EQ(result, 7);
+  EXPECT_THAT(f.messages(),
+              testing::AllOf(HasSubstr("no adjoint"), HasSubstr("fmi3GetDirectionalDerivative")));
+}
+
+/// The scales of the mechanism: 1 rad, a length, and rates by a pace that is one of all.
+TEST_P(ModelExchange, NominalsAreOfTheScaleOfTheStates) {
+  for (const auto& [model, name] : {std::pair(model_of(double_pendulum), "double_pendulum"),
+                                    {driven(), "driven"},
+                                    {swinging(), "swinging"},
+                                    {turning(), "turning"}}) {
+    SCOPED_TRACE(name);
+    const FmuLibrary& of = library(model, name);
+    Solver solver(of, 5e-4);
+    std::vector<double> largest(of.fmu().code.states.size());
+    for (int k = 0; k <= 20; ++k) {
+      solver.go_to(0.01 * k);
+      const std::vector<double> x = solver.instance().states();
+      for (std::size_t i = 0; i < x.size(); ++i) largest[i] = std::max(largest[i], std::abs(x[i]));
+    }
+    const std::vector<double> nominals = solver.instance().nominals();
+    ASSERT_EQ(nominals.size(), largest.size());
+    for (std::size_t i = 0; i < nominals.size(); ++i) {
+      EXPECT_TRUE(std::isfinite(nominals[i]) && nominals[i] > 0) << nominals[i];
+      EXPECT_LE(largest[i], 30 * nominals[i]) << i << " " << of.fmu().code.states[i].meaning;
+    }
+  }
+  const std::vector<double> nominals = [&] {
+    ExchangeInstance f(library(model_of(double_pendulum), "double_pendulum"));
+    f.start_continuous();
+    return f.nominals();
+  }();
+  EXPECT_EQ(nominals[0], 1);  // rad
+  EXPECT_EQ(nominals[1], 1);
+  EXPECT_EQ(nominals[2], nominals[3]);
+  EXPECT_GT(nominals[2], 1);  // rad/s: the pace of a pendulum of the mechanism's length
+  EXPECT_LT(nominals[2], 10);
 }
 
 TEST_P(ModelExchange, GoesOnFromSavedStates) {

@@ -16,6 +16,11 @@ enum {
 #define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS)
 #define @_FMU_FIXED @_FMU_RUNS /* where parameters cannot be set */
 #define @_FMU_ENDS (@_FMU_EVENTS | @_FMU_RUNS)
+#if @_FMU_VARIES
+#define @_FMU_NO_ADJOINTS "the FMU has no adjoint derivatives; it has directional ones: fmi3GetDirectionalDerivative"
+#else
+#define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
+#endif
 
 /* References: the time; inputs and parameters; outputs; continuous states; their derivatives; event indicators. */
 #define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)

@@ -357,7 +357,7 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
   (void)seed_count;
   (void)result;
   (void)result_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, @_FMU_NO_ADJOINTS));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetIntervalDecimal)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]) {
   (void)vr;

@@ -18,6 +18,7 @@ enum {
 #define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)
 #define @_FMU_FIXED 0 /* where parameters cannot be set */
 #define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED)
+#define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
 
 /* References: the time; inputs and parameters; outputs; counts. */
 #define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
