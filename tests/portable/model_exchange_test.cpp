@@ -12,6 +12,7 @@
 #include "mimbre/fmu.h"
 #include "mimbre/simulation.h"
 #include "support/fmu_importer.h"
+#include "support/hostile_importer.h"
 #include "support/models.h"
 
 /// FMUs for model exchange: their derivatives, integrated here by an explicit rule, against fine runs of the
@@ -41,12 +42,6 @@ FmuCode fmu_of(const std::shared_ptr<const Model>& model, int version, const std
   options.version = version;
   options.name = name;
   return generate_fmu(model, {}, options);
-}
-
-unsigned reference(const FmuCode& fmu, const std::string& name) {
-  for (const FmuVariable& v : fmu.variables)
-    if (v.name == name) return v.reference;
-  throw std::runtime_error("no variable " + name);
 }
 
 /// A solver as importers have them: Runge-Kutta's rule with steps of h, events in time at their instants, and
@@ -316,13 +311,6 @@ TEST_P(ModelExchange, ListsNothingWhereThereIsNothing) {
   }
 }
 
-std::vector<unsigned> references(const FmuCode& fmu, std::set<Role> roles) {
-  std::vector<unsigned> out;
-  for (const FmuVariable& v : fmu.variables)
-    if (roles.contains(v.role)) out.push_back(v.reference);
-  return out;
-}
-
 std::vector<unsigned> operator+(std::vector<unsigned> a, const std::vector<unsigned>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -531,15 +519,22 @@ actuators: {motor: {joint: guide, force: 1/level}}
   EXPECT_EQ(f.update().status, fmi_ok);
 }
 
+struct Refused {
+  std::string what;
+  std::size_t reasons = 0;
+};
+/// Why there is no FMU of a model; empty: there is one.
+Refused refused(const std::string& text, int version) {
+  try {
+    fmu_of(model_of(text), version, "refused");
+  } catch (const InputError& error) {
+    return {error.what(), error.diagnostics().size()};
+  }
+  return {};
+}
+
 TEST_P(ModelExchange, RefusesWhatHasNoDerivatives) {
-  const auto refusal = [&](const std::string& text) -> std::string {
-    try {
-      fmu_of(model_of(text), GetParam(), "refused");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
+  const auto refusal = [&](const std::string& text) { return refused(text, GetParam()).what; };
   const std::string slider = R"yaml(
 bodies: {block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}}
 joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]MORE}}
@@ -591,14 +586,7 @@ constraints:
 
 /// All reasons at once: of elements, and of what is found once the model is recorded.
 TEST_P(ModelExchange, RefusesWithAllReasons) {
-  const auto reasons = [&](const std::string& text) {
-    try {
-      fmu_of(model_of(text), GetParam(), "refused");
-    } catch (const InputError& error) {
-      return error.diagnostics().size();
-    }
-    return std::size_t{0};
-  };
+  const auto reasons = [&](const std::string& text) { return refused(text, GetParam()).reasons; };
   EXPECT_EQ(reasons(R"yaml(
 bodies: {block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}}
 joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}
@@ -624,18 +612,15 @@ joints:
 }
 
 TEST_P(ModelExchange, RefusesMotionsWithoutMass) {
-  try {
-    fmu_of(model_of(R"yaml(
+  const Refused found = refused(R"yaml(
 bodies: {hub: {mass: 0, inertia: [0, 0, 0], com: [0, 0, 0]}, arm: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0.5, 0, 0]}}
 joints:
   slide: {type: prismatic, between: [ground, hub], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 10}}
   lift: {type: prismatic, between: [ground, arm], at: [0.5, 0, 0], axis: [0, 0, 1]}
-)yaml"),
-           GetParam(), "refused");
-    FAIL() << "the model has an FMU";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("slide"), HasSubstr("mass")));
-  }
+)yaml",
+                                GetParam());
+  EXPECT_EQ(found.reasons, 1u);
+  EXPECT_THAT(found.what, testing::AllOf(HasSubstr("slide"), HasSubstr("mass")));
 }
 
 /// The C library's mathematics and memory alone.
@@ -959,20 +944,10 @@ TEST_P(ModelExchange, GoesOnFromSavedStates) {
 /// Random calls with wrong arguments, under the sanitizers.
 TEST_P(ModelExchange, StandsHostileImporters) {
   const FmuCode fmu = fmu_of(driven(), GetParam(), "hostile_exchange");
-  const std::string folder = fmu_sources(fmu, "hostile");
-  const std::string version = std::to_string(GetParam());
-  const std::string flags = "-std=c99 -g -O0 -fsanitize=address,undefined -fno-sanitize-recover=all";
-  if (std::system(("echo 'int main(void){return 0;}' > " + folder + "/probe.c && cc " + flags + " " + folder +
-                   "/probe.c -o " + folder + "/probe > /dev/null 2>&1")
-                      .c_str()) != 0)
-    GTEST_SKIP() << "the compiler has no sanitizers";
-  EXPECT_EQ(
-      printed_by("cc " + flags + " -DFMI=" + version + " -DWRAPPER='\"" + folder + "/fmi" + version +
-                 ".c\"' -DTOKEN='\"" + fmu.token + "\"' -DSTATES=" + std::to_string(fmu.code.states.size()) +
-                 " -I" + folder + " " + MIMBRE_SOURCE_DIR + "/tests/data/fmu/hostile_exchange.c " + folder +
-                 "/hostile_exchange.c -o " + folder + "/hostile -lm"),
-      "");
-  EXPECT_THAT(printed_by(folder + "/hostile 20000"), HasSubstr("calls"));
+  const std::string printed =
+      printed_by_hostile(fmu, "hostile_exchange", "-DSTATES=" + std::to_string(fmu.code.states.size()));
+  if (printed.empty()) GTEST_SKIP() << "the compiler has no sanitizers";
+  expect_good_calls(printed, 15, {});
 }
 
 INSTANTIATE_TEST_SUITE_P(Versions, ModelExchange, testing::Values(2, 3),

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -33,6 +34,19 @@ inline std::string fmu_sources(const FmuCode& fmu, const std::string& label) {
   write_code(fmu.code, folder);
   std::ofstream(folder + "/fmi" + std::to_string(fmu.version) + ".c") << fmu.wrapper;
   return folder;
+}
+
+inline unsigned reference(const FmuCode& fmu, const std::string& name) {
+  for (const FmuVariable& v : fmu.variables)
+    if (v.name == name) return v.reference;
+  throw std::runtime_error("no variable " + name);
+}
+/// Of all variables of these roles.
+inline std::vector<unsigned> references(const FmuCode& fmu, const std::set<FmuVariable::Role>& roles) {
+  std::vector<unsigned> out;
+  for (const FmuVariable& v : fmu.variables)
+    if (roles.contains(v.role)) out.push_back(v.reference);
+  return out;
 }
 
 /// A compiled FMU, loaded.

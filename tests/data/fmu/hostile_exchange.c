@@ -1,72 +1,41 @@
 /* Calls the functions of an FMU for model exchange at random, with wrong arguments as often as right ones, and wants a
- * status of the standard each time. Compiled under the sanitizers with FMI (2 or 3), WRAPPER (its file), TOKEN and STATES. */
-#include WRAPPER
+ * status of the standard each time. Compiled under the sanitizers; STATES: how many there are. */
+#include "hostile.h"
 
-#include <stdio.h>
-
-static uint64_t seed = 88172645463325252u;
-static uint64_t draw(void) {
-  seed ^= seed << 13;
-  seed ^= seed >> 7;
-  seed ^= seed << 17;
-  return seed;
-}
-static int one_of(int count) { return (int)(draw() % (uint64_t)count); }
-
-static double number(void) {
-  static const double odd[] = {0.0, -0.0, 1.0, -1.0, NAN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 1e-300, DBL_MIN, 1e16, 0.1};
-  const int k = one_of(26);
-  return k < 13 ? odd[k] : (double)one_of(2000)/1000.0 - 1.0;
-}
-
-static unsigned reference(void) { return one_of(8) ? (unsigned)one_of(60) : (unsigned)draw(); }
-
-static const void *maybe(const void *p) { return one_of(20) ? p : NULL; }
-
+static void *make(void) {
 #if FMI == 2
-#define F(name) fmi2##name
-typedef fmi2Status status_of;
-static void *make(void) {
-  static fmi2CallbackFunctions calls;
-  calls.logger = NULL;
-  calls.allocateMemory = one_of(5) ? calloc : NULL;
-  calls.freeMemory = calls.allocateMemory ? free : NULL;
   return fmi2Instantiate(one_of(9) ? "one" : NULL, one_of(9) ? fmi2ModelExchange : fmi2CoSimulation,
-                         one_of(9) ? TOKEN : "other", NULL, one_of(20) ? &calls : NULL, 0, one_of(2));
-}
+                         one_of(9) ? TOKEN : "other", NULL, callbacks(), 0, one_of(2));
 #else
-#define F(name) fmi3##name
-typedef fmi3Status status_of;
-static void *make(void) {
   return fmi3InstantiateModelExchange(one_of(9) ? "one" : NULL, one_of(9) ? TOKEN : NULL, NULL, false, one_of(2) != 0,
-                                      NULL, NULL);
-}
+                                      NULL, one_of(5) ? told : NULL);
 #endif
+}
 
 enum { most = 80 };
 
-static int call(void *c, double *states, size_t wanted) {
+static int call(int function, void *c, double *states, size_t wanted) {
   unsigned refs[most];
   double values[most];
   size_t count = (size_t)one_of(7), all = one_of(5) ? wanted : (size_t)one_of(most);
   int k;
   for (k = 0; k < most; ++k) {
-    refs[k] = reference();
-    values[k] = number();
+    refs[k] = reference(60);
+    values[k] = number(0.01);
   }
-  switch (one_of(18)) {
+  switch (function) {
     case 0:
       return F(ExitInitializationMode)(c);
     case 1:
-      return one_of(10) ? 0 : F(Terminate)(c);
+      return one_of(10) ? no_call : F(Terminate)(c);
     case 2:
-      return one_of(10) ? 0 : F(Reset)(c);
+      return one_of(10) ? no_call : F(Reset)(c);
     case 3:
       return F(EnterEventMode)(c);
     case 4:
       return F(EnterContinuousTimeMode)(c);
     case 5:
-      return F(SetTime)(c, number());
+      return F(SetTime)(c, number(0.01));
     case 6:
       return F(SetContinuousStates)(c, maybe(values), all);
     case 7: /* near the last ones */
@@ -125,29 +94,21 @@ static int call(void *c, double *states, size_t wanted) {
 
 int main(int count, char **words) {
   const long rounds = count > 1 ? atol(words[1]) : 1000;
-  long done = 0, round, good = 0;
+  long round;
   double states[most];
   for (round = 0; round < rounds/200; ++round) {
     void *const c = make();
-    const size_t wanted = STATES;
     int k;
     if (c && one_of(4)) {
-#if FMI == 2
-      fmi2EnterInitializationMode(c);
-#else
-      fmi3EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0);
-#endif
-      F(ExitInitializationMode)(c);
+      initialize(c);
       if (one_of(3)) F(EnterContinuousTimeMode)(c);
     }
     for (k = 0; k < 200; ++k) {
-      const int status = call(one_of(50) ? c : NULL, states, wanted);
-      if (status < 0 || status > 3) return 1;
-      if (status == 0) ++good;
-      ++done;
+      const int function = one_of(18);
+      if (!counted(function, call(function, one_of(50) ? c : NULL, states, STATES))) return 1;
     }
     F(FreeInstance)(c);
   }
-  printf("%ld calls, %ld of them good\n", done, good);
+  print_counts();
   return 0;
 }

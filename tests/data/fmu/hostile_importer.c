@@ -1,91 +1,48 @@
-/* Calls the functions of an FMU at random, with wrong arguments as often as right ones, and wants a status of the standard
- * each time. Compiled under the sanitizers with FMI (2 or 3), WRAPPER (its file), TOKEN and INSTANCE_STEP. */
-#include WRAPPER
+/* Calls the functions of an FMU for co-simulation at random, with wrong arguments as often as right ones, and wants a status
+ * of the standard each time. Compiled under the sanitizers; INSTANCE_STEP: the model's own, s. */
+#include "hostile.h"
 
-#include <stdio.h>
-
-static uint64_t seed = 88172645463325252u;
-static uint64_t draw(void) {
-  seed ^= seed << 13;
-  seed ^= seed >> 7;
-  seed ^= seed << 17;
-  return seed;
-}
-static int one_of(int count) { return (int)(draw() % (uint64_t)count); }
-
-static double number(void) {
-  static const double odd[] = {0.0,  -0.0,     1.0,       -1.0, NAN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 1e-300, DBL_MIN,
-                               1e16, 0.1, INSTANCE_STEP};
-  const int k = one_of(28);
-  return k < 14 ? odd[k] : (double)one_of(2000)/1000.0 - 1.0;
-}
-
-static unsigned reference(void) { return one_of(8) ? (unsigned)one_of(16) : (unsigned)draw(); }
-
-static const void *maybe(const void *p) { return one_of(20) ? p : NULL; }
-
-#if FMI == 2
-static void told(void *e, const char *name, fmi2Status s, const char *category, const char *message, ...) {
-#else
-static void told(void *e, fmi3Status s, const char *category, const char *message) {
-  const char *name = "";
-#endif
-  (void)e;
-  if (!name || !category || !message || (int)s < 1 || (int)s > 3) abort();
-}
-
-#if FMI == 2
-#define F(name) fmi2##name
-typedef fmi2Byte byte;
 static void *make(void) {
-  static fmi2CallbackFunctions calls;
-  calls.logger = one_of(5) ? told : NULL;
-  calls.allocateMemory = one_of(5) ? calloc : NULL;
-  calls.freeMemory = calls.allocateMemory ? free : NULL;
+#if FMI == 2
   return fmi2Instantiate(one_of(9) ? "one" : NULL, one_of(9) ? fmi2CoSimulation : fmi2ModelExchange,
-                         one_of(9) ? TOKEN : "other", NULL, one_of(20) ? &calls : NULL, 0, one_of(2));
-}
-#define GetFMUState GetFMUstate
+                         one_of(9) ? TOKEN : "other", NULL, callbacks(), 0, one_of(2));
 #else
-#define F(name) fmi3##name
-typedef fmi3Byte byte;
-static void *make(void) {
   return fmi3InstantiateCoSimulation(one_of(9) ? "one" : NULL, one_of(9) ? TOKEN : NULL, NULL, false, one_of(2) != 0,
                                      one_of(9) == 0, one_of(2) != 0, NULL, one_of(9) == 0 ? 3 : 0, NULL,
                                      one_of(5) ? told : NULL, NULL);
-}
 #endif
+}
 
 enum { most = 6, handles = 4 };
 
-static int call(void *c, void **state, byte **bytes, size_t *size, double *now) {
+static int call(int function, void *c, void **state, byte **bytes, size_t *size, double *now) {
   unsigned refs[most];
   double values[most];
   int wholes[most], k;
   const size_t count = (size_t)one_of(most + 1);
   void **const handle = state + one_of(handles);
   for (k = 0; k < most; ++k) {
-    refs[k] = reference();
-    values[k] = number();
+    refs[k] = reference(16);
+    values[k] = number(INSTANCE_STEP);
     wholes[k] = one_of(5);
   }
-  switch (one_of(22)) {
+  switch (function) {
     case 0:
 #if FMI == 2
-      return fmi2SetupExperiment(c, one_of(2), number(), one_of(3) ? 0.0 : number(), one_of(4) == 0, number());
+      return fmi2SetupExperiment(c, one_of(2), number(INSTANCE_STEP), one_of(3) ? 0.0 : number(INSTANCE_STEP), one_of(4) == 0, number(INSTANCE_STEP));
     case 1:
       return fmi2EnterInitializationMode(c);
 #else
     case 1:
-      return fmi3EnterInitializationMode(c, one_of(5) == 0, number(), one_of(3) ? 0.0 : number(), one_of(4) == 0,
-                                         number());
+      return fmi3EnterInitializationMode(c, one_of(5) == 0, number(INSTANCE_STEP), one_of(3) ? 0.0 : number(INSTANCE_STEP), one_of(4) == 0,
+                                         number(INSTANCE_STEP));
 #endif
     case 2:
       return F(ExitInitializationMode)(c);
     case 3:
-      return one_of(10) ? 0 : F(Terminate)(c);
+      return one_of(10) ? no_call : F(Terminate)(c);
     case 4:
-      return one_of(10) ? 0 : F(Reset)(c);
+      return one_of(10) ? no_call : F(Reset)(c);
 #if FMI == 2
     case 5:
       return fmi2GetReal(c, maybe(refs), count, (double *)maybe(values));
@@ -161,8 +118,8 @@ static int call(void *c, void **state, byte **bytes, size_t *size, double *now) 
       return fmi3DeserializeFMUState(c, *bytes, *size - (size_t)(*size > 0 && one_of(9) == 0), handle);
 #endif
     default: {
-      const double from = one_of(9) ? *now : number();
-      const double length = one_of(4) ? INSTANCE_STEP*(double)one_of(400)/100.0 : number();
+      const double from = one_of(9) ? *now : number(INSTANCE_STEP);
+      const double length = one_of(4) ? INSTANCE_STEP*(double)one_of(400)/100.0 : number(INSTANCE_STEP);
       int status;
 #if FMI == 2
       status = fmi2DoStep(c, from, length, one_of(2));
@@ -180,31 +137,22 @@ static int call(void *c, void **state, byte **bytes, size_t *size, double *now) 
 
 int main(int count, char **words) {
   const long rounds = count > 1 ? atol(words[1]) : 1000;
-  long done = 0, round, good = 0;
+  long round;
   for (round = 0; round < rounds/200; ++round) {
     void *const c = make();
     void *state[handles] = {NULL, NULL, NULL, NULL};
     byte *bytes = NULL;
     size_t size = 0;
     double now = 0.0;
-    int k, begin = one_of(3);
-    if (c && begin) {
-#if FMI == 2
-      fmi2EnterInitializationMode(c);
-#else
-      fmi3EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0);
-#endif
-      F(ExitInitializationMode)(c);
-    }
+    int k;
+    if (c && one_of(3)) initialize(c);
     for (k = 0; k < 200; ++k) {
-      const int status = call(one_of(50) ? c : NULL, state, &bytes, &size, &now);
-      if (status < 0 || status > 3) return 1;
-      if (status == 0) ++good;
-      ++done;
+      const int function = one_of(22);
+      if (!counted(function, call(function, one_of(50) ? c : NULL, state, &bytes, &size, &now))) return 1;
     }
     free(bytes);
     F(FreeInstance)(c);
   }
-  printf("%ld calls, %ld of them good\n", done, good);
+  print_counts();
   return 0;
 }
