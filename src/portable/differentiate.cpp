@@ -14,6 +14,8 @@ namespace {
 using Op = Recording::Op;
 using Node = Recording::Node;
 
+bool is_zero(const Recorded& r) { return r.is_constant() && r.number == 0; }
+
 /// Follows values back to what varies (forward mode: Griewank, Walther 2008, chapter 3).
 class Variation {
  public:
@@ -81,7 +83,6 @@ class Variation {
     if (n.op == Op::select) return select(condition(n.a), varies(n.b), varies(n.c));
     const Recorded x = value(n.a), y = value(n.b), f = Recorded::of_node(k), dx = varies(n.a),
                    dy = varies(n.b), zero = 0, one = 1;
-    const auto is_zero = [](const Recorded& r) { return r.is_constant() && r.number == 0; };
     if (is_zero(dx) && is_zero(dy)) return 0;
     // By a quotient that is not there where nothing can be divided by.
     const auto over = [&](const Recorded& a, const Recorded& b) {
@@ -165,7 +166,6 @@ class Variation {
   Recorded part(const Node& n) {
     const Node call = node(n.a);
     const Recorded dx = known_.at(call.a), dy = call.b < 0 ? Recorded(0) : known_.at(call.b);
-    const auto is_zero = [](const Recorded& r) { return r.is_constant() && r.number == 0; };
     if (is_zero(dx) && is_zero(dy)) return 0;
     const Recording::Callee of = program_.recording.callees()[static_cast<std::size_t>(call.c)];
     const auto other = [&](int part) {

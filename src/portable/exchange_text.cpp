@@ -21,13 +21,6 @@ const char* const exchange_text = R"c(
 /* Squared rotation vectors of independent rotations that are counted from a new reference. */
 #define @_TURNED 4.0
 
-static int @_all_finite(const double *x, int n) {
-  int k;
-  for (k = 0; k < n; ++k)
-    if (!(x[k] - x[k] == 0.0)) return 0;
-  return 1;
-}
-
 /* Signals of a time, and of the motion: 0 before blocks have begun, 1 later. */
 static void @_signals(@ *s, double time) {
   s->now[0] = time;

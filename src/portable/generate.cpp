@@ -11,6 +11,7 @@
 #include "integrate/rule.h"
 #include "integrate/stepper.h"
 #include "portable/code_parts.h"
+#include "portable/constants.h"
 #include "portable/record.h"
 #include "portable/refusals.h"
 #include "portable/texts.h"
@@ -67,7 +68,8 @@ class Generator {
     out_.source += write_callees(recorded_->program.recording, name_);
     out_.source += phases.text;
     write_exchange();
-    out_.source += named(linear_text, name_) + named(integrator_text, name_) + named(interface_text, name_);
+    out_.source += named(linear_text, name_) + named(finite_text, name_) + named(integrator_text, name_) +
+                   named(interface_text, name_);
     return std::move(out_);
   }
 
@@ -210,19 +212,12 @@ class Generator {
     h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
 
-  void define(const char* name, const std::string& value) {
-    out_.source += fmt::format("#define {}_{} {}\n", name_, name, value);
-  }
-  void define(const char* name, long value) { define(name, fmt::format("{}", value)); }
-  void define(const char* name, double value) { define(name, literal(value)); }
-
   void write_constants() {
     const RecordedModel& r = *recorded_;
     const Scales& scales = mechanism_.observer.scales();
-    if (name_ != upper())
-      for (const char* same : {"OK", "UNCONVERGED", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED",
-                               "NO_SUCH", "INPUTS", "OUTPUTS"})
-        define(same, upper() + "_" + same);
+    const Constants define(out_.source, name_);
+    define.of_header(name_, {"OK", "UNCONVERGED", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED",
+                             "NO_SUCH", "INPUTS", "OUTPUTS"});
     define("N", static_cast<long>(m_.velocities));
     define("M", static_cast<long>(m_.equations));
     define("J", static_cast<long>(r.jacobian.size()));

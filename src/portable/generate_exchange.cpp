@@ -8,6 +8,7 @@
 #include "math/once/decompositions.h"
 #include "mimbre/generate.h"
 #include "portable/code_parts.h"
+#include "portable/constants.h"
 #include "portable/dependencies.h"
 #include "portable/record.h"
 #include "portable/refusals.h"
@@ -72,7 +73,12 @@ class ExchangeGenerator {
  public:
   ExchangeGenerator(const Compiled& m, const Method& method, const std::map<std::string, double>& inputs,
                     const std::string& name)
-      : m_(m), method_(method), name_(name), mechanism_(m, method), coordinates_(coordinate_infos(m)) {
+      : m_(m),
+        method_(method),
+        name_(name),
+        mechanism_(m, method),
+        coordinates_(coordinate_infos(m)),
+        events_(time_events(m)) {
     start(mechanism_, method, inputs, false);
     recorded_ = record_instant(m);
     refuse_unknown_rates();
@@ -98,7 +104,7 @@ class ExchangeGenerator {
     write_constants();
     write_tables();
     out_.source += write_callees(recorded_->program.recording, name_);
-    out_.source += phases.text + named(exchange_text, name_);
+    out_.source += phases.text + named(finite_text, name_) + named(exchange_text, name_);
     return std::move(out_);
   }
 
@@ -359,35 +365,37 @@ class ExchangeGenerator {
     h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
 
-  void define(const char* name, const std::string& value) {
-    out_.source += fmt::format("#define {}_{} {}\n", name_, name, value);
+  /// A list of the continuous states, as a comment.
+  std::string state_names() const {
+    std::string h = "\n/* Continuous states.\n";
+    for (std::size_t k = 0; k < out_.states.size(); ++k)
+      h += fmt::format(" * {}: {}{}\n", k, comment(out_.states[k].meaning),
+                       out_.states[k].unit.empty() ? "" : ", " + out_.states[k].unit);
+    return h + " */\n";
   }
-  void define(const char* name, long value) { define(name, fmt::format("{}", value)); }
 
   void write_constants() {
-    if (name_ != upper())
-      for (const char* same :
-           {"OK", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED", "NO_SUCH", "INPUTS", "OUTPUTS"})
-        define(same, upper() + "_" + same);
-    define("N", m_.velocities);
-    define("M", m_.equations);
-    define("Q", m_.positions);
-    define("J", std::ssize(recorded_->jacobian));
-    define("R", rank_);
-    define("F", free_);
-    define("W", std::ssize(recorded_->states));
-    define("C", std::ssize(out_.states));
-    define("MASS", std::ssize(recorded_->mass));
-    define("ROTATIONS", std::ssize(rotations()));
-    define("TURNS", std::ssize(turns()));
-    define("EVENTS", std::ssize(time_events(m_)));
-    if (name_ != upper()) define("INDICATORS", upper() + "_INDICATORS");
+    const Constants define(out_.source, name_);
+    define.of_header(name_, {"OK", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED", "NO_SUCH", "INPUTS",
+                             "OUTPUTS", "INDICATORS"});
+    define("N", long{m_.velocities});
+    define("M", long{m_.equations});
+    define("Q", long{m_.positions});
+    define("J", long{std::ssize(recorded_->jacobian)});
+    define("R", long{rank_});
+    define("F", long{free_});
+    define("W", long{std::ssize(recorded_->states)});
+    define("C", long{std::ssize(out_.states)});
+    define("MASS", long{std::ssize(recorded_->mass)});
+    define("ROTATIONS", long{std::ssize(rotations())});
+    define("TURNS", long{std::ssize(turns())});
+    define("EVENTS", long{std::ssize(events_)});
     define("VARIES", long{recorded_->without_variations.empty()});
     define("SENSES", long{recorded_->senses});
     define("BLOCKS", long{recorded_->blocks});
-    define("START_TIME", literal(mechanism_.state.time));
+    define("START_TIME", mechanism_.state.time);
     const double pace = scales().acceleration > 0 ? std::sqrt(scales().acceleration) : 1;
-    define("PACE", literal(pace));
+    define("PACE", pace);
   }
 
   /// States of elements that count their turns.
@@ -451,9 +459,9 @@ class ExchangeGenerator {
         "};\n/* Where functions of time jump or have kinks; again after each period, where there is one. */\n"
         "typedef struct {\n  double time, period;\n} @_event;\nstatic const @_event @_events[] = {\n",
         name_);
-    for (const TimeEvent& e : time_events(m_))
+    for (const TimeEvent& e : events_)
       s += fmt::format("  {{{}, {}}},\n", literal(e.time), literal(e.period));
-    if (time_events(m_).empty()) s += "  {0, 0}\n";
+    if (events_.empty()) s += "  {0, 0}\n";
     s += "};\n";
     s += held_inputs(m_, out_);
     const State& state = mechanism_.state;
@@ -468,7 +476,8 @@ class ExchangeGenerator {
   const Method& method_;
   const std::string name_;
   Mechanism mechanism_;
-  std::vector<CoordinateInfo> coordinates_;
+  const std::vector<CoordinateInfo> coordinates_;
+  const std::vector<TimeEvent> events_;
   std::unique_ptr<RecordedModel> recorded_;
   int rank_ = 0, free_ = 0;
   std::vector<Diagnostic> reasons_;  ///< why there is no code

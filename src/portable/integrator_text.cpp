@@ -181,13 +181,6 @@ static double @_largest(const double *x, const double *scale, int n) {
 static double @_of_coordinates(const double *x) { return @_largest(x, @_coordinate_scale, @_N); }
 static double @_of_equations(const double *x) { return @_largest(x, @_equation_scale, @_M); }
 
-static int @_all_finite(const double *x, int n) {
-  int k;
-  for (k = 0; k < n; ++k)
-    if (!(x[k] - x[k] == 0.0)) return 0;
-  return 1;
-}
-
 /* Forces at an instant: 0 before the first step, 1 at rest, 2 in a step. */
 static void @_sense(@ *s, int instant) {
 #if @_SENSES
@@ -582,6 +575,15 @@ static int @_integrate(@ *s) {
   s->state.started = 1;
   @_learn(s);
   return @_OK;
+}
+)c";
+
+const char* const finite_text = R"c(
+static int @_all_finite(const double *x, int n) {
+  int k;
+  for (k = 0; k < n; ++k)
+    if (!(x[k] - x[k] == 0.0)) return 0;
+  return 1;
 }
 )c";
 

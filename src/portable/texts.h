@@ -7,6 +7,7 @@ namespace mimbre::portable {
 extern const char* const functions_text;   ///< functions of one variable
 extern const char* const roads_text;       ///< heights over a place
 extern const char* const linear_text;      ///< factorisation and solution
+extern const char* const finite_text;      ///< whether numbers are finite
 extern const char* const integrator_text;  ///< a step
 extern const char* const interface_text;   ///< what hosts call
 extern const char* const exchange_text;    ///< derivatives of the state by time, and what hosts call of it

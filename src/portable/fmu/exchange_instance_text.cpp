@@ -16,6 +16,7 @@ enum {
 #define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS)
 #define @_FMU_FIXED @_FMU_RUNS /* where parameters cannot be set */
 #define @_FMU_ENDS (@_FMU_EVENTS | @_FMU_RUNS)
+#define @_FMU_STOPS 0 /* solvers evaluate beyond a stop time, and interpolate back to it */
 #if @_FMU_VARIES
 #define @_FMU_NO_ADJOINTS "the FMU has no adjoint derivatives; it has directional ones: fmi3GetDirectionalDerivative"
 #else
@@ -32,25 +33,14 @@ enum {
 /* With the state of the model all that later calls depend on. */
 typedef struct {
   double begin; /* the importer's time where the model starts */
-  double first; /* the model's own there */
+  double first; /* the model's own time there */
   double now;
-  double stop;
   double given[@_FMU_INPUTS + 1];
   int mode, spare;
 } @_fmu_progress;
 )c";
 
 const char* const fmu_exchange_text = R"c(
-static void @_fmu_begin(@_fmu *f) {
-  int k;
-  @_init(&f->model);
-  memset(&f->progress, 0, sizeof f->progress);
-  f->progress.mode = @_FMU_MADE;
-  f->progress.stop = HUGE_VAL;
-  f->progress.first = f->progress.begin = f->progress.now = @_time(&f->model);
-  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
-}
-
 static int @_fmu_failed(@_fmu *f, int status) {
   switch (status) {
     case @_FMU_NOT_FINITE:

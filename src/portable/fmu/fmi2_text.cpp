@@ -83,10 +83,7 @@ const char* const fmi2_text = R"c(
     return NULL;
   }
   memcpy(host.name, instance_name, strlen(instance_name) + 1);
-  f->host = host;
-  f->logs = logs != 0;
-  f->saved = NULL;
-  @_fmu_begin(f);
+  @_fmu_set_up(f, &host, logs != 0);
   return f;
 }
 

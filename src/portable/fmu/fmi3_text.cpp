@@ -77,10 +77,7 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
     @_fmu_log(&host, @_FMU_ERROR, "logStatusError", refusal);
     return NULL;
   }
-  f->host = host;
-  f->logs = logs;
-  f->saved = NULL;
-  @_fmu_begin(f);
+  @_fmu_set_up(f, &host, logs);
   return f;
 }
 

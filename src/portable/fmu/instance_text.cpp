@@ -52,6 +52,27 @@ static int @_fmu_go(@_fmu *f, int from, int to) {
   return @_FMU_OK;
 }
 
+/* Where initialization has not begun. */
+static void @_fmu_begin(@_fmu *f) {
+  int k;
+  @_init(&f->model);
+  memset(&f->progress, 0, sizeof f->progress);
+  f->progress.mode = @_FMU_MADE;
+  f->progress.first = f->progress.begin = f->progress.now = @_time(&f->model);
+#if @_FMU_STOPS
+  f->progress.stop = HUGE_VAL;
+#endif
+  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
+}
+
+/* A new instance, of memory that is not set. */
+static void @_fmu_set_up(@_fmu *f, const @_fmu_host *host, int logs) {
+  f->host = *host;
+  f->logs = logs;
+  f->saved = NULL;
+  @_fmu_begin(f);
+}
+
 /* Why an instance cannot be made; NULL: it can. */
 static const char *@_fmu_refusal(const char *instance_name, const char *token) {
   const char *c = instance_name;
@@ -70,8 +91,10 @@ static int @_fmu_experiment(@_fmu *f, int has_tolerance, double tolerance, doubl
   if (has_stop && !(@_fmu_finite(stop) && stop >= start))
     return @_fmu_wrong(f, "the stop time is no number, or before the start time");
   f->progress.begin = f->progress.now = start;
+#if @_FMU_STOPS
   f->progress.stop = has_stop ? stop : HUGE_VAL;
-  if (start != @_time(&f->model))
+#endif
+  if (start != f->progress.first)
     @_fmu_tell(f, @_FMU_WARNING, "functions of time in the model count from its own start, not from the start time");
   return @_FMU_OK;
 }

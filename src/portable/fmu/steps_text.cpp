@@ -18,6 +18,7 @@ enum {
 #define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)
 #define @_FMU_FIXED 0 /* where parameters cannot be set */
 #define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED)
+#define @_FMU_STOPS 1 /* a stop time is kept: no step ends behind it */
 #define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
 
 /* References: the time; inputs and parameters; outputs; counts. */
@@ -29,6 +30,7 @@ enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU
 /* With the state of the model all that later calls depend on. */
 typedef struct {
   double begin; /* the importer's time where the model starts */
+  double first; /* the model's own time there */
   double now;   /* where the last step of the importer ended */
   double stop;
   double steps;  /* of the model, so far */
@@ -40,16 +42,6 @@ typedef struct {
 )c";
 
 const char* const fmu_steps_text = R"c(
-static void @_fmu_begin(@_fmu *f) {
-  int k;
-  @_init(&f->model);
-  memset(&f->progress, 0, sizeof f->progress);
-  f->progress.mode = @_FMU_MADE;
-  f->progress.stop = HUGE_VAL;
-  f->progress.begin = f->progress.now = @_time(&f->model);
-  for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
-}
-
 static double @_fmu_output(@_fmu *f, int output) {
   const @_fmu_progress *const p = &f->progress;
   if (!p->between) return @_get_output(&f->model, output);

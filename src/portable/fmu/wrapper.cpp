@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "portable/code_parts.h"
+#include "portable/constants.h"
 #include "portable/fmu/parts.h"
 #include "portable/fmu/texts.h"
 #include "portable/program.h"
@@ -38,23 +39,22 @@ std::string fmu_wrapper(const FmuCode& fmu) {
                   "#else\n#define @_FMU_EXPORT\n#endif\n\n",
                   fmi),
       name);
-  const auto define = [&](const char* what, const std::string& value) {
-    s += fmt::format("#define {}_FMU_{} {}\n", name, what, value);
-  };
-  define("TOKEN", '"' + fmu.token + '"');
-  define("INPUTS", fmt::format("{}", fmu.code.inputs.size()));
-  define("OUTPUTS", fmt::format("{}", fmu.code.outputs.size()));
+  const Constants define(s, name + "_FMU");
+  define.text("TOKEN", '"' + fmu.token + '"');
+  define("INPUTS", std::ssize(fmu.code.inputs));
+  define("OUTPUTS", std::ssize(fmu.code.outputs));
   if (exchange) {
-    define("STATES", fmt::format("{}", fmu.code.states.size()));
-    define("INDICATORS", fmt::format("{}", fmu.code.indicators));
-    define("VARIES", fmu.code.varies ? "1" : "0");
-    define("MODEL_OK", upper + "_OK");
+    define("STATES", std::ssize(fmu.code.states));
+    define("INDICATORS", long{fmu.code.indicators});
+    define("INDICATOR_VARIABLES", fmu.version == 2 ? 0L : long{fmu.code.indicators});
+    define("VARIES", long{fmu.code.varies});
+    define.text("MODEL_OK", upper + "_OK");
   } else {
-    define("STEP", upper + "_STEP");
-    define("UNCONVERGED", upper + "_UNCONVERGED");
+    define.text("STEP", upper + "_STEP");
+    define.text("UNCONVERGED", upper + "_UNCONVERGED");
   }
-  if (fmu.version == 2) define("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
-  for (const char* status : {"NOT_FINITE", "SINGULAR", "DRIFTED"}) define(status, upper + "_" + status);
+  if (fmu.version == 2) define.text("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
+  define.of_header(name, {"NOT_FINITE", "SINGULAR", "DRIFTED"});
   std::vector<double> least, most, start;
   std::vector<int> tunable;
   for (const GeneratedVariable& v : fmu.code.inputs) {
