@@ -72,8 +72,7 @@ class Description {
       set(experiment, "stepSize", fmu_.code.step);
     pugi::xml_node variables = root_.append_child("ModelVariables");
     for (const FmuVariable& v : fmu_.variables)
-      if (!two() || v.role != Role::indicator)
-        two() ? variable_of_2(variables, v) : variable_of_3(variables, v);
+      two() ? variable_of_2(variables, v) : variable_of_3(variables, v);
     structure();
     return text_of(document_);
   }

@@ -23,12 +23,12 @@ enum {
 #define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
 #endif
 
-/* References: the time; inputs and parameters; outputs; continuous states; their derivatives; event indicators. */
+/* References: the time; inputs and parameters; outputs; continuous states; their derivatives; in FMI 3 event indicators. */
 #define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
 #define @_FMU_FIRST_STATE (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
 #define @_FMU_FIRST_DERIVATIVE (@_FMU_FIRST_STATE + @_FMU_STATES)
 #define @_FMU_FIRST_INDICATOR (@_FMU_FIRST_DERIVATIVE + @_FMU_STATES)
-#define @_FMU_REALS (@_FMU_FIRST_INDICATOR + @_FMU_INDICATORS)
+#define @_FMU_REALS (@_FMU_FIRST_INDICATOR + @_FMU_INDICATOR_VARIABLES)
 
 /* With the state of the model all that later calls depend on. */
 typedef struct {
@@ -198,8 +198,9 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
     return @_fmu_wrong(f, "references, the seed or places for the result are missing");
   memset(states, 0, sizeof states);
   memset(inputs, 0, sizeof inputs);
+  memset(indicators, 0, sizeof indicators);
   for (k = 0; k < unknown_count; ++k) {
-    const int indicator = @_fmu_known(unknowns[k], @_FMU_FIRST_INDICATOR, @_FMU_INDICATORS);
+    const int indicator = @_fmu_known(unknowns[k], @_FMU_FIRST_INDICATOR, @_FMU_INDICATOR_VARIABLES);
     wanted = wanted || indicator;
     if (!indicator && !@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) &&
         !@_fmu_known(unknowns[k], @_FMU_FIRST_DERIVATIVE, @_FMU_STATES))

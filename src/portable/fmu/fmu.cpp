@@ -22,7 +22,7 @@ constexpr double none = std::numeric_limits<double>::infinity();
 
 /// Continuous states, their derivatives, and event indicators, by `add`; the first has the reference `first`.
 template <class Add>
-void add_states(const GeneratedCode& code, const Add& add, unsigned first) {
+void add_states(const GeneratedCode& code, int version, const Add& add, unsigned first) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < code.states.size(); ++k) names.push_back(fmt::format("state.{}", k + 1));
   for (std::size_t k = 0; k < code.states.size(); ++k)
@@ -34,6 +34,7 @@ void add_states(const GeneratedCode& code, const Add& add, unsigned first) {
     v.state = first + static_cast<unsigned>(k);
     add(std::move(v), "fmu.");
   }
+  if (version == 2) return;  // where indicators are no variables
   for (int k = 0; k < code.indicators; ++k) {
     FmuVariable v{fmt::format("indicator.{}", k + 1),
                   "",
@@ -83,7 +84,7 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
     add(std::move(output), "output.");
   }
   if (exchange)
-    add_states(code, add, first_state);
+    add_states(code, version, add, first_state);
   else
     for (const auto& [name, meaning] :
          {std::pair("solver.steps", "steps of the model so far"),
