@@ -49,10 +49,20 @@ struct GeneratedCode {
 GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                             const std::string& name);
 
-/// Derivatives of the state by time instead of steps, for solvers of ordinary differential equations: of
-/// independent coordinates, which are changed by an event where they become singular, of their rates, and of
-/// what force elements and controllers remember. Throws InputError, with a line for each reason, where a
-/// model has no such equations, and as generate_code does.
+/// Derivatives of the state by time instead of steps, for solvers of ordinary differential equations and FMUs
+/// for model exchange (`mimbre fmu --kind me`). States are independent coordinates, their rates, and the
+/// states of force elements and controllers; where the coordinates become singular, an event selects others.
+///
+/// Of the options, `inputs` are the start values; formulation and inertia have to be relative and integrals,
+/// as in generate_code; the step, the integrator, the formalism and tolerances have no effect. Bodies may fly
+/// freely, unlike there. `name`: as in generate_code.
+///
+/// Throws InputError for models that generate_code refuses otherwise, and for those without such equations:
+/// contacts, stops, dry friction, wheels with slip, winches, blocks `rate_limit`, constraints between
+/// velocities (rolling, knife edges), drives that follow inputs, signals of accelerations, events of the
+/// model, and motions that move no mass. All reasons are in one error, a line each: first those by the kinds
+/// of elements, and if there are none, those that are found in the recorded equations. Also throws InputError
+/// where the start cannot be found, as a run does.
 GeneratedCode generate_exchange_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                                      const std::string& name);
 

@@ -324,6 +324,7 @@ class ExchangeGenerator {
     h += fmt::format("#define {0}_STATES {1} /* continuous ones */\n#define {0}_INDICATORS {2}\n\n", upper(),
                      out_.states.size(), out_.indicators);
     h += variable_names(out_);
+    h += state_names();
     h += fmt::format(
         "\n/* What functions return. */\nenum {{\n  {0}_OK = 0,\n  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n"
         "  {0}_DRIFTED = 4, /* equations that were not chosen are violated */\n"
@@ -335,33 +336,9 @@ class ExchangeGenerator {
         "which "
         "motions are found. */\ntypedef struct {{\n  {1}_state state;\n{2}}} {1};\n\n",
         state.text, name_, work.text);
-    const std::string vary =
-        out_.varies ? "/* How derivatives, outputs and, unless NULL, event indicators vary where states and "
-                      "inputs do so. */\n"
-                      "int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, "
-                      "double *outputs,\n            double *indicators);\n"
-                      "/* Likewise where the time does so. */\n"
-                      "int @_vary_time(@ *s, double *derivatives, double *outputs, double *indicators);\n"
-                    : "";
-    h += named(
-        std::string(
-            "/* The model where it starts. */\nvoid @_init(@ *s);\n"
-            "/* An input or a parameter from now on; kept within its range. Before the start: state.begun = "
-            "0. "
-            "*/\n"
-            "int @_set_input(@ *s, int input, double value);\n"
-            "int @_set_time(@ *s, double time);\nint @_set_states(@ *s, const double *states);\n"
-            "int @_get_states(@ *s, double *states);\nint @_get_nominals(const @ *s, double *nominals);\n"
-            "int @_get_derivatives(@ *s, double *derivatives);\n"
-            "/* They are positive; where one becomes negative, @_update has to be called. */\n"
-            "int @_get_indicators(@ *s, double *indicators);\n"
-            "/* At an event. `changed`: whether the continuous states are others now. */\n"
-            "int @_update(@ *s, int *changed);\n") +
-            vary +
-            "/* HUGE_VAL: there is none. */\ndouble @_get_next_event(const @ *s);\n"
-            "/* Writes s->output. */\nint @_get_outputs(@ *s);\ndouble @_time(const @ *s);\n"
-            "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
-        name_);
+    h += named(exchange_header_text, name_);
+    if (out_.varies) h += named(variations_header_text, name_);
+    h += "\n";
     h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 /// Parts of the code that are the same for every model, with '@' for its name:
-/// src/portable/integrator_text.cpp.
+/// integrator_text.cpp, exchange_text.cpp.
 namespace mimbre::portable {
 
 extern const char* const functions_text;   ///< functions of one variable
@@ -10,6 +10,10 @@ extern const char* const linear_text;      ///< factorisation and solution
 extern const char* const finite_text;      ///< whether numbers are finite
 extern const char* const integrator_text;  ///< a step
 extern const char* const interface_text;   ///< what hosts call
-extern const char* const exchange_text;    ///< derivatives of the state by time, and what hosts call of it
+
+// Of model exchange.
+extern const char* const exchange_text;           ///< derivatives of the state by time, and what hosts call
+extern const char* const exchange_header_text;    ///< the functions that hosts call
+extern const char* const variations_header_text;  ///< those of directional derivatives
 
 }  // namespace mimbre::portable
