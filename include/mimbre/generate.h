@@ -57,11 +57,11 @@ GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const Run
 /// as in generate_code; the step, the integrator, the formalism and tolerances have no effect. Bodies may fly
 /// freely, unlike there. `name`: as in generate_code.
 ///
-/// Throws InputError for models that generate_code refuses otherwise, and for those without such equations:
-/// contacts, stops, dry friction, wheels with slip, winches, blocks `rate_limit`, constraints between
-/// velocities (rolling, knife edges), drives that follow inputs, signals of accelerations, events of the
-/// model, and motions that move no mass. All reasons are in one error, a line each: first those by the kinds
-/// of elements, and if there are none, those that are found in the recorded equations. Also throws InputError
+/// Throws InputError for the bodies, elements and signals that generate_code refuses, and for models without
+/// such equations: contacts, stops, dry friction, wheels with slip, winches, blocks `rate_limit`, constraints
+/// between velocities (rolling, knife edges), drives that follow inputs, signals of accelerations, events of
+/// the model, and motions that move no mass. All reasons are in one error, a line each: those by the kinds of
+/// elements, or if there are none, those that are found in the recorded equations. Also throws InputError
 /// where the start cannot be found, as a run does.
 GeneratedCode generate_exchange_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                                      const std::string& name);

@@ -1,7 +1,7 @@
 #include "portable/texts.h"
 
-/// The equations of motion as ordinary differential equations, by hand in C99. '@' stands for the model's
-/// name; constants and tables come before it, and the phases of a recorded instant.
+/// The equations of motion as ordinary differential equations, written by hand in C99. '@' stands for the
+/// model's name; constants, tables and the phases of a recorded instant come before it.
 ///
 /// Of the N coordinates z, R depend on the other F = N − R by chosen equations Φ = 0 (coordinate
 /// partitioning: Wehage, Haug 1982; second velocity transformation: Serna, Avilés, García de Jalón 1982):
@@ -14,14 +14,14 @@
 namespace mimbre::portable {
 
 const char* const exchange_text = R"c(
-/* Positions that move dependent coordinates further than this, by the scales, are approached in parts. */
+/* Largest change, in units of the scales, of independent coordinates in one part, and of a correction by Newton's method. */
 #define @_FURTHEST 0.3
-/* Another set is chosen where the one that is chosen has become so much worse. */
+/* Other coordinates are chosen once the quality has fallen to this share of that at the last choice. */
 #define @_WORSE 0.3
-/* Squared rotation vectors of independent rotations that are counted from a new reference. */
+/* rad^2: an independent rotation vector whose square is larger gets a new reference. */
 #define @_TURNED 4.0
 
-/* Signals of a time, and of the motion: 0 before blocks have begun, 1 later. */
+/* Signals of time and inputs, and signals of the motion; blocks show their start values until they have begun. */
 static void @_signals(@ *s, double time) {
   s->now[0] = time;
 #if @_BLOCKS
@@ -46,20 +46,20 @@ static void @_see(@ *s) {
 #endif
 }
 
-/* By how much the instant of an event, and its place in a period, are off by round-off at most. */
+/* Bound of the round-off of an event's instant and of its place in a period. */
 static double @_about(double event) { return event - event == 0.0 ? 1e-14*(1.0 + fabs(event)) : 0.0; }
 
-/* The time that functions of time see: on this side of the events. */
+/* The time for functions of time: kept between the last event and the next one, which has not been passed yet. */
 static double @_side(const @_state *state, double time) {
   const double after = state->last_event + @_about(state->last_event);
   const double before = state->next_event - @_about(state->next_event);
   return time < after ? after : time < before ? time : before;
 }
 
-/* Events up to here belong to an event at the time. */
+/* Events up to this instant count as one with an event at the time. */
 static double @_until(double time) { return time + 1e-9*(1.0 + fabs(time)); }
 
-/* The last instant at which a function of time jumps or has a kink, up to `until`, and the first one behind that. */
+/* The last instant up to `until` at which a function of time jumps or has a kink, and the first one later. */
 static double @_last_event(double until) {
   double last = -HUGE_VAL;
   int k;
@@ -85,7 +85,7 @@ static double @_next_event(double until) {
   return next;
 }
 
-/* The continuous states, a share of the way from those of the last motion to those that are set. */
+/* Enters the continuous states at a share of the way from those of the last solution to those that are set. */
 static void @_place(@ *s, double share) {
   const double whole = share < 1.0 ? share : 1.0;
   int k;
@@ -145,7 +145,8 @@ static void @_turn_row(const @ *s, double *row) {
   }
 }
 
-/* L U of the chosen rows and the dependent columns, scaled; by x where `turned`. Returns whether it can be divided by. */
+/* L U factors of the chosen rows and the dependent columns, scaled; of the Jacobian by x if `turned`. Returns whether
+ * the matrix is regular. */
 static int @_factor(@ *s, int turned) {
   int i, j, k, p;
   for (p = 0; p < @_R; ++p) {
@@ -183,7 +184,7 @@ static int @_factor(@ *s, int turned) {
   return 1;
 }
 
-/* b: by chosen rows; becomes that by dependent coordinates. */
+/* Solves for the dependent coordinates; b has the right side by chosen rows, then the solution. */
 static void @_solve(const @ *s, double *b) {
   int i, k;
   for (k = 0; k < @_R; ++k) b[k] /= @_equation_scale[s->state.row[k]];
@@ -201,7 +202,7 @@ static void @_solve(const @ *s, double *b) {
   for (k = 0; k < @_R; ++k) b[k] *= @_coordinate_scale[s->state.dependent[k]];
 }
 
-/* The transposed: g by dependent coordinates, becomes that by chosen rows. */
+/* The same with the transposed matrix: g by dependent coordinates, then by chosen rows. */
 static void @_solve_transposed(const @ *s, double *g) {
   int i, k;
   for (k = 0; k < @_R; ++k) g[k] *= @_coordinate_scale[s->state.dependent[k]];
@@ -219,7 +220,7 @@ static void @_solve_transposed(const @ *s, double *g) {
   for (k = 0; k < @_R; ++k) g[k] /= @_equation_scale[s->state.row[k]];
 }
 
-/* Newton's method for the dependent coordinates from where they are. */
+/* Newton's method for the dependent coordinates, from their present values. */
 static int @_close(@ *s) {
   double before = HUGE_VAL;
   int k, round;
@@ -246,7 +247,7 @@ static int @_close(@ *s) {
   return @_NOT_CONVERGED;
 }
 
-/* Positions of the continuous states, in parts where these are far from the last ones. */
+/* The positions at the continuous states, in parts if these are far from those of the last solution. */
 static int @_find_positions(@ *s) {
   double done = 0.0, part, most, way = 0.0;
   int k, tries;
@@ -292,7 +293,8 @@ static int @_find_positions(@ *s) {
 }
 #endif
 
-/* How fast dependent coordinates follow independent ones, and the motions N. */
+/* The motions N that the equations leave free, and the quality of the independent coordinates: near 0 where dependent
+ * coordinates move much faster than these. */
 static void @_find_motions(@ *s) {
   double sum = 0.0;
   int c;
@@ -317,7 +319,7 @@ static void @_find_motions(@ *s) {
   s->quality = 1.0/sqrt(1.0 + sum/(@_F > 0 ? @_F : 1));
 }
 
-/* By the projected mass, L D L^T. */
+/* Divides by the projected mass, whose factors are L D L^T. */
 static void @_divide(const @ *s, double *x) {
   int c, j;
   for (c = 0; c < @_F; ++c)
@@ -327,7 +329,7 @@ static void @_divide(const @ *s, double *x) {
     for (j = c + 1; j < @_F; ++j) x[c] -= s->projected[j*@_F + c]*x[j];
 }
 
-/* L D L^T of the projected mass, and the accelerations of the independent coordinates. */
+/* The factors of the projected mass, and the accelerations of the independent coordinates. */
 static int @_accelerate(@ *s) {
   int c, i, j, k;
   memset(s->momentum, 0, sizeof s->momentum);
@@ -364,7 +366,7 @@ static int @_accelerate(@ *s) {
   return @_OK;
 }
 
-/* Where rotations of dependent coordinates have gone far, a new reference. */
+/* Gives dependent rotations of more than 1 rad a new reference. */
 static void @_renew_references(@ *s) {
   int k, c;
   for (k = 0; k < @_ROTATIONS; ++k) {
@@ -378,7 +380,7 @@ static void @_renew_references(@ *s) {
   }
 }
 
-/* Motion and derivatives of the continuous states at the time; what of it is there already stays. */
+/* Finds the motion and the derivatives of the continuous states, unless they are known already. */
 static int @_find_motion(@ *s) {
   int c, i, k, status;
   if (s->ready) return s->status;
@@ -438,7 +440,7 @@ static int @_find_motion(@ *s) {
   return @_OK;
 }
 
-/* The continuous states of positions q and velocities v, counted from there. */
+/* Sets the continuous states from the positions q and velocities v, which become the reference. */
 static void @_take(@ *s) {
   int k;
   memcpy(s->state.q, s->q, sizeof s->q);
@@ -456,8 +458,8 @@ static void @_take(@ *s) {
   s->ready = 0;
 }
 
-/* Chooses dependent coordinates and equations for them, by complete pivoting, at the last positions. Returns whether
- * there are as many as there should be. */
+/* Chooses the dependent coordinates, and the equations for them, by complete pivoting at the last positions. Returns
+ * whether the rank is that of the start. */
 static int @_choose(@ *s) {
   double first = 0.0;
   int c, i, j, p, count = 0;
@@ -492,14 +494,14 @@ static int @_choose(@ *s) {
   return 1;
 }
 
-/* As good as the set that is chosen was when it was chosen. */
+/* The quality just after a choice, with which later ones are compared. */
 static int @_settle(@ *s) {
   const int status = @_find_motion(s);
   if (status == @_OK) s->state.quality = s->quality;
   return status;
 }
 
-/* Blocks begin with their inputs of now. */
+/* Starts the blocks with the present inputs. */
 static int @_begin(@ *s) {
   int k, status = @_OK;
   if (s->state.begun) return @_OK;
@@ -676,7 +678,7 @@ static void @_vary_seen(@ *s) {
   @_d_forces(s);
 }
 
-/* Positions: from d_x, increments from the reference, to d_q. */
+/* From d_x, of the increments from the reference, to d_q. */
 static void @_vary_positions(@ *s) {
   int k;
   for (k = 0; k < @_N; ++k)
@@ -697,7 +699,7 @@ static void @_vary_positions(@ *s) {
   }
 }
 
-/* Event indicators by differences: they are no part of the motion. */
+/* Event indicators by differences, since they are not recorded. */
 static int @_vary_indicators(@ *s, const double *states, double *indicators) {
   const @_state kept = s->state;
   double size = 0.0, other[@_INDICATORS + 1];
@@ -724,7 +726,7 @@ static int @_vary_indicators(@ *s, const double *states, double *indicators) {
   return status;
 }
 
-/* The linear equations of the motion: exact derivatives of what was recorded. */
+/* The linearised equations of motion, from the exact derivatives of the recorded operations. */
 int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, double *outputs, double *indicators) {
   int c, i, k, status = @_now(s);
   if (status == @_OK && indicators) status = @_vary_indicators(s, states, indicators);

@@ -27,11 +27,11 @@ using Eigen::VectorXd;
 
 /// Equations that add less than this to others, as a share of the largest, are redundant.
 constexpr double repeated = 1e-9;
-/// Of the largest inertia along the scales: a motion with less has none.
+/// A motion with less than this share of the largest inertia, along the scales, has none.
 constexpr double no_inertia = 1e-13;
 
-/// A velocity coordinate: its place among the positions (−1: a rotation's, which has a quaternion), the
-/// weight by which it is rather dependent, and what it is.
+/// A velocity coordinate: its place among the positions (−1: of a rotation, which has a quaternion), its
+/// weight in the choice of dependent coordinates (larger: chosen earlier), and its meaning.
 struct CoordinateInfo {
   int position = -1;
   double weight = 1;
@@ -40,7 +40,7 @@ struct CoordinateInfo {
 };
 
 std::vector<CoordinateInfo> coordinate_infos(const Compiled& m) {
-  // Amplitudes are stiff: rather independent. Rotations have a reference that states should not follow.
+  // Stiff amplitudes are better independent. Rotations are better dependent: as states they need references.
   constexpr double rotation = 2, amplitude = 0.1;
   std::vector<CoordinateInfo> all(static_cast<std::size_t>(m.velocities));
   for (const BodyData& b : m.bodies) {
@@ -68,7 +68,7 @@ std::vector<CoordinateInfo> coordinate_infos(const Compiled& m) {
   return all;
 }
 
-/// Everything that is written of one model's derivatives.
+/// Writes the code for the derivatives of one model.
 class ExchangeGenerator {
  public:
   ExchangeGenerator(const Compiled& m, const Method& method, const std::map<std::string, double>& inputs,
@@ -142,7 +142,7 @@ class ExchangeGenerator {
           "FMU for co-simulation");
   }
 
-  /// How many coordinates depend on the others, at the start; and that all motions move some mass.
+  /// Finds how many coordinates depend on others, at the start, and motions that move no mass.
   void find_independent() {
     relative::RelativeSystem& system = mechanism_.observer;
     const State& s = mechanism_.state;
@@ -296,7 +296,7 @@ class ExchangeGenerator {
     even(s);
     return s;
   }
-  /// So that no compiler has to leave a gap.
+  /// Avoids padding at the end of a struct.
   static void even(StructText& s) {
     if (s.ints % 2 != 0) s.add_ints("spare", 1);
   }
@@ -310,10 +310,10 @@ class ExchangeGenerator {
         "made by "
         "mimbre from {1}.\n * Needs the functions of <math.h>, memcmp, memcpy and memset; allocates nothing, "
         "opens "
-        "nothing, and keeps\n * what it knows in one struct of the caller's.\n",
+        "nothing, and keeps\n * its data in one struct of the caller's.\n",
         comment(title()), comment(std::filesystem::path(m_.spec().file).filename().string()));
     if (!out_.left_out.empty()) {
-      h += " *\n * Outputs of the model that are not here:\n";
+      h += " *\n * Outputs of the model that the code does not have:\n";
       for (const std::string& name : out_.left_out) h += fmt::format(" *   {}\n", comment(name));
     }
     h += fmt::format(" */\n#ifndef {0}_H\n#define {0}_H\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n",
@@ -326,13 +326,14 @@ class ExchangeGenerator {
     h += variable_names(out_);
     h += state_names();
     h += fmt::format(
-        "\n/* What functions return. */\nenum {{\n  {0}_OK = 0,\n  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n"
+        "\n/* Results of functions. */\nenum {{\n  {0}_OK = 0,\n  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n"
         "  {0}_DRIFTED = 4, /* equations that were not chosen are violated */\n"
         "  {0}_NOT_CONVERGED = 5, /* no positions of these states are found */\n"
         "  {0}_NO_SUCH = 6 /* no such input, or no number for it */\n}};\n\n",
         upper());
     h += fmt::format(
-        "/* All that later calls depend on. */\ntypedef struct {{\n{0}}} {1}_state;\n\n/* With the place in "
+        "/* Everything that later calls depend on. */\ntypedef struct {{\n{0}}} {1}_state;\n\n/* With the "
+        "place in "
         "which "
         "motions are found. */\ntypedef struct {{\n  {1}_state state;\n{2}}} {1};\n\n",
         state.text, name_, work.text);
@@ -375,7 +376,7 @@ class ExchangeGenerator {
     define("PACE", pace);
   }
 
-  /// States of elements that count their turns.
+  /// States that count the turns of elements.
   std::vector<int> turns() const {
     std::vector<int> all;
     for (const ElementData& e : m_.elements)
@@ -433,7 +434,8 @@ class ExchangeGenerator {
     }
     if (recorded_->states.empty()) s += "  {0, 0, 0}\n";
     s += named(
-        "};\n/* Where functions of time jump or have kinks; again after each period, where there is one. */\n"
+        "};\n/* Where functions of time jump or have kinks; repeated with the period, where there is one. "
+        "*/\n"
         "typedef struct {\n  double time, period;\n} @_event;\nstatic const @_event @_events[] = {\n",
         name_);
     for (const TimeEvent& e : events_)

@@ -132,35 +132,35 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
   all.add_of_model(method);
   const char* const instead = "write an FMU for co-simulation";
   for (const spec::Event& e : m.spec().events)
-    all.add(e.mark, fmt::format("event '{}' ends steps of the library early, which FMUs do not yet", e.name));
+    all.add(e.mark,
+            fmt::format("event '{}' ends steps of the library early, which FMUs do not support yet", e.name));
   for (const ElementData& e : m.elements) {
     if (e.user || e.pooled || e.leg) continue;
     if (e.measure == Measure::contact)
-      all.add(
-          fmt::format("{} is a contact, which begins and ends within steps and remembers where it sticks; {}",
-                      element_name(m, e), instead));
+      all.add(fmt::format(
+          "{} is a contact, which begins and ends within steps and has a place at which it sticks; {}",
+          element_name(m, e), instead));
     else if (e.measure == Measure::wheel)
       all.add(fmt::format(
-          "{} remembers where its footprint is, by a rule over steps; {}, or take a tyre of model "
-          "vertical",
+          "{} has a footprint that moves by a rule over steps; {}, or take a tyre of model vertical",
           element_name(m, e), instead));
     else if (!has_rates(e))
       all.add(
-          fmt::format("{} remembers the step before (sticking, an impact, a rate of a signal) by a rule over "
-                      "steps, which is no differential equation; {}",
+          fmt::format("{} has a state that changes by a rule over steps (sticking, an impact, the rate of a "
+                      "signal), which is no differential equation; {}",
                       element_name(m, e), instead));
   }
   for (const ConstraintData& c : m.constraints) {
     if (c.rates == 0) continue;
     const auto& of = m.spec().constraints[static_cast<std::size_t>(c.spec)];
     all.add(of.mark,
-            fmt::format("constraint '{}' holds between velocities alone, as wheels do that roll, which "
-                        "independent coordinates do not yet; {}",
+            fmt::format("constraint '{}' restricts velocities but not positions, like a rolling wheel, which "
+                        "independent coordinates do not support yet; {}",
                         of.name, instead));
   }
   for (const spec::Block& b : m.spec().blocks)
     if (b.type == "rate_limit")
-      all.add(b.mark, fmt::format("signal '{}' is of a block rate_limit, which switches between steps; {}",
+      all.add(b.mark, fmt::format("signal '{}' is a block rate_limit, which switches between steps; {}",
                                   b.name, instead));
   return all.all();
 }

@@ -12,7 +12,7 @@ extern const char* const integrator_text;  ///< a step
 extern const char* const interface_text;   ///< what hosts call
 
 // Of model exchange.
-extern const char* const exchange_text;           ///< derivatives of the state by time, and what hosts call
+extern const char* const exchange_text;  ///< derivatives of the state by time, and the functions for hosts
 extern const char* const exchange_header_text;    ///< the functions that hosts call
 extern const char* const variations_header_text;  ///< those of directional derivatives
 

@@ -27,7 +27,7 @@ bool breaks(const Jet& before, const Jet& after, bool second) {
          (second && differ(before.second, after.second));
 }
 
-/// Those of one function; `second`: where its second derivative jumps, too.
+/// Adds the events of one function; `second`: jumps of its second derivative count, too.
 void add_events(const FunctionData& function, bool second, std::vector<TimeEvent>& all) {
   if (!function.pieces()) return;
   const Pieces::Arrays p = function.pieces()->arrays();
@@ -59,7 +59,7 @@ std::vector<TimeEvent> time_events(const Compiled& m) {
         f.function,
         std::any_of(m.drives.begin(), m.drives.end(), [&](const DriveData& d) { return d.slot == f.slot; }),
         all);
-  // What a block makes may come to a drive by way of other signals.
+  // A block may drive a joint by way of other signals.
   for (const SignalsData::Block& b : m.signals.blocks)
     if (b.function >= 0 && b.laws.size() == 1 && is_time(b.laws[0]))
       add_events(m.signals.functions[static_cast<std::size_t>(b.function)], !m.drives.empty(), all);

@@ -1,11 +1,11 @@
 #include "portable/fmu/texts.h"
 
 /// An instance for model exchange, by hand in C99, for both versions of the standard. Constants come before
-/// it: the numbers of states and indicators, and what the model's functions return.
+/// it: the numbers of states and indicators, and the results of the model's functions.
 namespace mimbre::portable {
 
 const char* const fmu_exchange_head_text = R"c(
-/* What was called so far. */
+/* The state of the calls, as FMI names it. */
 enum {
   @_FMU_MADE = 1,
   @_FMU_STARTS = 2, /* initialization mode */
@@ -14,7 +14,7 @@ enum {
   @_FMU_TERMINATED = 16
 };
 #define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS)
-#define @_FMU_FIXED @_FMU_RUNS /* where parameters cannot be set */
+#define @_FMU_FIXED @_FMU_RUNS /* where parameters are fixed */
 #define @_FMU_ENDS (@_FMU_EVENTS | @_FMU_RUNS)
 #define @_FMU_STOPS 0 /* solvers evaluate beyond a stop time, and interpolate back to it */
 #if @_FMU_VARIES
@@ -30,7 +30,7 @@ enum {
 #define @_FMU_FIRST_INDICATOR (@_FMU_FIRST_DERIVATIVE + @_FMU_STATES)
 #define @_FMU_REALS (@_FMU_FIRST_INDICATOR + @_FMU_INDICATOR_VARIABLES)
 
-/* With the state of the model all that later calls depend on. */
+/* Together with the state of the model, everything that later calls depend on. */
 typedef struct {
   double begin; /* the importer's time where the model starts */
   double first; /* the model's own time there */
@@ -44,17 +44,17 @@ const char* const fmu_exchange_text = R"c(
 static int @_fmu_failed(@_fmu *f, int status) {
   switch (status) {
     case @_FMU_NOT_FINITE:
-      return @_fmu_tell(f, @_FMU_DISCARD, "the derivatives of these states are no finite numbers");
+      return @_fmu_tell(f, @_FMU_DISCARD, "the derivatives at these states are not finite");
     case @_FMU_SINGULAR:
       return @_fmu_tell(f, @_FMU_DISCARD, "the mechanism is singular at these states");
     case @_FMU_DRIFTED:
       return @_fmu_tell(f, @_FMU_DISCARD, "the loops of the model do not close at these states");
     default:
-      return @_fmu_tell(f, @_FMU_DISCARD, "no positions of the dependent coordinates belong to these states");
+      return @_fmu_tell(f, @_FMU_DISCARD, "no positions of the dependent coordinates are found at these states");
   }
 }
 
-/* Until it has started, blocks begin anew with what is set. */
+/* Until initialization is over, controllers start anew with the values that are set. */
 static @ *@_fmu_model(@_fmu *f) {
   if (f->progress.mode & (@_FMU_MADE | @_FMU_STARTS)) f->model.state.begun = 0;
   return &f->model;
@@ -89,7 +89,7 @@ static int @_fmu_get_counts(const @_fmu *f, const @_fmu_reference *references, s
   return @_fmu_none(f, count);
 }
 
-/* After the initialization. */
+/* Leaves initialization mode. */
 static int @_fmu_run(@_fmu *f) {
   double derivatives[@_FMU_STATES + 1];
   int status;
@@ -100,10 +100,10 @@ static int @_fmu_run(@_fmu *f) {
   return @_FMU_OK;
 }
 
-/* Whether there are places for so many numbers. */
+/* Whether the importer's array has the wanted size. */
 static int @_fmu_places(const @_fmu *f, const void *values, size_t count, size_t wanted) {
   if (count == wanted && (values || count == 0)) return 1;
-  @_fmu_wrong(f, "there are not as many places as numbers; nothing was done");
+  @_fmu_wrong(f, "the array has the wrong size, or is missing; nothing was done");
   return 0;
 }
 
@@ -123,7 +123,7 @@ static int @_fmu_update(@_fmu *f, int *changed, int *has_next, double *next) {
  * the time at events, too, and that changes nothing else. */
 static int @_fmu_set_time(@_fmu *f, double time) {
   if (!@_fmu_turn(f, @_FMU_EVENTS | @_FMU_RUNS)) return @_FMU_ERROR;
-  if (!@_fmu_finite(time) || !@_fmu_finite(time - f->progress.begin)) return @_fmu_wrong(f, "the time is no finite number");
+  if (!@_fmu_finite(time) || !@_fmu_finite(time - f->progress.begin)) return @_fmu_wrong(f, "the time is not finite");
   f->progress.now = time;
   @_set_time(&f->model, f->progress.first + (time - f->progress.begin));
   return @_FMU_OK;
@@ -133,7 +133,7 @@ static int @_fmu_set_states(@_fmu *f, const double *states, size_t count) {
   size_t k;
   if (!@_fmu_turn(f, @_FMU_RUNS) || !@_fmu_places(f, states, count, @_FMU_STATES)) return @_FMU_ERROR;
   for (k = 0; k < count; ++k)
-    if (!@_fmu_finite(states[k])) return @_fmu_wrong(f, "a state is no finite number; nothing was set");
+    if (!@_fmu_finite(states[k])) return @_fmu_wrong(f, "a state is not finite; nothing was set");
   if (count > 0) @_set_states(&f->model, states);
   return @_FMU_OK;
 }
@@ -195,7 +195,7 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   int status, wanted = 0; /* indicators */
   if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS | @_FMU_TERMINATED)) return @_FMU_ERROR;
   if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
-    return @_fmu_wrong(f, "references, the seed or places for the result are missing");
+    return @_fmu_wrong(f, "the references, the seed or the array of results is missing");
   memset(states, 0, sizeof states);
   memset(inputs, 0, sizeof inputs);
   memset(indicators, 0, sizeof indicators);
@@ -204,13 +204,13 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
     wanted = wanted || indicator;
     if (!indicator && !@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) &&
         !@_fmu_known(unknowns[k], @_FMU_FIRST_DERIVATIVE, @_FMU_STATES))
-      return @_fmu_wrong(f, "an unknown is no derivative, no output and no event indicator; nothing was read");
+      return @_fmu_wrong(f, "an unknown is neither derivative nor output nor event indicator; nothing was read");
   }
   for (k = 0; k < known_count; ++k) {
     const int input = @_fmu_known(knowns[k], 1, @_FMU_INPUTS);
     if (!input && knowns[k] != 0 && !@_fmu_known(knowns[k], @_FMU_FIRST_STATE, @_FMU_STATES))
-      return @_fmu_wrong(f, "a known is no input, no state and not the time; nothing was read");
-    if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is no finite number; nothing was read");
+      return @_fmu_wrong(f, "a known is neither input nor parameter nor state nor the time; nothing was read");
+    if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is not finite; nothing was read");
     if (knowns[k] == 0)
       time += seed[k];
     else if (input)

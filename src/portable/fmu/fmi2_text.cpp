@@ -32,7 +32,7 @@ typedef struct {
 typedef fmi2ValueReference @_fmu_reference;
 typedef fmi2Integer @_fmu_integer;
 
-/* What the importer gave. */
+/* The importer's callbacks. */
 typedef struct {
   fmi2CallbackFunctions calls;
   char *name;
@@ -187,7 +187,7 @@ const char* const fmi2_text = R"c(
 )c";
 
 const char* const fmi2_steps_text = R"c(
-/* What the model description says the FMU cannot do. */
+/* Functions that the model description excludes. */
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                                      size_t unknown_count, const fmi2ValueReference knowns[],
                                                      size_t known_count, const fmi2Real seed[], fmi2Real result[]) {

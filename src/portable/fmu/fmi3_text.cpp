@@ -37,7 +37,7 @@ typedef void (*fmi3UnlockPreemptionCallback)(void);
 typedef fmi3ValueReference @_fmu_reference;
 typedef fmi3Int32 @_fmu_integer;
 
-/* What the importer gave. */
+/* The importer's callbacks. */
 typedef struct {
   fmi3LogMessageCallback log;
   fmi3InstanceEnvironment environment;
@@ -321,7 +321,7 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
 
 )c"
                               R"c(
-/* What the model description says the FMU cannot do. */
+/* Functions that the model description excludes. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EvaluateDiscreteStates)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no discrete states"));
 }
@@ -454,14 +454,14 @@ const char* const fmi3_steps_text = R"c(
   (void)no_return;
   if (!f) return fmi3Error;
   if (!event || !terminate || !early_return || !last)
-    return (fmi3Status)@_fmu_wrong(f, "there is no place for what a step tells");
+    return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the step is missing");
   *event = *terminate = *early_return = false;
   status = @_fmu_do_step(f, from, length);
   *last = f->progress.now;
   return (fmi3Status)status;
 }
 
-/* What the model description says the FMU cannot do. */
+/* Functions that the model description excludes. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterEventMode)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
 }

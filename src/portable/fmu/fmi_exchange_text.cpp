@@ -22,7 +22,7 @@ typedef struct {
   int changed = 0, more = 0, status;
   double next = 0.0;
   if (!f) return fmi2Error;
-  if (!info) return (fmi2Status)@_fmu_wrong(f, "there is no place for what an update tells");
+  if (!info) return (fmi2Status)@_fmu_wrong(f, "a pointer for the results of the update is missing");
   status = @_fmu_update(f, &changed, &more, &next);
   info->newDiscreteStatesNeeded = info->terminateSimulation = 0;
   info->nominalsOfContinuousStatesChanged = info->valuesOfContinuousStatesChanged = changed;
@@ -35,7 +35,7 @@ typedef struct {
   @_fmu *const f = (@_fmu *)c;
   (void)no_return;
   if (!f || !@_fmu_turn(f, @_FMU_RUNS)) return fmi2Error;
-  if (!event || !terminate) return (fmi2Status)@_fmu_wrong(f, "there is no place for what a step tells");
+  if (!event || !terminate) return (fmi2Status)@_fmu_wrong(f, "a pointer for the results of the step is missing");
   *event = *terminate = 0;
   return fmi2OK;
 }
@@ -104,7 +104,7 @@ const char* const fmi3_exchange_text = R"c(
   int changed = 0, more = 0, status;
   if (!f) return fmi3Error;
   if (!need_update || !terminate || !nominals_changed || !values_changed || !has_next || !next)
-    return (fmi3Status)@_fmu_wrong(f, "there is no place for what an update tells");
+    return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the update is missing");
   *need_update = *terminate = *nominals_changed = *values_changed = *has_next = false;
   status = @_fmu_update(f, &changed, &more, next);
   *nominals_changed = *values_changed = changed != 0;
@@ -115,7 +115,7 @@ const char* const fmi3_exchange_text = R"c(
   @_fmu *const f = (@_fmu *)instance;
   (void)no_return;
   if (!f || !@_fmu_turn(f, @_FMU_RUNS)) return fmi3Error;
-  if (!event || !terminate) return (fmi3Status)@_fmu_wrong(f, "there is no place for what a step tells");
+  if (!event || !terminate) return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the step is missing");
   *event = *terminate = false;
   return fmi3OK;
 }
@@ -139,13 +139,13 @@ const char* const fmi3_exchange_text = R"c(
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetNumberOfContinuousStates)(fmi3Instance instance, size_t *number) {
   if (!instance) return fmi3Error;
-  if (!number) return (fmi3Status)@_fmu_wrong((@_fmu *)instance, "there is no place for the number");
+  if (!number) return (fmi3Status)@_fmu_wrong((@_fmu *)instance, "the pointer for the number is missing");
   *number = @_FMU_STATES;
   return fmi3OK;
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetNumberOfEventIndicators)(fmi3Instance instance, size_t *number) {
   if (!instance) return fmi3Error;
-  if (!number) return (fmi3Status)@_fmu_wrong((@_fmu *)instance, "there is no place for the number");
+  if (!number) return (fmi3Status)@_fmu_wrong((@_fmu *)instance, "the pointer for the number is missing");
   *number = @_FMU_INDICATORS;
   return fmi3OK;
 }
@@ -154,18 +154,18 @@ const char* const fmi3_exchange_text = R"c(
   @_fmu *const f = (@_fmu *)instance;
   if (!f) return fmi3Error;
   if (seed_count != known_count || result_count != unknown_count)
-    return (fmi3Status)@_fmu_wrong(f, "there have to be as many seeds as knowns and as many results as unknowns");
+    return (fmi3Status)@_fmu_wrong(f, "the seed needs as many values as there are knowns, and the results as many as unknowns");
   return (fmi3Status)@_fmu_vary(f, unknowns, unknown_count, knowns, known_count, seed, result);
 }
 
-/* What the model description says the FMU cannot do. */
+/* Functions that the model description excludes. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
   (void)vr;
   (void)number;
   (void)orders;
   (void)values;
   (void)value_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives of outputs by time"));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterStepMode)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU is for model exchange only"));

@@ -1,8 +1,8 @@
 #include "portable/fmu/texts.h"
 
 /// One instance of an FMU, by hand in C99, for both versions of the standard and both kinds of FMUs. Before
-/// it come constants (@_FMU_TOKEN, the number of inputs and outputs), the tables of the inputs, and of its
-/// kind what it keeps (@_fmu_progress), its modes and the masks @_FMU_SETTABLE and @_FMU_FIXED.
+/// it come constants (@_FMU_TOKEN, the number of inputs and outputs), the tables of the inputs, and for its
+/// kind the struct @_fmu_progress, the modes and the masks @_FMU_SETTABLE and @_FMU_FIXED.
 namespace mimbre::portable {
 
 const char* const fmu_instance_text = R"c(
@@ -39,10 +39,10 @@ static int @_fmu_wrong(const @_fmu *f, const char *message) { return @_fmu_tell(
 
 static int @_fmu_finite(double x) { return x - x == 0.0; }
 
-/* Whether a call has its turn. */
+/* Whether a function may be called in the mode of now. */
 static int @_fmu_turn(const @_fmu *f, int modes) {
   if (f->progress.mode & modes) return 1;
-  @_fmu_wrong(f, "the function has not its turn here; nothing was done");
+  @_fmu_wrong(f, "the function cannot be called in this mode; nothing was done");
   return 0;
 }
 
@@ -86,10 +86,10 @@ static const char *@_fmu_refusal(const char *instance_name, const char *token) {
 /* The model starts at the importer's time `start`. */
 static int @_fmu_experiment(@_fmu *f, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
   if (has_tolerance && !(@_fmu_finite(tolerance) && tolerance > 0.0))
-    return @_fmu_wrong(f, "the tolerance is no positive number");
-  if (!@_fmu_finite(start)) return @_fmu_wrong(f, "the start time is no number");
+    return @_fmu_wrong(f, "the tolerance is not a positive number");
+  if (!@_fmu_finite(start)) return @_fmu_wrong(f, "the start time is not finite");
   if (has_stop && !(@_fmu_finite(stop) && stop >= start))
-    return @_fmu_wrong(f, "the stop time is no number, or before the start time");
+    return @_fmu_wrong(f, "the stop time is not finite, or before the start time");
   f->progress.begin = f->progress.now = start;
 #if @_FMU_STOPS
   f->progress.stop = has_stop ? stop : HUGE_VAL;
@@ -106,7 +106,7 @@ static int @_fmu_known(unsigned long reference, unsigned long first, unsigned lo
 /* Whether a list of references is one of variables of a kind; `values` as many values as references. */
 static int @_fmu_list(const @_fmu *f, const void *references, size_t count, const void *values, size_t value_count) {
   if (count != value_count) {
-    @_fmu_wrong(f, "there have to be as many values as references: all variables are scalars");
+    @_fmu_wrong(f, "the numbers of values and references differ, but all variables are scalars");
     return 0;
   }
   if (count > 0 && (!references || !values)) {
@@ -129,7 +129,7 @@ static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t c
   int status = @_FMU_OK;
   for (k = 0; k < count; ++k)
     if (!@_fmu_known(references[k], 0, @_FMU_REALS))
-      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
+      return @_fmu_wrong(f, "a reference belongs to no variable of this type; nothing was read");
   for (k = 0; k < count && status == @_FMU_OK; ++k) status = @_fmu_real(f, references[k], values + k);
   return status;
 }
@@ -140,10 +140,10 @@ static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t c
   if (!@_fmu_turn(f, @_FMU_SETTABLE)) return @_FMU_ERROR;
   for (k = 0; k < count; ++k) {
     if (!@_fmu_known(references[k], 1, @_FMU_INPUTS))
-      return @_fmu_wrong(f, "a reference is of no input and no parameter; nothing was set");
+      return @_fmu_wrong(f, "a reference belongs to neither an input nor a parameter; nothing was set");
     if ((f->progress.mode & @_FMU_FIXED) && @_fmu_tunable[references[k] - 1])
-      return @_fmu_wrong(f, "parameters can be set before the start and at events alone; nothing was set");
-    if (!@_fmu_finite(values[k])) return @_fmu_wrong(f, "a value is no finite number; nothing was set");
+      return @_fmu_wrong(f, "parameters can be set only before the start and at events; nothing was set");
+    if (!@_fmu_finite(values[k])) return @_fmu_wrong(f, "a value is not finite; nothing was set");
   }
   for (k = 0; k < count; ++k) {
     const int input = (int)references[k] - 1;
@@ -154,7 +154,7 @@ static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t c
     f->progress.given[input] = value;
     @_set_input(&f->model, input, value);
   }
-  if (limited) return @_fmu_tell(f, @_FMU_WARNING, "a value is out of the variable's range and was set to its end");
+  if (limited) return @_fmu_tell(f, @_FMU_WARNING, "a value is outside the range of its variable and was set to the end of the range");
   return @_FMU_OK;
 }
 
@@ -167,7 +167,7 @@ static @_fmu_saved *@_fmu_find(const @_fmu *f, const void *state) {
 static @_fmu_saved *@_fmu_new_state(@_fmu *f) {
   @_fmu_saved *const one = (@_fmu_saved *)@_fmu_allocate(&f->host, sizeof *one);
   if (!one) {
-    @_fmu_wrong(f, "there is no memory for a state");
+    @_fmu_wrong(f, "out of memory for a state");
     return NULL;
   }
   one->next = f->saved;
@@ -177,8 +177,8 @@ static @_fmu_saved *@_fmu_new_state(@_fmu *f) {
 
 static int @_fmu_get_state(@_fmu *f, void **state) {
   @_fmu_saved *one;
-  if (!state) return @_fmu_wrong(f, "there is no place for the state");
-  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state is none of this instance");
+  if (!state) return @_fmu_wrong(f, "the pointer for the state is missing");
+  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state does not belong to this instance");
   one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
   if (!one) return @_FMU_ERROR;
   memcpy(&one->progress, &f->progress, sizeof f->progress);
@@ -189,7 +189,7 @@ static int @_fmu_get_state(@_fmu *f, void **state) {
 
 static int @_fmu_set_state(@_fmu *f, const void *state) {
   const @_fmu_saved *const one = @_fmu_find(f, state);
-  if (!one) return @_fmu_wrong(f, "the state is none of this instance");
+  if (!one) return @_fmu_wrong(f, "the state does not belong to this instance");
   memcpy(&f->progress, &one->progress, sizeof f->progress);
   @_restore(&f->model, &one->state);
   return @_FMU_OK;
@@ -206,7 +206,7 @@ static int @_fmu_free_state(@_fmu *f, void **state) {
   @_fmu_saved *one;
   if (!state || !*state) return @_FMU_OK;
   one = @_fmu_find(f, *state);
-  if (!one) return @_fmu_wrong(f, "the state is none of this instance");
+  if (!one) return @_fmu_wrong(f, "the state does not belong to this instance");
   @_fmu_take_out(f, one);
   *state = NULL;
   return @_FMU_OK;
@@ -221,7 +221,7 @@ static uint64_t @_fmu_checksum(const unsigned char *bytes, size_t count) {
 }
 
 static int @_fmu_state_size(@_fmu *f, const void *state, size_t *size) {
-  if (!size || !@_fmu_find(f, state)) return @_fmu_wrong(f, "the state is none of this instance, or the size has no place");
+  if (!size || !@_fmu_find(f, state)) return @_fmu_wrong(f, "the state does not belong to this instance, or the pointer for its size is missing");
   *size = @_FMU_SERIALIZED;
   return @_FMU_OK;
 }
@@ -230,8 +230,8 @@ static int @_fmu_write_state(@_fmu *f, const void *state, unsigned char *bytes, 
   const @_fmu_saved *const one = @_fmu_find(f, state);
   unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
   uint64_t sum;
-  if (!one || !bytes) return @_fmu_wrong(f, "the state is none of this instance, or its bytes have no place");
-  if (size < @_FMU_SERIALIZED) return @_fmu_wrong(f, "the place is too small for the state");
+  if (!one || !bytes) return @_fmu_wrong(f, "the state does not belong to this instance, or the array for its bytes is missing");
+  if (size < @_FMU_SERIALIZED) return @_fmu_wrong(f, "the array is too small for the state");
   memset(bytes, 0, size);
   memcpy(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN);
   memcpy(data, &one->progress, sizeof one->progress);
@@ -245,13 +245,13 @@ static int @_fmu_read_state(@_fmu *f, const unsigned char *bytes, size_t size, v
   const unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
   @_fmu_saved *one;
   uint64_t sum;
-  if (!bytes || !state) return @_fmu_wrong(f, "there are no bytes of a state, or it has no place");
+  if (!bytes || !state) return @_fmu_wrong(f, "the bytes of a state, or the pointer for it, are missing");
   if (size < @_FMU_SERIALIZED || memcmp(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN) != 0)
-    return @_fmu_wrong(f, "the bytes are of no state of this FMU");
+    return @_fmu_wrong(f, "the bytes are not those of a state of this FMU");
   memcpy(&sum, bytes + @_FMU_HEAD, sizeof sum);
   if (sum != @_fmu_checksum(data, sizeof one->progress + sizeof one->state))
     return @_fmu_wrong(f, "the bytes of the state are damaged");
-  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state is none of this instance");
+  if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state does not belong to this instance");
   one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
   if (!one) return @_FMU_ERROR;
   memcpy(&one->progress, data, sizeof one->progress);

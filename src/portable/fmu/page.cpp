@@ -58,11 +58,9 @@ std::string text_of_steps(const FmuCode& fmu) {
 }
 
 std::string text_of_exchange() {
-  return "<p>The importer's solver makes the steps. States are independent coordinates, their rates, and "
-         "what "
-         "controllers and force elements remember. Where an event indicator becomes negative, an event "
-         "chooses "
-         "other coordinates; functions of time announce their jumps and kinks.</p>\n";
+  return "<p>The importer's solver makes the steps. States are independent coordinates, their rates, and the "
+         "states of controllers and force elements. Where an event indicator becomes negative, an event "
+         "chooses other coordinates. Functions of time announce their jumps and kinks.</p>\n";
 }
 
 /// A field of CSV.
@@ -91,7 +89,7 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
                              fmu.code.step, fmu.code.operations),
       fmu.code.bytes);
   page += exchange ? text_of_exchange() : text_of_steps(fmu);
-  page += "<table><tr><th>variable</th><th>unit</th><th>what it is</th><th>start</th><th>range</th></tr>\n";
+  page += "<table><tr><th>variable</th><th>unit</th><th>meaning</th><th>start</th><th>range</th></tr>\n";
   for (const FmuVariable& v : fmu.variables) {
     const bool starts = v.role == Role::input || v.role == Role::parameter;
     page += fmt::format("<tr><td>{}</td><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>\n",
@@ -101,7 +99,7 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
   }
   page += "</table>\n";
   if (!fmu.code.left_out.empty()) {
-    page += "<p>Outputs of the model that are not here:</p><ul>\n";
+    page += "<p>Outputs of the model that the FMU does not have:</p><ul>\n";
     for (const std::string& name : fmu.code.left_out) page += fmt::format("<li>{}</li>\n", escaped(name));
     page += "</ul>\n";
   }

@@ -6,7 +6,7 @@
 namespace mimbre::portable {
 
 const char* const fmu_steps_head_text = R"c(
-/* What was called so far. */
+/* The state of the calls, as FMI names it. */
 enum {
   @_FMU_MADE = 1,
   @_FMU_STARTS = 2,     /* initialization mode */
@@ -27,7 +27,7 @@ enum {
 #define @_FMU_REALS @_FMU_FIRST_COUNT
 enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU_COUNTS };
 
-/* With the state of the model all that later calls depend on. */
+/* Together with the state of the model, everything that later calls depend on. */
 typedef struct {
   double begin; /* the importer's time where the model starts */
   double first; /* the model's own time there */
@@ -74,12 +74,12 @@ static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t 
   size_t k;
   for (k = 0; k < count; ++k)
     if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS))
-      return @_fmu_wrong(f, "a reference is of no such variable; nothing was read");
+      return @_fmu_wrong(f, "a reference belongs to no variable of this type; nothing was read");
   for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
   return @_FMU_OK;
 }
 
-/* After the initialization. */
+/* Leaves initialization mode. */
 static int @_fmu_run(@_fmu *f) { return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS); }
 
 static void @_fmu_outputs(@_fmu *f, double *values) {
@@ -94,7 +94,7 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   p->now = p->begin + p->steps*@_FMU_STEP;
   switch (status) {
     case @_FMU_NOT_FINITE:
-      return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model gives no finite numbers");
+      return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model is not finite");
     case @_FMU_SINGULAR:
       return @_fmu_tell(f, @_FMU_DISCARD, "the matrix of a step of the model is singular");
     case @_FMU_DRIFTED:
@@ -112,7 +112,7 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
   int whole; /* a whole number of the model's steps */
   if (!@_fmu_turn(f, @_FMU_RUNS)) return @_FMU_ERROR;
   if (!@_fmu_finite(from) || !@_fmu_finite(length) || !@_fmu_finite(end))
-    return @_fmu_wrong(f, "the communication point or the step is no finite number");
+    return @_fmu_wrong(f, "the communication point or the step is not finite");
   if (!(length > 0.0)) return @_fmu_wrong(f, "the communication step is not positive");
   if (!(fabs(from - p->now) <= 1e-6*@_FMU_STEP + 1e-12*fabs(p->now)))
     return @_fmu_wrong(f, "the step does not begin where the last one ended");
@@ -122,7 +122,7 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
   nearest = floor(counted + 0.5);
   whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
   target = whole ? nearest : ceil(counted);
-  if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step is of more than 1e9 steps of the model");
+  if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step has more than 1e9 steps of the model");
   if (p->steps < target) p->iterations = 0;
   while (p->steps < target) {
     int status;
