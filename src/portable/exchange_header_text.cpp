@@ -4,28 +4,26 @@
 namespace mimbre::portable {
 
 const char* const exchange_header_text = R"c(
-/* Functions that return an int return OK or another of the numbers above. A call that fails changes nothing else: the
- * state, and what later calls compute, are as if it had not been made. Lengths in m, angles in rad, times in s, masses
- * in kg, and units of these; arrays have the sizes above. */
+/* Functions that return an int return OK or another of the numbers above. After a call that fails, the state is as
+ * before the call. Lengths are in m, angles in rad, times in s, masses in kg; arrays have the sizes above. */
 
 /* The model where it starts: closed loops, the start values of inputs and parameters, the model's own start time. */
 void @_init(@ *s);
 
 /* Sets an input or a parameter, by its number above, from now on; a value outside its range is set to the range's end.
- * NO_SUCH: there is no such input, or the value is not finite. Controllers start with the inputs that they see first;
- * where an input is set after another function was called, but still before the start, set s->state.begun = 0. */
+ * NO_SUCH: there is no such input, or the value is not finite. The first call of a function below starts the
+ * controllers with the inputs of that instant; s->state.begun = 0 makes the next call start them again. */
 int @_set_input(@ *s, int input, double value);
 
-/* Sets the time, s. NO_SUCH: it is not finite. Functions of time do not pass an event before @_update is called. */
+/* Sets the time, s. NO_SUCH: it is not finite. Functions of time stay before the next event until @_update is called. */
 int @_set_time(@ *s, double time);
 
-/* Set and get the continuous states, in the order above. NO_SUCH: one is not finite. Whether the loops close at these
- * states is found by the functions that compute something of them. */
+/* Set and get the continuous states, in the order above. NO_SUCH: one is not finite. The functions below report
+ * whether the loops close at these states. */
 int @_set_states(@ *s, const double *states);
 int @_get_states(@ *s, double *states);
 
-/* The sizes that states have about, in their units: scales for absolute tolerances. They change where @_update reports
- * other states. */
+/* Nominal sizes of the states, in their units, for absolute tolerances. They change where @_update reports other states. */
 int @_get_nominals(const @ *s, double *nominals);
 
 /* The derivatives of the states by time, per s. NOT_CONVERGED, DRIFTED: the loops do not close at these states.
@@ -36,7 +34,7 @@ int @_get_derivatives(@ *s, double *derivatives);
 /* Computes the outputs into s->output, in the order and the units above. Returns as @_get_derivatives does. */
 int @_get_outputs(@ *s);
 
-/* Event indicators, without unit: positive. Where one becomes negative, call @_update. Returns likewise. */
+/* Event indicators, without unit. They are positive; call @_update when one becomes negative. Returns likewise. */
 int @_get_indicators(@ *s, double *indicators);
 
 /* The instant of the next event in time, s: a jump or a kink of a function of time. HUGE_VAL: there is none. */
@@ -56,8 +54,8 @@ void @_restore(@ *s, const @_state *state);
 
 const char* const variations_header_text = R"c(
 /* Directional derivatives: by how much derivatives, outputs and event indicators change, to first order, where states
- * and inputs change by the given amounts, at the same time. `indicators` may be NULL, and are found by differences; the
- * others are exact. Returns as @_get_derivatives does. */
+ * and inputs change by the given amounts and the time does not. `indicators` may be NULL. Indicators are found by
+ * differences, the others are exact. Returns as @_get_derivatives does. */
 int @_vary(@ *s, const double *states, const double *inputs, double *derivatives, double *outputs,
            double *indicators);
 

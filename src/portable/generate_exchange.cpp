@@ -220,11 +220,11 @@ class ExchangeGenerator {
     const long all = std::ssize(out_.states);
     StructText s;
     s.add("q", m_.positions, "positions from which x is counted");
-    s.add("x", m_.velocities, "increments from there, of the last motion");
+    s.add("x", m_.velocities, "increments from there, of the last solution");
     s.add("c", all, "continuous states");
-    s.add("at", all, "those of the last motion");
-    s.add("z", std::ssize(m_.states), "what force elements remember");
-    s.add("u", std::ssize(m_.signals.start), "inputs, and what signals remember");
+    s.add("at", all, "those of the last solution");
+    s.add("z", std::ssize(m_.states), "states of force elements");
+    s.add("u", std::ssize(m_.signals.start), "inputs, and states of signals");
     s.text += "  double time, at_time, last_event, next_event, quality;\n";
     s.doubles += 5;
     s.add_ints("independent", free_);

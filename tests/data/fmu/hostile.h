@@ -1,5 +1,5 @@
-/* Shared by the programs that call the functions of an FMU at random: draws, wrong arguments, and how many calls succeed.
- * Compiled with FMI (2 or 3), WRAPPER (the file of the functions) and TOKEN. */
+/* Shared by the programs that call the functions of an FMU at random: draws, wrong arguments, and how many
+ * calls succeed. Compiled with FMI (2 or 3), WRAPPER (the file of the functions) and TOKEN. */
 #include WRAPPER
 
 #include <stdio.h>
@@ -15,25 +15,26 @@ static int one_of(int count) { return (int)(draw() % (uint64_t)count); }
 
 /* Half of them odd; `own`: one more of these. */
 static double number(double own) {
-  const double odd[] = {0.0, -0.0, 1.0, -1.0, NAN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 1e-300, DBL_MIN, 1e16, 0.1, own};
+  const double odd[] = {0.0,   -0.0,   1.0,    -1.0,    NAN,  HUGE_VAL, -HUGE_VAL,
+                        1e300, -1e300, 1e-300, DBL_MIN, 1e16, 0.1,      own};
   const int k = one_of(28);
-  return k < 14 ? odd[k] : (double)one_of(2000)/1000.0 - 1.0;
+  return k < 14 ? odd[k] : (double)one_of(2000) / 1000.0 - 1.0;
 }
 
 static unsigned reference(int most) { return one_of(8) ? (unsigned)one_of(most) : (unsigned)draw(); }
 
-static const void *maybe(const void *p) { return one_of(20) ? p : NULL; }
+static const void* maybe(const void* p) { return one_of(20) ? p : NULL; }
 
 /* Messages have a category and a status that is not OK. */
 #if FMI == 2
 #define F(name) fmi2##name
 typedef fmi2Byte byte;
-static void told(void *e, const char *name, fmi2Status s, const char *category, const char *message, ...) {
+static void told(void* e, const char* name, fmi2Status s, const char* category, const char* message, ...) {
 #else
 #define F(name) fmi3##name
 typedef fmi3Byte byte;
-static void told(void *e, fmi3Status s, const char *category, const char *message) {
-  const char *name = "";
+static void told(void* e, fmi3Status s, const char* category, const char* message) {
+  const char* name = "";
 #endif
   (void)e;
   if (!name || !category || !message || (int)s < 1 || (int)s > 3) abort();
@@ -41,7 +42,7 @@ static void told(void *e, fmi3Status s, const char *category, const char *messag
 
 #if FMI == 2
 /* With the allocators of the importer, or none; NULL: no callbacks at all. */
-static const fmi2CallbackFunctions *callbacks(void) {
+static const fmi2CallbackFunctions* callbacks(void) {
   static fmi2CallbackFunctions calls;
   calls.logger = one_of(5) ? told : NULL;
   calls.allocateMemory = one_of(5) ? calloc : NULL;
@@ -50,7 +51,7 @@ static const fmi2CallbackFunctions *callbacks(void) {
 }
 #endif
 
-static void initialize(void *c) {
+static void initialize(void* c) {
 #if FMI == 2
   fmi2EnterInitializationMode(c);
 #else
@@ -80,5 +81,5 @@ static void print_counts(void) {
     good += good_of[k];
     if (calls_of[k] > 0 && good_of[k] == 0) printf("function %d never succeeded\n", k);
   }
-  printf("%ld calls, %ld %% of them good\n", all, all > 0 ? 100*good/all : 0);
+  printf("%ld calls, %ld %% of them good\n", all, all > 0 ? 100 * good / all : 0);
 }
