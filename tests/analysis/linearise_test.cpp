@@ -1,5 +1,6 @@
 #include "mimbre/linearise.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -477,6 +478,36 @@ initial: equilibrium
     EXPECT_GT(std::abs(wide[k] / narrow[k]), 3.2) << k;
     EXPECT_GT(std::abs(narrow[k] / least[k]), 3.2) << k;
   }
+}
+
+/// A pendulum on a base that a formula of an input and the time turns, θ(u, t): φ̈ = −k sin(θ + φ) − θ̈ gives,
+/// for u, its rate and its second derivative, B = (−k cos θ θᵤ − θᵤₜₜ, −2 θᵤₜ, −θᵤ).
+TEST(Linearise, ADriveThatFollowsAFormulaOfAnInput) {
+  const auto B = [](const std::string& drive) {
+    const LinearModel m = linearise(model_of(fmt::format(R"yaml(
+bodies:
+  base: {{mass: 1, com: [0, 0, 0], inertia: [0.1, 0.1, 0.1]}}
+  bob: {{mass: 2, com: [0, 0, -0.7], inertia: [0.03, 0.02, 0.01]}}
+inputs: {{u: {{start: 0.2}}}}
+joints:
+  turn: {{type: revolute, between: [ground, base], at: [0, 0, 0], axis: [0, 1, 0], drive: {{position: "{}"}}}}
+  pin: {{type: revolute, between: [base, bob], at: [0, 0, 0], axis: [0, 1, 0]}}
+)yaml",
+                                                         drive)),
+                                    at_start());
+    EXPECT_EQ(m.B.cols(), 3);
+    return Eigen::Vector3d(m.B.row(1));
+  };
+  const double k = 2 * 9.81 * 0.7 / (2 * 0.7 * 0.7 + 0.02), u = 0.2;
+  const auto expect = [&](const std::string& drive, const Eigen::Vector3d& expected, double tolerance) {
+    EXPECT_LE((B(drive) - expected).norm(), tolerance * expected.norm()) << drive << ": " << B(drive);
+  };
+  expect("u", {-k * std::cos(u), 0, -1}, 1e-12);
+  expect("u + u^2/2", {-k * std::cos(u + u * u / 2) * (1 + u), 0, -(1 + u)}, 1e-12);
+  expect("sin(3*u)*exp(2*t)",
+         {(-k * std::cos(std::sin(3 * u)) - 4) * 3 * std::cos(3 * u), -4 * 3 * std::cos(3 * u),
+          -3 * std::cos(3 * u)},
+         1e-9);
 }
 
 TEST(Linearise, SaysHowFarThePointIsFromAnEquilibrium) {

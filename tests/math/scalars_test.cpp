@@ -147,45 +147,56 @@ TEST(Scalars, FormulasOfLanesAndTheirDerivatives) {
       EXPECT_EQ(slopes.second[i], f.derivatives(x.data()).second);
     }
     // Along a parameter that moves the variables and the rates of the variables.
-    std::array<double, 3> at, by, first, first_by, second;
+    std::array<double, 3> at, by, first, first_by, second, second_by;
     for (std::size_t j = 0; j < 3; ++j) {
       at[j] = any(random), by[j] = any(random), first[j] = 100 * any(random), first_by[j] = any(random);
-      second[j] = any(random);
+      second[j] = any(random), second_by[j] = any(random);
     }
     if (std::abs(at[0] - at[2]) < 0.05) continue;  // the formula jumps
     const auto parts = [&](double s) {
       std::array<double, 3> x;
-      std::array<Jet, 3> jets;
+      std::array<Jet, 3> jets, held, moving;  // of held ones the rates begin
       std::array<Gradient, 3> gradients;
       for (std::size_t j = 0; j < 3; ++j) {
         x[j] = at[j] + s * by[j];
         jets[j] = {x[j], first[j] + s * first_by[j], 0};
+        held[j] = {x[j], s * first_by[j], second[j] + s * second_by[j]};
+        moving[j] = {x[j], 0.01 * first[j] + s * first_by[j], second[j] + s * second_by[j]};
         gradients[j] = {x[j], first[j] + s * first_by[j], second[j]};
       }
       const auto [d0, d1] = f.derivatives(x.data());
       const Gradient g = f.gradient(gradients.data());
-      Eigen::Vector<double, 6> all;
-      all << f.value(x.data()), d0, d1, f.jet(jets.data()).first, g.by_first, g.by_second;
+      Eigen::Vector<double, 8> all;
+      all << f.value(x.data()), d0, d1, f.jet(jets.data()).first, g.by_first, g.by_second,
+          f.jet(held.data()).second, f.jet(moving.data()).second;
       return all;
     };
-    const auto difference = [&](double h) -> Eigen::Vector<double, 6> {
+    const auto difference = [&](double h) -> Eigen::Vector<double, 8> {
       return (parts(h) - parts(-h)) / (2 * h);
     };
-    const Eigen::Vector<double, 6> expected =
+    const Eigen::Vector<double, 8> expected =
         (64 * difference(2.5e-3) - 20 * difference(5e-3) + difference(1e-2)) / 45;
     std::array<Dual, 3> x;
-    std::array<JetOf<Dual>, 3> jets;
+    std::array<JetOf<Dual>, 3> jets, held, moving;
     std::array<GradientOf<Dual>, 3> gradients;
     for (std::size_t j = 0; j < 3; ++j) {
       x[j] = {at[j], by[j]};
       jets[j] = {x[j], {first[j], first_by[j]}, 0.0};
+      held[j] = {x[j], {0, first_by[j]}, {second[j], second_by[j]}};
+      moving[j] = {x[j], {0.01 * first[j], first_by[j]}, {second[j], second_by[j]}};
       gradients[j] = {x[j], {first[j], first_by[j]}, second[j]};
     }
     const auto [d0, d1] = derivatives_at(f, x.data());
     const GradientOf<Dual> g = gradient_at<Dual>(f, gradients.data());
-    const Dual found[] = {
-        value_at(f, x.data()), d0, d1, jet_at<Dual>(f, jets.data()).first, g.by_first, g.by_second};
-    for (int j = 0; j < 6; ++j)
+    const Dual found[] = {value_at(f, x.data()),
+                          d0,
+                          d1,
+                          jet_at<Dual>(f, jets.data()).first,
+                          g.by_first,
+                          g.by_second,
+                          jet_at<Dual>(f, held.data()).second,
+                          jet_at<Dual>(f, moving.data()).second};
+    for (int j = 0; j < 8; ++j)
       EXPECT_NEAR(found[j].derivative, expected[j], 1e-9 * (1 + expected.cwiseAbs().maxCoeff())) << j;
   }
 }
