@@ -10,6 +10,7 @@
 #include "dynamics/natural/column_groups.h"
 #include "dynamics/natural/joint_positions.h"
 #include "dynamics/natural/residual.h"
+#include "integrate/sparse_jacobian.h"
 #include "linalg/colouring.h"
 #include "math/dual.h"
 
@@ -94,7 +95,7 @@ std::string not_sparse(const Compiled& m) {
 SparseEquations sparse_equations(const natural::NaturalSystem& system, const State& s, const VectorXd& u,
                                  const VectorXd& z) {
   const natural::Layout& l = system.layout();
-  const int n = l.unknowns, m = l.equations;
+  const int n = l.unknowns;
   const linalg::ColumnColours colours(n, natural::column_groups(l));
   SparseEquations out;
   out.scale = Eigen::Map<const VectorXd>(system.scales().coordinates.data(), n);
@@ -126,20 +127,7 @@ SparseEquations sparse_equations(const natural::NaturalSystem& system, const Sta
   const double work = r.cwiseAbs().maxCoeff();
   out.unbalanced = work == 0 ? 0 : weight > 0 ? work / weight : 1;
   // The Jacobian as of the last matrix_values() of the system, at the same position.
-  std::vector<Eigen::Triplet<double>> entries;
-  VectorXd squares = VectorXd::Zero(m);
-  for (const JacobianEntry& e : system.jacobian_entries()) {
-    const double value = e.value * out.scale[e.coordinate];
-    squares[e.equation] += value * value;
-    entries.emplace_back(e.equation, e.coordinate, value);
-  }
-  SparseMatrix J(m, n);
-  J.setFromTriplets(entries.begin(), entries.end());
-  for (int k = 0; k < m; ++k) {
-    const double length = std::sqrt(squares[k]);
-    squares[k] = length > 1e-9 * system.scales().equations[static_cast<std::size_t>(k)] ? 1 / length : 0;
-  }
-  out.pencil.J = squares.asDiagonal() * J;
+  out.pencil.J = sparse_jacobian(system).J;
   return out;
 }
 

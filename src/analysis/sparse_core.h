@@ -12,7 +12,7 @@ namespace mimbre::linear {
 struct SparseEquations {
   linalg::ConstrainedPencil pencil;
   Eigen::VectorXd scale;  ///< δq = scale times x
-  /// By how much r is not zero at the point, by the scales, of the largest force of one body's weight.
+  /// The largest work of forces that do not balance at the point, of that of the heaviest part's weight.
   double unbalanced = 0;
 };
 

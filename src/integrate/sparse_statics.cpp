@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/random_numbers.h"
+#include "integrate/sparse_jacobian.h"
 #include "linalg/constrained_solver.h"
 
 namespace mimbre {
@@ -34,12 +35,6 @@ constexpr double first_time = 0.2, least_time = 1e-5, longest_time = 4000, newto
 constexpr double neutral = 1e-7;
 /// Work at the end of a step, of that at its start: beyond, the step was too long.
 constexpr double overshoot = 0.3;
-
-double largest_of(const Matrix& A) {
-  double most = 0;
-  for (Eigen::Index k = 0; k < A.nonZeros(); ++k) most = std::max(most, std::abs(A.valuePtr()[k]));
-  return most;
-}
 
 double largest_of(const VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
 
@@ -92,26 +87,14 @@ class ScaledSystem {
 
   /// Also makes rows of length one what equations count by.
   Matrix jacobian(const VectorXd& q, VectorXd& multipliers) {
-    Matrix J(m_, n_);
-    if (m_ == 0) return J;
+    if (m_ == 0) return Matrix(0, n_);
     const VectorXd unscaled = rows_.cwiseProduct(multipliers);
     system_.residual(time_, q.data(), zero_.data(), zero_.data(), unscaled.data(), 0, r_.data());
     system_.matrix_values(q.data(), {}, values_.data());
-    std::vector<Eigen::Triplet<double>> entries;
-    VectorXd squares = VectorXd::Zero(m_);
-    for (const JacobianEntry& e : system_.jacobian_entries()) {
-      const double value = e.value * scale_[e.coordinate];
-      squares[e.equation] += value * value;
-      entries.emplace_back(e.equation, e.coordinate, value);
-    }
-    for (int k = 0; k < m_; ++k) {
-      const double length = std::sqrt(squares[k]), least = 1e-9 * scales_.equations[k];
-      rows_[k] = length > least ? 1 / length : 0;
-      multipliers[k] = rows_[k] > 0 ? unscaled[k] / rows_[k] : 0;
-    }
-    J.setFromTriplets(entries.begin(), entries.end());
-    J = (rows_.asDiagonal() * J).eval();
-    return J;
+    SparseJacobian scaled = sparse_jacobian(system_);
+    rows_ = scaled.rows;
+    for (int k = 0; k < m_; ++k) multipliers[k] = rows_[k] > 0 ? unscaled[k] / rows_[k] : 0;
+    return std::move(scaled.J);
   }
 
   /// Φ at q, scaled, and the largest violation by the scales of the equations.
@@ -152,6 +135,35 @@ class ScaledSystem {
   std::vector<double> values_;
 };
 
+/// τ, the time in which a step is made.
+class TrustTime {
+ public:
+  explicit TrustTime(double pace)
+      : pace_(pace), least_(least_time / pace), most_(longest_time / pace), tau_(first_time / pace) {}
+
+  bool is_least() const { return tau_ <= least_; }
+  bool is_newton() const { return tau_ * pace_ >= newton_time; }
+  double inertia() const { return 1 / (tau_ * tau_); }  ///< the factor of M
+  double least_inertia() const { return 1 / (most_ * most_); }
+  void divide(double by) { tau_ = std::max(tau_ / by, least_); }
+  /// The same after a step that was too long: it then grows slowly.
+  void hinder(double by) {
+    divide(by);
+    hindered_ = true;
+  }
+  void open() { tau_ = most_; }
+  /// After a step whose work was wrong by that share.
+  void adapt(double wrong) {
+    const double growth = hindered_ ? 1.3 : wrong < 0.05 ? 10 : 3;
+    tau_ = std::clamp(tau_ * (wrong < 0.25 ? growth : wrong < 0.6 ? 1 : 0.5), least_, most_);
+    hindered_ = false;
+  }
+
+ private:
+  double pace_, least_, most_, tau_;
+  bool hindered_ = false;
+};
+
 class SparseSearch {
  public:
   SparseSearch(System& system, const linalg::ColumnColours& colours, State& s)
@@ -187,7 +199,25 @@ class SparseSearch {
   VectorXd forces(const VectorXd& q, const VectorXd& multipliers) {
     return scaled_.forces(q, multipliers) - held_;
   }
+  /// Where the search is.
+  struct Point {
+    VectorXd r, violation;
+    double off = 0;  ///< the largest violation, of the scales of the equations
+  };
+  struct Step {
+    VectorXd x, change;        ///< of coordinates and multipliers
+    VectorXd unbalanced;       ///< work that is left with the changed multipliers
+    double length = 0;         ///< the largest of x
+    bool is_definite = false;  ///< the matrix is, along the motions that the constraints leave
+  };
+  enum class Taken { yes, no, never };
+
   bool close(const linalg::ConstrainedSolver& equations, VectorXd& q);
+  bool evaluate(Point& at, StaticsStatus& status);
+  void factor(TrustTime& time, linalg::ConstrainedSolver& equations, Step& step) const;
+  bool solve(linalg::ConstrainedSolver& equations, const Point& at, Step& step) const;
+  void take_newtons(const Point& at, TrustTime& time, Step& step) const;
+  Taken take(const Step& step, const linalg::ConstrainedSolver& equations, TrustTime& time);
   StaticsStatus search();
 
   ScaledSystem scaled_;
@@ -216,118 +246,126 @@ bool SparseSearch::close(const linalg::ConstrainedSolver& equations, VectorXd& q
   return before <= nearly_closed;
 }
 
+/// Forces, tangent and constraints at the present position. False: forces are not finite.
+bool SparseSearch::evaluate(Point& at, StaticsStatus& status) {
+  J_ = scaled_.jacobian(s_.q, multipliers_);
+  at.violation = scaled_.violation(s_.q, at.off);
+  scaled_.kinds(status);
+  at.r = forces(s_.q, multipliers_);
+  if (!at.r.allFinite()) return false;
+  K_ = scaled_.stiffness(s_.q, multipliers_, false);
+  return true;
+}
+
+/// With a τ for which the matrix is definite, or the least.
+void SparseSearch::factor(TrustTime& time, linalg::ConstrainedSolver& equations, Step& step) const {
+  for (;;) {
+    equations.set(K_ + time.inertia() * mass_, J_);
+    step.is_definite = equations.definite();
+    if (step.is_definite || time.is_least()) return;
+    time.hinder(2);
+  }
+}
+
+bool SparseSearch::solve(linalg::ConstrainedSolver& equations, const Point& at, Step& step) const {
+  if (!equations.solve(-at.r, -at.violation, step.x, step.change) || !step.x.allFinite()) return false;
+  step.unbalanced = at.r;
+  if (step.change.size() > 0) step.unbalanced += J_.transpose() * step.change;
+  step.length = largest_of(step.x);
+  return true;
+}
+
+/// Where forces balance: Newton's step if it is tiny, whether or not the equilibrium is stable.
+void SparseSearch::take_newtons(const Point& at, TrustTime& time, Step& step) const {
+  linalg::ConstrainedSolver indefinite;
+  indefinite.set(K_ + time.least_inertia() * mass_, J_);
+  VectorXd x, change;
+  if (!indefinite.ok() || !indefinite.solve(-at.r, -at.violation, x, change) || largest_of(x) >= tiny_step)
+    return;
+  step.x = x;
+  step.change = change;
+  step.length = largest_of(x);
+  time.open();
+}
+
+/// Moves by the step or a share of it, or shortens τ where it leads too far; never: where τ is the least.
+SparseSearch::Taken SparseSearch::take(const Step& step, const linalg::ConstrainedSolver& equations,
+                                       TrustTime& time) {
+  // Straight steps leave the constraints by the square of the angles that bodies turn by.
+  VectorXd q(s_.q.size());
+  scaled_.move(s_.q, step.x, q);
+  double leaves = 0;
+  scaled_.violation(q, leaves);
+  const double share = leaves > furthest_turn * furthest_turn ? furthest_turn / std::sqrt(leaves) : 1;
+  if (share < 0.3 && !time.is_least()) {
+    time.hinder(1 / std::max(0.3, std::sqrt(share)));
+    return Taken::no;
+  }
+  if (share < 1) scaled_.move(s_.q, share * step.x, q);
+  const VectorXd multipliers = multipliers_ + share * step.change;
+  if (!close(equations, q) && !time.is_least()) {
+    time.divide(4);
+    return Taken::no;
+  }
+  const double before = step.x.dot(step.unbalanced), after = step.x.dot(forces(q, multipliers)),
+               expected = before + share * step.x.dot(K_ * step.x), size = std::abs(before);
+  if (!std::isfinite(after)) {
+    if (time.is_least()) return Taken::never;
+    time.divide(4);
+    return Taken::no;
+  }
+  const bool tiny = step.length < tiny_step;
+  if (!tiny && step.is_definite && after > overshoot * size && !time.is_least()) {
+    time.hinder(3);
+    return Taken::no;
+  }
+  time.adapt(size > 0 && !tiny ? std::abs(after - expected) / size : 0);
+  s_.q = q;
+  multipliers_ = multipliers;
+  return Taken::yes;
+}
+
 StaticsStatus SparseSearch::search() {
   StaticsStatus status;
-  const int n = scaled_.coordinates();
-  const double least = least_time / pace_, most = longest_time / pace_;
   const double closed = std::max(still, 10 * scaled_.round_off());
-  double tau = first_time / pace_, off = 0, last_step = 0;
-  int stalled = 0, trials = 0;
-  bool hindered = false;  // by a step that was too long
+  TrustTime time(pace_);
   linalg::ConstrainedSolver equations;
+  Point at;
+  Step step;
+  double last = 0;
+  int stalled = 0;
   bool moved = true;
-  VectorXd violation, r;
-  Matrix H;
-  for (status.iterations = 0; status.iterations < most_steps && trials < most_trials; ++trials) {
+  for (int trials = 0; status.iterations < most_steps && trials < most_trials; ++trials) {
     if (moved) {
       ++status.iterations;
-      J_ = scaled_.jacobian(s_.q, multipliers_);
-      violation = scaled_.violation(s_.q, off);
-      scaled_.kinds(status);
-      r = forces(s_.q, multipliers_);
-      if (!r.allFinite()) return status;
-      K_ = scaled_.stiffness(s_.q, multipliers_, false);
+      if (!evaluate(at, status)) return status;
       moved = false;
     }
-    const double round_off = round_off_share * largest_of(K_);
-    const auto is_balanced = [&](double work) {
-      return work <= std::max(balanced_share * energy_, round_off);
-    };
-    // Positive definite by smaller steps, but not where forces balance: that may be an unstable equilibrium.
-    bool definite = false;
-    for (;;) {
-      H = K_ + mass_ / (tau * tau);
-      equations.set(H, J_);
-      definite = equations.definite();
-      if (definite || tau <= least) break;
-      tau = std::max(tau / 2, least);
-      hindered = true;
-    }
+    factor(time, equations, step);
     if (!equations.ok()) return status;
-    VectorXd x, change;
-    if (!equations.solve(-r, -violation, x, change) || !x.allFinite()) {
-      if (tau <= least) return status;
-      tau = std::max(tau / 4, least);
+    if (!solve(equations, at, step)) {
+      if (time.is_least()) return status;
+      time.divide(4);
       continue;
     }
-    VectorXd multipliers = multipliers_ + change;
-    VectorXd unbalanced = r;
-    if (change.size() > 0) unbalanced += J_.transpose() * change;
-    const double work = n == 0 ? 0 : unbalanced.cwiseAbs().maxCoeff(&status.coordinate);
-    if (n > 0) status.residual = work / scaled_.scale()[status.coordinate];
-    double largest = largest_of(x);
-    if (is_balanced(work) && tau * pace_ < newton_time && off < closed) {
-      // Newton's step, whether or not the equilibrium is stable.
-      H = K_ + mass_ / (most * most);
-      linalg::ConstrainedSolver indefinite;
-      indefinite.set(H, J_);
-      VectorXd y, by;
-      if (indefinite.ok() && indefinite.solve(-r, -violation, y, by) && largest_of(y) < tiny_step) {
-        x = y;
-        change = by;
-        multipliers = multipliers_ + change;
-        largest = largest_of(x);
-        tau = most;
-      }
+    double work = 0;
+    if (scaled_.coordinates() > 0) {
+      work = step.unbalanced.cwiseAbs().maxCoeff(&status.coordinate);
+      status.residual = work / scaled_.scale()[status.coordinate];
     }
-    stalled = largest < 100 * still && largest > 0.5 * last_step ? stalled + 1 : 0;
-    last_step = largest;
-    if (tau * pace_ >= newton_time && is_balanced(work) && off < closed && (largest < still || stalled > 3)) {
+    const bool balanced =
+        work <= std::max(balanced_share * energy_, round_off_share * linalg::largest_entry(K_));
+    if (balanced && !time.is_newton() && at.off < closed) take_newtons(at, time, step);
+    stalled = step.length < 100 * still && step.length > 0.5 * last ? stalled + 1 : 0;
+    last = step.length;
+    if (balanced && time.is_newton() && at.off < closed && (step.length < still || stalled > 3)) {
       status.converged = true;
-      multipliers_ = multipliers;
-      break;
+      multipliers_ += step.change;
+      return status;
     }
-    // Straight steps leave the constraints by the square of the angles that bodies turn by.
-    VectorXd q(s_.q.size());
-    scaled_.move(s_.q, x, q);
-    double leaves = 0;
-    scaled_.violation(q, leaves);
-    double share = 1;
-    if (leaves > furthest_turn * furthest_turn) share = furthest_turn / std::sqrt(leaves);
-    if (share < 0.3 && tau > least) {
-      tau = std::max(tau * std::max(0.3, std::sqrt(share)), least);
-      hindered = true;
-      continue;
-    }
-    if (share < 1) {
-      multipliers = multipliers_ + share * change;
-      scaled_.move(s_.q, share * x, q);
-    }
-    const bool is_closed = close(equations, q);
-    if (!is_closed && tau > least) {
-      tau = std::max(tau / 4, least);
-      continue;
-    }
-    const double before = x.dot(unbalanced), after = x.dot(forces(q, multipliers)),
-                 expected = before + share * x.dot(K_ * x), size = std::abs(before);
-    if (!std::isfinite(after)) {
-      if (tau <= least) return status;
-      tau = std::max(tau / 4, least);
-      continue;
-    }
-    const bool small = largest < tiny_step;
-    if (!small && definite && after > overshoot * size && tau > least) {
-      tau = std::max(tau / 3, least);
-      hindered = true;
-      continue;
-    }
-    const double wrong = size > 0 && !small ? std::abs(after - expected) / size : 0;
-    const double growth = hindered ? 1.3 : wrong < 0.05 ? 10 : 3;
-    tau = std::clamp(tau * (wrong < 0.25 ? growth : wrong < 0.6 ? 1 : 0.5), least, most);
-    hindered = false;
-    s_.q = q;
-    multipliers_ = multipliers;
-    moved = true;
+    const Taken taken = take(step, equations, time);
+    if (taken == Taken::never) return status;
+    moved = taken == Taken::yes;
   }
   return status;
 }

@@ -15,7 +15,7 @@ struct StaticsStatus {
   double growth = 0;
   int growing = -1;     ///< the coordinate that then moves most
   bool sparse = false;  ///< found by find_sparse_equilibrium()
-  int load_steps = 0;   ///< in which unbalanced forces were applied; 0: at once
+  int load_steps = 0;   ///< equilibria sought on the way, unbalanced forces applied bit by bit; 0: at once
 };
 
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "base/random_numbers.h"
 #include "linalg/constrained_solver.h"
+#include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
 
 namespace mimbre::linalg {
@@ -29,31 +31,53 @@ constexpr double zero = 1e-5;
 constexpr double same_vector = 1e-5;
 /// θ of what has no inertia.
 constexpr double infinite = 1e-6;
+/// Of a random vector: it lies in the space of the others.
+constexpr double nothing_left = 1e-12;
+/// Of stiffness and damping along slow motions: round-off.
+constexpr double round_off = 1e-12;
+/// Copies of equal eigenvalues are found three at a time.
+constexpr int most_passes = 40;
 constexpr double symmetric = 1e-10;
-
-double largest(const SparseMatrix& A) {
-  double most = 0;
-  for (Index k = 0; k < A.nonZeros(); ++k) most = std::max(most, std::abs(A.valuePtr()[k]));
-  return most;
-}
 
 bool is_symmetric(const SparseMatrix& A) {
   const SparseMatrix other = A.transpose();
-  return largest(SparseMatrix(A - other)) <= symmetric * largest(A);
+  return largest_entry(SparseMatrix(A - other)) <= symmetric * largest_entry(A);
 }
 
-/// s with so many ω² below it: at least `least`, not many more.
-double limit_of(const ConstrainedPencil& p, int least) {
-  const double mass = largest(p.M), stiffness = largest(p.K);
-  if (!(mass > 0) || !(stiffness > 0)) return 1;
-  const double fastest = stiffness / mass;
+/// How many motions have |λ|² below s: ω² of those that oscillate and the growth of those that fall apart,
+/// where there is no damping (Sylvester).
+class ModeCounter {
+ public:
+  explicit ModeCounter(const ConstrainedPencil& p)
+      : p_(p), fastest_(largest_entry(p.K) / largest_entry(p.M)) {
+    grows_ = fastest_ > 0 && below(-1e-12 * fastest_) > 0;
+  }
+  /// −1: not known.
+  int operator()(double s) {
+    const int all = below(s), growing = grows_ ? below(-s) : 0;
+    return all < 0 || growing < 0 ? -1 : all - growing;
+  }
+  double fastest() const { return fastest_; }  ///< 1/s², about as large as |λ|² gets
+
+ private:
+  int below(double s) {
+    solver_.set(SparseMatrix(p_.K - s * p_.M), p_.J);
+    return solver_.ok() ? solver_.negative() : -1;
+  }
+  const ConstrainedPencil& p_;
+  ConstrainedSolver solver_;
+  double fastest_ = 0;
+  bool grows_ = false;
+};
+
+/// s with so many |λ|² below it: at least `least`, not many more.
+double limit_of(ModeCounter& counter, int least) {
+  const double fastest = counter.fastest();
   double low = 0, high = 0, s = 1e-6 * fastest;
   int most = -1;
   double reached = s;  // where the largest count so far was first found
-  ConstrainedSolver counter;
   for (int k = 0; k < 40; ++k) {
-    counter.set(SparseMatrix(p.K - s * p.M), p.J);
-    const int count = counter.ok() ? counter.negative() : 0;
+    const int count = counter(s);
     if (count >= least && count <= 3 * least + 10) return s;
     if (count > most || (count == most && s < reached)) {
       most = count;
@@ -107,15 +131,25 @@ class Basis {
   Basis(Operator& op, int most)
       : op_(op), V_(op.size(), most + block), H_(MatrixXd::Zero(most + block, most)) {}
 
-  bool start() {
+  /// With a basis of an invariant subspace, for which `seed` begins at other vectors.
+  bool start(const MatrixXd& invariant, std::uint64_t seed) {
+    size_ = static_cast<int>(invariant.cols());
+    V_.leftCols(size_) = invariant;
+    VectorXd image(op_.size());
+    for (int c = 0; c < size_; ++c) {
+      if (!op_.apply(V_.col(c), image)) return false;
+      H_.col(c).head(size_) = invariant.transpose() * image;
+    }
     MatrixXd W(op_.size(), block);
     for (int c = 0; c < block; ++c) {
       VectorXd x(op_.size());
       for (Index k = 0; k < x.size(); ++k)
-        x[k] = uniform_at(static_cast<std::uint64_t>(c) + 1, static_cast<std::uint64_t>(k)) - 0.5;
+        x[k] =
+            uniform_at(seed * block + static_cast<std::uint64_t>(c) + 1, static_cast<std::uint64_t>(k)) - 0.5;
       // Into the space of the constraints.
       VectorXd y(x.size());
       if (!op_.apply(x, y) || !op_.apply(y, x)) return false;
+      for (int twice = 0; twice < 2; ++twice) x -= invariant * (invariant.transpose() * x);
       W.col(c) = x;
     }
     MatrixXd unused = MatrixXd::Zero(block, block);
@@ -129,10 +163,15 @@ class Basis {
     for (int c = 0; c < block; ++c)
       if (!op_.apply(V_.col(size_ + c), W.col(c))) return false;
     const Index used = size_ + block;
-    for (int twice = 0; twice < 2; ++twice) {
-      const MatrixXd h = V_.leftCols(used).transpose() * W;
-      W.noalias() -= V_.leftCols(used) * h;
-      H_.block(0, size_, used, block) += h;
+    // Once more where much was taken away (Daniel, Gragg, Kaufman, Stewart 1976).
+    for (int round = 0; round < 2; ++round) {
+      const VectorXd before = W.colwise().norm();
+      for (int c = 0; c < block; ++c) {
+        const VectorXd h = V_.leftCols(used).transpose() * W.col(c);
+        W.col(c).noalias() -= V_.leftCols(used) * h;
+        H_.col(size_ + c).head(used) += h;
+      }
+      if ((W.colwise().norm().transpose().array() > 0.7 * before.array()).all()) break;
     }
     size_ = static_cast<int>(used);
     MatrixXd R = MatrixXd::Zero(block, block);
@@ -147,13 +186,14 @@ class Basis {
   auto vectors() const { return V_.leftCols(size_); }
 
  private:
-  /// W = Q R; Q goes behind the vectors that are there. Columns that add nothing become random ones.
+  /// W = Q R; Q goes behind the vectors that are there. Columns that add nothing become random ones, or zero
+  /// where there is nothing else.
   void add(MatrixXd& W, MatrixXd& R) {
-    const Index first = size_ == 0 ? 0 : size_;
+    const Index first = size_;
     for (int c = 0; c < block; ++c) {
       VectorXd w = W.col(c);
       const double before = w.norm();
-      // Of what is there already, w is free; within the block, and of all where little is left.
+      // w is at right angles to the earlier blocks; to those of its block, and to all where little is left.
       const auto project = [&](Index from, bool record) {
         const VectorXd h = V_.middleCols(from, first + c - from).transpose() * w;
         w -= V_.middleCols(from, first + c - from) * h;
@@ -171,9 +211,14 @@ class Basis {
           w[k] = uniform_at(static_cast<std::uint64_t>(first + c) + 100, static_cast<std::uint64_t>(k)) - 0.5;
         VectorXd y(w.size());
         if (op_.apply(w, y)) w = y;
+        const double all = w.norm();
         project(0, false);
         project(0, false);
         length = w.norm();
+        if (!(length > nothing_left * all)) {
+          V_.col(first + c).setZero();
+          continue;
+        }
       }
       V_.col(first + c) = w / length;
     }
@@ -206,112 +251,246 @@ struct Ritz {
   std::complex<double> value;  ///< λ/σ
   Index column = 0;
   double residual = 0;  ///< of its θ
+  bool is_zero() const { return std::abs(value) < zero; }
+  bool has_converged() const { return residual <= (is_zero() ? 1e-7 : converged); }
 };
 
-}  // namespace arnoldi
-
-}  // namespace
-
-ConstrainedModes lowest_modes(const ConstrainedPencil& given, int count) {
-  using namespace arnoldi;
-  ConstrainedModes out;
-  const Index n = given.M.cols();
-  if (n == 0 || count <= 0) return out;
-  ConstrainedPencil p = given;
-  ConstrainedSolver projector;
-  SparseMatrix unit(n, n);
-  unit.setIdentity();
-  projector.set(unit, p.J);
-  for (SparseMatrix* A : {&p.K, &p.C, &p.M}) *A = symmetric_along_motions(*A, projector, p.J.rows());
-  const double sigma = 0.5 * std::sqrt(limit_of(p, count));
-  Operator op(p, sigma);
-  if (!op.ok()) return out;
-  // Motions that the constraints leave are at least n − m; the iteration ends when it has found all.
-  const int least = 2 * count + 3 * block,
-            most = std::max<int>(block,
-                                 static_cast<int>(std::min<Index>(12 * count + 120, 2 * n)) / block * block);
-  Basis basis(op, most);
-  if (!basis.start()) return out;
-  std::vector<Ritz> found;
+/// The modes of least |λ|, of conjugate pairs both, with the vectors of the basis that they are made of.
+struct RitzPairs {
+  std::vector<Ritz> list;  ///< ascending
   ComplexPairs pairs;
-  for (int check = std::min(most, 2 * least);; check = std::min(most, check + check / 4 + block)) {
+  int sufficient = 0;  ///< so many of the list make `count` modes; 0: they have not converged
+};
+
+/// Grows the basis until `count` modes have converged, or all that there are.
+bool iterate(Basis& basis, int count, int first_check, int most, RitzPairs& out) {
+  for (int check = std::min(most, first_check);; check = std::min(most, check + check / 4 + block)) {
     while (basis.size() < check && basis.size() + block <= most)
-      if (!basis.grow()) return out;
-    pairs = general_eigen(basis.projected());
-    if (!pairs.ok) return out;
+      if (!basis.grow()) return false;
+    out.pairs = general_eigen(basis.projected());
+    if (!out.pairs.ok) return false;
     const MatrixXd coupling = basis.coupling();
-    found.clear();
-    for (Index k = 0; k < pairs.values.size(); ++k) {
-      const std::complex<double> theta = pairs.values[k];
+    out.list.clear();
+    for (Index k = 0; k < out.pairs.values.size(); ++k) {
+      const std::complex<double> theta = out.pairs.values[k];
       if (!(std::abs(theta) > infinite)) continue;
       Ritz r{1. + 1. / theta, k, 0};
-      r.residual = (coupling * pairs.vectors.col(k).tail(block)).norm() / std::abs(theta);
-      found.push_back(r);
+      r.residual = (coupling * out.pairs.vectors.col(k).tail(block)).norm() / std::abs(theta);
+      out.list.push_back(r);
     }
-    std::stable_sort(found.begin(), found.end(),
+    std::stable_sort(out.list.begin(), out.list.end(),
                      [](const Ritz& a, const Ritz& b) { return std::abs(a.value) < std::abs(b.value); });
-    // Of conjugate pairs one counts.
     int have = 0, zeros = 0;
+    out.sufficient = 0;
     bool all = true;
-    for (const Ritz& r : found) {
-      const bool is_zero = std::abs(r.value) < zero;
-      all = all && r.residual <= (is_zero ? 1e-7 : converged);
+    for (const Ritz& r : out.list) {
+      all = all && r.has_converged();
       if (!all) break;
-      if (is_zero)
+      ++out.sufficient;
+      if (r.is_zero())
         ++zeros;
       else if (r.value.imag() >= 0)
         ++have;
-      if (have + (zeros + 1) / 2 > count) break;
+      if (have + (zeros + 1) / 2 > count) return true;
     }
-    if (all || have + (zeros + 1) / 2 > count) break;
-    if (basis.size() + block > most) return out;
+    if (all && (!out.list.empty() || coupling.isZero(0))) return true;
+    if (basis.size() + block > most) return false;
   }
-  const bool symmetric_pencil = is_symmetric(p.M) && is_symmetric(p.C) && is_symmetric(p.K);
+}
+
+/// Real and imaginary parts of the first vectors of the list, made orthonormal.
+MatrixXd invariant_subspace(const Basis& basis, const RitzPairs& found) {
+  MatrixXd Q(basis.vectors().rows(), 0);
+  for (int k = 0; k < found.sufficient; ++k) {
+    const Ritz& r = found.list[static_cast<std::size_t>(k)];
+    if (r.value.imag() < 0) continue;
+    const VectorXcd y = found.pairs.vectors.col(r.column);
+    for (const VectorXd& part : {VectorXd(y.real()), VectorXd(y.imag())}) {
+      VectorXd w = basis.vectors() * part;
+      const double before = w.norm();
+      for (int twice = 0; twice < 2; ++twice) w -= Q * (Q.transpose() * w);
+      if (!(w.norm() > same_vector * before)) continue;
+      Q.conservativeResize(Eigen::NoChange, Q.cols() + 1);
+      Q.col(Q.cols() - 1) = w / w.norm();
+    }
+  }
+  return Q;
+}
+
+/// Motions that found modes of |λ| < limit are: of pairs of growing and decaying ones each counts one.
+int motions_below(const RitzPairs& found, double limit, int rigid) {
+  int count = rigid;
+  for (const Ritz& r : found.list) {
+    const bool real = std::abs(r.value.imag()) <= 1e-10 * std::abs(r.value);
+    if (r.is_zero() || !(std::abs(r.value) < limit) || !r.has_converged()) continue;
+    count += real ? (r.value.real() > 0 ? 1 : 0) : (r.value.imag() > 0 ? 1 : 0);
+  }
+  return count;
+}
+
+/// Motions with λ that is hardly seen beside σ, orthonormal.
+MatrixXd slow_motions(const Basis& basis, const RitzPairs& found, Index n) {
   MatrixXd still(n, 0);
+  const auto V = basis.vectors().topRows(n);
+  for (const Ritz& r : found.list) {
+    if (!r.is_zero() || !r.has_converged()) continue;
+    const VectorXcd y = found.pairs.vectors.col(r.column);
+    for (const VectorXd& part : {VectorXd(V * y.real()), VectorXd(V * y.imag())}) {
+      VectorXd w = part;
+      const double before = w.norm();
+      if (!(before > 0)) continue;
+      for (int twice = 0; twice < 2; ++twice) w -= still * (still.transpose() * w);
+      if (!(w.norm() > same_vector * before)) continue;
+      still.conservativeResize(Eigen::NoChange, still.cols() + 1);
+      still.col(still.cols() - 1) = w / w.norm();
+    }
+  }
+  return still;
+}
+
+/// Which of slow motions are rigid and which only slow, by stiffness and damping along them.
+struct SlowModes {
+  MatrixXd rigid;
+  std::vector<std::complex<double>> values;  ///< of the others, Im λ ≥ 0
+  std::vector<VectorXcd> vectors;
+};
+SlowModes part_slow(const ConstrainedPencil& p, const MatrixXd& S, double fastest) {
+  SlowModes out;
+  const Index k = S.cols();
+  const auto along = [&](const SparseMatrix& A) {
+    MatrixXd of = S.transpose() * (A * S);
+    const MatrixXd size = S.cwiseAbs().transpose() * (A.cwiseAbs() * S.cwiseAbs());
+    for (Index i = 0; i < of.size(); ++i)
+      if (!(std::abs(of(i)) > round_off * size.maxCoeff())) of(i) = 0;
+    return of;
+  };
+  const MatrixXd K = along(p.K), C = along(p.C), M = S.transpose() * (p.M * S);
+  out.rigid = S;
+  if (k == 0 || (K.isZero(0) && C.isZero(0))) return out;
+  const Cholesky mass(M);
+  if (!mass.ok()) return out;
+  // Chains λ² = 0 of what neither stiffness nor damping holds, λ = 0 of what damping alone does.
+  const MatrixXd still = K.isZero(0) ? MatrixXd(MatrixXd::Identity(k, k)) : null_space(K, 1e-9);
+  MatrixXd held = still.transpose() * C * still;
+  const double damping = C.cwiseAbs().maxCoeff();
+  for (double& c : held.reshaped())
+    if (!(std::abs(c) > 1e-9 * damping)) c = 0;
+  const Index drifting = still.cols() == 0 ? 0
+                         : held.isZero(0)  ? still.cols()
+                                           : null_space(held, 1e-9).cols();
+  MatrixXd A = MatrixXd::Zero(2 * k, 2 * k);
+  A.topRightCorner(k, k).setIdentity();
+  A.bottomLeftCorner(k, k) = -mass.solve(K);
+  A.bottomRightCorner(k, k) = -mass.solve(C);
+  const ComplexPairs pairs = general_eigen(A);
+  if (!pairs.ok) return out;
+  out.rigid = S * still;
+  std::vector<Index> order;
+  for (Index i = 0; i < pairs.values.size(); ++i) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return std::abs(pairs.values[a]) < std::abs(pairs.values[b]); });
+  for (std::size_t i = static_cast<std::size_t>(still.cols() + drifting); i < order.size(); ++i) {
+    const std::complex<double> value = pairs.values[order[i]];
+    if (value.imag() < 0 || !(std::abs(value) < fastest)) continue;
+    VectorXcd x(S.rows());
+    x.real() = S * pairs.vectors.col(order[i]).head(k).real();
+    x.imag() = S * pairs.vectors.col(order[i]).head(k).imag();
+    out.values.push_back(value);
+    out.vectors.push_back(x / x.norm());
+  }
+  return out;
+}
+
+/// The root of x's Rayleigh quotient that is nearest to λ, exact to the second order of the error of x where
+/// the matrices are symmetric.
+std::complex<double> refined(const ConstrainedPencil& p, const VectorXcd& x, std::complex<double> value) {
+  const auto square = [&](const SparseMatrix& A) {
+    const VectorXcd ax = A.cast<std::complex<double>>() * x;
+    return (x.transpose() * ax)(0, 0);
+  };
+  const std::complex<double> a = square(p.M), b = square(p.C), c = square(p.K),
+                             root = std::sqrt(b * b - 4. * a * c);
+  // Of equal eigenvalues x may be a complex mixture whose square vanishes.
+  if (!(std::abs(a) > 0.05 * std::abs(x.dot(p.M.cast<std::complex<double>>() * x)))) return value;
+  const std::complex<double> one = (-b + root) / (2. * a), two = (-b - root) / (2. * a);
+  const std::complex<double> better = std::abs(one - value) < std::abs(two - value) ? one : two;
+  return std::abs(better - value) < 1e-5 * std::abs(value) ? better : value;
+}
+
+/// What the passes of the iteration have found.
+struct Found {
+  std::optional<Basis> basis;
+  RitzPairs pairs;
+  MatrixXd slow;
+};
+
+/// |λ/σ| of the last of the first `count` modes.
+double last_of(const Found& found, int count) {
+  double last = zero;
+  auto modes = static_cast<int>(found.slow.cols());
+  for (int k = 0; k < found.pairs.sufficient && modes < count; ++k) {
+    const Ritz& r = found.pairs.list[static_cast<std::size_t>(k)];
+    if (r.is_zero() || r.value.imag() < 0) continue;
+    last = std::abs(r.value);
+    ++modes;
+  }
+  return last;
+}
+
+/// A block finds three copies of an eigenvalue; further ones are found by other blocks, at right angles to
+/// what was found, until the count of the motions agrees (where it is known: `counter`) or a pass adds none.
+bool find_all(Operator& op, double sigma, int count, ModeCounter* counter, Found& out) {
+  const Index n = op.size() / 2;
+  MatrixXd invariant(op.size(), 0);
+  int before = -1;
+  for (std::uint64_t pass = 0; pass < most_passes; ++pass) {
+    const auto kept = static_cast<int>(invariant.cols());
+    const int room = static_cast<int>(std::min<Index>(12 * count + 120, op.size())) / block * block;
+    out.basis.emplace(op, kept + std::max(block, room));
+    if (!out.basis->start(invariant, pass) ||
+        !iterate(*out.basis, count, kept + 2 * count + 3 * block, kept + std::max(block, room), out.pairs))
+      return false;
+    out.slow = slow_motions(*out.basis, out.pairs, n);
+    const double inside = (1 - 1e-6) * last_of(out, count);
+    const int have = motions_below(out.pairs, inside, static_cast<int>(out.slow.cols()));
+    if (have == before || (counter && (*counter)(std::pow(inside * sigma, 2)) == have)) return true;
+    before = have;
+    invariant = invariant_subspace(*out.basis, out.pairs);
+  }
+  return true;
+}
+
+/// The first `count`: rigid ones, then slow ones, then the others.
+ConstrainedModes first_modes(const ConstrainedPencil& p, const Found& found, double sigma, int count,
+                             bool is_symmetric_pencil) {
+  ConstrainedModes out;
+  const Index n = p.M.cols();
+  const SlowModes slow = part_slow(p, found.slow, 10 * zero * sigma);
+  out.rigid = slow.rigid.leftCols(std::min<Index>(slow.rigid.cols(), count));
   std::vector<std::complex<double>> values;
   std::vector<VectorXcd> vectors;
-  const auto V = basis.vectors().topRows(n);
-  for (const Ritz& r : found) {
-    if (static_cast<int>(values.size() + static_cast<std::size_t>(still.cols())) >= count) break;
-    if (r.residual > 1e-6) break;
-    const VectorXcd y = pairs.vectors.col(r.column);
+  const auto add = [&](std::complex<double> value, const VectorXcd& x) {
+    if (std::ssize(values) + out.rigid.cols() >= count) return;
+    values.push_back(value);
+    vectors.push_back(x);
+  };
+  for (std::size_t k = 0; k < slow.values.size(); ++k) add(slow.values[k], slow.vectors[k]);
+  const auto V = found.basis->vectors().topRows(n);
+  for (int k = 0; k < found.pairs.sufficient; ++k) {
+    const Ritz& r = found.pairs.list[static_cast<std::size_t>(k)];
+    if (r.is_zero() || std::ssize(values) + out.rigid.cols() >= count) continue;
+    const bool real = std::abs(r.value.imag()) <= 1e-10 * std::abs(r.value);
+    if (!real && r.value.imag() < 0) continue;
+    const VectorXcd y = found.pairs.pairs.vectors.col(r.column);
     VectorXcd x(n);
     x.real() = V * y.real();
     x.imag() = V * y.imag();
     if (!(x.norm() > 0)) continue;
     x /= x.norm();
-    if (std::abs(r.value) < zero) {
-      for (const VectorXd& part : {VectorXd(x.real()), VectorXd(x.imag())}) {
-        VectorXd w = part;
-        for (int twice = 0; twice < 2; ++twice) w -= still * (still.transpose() * w);
-        if (!(w.norm() > same_vector)) continue;
-        still.conservativeResize(n, still.cols() + 1);
-        still.col(still.cols() - 1) = w / w.norm();
-      }
-      continue;
-    }
-    const bool real = std::abs(r.value.imag()) <= 1e-10 * std::abs(r.value);
-    if (!real && r.value.imag() < 0) continue;
     std::complex<double> value = sigma * r.value;
-    if (symmetric_pencil) {
-      const auto square = [&](const SparseMatrix& A) {
-        const VectorXcd ax = A.cast<std::complex<double>>() * x;
-        return (x.transpose() * ax)(0, 0);
-      };
-      const std::complex<double> a = square(p.M), b = square(p.C), c = square(p.K);
-      const std::complex<double> root = std::sqrt(b * b - 4. * a * c);
-      // Of equal eigenvalues x may be a complex mixture whose square vanishes.
-      if (std::abs(a) > 0.05 * std::abs(x.dot(p.M.cast<std::complex<double>>() * x))) {
-        const std::complex<double> one = (-b + root) / (2. * a), two = (-b - root) / (2. * a);
-        const std::complex<double> better = std::abs(one - value) < std::abs(two - value) ? one : two;
-        if (std::abs(better - value) < 1e-5 * std::abs(value)) value = better;
-      }
-    }
-    if (real) value = value.real();
-    values.push_back(value);
-    vectors.push_back(x);
+    if (is_symmetric_pencil) value = refined(p, x, value);
+    add(real ? value.real() : value, x);
   }
-  out.rigid = still;
   out.values.resize(std::ssize(values));
   out.vectors.resize(n, std::ssize(values));
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -320,6 +499,31 @@ ConstrainedModes lowest_modes(const ConstrainedPencil& given, int count) {
   }
   out.ok = true;
   return out;
+}
+
+}  // namespace arnoldi
+
+}  // namespace
+
+ConstrainedModes lowest_modes(const ConstrainedPencil& given, int count) {
+  using namespace arnoldi;
+  const Index n = given.M.cols();
+  if (n == 0 || count <= 0) return {};
+  ConstrainedPencil p = given;
+  ConstrainedSolver projector;
+  SparseMatrix unit(n, n);
+  unit.setIdentity();
+  projector.set(unit, p.J);
+  for (SparseMatrix* A : {&p.K, &p.C, &p.M}) *A = symmetric_along_motions(*A, projector, p.J.rows());
+  if (!(largest_entry(p.M) > 0)) return {};
+  ModeCounter counter(p);
+  const double sigma = counter.fastest() > 0 ? 0.5 * std::sqrt(limit_of(counter, count)) : 1;
+  Operator op(p, sigma);
+  if (!op.ok()) return {};
+  const bool symmetric_pencil = is_symmetric(p.M) && is_symmetric(p.C) && is_symmetric(p.K);
+  Found found;
+  if (!find_all(op, sigma, count, symmetric_pencil ? &counter : nullptr, found)) return {};
+  return first_modes(p, found, sigma, count, symmetric_pencil);
 }
 
 }  // namespace mimbre::linalg

@@ -20,12 +20,6 @@ constexpr double solved = 1e-14, roughly = 1e-4;
 /// Of the largest entry: less comes of differences.
 constexpr double not_symmetric = 1e-8;
 
-double largest_entry(const SparseMatrix& A) {
-  double most = 0;
-  for (Eigen::Index k = 0; k < A.nonZeros(); ++k) most = std::max(most, std::abs(A.valuePtr()[k]));
-  return most;
-}
-
 bool same_matrix(const SparseMatrix& A, const SparseMatrix& B) {
   const auto same = [](const auto* a, const auto* b, Eigen::Index n) { return std::equal(a, a + n, b); };
   return A.isCompressed() && B.isCompressed() && A.rows() == B.rows() && A.cols() == B.cols() &&

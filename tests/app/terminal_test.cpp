@@ -109,7 +109,7 @@ class Terminal : public ProgramTest {
 
 TEST_F(Terminal, LongWorkSaysWhatItDoesAndEndsByCtrlC) {
   write_file(folder / "beam.yaml", beam(2000));
-  write_file(folder / "chain.yaml", chain(400, "natural"));
+  write_file(folder / "chain.yaml", chain(2000, "natural"));
   const std::pair<std::vector<std::string>, const char*> works[] = {
       {{"check", "beam.yaml"}, "assembling the mechanism … "},
       {{"run", "beam.yaml"}, "assembling the mechanism … "},

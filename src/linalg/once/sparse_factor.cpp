@@ -4,12 +4,19 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace mimbre::linalg {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+double largest_entry(const SparseMatrix& A) {
+  double most = 0;
+  for (Eigen::Index k = 0; k < A.nonZeros(); ++k) most = std::max(most, std::abs(A.valuePtr()[k]));
+  return most;
+}
 
 struct SparseLdlt::Impl {
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>> solver;

@@ -2,11 +2,13 @@
 #include <Eigen/SparseCore>
 #include <memory>
 
-/// Factorisations of sparse matrices by scalars, for analyses. The only place that instantiates Eigen's. They
-/// allocate.
+/// Factorisations of sparse matrices by scalars, for analyses. They allocate.
 namespace mimbre::linalg {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// The largest of |Aᵢⱼ|; 0 of no entries.
+double largest_entry(const SparseMatrix& A);
 
 /// A = L D Lᵀ of a symmetric matrix of which the lower triangle is read, its unknowns in an order of little
 /// fill, without exchanging pivots. The order is kept while the pattern is the same.
