@@ -20,7 +20,7 @@ struct LinearPoint {
     time,         ///< the state of a run at `time`
     equilibrium,  ///< at rest, with all forces in balance
     steady,  ///< the velocities of the start, positions in which they are steady: no relative acceleration
-    trim     ///< steady driving (LinearOptions::trim)
+    trim     ///< steady driving (LinearOptions::trim), sought from the start, which needs velocities
   } at = At::automatic;
   double time = 0;  ///< s
 };
@@ -35,7 +35,7 @@ struct TrimConditions {
   std::optional<double> lateral_acceleration;  ///< yaw rate times speed, m/s²
   std::optional<double> yaw_rate;              ///< rad/s
   std::optional<double> radius;                ///< speed over yaw rate, m
-  std::vector<std::string> find;               ///< inputs whose values are sought; others stay
+  std::vector<std::string> find;               ///< inputs whose values are sought, each once; others stay
 };
 
 struct LinearOptions {

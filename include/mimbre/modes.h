@@ -52,7 +52,8 @@ struct Mode {
 
 /// How modes are computed.
 enum class ModesSolver {
-  automatic,  ///< `sparse` where a few modes of a large mechanism at rest are asked for and it is possible
+  automatic,  ///< `sparse` where `most` modes of a mechanism at rest with 200 coordinates or more are asked
+              ///< for and it is possible; A and left vectors are then missing
   dense,      ///< all eigenvalues of A
   sparse      ///< the lowest modes of an equilibrium by shift and invert, with sparse matrices
 };
@@ -64,8 +65,8 @@ struct ModesOptions {
 };
 
 struct LinearisedModes {
-  /// Without C, D and outputs. Of the sparse solver without matrices and states, too: a mode's `shape` is
-  /// then its motion above λ times its motion, and its `left` vector is missing.
+  /// Without C, D and outputs. The sparse solver leaves out matrices and states, too: there the `shape` of a
+  /// mode is its motion above λ times its motion, and its `left` vector is zero.
   LinearModel model;
   bool sparse = false;  ///< by the sparse solver
   std::vector<LinearName> coordinates;

@@ -20,9 +20,9 @@ struct TrimResult {
     std::string name, unit;
     double value = 0;
   };
-  std::vector<Input> found;  ///< as in TrimConditions::find
-  std::vector<ChannelInfo> channels;
-  Eigen::VectorXd values;
+  std::vector<Input> found;           ///< as in TrimConditions::find
+  std::vector<ChannelInfo> channels;  ///< the model's outputs first
+  Eigen::VectorXd values;             ///< of the channels
   int output_count = 0;
   int iterations = 0;
   double residual = 0;  ///< largest relative acceleration that is left, of those at play

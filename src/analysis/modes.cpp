@@ -7,11 +7,13 @@
 #include <stdexcept>
 
 #include "analysis/linear_turning.h"
+#include "analysis/mode_shapes.h"
 #include "analysis/mode_shares.h"
 #include "analysis/sparse_modes.h"
 #include "base/cpu_time.h"
 #include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
+#include "mimbre/diagnostics.h"
 
 namespace mimbre {
 
@@ -143,44 +145,6 @@ Zeros staircase_zeros(const MatrixXd& A) {
   return out;
 }
 
-/// The same motions, each of as few coordinates as possible (reduced echelon form by columns).
-MatrixXd echelon(MatrixXd v) {
-  std::vector<char> used(static_cast<std::size_t>(v.rows()), 0);
-  for (Eigen::Index c = 0; c < v.cols(); ++c) {
-    Eigen::Index pivot = -1, column = c;
-    double most = 0;
-    for (Eigen::Index r = 0; r < v.rows(); ++r)
-      for (Eigen::Index k = c; k < v.cols(); ++k)
-        if (!used[static_cast<std::size_t>(r)] && std::abs(v(r, k)) > most * (1 + 1e-9)) {
-          most = std::abs(v(r, k));
-          pivot = r;
-          column = k;
-        }
-    if (pivot < 0) break;
-    used[static_cast<std::size_t>(pivot)] = 1;
-    v.col(c).swap(v.col(column));
-    v.col(c) /= v(pivot, c);
-    for (Eigen::Index k = 0; k < v.cols(); ++k)
-      if (k != c) v.col(k) -= v(pivot, k) * v.col(c);
-  }
-  for (Eigen::Index k = 0; k < v.size(); ++k)
-    if (std::abs(v.data()[k]) < 1e-9) v.data()[k] = 0;
-  return v;
-}
-
-/// The largest entry of the motion by its scales becomes 1.
-void normalise(VectorXcd& x, int coordinates, const VectorXd& scale) {
-  std::complex<double> largest = 0;
-  double most = 0;
-  const Eigen::Index n = coordinates > 0 && x.head(coordinates).norm() > 0 ? coordinates : x.size();
-  for (Eigen::Index k = 0; k < n; ++k)
-    if (std::abs(x[k]) / scale[k] > most * (1 + 1e-9)) {
-      most = std::abs(x[k]) / scale[k];
-      largest = x[k] / scale[k];
-    }
-  if (most > 0) x /= largest;
-}
-
 std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scale) {
   const linear::Reduced& r = at.reduced;
   std::vector<Mode> modes;
@@ -189,12 +153,17 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
   // On wheels the path goes by the heading, too.
   const bool rolls = r.coordinates != r.speeds || at.trimmed;
   const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
-  const MatrixXd free = echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors);
+  const auto normalise_motion = [&](VectorXcd& x) {
+    const bool moves = r.coordinates > 0 && x.head(r.coordinates).norm() > 0;
+    linear::normalise(x, moves ? r.coordinates : x.size(), scale);
+  };
+  const MatrixXd free =
+      linear::echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors);
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
     mode.shape = (scale.asDiagonal() * free.col(k)).cast<std::complex<double>>();
-    normalise(mode.shape, r.coordinates, scale);
+    normalise_motion(mode.shape);
     mode.left = VectorXcd::Zero(A.rows());
     modes.push_back(std::move(mode));
   }
@@ -211,15 +180,9 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scal
   for (const Eigen::Index k : order) {
     std::complex<double> value = pairs.values[k];
     if (value.imag() < 0) continue;
-    Mode mode;
-    mode.kind = value.imag() > 0 ? Mode::Kind::oscillating : Mode::Kind::real;
-    mode.value = value;
-    mode.frequency = std::abs(value) / (2 * std::numbers::pi);
-    mode.damped = value.imag() / (2 * std::numbers::pi);
-    mode.damping = std::abs(value) > 0 ? -value.real() / std::abs(value) : 0;
-    mode.grows = value.real() > std::max(imaginary_round_off * largest, 1e-9 * std::abs(value));
+    Mode mode = linear::mode_of(value, imaginary_round_off * largest);
     mode.shape = scale.cast<std::complex<double>>().cwiseProduct(pairs.vectors.col(k));
-    normalise(mode.shape, r.coordinates, scale);
+    normalise_motion(mode.shape);
     VectorXcd w =
         scale.cwiseInverse().cast<std::complex<double>>().cwiseProduct(left.row(k).adjoint().col(0));
     if (!w.allFinite()) w.setZero();
@@ -240,6 +203,9 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   if (const bool asked = options.solver == ModesSolver::sparse;
       asked || (options.solver == ModesSolver::automatic && most > 0 &&
                 located.model->compiled().velocities >= linear::least_sparse)) {
+    if (most <= 0)
+      throw InputError(Mark{located.model->spec().file, 0, 0},
+                       "the sparse solver finds the lowest modes: give their number (--most)");
     std::string why;
     if (std::optional<LinearisedModes> sparse = linear::sparse_modes(located, most, why)) {
       sparse->cpu_seconds = thread_cpu_seconds() - start;

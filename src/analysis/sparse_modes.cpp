@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
+#include "analysis/mode_shapes.h"
 #include "analysis/mode_shares.h"
 #include "analysis/sparse_core.h"
 #include "integrate/sparse_statics.h"
@@ -13,6 +13,7 @@
 
 namespace mimbre::linear {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
@@ -20,9 +21,6 @@ namespace {
 
 /// Unbalanced work, of the weight of the heaviest part moved by its scale: beyond, it is no equilibrium.
 constexpr double unbalanced_share = 1e-5;
-constexpr int usual_count = 20;
-/// Re λ of what does not decay, of |λ|.
-constexpr double decay_round_off = 1e-9;
 
 /// δ of the relative coordinates of motions in natural coordinates.
 class RelativeMotions {
@@ -45,22 +43,6 @@ class RelativeMotions {
   natural::NaturalSystem& system_;
   State natural_, relative_;
 };
-
-/// The largest entry by the scales becomes 1. Returns the factor.
-std::complex<double> normalise_motion(VectorXcd& x, const std::vector<double>& scales) {
-  std::complex<double> largest = 0;
-  double most = 0;
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    const double scale = scales[static_cast<std::size_t>(k)];
-    if (std::abs(x[k]) / scale > most * (1 + 1e-9)) {
-      most = std::abs(x[k]) / scale;
-      largest = x[k] / scale;
-    }
-  }
-  if (!(most > 0)) return 1;
-  x /= largest;
-  return 1. / largest;
-}
 
 }  // namespace
 
@@ -88,7 +70,6 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
   natural.a.setZero();
   system->enter(relative.u.data(), relative.z.data(), 0);
   find_sparse_multipliers(*system, natural);
-  linalg::ConstrainedModes found;
   SparseEquations equations;
   try {
     equations = sparse_equations(*system, natural, relative.u, relative.z);
@@ -100,8 +81,7 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
     why = "the point is no equilibrium";
     return {};
   }
-  const int count = most > 0 ? most : usual_count;
-  found = linalg::lowest_modes(equations.pencil, count);
+  const linalg::ConstrainedModes found = linalg::lowest_modes(equations.pencil, most);
   if (!found.ok) {
     why = "the iteration did not converge";
     return {};
@@ -119,32 +99,32 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
   at.state = relative;
   ModeShares shares(at);
   RelativeMotions motions(*system, natural, relative);
-  const auto add = [&](Mode mode, const VectorXcd& x) {
-    const VectorXcd unscaled = equations.scale.cast<std::complex<double>>().cwiseProduct(x);
-    mode.motion = motions.of(unscaled);
-    const std::complex<double> factor = normalise_motion(mode.motion, observer.scales().coordinates);
+  const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
+  /// `stiffness`: that of the motion before it is normalised.
+  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness) {
+    mode.motion = motion;
+    const std::complex<double> factor = normalise(mode.motion, mode.motion.size(), scale);
     mode.shape.resize(2 * mode.motion.size());
     mode.shape << mode.motion, mode.value * mode.motion;
     mode.left = VectorXcd::Zero(mode.shape.size());
-    const VectorXcd stiff = equations.pencil.K.cast<std::complex<double>>() * x;
-    shares.describe_motion(mode, 0.5 * std::norm(factor) * std::real(x.dot(stiff)));
+    shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness);
     out.modes.push_back(std::move(mode));
   };
-  for (Eigen::Index k = 0; k < found.rigid.cols(); ++k) {
+  MatrixXd rigid(m.velocities, found.rigid.cols());
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
+    rigid.col(k) =
+        motions.of(VectorXd(equations.scale.cwiseProduct(found.rigid.col(k)))).cwiseQuotient(scale);
+  rigid = scale.asDiagonal() * echelon(rigid);
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
-    add(std::move(mode), found.rigid.col(k).cast<std::complex<double>>());
+    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0);
   }
   for (Eigen::Index k = 0; k < found.values.size(); ++k) {
-    Mode mode;
-    const std::complex<double> value = found.values[k];
-    mode.kind = value.imag() > 0 ? Mode::Kind::oscillating : Mode::Kind::real;
-    mode.value = value;
-    mode.frequency = std::abs(value) / (2 * std::numbers::pi);
-    mode.damped = value.imag() / (2 * std::numbers::pi);
-    mode.damping = std::abs(value) > 0 ? -value.real() / std::abs(value) : 0;
-    mode.grows = value.real() > decay_round_off * std::abs(value);
-    add(std::move(mode), found.vectors.col(k));
+    const VectorXcd x = found.vectors.col(k), stiff = equations.pencil.K.cast<std::complex<double>>() * x;
+    add(mode_of(found.values[k], 0),
+        motions.of(VectorXcd(equations.scale.cast<std::complex<double>>().cwiseProduct(x))),
+        std::real(x.dot(stiff)));
   }
   return out;
 }

@@ -34,7 +34,10 @@ constexpr double trim_balanced = 1e-7;  ///< of accelerations
 constexpr double trim_furthest = 0.3;   ///< of positions in one step
 constexpr double trim_turning = 1e-6;   ///< of the largest rate: a joint turns
 constexpr double trim_degenerate = 1e-9;
+constexpr double trim_uneven = 1e-4;  ///< of accelerations, further on
 constexpr int trim_rounds = 60;
+/// Steps are halved so often, and taken from so many on where forces are finite at all.
+constexpr int trim_halvings = 12, trim_patience = 8;
 /// In which states of force elements settle, of the mechanism's own time.
 constexpr double settling_time = 1e5;
 
@@ -44,6 +47,7 @@ struct Rover {
   int position = 0, rotation = 0;  ///< first velocity coordinates
   int quaternion = 0;              ///< in q
   Vec3d up;                        ///< in the axes of the joint's frame on the ground
+  Vec3d to_origin;                 ///< of the body, from the joint's frame on it, in that frame's axes
 };
 
 std::vector<Rover> rovers_of(const Compiled& m, const Vec3d& up) {
@@ -52,8 +56,10 @@ std::vector<Rover> rovers_of(const Compiled& m, const Vec3d& up) {
     const BodyData& b = m.bodies[k];
     if (b.parent >= 0 || b.reversed || b.joint != spec::JointType::floating) continue;
     const JointInfo& info = joint_info(b.joint);
+    const FrameData& on_body = m.frames[b.outboard_frame];
     out.push_back({static_cast<int>(k), b.v + (info.rotation == 0 ? 3 : 0), b.v + info.rotation,
-                   b.q + info.quaternion, m.frames[b.inboard_frame].rotation.transpose() * up});
+                   b.q + info.quaternion, m.frames[b.inboard_frame].rotation.transpose() * up,
+                   -(on_body.rotation.transpose() * on_body.position)});
   }
   return out;
 }
@@ -76,14 +82,35 @@ class TrimSearch {
     VectorXd accelerations;
   };
 
+  /// Where the search is.
+  struct Iterate {
+    Linearised linear;
+    std::map<std::string, double> inputs;
+    double yaw_rate = 0;
+    Equations equations;
+  };
+  /// Newton's equations there, along units of the unknowns (none: they stay) and with rows of length one.
+  struct Newton {
+    VectorXd unit, sizes;
+    MatrixXd by;
+    std::vector<Index> columns;  ///< of the inputs that are looked for
+    VectorXd solve(const VectorXd& values) const;
+  };
+
+  Mat3d axes(const Rover& r, const State& s) const;
   Vec3d upright(const Rover& r, const State& s) const;
+  Vec3d origin_velocity(const Rover& r, const State& s) const;
+  Vec3d along(const Rover& r, const State& s) const;
+  double coordinate_scale(int k) const { return scales_.coordinates[static_cast<std::size_t>(k)]; }
   /// `as`: with its independent coordinates.
   Linearised at(const State& s, const std::map<std::string, double>& inputs, const Linearised* as = nullptr);
   void settle(State& s) const;
   void set_inputs(const std::map<std::string, double>& inputs, State& s) const;
   Equations equations(const Linearised& l, double yaw_rate) const;
-  VectorXd by_differences(const Linearised& l, const std::map<std::string, double>& inputs, int input,
-                          Index column, double yaw_rate);
+  Newton newton(Iterate& at);
+  Iterate moved(const Iterate& from, const Newton& newton, const VectorXd& x, double share);
+  bool improve(Iterate& at);
+  double further_on(const Iterate& at);
 
   const Compiled& m_;
   relative::RelativeSystem& system_;
@@ -138,19 +165,24 @@ TrimSearch::TrimSearch(const Compiled& m, relative::RelativeSystem& system, cons
                     "needed, such as the steering for a turn and the throttle for a speed",
                     conditions_given, conditions_given == 1 ? "" : "s", wanted_.find.size(),
                     wanted_.find.size() == 1 ? "" : "s"));
-  for (const std::string& name : wanted_.find) found_.push_back(find_input(m, name));
+  for (const std::string& name : wanted_.find) {
+    const int input = find_input(m, name);
+    if (std::find(found_.begin(), found_.end(), input) != found_.end())
+      throw refuse(fmt::format("steady driving: the input '{}' is to be found twice", name));
+    found_.push_back(input);
+  }
   for (const int input : found_) {
     const spec::Input& of = m.spec().inputs[static_cast<std::size_t>(input)];
     if (!inputs_.contains(of.name)) inputs_[of.name] = held_input_value(m, input, start_);
   }
   const Rover& r = rovers_[main_];
-  const Vec3d v = start_.v.segment<3>(r.position), along = v - r.up * r.up.dot(v);
-  if (!(along.norm() > 0))
+  const double drawn = along(r, start_).norm();
+  if (!(drawn > 0))
     throw refuse(
         fmt::format("steady driving: body '{}' stands at the start; give it a velocity, and its wheels the "
                     "rates that belong to it",
                     name_of_body(m, r.body)));
-  speed_ = wanted_.speed.value_or(along.norm());
+  speed_ = wanted_.speed.value_or(drawn);
   if (!(speed_ > 0) || !std::isfinite(speed_))
     throw refuse(fmt::format("steady driving: a speed of {} m/s", speed_));
   double fastest = 0;
@@ -162,14 +194,28 @@ TrimSearch::TrimSearch(const Compiled& m, relative::RelativeSystem& system, cons
       if (is_angle(b.joint, k) && std::abs(start_.v[b.v + k]) > trim_turning * fastest)
         turns_[static_cast<std::size_t>(b.v + k)] = 1;
   }
-  start_.v *= speed_ / along.norm();
+  start_.v *= speed_ / drawn;
   pace_ = std::max(speed_ / m.length_scale, scales_.acceleration > 0 ? std::sqrt(scales_.acceleration) : 0.0);
 }
 
-/// The vertical in the axes of a body on a floating joint.
-Vec3d TrimSearch::upright(const Rover& r, const State& s) const {
-  const Quat<double> p(s.q.segment<4>(r.quaternion));
-  return rotation_matrix<double>(p).transpose() * r.up;
+/// From the axes of the joint's frame on the body to those of its frame on the ground, as all below.
+Mat3d TrimSearch::axes(const Rover& r, const State& s) const {
+  return rotation_matrix<double>(Quat<double>(s.q.segment<4>(r.quaternion)));
+}
+
+/// The vertical in the axes of the joint's frame on the body.
+Vec3d TrimSearch::upright(const Rover& r, const State& s) const { return axes(r, s).transpose() * r.up; }
+
+/// Velocity of the body's origin.
+Vec3d TrimSearch::origin_velocity(const Rover& r, const State& s) const {
+  const Vec3d spin = s.v.segment<3>(r.rotation);
+  return s.v.segment<3>(r.position) + axes(r, s) * spin.cross(r.to_origin);
+}
+
+/// The part of it across the vertical.
+Vec3d TrimSearch::along(const Rover& r, const State& s) const {
+  const Vec3d v = origin_velocity(r, s);
+  return v - r.up * r.up.dot(v);
 }
 
 /// States of force elements where they stay at this motion, by two steps that are very long.
@@ -271,15 +317,19 @@ TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate
     if (l.parameters[static_cast<std::size_t>(k)].kind == Parameter::Kind::integral) continue;
     RowVectorXd by(all);
     by << r.A.row(first + k), r.B.row(first + k);
-    const double own = std::abs(r.A(first + k, first + k)), size = by.cwiseAbs().maxCoeff();
-    if (!(size > 0)) continue;
-    // By what moves it in the mechanism's own time.
-    add(by, 0, l.state_rates[k], std::max(own, size));
+    const double size = by.cwiseAbs().maxCoeff();
+    // By what moves it in the mechanism's own time; where nothing does, as at a limit of its rate, there is
+    // the row all the same: rows are those of every point.
+    add(by, 0, l.state_rates[k], size > 0 ? size : pace_);
   }
   const Rover& c = rovers_[main_];
-  const Vec3d v = s.v.segment<3>(c.position), along = v - c.up * c.up.dot(v);
-  const double speed = along.norm();
-  const RowVectorXd by_speed = (along / speed).transpose() * r.velocity.middleRows(c.position, 3);
+  const Vec3d ahead = along(c, s), spin = s.v.segment<3>(c.rotation);
+  const double speed = ahead.norm();
+  const Mat3d A = axes(c, s);
+  const MatrixXd origin = r.velocity.middleRows(c.position, 3) -
+                          A * skew<double>(c.to_origin) * r.velocity.middleRows(c.rotation, 3) -
+                          A * skew<double>(spin.cross(c.to_origin)) * r.position.middleRows(c.rotation, 3);
+  const RowVectorXd by_speed = (ahead / speed).transpose() * origin;
   const RowVectorXd none = RowVectorXd::Zero(all);
   if (wanted_.speed) add(by_speed, 0, speed - speed_, L * pace_);
   if (wanted_.lateral_acceleration)
@@ -297,128 +347,151 @@ TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate
   return out;
 }
 
-/// The column of an input that moves a drive by a formula, whose second derivative by time has no derivative.
-VectorXd TrimSearch::by_differences(const Linearised& l, const std::map<std::string, double>& inputs,
-                                    int input, Index column, double yaw_rate) {
-  const std::string& name = m_.spec().inputs[static_cast<std::size_t>(input)].name;
-  const double width = 1e-5 * std::max(1.0, std::abs(inputs.at(name)));
-  VectorXd values[2];
-  for (const int side : {0, 1}) {
-    const double by = side == 0 ? -width : width;
-    State s = l.state;
-    const VectorXd step = by * l.reduced.position.col(column);
-    system_.retract(l.state.q.data(), step.data(), s.q.data());
-    s.v += by * l.reduced.velocity.col(column);
-    std::map<std::string, double> with = inputs;
-    with[name] += by;
-    values[side] = equations(at(s, with, &l), yaw_rate).values;
+VectorXd TrimSearch::Newton::solve(const VectorXd& values) const {
+  return shortest_solution(by, MatrixXd(-sizes.cwiseProduct(values)), trim_degenerate);
+}
+
+TrimSearch::Newton TrimSearch::newton(Iterate& at) {
+  const Linearised& l = at.linear;
+  const Reduced& r = l.reduced;
+  MatrixXd& by = at.equations.by;
+  const Index all = r.position.cols(), first = r.first_state();
+  Newton out;
+  // Units of the unknowns; inputs that are not looked for stay.
+  VectorXd& unit = out.unit = VectorXd::Zero(all + 1);
+  for (int k = 0; k < r.coordinates; ++k)
+    unit[k] = coordinate_scale(l.independent[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < r.speeds; ++k)
+    unit[r.coordinates + k] = pace_ * coordinate_scale(l.moving[static_cast<std::size_t>(k)]);
+  for (Index k = first; k < first + r.states; ++k) {
+    const double acts = by.col(k).cwiseAbs().maxCoeff();
+    unit[k] = acts > 0 ? 1 / acts : 1;
   }
-  return (values[1] - values[0]) / (2 * width);
+  for (const int input : found_)
+    for (std::size_t p = 0; p < l.parameters.size(); ++p) {
+      if (l.parameters[p].kind != Parameter::Kind::input || l.parameters[p].item != input) continue;
+      const Index column = first + static_cast<Index>(p);
+      out.columns.push_back(column);
+      const double acts = by.col(column).cwiseAbs().maxCoeff();
+      if (!(acts > 0))
+        throw std::runtime_error(fmt::format("steady driving: the input '{}' moves nothing",
+                                             m_.spec().inputs[static_cast<std::size_t>(input)].name));
+      unit[column] = 1 / acts;
+    }
+  unit[all] = pace_;
+  out.by = MatrixXd::Zero(by.rows(), all + 1);
+  for (Index k = 0; k <= all; ++k)
+    if (unit[k] > 0) out.by.col(k) = unit[k] * by.col(k);
+  // Rows of stiff parts are no larger than others, so that none of them seems to depend on others.
+  out.sizes = out.by.rowwise().norm();
+  for (double& size : out.sizes) size = size > 0 ? 1 / size : 0;
+  out.by = (out.sizes.asDiagonal() * out.by).eval();
+  return out;
+}
+
+/// The point by the share of a step of the unknowns x.
+TrimSearch::Iterate TrimSearch::moved(const Iterate& from, const Newton& newton, const VectorXd& x,
+                                      double share) {
+  const Linearised& l = from.linear;
+  const Reduced& r = l.reduced;
+  const Index all = r.position.cols(), first = r.first_state();
+  State next = l.state;
+  const VectorXd step = share * (r.position * x.head(all));
+  system_.retract(l.state.q.data(), step.data(), next.q.data());
+  next.v += share * (r.velocity * x.head(all));
+  for (int k = 0; k < r.states; ++k) {
+    const Parameter& p = l.parameters[static_cast<std::size_t>(k)];
+    if (p.kind != Parameter::Kind::element_state) continue;
+    const LinearElement& of = l.elements[static_cast<std::size_t>(p.item)];
+    next.z[m_.elements[static_cast<std::size_t>(of.element)].states +
+           of.states[static_cast<std::size_t>(p.index)]] += share * x[first + k];
+  }
+  Iterate out;
+  out.inputs = from.inputs;
+  for (std::size_t k = 0; k < found_.size(); ++k)
+    out.inputs[m_.spec().inputs[static_cast<std::size_t>(found_[k])].name] += share * x[newton.columns[k]];
+  // What drives follow.
+  set_inputs(out.inputs, next);
+  system_.enter(next.u.data(), next.z.data(), 0);
+  system_.begin_step(next.q.data());
+  if (m_.equations > 0) {
+    const VectorXd ready = Eigen::Map<const VectorXd>(scales_.coordinates.data(), m_.velocities);
+    close_positions(system_, next.time, ready, next.q);
+    close_velocities(system_, next.time, next.q, ready, next.v);
+  }
+  out.linear = at(next, out.inputs, &l);
+  out.yaw_rate = from.yaw_rate + share * x[all];
+  out.equations = equations(out.linear, out.yaw_rate);
+  return out;
+}
+
+/// One step; whether it was the last. Stiff parts have large accelerations where little is wrong: steps are
+/// compared, not those (Deuflhard 2004).
+bool TrimSearch::improve(Iterate& at) {
+  const Newton equations = newton(at);
+  const Reduced& r = at.linear.reduced;
+  const Index first = r.first_state(), coordinates = r.coordinates, speeds = r.speeds, states = r.states;
+  const auto step_of = [&](const VectorXd& values) {
+    VectorXd scaled = equations.solve(values);
+    scaled.segment(first, states).setZero();
+    return scaled;
+  };
+  const VectorXd x = equations.unit.cwiseProduct(equations.solve(at.equations.values)),
+                 scaled = step_of(at.equations.values);
+  if (!x.allFinite()) throw std::runtime_error("no steady driving was found: forces are not finite");
+  const VectorXd dq = r.position * x.head(r.position.cols());
+  const double length = scales_.of_coordinates(dq.data()), before = scaled.norm(),
+               moves = scaled.head(coordinates + speeds).cwiseAbs().maxCoeff();
+  double share = length > trim_furthest ? trim_furthest / length : 1;
+  bool changes = false;
+  for (int halving = 0; halving <= trim_halvings; ++halving, share /= 2) {
+    Iterate next = moved(at, equations, x, share);
+    if (next.equations.values.size() != equations.sizes.size()) {
+      changes = true;  // such as a tyre that lifts
+      continue;
+    }
+    const double now = step_of(next.equations.values).norm();
+    const bool small = share * length < 1e-6;
+    if (!std::isfinite(now) || !(now < (1 - share / 4) * before || small || halving >= trim_patience))
+      continue;
+    at = std::move(next);
+    return share == 1 && (moves < trim_step || (moves < 1e-7 && now >= 0.5 * before));
+  }
+  throw std::runtime_error(changes
+                               ? "no steady driving was found: force elements gain and lose states on the way"
+                               : "no steady driving was found: forces are not finite");
+}
+
+/// Of the accelerations at play, what is left where the mechanism stands a little further along its path.
+double TrimSearch::further_on(const Iterate& at) {
+  State s = at.linear.state;
+  for (const Rover& c : rovers_) {
+    const Vec3d ahead = along(c, s);
+    if (!(ahead.norm() > 0)) continue;
+    VectorXd step = VectorXd::Zero(m_.velocities);
+    step.segment<3>(c.position) = 1.7 * m_.length_scale * ahead.normalized();
+    system_.retract(s.q.data(), step.data(), s.q.data());
+  }
+  return equations(this->at(s, at.inputs, &at.linear), at.yaw_rate).values.cwiseAbs().maxCoeff();
 }
 
 Trim TrimSearch::run() {
-  const VectorXd ready = Eigen::Map<const VectorXd>(scales_.coordinates.data(), m_.velocities);
-  double W = wanted_.yaw_rate               ? *wanted_.yaw_rate
-             : wanted_.lateral_acceleration ? *wanted_.lateral_acceleration / speed_
-             : wanted_.radius               ? speed_ / *wanted_.radius
-                                            : 0;
-  State s = start_;
-  std::map<std::string, double> inputs = inputs_;
-  Linearised l = at(s, inputs);
-  Equations e = equations(l, W);
+  Iterate at;
+  at.inputs = inputs_;
+  at.yaw_rate = wanted_.yaw_rate               ? *wanted_.yaw_rate
+                : wanted_.lateral_acceleration ? *wanted_.lateral_acceleration / speed_
+                : wanted_.radius               ? speed_ / *wanted_.radius
+                                               : 0;
+  at.linear = this->at(start_, at.inputs);
+  at.equations = equations(at.linear, at.yaw_rate);
   Trim out;
   bool done = false;
-  for (out.iterations = 1; out.iterations <= trim_rounds && !done; ++out.iterations) {
-    const Reduced& r = l.reduced;
-    const Index all = r.position.cols(), first = r.first_state(), coordinates = r.coordinates,
-                speeds = r.speeds, states = r.states;
-    // Units of the unknowns; inputs that are not looked for stay.
-    VectorXd unit = VectorXd::Zero(all + 1);
-    for (int k = 0; k < r.coordinates; ++k) unit[k] = ready[l.independent[static_cast<std::size_t>(k)]];
-    for (int k = 0; k < r.speeds; ++k)
-      unit[r.coordinates + k] = pace_ * ready[l.moving[static_cast<std::size_t>(k)]];
-    for (Index k = first; k < first + r.states; ++k) {
-      const double acts = e.by.col(k).cwiseAbs().maxCoeff();
-      unit[k] = acts > 0 ? 1 / acts : 1;
-    }
-    std::vector<Index> columns;
-    for (const int input : found_)
-      for (std::size_t p = 0; p < l.parameters.size(); ++p)
-        if (l.parameters[p].kind == Parameter::Kind::input && l.parameters[p].item == input) {
-          columns.push_back(first + static_cast<Index>(p));
-          if (!e.by.col(columns.back()).allFinite())
-            e.by.col(columns.back()) = by_differences(l, inputs, input, columns.back(), W);
-          const double acts = e.by.col(columns.back()).cwiseAbs().maxCoeff();
-          if (!(acts > 0))
-            throw std::runtime_error(fmt::format("steady driving: the input '{}' moves nothing",
-                                                 m_.spec().inputs[static_cast<std::size_t>(input)].name));
-          unit[columns.back()] = 1 / acts;
-        }
-    unit[all] = pace_;
-    MatrixXd by = MatrixXd::Zero(e.by.rows(), all + 1);
-    for (Index k = 0; k <= all; ++k)
-      if (unit[k] > 0) by.col(k) = unit[k] * e.by.col(k);
-    // Rows of stiff parts are no larger than others, so that none of them seems to depend on others.
-    const VectorXd sizes = by.rowwise().norm().cwiseMax(1e-300).cwiseInverse();
-    by = (sizes.asDiagonal() * by).eval();
-    const auto newton = [&](const VectorXd& values) {
-      return VectorXd(shortest_solution(by, MatrixXd(-sizes.cwiseProduct(values)), trim_degenerate));
-    };
-    VectorXd scaled = newton(e.values);
-    if (!scaled.allFinite()) break;
-    const VectorXd x = unit.cwiseProduct(scaled);
-    scaled.segment(first, states).setZero();
-    const VectorXd dq = r.position * x.head(all), dv = r.velocity * x.head(all);
-    const double length = scales_.of_coordinates(dq.data());
-    double share = length > trim_furthest ? trim_furthest / length : 1;
-    // Stiff parts have large accelerations where little is wrong: steps are compared, not those (Deuflhard
-    // 2004).
-    const double before = scaled.norm();
-    double now = before;
-    for (int halving = 0;; ++halving, share /= 2) {
-      State next = l.state;
-      const VectorXd step = share * dq;
-      system_.retract(l.state.q.data(), step.data(), next.q.data());
-      next.v += share * dv;
-      for (int k = 0; k < r.states; ++k) {
-        const Parameter& p = l.parameters[static_cast<std::size_t>(k)];
-        if (p.kind != Parameter::Kind::element_state) continue;
-        const LinearElement& of = l.elements[static_cast<std::size_t>(p.item)];
-        next.z[m_.elements[static_cast<std::size_t>(of.element)].states +
-               of.states[static_cast<std::size_t>(p.index)]] += share * x[first + k];
-      }
-      std::map<std::string, double> with = inputs;
-      for (std::size_t k = 0; k < found_.size(); ++k)
-        with[m_.spec().inputs[static_cast<std::size_t>(found_[k])].name] += share * x[columns[k]];
-      // What drives follow.
-      set_inputs(with, next);
-      system_.enter(next.u.data(), next.z.data(), 0);
-      system_.begin_step(next.q.data());
-      if (m_.equations > 0) {
-        close_positions(system_, next.time, ready, next.q);
-        close_velocities(system_, next.time, next.q, ready, next.v);
-      }
-      Linearised tried = at(next, with, &l);
-      const double rate = W + share * x[all];
-      Equations there = equations(tried, rate);
-      VectorXd again = newton(there.values);
-      again.segment(first, states).setZero();
-      now = again.norm();
-      const bool small = share * length < 1e-6;
-      if (std::isfinite(now) && (now < (1 - share / 4) * before || small || halving >= 8)) {
-        l = std::move(tried);
-        e = std::move(there);
-        inputs = std::move(with);
-        W = rate;
-        break;
-      }
-      if (halving >= 12) throw std::runtime_error("no steady driving was found: forces are not finite");
-    }
-    const double moved = scaled.head(coordinates + speeds).cwiseAbs().maxCoeff();
-    done = share == 1 && (moved < trim_step || (moved < 1e-7 && now >= 0.5 * before));
+  while (!done && out.iterations < trim_rounds) {
+    done = improve(at);
+    ++out.iterations;
   }
-  out.residual = e.values.cwiseAbs().maxCoeff();
-  if (!done || out.residual > trim_balanced)
+  out.residual = at.equations.values.cwiseAbs().maxCoeff();
+  if (!done || !(out.residual <= trim_balanced))
     throw std::runtime_error(
         fmt::format("no steady driving was found: after {} iterations {:.2g} of the accelerations at play "
                     "are left; start near it, with "
@@ -426,27 +499,31 @@ Trim TrimSearch::run() {
                     out.iterations, out.residual));
   for (const int input : found_) {
     const spec::Input& of = m_.spec().inputs[static_cast<std::size_t>(input)];
-    const double value = inputs[of.name];
+    const double value = at.inputs[of.name];
     if (value < of.min || value > of.max)
       throw std::runtime_error(
           fmt::format("steady driving needs '{}' = {:.6g}, which is out of its range of {:g} to {:g}",
                       of.name, value, of.min, of.max));
   }
-  out.state = l.state;
+  if (const double left = further_on(at); !(left <= trim_uneven))
+    throw std::runtime_error(
+        fmt::format("no steady driving: the road is not level and even; a little further on {:.2g} of the "
+                    "accelerations at play are left",
+                    left));
+  out.state = at.linear.state;
   out.body = rovers_[main_].body;
-  out.yaw_rate = W;
+  out.yaw_rate = at.yaw_rate;
   out.up = up_;
-  out.inputs = inputs;
-  out.accelerations = e.accelerations;
+  out.inputs = at.inputs;
+  out.accelerations = at.equations.accelerations;
   const Rover& c = rovers_[main_];
-  const Vec3d v = out.state.v.segment<3>(c.position), along = v - c.up * c.up.dot(v);
-  out.speed = along.norm();
-  const Quat<double> p(out.state.q.segment<4>(c.quaternion));
-  const Vec3d ahead =
-      rotation_matrix<double>(p) *
-      m_.frames[m_.bodies[static_cast<std::size_t>(c.body)].outboard_frame].rotation.transpose().col(0);
-  const Vec3d level = ahead - c.up * c.up.dot(ahead);
-  out.sideslip = mimbre::atan2(c.up.dot(level.cross(along)), level.dot(along));
+  const Vec3d velocity = along(c, out.state);
+  out.speed = velocity.norm();
+  const Mat3d body_axes =
+      axes(c, out.state) *
+      m_.frames[m_.bodies[static_cast<std::size_t>(c.body)].outboard_frame].rotation.transpose();
+  const Vec3d ahead = body_axes.col(0), level = ahead - c.up * c.up.dot(ahead);
+  out.sideslip = mimbre::atan2(c.up.dot(level.cross(velocity)), level.dot(velocity));
   return out;
 }
 

@@ -4,9 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/trim_point.h"
@@ -28,6 +32,7 @@ struct PlainCar {
   double front = 1.2, rear = 1.4, track = 1.5, height = 0.35, chassis = 1200, wheel = 20, knuckle = 2;
   double radius = 0.3, stiffness = 2e5, cornering = 45e3, load = 3200, half_length = 0.06, front_grip = 0.8;
   double speed = 15;
+  double frame = 0;  ///< x of the frame of the joint on the ground
 
   double base() const { return front + rear; }
   double mass() const { return chassis + 4 * (wheel + knuckle); }
@@ -39,10 +44,9 @@ struct PlainCar {
         fmt::format("bodies:\n  chassis: {{mass: {}, com: [{}, 0, {}], inertia: [400, 1600, 1800]}}\n",
                     chassis, com, height);
     std::string joints = fmt::format(
-        "joints:\n  free: {{type: floating, between: [ground, chassis], at: [0, 0, 0], position: [0, 0, {}, "
-        "0, 0, 0], "
-        "velocity: [{}, 0, 0, 0, 0, 0]}}\n",
-        -load_of(true) / stiffness, speed);
+        "joints:\n  free: {{type: floating, between: [ground, chassis], at: [{}, 0, 0], position: [0, 0, {}, "
+        "0, 0, 0], velocity: [{}, 0, 0, 0, 0, 0]}}\n",
+        frame, -load_of(true) / stiffness, speed);
     std::string tyres = "tyres:\n", motors = "actuators:\n";
     for (const bool at_front : {true, false})
       for (const double side : {1.0, -1.0}) {
@@ -76,15 +80,17 @@ struct PlainCar {
            "simulation: {step: 1 ms, end: 10}\n";
   }
 
-  /// Of a bicycle with these tyres at their loads and trails, rad s²/m.
-  double understeer() const {
-    const auto grip = [&](bool at_front) {
-      return 2 * (at_front ? front_grip : 1) * cornering * load_of(at_front) / load;
-    };
-    const auto trail = [&](bool at_front) { return half_length * std::sqrt(load_of(at_front) / load) / 3; };
-    const double a = front - trail(true), b = rear + trail(false);
-    return mass() / (a + b) * (b / grip(true) - a / grip(false));
+  /// Of a bicycle with these tyres at their loads: forces of an axle for each radian, and where they act.
+  double grip(bool at_front) const {
+    return 2 * (at_front ? front_grip : 1) * cornering * load_of(at_front) / load;
   }
+  double trail(bool at_front) const { return half_length * std::sqrt(load_of(at_front) / load) / 3; }
+  double a() const { return front - trail(true); }
+  double b() const { return rear + trail(false); }
+  /// rad s²/m
+  double understeer() const { return mass() / (a() + b()) * (b() / grip(true) - a() / grip(false)); }
+  /// Slip of the rear axle, rad s²/m of the lateral acceleration.
+  double rear_slip() const { return mass() * a() / (a() + b()) / grip(false); }
 };
 
 TrimConditions turn(double speed, double across, std::vector<std::string> find) {
@@ -107,6 +113,34 @@ TEST(Trim, SteersAsABicycleDoes) {
                bicycle = car.understeer();
   EXPECT_NEAR(gradient, bicycle, 0.05 * bicycle);  // as in runs (tyre_test.cpp)
   EXPECT_NEAR(steer(1.5), -steer(-1.5), 1e-9);
+}
+
+/// The car's origin, which is its centre of mass, moves to the side by b/R, less the slip of the rear axle.
+TEST(Trim, SlipsAsABicycleDoes) {
+  const PlainCar car;
+  const auto model = model_of(car.text());
+  const auto sideslip = [&](double speed, double across) {
+    return trim(model, turn(speed, across, {"steer", "push"})).sideslip;
+  };
+  for (const double speed : {8., 20.}) {
+    const double slope = (sideslip(speed, 0.2) - sideslip(speed, -0.2)) / 0.4,
+                 slip = car.rear / (speed * speed) - slope;
+    EXPECT_NEAR(slip, car.rear_slip(), 0.02 * car.rear_slip()) << speed;
+  }
+}
+
+/// Speed, sideslip and radius are those of the body's origin, wherever the frames of its joint are.
+TEST(Trim, IsThatOfTheBodyWhereverItsFrameIs) {
+  PlainCar car;
+  const TrimResult here = trim(model_of(car.text()), turn(12, 2, {"steer", "push"}));
+  car.frame = 2;
+  const TrimResult there = trim(model_of(car.text()), turn(12, 2, {"steer", "push"}));
+  EXPECT_NEAR(here.speed, 12, 1e-9);
+  EXPECT_NEAR(there.speed, 12, 1e-9);
+  EXPECT_NEAR(there.sideslip, here.sideslip, 1e-9);
+  EXPECT_NEAR(there.yaw_rate, here.yaw_rate, 1e-9);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(there.found[k].value, here.found[k].value, 1e-6 * std::abs(here.found[k].value));
 }
 
 /// Rolling resistance is what the motors push against, at the loaded radius.
@@ -167,9 +201,20 @@ TEST(Trim, IsAMotionThatStays) {
   EXPECT_NEAR(std::hypot(channel(s, "vx"), channel(s, "vy")), 20, 2e-4);
 }
 
-/// Around a circle A is constant in axes that turn with the car: as many zeros as the plane has motions, and
-/// those of the wheels. Straight on at low speed the car is stable; it grows unstable beyond the critical
-/// speed where it oversteers: v² = L/(−K).
+LinearisedModes modes_at(const std::shared_ptr<const Model>& model, const TrimConditions& conditions) {
+  ModesOptions options;
+  options.linear.point.at = LinearPoint::At::trim;
+  options.linear.trim = conditions;
+  return find_modes(model, options);
+}
+
+int rigid_ones(const LinearisedModes& found) {
+  return static_cast<int>(std::count_if(found.modes.begin(), found.modes.end(),
+                                        [](const Mode& m) { return m.kind == Mode::Kind::rigid; }));
+}
+
+/// Straight on there are as many zeros as the plane has motions, and those of the wheels. At low speed the
+/// car is stable; it grows unstable beyond the critical speed where it oversteers: v² = L/(−K).
 TEST(Trim, ModesFindTheCriticalSpeed) {
   PlainCar car;
   car.front_grip = 1.5;
@@ -178,20 +223,37 @@ TEST(Trim, ModesFindTheCriticalSpeed) {
   const double critical = std::sqrt(car.base() / -gradient);
   const auto model = model_of(car.text());
   const auto grows = [&](double speed) {
-    ModesOptions options;
-    options.linear.point.at = LinearPoint::At::trim;
-    options.linear.trim = turn(speed, 0, {"steer", "push"});
-    bool any = false;
-    int rigid = 0;
-    for (const Mode& mode : find_modes(model, options).modes) {
-      any = any || mode.grows;
-      rigid += mode.kind == Mode::Kind::rigid;
-    }
-    EXPECT_GE(rigid, 6);  // x, y, four wheels
-    return any;
+    const LinearisedModes found = modes_at(model, turn(speed, 0, {"steer", "push"}));
+    EXPECT_GE(rigid_ones(found), 6);  // x, y, four wheels
+    return std::any_of(found.modes.begin(), found.modes.end(), [](const Mode& m) { return m.grows; });
   };
   EXPECT_FALSE(grows(0.9 * critical));
   EXPECT_TRUE(grows(1.1 * critical));
+}
+
+/// On a circle, too, A is constant, in axes that turn with the car: moved as a whole the car goes round
+/// beside its circle, which is a mode ±iΩ there. To the left and to the right modes are the same.
+TEST(Trim, ModesOnACircle) {
+  const PlainCar car;
+  const auto model = model_of(car.text());
+  TrimConditions c;
+  c.speed = 12;
+  c.radius = 50;
+  c.find = {"steer", "push"};
+  const LinearisedModes left = modes_at(model, c);
+  c.radius = -50;
+  const LinearisedModes right = modes_at(model, c);
+  EXPECT_EQ(rigid_ones(left), 5);  // heading, four wheels
+  EXPECT_EQ(rigid_ones(right), 5);
+  ASSERT_EQ(left.modes.size(), right.modes.size());
+  int round = 0;
+  for (std::size_t k = 0; k < left.modes.size(); ++k) {
+    const std::complex<double> one = left.modes[k].value;
+    EXPECT_LE(std::abs(one - right.modes[k].value), 1e-6 * std::abs(one)) << k << one;
+    EXPECT_FALSE(left.modes[k].grows) << k;
+    round += std::abs(one - std::complex<double>(0, 12. / 50)) < 1e-6;
+  }
+  EXPECT_EQ(round, 1);
 }
 
 TEST(Trim, NamesWhatDoesNotGoTogether) {
@@ -214,6 +276,53 @@ TEST(Trim, NamesWhatDoesNotGoTogether) {
   c.body.clear();
   c.radius = 10;
   EXPECT_THAT(message(c), HasSubstr("one of"));
+  EXPECT_THAT(message(turn(20, 1, {"steer", "steer"})), HasSubstr("to be found twice"));
+}
+
+/// Uphill the start is far from any steady motion; where a slope begins ahead of the front wheels it is not.
+TEST(Trim, NeedsALevelRoad) {
+  const std::string level = "[[-1000, 0], [1000, 0]]";
+  for (const auto& [road, message] : {std::pair{"[[-1000, -30], [1000, 30]]", "no steady driving was found"},
+                                      {"[[-1000, 0], [1.3, 0], [1000, 30]]", "further on"}}) {
+    std::string text = PlainCar().text();
+    text.replace(text.find(level), level.size(), road);
+    try {
+      trim(model_of(text), turn(20, 0, {"steer", "push"}));
+      ADD_FAILURE() << road;
+    } catch (const std::exception& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(message)) << road;
+    }
+  }
+}
+
+/// Where a controller's output rests at its limit, its states do not move: found all the same, or refused.
+TEST(Trim, StandsLimitsOfControllers) {
+  const auto model = example("iltis/steady.yaml", {{"arms", "rigid"}, {"links", "rigid"}, {"rods", "rigid"}});
+  const auto found = [&](const TrimConditions& c) {
+    try {
+      const TrimResult r = trim(model, c);
+      EXPECT_TRUE(r.values.allFinite());
+      EXPECT_LT(r.residual, 1e-7);
+      return true;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("steady driving"));
+      return false;
+    }
+  };
+  TrimConditions c;
+  c.find = {"steering"};
+  c.lateral_acceleration = 1;
+  found(c);
+  c.lateral_acceleration.reset();
+  c.radius = 30;
+  found(c);
+  c.radius.reset();
+  c.speed = 30;
+  found(c);
+  c.speed.reset();
+  c.yaw_rate = 0.3;
+  c.find = {"throttle"};
+  found(c);
 }
 
 /// A line through points.

@@ -93,11 +93,9 @@ Command add_trim(CommandLine& program) {
   parser.add_flag("--json", given->json, "The same as JSON");
   add_strict_option(parser, given->strict);
   parser.footer(
-      "The start needs velocities: joints that turn there go on turning. Eigenvalues about that motion: the "
-      "same "
-      "options of\nmimbre modes.\nExample:\n  mimbre trim car.yaml --hold speed=20 --hold "
-      "lateral_acceleration=2 --find "
-      "steering --find throttle");
+      "The start needs velocities: joints that turn there go on turning. For eigenvalues about that motion\n"
+      "give the same options to mimbre modes --at steady.\nExample:\n"
+      "  mimbre trim car.yaml --hold speed=20 --hold lateral_acceleration=2 --find steering --find throttle");
   return {parser, [given] { return run_trim(*given); }};
 }
 
