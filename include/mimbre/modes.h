@@ -28,6 +28,8 @@ struct Mode {
   double damped = 0;           ///< Im λ/2π, Hz
   double damping = 0;          ///< −Re λ/|λ|; 0 of a rigid one
   bool grows = false;          ///< Re λ > 0, by more than round-off
+  /// Where coefficients repeat after a period (LinearisedModes::period): e^{λT}; else 0.
+  std::complex<double> multiplier = 0;
   /// Right eigenvector, of the largest entry 1 of its motion (along the mechanism's scales), and the left one
   /// wᴴ with wᴴ x = 1 (none of rigid modes: zeros).
   Eigen::VectorXcd shape, left;
@@ -71,6 +73,10 @@ struct LinearisedModes {
   bool sparse = false;  ///< by the sparse solver
   std::vector<LinearName> coordinates;
   std::vector<Mode> modes;  ///< rigid ones first, then by |λ|
+  /// T, s, where the coefficients vary along a steady motion and repeat after T; 0: they are constant, or
+  /// vary otherwise. λ are then Floquet's exponents, whose imaginary parts are known but for multiples of
+  /// 2π/T: those given are the ones that the motion has on average. Shapes are those at the point.
+  double period = 0;
   double turning = 0;  ///< Ω, rad/s, where the whole mechanism turns about one fixed axis (Mode::fixed); or 0
   double cpu_seconds = 0;
 };

@@ -161,6 +161,8 @@ class EigenMode:
     """The damping ratio −Re λ/|λ|."""
     grows: bool
     """Re λ > 0 beyond round-off."""
+    multiplier: complex
+    """Where coefficients repeat after T (`Modes.period`): e^{λT}, by which the motion grows over a period. Else 0."""
     whirl: float
     """1: forward, −1: backward, 0: neither."""
     text: str
@@ -187,6 +189,8 @@ class Modes(Sequence[EigenMode]):
     """All of them."""
     turning: float
     """Angular speed of the whole mechanism about one fixed axis, rad/s; 0: it does not turn so."""
+    period: float
+    """T, s, after which coefficients that vary along the motion repeat; λ are then Floquet's exponents. Else 0."""
     notes: list[str]
     """What was done with delays, sampled signals and laws of the user."""
     warnings: list[str]
@@ -375,6 +379,7 @@ def modes(
             frequency=m.frequency,
             damping=m.damping,
             grows=m.grows,
+            multiplier=m.multiplier,
             whirl=m.whirl,
             text=m.text,
             shape=m.shape,
@@ -385,7 +390,7 @@ def modes(
         for m in found.modes
     ]
     names = [name for name, _ in found.coordinates]
-    return Modes(found.point, names, listed, found.turning, found.notes, found.warnings)
+    return Modes(found.point, names, listed, found.turning, found.period, found.notes, found.warnings)
 
 
 @dataclass(frozen=True)

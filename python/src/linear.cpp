@@ -159,6 +159,7 @@ void bind_linear(nb::module_& module) {
       .def_ro("frequency", &mimbre::Mode::frequency)
       .def_ro("damping", &mimbre::Mode::damping)
       .def_ro("grows", &mimbre::Mode::grows)
+      .def_ro("multiplier", &mimbre::Mode::multiplier)
       .def_ro("whirl", &mimbre::Mode::whirl)
       .def_ro("gravity", &mimbre::Mode::gravity)
       .def_ro("text", &mimbre::Mode::text)
@@ -172,7 +173,8 @@ void bind_linear(nb::module_& module) {
       .def_prop_ro("warnings", [](const LinearisedModes& m) { return m.model.warnings; })
       .def_prop_ro("coordinates", [](const LinearisedModes& m) { return names_of(m.coordinates); })
       .def_ro("modes", &LinearisedModes::modes)
-      .def_ro("turning", &LinearisedModes::turning);
+      .def_ro("turning", &LinearisedModes::turning)
+      .def_ro("period", &LinearisedModes::period);
   module.def(
       "modes",
       [](const LoadedModel& loaded, const MethodChoice& method, const std::string& at, double time,

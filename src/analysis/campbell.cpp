@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -27,6 +28,7 @@ struct Stand {
   double value = 0;
   std::vector<Mode> modes;
   std::vector<int> branch;  ///< of each mode
+  double turn = 0;          ///< 2π/T where λ are known but for multiples of it; 0: they are known
 };
 
 bool comparable(const Mode& a, const Mode& b) {
@@ -47,6 +49,23 @@ double alike(const Mode& a, const Mode& b) {
   };
   // In axes that turn, λ may go through the real axis: its conjugate is the one that is listed then.
   return std::max(with(b.shape, b.left), with(b.shape.conjugate(), b.left.conjugate()));
+}
+
+/// λ + i k turn that is nearest to another one.
+std::complex<double> nearest_multiple(std::complex<double> value, double turn, std::complex<double> to) {
+  if (!(turn > 0)) return value;
+  return {value.real(), value.imag() + turn * std::round((to.imag() - value.imag()) / turn)};
+}
+
+/// Of exponents that are known but for multiples the one that goes on from a mode, or that of the conjugate.
+void go_on_from(const Mode& from, double turn, Mode& to) {
+  if (!(turn > 0) || to.kind == Mode::Kind::rigid || !comparable(from, to)) return;
+  if (std::abs(from.left.dot(to.shape.conjugate())) > std::abs(from.left.dot(to.shape))) {
+    to.value = std::conj(to.value);
+    for (Eigen::VectorXcd* x : {&to.shape, &to.left, &to.motion}) *x = x->conjugate().eval();
+  }
+  to.value = nearest_multiple(to.value, turn, from.value);
+  to.fixed = to.value;
 }
 
 /// Modes of equal eigenvalues, which have no shapes of their own.
@@ -162,7 +181,7 @@ class Tracking {
       if (std::find(out_.warnings.begin(), out_.warnings.end(), warning) == out_.warnings.end() &&
           out_.warnings.size() < 20)
         out_.warnings.push_back(warning);
-    return {value, std::move(found.modes), {}};
+    return {value, std::move(found.modes), {}, found.period > 0 ? 2 * std::numbers::pi / found.period : 0};
   }
 
   int open(const Mode& mode) {
@@ -228,9 +247,11 @@ class Tracking {
   Stand follow(Stand from, Stand to, int depth) {
     align(to.modes, from.modes);
     std::vector<int> pair;
+    const bool certain = match(from, to, pair);
+    for (std::size_t j = 0; j < to.modes.size(); ++j)
+      if (pair[j] >= 0) go_on_from(from.modes[static_cast<std::size_t>(pair[j])], to.turn, to.modes[j]);
     // A crossing may be a veering narrower than the interval: it is looked at more closely.
-    const bool certain = match(from, to, pair),
-               good = certain && !(depth < closest && crosses(from, to, pair));
+    const bool good = certain && !(depth < closest && crosses(from, to, pair));
     if (!good && depth < deepest && out_.evaluations < options_.most_evaluations) {
       Stand middle = evaluate(0.5 * (from.value + to.value));
       // Modes that come together on the real axis part there for good: no halving makes that smooth.
@@ -275,9 +296,13 @@ class Tracking {
       std::complex<double> nearest = expected;
       double least = std::numeric_limits<double>::infinity();
       for (const Mode& mode : there.modes)
-        if (const double off = std::abs(mode.seen() - expected); off < least) {
-          least = off;
-          nearest = mode.seen();
+        for (const std::complex<double>& value : {mode.seen(), std::conj(mode.seen())}) {
+          const std::complex<double> here = nearest_multiple(value, there.turn, expected);
+          if (const double off = std::abs(here - expected); off < least) {
+            least = off;
+            nearest = here;
+          }
+          if (!(there.turn > 0)) break;
         }
       if (f(nearest, place) == 0) break;
       if ((f(nearest, place) > 0) == (a > 0)) {

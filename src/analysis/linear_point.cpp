@@ -402,6 +402,20 @@ void linearise_state(const Compiled& m, const relative::RelativeSystem& system, 
   out.names.redundant = m.equations - independent.rank();
 }
 
+Linearised linearised_later(const Compiled& m, const relative::RelativeSystem& system, const Linearised& at,
+                            double time) {
+  Linearised next;
+  next.state = at.state;
+  const VectorXd x = time * at.state.v;
+  system.retract(at.state.q.data(), x.data(), next.state.q.data());
+  next.state.time += time;
+  next.independent = at.independent;
+  next.moving = at.moving;
+  linearise_state(m, system, next);
+  fold_bristles(next);
+  return next;
+}
+
 namespace {
 
 /// By how much A differs a little further along the motion, of its largest entry: 0 where the mechanism moves
@@ -410,16 +424,10 @@ std::vector<double> variation(const Compiled& m, const relative::RelativeSystem&
                               const std::vector<TurnedAxes>& choices) {
   std::vector<double> out(choices.size(), 1);
   const double speed = system.scales().of_coordinates(at.state.v.data());
-  Linearised next;
-  next.state = at.state;
   const double dt = 0.37 / speed;
-  const VectorXd x = dt * at.state.v;
-  system.retract(at.state.q.data(), x.data(), next.state.q.data());
-  next.state.time += dt;
-  next.independent = at.independent;
-  next.moving = at.moving;
+  Linearised next;
   try {
-    linearise_state(m, system, next);
+    next = linearised_later(m, system, at, dt);
   } catch (const std::runtime_error&) {
     return out;
   }
@@ -528,11 +536,10 @@ void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& o
                     "not "
                     "turn with them, where A is constant");
     } else if (names.varies > constant)
-      names.warnings.push_back(
-          fmt::format("the coefficients vary along the motion, by {:.2g} of the largest after 0.37 rad or as "
-                      "much of its size: "
-                      "eigenvalues of one instant do not decide what happens over a period",
-                      names.varies));
+      names.warnings.push_back(fmt::format(
+          "{}, by {:.2g} of the largest after 0.37 rad or as much of its size: eigenvalues of one "
+          "instant do not decide what happens over a period",
+          varying, names.varies));
     else
       names.varies = 0;
   }

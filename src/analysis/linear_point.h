@@ -15,6 +15,9 @@ struct TurnedVector {
   Vec3d rate = Vec3d::Zero();  ///< rad/s
 };
 
+/// How the warning begins that coefficients vary.
+constexpr const char* varying = "the coefficients vary along the motion";
+
 /// A linearised model; `model` is the given one, with delays replaced where it has any.
 struct Linearised {
   std::shared_ptr<const Model> model;
@@ -48,6 +51,9 @@ Linearised linearise_located(Linearised at);
 /// The linear equations at out.state, whose accelerations and multipliers become the consistent ones.
 /// Independent coordinates and velocities that are given stay. Its elements and signals must be committed.
 void linearise_state(const Compiled& model, const relative::RelativeSystem& system, Linearised& out);
+/// Along a steady motion: the same equations a time later, in the same coordinates.
+Linearised linearised_later(const Compiled& model, const relative::RelativeSystem& system,
+                            const Linearised& at, double time);
 /// What force elements and signals remember is that of the state.
 void commit(const Compiled& model, relative::RelativeSystem& system, State& state);
 

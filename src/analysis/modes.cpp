@@ -1,11 +1,14 @@
 #include "mimbre/modes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
+#include "analysis/floquet.h"
 #include "analysis/linear_turning.h"
 #include "analysis/mode_shapes.h"
 #include "analysis/mode_shares.h"
@@ -30,6 +33,8 @@ constexpr double nothing = 1e-9;
 constexpr double no_stiffness = 1e-8;
 /// Of the largest eigenvalue: what is real or imaginary but for that is so.
 constexpr double imaginary_round_off = 1e-10;
+/// Of the transition over a period, by its integration.
+constexpr double transition_round_off = 1e-7;
 
 /// Scales of the states: their sizes where the motion is of the mechanism's size, and as fast as its modes.
 VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coordinate_scales,
@@ -126,13 +131,12 @@ Zeros zeros_of(const linear::Linearised& at) {
 /// a disc's path goes by its heading, and its heading by its speed. `A` is in units of the mechanism. Null
 /// vectors are taken out by an orthogonal transformation until none is left: those of the rest are the next
 /// ones of the chains.
-Zeros staircase_zeros(const MatrixXd& A) {
-  constexpr double rank_round_off = 1e-12;
+Zeros staircase_zeros(const MatrixXd& A, double nothing_left = nothing, double rank_round_off = 1e-12) {
   Zeros out;
   out.vectors.resize(A.rows(), 0);
   MatrixXd rest = A;
   while (rest.rows() > 0) {
-    const bool any = rest.cwiseAbs().maxCoeff() > nothing * A.cwiseAbs().maxCoeff();
+    const bool any = rest.cwiseAbs().maxCoeff() > nothing_left * A.cwiseAbs().maxCoeff();
     const MatrixXd free =
         any ? null_space(rest, rank_round_off) : MatrixXd::Identity(rest.rows(), rest.rows());
     if (free.cols() == 0) break;
@@ -145,54 +149,113 @@ Zeros staircase_zeros(const MatrixXd& A) {
   return out;
 }
 
-std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scale) {
-  const linear::Reduced& r = at.reduced;
+/// The motion's largest entry becomes 1.
+void normalise_motion(VectorXcd& x, int coordinates, const VectorXd& scale) {
+  const bool moves = coordinates > 0 && x.head(coordinates).norm() > 0;
+  linear::normalise(x, moves ? coordinates : x.size(), scale);
+}
+
+/// Rigid motions by columns of `free`, along the scales.
+std::vector<Mode> rigid_modes(const MatrixXd& free, int coordinates, const VectorXd& scale) {
   std::vector<Mode> modes;
-  if (r.A.rows() == 0) return modes;
-  const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
-  // On wheels the path goes by the heading, too.
-  const bool rolls = r.coordinates != r.speeds || at.trimmed;
-  const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
-  const auto normalise_motion = [&](VectorXcd& x) {
-    const bool moves = r.coordinates > 0 && x.head(r.coordinates).norm() > 0;
-    linear::normalise(x, moves ? r.coordinates : x.size(), scale);
-  };
-  const MatrixXd free =
-      linear::echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors);
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
     mode.shape = (scale.asDiagonal() * free.col(k)).cast<std::complex<double>>();
-    normalise_motion(mode.shape);
-    mode.left = VectorXcd::Zero(A.rows());
-    modes.push_back(std::move(mode));
-  }
-  const ComplexPairs pairs = general_eigen(A);
-  if (!pairs.ok) throw std::runtime_error("the eigenvalues were not found: the iteration did not converge");
-  const MatrixXcd left = complex_inverse(pairs.vectors);
-  std::vector<Eigen::Index> order;
-  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) order.push_back(k);
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return std::abs(pairs.values[a]) < std::abs(pairs.values[b]);
-  });
-  order.erase(order.begin(), order.begin() + std::min<std::ptrdiff_t>(zeros.count, std::ssize(order)));
-  const double largest = order.empty() ? 0 : std::abs(pairs.values[order.back()]);
-  for (const Eigen::Index k : order) {
-    std::complex<double> value = pairs.values[k];
-    if (value.imag() < 0) continue;
-    Mode mode = linear::mode_of(value, imaginary_round_off * largest);
-    mode.shape = scale.cast<std::complex<double>>().cwiseProduct(pairs.vectors.col(k));
-    normalise_motion(mode.shape);
-    VectorXcd w =
-        scale.cwiseInverse().cast<std::complex<double>>().cwiseProduct(left.row(k).adjoint().col(0));
-    if (!w.allFinite()) w.setZero();
-    const std::complex<double> product = w.dot(mode.shape);
-    if (std::abs(product) > 0) w /= std::conj(product);
-    mode.left = w;
+    normalise_motion(mode.shape, coordinates, scale);
+    mode.left = VectorXcd::Zero(scale.size());
     modes.push_back(std::move(mode));
   }
   return modes;
 }
+
+/// Shape and left vector of a mode by those along the scales.
+void set_vectors(Mode& mode, const VectorXcd& right, const VectorXcd& left, int coordinates,
+                 const VectorXd& scale) {
+  mode.shape = scale.cast<std::complex<double>>().cwiseProduct(right);
+  normalise_motion(mode.shape, coordinates, scale);
+  VectorXcd w = scale.cwiseInverse().cast<std::complex<double>>().cwiseProduct(left);
+  if (!w.allFinite()) w.setZero();
+  const std::complex<double> product = w.dot(mode.shape);
+  if (std::abs(product) > 0) w /= std::conj(product);
+  mode.left = w;
+}
+
+/// Indices of values by their distance from `from`, without the first ones.
+std::vector<Eigen::Index> order_of(const VectorXcd& values, std::complex<double> from, int left_out) {
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index k = 0; k < values.size(); ++k) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return std::abs(values[a] - from) < std::abs(values[b] - from);
+  });
+  order.erase(order.begin(), order.begin() + std::min<std::ptrdiff_t>(left_out, std::ssize(order)));
+  return order;
+}
+
+ComplexPairs pairs_of(const MatrixXd& A) {
+  ComplexPairs pairs = general_eigen(A);
+  if (!pairs.ok) throw std::runtime_error("the eigenvalues were not found: the iteration did not converge");
+  return pairs;
+}
+
+std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scale) {
+  const linear::Reduced& r = at.reduced;
+  if (r.A.rows() == 0) return {};
+  const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
+  // On wheels the path goes by the heading, too.
+  const bool rolls = r.coordinates != r.speeds || at.trimmed;
+  const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
+  std::vector<Mode> modes =
+      rigid_modes(linear::echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors),
+                  r.coordinates, scale);
+  const ComplexPairs pairs = pairs_of(A);
+  const MatrixXcd left = complex_inverse(pairs.vectors);
+  const std::vector<Eigen::Index> order = order_of(pairs.values, 0, zeros.count);
+  const double largest = order.empty() ? 0 : std::abs(pairs.values[order.back()]);
+  for (const Eigen::Index k : order) {
+    if (pairs.values[k].imag() < 0) continue;
+    Mode mode = linear::mode_of(pairs.values[k], imaginary_round_off * largest);
+    set_vectors(mode, pairs.vectors.col(k), left.row(k).adjoint().col(0), r.coordinates, scale);
+    modes.push_back(std::move(mode));
+  }
+  return modes;
+}
+
+/// Of coefficients that repeat: by multipliers over a period. Rigid motions have the multiplier 1.
+std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& scale,
+                                const linear::Transition& transition) {
+  const int coordinates = at.reduced.coordinates;
+  const MatrixXd& over = transition.over_period;
+  const Zeros zeros = staircase_zeros(over - MatrixXd::Identity(over.rows(), over.cols()),
+                                      transition_round_off, transition_round_off);
+  std::vector<Mode> modes = rigid_modes(linear::echelon(zeros.vectors), coordinates, scale);
+  for (Mode& mode : modes) mode.multiplier = 1;
+  const ComplexPairs pairs = pairs_of(over);
+  const MatrixXcd left = complex_inverse(pairs.vectors);
+  const std::size_t rigid = modes.size();
+  for (const Eigen::Index k : order_of(pairs.values, 1, zeros.count)) {
+    const std::complex<double> multiplier = pairs.values[k];
+    if (multiplier.imag() < 0) continue;
+    VectorXcd right = pairs.vectors.col(k), w = left.row(k).adjoint().col(0);
+    std::complex<double> value = linear::exponent_of(transition, multiplier, right);
+    Mode mode;
+    if (value.imag() < 0) {
+      value = std::conj(value);
+      right = right.conjugate().eval();
+      w = w.conjugate().eval();
+    }
+    mode = linear::mode_of(value, transition_round_off / transition.period);
+    mode.multiplier = std::exp(value * transition.period);
+    set_vectors(mode, right, w, coordinates, scale);
+    modes.push_back(std::move(mode));
+  }
+  std::stable_sort(modes.begin() + static_cast<std::ptrdiff_t>(rigid), modes.end(),
+                   [](const Mode& a, const Mode& b) { return std::abs(a.value) < std::abs(b.value); });
+  return modes;
+}
+
+/// Whether the coefficients vary along the steady motion of the point, but for other axes.
+bool varies(const linear::Linearised& at) { return at.names.varies > 0 && at.axes.empty(); }
 
 }  // namespace
 
@@ -226,8 +289,21 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   out.model.stiffness = at.reduced.stiffness;
   for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(linear::coordinate_label(m, k));
   const relative::RelativeSystem system(m);
-  out.modes =
-      eigen_modes(at, state_scales(at.reduced, system.scales().coordinates, at.independent, at.moving));
+  const VectorXd scale = state_scales(at.reduced, system.scales().coordinates, at.independent, at.moving);
+  std::string why;
+  const std::optional<linear::Transition> transition =
+      varies(at) ? linear::find_transition(m, system, at, scale, why) : std::nullopt;
+  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, scale);
+  if (transition) {
+    out.period = transition->period;
+    std::erase_if(out.model.warnings, [](const std::string& w) { return w.starts_with(linear::varying); });
+    out.model.notes.push_back(fmt::format(
+        "the coefficients vary along the motion and repeat after {:.6g} s: modes are x = e^λt p(t) with p of "
+        "that period (Floquet); their frequencies are seen with multiples of {:.6g} rad/s added, too",
+        out.period, 2 * std::numbers::pi / out.period));
+  } else if (!why.empty()) {
+    out.model.notes.push_back("there are no multipliers of a period: " + why);
+  }
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
   linear::ModeShares shares(at);

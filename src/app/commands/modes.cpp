@@ -40,6 +40,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
   json["coordinates"] = Json::array();
   for (const LinearName& c : found.coordinates) json["coordinates"].push_back(c.name);
   if (found.turning > 0) json["turning"] = found.turning;
+  if (found.period > 0) json["period"] = found.period;
   json["modes"] = Json::array();
   for (const Mode& m : found.modes) {
     Json one;
@@ -52,6 +53,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
     one["grows"] = m.grows;
     one["whirl"] = m.whirl;
     if (found.turning > 0) one["from_ground"] = {m.fixed.real(), m.fixed.imag()};
+    if (found.period > 0) one["multiplier"] = {m.multiplier.real(), m.multiplier.imag()};
     one["text"] = m.text;
     one["shares"] = {{"coordinates", to_json(m.coordinates)},
                      {"bodies", to_json(m.bodies)},
