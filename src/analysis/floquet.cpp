@@ -29,9 +29,11 @@ constexpr int most_turns = 24;
 constexpr double steady = 1e-5, repeats = 1e-6;
 /// Of the transition: it has settled.
 constexpr double settled = 1e-8;
+/// Of the largest multiplier: smaller ones are lost in its round-off.
+constexpr double least_share = 1e-9;
 /// Of a multiplier: it is real.
 constexpr double real_round_off = 1e-9;
-constexpr int parts = 16, fewest_steps = 32, most_steps = 4096;
+constexpr int parts = 16, fewest_steps = 32, most_steps = 1024;
 
 /// Padé's function of degrees 6 over 6, exact to round-off up to a norm of 1/2 (Higham, SIAM J. Matrix Anal.
 /// Appl. 26, 2005); larger matrices are halved and the result is squared.
@@ -133,9 +135,10 @@ std::vector<MatrixXd> transitions(const Along& along, double period, int steps, 
 std::optional<Transition> find_transition(const Compiled& m, const relative::RelativeSystem& system,
                                           const Linearised& at, const VectorXd& scale, std::string& why) {
   Transition out;
-  out.period = period_of(turning_speeds(m, at.state.v));
+  const std::vector<double> turning = turning_speeds(m, at.state.v);
+  out.period = period_of(turning);
   if (!(out.period > 0)) {
-    why = "what turns has no common period";
+    why = turning.empty() ? "nothing turns" : "what turns has no common period";
     return {};
   }
   try {
@@ -151,6 +154,11 @@ std::optional<Transition> find_transition(const Compiled& m, const relative::Rel
       out.over_period = out.on.back();
       if (!out.over_period.allFinite()) break;
       if (before.size() > 0 && (out.over_period - before).norm() <= settled * out.over_period.norm()) {
+        const VectorXd sizes = eigenvalues(out.over_period).cwiseAbs();
+        if (sizes.size() > 0 && !(sizes.minCoeff() > least_share * sizes.maxCoeff())) {
+          why = "some motions grow or decay by more over a period than numbers have digits";
+          return {};
+        }
         out.on.pop_back();
         const int y = at.reduced.coordinates, f = at.reduced.speeds;
         const auto speeds = scale.segment(y, f).asDiagonal();

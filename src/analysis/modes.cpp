@@ -226,8 +226,12 @@ std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& sc
                                 const linear::Transition& transition) {
   const int coordinates = at.reduced.coordinates;
   const MatrixXd& over = transition.over_period;
-  const Zeros zeros = staircase_zeros(over - MatrixXd::Identity(over.rows(), over.cols()),
-                                      transition_round_off, transition_round_off);
+  Zeros zeros = staircase_zeros(over - MatrixXd::Identity(over.rows(), over.cols()), transition_round_off,
+                                transition_round_off);
+  // At a critical speed motions come back after a period, too, that are not rigid.
+  const MatrixXd A = scale.cwiseInverse().asDiagonal() * at.reduced.A * scale.asDiagonal();
+  if (zeros.count > 0 && (A * zeros.vectors).norm() > 1e-6 * A.norm() * zeros.vectors.norm())
+    zeros = {0, MatrixXd(over.rows(), 0)};
   std::vector<Mode> modes = rigid_modes(linear::echelon(zeros.vectors), coordinates, scale);
   for (Mode& mode : modes) mode.multiplier = 1;
   const ComplexPairs pairs = pairs_of(over);
