@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "joints/joint_kind.h"
+#include "math/elementary.h"
 #include "math/once/decompositions.h"
 
 namespace mimbre::linear {
@@ -40,7 +41,7 @@ constexpr int parts = 16, fewest_steps = 32, most_steps = 1024;
 MatrixXd exponential(const MatrixXd& A) {
   constexpr double c[] = {1, 1. / 2, 5. / 44, 1. / 66, 1. / 792, 1. / 15840, 1. / 665280};
   const double norm = A.cwiseAbs().colwise().sum().maxCoeff();
-  const int halvings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(2 * norm))) : 0;
+  const int halvings = norm > 0.5 ? static_cast<int>(std::ceil(mimbre::log2(2 * norm))) : 0;
   const MatrixXd B = std::ldexp(1, -halvings) * A, B2 = B * B, B4 = B2 * B2, B6 = B4 * B2,
                  I = MatrixXd::Identity(A.rows(), A.cols());
   const MatrixXd even = I + c[2] * B2 + c[4] * B4 + c[6] * B6, odd = B * (c[1] * I + c[3] * B2 + c[5] * B4);
@@ -182,7 +183,10 @@ std::optional<Transition> find_transition(const Compiled& m, const relative::Rel
 
 std::complex<double> exponent_of(const Transition& transition, std::complex<double> multiplier,
                                  const VectorXcd& shape) {
-  const std::complex<double> principal = std::log(multiplier) / transition.period;
+  const std::complex<double> principal =
+      std::complex<double>(mimbre::log(std::abs(multiplier)),
+                           mimbre::atan2(multiplier.imag(), multiplier.real())) /
+      transition.period;
   const double turn = 2 * std::numbers::pi / transition.period;
   // With s = e^{λt} p the mean of s·Mṡ over s·Ms is λ and the mean harmonic of p.
   std::complex<double> mean = 0;
@@ -190,7 +194,7 @@ std::complex<double> exponent_of(const Transition& transition, std::complex<doub
   for (std::size_t k = 0; k < transition.on.size(); ++k) {
     const double time =
         transition.period * static_cast<double>(k) / static_cast<double>(transition.on.size());
-    const VectorXcd x = std::exp(-principal.real() * time) * (transition.on[k] * shape),
+    const VectorXcd x = mimbre::exp(-principal.real() * time) * (transition.on[k] * shape),
                     s = x.segment(transition.first_speed, transition.mass[k].rows()),
                     rate = transition.A[k] * x - principal.real() * s;
     mean += s.dot(transition.mass[k] * rate);

@@ -14,6 +14,7 @@
 #include "analysis/mode_shares.h"
 #include "analysis/sparse_modes.h"
 #include "base/cpu_time.h"
+#include "math/elementary.h"
 #include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
 #include "mimbre/diagnostics.h"
@@ -249,7 +250,9 @@ std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& sc
       w = w.conjugate().eval();
     }
     mode = linear::mode_of(value, transition_round_off / transition.period);
-    mode.multiplier = std::exp(value * transition.period);
+    const double turned = value.imag() * transition.period;
+    mode.multiplier = mimbre::exp(value.real() * transition.period) *
+                      std::complex<double>(mimbre::cos(turned), mimbre::sin(turned));
     set_vectors(mode, right, w, coordinates, scale);
     modes.push_back(std::move(mode));
   }
