@@ -166,6 +166,64 @@ Scalar unary(Op op, const Scalar& x) {
   return chain(taylor_at(op, value_of(x)), x);
 }
 
+Jet constant(double value) { return {value, 0, 0}; }
+
+/// f' of a jet.
+Jet slope(Op op, const Jet& x) {
+  const Jet one = constant(1);
+  const auto logarithm = [&](double base) { return one / (constant(base) * x); };
+  switch (op) {
+    case Op::square:
+      return constant(2) * x;
+    case Op::cube:
+      return constant(3) * unary(Op::square, x);
+    case Op::fourth:
+      return constant(4) * unary(Op::cube, x);
+    case Op::sin:
+      return unary(Op::cos, x);
+    case Op::cos:
+      return -unary(Op::sin, x);
+    case Op::tan:
+      return one + unary(Op::square, unary(Op::tan, x));
+    case Op::asin:
+      return one / unary(Op::sqrt, one - x * x);
+    case Op::acos:
+      return -(one / unary(Op::sqrt, one - x * x));
+    case Op::atan:
+      return one / (one + x * x);
+    case Op::sinh:
+      return unary(Op::cosh, x);
+    case Op::cosh:
+      return unary(Op::sinh, x);
+    case Op::tanh:
+      return one / unary(Op::square, unary(Op::cosh, x));
+    case Op::asinh:
+      return one / unary(Op::sqrt, one + x * x);
+    case Op::acosh:
+      return one / unary(Op::sqrt, (x - one) * (x + one));
+    case Op::atanh:
+      return one / ((one - x) * (one + x));
+    case Op::log2:
+      return logarithm(std::numbers::ln2);
+    case Op::log10:
+      return logarithm(std::numbers::ln10);
+    case Op::ln:
+      return logarithm(1);
+    case Op::exp:
+      return unary(Op::exp, x);
+    case Op::sqrt:
+      return constant(0.5) / unary(Op::sqrt, x);
+    case Op::abs:
+      return constant(sign_of(x.value));
+    default:  // sign, rint
+      return constant(0);
+  }
+}
+VaryingJet unary(Op op, const VaryingJet& x) {
+  const Jet none = constant(0);
+  return {unary(op, x.at), varies(VaryingJet{none, x.by}) ? along(slope(op, x.at), x.by) : none};
+}
+
 double power(double a, double b) { return mimbre::pow(a, b); }
 template <class Scalar>
 Scalar power(const Scalar& a, const Scalar& b) {
@@ -177,6 +235,16 @@ Scalar power(const Scalar& a, const Scalar& b) {
   Scalar result = chain({f, f, f}, b * unary(Op::ln, a));  // exp(b ln a)
   result.value = f;
   return result;
+}
+
+VaryingJet power(const VaryingJet& a, const VaryingJet& b) {
+  const double n = b.at.value;
+  if (!varies(b) || a.at.value == 0)
+    return {power(a.at, b.at),
+            n == 0 ? constant(0) : along(constant(n) * power(a.at, constant(n - 1)), a.by)};
+  const VaryingJet exponent = b * unary(Op::ln, a);
+  const Jet f = power(a.at, b.at);
+  return {f, along(f, exponent.by)};
 }
 
 double arc_tangent(double y, double x) { return mimbre::atan2(y, x); }
@@ -191,6 +259,11 @@ Jet arc_tangent(const Jet& y, const Jet& x) {
   return {
       mimbre::atan2(y.value, x.value), first,
       (x.value * y.second - y.value * x.second - 2 * (x.value * x.first + y.value * y.first) * first) / s};
+}
+
+VaryingJet arc_tangent(const VaryingJet& y, const VaryingJet& x) {
+  const Jet s = x.at * x.at + y.at * y.at;
+  return {arc_tangent(y.at, x.at), (along(x.at, y.by) - along(y.at, x.by)) / s};
 }
 
 double mean(double a, double) { return a; }
@@ -322,6 +395,10 @@ Jet Expression::jet(const Jet* variables) const {
 }
 Gradient Expression::gradient(const Gradient* variables) const {
   return is_zero() ? Gradient{0, 0, 0} : run<Gradient>(program_, variables);
+}
+
+VaryingJet Expression::jet(const VaryingJet* variables) const {
+  return is_zero() ? VaryingJet{{0, 0, 0}, {0, 0, 0}} : run<VaryingJet>(program_, variables);
 }
 
 std::pair<double, double> Expression::derivatives(const double* variables) const {

@@ -5,6 +5,7 @@
 
 #include "math/expression_program.h"
 #include "math/jet.h"
+#include "math/varying_jet.h"
 
 namespace mimbre {
 
@@ -25,6 +26,7 @@ class Expression {
   /// With the derivatives by what the variables depend on.
   Jet jet(const Jet* variables) const;
   Gradient gradient(const Gradient* variables) const;
+  VaryingJet jet(const VaryingJet* variables) const;
   /// ∂/∂variables[0] and ∂/∂variables[1].
   std::pair<double, double> derivatives(const double* variables) const;
   std::size_t variables() const { return variables_; }

@@ -1,8 +1,5 @@
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -77,39 +74,18 @@ inline Dual value_at(const Expression& f, const Dual* x) {
   return {jet.value, jet.first};
 }
 
-/// A formula along a line through its variables, x(s) = value + s rate, that turns with the parameter of
-/// dual numbers: its value and its derivative by s, dual both.
-///
-/// With a = rate, d = value', c = rate', what is not known at once is aᵀ H d + c · ∇f of the second dual
-/// part; it is a quarter of the difference of the second derivatives along a + d and a − d, on curves that
-/// bend by ±2 c.
-template <class Value, class Rate>
-std::pair<Dual, Dual> along_line(const Expression& f, const Value& value, const Rate& rate) {
-  std::array<Jet, Formula::most_variables> of;
-  const std::size_t n = f.variables();
-  double most_a = 0, most_d = 0;
-  bool varies = false;
-  for (std::size_t k = 0; k < n; ++k) {
-    most_a = std::max(most_a, std::abs(rate(k).value));
-    most_d = std::max(most_d, std::abs(value(k).derivative));
-    varies = varies || value(k).derivative != 0 || rate(k).derivative != 0;
-    of[k] = {value(k).value, rate(k).value, 0};
+/// A formula of jets with their derivatives by the parameter of dual numbers; `jet_of(k)` is the k-th
+/// variable.
+template <class JetOfVariable>
+JetOf<Dual> varying_jet_at(const Expression& f, const JetOfVariable& jet_of) {
+  std::array<VaryingJet, Formula::most_variables> of;
+  for (std::size_t k = 0; k < f.variables(); ++k) {
+    const JetOf<Dual> x = jet_of(k);
+    of[k] = {{x.value.value, x.first.value, x.second.value},
+             {x.value.derivative, x.first.derivative, x.second.derivative}};
   }
-  const Jet by_rate = f.jet(of.data());
-  if (!varies) return {by_rate.value, by_rate.first};
-  for (std::size_t k = 0; k < n; ++k) of[k] = {value(k).value, value(k).derivative, 0};
-  const Jet by_parameter = f.jet(of.data());
-  // Both directions of one size, so that the difference keeps its digits.
-  const double scale = most_a > 0 && most_d > 0 ? most_a / most_d : 1;
-  double second[2];
-  for (int side = 0; side < 2; ++side) {
-    const double sign = side == 0 ? 1 : -1;
-    for (std::size_t k = 0; k < n; ++k)
-      of[k] = {value(k).value, rate(k).value + sign * scale * value(k).derivative,
-               sign * 2 * scale * rate(k).derivative};
-    second[side] = f.jet(of.data()).second;
-  }
-  return {{by_rate.value, by_parameter.first}, {by_rate.first, 0.25 * (second[0] - second[1]) / scale}};
+  const VaryingJet out = f.jet(of.data());
+  return {{out.at.value, out.by.value}, {out.at.first, out.by.first}, {out.at.second, out.by.second}};
 }
 
 /// ∂/∂x[0] and ∂/∂x[1].
@@ -128,47 +104,13 @@ std::pair<Pack<N>, Pack<N>> derivatives_at(const Expression& f, const Pack<N>* x
 }
 inline std::pair<Dual, Dual> derivatives_at(const Expression& f, const Dual* x) {
   const auto by = [&](std::size_t variable) {
-    return along_line(
-               f, [&](std::size_t k) { return x[k]; },
-               [&](std::size_t k) { return Dual(k == variable ? 1 : 0); })
-        .second;
+    return varying_jet_at(f,
+                          [&](std::size_t k) {
+                            return JetOf<Dual>{x[k], Dual(k == variable ? 1 : 0), 0};
+                          })
+        .first;
   };
   return {by(0), by(1)};
-}
-
-inline bool reads(const Expression& f, std::size_t variable) {
-  for (const ExpressionProgram::Instruction& i : f.program().code)
-    if (i.op == ExpressionProgram::Op::variable && static_cast<std::size_t>(i.at) == variable) return true;
-  return false;
-}
-
-/// The derivative of a second derivative by time with the parameter of dual numbers. Where no variable has a
-/// rate it is c · ∇f, c the variables' second derivatives. Elsewhere third derivatives belong to it, which
-/// formulas do not know: a difference, exact to about 1e-10 where the formula hardly bends over a thousandth
-/// of its variables (of 1 where these are smaller), and wrong where it turns within that.
-inline double derivative_of_second(const Expression& f, const JetOf<Dual>* x) {
-  bool moves = false;
-  double size = 0;  // of what varies, of the variables' own size
-  const auto add = [&](const Dual& part) {
-    size = std::max(size, std::abs(part.derivative) / std::max(1.0, std::abs(part.value)));
-  };
-  for (std::size_t k = 0; k < f.variables(); ++k) {
-    moves = moves || (x[k].first.value != 0 && reads(f, k));
-    add(x[k].value), add(x[k].first), add(x[k].second);
-  }
-  if (size == 0) return 0;
-  if (!moves)
-    return along_line(
-               f, [&](std::size_t k) { return x[k].value; }, [&](std::size_t k) { return x[k].second; })
-        .second.derivative;
-  const auto second = [&](double by) {
-    const auto at = [by](const Dual& part) { return part.value + by * part.derivative; };
-    std::array<Jet, Formula::most_variables> of;
-    for (std::size_t k = 0; k < f.variables(); ++k) of[k] = {at(x[k].value), at(x[k].first), at(x[k].second)};
-    return f.jet(of.data()).second;
-  };
-  const double h = 1e-3 / size;
-  return (8 * (second(h) - second(-h)) - (second(2 * h) - second(-2 * h))) / (12 * h);
 }
 
 /// With the derivatives by what the variables depend on.
@@ -188,12 +130,7 @@ JetOf<T> jet_at(const Expression& f, const JetOf<T>* x) {
     }
     return out;
   } else {
-    const auto [value, first] = along_line(
-        f, [&](std::size_t k) { return x[k].value; }, [&](std::size_t k) { return x[k].first; });
-    std::array<Jet, Formula::most_variables> of;
-    for (std::size_t k = 0; k < f.variables(); ++k)
-      of[k] = {x[k].value.value, x[k].first.value, x[k].second.value};
-    return {value, first, T(f.jet(of.data()).second, derivative_of_second(f, x))};
+    return varying_jet_at(f, [&](std::size_t k) { return x[k]; });
   }
 }
 template <class T>
@@ -213,10 +150,13 @@ GradientOf<T> gradient_at(const Expression& f, const GradientOf<T>* x) {
     }
     return out;
   } else {
-    const auto value = [&](std::size_t k) { return x[k].value; };
-    const auto first = along_line(f, value, [&](std::size_t k) { return x[k].by_first; });
-    const auto second = along_line(f, value, [&](std::size_t k) { return x[k].by_second; });
-    return {first.first, first.second, second.second};
+    const JetOf<Dual> first = varying_jet_at(f, [&](std::size_t k) {
+      return JetOf<Dual>{x[k].value, x[k].by_first, 0};
+    });
+    const JetOf<Dual> second = varying_jet_at(f, [&](std::size_t k) {
+      return JetOf<Dual>{x[k].value, x[k].by_second, 0};
+    });
+    return {first.value, first.first, second.first};
   }
 }
 

@@ -507,7 +507,12 @@ joints:
   expect("sin(3*u)*exp(2*t)",
          {(-k * std::cos(std::sin(3 * u)) - 4) * 3 * std::cos(3 * u), -4 * 3 * std::cos(3 * u),
           -3 * std::cos(3 * u)},
-         1e-9);
+         1e-12);
+  for (const double K : {100., 3000.})  // θᵤₜₜ = −4 cos(K u) at t = 0 with θ = sin(K u + 2 t)/K
+    expect(fmt::format("sin({0}*u + 2*t)/{0}", K),
+           {-k * std::cos(std::sin(K * u) / K) * std::cos(K * u) + 4 * std::cos(K * u), 4 * std::sin(K * u),
+            -std::cos(K * u)},
+           1e-11);
 }
 
 TEST(Linearise, SaysHowFarThePointIsFromAnEquilibrium) {
