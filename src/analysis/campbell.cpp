@@ -66,6 +66,9 @@ void go_on_from(const Mode& from, double turn, Mode& to) {
   }
   to.value = nearest_multiple(to.value, turn, from.value);
   to.fixed = to.value;
+  to.frequency = std::abs(to.value) / (2 * std::numbers::pi);
+  to.damped = to.value.imag() / (2 * std::numbers::pi);
+  to.damping = std::abs(to.value) > 0 ? -to.value.real() / std::abs(to.value) : 0;
 }
 
 /// Modes of equal eigenvalues, which have no shapes of their own.

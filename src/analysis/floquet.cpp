@@ -14,6 +14,7 @@
 
 namespace mimbre::linear {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
@@ -34,7 +35,7 @@ constexpr double settled = 1e-8;
 constexpr double least_share = 1e-9;
 /// Of a multiplier: it is real.
 constexpr double real_round_off = 1e-9;
-constexpr int parts = 16, fewest_steps = 32, most_steps = 1024;
+constexpr int parts = 16, fewest_steps = 32, most_steps = 1024, hopeless = 8192;
 
 /// Padé's function of degrees 6 over 6, exact to round-off up to a norm of 1/2 (Higham, SIAM J. Matrix Anal.
 /// Appl. 26, 2005); larger matrices are halved and the result is squared.
@@ -89,6 +90,7 @@ class Along {
     const Scales& s = system.scales();
     const double speed = s.of_coordinates(at.state.v.data());
     play_ = std::max(s.accelerations(at.state.a.data()), speed * speed);
+    speed_ = speed;
   }
 
   MatrixXd A(double time) const {
@@ -105,6 +107,12 @@ class Along {
       throw std::runtime_error(fmt::format(
           "it is not steady: after {:.3g} s '{}' accelerates by {:.2g} of the accelerations at play", time,
           coordinate_label(m_, where).name, most / play_));
+    const Index first = at_.reduced.first_state();
+    for (Index k = 0; k < next.state_rates.size(); ++k)
+      if (next.parameters[static_cast<std::size_t>(k)].kind != Parameter::Kind::integral &&
+          std::abs(next.state_rates[k]) > steady * speed_ * scale_[first + k])
+        throw std::runtime_error(
+            fmt::format("it is not steady: after {:.3g} s states of force elements move", time));
     return std::move(next.reduced);
   }
 
@@ -113,7 +121,7 @@ class Along {
   const relative::RelativeSystem& system_;
   const Linearised& at_;
   const VectorXd& scale_;
-  double play_ = 0;
+  double play_ = 0, speed_ = 0;  ///< accelerations and rates at play, by the scales
 };
 
 /// Φ at equal parts of the period, the last one at its end.
@@ -131,6 +139,19 @@ std::vector<MatrixXd> transitions(const Along& along, double period, int steps, 
   return on;
 }
 
+/// What exponent_of() needs of the parts of the period.
+void take_parts(const Along& along, const Linearised& at, const VectorXd& scale, Transition& out) {
+  out.on.pop_back();
+  out.first_speed = at.reduced.coordinates;
+  const VectorXd speeds = scale.segment(out.first_speed, at.reduced.speeds);
+  for (int k = 0; k < parts; ++k) {
+    const Reduced r = along.later(k * out.period / parts);
+    out.A.push_back(speeds.cwiseInverse().asDiagonal() * r.A.middleRows(out.first_speed, speeds.size()) *
+                    scale.asDiagonal());
+    out.mass.push_back(speeds.asDiagonal() * r.mass * speeds.asDiagonal());
+  }
+}
+
 }  // namespace
 
 std::optional<Transition> find_transition(const Compiled& m, const relative::RelativeSystem& system,
@@ -144,37 +165,39 @@ std::optional<Transition> find_transition(const Compiled& m, const relative::Rel
   }
   try {
     const Along along(m, system, at, scale);
-    const MatrixXd first = along.A(0), last = along.A(out.period);
-    if ((last - first).cwiseAbs().maxCoeff() > repeats * first.cwiseAbs().maxCoeff()) {
-      why = "the coefficients do not repeat themselves";
-      return {};
-    }
+    const MatrixXd first = along.A(0);
+    for (const double part : {0., 0.29, 0.58})
+      if ((along.A((1 + part) * out.period) - along.A(part * out.period)).cwiseAbs().maxCoeff() >
+          repeats * first.cwiseAbs().maxCoeff()) {
+        why = "the coefficients do not repeat themselves";
+        return {};
+      }
     MatrixXd before;
+    why = "the turning is too slow beside the motions";
     for (int steps = fewest_steps; steps <= most_steps; steps *= 2) {
       out.on = transitions(along, out.period, steps, first.rows());
       out.over_period = out.on.back();
-      if (!out.over_period.allFinite()) break;
-      if (before.size() > 0 && (out.over_period - before).norm() <= settled * out.over_period.norm()) {
+      if (!out.over_period.allFinite()) {
+        why =
+            "numbers over a period are not finite: a position on the way is singular, or motions grow too "
+            "far";
+        return {};
+      }
+      const double off = before.size() > 0 ? (out.over_period - before).norm() / out.over_period.norm() : 1;
+      // Of fourth order.
+      if (before.size() > 0 && steps * std::sqrt(std::sqrt(off / settled)) > hopeless) return {};
+      if (off <= settled) {
         const VectorXd sizes = eigenvalues(out.over_period).cwiseAbs();
         if (sizes.size() > 0 && !(sizes.minCoeff() > least_share * sizes.maxCoeff())) {
           why = "some motions grow or decay by more over a period than numbers have digits";
           return {};
         }
-        out.on.pop_back();
-        const int y = at.reduced.coordinates, f = at.reduced.speeds;
-        const auto speeds = scale.segment(y, f).asDiagonal();
-        out.first_speed = y;
-        for (int k = 0; k < parts; ++k) {
-          const Reduced r = along.later(k * out.period / parts);
-          out.A.push_back(scale.segment(y, f).cwiseInverse().asDiagonal() * r.A.middleRows(y, f) *
-                          scale.asDiagonal());
-          out.mass.push_back(speeds * r.mass * speeds);
-        }
+        take_parts(along, at, scale, out);
+        why.clear();
         return out;
       }
       before = out.over_period;
     }
-    why = "the transition over a period does not settle";
   } catch (const std::runtime_error& error) {
     why = error.what();
   }

@@ -23,9 +23,10 @@ struct Transition {
 };
 
 /// Φ by exponentials of fourth order without commutators (Blanes, Moan, Appl. Numer. Math. 56, 2006), which
-/// are exact where A does not vary, in steps that are halved until nothing changes. `scale`: of the states.
-/// Nothing, and in `why` the reason: the point is no steady motion all the way round, what turns has no
-/// common period, coefficients do not repeat, or a position on the way is singular.
+/// are exact where A does not vary, in up to 1024 steps, halved until nothing changes. `scale`: of the
+/// states. Nothing, and in `why` the reason: the point is no steady motion all the way round, what turns has
+/// no common period or is too slow for that many steps, coefficients do not repeat, a position on the way is
+/// singular, or multipliers differ by more than nine digits.
 std::optional<Transition> find_transition(const Compiled& model, const relative::RelativeSystem& system,
                                           const Linearised& at, const Eigen::VectorXd& scale,
                                           std::string& why);

@@ -29,6 +29,8 @@ struct Rotor {
   double mass_x = 60, mass_y = 40, hub = 20, blade = 5, arm = 1.5, inertia = 4, offset = 0.3;
   double stiffness_x = 2e4, stiffness_y = 1.2e4, damping_x = 90, damping_y = 60;
   double lag_stiffness = 40, lag_damping = 6;
+  bool driven = true;  ///< else it turns freely
+  std::string more_bodies, more_joints;
 
   double static_moment() const { return blade * arm; }
   double about_hinge() const { return inertia + blade * arm * arm; }
@@ -49,9 +51,9 @@ struct Rotor {
         "damping: {}}}}}\n"
         "  y: {{type: prismatic, between: [sx, sy], at: [0, 0, 0], axis: [0, 1, 0], spring: {{stiffness: {}, "
         "damping: {}}}}}\n"
-        "  turn: {{type: revolute, between: [sy, hub], at: [0, 0, 0], axis: [0, 0, 1], drive: {{speed: "
-        "{}}}}}\n",
-        stiffness_x, damping_x, stiffness_y, damping_y, speed);
+        "  turn: {{type: revolute, between: [sy, hub], at: [0, 0, 0], axis: [0, 0, 1], {}}}\n",
+        stiffness_x, damping_x, stiffness_y, damping_y,
+        driven ? fmt::format("drive: {{speed: {}}}", speed) : fmt::format("velocity: {}", speed));
     for (int k = 0; k < blades; ++k) {
       const double psi = 2 * std::numbers::pi * k / blades, c = std::cos(psi), s = std::sin(psi);
       bodies += fmt::format("  b{}: {{mass: {}, com: [{:.17g}, {:.17g}, 0], inertia: [{}, {}, {}]}}\n", k,
@@ -62,7 +64,7 @@ struct Rotor {
           "{{stiffness: {3}, damping: {4}}}}}\n",
           k, offset * c, offset * s, lag_stiffness, lag_damping);
     }
-    return bodies + joints;
+    return bodies + more_bodies + joints + more_joints;
   }
 };
 
@@ -99,6 +101,12 @@ std::vector<Complex> coleman(const Rotor& r) {
   for (int alone = 0; alone < r.blades - 2; ++alone)
     for (const Complex& value : second_order(one, one * (c / I), one * (k / I))) out.push_back(value);
   return out;
+}
+
+std::string notes_of(const LinearisedModes& found) {
+  std::string notes;
+  for (const std::string& note : found.model.notes) notes += note + "\n";
+  return notes;
 }
 
 /// λ + i h Ω for some whole h is among the given ones, and each of these is found once.
@@ -213,8 +221,82 @@ TEST(Floquet, TwoBladesByHand) {
     expected.push_back(std::log(multiplier) / (h * steps));
   const LinearisedModes found = modes_of(r.text());
   expect_exponents(found, expected, W, 1e-7);
+  const VectorXcd multipliers = x.eigenvalues();
   for (const Mode& mode : found.modes)
-    EXPECT_LE(std::abs(mode.multiplier - std::exp(mode.value * found.period)), 1e-9);
+    EXPECT_TRUE(std::any_of(multipliers.begin(), multipliers.end(), [&](const Complex& m) {
+      return std::abs(m - mode.multiplier) < 1e-7;
+    })) << mode.multiplier;
+}
+
+/// Backward it is the same, mirrored.
+TEST(Floquet, TurningBackward) {
+  Rotor r;
+  r.speed = -12;
+  expect_exponents(modes_of(r.text()), coleman(r), 12, 1e-7);
+}
+
+/// A hub that turns freely: a rigid motion, and blades together move it, (J + N I₀) φ̈ + N I₁ ζ̈ = 0.
+TEST(Floquet, TurningFreely) {
+  Rotor r;
+  r.driven = false;
+  const double I = r.about_hinge(), es = r.offset * r.static_moment(), one = I + es,
+               all = 1 + r.blades * (I + r.blade * r.offset * r.offset + 2 * es);
+  std::vector<Complex> expected = coleman(r);
+  expected.resize(expected.size() - 2);  // the blades together, as on a hub that is driven
+  const double effective = I - r.blades * one * one / all;
+  const MatrixXd unit = MatrixXd::Constant(1, 1, 1);
+  for (const Complex& value : second_order(effective * unit, r.lag_damping * unit, r.lag() * unit))
+    expected.push_back(value);
+  LinearisedModes found = modes_of(r.text());
+  ASSERT_EQ(std::count_if(found.modes.begin(), found.modes.end(),
+                          [](const Mode& m) { return m.kind == Mode::Kind::rigid; }),
+            1);
+  EXPECT_EQ(found.modes[0].multiplier, 1.);
+  EXPECT_GT(found.modes[0].coordinates.at(0).share, 0.99);
+  found.modes.erase(found.modes.begin());
+  expect_exponents(found, expected, r.speed, 1e-6);
+}
+
+/// Beside a round wheel at one and a half times the speed all is back after two turns.
+TEST(Floquet, TwoSpeedsHaveACommonPeriod) {
+  Rotor r;
+  r.more_bodies = "  wheel: {mass: 0.001, com: [0, 0, 0], inertia: [1, 1, 1]}\n";
+  r.more_joints =
+      "  second: {type: revolute, between: [sy, wheel], at: [0, 0, 0], axis: [0, 0, 1], drive: {speed: "
+      "18}}\n";
+  const LinearisedModes found = modes_of(r.text());
+  EXPECT_NEAR(found.period, 2 * std::numbers::pi / 6, 1e-9);
+  r.mass_y += 0.001;
+  expect_exponents(found, coleman(r), 6, 1e-7);
+  r.more_joints.replace(r.more_joints.find("18"), 2, "17.3");
+  r.mass_y -= 0.001;
+  EXPECT_THAT(notes_of(modes_of(r.text())), testing::HasSubstr("no common period"));
+}
+
+/// Beside the rotor, something that swings twice a turn: it is back after a turn, and not rigid.
+TEST(Floquet, WhatIsBackAfterAPeriodIsNotRigid) {
+  Rotor r;
+  r.more_bodies = "  swing: {mass: 1, com: [0, 5, 0], inertia: [1, 1, 1]}\n";
+  r.more_joints = fmt::format(
+      "  swing: {{type: prismatic, between: [ground, swing], at: [0, 5, 0], axis: [1, 0, 0], spring: "
+      "{{stiffness: "
+      "{}}}}}\n",
+      4 * r.speed * r.speed);
+  bool any = false;
+  for (const Mode& mode : modes_of(r.text()).modes) {
+    EXPECT_NE(mode.kind, Mode::Kind::rigid);
+    any = any || std::abs(mode.value - Complex(0, 2 * r.speed)) < 1e-5 * r.speed;
+  }
+  EXPECT_TRUE(any);
+}
+
+/// What decays within a turn leaves nothing that could be seen after it.
+TEST(Floquet, MultipliersLostInRoundOffAreNotGiven) {
+  Rotor r;
+  r.damping_x = 8e3;
+  const LinearisedModes found = modes_of(r.text());
+  EXPECT_EQ(found.period, 0);
+  EXPECT_THAT(notes_of(found), testing::HasSubstr("digits"));
 }
 
 /// Over the speed exponents go on without jumps by multiples of it, and begin to grow where Coleman's do.
@@ -260,9 +342,7 @@ TEST(Floquet, NamesWhyThereAreNoMultipliers) {
   text.replace(text.find("gravity: [0, 0, 0]"), 18, "gravity: [0, -1, 0]");
   const LinearisedModes found = modes_of(text);
   EXPECT_EQ(found.period, 0);
-  std::string notes;
-  for (const std::string& note : found.model.notes) notes += note;
-  EXPECT_THAT(notes, testing::HasSubstr("not steady"));
+  EXPECT_THAT(notes_of(found), testing::HasSubstr("not steady"));
   EXPECT_FALSE(found.model.warnings.empty());
 }
 
