@@ -90,7 +90,7 @@ struct FrameData {
   FrameTurn turn = FrameTurn::exponential;
   Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
   bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
-  bool central = false, aligned = false;  ///< modes do not move it: at its body's origin; along its axes
+  bool central = false, aligned = false;  ///< it stays at its body's origin; it stays along its axes
   Rows X, X_theta;                        ///< 3 × stride
   int subspace = -1;  ///< its motion subspace: velocity of the frame per coordinate of its body
   int spec = -1;      ///< index into spec::Model::frames
