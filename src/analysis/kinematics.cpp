@@ -53,6 +53,13 @@ class Walk {
     int q, v;
   };
 
+  /// The state at the first instant. Throws InputError where the drives do not lead there.
+  State begin(double end);
+  /// What the mechanism can do, and the names of the columns.
+  void describe(const State& first, double end, Kinematics& out);
+  /// The states at all instants from s on, as far as the loops close: complete, or until s.
+  std::vector<State> steps(State& s, double end, bool& complete);
+  void record(const std::vector<State>& states, Kinematics& out);
   /// The Jacobian of the joints' coordinates: modes stay.
   MatrixXd of_joints(const MatrixXd& jacobian) const {
     MatrixXd out = jacobian;
@@ -259,9 +266,7 @@ void Walk::limit(const State& s, Kinematics& out) {
   if (drive) add(Kind::limit, s, {drive->joint_spec, drive->local}, s.q[drive->q], out);
 }
 
-Kinematics Walk::follow() {
-  Kinematics out;
-  const double end = options_.end.value_or(m_.spec().simulation.end);
+State Walk::begin(double end) {
   if (!(options_.steps >= 1)) throw InputError(Mark{}, "steps must be at least 1");
   if (!(options_.start >= 0) || !(end >= options_.start) || !std::isfinite(end))
     throw InputError(Mark{}, fmt::format("the motion goes from {} to {} s; it starts at 0 or later and ends "
@@ -276,21 +281,23 @@ Kinematics Walk::follow() {
                      fmt::format("the drives cannot be followed to t = {} s, where the motion starts: the "
                                  "loops do not close beyond t = {:.6g} s",
                                  options_.start, s.time));
+  return s;
+}
+
+void Walk::describe(const State& s, double end, Kinematics& out) {
   count(s, out);
-  {
-    // A position in between: at the start several may be singular.
-    State other = s;
-    if (go(other, options_.start + 0.317 * (end - options_.start) / options_.steps)) {
-      Kinematics there;
-      const int rank = rank_;
-      count(other, there);
-      if (rank_ < rank) {
-        rank_ = rank;
-      } else {
-        out.mobility = there.mobility;
-        out.free = there.free;
-        out.free_joints = there.free_joints;
-      }
+  // A position in between: at the start several may be singular.
+  State other = s;
+  if (go(other, options_.start + 0.317 * (end - options_.start) / options_.steps)) {
+    Kinematics there;
+    const int rank = rank_;
+    count(other, there);
+    if (rank_ < rank) {
+      rank_ = rank;
+    } else {
+      out.mobility = there.mobility;
+      out.free = there.free;
+      out.free_joints = there.free_joints;
     }
   }
   const Redundancy redundancy = find_redundancy(system_, s);
@@ -300,24 +307,35 @@ Kinematics Walk::follow() {
                              redundancy.constraints.end());
   for (const Coordinate& c : coordinates_) out.names.push_back(coordinate_text(m_.spec(), c.of));
   out.header = rows_.header("");
+  if (out.free > 0)
+    out.warnings.push_back(
+        fmt::format("{} independent motion{} no drive prescribes; {} moves as little as "
+                    "possible",
+                    out.free, out.free > 1 ? "s" : "", out.free_joints.empty() ? "it" : "what is concerned"));
+}
 
+std::vector<State> Walk::steps(State& s, double end, bool& complete) {
   std::vector<State> states{s};
   const double h = (end - options_.start) / options_.steps;
   for (int k = 1; k <= options_.steps && h > 0; ++k) {
     const double to = options_.start + h * k;
     double part = h;
-    while (s.time < to && out.complete) {
+    while (s.time < to && complete) {
       if (go(s, std::min(to, s.time + part))) {
         part *= 2;
         continue;
       }
       part /= 2;
-      out.complete = part > shortest_part * (end - options_.start);
+      complete = part > shortest_part * (end - options_.start);
     }
-    if (!out.complete) break;
+    if (!complete) break;
     s.time = to;
     states.push_back(s);
   }
+  return states;
+}
+
+void Walk::record(const std::vector<State>& states, Kinematics& out) {
   const auto count = static_cast<Eigen::Index>(states.size());
   out.time.resize(count);
   out.regularity.resize(count);
@@ -337,6 +355,17 @@ Kinematics Walk::follow() {
     system_.kinematics(now.time, now.q.data(), now.v.data(), now.a.data());
     out.rows.push_back(rows_.row(system_, now));
   }
+}
+
+Kinematics Walk::follow() {
+  Kinematics out;
+  const double end = options_.end.value_or(m_.spec().simulation.end);
+  State s = begin(end);
+  describe(s, end, out);
+  const std::vector<State> states = steps(s, end, out.complete);
+  record(states, out);
+  const auto count = std::ssize(states);
+  const double h = (end - options_.start) / options_.steps;
   const double largest = out.regularity.maxCoeff();
   for (Eigen::Index k = 0; k < count; ++k) {
     const double here = out.regularity[k];
@@ -349,11 +378,6 @@ Kinematics Walk::follow() {
   if (!out.complete) limit(s, out);
   std::stable_sort(out.special.begin(), out.special.end(),
                    [](const SpecialPosition& a, const SpecialPosition& b) { return a.time < b.time; });
-  if (out.free > 0)
-    out.warnings.push_back(
-        fmt::format("{} independent motion{} no drive prescribes; {} moves as little as "
-                    "possible",
-                    out.free, out.free > 1 ? "s" : "", out.free_joints.empty() ? "it" : "what is concerned"));
   return out;
 }
 

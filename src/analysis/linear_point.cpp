@@ -7,13 +7,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "analysis/linear_turning.h"
+#include "analysis/linear_description.h"
 #include "analysis/trim_point.h"
-#include "base/random_numbers.h"
-#include "compile/element_name.h"
 #include "dynamics/relative/forces.h"
 #include "integrate/initial.h"
-#include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/simulation.h"
@@ -22,7 +19,6 @@
 #include "simulation/observe/channels.h"
 #include "simulation/start/assembly.h"
 #include "simulation/step/signal_state.h"
-#include "simulation/watch/validity.h"
 
 namespace mimbre::linear {
 
@@ -41,23 +37,13 @@ void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
 
 namespace {
 
-// Shares of the mechanism's scales.
-constexpr double still = 1e-9;     ///< of rates: at rest
-constexpr double balanced = 1e-6;  ///< of accelerations: none
-constexpr double constant = 1e-7;  ///< of coefficients: they do not vary
-constexpr double singular = 1e-6;  ///< of equations that repeat others, off the point
+constexpr double singular = 1e-6;  ///< of the scales of equations that repeat others, off the point
 
 struct PointState {
   State state;
   std::string words;
   std::optional<Trim> trim;
 };
-
-double pace_of(const System& system, const VectorXd& v) {
-  const Scales& scales = system.scales();
-  const double pace = std::max(scales.rate(v.data()), scales.of_coordinates(v.data()));
-  return pace > 0 ? pace : 1;
-}
 
 /// Whether drives and other equations of time let the mechanism rest at q.
 bool can_rest(relative::RelativeSystem& system, const State& s) {
@@ -264,39 +250,6 @@ void refuse_singular(const Compiled& m, const System& system, LinearCore& core,
   }
 }
 
-std::string with_number(const std::string& name, int count, int k) {
-  return count > 1 ? fmt::format("{}.{}", name, k) : name;
-}
-
-LinearName state_label(const Compiled& m, const std::vector<LinearElement>& elements, const Parameter& p) {
-  using Kind = Parameter::Kind;
-  if (p.kind == Kind::element_state) {
-    const LinearElement& e = elements[static_cast<std::size_t>(p.item)];
-    return {with_number(
-                fmt::format("state of {}", element_name(m, m.elements[static_cast<std::size_t>(e.element)])),
-                static_cast<int>(e.states.size()), p.index),
-            ""};
-  }
-  if (p.kind == Kind::block_state)
-    return {with_number(
-                fmt::format("state of signal '{}'", m.spec().blocks[static_cast<std::size_t>(p.item)].name),
-                m.signals.blocks[static_cast<std::size_t>(p.item)].states, p.index),
-            ""};
-  const int slot = m.signals.integrals[static_cast<std::size_t>(p.item)].slot;
-  for (std::size_t j = 0; j < m.signals.slot_of_drive.size(); ++j)
-    for (const int other : m.signals.slot_of_drive[j])
-      if (other == slot)
-        return {fmt::format("angle or way of the drive of joint '{}'", m.spec().joints[j].name), ""};
-  return {fmt::format("integral {}", p.item + 1), ""};
-}
-
-LinearName input_label(const Compiled& m, const Parameter& p) {
-  const spec::Input& input = m.spec().inputs[static_cast<std::size_t>(p.item)];
-  if (p.kind == Parameter::Kind::input) return {input.name, input.unit};
-  return p.kind == Parameter::Kind::input_rate ? LinearName{"d/dt " + input.name, input.unit + "/s"}
-                                               : LinearName{"d²/dt² " + input.name, input.unit + "/s²"};
-}
-
 /// Leaves out inputs, rates of inputs above all, that move nothing.
 void drop_idle_inputs(Linearised& out) {
   const int states = out.reduced.states;
@@ -416,172 +369,6 @@ Linearised linearised_later(const Compiled& m, const relative::RelativeSystem& s
   return next;
 }
 
-namespace {
-
-/// By how much A differs a little further along the motion, of its largest entry: 0 where the mechanism moves
-/// through no other shapes. In each of several axes.
-std::vector<double> variation(const Compiled& m, const relative::RelativeSystem& system, const Linearised& at,
-                              const std::vector<TurnedAxes>& choices) {
-  std::vector<double> out(choices.size(), 1);
-  const double speed = system.scales().of_coordinates(at.state.v.data());
-  const double dt = 0.37 / speed;
-  Linearised next;
-  try {
-    next = linearised_later(m, system, at, dt);
-  } catch (const std::runtime_error&) {
-    return out;
-  }
-  if (next.reduced.A.rows() != at.reduced.A.rows()) return out;
-  const double size = at.reduced.A.cwiseAbs().maxCoeff();
-  if (!(size > 0)) return std::vector<double>(choices.size(), 0);
-  for (std::size_t k = 0; k < choices.size(); ++k) out[k] = change_in_axes(choices[k], at, dt, next) / size;
-  return out;
-}
-
-/// What linear flexible bodies neglect at the point, as in a run: stiffening by rotation above all.
-void check_validity(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
-  ValidityMonitor monitor(m);
-  if (monitor.empty()) return;
-  const State& s = out.state;
-  VectorXd r(m.velocities);
-  monitor.start(s, s);
-  // Amplitudes of round-off have no shape.
-  double deflection = 0;
-  for (const BodyData& b : m.bodies)
-    for (int k = 0; k < b.modes; ++k)
-      deflection =
-          std::max(deflection,
-                   std::abs(s.q[b.q + b.joint_positions + k]) /
-                       system.scales().coordinates[static_cast<std::size_t>(b.v + b.joint_velocities + k)]);
-  if (deflection > 1e-6) monitor.watch(s);
-  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-  monitor.watch_loads(system.workspace(), s.time);
-  for (std::string& warning : monitor.warnings()) out.names.warnings.push_back(std::move(warning));
-}
-
-void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
-  LinearModel& names = out.names;
-  const State& s = out.state;
-  const Scales& scales = system.scales();
-  names.title = m.spec().title;
-  names.time = s.time;
-  names.coordinates = out.reduced.coordinates;
-  names.speeds = out.reduced.speeds;
-  for (const int k : out.independent) names.states.push_back(coordinate_label(m, k));
-  for (const int k : out.moving) {
-    const LinearName label = coordinate_label(m, k);
-    names.states.push_back({"d/dt " + label.name, label.unit + "/s"});
-  }
-  for (int k = 0; k < out.reduced.states; ++k)
-    names.states.push_back(state_label(m, out.elements, out.parameters[static_cast<std::size_t>(k)]));
-  for (int k = 0; k < out.reduced.inputs; ++k) {
-    const Parameter& p = out.parameters[static_cast<std::size_t>(out.reduced.states + k)];
-    names.inputs.push_back(input_label(m, p));
-    names.input_values.push_back(p.kind == Parameter::Kind::input ? held_input_value(m, p.item, s) : 0);
-  }
-  int where = -1;
-  names.speed = scales.of_coordinates(s.v.data(), &where);
-  if (where >= 0) names.fastest = coordinate_label(m, where).name;
-  where = -1;
-  VectorXd unsteady = s.a;
-  if (out.trimmed) unsteady -= out.steady_accelerations;
-  const double most = scales.of_coordinates(unsteady.data(), &where), rate = names.speed;
-  const double play = std::max({scales.accelerations(s.a.data()), rate * rate});
-  names.unsteady = play > 0 ? most / play : 0;
-  if (where >= 0) {
-    names.accelerated = coordinate_label(m, where).name;
-    names.acceleration = std::abs(unsteady[where]);
-  }
-  const double pace = pace_of(system, s.v);
-  const bool rests = names.speed <= still * pace, steady = names.unsteady <= balanced;
-  if (!steady)
-    names.warnings.push_back(
-        fmt::format("the point is {}: '{}' accelerates by {:.3g}, {:.2g} of the accelerations at play",
-                    rests ? "no equilibrium" : "no steady motion", names.accelerated, names.acceleration,
-                    names.unsteady));
-  if (steady && out.trimmed) {
-    // On a plane nothing depends on where the mechanism is and where it heads.
-    Turning turning;
-    turning.speed = std::abs(out.yaw_rate);
-    turning.axis = out.yaw_rate < 0 ? Vec3d(-out.up) : out.up;
-    if (turning.speed * m.length_scale > still * scales.of_coordinates(s.v.data())) {
-      out.axes = axes_that_turn(m, turning);
-      names.notes.push_back(fmt::format(
-          "the mechanism drives around a circle with {:.6g} rad/s: A is that of the instant; modes are "
-          "those in axes that turn with it, where A is constant on a level road",
-          out.yaw_rate));
-    }
-  } else if (steady && !rests) {
-    system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
-    const Turning turning = find_turning(m, system);
-    const std::vector<TurnedAxes> choices{{}, axes_that_turn(m, turning), axes_before_joints(m, s.v)};
-    const std::vector<double> varies = variation(m, system, out, choices);
-    const auto best = std::find_if(varies.begin(), varies.end(), [](double by) { return by <= constant; });
-    names.varies = varies.front();
-    if (best != varies.end()) {
-      names.varies = 0;
-      out.axes = choices[static_cast<std::size_t>(best - varies.begin())];
-      const bool turns = best - varies.begin() < 2 && turning.speed > 0;
-      if (turns) {
-        out.turning = turning.speed;
-        out.turning_axis = turning.axis;
-        out.turning_place = turning.place;
-      }
-      if (!out.axes.empty())
-        names.notes.push_back(
-            turns ? fmt::format("the mechanism turns as a whole with {:.6g} rad/s: A is that of the instant; "
-                                "modes are those in axes that turn with it, where A is constant",
-                                turning.speed)
-                  : "A is that of the instant, in axes of bodies that turn; modes are those in axes that do "
-                    "not "
-                    "turn with them, where A is constant");
-    } else if (names.varies > constant)
-      names.warnings.push_back(fmt::format(
-          "{}, by {:.2g} of the largest after 0.37 rad or as much of its size: eigenvalues of one "
-          "instant do not decide what happens over a period",
-          varying, names.varies));
-    else
-      names.varies = 0;
-  }
-  for (Eigen::Index k = 0; k < out.state_rates.size(); ++k)
-    if (out.parameters[static_cast<std::size_t>(k)].kind == Parameter::Kind::block_state &&
-        std::abs(out.state_rates[k]) > 1e-6 * pace)
-      names.warnings.push_back(fmt::format(
-          "the {} still moves, by {:.3g} per s",
-          names.states[static_cast<std::size_t>(out.reduced.first_state() + k)].name, out.state_rates[k]));
-  for (const LinearElement& e : out.elements) {
-    const std::string name = element_name(m, m.elements[static_cast<std::size_t>(e.element)]);
-    if (e.by_differences)
-      names.notes.push_back(fmt::format("{} is a law of the user: its derivatives are differences", name));
-    if (!e.settled)
-      names.warnings.push_back(fmt::format("{}: its states have no rates that converge with the step", name));
-  }
-  for (const spec::Block& b : m.spec().blocks)
-    if (b.every > 0)
-      names.notes.push_back(fmt::format(
-          "the signal '{}' is sampled every {} s: it is held, as between two instants", b.name, b.every));
-  for (const spec::Signal& b : m.spec().signals)
-    if (b.every > 0 && b.block < 0)
-      names.notes.push_back(fmt::format(
-          "the signal '{}' is sampled every {} s: it is held, as between two instants", b.name, b.every));
-}
-
-}  // namespace
-
-LinearName coordinate_label(const Compiled& m, int coordinate) {
-  for (const BodyData& b : m.bodies) {
-    const int k = coordinate - b.v;
-    if (k < 0 || k >= b.size()) continue;
-    if (k >= b.joint_velocities)
-      return {fmt::format("{}.mode{}", m.spec().bodies[static_cast<std::size_t>(b.spec)].name,
-                          k - b.joint_velocities + 1),
-              m.flexible[b.flexible].identity_mass ? "m kg^0.5" : "1"};
-    return {with_number(m.spec().joints[static_cast<std::size_t>(b.joint_spec)].name, b.joint_velocities, k),
-            is_angle(b.joint, k) ? "rad" : "m"};
-  }
-  return {"?", ""};
-}
-
 Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& options) {
   if (options.delay_order < 1 || options.delay_order > 8)
     throw InputError(Mark{},
@@ -627,7 +414,6 @@ Linearised linearise_located(Linearised out) {
   drop_idle_inputs(out);
   fold_bristles(out);
   describe(m, system, out);
-  check_validity(m, system, out);
   return out;
 }
 

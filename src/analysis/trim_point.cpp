@@ -82,6 +82,18 @@ class TrimSearch {
     VectorXd accelerations;
   };
 
+  /// Rows of the equations: derivatives by the unknowns and, last, by the yaw rate; and what is left.
+  struct Rows {
+    std::vector<RowVectorXd> by;
+    std::vector<double> values;
+    void add(const RowVectorXd& row, double by_rate, double value, double scale) {
+      RowVectorXd all(row.size() + 1);
+      all << row, by_rate;
+      by.push_back(all / scale);
+      values.push_back(value / scale);
+    }
+  };
+
   /// Where the search is.
   struct Iterate {
     Linearised linear;
@@ -106,6 +118,12 @@ class TrimSearch {
   Linearised at(const State& s, const std::map<std::string, double>& inputs, const Linearised* as = nullptr);
   void settle(State& s) const;
   void set_inputs(const std::map<std::string, double>& inputs, State& s) const;
+  /// A rover goes around the vertical with the yaw rate W.
+  void circle(const Rover& c, const Linearised& l, double W, Rows& rows) const;
+  /// All else stays.
+  void stay(const Linearised& l, const std::vector<char>& done, Rows& rows) const;
+  /// What is wanted holds.
+  void wanted(const Linearised& l, double W, Rows& rows) const;
   Equations equations(const Linearised& l, double yaw_rate) const;
   Newton newton(Iterate& at);
   Iterate moved(const Iterate& from, const Newton& newton, const VectorXd& x, double share);
@@ -265,63 +283,54 @@ Linearised TrimSearch::at(const State& s, const std::map<std::string, double>& i
   return l;
 }
 
-TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate) const {
+void TrimSearch::circle(const Rover& c, const Linearised& l, double W, Rows& rows) const {
   const Reduced& r = l.reduced;
-  if (r.coordinates != r.speeds)
-    throw std::runtime_error("steady driving of models with constraints on velocities alone is not possible");
-  const Index all = r.position.cols();
   const State& s = l.state;
-  std::vector<RowVectorXd> rows;
-  std::vector<double> values;
-  const double W = yaw_rate;
-  const auto add = [&](const RowVectorXd& by, double by_rate, double value, double scale) {
-    RowVectorXd row(all + 1);
-    row << by, by_rate;
-    rows.push_back(row / scale);
-    values.push_back(value / scale);
-  };
-  std::vector<char> done(static_cast<std::size_t>(m_.velocities), 0);
-  Equations out;
-  out.accelerations = VectorXd::Zero(m_.velocities);
   const double L = m_.length_scale;
-  for (const Rover& c : rovers_) {
-    for (int k = 0; k < 3; ++k)
-      done[static_cast<std::size_t>(c.position + k)] = done[static_cast<std::size_t>(c.rotation + k)] = 1;
-    const Vec3d v = s.v.segment<3>(c.position), omega = s.v.segment<3>(c.rotation), n = upright(c, s),
-                a = s.a.segment<3>(c.position), alpha = s.a.segment<3>(c.rotation);
-    const MatrixXd V = r.velocity.middleRows(c.position, 3), turned = r.position.middleRows(c.rotation, 3),
-                   spin = r.velocity.middleRows(c.rotation, 3), A = r.acceleration.middleRows(c.position, 3),
-                   spin_rate = r.acceleration.middleRows(c.rotation, 3);
-    add(c.up.transpose() * V, 0, c.up.dot(v), L * pace_);
-    // ω = Ω n, and n turns with the body: δn = −δθ × n.
-    const MatrixXd rotation = spin - W * (skew<double>(n) * turned);
-    const Vec3d off = omega - W * n;
-    const MatrixXd turning = A - W * (skew<double>(c.up) * V);
-    const Vec3d round = c.up.cross(v), wrong = a - W * round;
-    out.accelerations.segment<3>(c.position) = W * round;
-    for (int k = 0; k < 3; ++k) {
-      add(rotation.row(k), -n[k], off[k], pace_);
-      add(turning.row(k), -round[k], wrong[k], L * pace_ * pace_);
-      add(spin_rate.row(k), 0, alpha[k], pace_ * pace_);
-    }
+  const Vec3d v = s.v.segment<3>(c.position), omega = s.v.segment<3>(c.rotation), n = upright(c, s),
+              a = s.a.segment<3>(c.position), alpha = s.a.segment<3>(c.rotation);
+  const MatrixXd V = r.velocity.middleRows(c.position, 3), turned = r.position.middleRows(c.rotation, 3),
+                 spin = r.velocity.middleRows(c.rotation, 3), A = r.acceleration.middleRows(c.position, 3),
+                 spin_rate = r.acceleration.middleRows(c.rotation, 3);
+  rows.add(c.up.transpose() * V, 0, c.up.dot(v), L * pace_);
+  // ω = Ω n, and n turns with the body: δn = −δθ × n.
+  const MatrixXd rotation = spin - W * (skew<double>(n) * turned);
+  const Vec3d off = omega - W * n;
+  const MatrixXd turning = A - W * (skew<double>(c.up) * V);
+  const Vec3d round = c.up.cross(v), wrong = a - W * round;
+  for (int k = 0; k < 3; ++k) {
+    rows.add(rotation.row(k), -n[k], off[k], pace_);
+    rows.add(turning.row(k), -round[k], wrong[k], L * pace_ * pace_);
+    rows.add(spin_rate.row(k), 0, alpha[k], pace_ * pace_);
   }
+}
+
+void TrimSearch::stay(const Linearised& l, const std::vector<char>& done, Rows& rows) const {
+  const Reduced& r = l.reduced;
+  const State& s = l.state;
   for (const int k : l.independent) {
     const auto i = static_cast<std::size_t>(k);
     if (done[i]) continue;
     const double scale = scales_.coordinates[i];
-    if (!turns_[i]) add(r.velocity.row(k), 0, s.v[k], scale * pace_);
-    add(r.acceleration.row(k), 0, s.a[k], scale * pace_ * pace_);
+    if (!turns_[i]) rows.add(r.velocity.row(k), 0, s.v[k], scale * pace_);
+    rows.add(r.acceleration.row(k), 0, s.a[k], scale * pace_ * pace_);
   }
   const int first = r.first_state();
   for (int k = 0; k < r.states; ++k) {
     if (l.parameters[static_cast<std::size_t>(k)].kind == Parameter::Kind::integral) continue;
-    RowVectorXd by(all);
+    RowVectorXd by(r.position.cols());
     by << r.A.row(first + k), r.B.row(first + k);
     const double size = by.cwiseAbs().maxCoeff();
     // By what moves it in the mechanism's own time; where nothing does, as at a limit of its rate, there is
     // the row all the same: rows are those of every point.
-    add(by, 0, l.state_rates[k], size > 0 ? size : pace_);
+    rows.add(by, 0, l.state_rates[k], size > 0 ? size : pace_);
   }
+}
+
+void TrimSearch::wanted(const Linearised& l, double W, Rows& rows) const {
+  const Reduced& r = l.reduced;
+  const State& s = l.state;
+  const double L = m_.length_scale;
   const Rover& c = rovers_[main_];
   const Vec3d ahead = along(c, s), spin = s.v.segment<3>(c.rotation);
   const double speed = ahead.norm();
@@ -330,19 +339,37 @@ TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate
                           A * skew<double>(c.to_origin) * r.velocity.middleRows(c.rotation, 3) -
                           A * skew<double>(spin.cross(c.to_origin)) * r.position.middleRows(c.rotation, 3);
   const RowVectorXd by_speed = (ahead / speed).transpose() * origin;
-  const RowVectorXd none = RowVectorXd::Zero(all);
-  if (wanted_.speed) add(by_speed, 0, speed - speed_, L * pace_);
+  const RowVectorXd none = RowVectorXd::Zero(r.position.cols());
+  if (wanted_.speed) rows.add(by_speed, 0, speed - speed_, L * pace_);
   if (wanted_.lateral_acceleration)
-    add(W * by_speed, speed, W * speed - *wanted_.lateral_acceleration, L * pace_ * pace_);
-  if (wanted_.yaw_rate) add(none, 1, W - *wanted_.yaw_rate, pace_);
+    rows.add(W * by_speed, speed, W * speed - *wanted_.lateral_acceleration, L * pace_ * pace_);
+  if (wanted_.yaw_rate) rows.add(none, 1, W - *wanted_.yaw_rate, pace_);
   if (wanted_.radius)
-    add(by_speed, -*wanted_.radius, speed - W * *wanted_.radius,
-        std::max(L, std::abs(*wanted_.radius)) * pace_);
-  out.by.resize(std::ssize(rows), all + 1);
-  out.values.resize(std::ssize(rows));
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    out.by.row(static_cast<Index>(k)) = rows[k];
-    out.values[static_cast<Index>(k)] = values[k];
+    rows.add(by_speed, -*wanted_.radius, speed - W * *wanted_.radius,
+             std::max(L, std::abs(*wanted_.radius)) * pace_);
+}
+
+TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate) const {
+  if (l.reduced.coordinates != l.reduced.speeds)
+    throw std::runtime_error("steady driving of models with constraints on velocities alone is not possible");
+  const State& s = l.state;
+  Rows rows;
+  std::vector<char> done(static_cast<std::size_t>(m_.velocities), 0);
+  Equations out;
+  out.accelerations = VectorXd::Zero(m_.velocities);
+  for (const Rover& c : rovers_) {
+    for (int k = 0; k < 3; ++k)
+      done[static_cast<std::size_t>(c.position + k)] = done[static_cast<std::size_t>(c.rotation + k)] = 1;
+    circle(c, l, yaw_rate, rows);
+    out.accelerations.segment<3>(c.position) = yaw_rate * c.up.cross(Vec3d(s.v.segment<3>(c.position)));
+  }
+  stay(l, done, rows);
+  wanted(l, yaw_rate, rows);
+  out.by.resize(std::ssize(rows.by), l.reduced.position.cols() + 1);
+  out.values.resize(std::ssize(rows.by));
+  for (std::size_t k = 0; k < rows.by.size(); ++k) {
+    out.by.row(static_cast<Index>(k)) = rows.by[k];
+    out.values[static_cast<Index>(k)] = rows.values[k];
   }
   return out;
 }

@@ -1,11 +1,11 @@
 #include "compile/compile_parts.h"
-#include "compile/compile_signals.h"
 #include "compile/element_parts.h"
 #include "compile/find_scales.h"
 #include "compile/image.h"
+#include "compile/signals/compile_signals.h"
 #include "compile/slow_speeds.h"
 #include "mimbre/model.h"
-#include "spec/check_spec.h"
+#include "spec/check/check_spec.h"
 
 namespace mimbre {
 namespace {

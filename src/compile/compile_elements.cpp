@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "compile/compile_parts.h"
-#include "compile/compile_signals.h"
 #include "compile/element_parts.h"
 #include "compile/paths.h"
+#include "compile/signals/compile_signals.h"
 #include "spec/force_law.h"
 
 namespace mimbre {

@@ -1,8 +1,8 @@
 #include <set>
 
 #include "compile/compile_parts.h"
-#include "compile/compile_signals.h"
 #include "compile/flexible_data.h"
+#include "compile/signals/compile_signals.h"
 #include "spec/constraint_kind.h"
 #include "spec/force_law.h"
 

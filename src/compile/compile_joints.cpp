@@ -1,6 +1,6 @@
 #include "compile/compile_parts.h"
-#include "compile/compile_signals.h"
 #include "compile/paths.h"
+#include "compile/signals/compile_signals.h"
 
 namespace mimbre {
 

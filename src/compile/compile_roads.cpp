@@ -1,5 +1,5 @@
 #include "compile/compile_parts.h"
-#include "compile/compile_signals.h"
+#include "compile/signals/compile_signals.h"
 
 namespace mimbre {
 namespace {

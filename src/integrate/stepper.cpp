@@ -1,11 +1,11 @@
 #include "integrate/stepper.h"
 
-#include "integrate/explicit.h"
+#include "integrate/explicit/explicit.h"
 #include "integrate/independent.h"
 #include "integrate/index3.h"
 #include "integrate/lagrange.h"
 #include "integrate/penalty.h"
-#include "integrate/radau.h"
+#include "integrate/radau/radau.h"
 #include "mimbre/method_names.h"
 
 namespace mimbre {

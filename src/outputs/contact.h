@@ -4,7 +4,7 @@
 #include "mimbre/channels.h"
 #include "outputs/mass_motion.h"
 #include "outputs/view.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 /// Of a contact on its spheres, or on one body.

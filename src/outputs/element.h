@@ -1,10 +1,10 @@
 #pragma once
-#include "compile/compile_signals.h"
 #include "compile/element_name.h"
+#include "compile/signals/compile_signals.h"
 #include "joints/joint_kind.h"
 #include "mimbre/channels.h"
 #include "outputs/view.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 /// Force, measure and rate of the model's elements, by components: for programs, not for model files.

@@ -1,7 +1,7 @@
 #pragma once
 #include "mimbre/diagnostics.h"
 #include "outputs/frame_motion.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 /// How far a frame is from where it is undeformed, along a direction.
 namespace mimbre::outputs {

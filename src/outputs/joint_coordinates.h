@@ -1,7 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "compile/compile_signals.h"
+#include "compile/signals/compile_signals.h"
 #include "joints/joint_kind.h"
 #include "mimbre/channels.h"
 #include "outputs/view.h"

@@ -4,7 +4,7 @@
 #include "mimbre/channels.h"
 #include "mimbre/reduced_body.h"
 #include "outputs/view.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 /// Centre of mass and momenta of bodies, in global axes; of no body named of all.

@@ -6,7 +6,7 @@
 #include "mimbre/channels.h"
 #include "mimbre/reduced_body.h"
 #include "outputs/view.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 namespace mimbre::outputs {

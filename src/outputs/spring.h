@@ -1,5 +1,5 @@
 #pragma once
-#include "compile/compile_signals.h"
+#include "compile/signals/compile_signals.h"
 #include "mimbre/channels.h"
 #include "outputs/view.h"
 #include "spec/output_kind.h"

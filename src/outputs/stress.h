@@ -3,7 +3,7 @@
 #include "mimbre/channels.h"
 #include "mimbre/reduced_body.h"
 #include "outputs/view.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 /// At a node of a flexible body's surface, or the extreme of all. Of a rigid body they are 0, which is

@@ -5,7 +5,7 @@
 #include "mimbre/channels.h"
 #include "outputs/view.h"
 #include "outputs/wheel_quantities.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/force_law.h"
 #include "spec/output_kind.h"
 

@@ -1,7 +1,7 @@
 #include "mimbre/model_builder.h"
 
 #include "mimbre/reduced_body.h"
-#include "spec/check_spec.h"
+#include "spec/check/check_spec.h"
 #include "spec/model_builder_parts.h"
 
 namespace mimbre {

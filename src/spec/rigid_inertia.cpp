@@ -7,7 +7,7 @@
 
 #include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 namespace mimbre {
 namespace {

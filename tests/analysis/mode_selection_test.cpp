@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "analysis/mode_participation.h"
+#include "analysis/modes/mode_participation.h"
 #include "analysis/rigid_response.h"
 #include "fe/solid_meshes.h"
 #include "mimbre/fe_reduce.h"

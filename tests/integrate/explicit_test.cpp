@@ -1,4 +1,4 @@
-#include "integrate/explicit.h"
+#include "integrate/explicit/explicit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "integrate/radau.h"
+#include "integrate/radau/radau.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "spec/check_spec.h"
+#include "spec/check/check_spec.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

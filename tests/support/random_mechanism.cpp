@@ -7,7 +7,7 @@
 #include "fe/meshes.h"
 #include "joints/table.h"
 #include "reduction/stiffening/stretching.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/nearest_place.h"
 
 namespace mimbre::test {

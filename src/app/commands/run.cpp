@@ -195,6 +195,14 @@ std::vector<std::string> print_warnings(const LoadedModel& loaded, const Simulat
   return warnings;
 }
 
+void print_default_end(const Simulation& simulation, const RunPlan& plan) {
+  if (simulation.method().default_end)
+    fmt::print(stderr,
+               "mimbre: note: the model has no end: the run ends at {} s (set it by --until, or by `end` "
+               "in its section `simulation`)\n",
+               plan.end);
+}
+
 int run_model(const RunArguments& given_arguments) {
   const RunArguments arguments = completed(given_arguments);
   const LoadedModel loaded = load(arguments.model, arguments.settings, arguments.quiet, arguments.most_modes);
@@ -217,11 +225,7 @@ int run_model(const RunArguments& given_arguments) {
   if (const std::string why = simulation.not_saved(); !why.empty() && !arguments.state.empty())
     throw InputError(Mark{arguments.model, 0, 0}, why + "; run without --save-state");
   if (!arguments.quiet) {
-    if (simulation.method().default_end)
-      fmt::print(stderr,
-                 "mimbre: note: the model has no end: the run ends at {} s (set it by --until, or by `end` "
-                 "in its section `simulation`)\n",
-                 plan.end);
+    print_default_end(simulation, plan);
     print_advice(simulation);
   }
 

@@ -7,7 +7,7 @@
 #include "compile/triangle_mesh.h"
 #include "forces/surfaces/drawing.h"
 #include "forces/surfaces/touch.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/closed_surface.h"
 #include "spec/surface_kind.h"
 

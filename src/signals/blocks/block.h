@@ -1,11 +1,11 @@
 #pragma once
 #include <array>
 
-#include "compile/compile_blocks.h"
+#include "compile/signals/compile_blocks.h"
 #include "math/function_values.h"
 #include "math/lanes.h"
 #include "spec/block_info.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 /// What the blocks share: each makes signals of others and of what it remembers, in the step (continuous) or
 /// at instants (sampled).

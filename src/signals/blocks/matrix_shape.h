@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 namespace mimbre::blocks {
 

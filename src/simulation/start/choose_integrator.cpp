@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/fastest_motion.h"
+#include "integrate/explicit/fastest_motion.h"
 #include "math/elementary.h"
 #include "simulation/start/assembly.h"
 #include "simulation/step/mechanism.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compile/compile_signals.h"
+#include "compile/signals/compile_signals.h"
 #include "signals/blocks/table.h"
 
 namespace mimbre {

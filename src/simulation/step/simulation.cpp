@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "base/cpu_time.h"
-#include "integrate/fastest_motion.h"
+#include "integrate/explicit/fastest_motion.h"
 #include "simulation/describe/body_drawings.h"
 #include "simulation/describe/element_drawings.h"
 #include "simulation/describe/explain.h"

@@ -1,4 +1,4 @@
-#include "compile/compile_blocks.h"
+#include "compile/signals/compile_blocks.h"
 
 #include "spec/block_info.h"
 

@@ -1,12 +1,12 @@
-#include "analysis/sparse_modes.h"
+#include "analysis/modes/sparse_modes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/mode_shapes.h"
-#include "analysis/mode_shares.h"
-#include "analysis/sparse_core.h"
+#include "analysis/modes/mode_shapes.h"
+#include "analysis/modes/mode_shares.h"
+#include "analysis/modes/sparse_core.h"
 #include "integrate/sparse_statics.h"
 #include "mimbre/diagnostics.h"
 #include "simulation/start/assembly.h"
@@ -43,6 +43,52 @@ class RelativeMotions {
   natural::NaturalSystem& system_;
   State natural_, relative_;
 };
+
+/// The motions found, in relative coordinates, with names and shares of energy.
+LinearisedModes described(const Linearised& located, const State& relative, const SparseEquations& equations,
+                          const linalg::ConstrainedModes& found, const relative::RelativeSystem& observer,
+                          RelativeMotions& motions) {
+  const Compiled& m = located.model->compiled();
+  LinearisedModes out;
+  out.sparse = true;
+  out.model = located.names;
+  out.model.title = m.spec().title;
+  out.model.time = relative.time;
+  out.model.notes.push_back("the lowest modes by sparse matrices, shifted and inverted");
+  for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(coordinate_label(m, k));
+  Linearised at;
+  at.model = located.model;
+  at.state = relative;
+  ModeShares shares(at);
+  const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
+  /// `stiffness`: that of the motion before it is normalised.
+  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness) {
+    mode.motion = motion;
+    const std::complex<double> factor = normalise(mode.motion, mode.motion.size(), scale);
+    mode.shape.resize(2 * mode.motion.size());
+    mode.shape << mode.motion, mode.value * mode.motion;
+    mode.left = VectorXcd::Zero(mode.shape.size());
+    shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness);
+    out.modes.push_back(std::move(mode));
+  };
+  MatrixXd rigid(m.velocities, found.rigid.cols());
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
+    rigid.col(k) =
+        motions.of(VectorXd(equations.scale.cwiseProduct(found.rigid.col(k)))).cwiseQuotient(scale);
+  rigid = scale.asDiagonal() * echelon(rigid);
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k) {
+    Mode mode;
+    mode.kind = Mode::Kind::rigid;
+    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0);
+  }
+  for (Eigen::Index k = 0; k < found.values.size(); ++k) {
+    const VectorXcd x = found.vectors.col(k), stiff = equations.pencil.K.cast<std::complex<double>>() * x;
+    add(mode_of(found.values[k], 0),
+        motions.of(VectorXcd(equations.scale.cast<std::complex<double>>().cwiseProduct(x))),
+        std::real(x.dot(stiff)));
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -86,47 +132,8 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
     why = "the iteration did not converge";
     return {};
   }
-
-  LinearisedModes out;
-  out.sparse = true;
-  out.model = located.names;
-  out.model.title = m.spec().title;
-  out.model.time = relative.time;
-  out.model.notes.push_back("the lowest modes by sparse matrices, shifted and inverted");
-  for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(coordinate_label(m, k));
-  Linearised at;
-  at.model = located.model;
-  at.state = relative;
-  ModeShares shares(at);
   RelativeMotions motions(*system, natural, relative);
-  const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
-  /// `stiffness`: that of the motion before it is normalised.
-  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness) {
-    mode.motion = motion;
-    const std::complex<double> factor = normalise(mode.motion, mode.motion.size(), scale);
-    mode.shape.resize(2 * mode.motion.size());
-    mode.shape << mode.motion, mode.value * mode.motion;
-    mode.left = VectorXcd::Zero(mode.shape.size());
-    shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness);
-    out.modes.push_back(std::move(mode));
-  };
-  MatrixXd rigid(m.velocities, found.rigid.cols());
-  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
-    rigid.col(k) =
-        motions.of(VectorXd(equations.scale.cwiseProduct(found.rigid.col(k)))).cwiseQuotient(scale);
-  rigid = scale.asDiagonal() * echelon(rigid);
-  for (Eigen::Index k = 0; k < rigid.cols(); ++k) {
-    Mode mode;
-    mode.kind = Mode::Kind::rigid;
-    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0);
-  }
-  for (Eigen::Index k = 0; k < found.values.size(); ++k) {
-    const VectorXcd x = found.vectors.col(k), stiff = equations.pencil.K.cast<std::complex<double>>() * x;
-    add(mode_of(found.values[k], 0),
-        motions.of(VectorXcd(equations.scale.cast<std::complex<double>>().cwiseProduct(x))),
-        std::real(x.dot(stiff)));
-  }
-  return out;
+  return described(located, relative, equations, found, observer, motions);
 }
 
 }  // namespace mimbre::linear

@@ -3,7 +3,7 @@
 
 #include "joints/joint_kind.h"
 #include "spec/block_info.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/force_law.h"
 #include "spec/nearest_place.h"
 

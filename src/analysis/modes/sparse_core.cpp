@@ -1,4 +1,4 @@
-#include "analysis/sparse_core.h"
+#include "analysis/modes/sparse_core.h"
 
 #include <algorithm>
 #include <cmath>

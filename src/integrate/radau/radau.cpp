@@ -1,10 +1,10 @@
-#include "integrate/radau.h"
+#include "integrate/radau/radau.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/close_loops.h"
 #include "integrate/drift.h"
+#include "integrate/explicit/close_loops.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {

@@ -1,5 +1,5 @@
 #include "spec/block_info.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 /// Blocks and events.
 namespace mimbre::checks {

@@ -1,4 +1,4 @@
-#include "analysis/floquet.h"
+#include "analysis/modes/floquet.h"
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ constexpr double steady = 1e-5, repeats = 1e-6;
 /// Of the transition: it has settled.
 constexpr double settled = 1e-8;
 /// Of the largest multiplier: smaller ones are lost in its round-off.
-constexpr double least_share = 1e-9;
+constexpr double least_motion = 1e-9;
 /// Of a multiplier: it is real.
 constexpr double real_round_off = 1e-9;
 constexpr int parts = 16, fewest_steps = 32, most_steps = 1024, hopeless = 8192;
@@ -188,7 +188,7 @@ std::optional<Transition> find_transition(const Compiled& m, const relative::Rel
       if (before.size() > 0 && steps * std::sqrt(std::sqrt(off / settled)) > hopeless) return {};
       if (off <= settled) {
         const VectorXd sizes = eigenvalues(out.over_period).cwiseAbs();
-        if (sizes.size() > 0 && !(sizes.minCoeff() > least_share * sizes.maxCoeff())) {
+        if (sizes.size() > 0 && !(sizes.minCoeff() > least_motion * sizes.maxCoeff())) {
           why = "some motions grow or decay by more over a period than numbers have digits";
           return {};
         }

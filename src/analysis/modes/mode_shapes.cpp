@@ -1,4 +1,4 @@
-#include "analysis/mode_shapes.h"
+#include "analysis/modes/mode_shapes.h"
 
 #include <algorithm>
 #include <cmath>

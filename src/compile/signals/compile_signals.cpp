@@ -1,11 +1,11 @@
-#include "compile/compile_signals.h"
+#include "compile/signals/compile_signals.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "compile/compile_blocks.h"
-#include "compile/signal_order.h"
+#include "compile/signals/compile_blocks.h"
+#include "compile/signals/signal_order.h"
 #include "mimbre/diagnostics.h"
 #include "spec/force_law.h"
 #include "spec/output_kind.h"

@@ -1,4 +1,4 @@
-#include "analysis/mode_participation.h"
+#include "analysis/modes/mode_participation.h"
 #include "math/once/decompositions.h"
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "mimbre/run_option.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 /// Gravity, and how the model is computed.
 namespace mimbre::checks {

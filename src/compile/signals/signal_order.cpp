@@ -1,10 +1,10 @@
-#include "compile/signal_order.h"
+#include "compile/signals/signal_order.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "compile/compile_blocks.h"
+#include "compile/signals/compile_blocks.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {

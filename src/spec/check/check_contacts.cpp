@@ -1,5 +1,5 @@
 #include "mimbre/reduced_body.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/contact_pairs.h"
 #include "spec/force_law.h"
 #include "spec/surface_kind.h"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "joints/joint_kind.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/constraint_kind.h"
 
 /// Constraints between bodies.

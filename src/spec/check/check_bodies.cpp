@@ -3,7 +3,7 @@
 #include "mimbre/reduced_body.h"
 #include "mimbre/surface_mesh.h"
 #include "reduction/file/check_arrays.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/rigid_inertia.h"
 
 /// Bodies and the frames on them.

@@ -1,10 +1,10 @@
-#include "integrate/fastest_motion.h"
+#include "integrate/explicit/fastest_motion.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/accelerations.h"
-#include "integrate/runge_kutta.h"
+#include "integrate/explicit/accelerations.h"
+#include "integrate/explicit/runge_kutta.h"
 #include "mimbre/method_names.h"
 
 namespace mimbre {

@@ -1,11 +1,11 @@
-#include "integrate/explicit.h"
+#include "integrate/explicit/explicit.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/close_loops.h"
 #include "integrate/drift.h"
-#include "integrate/runge_kutta.h"
+#include "integrate/explicit/close_loops.h"
+#include "integrate/explicit/runge_kutta.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "analysis/mode_participation.h"
+#include "analysis/modes/mode_participation.h"
 #include "analysis/rigid_response.h"
 #include "reduction/bases/project_modes.h"
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "integrate/radau_matrices.h"
-#include "integrate/radau_method.h"
+#include "integrate/radau/radau_matrices.h"
+#include "integrate/radau/radau_method.h"
 #include "integrate/stepper.h"
 
 namespace mimbre {

@@ -1,8 +1,8 @@
-#include "spec/check_spec.h"
+#include "spec/check/check_spec.h"
 
 #include <unordered_set>
 
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 
 namespace mimbre {
 namespace checks {

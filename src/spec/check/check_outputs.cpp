@@ -2,7 +2,7 @@
 
 #include "joints/joint_kind.h"
 #include "mimbre/reduced_body.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/output_kind.h"
 
 /// Channels that the user named.

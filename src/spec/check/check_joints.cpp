@@ -1,7 +1,7 @@
 #include <set>
 
 #include "joints/joint_kind.h"
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/drive_start.h"
 
 /// Joints, their drives, springs and initial values.

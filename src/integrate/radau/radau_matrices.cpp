@@ -1,8 +1,8 @@
-#include "integrate/radau_matrices.h"
+#include "integrate/radau/radau_matrices.h"
 
 #include <cmath>
 
-#include "integrate/radau_method.h"
+#include "integrate/radau/radau_method.h"
 #include "linalg/block_factor_impl.h"
 
 namespace mimbre {

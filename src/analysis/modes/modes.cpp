@@ -8,11 +8,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "analysis/floquet.h"
 #include "analysis/linear_turning.h"
-#include "analysis/mode_shapes.h"
-#include "analysis/mode_shares.h"
-#include "analysis/sparse_modes.h"
+#include "analysis/modes/floquet.h"
+#include "analysis/modes/mode_shapes.h"
+#include "analysis/modes/mode_shares.h"
+#include "analysis/modes/sparse_modes.h"
 #include "base/cpu_time.h"
 #include "math/elementary.h"
 #include "math/once/decompositions.h"

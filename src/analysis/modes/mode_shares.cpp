@@ -1,4 +1,4 @@
-#include "analysis/mode_shares.h"
+#include "analysis/modes/mode_shares.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "integrate/accelerations.h"
+#include "integrate/explicit/accelerations.h"
 
 namespace mimbre {
 

@@ -1,4 +1,4 @@
-#include "spec/checked_item.h"
+#include "spec/check/checked_item.h"
 #include "spec/force_law.h"
 #include "spec/nearest_place.h"
 

@@ -1,4 +1,4 @@
-#include "integrate/accelerations.h"
+#include "integrate/explicit/accelerations.h"
 
 #include <algorithm>
 
