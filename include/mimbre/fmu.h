@@ -14,7 +14,10 @@ struct FmuOptions {
   int version = 3;           ///< of the standard: 2 (2.0.4) or 3 (3.0.2)
   std::string name{};        ///< the model identifier, an identifier of C; empty: of the model's file
   bool binary_only = false;  ///< without the sources
-  double reference = 1;      ///< s of a run whose result goes along; 0: none
+  /// Of co-simulation: the library itself inside, as a binary, in place of code for the model. It takes
+  /// whatever a run takes, with the method of a run.
+  bool library = false;
+  double reference = 1;  ///< s of a run whose result goes along; 0: none
 };
 
 /// A variable of an FMU.
@@ -36,14 +39,17 @@ struct FmuCode {
   GeneratedCode code;
   FmuOptions::Kind kind = FmuOptions::Kind::co_simulation;
   int version = 3;
-  std::string token;    ///< by which a model description and a binary know each other
-  std::string wrapper;  ///< C99, the file fmi2.c or fmi3.c
+  bool library = false;  ///< calls the library: runs where its runtime is at hand, as in the FMU
+  std::string token;     ///< by which a model description and a binary know each other
+  std::string wrapper;   ///< C99, the file fmi2.c or fmi3.c
   std::vector<FmuVariable> variables;
 };
 
 /// Co-simulation with steps of a fixed cost, of what `generate_code` makes code of, or model exchange, of
 /// what `generate_exchange_code` does. Variables have the names of the model's inputs, tunable parameters and
-/// outputs. Throws InputError as these do, and for a version that is neither 2 nor 3.
+/// outputs. With the library inside, steps are those of a run, and only laws and blocks that are code from
+/// elsewhere are refused. Throws InputError as these do, for a version that is neither 2 nor 3, and for
+/// model exchange with the library.
 FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
                      const FmuOptions& fmu = {});
 
@@ -57,8 +63,9 @@ struct WrittenFmu {
 };
 /// Writes the archive: model description, sources, a binary for this machine where there is a C compiler
 /// ($CC, else `cc`), a page of documentation and a reference result. An older file stands until the new one
-/// is whole. Throws InputError where the file cannot be written, where `binary_only` finds no compiler, and
-/// as generate_code does.
+/// is whole. With the library inside there is a binary alone. Throws InputError where the file cannot be
+/// written, where an FMU without sources finds no compiler, where this library was built without the runtime
+/// that FMUs take along, and as generate_fmu does.
 WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
                      const FmuOptions& fmu, const std::string& path);
 

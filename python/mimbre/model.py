@@ -611,6 +611,7 @@ class Model:
         kind: Literal["cs", "me"] = "cs",
         name: str = "",
         binary_only: bool = False,
+        library: bool = False,
         **method: Unpack[Method],
     ) -> Path:
         """Writes an FMU, as `mimbre fmu` (docs/fmu.md): sources, and a binary for this machine where there is a C
@@ -623,6 +624,8 @@ class Model:
                 solver makes the steps of independent coordinates.
             name: the model identifier; default: the model file's name.
             binary_only: without the sources.
+            library: the library itself inside, in place of code for the model: for whatever a run takes, with a binary
+                alone, for co-simulation.
             **method: step and method in place of the model's, see `Method`.
 
         Returns:
@@ -644,6 +647,7 @@ class Model:
             _checks.known("kind of FMU", kind, ("cs", "me")),
             _checks.text("name", name),
             _checks.flag("binary_only", binary_only),
+            _checks.flag("library", library),
         )
         _left_out(left_out, "FMU")
         if without_binary:

@@ -32,13 +32,14 @@ std::tuple<std::string, std::vector<std::string>> generate(const LoadedModel& m,
 std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, const MethodChoice& method,
                                                       const std::string& path, int version,
                                                       const std::string& kind, const std::string& name,
-                                                      bool binary_only) {
+                                                      bool binary_only, bool library) {
   const nb::gil_scoped_release others_run;
   FmuOptions options;
   options.version = version;
   options.kind = kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;
   options.name = name_or(m, name);
   options.binary_only = binary_only;
+  options.library = library;
   const WrittenFmu written = write_fmu(m.model, method.options(m.model->spec().simulation), options, path);
   return {written.left_out, written.without_binary};
 }
@@ -48,7 +49,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
 void bind_portable(nb::module_& module) {
   module.def("generate", &generate, nb::arg("model"), nb::arg("method"), nb::arg("folder"), nb::arg("name"));
   module.def("fmu", &fmu, nb::arg("model"), nb::arg("method"), nb::arg("path"), nb::arg("version"),
-             nb::arg("kind"), nb::arg("name"), nb::arg("binary_only"));
+             nb::arg("kind"), nb::arg("name"), nb::arg("binary_only"), nb::arg("library"));
 }
 
 }  // namespace mimbre::python

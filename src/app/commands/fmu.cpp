@@ -48,15 +48,19 @@ Command add_fmu(CommandLine& program) {
   parser.add_option("--name", a->fmu.name, "Model identifier; default: the model file's name")
       .type_name("NAME");
   parser.add_flag("--binary-only", a->fmu.binary_only, "Without the sources");
+  parser.add_flag(
+      "--library", a->fmu.library,
+      "With the library inside in place of code for the model: for\nwhatever a run takes; a binary "
+      "alone");
   add_set_option(parser, a->settings);
   parser.add_flag("--json", a->json, "The name of the file as JSON");
   add_method_options(parser, a->method);
   parser.footer(
       "Steps for co-simulation are those of `mimbre run --fixed-cost`; for model exchange the importer's "
       "solver "
-      "makes the steps (docs/fmu.md). The sources are compiled with `cc`, or "
-      "what CC "
-      "names.\nExample:\n  mimbre fmu suspension.yaml -o suspension.fmu --fmi 3");
+      "makes the steps (docs/fmu.md). With --library they are those of `mimbre run`. The sources are "
+      "compiled "
+      "with `cc`, or what CC names.\nExample:\n  mimbre fmu suspension.yaml -o suspension.fmu --fmi 3");
   return {parser, [a] { return run_fmu(*a); }};
 }
 

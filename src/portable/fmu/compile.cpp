@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <link.h>
 #include <spawn.h>
 #include <sys/utsname.h>
 #include <sys/wait.h>
@@ -11,7 +12,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/sha256.h"
+#include "mimbre/build.h"
 #include "portable/fmu/parts.h"
+#include "portable/library/library_code.h"
 
 extern char** environ;
 
@@ -68,6 +72,39 @@ bool run(std::vector<std::string> words, const std::string& printed, int& status
   return ended == process;
 }
 
+/// The file of a shared library of this process, by the beginning of its name; empty: it has none such.
+std::string loaded_library(const std::string& beginning) {
+  std::pair<std::string, std::string> search(beginning, "");
+  dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t, void* data) {
+        auto& [wanted, found] = *static_cast<std::pair<std::string, std::string>*>(data);
+        const fs::path path = info->dlpi_name ? info->dlpi_name : "";
+        if (path.filename().string().rfind(wanted, 0) != 0) return 0;
+        found = path.string();
+        return 1;
+      },
+      &search);
+  return search.second;
+}
+
+/// The runtime, under a name that no other version has, and what it needs that not every machine has: the
+/// library of formats, where this program has it from a shared library, too.
+ArchiveFiles runtime_files() {
+  const std::span<const unsigned char> runtime = runtime_bytes();
+  if (runtime.empty()) return {};
+  const std::string bytes(runtime.begin(), runtime.end());
+  Sha256 digest;
+  digest.add(bytes);
+  ArchiveFiles out{
+      {fmt::format("libmimbre-{}-{}.so", build_info().version, digest.hex().substr(0, 8)), bytes}};
+  constexpr const char* formats = "libfmt";
+  const std::size_t at = bytes.find(std::string(formats) + ".so");
+  if (at == std::string::npos) return out;
+  if (const std::string file = loaded_library(formats); !file.empty())
+    out.emplace_back(bytes.c_str() + at, content(file));
+  return out;
+}
+
 /// Where a binary for this machine lies in an FMU.
 std::string place(const FmuCode& fmu) {
   utsname system{};
@@ -97,10 +134,31 @@ FmuBinary compile_fmu(const FmuCode& fmu) {
                                    std::pair(code, &fmu.code.source), std::pair(wrapper, &fmu.wrapper)})
     std::ofstream(folder.file(name), std::ios::binary) << *text;
   const std::string library = folder.file("library"), printed = folder.file("printed");
+  std::vector<std::string> words{compiler,
+                                 "-std=c99",
+                                 "-O2",
+                                 "-ffp-contract=off",
+                                 "-fPIC",
+                                 "-fvisibility=hidden",
+                                 "-shared",
+                                 "-o",
+                                 library,
+                                 folder.file(code),
+                                 folder.file(wrapper)};
+  if (fmu.library) {
+    out.with = runtime_files();
+    if (out.with.empty()) {
+      out.message = "this mimbre was built without the runtime that FMUs take along";
+      return out;
+    }
+    for (const auto& [name, bytes] : out.with) std::ofstream(folder.file(name), std::ios::binary) << bytes;
+    // It is looked for where the binary lies.
+    words.insert(words.end(), {"-L" + folder.file(""), "-l:" + out.with.front().first, "-Wl,-rpath,$ORIGIN",
+                               "-Wl,--allow-shlib-undefined"});
+  }
+  words.emplace_back("-lm");
   int status = 0;
-  if (!run({compiler, "-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-o",
-            library, folder.file(code), folder.file(wrapper), "-lm"},
-           printed, status)) {
+  if (!run(words, printed, status)) {
     out.message = fmt::format("there is no C compiler '{}'", compiler);
     return out;
   }
@@ -113,6 +171,8 @@ FmuBinary compile_fmu(const FmuCode& fmu) {
     return out;
   }
   out.bytes = content(library);
+  const std::string place_of_binary = fs::path(out.file).parent_path().string() + "/";
+  for (auto& [name, bytes] : out.with) name = place_of_binary + name;
   return out;
 }
 

@@ -83,8 +83,7 @@ const char* const fmi2_text = R"c(
     return NULL;
   }
   memcpy(host.name, instance_name, strlen(instance_name) + 1);
-  @_fmu_set_up(f, &host, logs != 0);
-  return f;
+  return @_fmu_set_up(f, &host, logs != 0);
 }
 
 @_FMU_EXPORT void @_FMU_NAME(fmi2FreeInstance)(fmi2Component c) {

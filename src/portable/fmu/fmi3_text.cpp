@@ -77,8 +77,7 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
     @_fmu_log(&host, @_FMU_ERROR, "logStatusError", refusal);
     return NULL;
   }
-  @_fmu_set_up(f, &host, logs);
-  return f;
+  return @_fmu_set_up(f, &host, logs);
 }
 
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,

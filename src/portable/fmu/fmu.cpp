@@ -12,6 +12,7 @@
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
 #include "portable/fmu/parts.h"
+#include "portable/library/library_code.h"
 
 namespace mimbre {
 namespace {
@@ -115,11 +116,16 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
     throw InputError(Mark{},
                      fmt::format("there is no version {} of FMI here: 2 or 3 is needed", fmu.version));
   FmuCode out;
+  const bool exchange = fmu.kind == FmuOptions::Kind::model_exchange;
+  if (fmu.library && exchange)
+    throw InputError(Mark{}, "the library makes steps of its own: it is for co-simulation alone");
   out.version = fmu.version;
   out.kind = fmu.kind;
+  out.library = fmu.library;
   const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
-  out.code = fmu.kind == FmuOptions::Kind::model_exchange ? generate_exchange_code(model, options, name)
-                                                          : generate_code(model, options, name);
+  out.code = fmu.library ? portable::library_code(model, options, name)
+             : exchange  ? generate_exchange_code(model, options, name)
+                         : generate_code(model, options, name);
   out.token = token_of(out.code, fmu.version);
   out.variables = variables_of(out.code, fmu.kind, fmu.version);
   out.wrapper = portable::fmu_wrapper(out);
@@ -130,19 +136,23 @@ WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions
                      const FmuOptions& fmu, const std::string& path) {
   const FmuCode made = generate_fmu(model, options, fmu);
   const portable::FmuBinary binary = portable::compile_fmu(made);
-  if (binary.bytes.empty() && fmu.binary_only)
+  const bool binary_only = fmu.binary_only || fmu.library;
+  if (binary.bytes.empty() && binary_only)
     throw InputError(
         Mark{}, fmt::format("the FMU cannot have a binary, and is to have nothing else: {}", binary.message));
   portable::ArchiveFiles files;
-  files.emplace_back("modelDescription.xml", fmu_description(made, *model, !fmu.binary_only));
-  if (!fmu.binary_only) {
+  files.emplace_back("modelDescription.xml", fmu_description(made, *model, !binary_only));
+  if (!binary_only) {
     files.emplace_back(fmt::format("sources/{}.h", made.code.name), made.code.header);
     files.emplace_back(fmt::format("sources/{}.c", made.code.name), made.code.source);
     files.emplace_back("sources/" + portable::fmu_wrapper_file(made), made.wrapper);
     if (made.version == 3)
       files.emplace_back("sources/buildDescription.xml", portable::fmu_build_description(made));
   }
-  if (!binary.bytes.empty()) files.emplace_back(binary.file, binary.bytes);
+  if (!binary.bytes.empty()) {
+    files.emplace_back(binary.file, binary.bytes);
+    files.insert(files.end(), binary.with.begin(), binary.with.end());
+  }
   const Method method = resolve_method(model->spec().simulation, options);
   files.emplace_back("documentation/index.html",
                      portable::fmu_page(made, *model,

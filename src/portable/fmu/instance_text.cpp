@@ -65,12 +65,25 @@ static void @_fmu_begin(@_fmu *f) {
   for (k = 0; k < @_FMU_INPUTS; ++k) f->progress.given[k] = @_fmu_start[k];
 }
 
-/* A new instance, of memory that is not set. */
-static void @_fmu_set_up(@_fmu *f, const @_fmu_host *host, int logs) {
+/* A new instance, of memory that is not set. NULL: it cannot be made, and is gone. */
+static @_fmu *@_fmu_set_up(@_fmu *f, const @_fmu_host *host, int logs) {
   f->host = *host;
   f->logs = logs;
   f->saved = NULL;
+#if @_FMU_LIBRARY
+  {
+    char message[4000];
+    if (!@_open(&f->model, message, sizeof message)) {
+      @_fmu_host last = f->host;
+      @_fmu_wrong(f, message);
+      @_fmu_forget(&last);
+      @_fmu_release(&last, f);
+      return NULL;
+    }
+  }
+#endif
   @_fmu_begin(f);
+  return f;
 }
 
 /* Why an instance cannot be made; NULL: it can. */
@@ -175,6 +188,13 @@ static @_fmu_saved *@_fmu_new_state(@_fmu *f) {
   return one;
 }
 
+static void @_fmu_take_out(@_fmu *f, @_fmu_saved *state) {
+  @_fmu_saved **link = &f->saved;
+  while (*link != state) link = &(*link)->next;
+  *link = state->next;
+  @_fmu_release(&f->host, state);
+}
+
 static int @_fmu_get_state(@_fmu *f, void **state) {
   @_fmu_saved *one;
   if (!state) return @_fmu_wrong(f, "the pointer for the state is missing");
@@ -182,7 +202,14 @@ static int @_fmu_get_state(@_fmu *f, void **state) {
   one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
   if (!one) return @_FMU_ERROR;
   memcpy(&one->progress, &f->progress, sizeof f->progress);
+#if @_FMU_LIBRARY
+  if (@_save(&f->model, &one->state) != @_MADE) {
+    if (!*state) @_fmu_take_out(f, one);
+    return @_fmu_wrong(f, @_message(&f->model));
+  }
+#else
   @_save(&f->model, &one->state);
+#endif
   *state = one;
   return @_FMU_OK;
 }
@@ -190,16 +217,13 @@ static int @_fmu_get_state(@_fmu *f, void **state) {
 static int @_fmu_set_state(@_fmu *f, const void *state) {
   const @_fmu_saved *const one = @_fmu_find(f, state);
   if (!one) return @_fmu_wrong(f, "the state does not belong to this instance");
-  memcpy(&f->progress, &one->progress, sizeof f->progress);
+#if @_FMU_LIBRARY
+  if (@_restore(&f->model, &one->state) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+#else
   @_restore(&f->model, &one->state);
+#endif
+  memcpy(&f->progress, &one->progress, sizeof f->progress);
   return @_FMU_OK;
-}
-
-static void @_fmu_take_out(@_fmu *f, @_fmu_saved *state) {
-  @_fmu_saved **link = &f->saved;
-  while (*link != state) link = &(*link)->next;
-  *link = state->next;
-  @_fmu_release(&f->host, state);
 }
 
 static int @_fmu_free_state(@_fmu *f, void **state) {
@@ -280,6 +304,9 @@ static int @_fmu_set_logging(@_fmu *f, int on, size_t count, const char *const *
 static void @_fmu_end(@_fmu *f) {
   @_fmu_host host;
   while (f->saved) @_fmu_take_out(f, f->saved);
+#if @_FMU_LIBRARY
+  @_close(&f->model);
+#endif
   host = f->host;
   @_fmu_forget(&host);
   @_fmu_release(&host, f);

@@ -33,6 +33,7 @@ struct FmuBinary {
   std::string file;     ///< in the archive
   std::string bytes;    ///< empty: there is none
   std::string message;  ///< why
+  ArchiveFiles with{};  ///< what it loads from the same folder
 };
 FmuBinary compile_fmu(const FmuCode& fmu);
 

@@ -80,7 +80,12 @@ static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t 
 }
 
 /* Leaves initialization mode. */
-static int @_fmu_run(@_fmu *f) { return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS); }
+static int @_fmu_run(@_fmu *f) {
+#if @_FMU_LIBRARY
+  if (@_fmu_turn(f, @_FMU_STARTS) && @_start(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+#endif
+  return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS);
+}
 
 static void @_fmu_outputs(@_fmu *f, double *values) {
   int k;
@@ -91,6 +96,11 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   @_fmu_progress *const p = &f->progress;
   p->mode = @_FMU_STOPPED;
   p->between = 0;
+#if @_FMU_LIBRARY
+  (void)status;
+  p->now = p->begin + (@_time(&f->model) - p->first);
+  return @_fmu_tell(f, @_FMU_DISCARD, @_message(&f->model));
+#else
   p->now = p->begin + p->steps*@_FMU_STEP;
   switch (status) {
     case @_FMU_NOT_FINITE:
@@ -102,6 +112,7 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
     default:
       return @_fmu_tell(f, @_FMU_DISCARD, "the iterations of a step of the model did not converge");
   }
+#endif
 }
 
 /* To from + length: steps of the model until it is there or behind, then between the last two. */

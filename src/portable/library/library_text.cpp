@@ -1,0 +1,70 @@
+#include "portable/library/library_text.h"
+
+/// The interface of generated code by the library's runtime, whose functions runtime.h describes.
+namespace mimbre::portable {
+
+const char* const library_header_text = R"c(
+#include <stddef.h>
+
+typedef struct mimbre_model mimbre_model;
+
+enum { @_MADE = 0, @_UNCONVERGED = 1 /* of a step; more: it was not made */ };
+
+typedef struct {
+  unsigned char bytes[@_STATE];
+} @_state;
+
+typedef struct {
+  mimbre_model *motion;
+  int iterations; /* of the last step */
+} @;
+
+/* Of an instance that is closed; 0: it cannot be opened, and the message says why. */
+int @_open(@ *s, char *message, size_t room);
+void @_close(@ *s);
+void @_init(@ *s);
+/* The start with the inputs that were set; not 0: there is none. */
+int @_start(@ *s);
+void @_set_input(@ *s, int input, double value);
+double @_get_output(@ *s, int output);
+int @_step(@ *s);
+double @_time(const @ *s);
+int @_save(@ *s, @_state *state);
+int @_restore(@ *s, const @_state *state);
+/* Why the last call that failed did so. */
+const char *@_message(const @ *s);
+)c";
+
+const char* const library_source_text = R"c(
+mimbre_model *mimbre_model_open(const unsigned char *bytes, size_t size, char *message, size_t room);
+void mimbre_model_close(mimbre_model *model);
+int mimbre_model_begin(mimbre_model *model);
+int mimbre_model_start(mimbre_model *model);
+double mimbre_model_time(const mimbre_model *model);
+int mimbre_model_set_input(mimbre_model *model, int input, double value);
+double mimbre_model_output(mimbre_model *model, int output);
+int mimbre_model_step(mimbre_model *model, int *iterations);
+const char *mimbre_model_message(const mimbre_model *model);
+int mimbre_model_save(mimbre_model *model, unsigned char *bytes, size_t size);
+int mimbre_model_restore(mimbre_model *model, const unsigned char *bytes, size_t size);
+
+int @_open(@ *s, char *message, size_t room) {
+  s->iterations = 0;
+  s->motion = mimbre_model_open((const unsigned char *)@_bytes, @_SIZE, message, room);
+  return s->motion != NULL;
+}
+void @_close(@ *s) { mimbre_model_close(s->motion); }
+void @_init(@ *s) { mimbre_model_begin(s->motion); }
+int @_start(@ *s) { return mimbre_model_start(s->motion); }
+void @_set_input(@ *s, int input, double value) { mimbre_model_set_input(s->motion, input, value); }
+double @_get_output(@ *s, int output) { return mimbre_model_output(s->motion, @_channels[output]); }
+int @_step(@ *s) { return mimbre_model_step(s->motion, &s->iterations); }
+double @_time(const @ *s) { return mimbre_model_time(s->motion); }
+int @_save(@ *s, @_state *state) { return mimbre_model_save(s->motion, state->bytes, sizeof state->bytes); }
+int @_restore(@ *s, const @_state *state) {
+  return mimbre_model_restore(s->motion, state->bytes, sizeof state->bytes);
+}
+const char *@_message(const @ *s) { return mimbre_model_message(s->motion); }
+)c";
+
+}  // namespace mimbre::portable
