@@ -42,6 +42,11 @@ struct Mode {
   /// Sense in which points of the mechanism circle the axis of its fastest turning: +1 with it (forward
   /// whirl), −1 against it (backward), 0: neither.
   double whirl = 0;
+  /// Of mechanisms with three equal blades or more around one axis, of which a fifth of the kinetic energy or
+  /// more is: the waves that they are in, largest first: collective, differential, forward and backward (as
+  /// seen from the hub, in the sense of its rotation or against it), and harmonics of these. Of the rotor
+  /// with most of the energy.
+  std::vector<ModeShare> blades;
   /// λ as seen from the ground. Where the whole mechanism turns steadily about one fixed axis with Ω,
   /// coordinates turn with it; a mode whose points circle that axis evenly has λ ± iΩ from the ground, which
   /// `whirl` then refers to, and one along or about the axis has λ. NaN: no single one (Ω shows in two

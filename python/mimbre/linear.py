@@ -165,6 +165,9 @@ class EigenMode:
     """Where coefficients repeat after T (`Modes.period`): e^{λT}, by which the motion grows over a period. Else 0."""
     whirl: float
     """1: forward, −1: backward, 0: neither."""
+    blades: dict[str, float]
+    """Of three equal blades or more: the shares of the waves that they are in (collective, differential, forward,
+    backward, as seen from the hub), largest first; empty where blades hardly move."""
     text: str
     """What it consists of, in words."""
     shape: Complexes
@@ -381,6 +384,7 @@ def modes(
             grows=m.grows,
             multiplier=m.multiplier,
             whirl=m.whirl,
+            blades=dict(m.blades),
             text=m.text,
             shape=m.shape,
             coordinates=dict(m.coordinates),

@@ -161,6 +161,7 @@ void bind_linear(nb::module_& module) {
       .def_ro("grows", &mimbre::Mode::grows)
       .def_ro("multiplier", &mimbre::Mode::multiplier)
       .def_ro("whirl", &mimbre::Mode::whirl)
+      .def_prop_ro("blades", [](const mimbre::Mode& m) { return shares_of(m.blades); })
       .def_ro("gravity", &mimbre::Mode::gravity)
       .def_ro("text", &mimbre::Mode::text)
       .def_prop_ro("shape", [](const mimbre::Mode& m) { return m.motion; })

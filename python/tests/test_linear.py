@@ -94,6 +94,14 @@ def test_modes_of_a_cart(cart):
     assert cart.modes(at=0.5).point == "t = 0.5 s"
 
 
+def test_blades_are_in_waves(examples):
+    path = examples / "wind-turbine/model.yaml"
+    modes = mimbre.Model.from_file(path, weight=0).modes(at=25, most=3)
+    assert {next(iter(mode.blades)) for mode in modes} == {"collective", "forward", "backward"}
+    assert all(max(mode.blades.values()) > 0.999 for mode in modes)
+    assert modes[0].text.startswith("blades ")
+
+
 def test_modes_over_a_parameter(cart):
     values = [50, 100, 200]
     diagram = cart.campbell("stiffness", values)

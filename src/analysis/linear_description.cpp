@@ -207,7 +207,7 @@ void check_validity(const Compiled& m, relative::RelativeSystem& system, Lineari
           std::max(deflection,
                    std::abs(s.q[b.q + b.joint_positions + k]) /
                        system.scales().coordinates[static_cast<std::size_t>(b.v + b.joint_velocities + k)]);
-  if (deflection > 1e-6) monitor.watch(s);
+  if (deflection > 1e-6) monitor.watch_instant(s);
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
   monitor.watch_loads(system.workspace(), s.time);
   for (std::string& warning : monitor.warnings()) out.names.warnings.push_back(std::move(warning));

@@ -132,6 +132,72 @@ void expect_exponents(const LinearisedModes& found, std::vector<Complex> expecte
   }
 }
 
+/// Exponents of a round hub, in the blades' axes: λ with waves ζ_k = Re(η e^{λt − iψ_k}) of blades at ψ_k,
+/// which for Im λ > 0 travel forward, and for Im λ < 0 backward with the frequency −Im λ: (I λ² + c λ + k)(M
+/// p² + C p + K) = n S² p⁴/2 with p = λ + i Ω.
+std::vector<Complex> waves_on_a_round_hub(const Rotor& r) {
+  const Complex iW(0, r.speed);
+  const double I = r.about_hinge(), S = r.static_moment(), M = r.moving_y();
+  // By M q̈ + C q̇ + K q = 0 of η and Z with complex coefficients, time derivatives in the blades' axes.
+  Eigen::Matrix4cd A = Eigen::Matrix4cd::Zero();
+  Eigen::Matrix2cd mass, damping, stiffness;
+  // Of z: p² = λ² + 2iΩλ − Ω².
+  const Complex i(0, 1), two = 2. * iW, square = iW * iW;
+  mass << I, -i * S, 0.5 * i * S * double(r.blades), M;
+  damping << r.lag_damping, -i * S * two, 0.5 * i * S * double(r.blades) * two, M * two + r.damping_y;
+  stiffness << r.lag(), -i * S * square, 0.5 * i * S * double(r.blades) * square,
+      M * square + r.damping_y * iW + r.stiffness_y;
+  A.topRightCorner(2, 2).setIdentity();
+  A.bottomLeftCorner(2, 2) = -mass.inverse() * stiffness;
+  A.bottomRightCorner(2, 2) = -mass.inverse() * damping;
+  const Eigen::Vector4cd values = A.eigenvalues();
+  return {values.data(), values.data() + 4};
+}
+
+/// Forward and backward waves of the blades against the sign of Im λ above, for both senses of rotation; all
+/// blades together and neighbours against each other lag alone.
+TEST(Floquet, NamesTheWavesOfBlades) {
+  for (const int blades : {3, 4, 5, 6})
+    for (const double speed : {12.0, -12.0}) {
+      SCOPED_TRACE(fmt::format("{} blades, {} rad/s", blades, speed));
+      Rotor r;
+      r.blades = blades;
+      r.mass_x = 1e-6;
+      r.stiffness_y = r.stiffness_x;
+      r.damping_y = r.damping_x;
+      r.speed = speed;
+      const LinearisedModes found = modes_of(r.text());
+      Rotor mirrored = r;
+      mirrored.speed = std::abs(speed);
+      const std::vector<Complex> expected = waves_on_a_round_hub(mirrored);
+      const double alone = std::sqrt(r.lag() / r.about_hinge());
+      int forward = 0, backward = 0, collective = 0, differential = 0;
+      for (const Mode& mode : found.modes) {
+        if (mode.blades.empty() || mode.blades[0].share < 0.99) continue;
+        const std::string& wave = mode.blades[0].name;
+        EXPECT_THAT(mode.text, testing::HasSubstr("blades " + wave));
+        const auto off = [&](const Complex& value) {
+          const Complex own = wave == "forward" ? mode.value : std::conj(mode.value);
+          const double turns = (own.imag() - value.imag()) / r.speed;
+          return std::abs(own - value - Complex(0, r.speed * std::round(turns)));
+        };
+        if (wave == "forward" || wave == "backward") {
+          ++(wave == "forward" ? forward : backward);
+          double least = 1e9;
+          for (const Complex& value : expected)
+            if ((value.imag() > 0) == (wave == "forward")) least = std::min(least, off(value));
+          EXPECT_LT(least, 1e-6) << wave << " " << mode.value;
+        } else {
+          ++(wave == "collective" ? collective : differential);
+          EXPECT_NEAR(std::abs(mode.value), alone, 1e-6 * alone) << wave;
+        }
+      }
+      EXPECT_GE(forward, 1);
+      EXPECT_GE(backward, 1);
+      EXPECT_EQ(collective, blades == 3 ? 1 : collective);
+    }
+}
+
 TEST(Floquet, BladesThatLagOnAHubThatMoves) {
   for (const int blades : {3, 4, 5}) {
     Rotor r;

@@ -21,6 +21,8 @@ namespace {
 
 constexpr double least_share = 1e-3;  ///< that is listed
 constexpr double told = 0.05;         ///< that is put in words
+constexpr double blades_move = 0.2;   ///< of the energy: there are waves of the blades
+constexpr double one_wave = 0.7;      ///< of the waves: that is what the mode is called by
 
 void sort_shares(std::vector<ModeShare>& shares) {
   std::erase_if(shares, [](const ModeShare& s) { return !(s.share >= least_share); });
@@ -77,6 +79,9 @@ ModeShares::ModeShares(const Linearised& at)
     const ElementState<double> on = element_state(e, system_.workspace().elements.data());
     stiffness_.emplace_back(on.stiffness, on.stiffness + e.count * e.count);
   }
+  blades_ = find_blades(m_);
+  for (const Blades& b : blades_)
+    hub_spins_.emplace_back(system_.workspace().bodies[static_cast<std::size_t>(b.hub)].omega);
   double fastest = 0;
   for (const Motion<double>& body : system_.workspace().bodies)
     if (body.omega.norm() > fastest) {
@@ -246,10 +251,25 @@ void ModeShares::find_whirl(const VectorXcd& motion, Mode& mode) {
   }
 }
 
+void ModeShares::find_waves(const VectorXd& energies, Mode& mode) {
+  double most = blades_move;
+  for (std::size_t k = 0; k < blades_.size(); ++k) {
+    double share = 0;
+    for (const std::vector<int>& one : blades_[k].coordinates)
+      for (const int coordinate : one) share += energies[coordinate];
+    if (!(share >= most)) continue;
+    most = share;
+    mode.blades = blade_waves(blades_[k], mode.motion, system_.scales().coordinates, hub_spins_[k]);
+    sort_shares(mode.blades);
+  }
+}
+
 std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
   std::string text;
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
   if (mode.kind == Mode::Kind::rigid) add("rigid");
+  const bool one = !mode.blades.empty() && mode.blades[0].share >= one_wave;
+  if (one) add("blades " + mode.blades[0].name);
   if (!mode.coordinates.empty()) add(listed(mode.coordinates, 3));
   if (mode.coordinates.empty() && at_.reduced.states > 0) {
     Eigen::Index largest = 0;
@@ -257,7 +277,7 @@ std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
     add(at_.names.states[static_cast<std::size_t>(at_.reduced.first_state() + largest)].name);
   }
   if (mode.kind != Mode::Kind::rigid && !mode.elastic.empty()) add(listed(mode.elastic, 2));
-  if (mode.kind == Mode::Kind::oscillating && std::abs(mode.whirl) > 0.2)
+  if (!one && mode.kind == Mode::Kind::oscillating && std::abs(mode.whirl) > 0.2)
     add(mode.whirl > 0 ? "forward whirl" : "backward whirl");
   if (mode.grows) add("grows");
   return text;
@@ -303,14 +323,13 @@ void ModeShares::describe_motion(Mode& mode, double stiffness_energy) {
 
 void ModeShares::describe(Mode& mode, const VectorXcd& moves, const VectorXcd& momentum,
                           double stiffness_energy) {
-  double all = 0;
+  VectorXd energy(moves.size());
   for (Eigen::Index k = 0; k < moves.size(); ++k)
-    all += std::abs(std::real(std::conj(moves[k]) * momentum[k]));
-  if (all > 0)
-    for (Eigen::Index k = 0; k < moves.size(); ++k)
-      if (const double share = std::abs(std::real(std::conj(moves[k]) * momentum[k])) / all;
-          share >= least_share)
-        mode.coordinates.push_back({coordinate_words(m_, static_cast<int>(k)), share});
+    energy[k] = std::abs(std::real(std::conj(moves[k]) * momentum[k]));
+  if (const double all = energy.sum(); all > 0) energy /= all;
+  for (Eigen::Index k = 0; k < moves.size(); ++k)
+    if (energy[k] >= least_share)
+      mode.coordinates.push_back({coordinate_words(m_, static_cast<int>(k)), energy[k]});
   sort_shares(mode.coordinates);
   const VectorXd energies = body_energies(moves);
   if (const double sum = energies.cwiseAbs().sum(); sum > 0)
@@ -320,6 +339,7 @@ void ModeShares::describe(Mode& mode, const VectorXcd& moves, const VectorXcd& m
   sort_shares(mode.bodies);
   add_elastic(mode.motion, mode, stiffness_energy);
   find_whirl(mode.motion, mode);
+  find_waves(energy, mode);
   mode.text = words(mode, mode.shape);
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "analysis/linear_point.h"
+#include "analysis/modes/blades.h"
 #include "mimbre/modes.h"
 
 /// What a mode consists of.
@@ -38,6 +39,8 @@ class ModeShares {
   };
   Orbits orbits(const Eigen::VectorXcd& motion);
   void find_whirl(const Eigen::VectorXcd& motion, Mode& mode);
+  /// `energies`: of the coordinates, shares of all.
+  void find_waves(const Eigen::VectorXd& energies, Mode& mode);
   std::vector<Vec3d> velocities_on_axis(const Eigen::VectorXd& v);
   std::string words(const Mode& mode, const Eigen::VectorXcd& shape) const;
 
@@ -47,7 +50,9 @@ class ModeShares {
   Eigen::VectorXd generalised_;
   bool flexible_ = false;                       ///< some body is
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
-  Vec3d axis_ = Vec3d::Zero();                  ///< of the fastest turning of a body, zero: none
+  std::vector<Blades> blades_;
+  std::vector<Vec3d> hub_spins_;  ///< of each of these, the angular velocity of the hub
+  Vec3d axis_ = Vec3d::Zero();    ///< of the fastest turning of a body, zero: none
 };
 
 /// What a velocity coordinate is in words: "revolute joint's name", "chassis along z", "mode 2 of arm".

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "analysis/linear_turning.h"
+#include "analysis/modes/blades.h"
 #include "analysis/modes/floquet.h"
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
@@ -311,6 +312,15 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   } else if (!why.empty()) {
     out.model.notes.push_back("there are no multipliers of a period: " + why);
   }
+  // Before some are left out, which may be of a group.
+  for (const linear::Blades& blades : linear::find_blades(m))
+    for (const std::size_t k :
+         linear::separate_waves(blades, at.reduced.position.leftCols(at.reduced.A.cols()),
+                                system.scales().coordinates, out.modes))
+      set_vectors(out.modes[k],
+                  VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
+                  VectorXcd(out.modes[k].left.cwiseProduct(scale.cast<std::complex<double>>())),
+                  at.reduced.coordinates, scale);
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
   linear::ModeShares shares(at);

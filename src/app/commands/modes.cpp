@@ -52,6 +52,7 @@ Json to_json(const LinearisedModes& found, const std::vector<std::string>& warni
     one["damping_ratio"] = m.damping;
     one["grows"] = m.grows;
     one["whirl"] = m.whirl;
+    if (!m.blades.empty()) one["blades"] = to_json(m.blades);
     if (found.turning > 0) one["from_ground"] = {m.fixed.real(), m.fixed.imag()};
     if (found.period > 0) one["multiplier"] = {m.multiplier.real(), m.multiplier.imag()};
     one["text"] = m.text;

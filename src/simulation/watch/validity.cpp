@@ -377,6 +377,11 @@ void ValidityMonitor::watch(const State& s) {
   for (std::size_t k = 0; k < ratios.size(); ++k) bodies_[of_held_[k]].watch_held(ratios[k], s.time);
 }
 
+void ValidityMonitor::watch_instant(const State& s) {
+  watch(s);
+  for (BodyValidity& b : bodies_) b.forget_energies();
+}
+
 void ValidityMonitor::start_lag(relative::RelativeSystem& system, const State& state) {
   const MatrixXd response = response_at(system, state);
   for (BodyValidity& b : bodies_) {

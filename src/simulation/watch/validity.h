@@ -80,6 +80,7 @@ class BodyValidity {
   int first_velocity() const { return first_velocity_; }
   int modes() const { return modes_; }
   /// The same of a stretch that is neglected, see HeldStretch::find.
+  void forget_energies() { passed_.high_modes = -1; }
   void watch_held(const HeldStretch::Ratios& ratios, double time);
   /// Forgets everything.
   void start();
@@ -149,6 +150,9 @@ class ValidityMonitor {
   bool watches_loads() const;
   /// After every accepted step, with the state in relative coordinates. Neither allocates nor throws.
   void watch(const State& state);
+  /// The same of one instant, which decides nothing about what modes are missing: a load along a beam strains
+  /// its highest modes alone.
+  void watch_instant(const State& state);
   void watch_loads(const relative::Workspace<double>& work, double time);
   /// Before the first loads, with a system that computes at this state.
   void start_lag(relative::RelativeSystem& system, const State& state);

@@ -1,0 +1,39 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "compile/compiled.h"
+#include "mimbre/modes.h"
+
+/// Rotors of equal blades, and the waves that modes are in these (multiblade coordinates; Coleman, Feingold,
+/// NACA Report 1351, 1958).
+namespace mimbre::linear {
+
+/// Three bodies or more that one body carries, with all that they carry, which are copies of each other,
+/// turned by equal parts of a whole turn about one axis.
+struct Blades {
+  int hub = -1;  ///< the body that carries them
+  Vec3d axis = Vec3d::UnitZ();
+  std::vector<double> angles;  ///< of each about the axis, rad, ascending from 0
+  /// Of each, in the same order: its velocity coordinates, those with the same place mean the same.
+  std::vector<std::vector<int>> coordinates;
+};
+
+/// In the drawn position.
+std::vector<Blades> find_blades(const Compiled& model);
+
+/// The shares of the waves in what blades do in a mode, by their mean squares along the scales: collective
+/// (all together); differential (neighbours against each other, of even numbers); forward and backward, which
+/// travel around the hub, as seen from it, in the sense of `turning` or against it, and their higher
+/// harmonics. `turning`: the hub's rotation; where it is zero, forward is about the axis.
+std::vector<ModeShare> blade_waves(const Blades& blades, const Eigen::VectorXcd& motion,
+                                   const std::vector<double>& scales, const Vec3d& turning);
+
+/// Vectors of modes with one eigenvalue are any that span the same space: where blades alone move in a group
+/// of such modes, or in the same way in all, they become waves. `position`: relative coordinates by states
+/// (Reduced::position). Returns the numbers of the modes that have new shapes and left vectors, of any
+/// length.
+std::vector<std::size_t> separate_waves(const Blades& blades, const Eigen::MatrixXd& position,
+                                        const std::vector<double>& scales, std::vector<Mode>& modes);
+
+}  // namespace mimbre::linear
