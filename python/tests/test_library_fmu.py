@@ -193,6 +193,28 @@ def test_an_event_that_ends_the_run_is_told(tmp_path: Path) -> None:
     one.fmu.freeInstance()
 
 
+def test_fmi_2_has_it_terminated(tmp_path: Path) -> None:
+    import ctypes
+
+    folder = extracted(mimbre.Model.from_text(stopping), tmp_path, version=2)
+    found = fmpy.read_model_description(folder)
+    fmu = fmpy.instantiate_fmu(folder, found, "CoSimulation", logger=lambda *told: None)
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    ended = ctypes.c_int(7)
+    terminated = 3
+    fmu.fmi2GetBooleanStatus(fmu.component, terminated, ctypes.byref(ended))
+    assert ended.value == 0
+    for k in range(45):
+        fmu.doStep(currentCommunicationPoint=k * 0.01, communicationStepSize=0.01)
+    with pytest.raises(Exception, match=r"discard|status"):
+        fmu.doStep(currentCommunicationPoint=0.45, communicationStepSize=0.01)
+    fmu.fmi2GetBooleanStatus(fmu.component, terminated, ctypes.byref(ended))
+    assert ended.value == 1
+    fmu.freeInstance()
+
+
 def test_an_fmu_of_a_model_is_a_block_of_another(tmp_path: Path) -> None:
     mimbre.Model.from_text(hanging).fmu(tmp_path / "hanging.fmu", library=True, name="hanging")
     outer = tmp_path / "outer.yaml"

@@ -239,7 +239,7 @@ const char* const fmi2_steps_text = R"c(
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
   if (!c || !value) return fmi2Error;
   if (kind != fmi2Terminated) return fmi2Discard;
-  *value = 0;
+  *value = ((@_fmu *)c)->progress.ended;
   return fmi2OK;
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {

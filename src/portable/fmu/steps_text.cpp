@@ -38,6 +38,7 @@ typedef struct {
   double given[@_FMU_INPUTS + 1];
   double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
   int mode, between, iterations, unconverged;
+  int ended; /* an event of the model ended the run */
 } @_fmu_progress;
 )c";
 
@@ -97,7 +98,7 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   p->mode = @_FMU_STOPPED;
   p->between = 0;
 #if @_FMU_LIBRARY
-  (void)status;
+  p->ended = status == @_ENDED;
   p->now = p->begin + (@_time(&f->model) - p->first);
   return @_fmu_tell(f, @_FMU_DISCARD, @_message(&f->model));
 #else

@@ -8,7 +8,7 @@ const char* const library_header_text = R"c(
 
 typedef struct mimbre_model mimbre_model;
 
-enum { @_MADE = 0, @_UNCONVERGED = 1 /* of a step; more: it was not made */ };
+enum { @_MADE = 0, @_UNCONVERGED = 1 /* of a step; more: it was not made */, @_ENDED = 3 /* an event ended the run */ };
 
 typedef struct {
   unsigned char bytes[@_STATE];
