@@ -17,7 +17,8 @@ std::span<const unsigned char> mimbre::portable::runtime_bytes() { return {}; }
   set_target_properties(mimbre_core PROPERTIES LINKER_LANGUAGE CXX)
   add_library(mimbre_runtime SHARED ${PROJECT_SOURCE_DIR}/src/portable/library/runtime.cpp)
   set_target_properties(mimbre_runtime PROPERTIES CXX_VISIBILITY_PRESET hidden NO_SONAME ON
-    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
+    BUILD_RPATH "$ORIGIN")  # where FMUs have what it needs
   target_include_directories(mimbre_runtime PRIVATE include src)
   target_compile_definitions(mimbre_runtime PRIVATE ${MIMBRE_EIGEN_ABI} ${MIMBRE_FORMAT_CHECK})
   target_compile_options(mimbre_runtime PRIVATE $<$<CONFIG:Release>:${MIMBRE_COLD_OPTIONS}>)

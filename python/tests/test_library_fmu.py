@@ -119,6 +119,40 @@ def test_what_is_set_before_the_start_moves_the_equilibrium(tmp_path: Path) -> N
         one.end()
 
 
+def test_a_start_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
+    folder = extracted(mimbre.Model.from_text(hanging.replace(", min: 1", "")), tmp_path)
+    messages: list[str] = []
+    one = Instance(folder, messages=messages)
+    one.fmu.reset()
+    one.fmu.enterInitializationMode()
+    one.fmu.setFloat64([1], [0.0])  # nothing holds it
+    with pytest.raises(Exception, match="error"):
+        one.value(3)
+    with pytest.raises(Exception, match="error"):
+        one.fmu.exitInitializationMode()
+    assert any("equilibrium" in message for message in messages), messages
+    one.fmu.setFloat64([1], [100.0])
+    assert one.value(3) == pytest.approx(-2 * 9.81 / 100, abs=1e-9)
+    one.fmu.exitInitializationMode()
+    # From now on inputs act in steps, and do not move the start.
+    one.fmu.setFloat64([2], [50.0])
+    assert one.value(3) == pytest.approx(-2 * 9.81 / 100, abs=1e-9)
+    one.steps(0, 1)
+    assert one.value(3) != pytest.approx(-2 * 9.81 / 100, abs=1e-6)
+    one.end()
+
+
+def test_an_end_within_a_short_step(tmp_path: Path) -> None:
+    one = Instance(extracted(mimbre.Model.from_text(stopping), tmp_path))
+    one.steps(0, 45)
+    one.fmu.doStep(currentCommunicationPoint=0.45, communicationStepSize=0.001)  # the event is at 0.45152
+    assert -1 < one.value(1) < -0.99
+    with pytest.raises(Exception, match="discard"):
+        one.fmu.doStep(currentCommunicationPoint=0.451, communicationStepSize=0.001)
+    assert one.value(1) == pytest.approx(-1, abs=1e-8)
+    one.fmu.freeInstance()
+
+
 _on = """
 import sys
 from test_library_fmu import Instance

@@ -38,9 +38,17 @@ typedef struct {
   char *name;
 } @_fmu_host;
 
+/* The message is a format: a path in it may have '%'. */
 static void @_fmu_log(const @_fmu_host *host, int status, const char *category, const char *message) {
+  char text[4096];
+  size_t k = 0;
+  for (; *message && k + 2 < sizeof text; ++message) {
+    if (*message == '%') text[k++] = '%';
+    text[k++] = *message;
+  }
+  text[k] = 0;
   if (host->calls.logger)
-    host->calls.logger(host->calls.componentEnvironment, host->name, (fmi2Status)status, category, message);
+    host->calls.logger(host->calls.componentEnvironment, host->name, (fmi2Status)status, category, text);
 }
 static void *@_fmu_allocate(const @_fmu_host *host, size_t size) { return host->calls.allocateMemory(1, size); }
 static void @_fmu_release(const @_fmu_host *host, void *memory) { host->calls.freeMemory(memory); }
@@ -239,7 +247,7 @@ const char* const fmi2_steps_text = R"c(
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
   if (!c || !value) return fmi2Error;
   if (kind != fmi2Terminated) return fmi2Discard;
-  *value = ((@_fmu *)c)->progress.ended;
+  *value = ((@_fmu *)c)->progress.ended == 1;
   return fmi2OK;
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {

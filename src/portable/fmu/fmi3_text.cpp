@@ -456,7 +456,7 @@ const char* const fmi3_steps_text = R"c(
     return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the step is missing");
   *event = *terminate = *early_return = false;
   status = @_fmu_do_step(f, from, length);
-  *terminate = f->progress.ended != 0;
+  *terminate = f->progress.ended == 1;
   *last = f->progress.now;
   return (fmi3Status)status;
 }

@@ -38,7 +38,8 @@ typedef struct {
   double given[@_FMU_INPUTS + 1];
   double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
   int mode, between, iterations, unconverged;
-  int ended; /* an event of the model ended the run */
+  int ended; /* an event of the model ended the run; 2: it will, at `ends` */
+  double ends;
 } @_fmu_progress;
 )c";
 
@@ -54,8 +55,12 @@ static int @_fmu_real(@_fmu *f, unsigned long reference, double *value) {
     *value = f->progress.now;
   else if (reference < @_FMU_FIRST_OUTPUT)
     *value = f->progress.given[reference - 1];
-  else
+  else {
+#if @_FMU_LIBRARY
+    if (!f->progress.between && @_find(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+#endif
     *value = @_fmu_output(f, (int)(reference - @_FMU_FIRST_OUTPUT));
+  }
   return @_FMU_OK;
 }
 
@@ -97,12 +102,12 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   @_fmu_progress *const p = &f->progress;
   p->mode = @_FMU_STOPPED;
   p->between = 0;
+  p->now = p->begin + p->steps*@_FMU_STEP;
 #if @_FMU_LIBRARY
   p->ended = status == @_ENDED;
-  p->now = p->begin + (@_time(&f->model) - p->first);
+  if (p->ended) p->now = p->begin + (@_time(&f->model) - p->first);
   return @_fmu_tell(f, @_FMU_DISCARD, @_message(&f->model));
 #else
-  p->now = p->begin + p->steps*@_FMU_STEP;
   switch (status) {
     case @_FMU_NOT_FINITE:
       return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model is not finite");
@@ -115,6 +120,19 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   }
 #endif
 }
+
+#if @_FMU_LIBRARY
+/* In the step that an event ends: on the straight line to it, or to the end of the run. */
+static int @_fmu_go_to_end(@_fmu *f, double end) {
+  @_fmu_progress *const p = &f->progress;
+  const double from = p->begin + p->steps*@_FMU_STEP;
+  if (!(end < p->ends)) return @_fmu_step_failed(f, @_ENDED);
+  p->between = 1;
+  p->weight = (end - from)/(p->ends - from);
+  p->now = end;
+  return @_FMU_OK;
+}
+#endif
 
 /* To from + length: steps of the model until it is there or behind, then between the last two. */
 static int @_fmu_do_step(@_fmu *f, double from, double length) {
@@ -135,11 +153,22 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
   whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
   target = whole ? nearest : ceil(counted);
   if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step has more than 1e9 steps of the model");
+#if @_FMU_LIBRARY
+  if (p->ended == 2) return @_fmu_go_to_end(f, end);
+#endif
   if (p->steps < target) p->iterations = 0;
   while (p->steps < target) {
     int status;
     if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
     status = @_step(&f->model);
+#if @_FMU_LIBRARY
+    if (status == @_ENDED && !whole && p->steps + 1.0 >= target) {
+      p->ended = 2;
+      p->ends = p->begin + (@_time(&f->model) - p->first);
+      @_fmu_outputs(f, p->after);
+      return @_fmu_go_to_end(f, end);
+    }
+#endif
     if (status > @_FMU_UNCONVERGED) return @_fmu_step_failed(f, status);
     p->steps += 1.0;
     p->iterations += f->model.iterations;

@@ -130,10 +130,16 @@ std::string table_of(const std::vector<std::byte>& bytes) {
 GeneratedCode library_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                            const std::string& name) {
   check_identifier(name);
+  if (name.starts_with("mimbre_"))
+    throw InputError(Mark{},
+                     fmt::format("the name '{}' begins like those of the library: take another one", name));
   spec::Model spec = with_method(*model, options);
   refuse_blocks(spec);
+  const Simulation simulation(Model::compile(spec), runtime_options());
+  // States of another integrator would have another size.
+  if (spec.simulation.integrator == spec::Simulation::Integrator::automatic)
+    spec.simulation.integrator = simulation.method().integrator;
   const std::vector<std::byte> bytes = model_bytes(spec);
-  const Simulation simulation(Model::compile(std::move(spec)), runtime_options());
   GeneratedCode out;
   out.name = name;
   out.step = simulation.step_size();

@@ -24,6 +24,8 @@ int @_open(@ *s, char *message, size_t room);
 void @_close(@ *s);
 void @_init(@ *s);
 /* The start with the inputs that were set; not 0: there is none. */
+int @_find(@ *s);
+/* The same, once and for all: inputs that are set from now on act in the next step. */
 int @_start(@ *s);
 void @_set_input(@ *s, int input, double value);
 double @_get_output(@ *s, int output);
@@ -39,6 +41,7 @@ const char* const library_source_text = R"c(
 mimbre_model *mimbre_model_open(const unsigned char *bytes, size_t size, char *message, size_t room);
 void mimbre_model_close(mimbre_model *model);
 int mimbre_model_begin(mimbre_model *model);
+int mimbre_model_find(mimbre_model *model);
 int mimbre_model_start(mimbre_model *model);
 double mimbre_model_time(const mimbre_model *model);
 int mimbre_model_set_input(mimbre_model *model, int input, double value);
@@ -55,6 +58,7 @@ int @_open(@ *s, char *message, size_t room) {
 }
 void @_close(@ *s) { mimbre_model_close(s->motion); }
 void @_init(@ *s) { mimbre_model_begin(s->motion); }
+int @_find(@ *s) { return mimbre_model_find(s->motion); }
 int @_start(@ *s) { return mimbre_model_start(s->motion); }
 void @_set_input(@ *s, int input, double value) { mimbre_model_set_input(s->motion, input, value); }
 double @_get_output(@ *s, int output) { return mimbre_model_output(s->motion, @_channels[output]); }

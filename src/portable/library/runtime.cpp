@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -42,6 +41,7 @@ struct mimbre_model {
   explicit mimbre_model(std::shared_ptr<const Model> given) : model(std::move(given)) { begin(); }
 
   void begin() {
+    if (!begun && !stale && inputs.empty() && simulation) return;
     inputs.clear();
     make();
     begun = stale = false;
@@ -61,13 +61,13 @@ struct mimbre_model {
   void make() {
     RunOptions options = portable::runtime_options();
     options.inputs = inputs;
-    simulation.emplace(model, options);
+    simulation = std::make_unique<Simulation>(model, options);
   }
 
   std::shared_ptr<const Model> model;
-  std::optional<Simulation> simulation;
-  std::map<std::string, double> inputs;  ///< that were set before the first step
-  bool begun = false;                    ///< a step was made
+  std::unique_ptr<Simulation> simulation;
+  std::map<std::string, double> inputs;  ///< that were set before
+  bool begun = false;                    ///< inputs do not move the start any more
   bool stale = false;                    ///< the start is not yet that of the inputs
   std::string message;
   Simulation::Snapshot snapshot;
@@ -116,8 +116,14 @@ int mimbre_model_begin(mimbre_model* m) {
   });
 }
 
-int mimbre_model_start(mimbre_model* m) {
+int mimbre_model_find(mimbre_model* m) {
   return guarded(m, [&] { return m->refresh() ? mimbre_model_ok : mimbre_model_failed; });
+}
+
+int mimbre_model_start(mimbre_model* m) {
+  const int status = mimbre_model_find(m);
+  m->begun = m->begun || status == mimbre_model_ok;
+  return status;
 }
 
 double mimbre_model_time(const mimbre_model* m) { return m->simulation->time(); }

@@ -24,10 +24,12 @@ void mimbre_model_close(mimbre_model* model);
 /// Back to the start, with the inputs of the model.
 int mimbre_model_begin(mimbre_model* model);
 /// Finds the start with the inputs that were set.
+int mimbre_model_find(mimbre_model* model);
+/// The same, once and for all: inputs that are set from now on act in the next step.
 int mimbre_model_start(mimbre_model* model);
 double mimbre_model_time(const mimbre_model* model);
-/// An input or a parameter, within its range. Before the first step the start is that of a model with this
-/// value, equilibrium included.
+/// An input or a parameter, within its range. Before mimbre_model_start() and the first step the start is
+/// that of a model with this value, equilibrium included.
 int mimbre_model_set_input(mimbre_model* model, int input, double value);
 /// Not a number where the start cannot be found with the inputs that were set.
 double mimbre_model_output(mimbre_model* model, int output);

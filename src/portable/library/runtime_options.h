@@ -8,7 +8,8 @@
 /// What the runtime and the code that calls it agree on.
 namespace mimbre::portable {
 
-/// Of a saved state: the number of the snapshot's bytes, and whether a step was made.
+/// Of a saved state: the number of the snapshot's bytes, and whether inputs do not move the
+/// start any more.
 struct StateHead {
   std::uint64_t size = 0;
   std::uint64_t begun = 0;
